@@ -1,12 +1,14 @@
 """Contacts solved by two and three processes are those of one."""
 
+import itertools
 import json
 from pathlib import Path
 
-import mpi
 import numpy as np
 import pytest
 import roughcontact as rc
+
+import mpi
 
 pytestmark = pytest.mark.skipif(bool(mpi.missing()), reason=mpi.missing() or "MPI is there")
 
@@ -131,4 +133,4 @@ def test_slabs_share_the_rows(folder):
             rows = numbers["rows"]
             assert len(rows) == count + 1
             assert (rows[0], rows[-1]) == (0, numbers["shape"][0])
-            assert all(first <= last for first, last in zip(rows, rows[1:], strict=False))
+            assert all(first <= last for first, last in itertools.pairwise(rows))

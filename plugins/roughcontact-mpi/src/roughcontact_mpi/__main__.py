@@ -38,8 +38,12 @@ def _parser() -> argparse.ArgumentParser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("map", help="heights in a .npy file with two axes, along x and y")
-    parser.add_argument("--size", type=_METRE, nargs="+", required=True, metavar="L", help="both sides, or LX LY: 1mm, 1mm 0.5mm")
-    parser.add_argument("--unit", type=_unit, default="m", metavar="U", help="unit of the heights in the file, such as um (m)")
+    parser.add_argument(
+        "--size", type=_METRE, nargs="+", required=True, metavar="L", help="both sides, or LX LY: 1mm 0.5mm"
+    )
+    parser.add_argument(
+        "--unit", type=_unit, default="m", metavar="U", help="unit of the heights in the file, such as um (m)"
+    )
     load = parser.add_mutually_exclusive_group(required=True)
     load.add_argument("--pressure", type=_PASCAL, metavar="P", help="nominal mean pressure, such as 100MPa")
     load.add_argument("--force", type=_NEWTON, metavar="F", help="normal force, such as 2.5N")

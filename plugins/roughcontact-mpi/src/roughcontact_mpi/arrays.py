@@ -211,8 +211,8 @@ class SlabArray(NDArrayOperatorsMixin):
         if axis is None:
             return bool(self.processes.total(int(self.part.any())))
         if axis == 0:
-            return self.processes.total_blocks(self.part.any(axis=0).astype(np.int32)) > 0
-        return functions.gather(self.like_rows(self.part.any(axis=1)))
+            return self.processes.total_blocks(np.asarray(self.part.any(axis=0), dtype=np.int32)) > 0
+        return functions.gather(self.like_rows(np.asarray(self.part.any(axis=1))))
 
     def all(self) -> Any:
         """Return whether all entries are true."""

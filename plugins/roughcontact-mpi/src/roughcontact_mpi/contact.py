@@ -177,7 +177,10 @@ class SlabSolution:
             ("grid", f"{self.grid}, boundary {self.boundary}, {slabs}"),
             ("status", f"{self.status}; {self.residuals}"),
             ("force", si(numbers["force"], "N", 6)),
-            ("pressure", f"mean {si(numbers['mean_pressure'], 'Pa', 6)}, maximum {si(numbers['maximum_pressure'], 'Pa', 6)}"),
+            (
+                "pressure",
+                f"mean {si(numbers['mean_pressure'], 'Pa', 6)}, maximum {si(numbers['maximum_pressure'], 'Pa', 6)}",
+            ),
             ("approach", si(self.approach, "m", 6)),
             ("area", str(self.area())),
             ("counted", str(self.area("cell-count"))),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import Any, cast
 
 import attrs
@@ -20,7 +21,7 @@ from roughcontact.typing import (
 )
 
 from roughcontact_mpi.arrays import SlabArray
-from roughcontact_mpi.functions import gather
+from roughcontact_mpi.functions import gather, unknown
 from roughcontact_mpi.processes import Processes
 
 # Columns that are transformed at a time: few enough for the cache.
@@ -173,11 +174,11 @@ def _multiply(
     half = symbol.shape[0]
     for start in range(0, columns.shape[1], _COLUMNS):
         block = slice(start, start + _COLUMNS)
-        found = scipy.fft.fft(columns[:, block], n=mx, axis=0)
-        found[:half] *= symbol[:, block]
+        part = scipy.fft.fft(columns[:, block], n=mx, axis=0)
+        part[:half] *= symbol[:, block]
         if half < mx:
-            found[half:] *= symbol[mx - half : 0 : -1, block]
-        columns[:, block] = scipy.fft.ifft(found, axis=0, overwrite_x=True)[:nx]
+            part[half:] *= symbol[mx - half : 0 : -1, block]
+        columns[:, block] = scipy.fft.ifft(part, axis=0, overwrite_x=True)[:nx]
     waves = transpose.back(columns)
     del columns
     if not waves.size:
@@ -201,8 +202,14 @@ class SlabInverse(InverseConvolution):
     processes: Processes = attrs.field(kw_only=True)
     ends: tuple[RealArray, RealArray] = attrs.field(kw_only=True)
 
+    def __attrs_post_init__(self) -> None:
+        # A stiffness of all waves comes from a step that does not know of slabs.
+        own = self.processes.own_columns(self.padded[1] // 2 + 1)
+        if self.stiffness.shape[1] != own.stop - own.start:
+            raise unknown("hypot")
+
     @property
-    def axes(self) -> tuple[RealArray, RealArray]:  # type: ignore[override]
+    def axes(self) -> tuple[RealArray, RealArray]:
         """The stiffness of the waves along x and along y."""
         return self.ends
 
@@ -222,7 +229,7 @@ class SlabInverse(InverseConvolution):
     def add_near(
         self, field: RealArray, shape: tuple[int, int], cells: IntArray, amounts: RealArray, stencil: RealArray
     ) -> None:
-        """Add amounts times a stencil around cells of a flat field; rows beyond those of a process go to their owner."""
+        """Add amounts times a stencil around cells of a flat field; rows of other processes go there."""
         processes = self.processes
         mx, my = self.padded
         ny = shape[1]
@@ -252,7 +259,7 @@ class SlabInverse(InverseConvolution):
         sent = [[place for place, row in mine if bounds[other] <= row < bounds[other + 1]] for other in ranks]
         incoming = [[row for _, row in beyond(other) if own.start <= row < own.stop] for other in ranks]
         found = processes.exchange_rows(wide, sent, [len(rows) for rows in incoming])
-        for row, values in zip(sum(incoming, []), found, strict=True):
+        for row, values in zip(itertools.chain.from_iterable(incoming), found, strict=True):
             target[row - own.start] += values
 
     def blocks(self, active: Any, partition: Any) -> Any:
@@ -263,10 +270,8 @@ class SlabInverse(InverseConvolution):
         count = int(rows[-1]) - first + 1 if rows.size else 0
         blocks = (count, partition.blocks[1])
         here = attrs.evolve(partition, shape=(rows.size, partition.shape[1]), blocks=blocks, rows=rows - first)
-        parts = {
-            field.name: getattr(active, field.name).part if field.name in ("mask", "cells") else getattr(active, field.name)
-            for field in attrs.fields(type(active))
-        }
+        given = {field.name: getattr(active, field.name) for field in attrs.fields(type(active))}
+        parts = {name: value.part if isinstance(value, SlabArray) else value for name, value in given.items()}
         local = type(active)(**parts).blocks(here) if rows.size else None
         return _SlabBlocks(local, slice(first, first + count), partition.blocks, self.processes)
 

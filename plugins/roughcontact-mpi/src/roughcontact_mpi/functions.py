@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +14,7 @@ if TYPE_CHECKING:
     from roughcontact_mpi.arrays import SlabArray
 
 _FUNCTIONS: dict[Any, Callable[..., Any]] = {}
-_IDENTITIES = {np.add: 0.0, np.minimum: np.inf, np.maximum: -np.inf}
+_IDENTITIES: dict[Any, float] = {np.add: 0.0, np.minimum: np.inf, np.maximum: -np.inf}
 
 
 def unknown(name: str) -> rc.InputError:
@@ -277,7 +278,7 @@ def _sum(values: SlabArray, where: Any = True) -> Any:
 @_listed(np.count_nonzero)
 def _count_nonzero(values: SlabArray) -> int:
     own = np.count_nonzero(values.part)
-    return int(values.processes.total(own)) if values.is_divided else own
+    return int(values.processes.total(own) if values.is_divided else own)
 
 
 @_listed(np.flatnonzero)
@@ -324,7 +325,7 @@ def _roll(values: SlabArray, shift: int, axis: int) -> Any:
     bounds = processes.rows(count)
     wanted = [
         [] if start == stop else [(start - 1 if shift == 1 else stop) % count]
-        for start, stop in zip(bounds[:-1], bounds[1:], strict=True)
+        for start, stop in itertools.pairwise(bounds)
     ]
     halo = processes.fetch_rows(np.ascontiguousarray(values.part), bounds, wanted)
     if not values.part.shape[0]:

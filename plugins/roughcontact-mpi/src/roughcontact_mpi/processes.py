@@ -17,7 +17,7 @@ from roughcontact.typing import RealArray
 # Minimum cells along an axis that the default solver halves: rows are shared on the coarsest grid, so that the rows of
 # a process on a grid are those of its rows on the next coarser one.
 _MIN_COARSE_CELLS = 32
-# Seconds for which the first process goes first, so that an error of all is told once.
+# Seconds for which the first process goes first, so that an error of all appears once.
 _PRECEDENCE = 1.0
 
 
@@ -134,9 +134,7 @@ class Processes:
         self.communicator.Allgatherv(values, _places(found, counts))
         return found
 
-    def exchange_rows(
-        self, values: RealArray, places: Sequence[Sequence[int]], expected: Sequence[int]
-    ) -> RealArray:
+    def exchange_rows(self, values: RealArray, places: Sequence[Sequence[int]], expected: Sequence[int]) -> RealArray:
         """Return rows that all processes send to this one, shape (n, ny), in the order of the senders.
 
         Parameters
@@ -190,9 +188,7 @@ class Processes:
             return range(max(start, low), max(min(stop, high), max(start, low)))
 
         pairs = range(self.count)
-        places = [
-            [row - first for row in overlap(first, last, target[other], target[other + 1])] for other in pairs
-        ]
+        places = [[row - first for row in overlap(first, last, target[other], target[other + 1])] for other in pairs]
         expected = [len(overlap(begin, end, source[other], source[other + 1])) for other in pairs]
         return self.exchange_rows(values, places, expected)
 

@@ -111,8 +111,8 @@ def transform_rows_back(waves: Waves, length: int, count: int) -> RealArray:
 class InverseConvolution:
     """Division by the kernel's spectrum on a periodic grid: a good preconditioner, not an exact inverse.
 
-    A subclass for another kind of array overrides `multiply`; one for parts of arrays `long_waves`, `blocks` and `add_near`
-    too.
+    A subclass for another kind of array overrides `multiply`; one for parts of arrays `long_waves`, `blocks` and
+    `add_near` too.
 
     Attributes
     ----------
@@ -142,7 +142,7 @@ class InverseConvolution:
         return self.stiffness[: self.padded[0] // 2 + 1, 0], self.stiffness[0]
 
     def long_waves(self, rows: IntArray, columns: int) -> RealArray:
-        """Return the stiffness of some waves along x and of the first ones along y, an array of numpy or of its kind."""
+        """Return the stiffness of some waves along x and of the first ones along y."""
         found: RealArray = self.stiffness[rows][:, :columns]
         return found
 

@@ -355,7 +355,8 @@ class CoarseCorrection:
     def apply(self, weights: RealArray, residual: RealArray) -> RealArray:
         """Return the vector to be subtracted from z0."""
         solution = self._solve(self._blocks.sums(weights * residual).astype(np.float32))
-        return weights * self._blocks.spread(solution)
+        spread: RealArray = self._blocks.spread(solution)
+        return weights * spread
 
     def _solve(self, right: RealArray) -> RealArray:
         return solve_on_blocks(

@@ -1,0 +1,103 @@
+"""One process in this one: what is refused, and the same solver by `rc.ContactProblem`."""
+
+import numpy as np
+import pytest
+import roughcontact as rc
+
+MPI = pytest.importorskip("mpi4py.MPI", reason="mpi4py finds no MPI: pip install mpich", exc_type=Exception)
+
+from roughcontact_mpi import Processes, SlabArray, SlabFFT, read_heights, solve, write_field  # noqa: E402
+
+ALONE = Processes(MPI.COMM_SELF)
+STEEL = rc.Elastic(1e9, 0.3)
+VALUES = 0.01 * np.random.default_rng(1).normal(size=(40, 33))
+
+
+def slab(values=VALUES):
+    return SlabArray.field(values.copy(), ALONE, values.shape[0])
+
+
+class StiffLayer(rc.InfluenceKernel):
+    """A body whose shortest waves are much stiffer than a half-space."""
+
+    def spectrum(self, qx, qy, spacing, compliance):
+        q = np.hypot(qx, qy)
+        return 2.0 * compliance / (q * (1.0 + (q * spacing[0]) ** 3))
+
+
+def test_a_problem_takes_the_convolver_and_gets_whole_fields():
+    surface = rc.HeightMap(VALUES, (1.0, 1.0), periodic=True)
+    parts = {"boundary": "periodic", "solver": rc.ProjectedConjugateGradient(tolerance=1e-10)}
+    expected, found = (
+        rc.ContactProblem(rc.Body(surface, STEEL), **parts, **more).solve(pressure=1e7)
+        for more in ({}, {"convolver": SlabFFT(ALONE)})
+    )
+    assert type(found.pressure) is np.ndarray
+    assert np.abs(found.pressure - expected.pressure).max() < 1e-9 * expected.pressure.max()
+
+
+def test_a_step_that_slabs_do_not_have_is_refused():
+    with pytest.raises(rc.InputError, match="thin stiff layers"):
+        solve(slab(), 1.0, STEEL, pressure=1e7, boundary="periodic", kernel=StiffLayer())
+    with pytest.raises(rc.InputError, match=r"numpy\.sort"):
+        np.sort(slab())
+    with pytest.raises(rc.InputError, match="its part"):
+        np.asarray(slab())
+    with pytest.raises(rc.InputError, match="slabs"):
+        slab() + VALUES
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        ({}, "exactly one"),
+        ({"pressure": 1e7, "force": 1.0}, "exactly one"),
+        ({"pressure": -1.0}, "above 0"),
+        ({"pressure": 1e7, "boundary": "wrapped"}, "wrapped"),
+        ({"pressure": 1e7, "size": -1.0}, "above 0"),
+        ({"pressure": 1e7, "heights": slab(np.ones((4, 4)))}, "all the same"),
+        ({"pressure": 1e7, "material": rc.ElasticPerfectlyPlastic(1e9, 0.3, np.full((8, 8), 1e8))}, "one number"),
+        ({"approach": 1.0, "boundary": "periodic"}, "full contact"),
+    ],
+)
+def test_wrong_input_is_refused(arguments, sentence):
+    given = {"heights": slab(), "size": 1.0, "material": STEEL, **arguments}
+    with pytest.raises(rc.InputError, match=sentence):
+        solve(**given)
+
+
+@pytest.mark.parametrize(
+    ("values", "sentence"),
+    [
+        (np.zeros((4, 4, 4)), "two axes"),
+        (np.full((4, 4), "a"), "real numbers"),
+        (np.array([[0.0, 1.0], [np.nan, 2.0]]), "not finite"),
+    ],
+)
+def test_unfit_files_are_refused(values, sentence, tmp_path):
+    np.save(tmp_path / "map.npy", values)
+    with pytest.raises(rc.RoughContactError, match=sentence):
+        read_heights(tmp_path / "map.npy", ALONE)
+    (tmp_path / "text.npy").write_text("no array")
+    with pytest.raises(rc.FileError, match=r"text\.npy cannot be read"):
+        read_heights(tmp_path / "text.npy", ALONE)
+
+
+def test_a_field_comes_back_from_its_file(tmp_path):
+    write_field(tmp_path / "field.npy", slab())
+    assert np.array_equal(np.load(tmp_path / "field.npy"), VALUES)
+    found = read_heights(tmp_path / "field.npy", ALONE, unit=1e-6)
+    assert np.array_equal(found.part, VALUES * 1e-6)
+    assert [file.name for file in tmp_path.iterdir()] == ["field.npy"]
+
+
+def test_the_area_does_not_depend_on_the_orientation():
+    """Transposed heights have the transposed contact, for both estimators and both boundaries."""
+    for boundary in ("periodic", "free"):
+        one = solve(slab(), (1.0, 2.0), STEEL, pressure=3e7, boundary=boundary, tolerance=1e-9)
+        other = solve(slab(VALUES.T), (2.0, 1.0), STEEL, pressure=3e7, boundary=boundary, tolerance=1e-9)
+        for estimator in ("cell-count", "perimeter"):
+            assert one.area(estimator).value == pytest.approx(other.area(estimator).value, rel=1e-12)
+        assert one.area("perimeter").value < one.area("cell-count").value
+    with pytest.raises(rc.InputError, match="estimator on slabs"):
+        one.area("blend")
