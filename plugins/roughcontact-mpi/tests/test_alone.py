@@ -51,6 +51,7 @@ def test_a_step_that_slabs_do_not_have_is_refused():
     ("arguments", "sentence"),
     [
         ({}, "exactly one"),
+        ({"pressure": 1e7, "heights": VALUES}, "read_heights"),
         ({"pressure": 1e7, "force": 1.0}, "exactly one"),
         ({"pressure": -1.0}, "above 0"),
         ({"pressure": 1e7, "boundary": "wrapped"}, "wrapped"),
@@ -64,6 +65,12 @@ def test_wrong_input_is_refused(arguments, sentence):
     given = {"heights": slab(), "size": 1.0, "material": STEEL, **arguments}
     with pytest.raises(rc.InputError, match=sentence):
         solve(**given)
+
+
+def test_the_mpiexec_of_another_mpi_is_named(monkeypatch):
+    monkeypatch.setenv("PMI_SIZE", "4")
+    with pytest.raises(rc.InputError, match="mpiexec has started 4 processes"):
+        Processes()
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from types import SimpleNamespace
-from typing import Any, NoReturn
+from typing import Any, ClassVar, NoReturn
 
 import numpy as np
 import numpy.typing as npt
@@ -54,6 +54,7 @@ class SlabArray(NDArrayOperatorsMixin):
     """
 
     __slots__ = ("extent", "part", "processes")
+    is_slab: ClassVar[bool] = True
 
     def __init__(self, part: RealArray, processes: Processes, extent: Extent | None) -> None:
         self.part = part

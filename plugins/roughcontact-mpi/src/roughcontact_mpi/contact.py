@@ -228,7 +228,8 @@ def solve(
     Parameters
     ----------
     heights
-        Heights, shape (nx, ny), m; of two rough bodies the sum of both.
+        Heights, shape (nx, ny), m, as of `read_heights`, or of ``SlabArray.field(own_rows, processes, nx)`` with the
+        rows ``processes.own_rows(nx)``; of two rough bodies the sum of both.
     size
         Length of the domain along x and y, or of both sides, m.
     material, counterbody
@@ -254,6 +255,8 @@ def solve(
         If the solution is not certified and `throw` is true.
     """
     started = time.perf_counter()
+    if not isinstance(heights, SlabArray) or not heights.is_divided or heights.ndim != 2:
+        raise rc.InputError.about("The heights", heights, "an array in slabs, as read_heights returns it")
     load = Load.of(pressure=pressure, force=force, approach=approach)
     grid = rc.Grid(cast(tuple[int, int], heights.shape), cast(Any, size))
     solver = rc.ProjectedConjugateGradient() if tolerance is None else rc.ProjectedConjugateGradient(tolerance)

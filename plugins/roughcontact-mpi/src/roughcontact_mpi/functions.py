@@ -27,7 +27,7 @@ def unknown(name: str) -> rc.InputError:
 
 def is_slab(value: Any) -> bool:
     """Return whether a value is an array in slabs."""
-    return hasattr(value, "processes") and hasattr(value, "part")
+    return getattr(value, "is_slab", False)
 
 
 def leader(values: Sequence[Any]) -> SlabArray:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import sys
 import time
 import traceback
@@ -17,6 +18,8 @@ from roughcontact.typing import RealArray
 # Minimum cells along an axis that the default solver halves: rows are shared on the coarsest grid, so that the rows of
 # a process on a grid are those of its rows on the next coarser one.
 _MIN_COARSE_CELLS = 32
+# Where the mpiexec of MPICH and of Open MPI states the number of processes.
+_STARTED = ("PMI_SIZE", "OMPI_COMM_WORLD_SIZE")
 # Seconds for which the first process goes first, so that an error of all appears once.
 _PRECEDENCE = 1.0
 
@@ -35,6 +38,11 @@ class Processes:
     ----------
     communicator
         A communicator of mpi4py; None: all processes that `mpiexec` has started.
+
+    Raises
+    ------
+    InputError
+        If there is no MPI, or not the one of `mpiexec`.
     """
 
     def __init__(self, communicator: Any = None) -> None:
@@ -46,6 +54,12 @@ class Processes:
                     "No MPI was found: load that of this machine, or install one by 'pip install mpich'."
                 ) from error
             communicator = MPI.COMM_WORLD
+            started = max(int(os.environ.get(name, "1")) for name in _STARTED)
+            if communicator.Get_size() < started:
+                raise rc.InputError(
+                    f"mpiexec has started {started} processes, but mpi4py uses another MPI, in which each is alone: "
+                    "use the mpiexec of that MPI, or install only one."
+                )
         self.communicator = communicator
         self.rank: int = communicator.Get_rank()
         self.count: int = communicator.Get_size()
