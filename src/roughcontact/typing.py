@@ -34,9 +34,8 @@ from roughcontact._base.archive import replacing
 from roughcontact._base.arrays import Array, IntArray, Mask, Pair, RealArray
 from roughcontact._base.machine import available_memory, available_threads, limit_address_space
 from roughcontact._base.tables import Table
-from roughcontact._base.units import ContactWarning, binary, si, write_column
+from roughcontact._base.units import ContactWarning, binary, quantity, si, write_column
 from roughcontact._faces.cli import Command
-from roughcontact._faces.cli.options import quantity
 from roughcontact._parts.files import RawMap, read_raw
 from roughcontact._parts.grid import Load
 from roughcontact._parts.interactions import BoundInteraction

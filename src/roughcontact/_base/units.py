@@ -6,13 +6,14 @@ import contextlib
 import math
 import re
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from decimal import Decimal
 from typing import Any, TypeAlias
 
 import attrs
 import numpy as np
 
+from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 
 _PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T", 15: "P"}
@@ -306,6 +307,36 @@ def parse_quantity(text: str, unit: str) -> float:
     if not math.isfinite(value):
         raise _refusal(text, f"is not a quantity in units of {unit}" if unit else "is not a plain number", unit)
     return value
+
+
+@guarded
+def quantity(unit: str) -> Callable[[str], float]:
+    """Return a converter from text such as ``100MPa`` to a number in an SI unit, for argparse.
+
+    Parameters
+    ----------
+    unit
+        An SI unit such as ``"Pa"``, or ``""`` for a plain number.
+
+    Examples
+    --------
+    >>> from roughcontact.typing import quantity
+    >>> quantity("Pa")("100MPa")
+    100000000.0
+    """
+    if unit not in EXAMPLES:
+        raise InputError.unknown("unit of a quantity", unit, EXAMPLES)
+
+    def convert(text: str) -> float:
+        try:
+            return parse_quantity(text, unit)
+        except ValueError as error:
+            # Nothing but a command line needs it.
+            from argparse import ArgumentTypeError
+
+            raise ArgumentTypeError(str(error)) from error
+
+    return convert
 
 
 def _refusal(text: str, reason: str, unit: str) -> ValueError:

@@ -18,11 +18,11 @@ import roughcontact as rc
 from roughcontact._base import checks
 from roughcontact._base.archive import HEADER, read_some, replacing
 from roughcontact._base.arrays import Array
-from roughcontact._base.units import fit
+from roughcontact._base.units import fit, quantity
 from roughcontact._faces.cli import Command
 from roughcontact._faces.cli.answers import plan_picture, to_json, to_text
 from roughcontact._faces.cli.friction import path_to_json, path_to_text, state_to_json, state_to_text
-from roughcontact._faces.cli.options import METRE, NUMBER, add_reading, fields_of, name_options, quantity, whole_number
+from roughcontact._faces.cli.options import METRE, NUMBER, add_reading, fields_of, name_options, whole_number
 from roughcontact._faces.cli.problem import read_map
 from roughcontact._faces.panels.figures import save_figure
 from roughcontact._parts.surfaces import list_facts

@@ -10,11 +10,9 @@ from typing import Any
 
 import attrs
 
-from roughcontact._base.units import EXAMPLES, parse_quantity
+from roughcontact._base.units import parse_quantity, quantity
 from roughcontact._parts.grid import Boundary, Load
 from roughcontact._parts.materials import TYPICAL
-from roughcontact.errors import InputError
-from roughcontact.errors.door import guarded
 
 # The value of an argument in a sentence: both sides, a text or a number; not in calls, as of numpy.savez.
 _VALUE = r"(?P<value>\((?:x, y|[-+.e0-9, ]+)\)(?:, m\b)?|'[^']*'|-?[0-9]+(?:\.[0-9]+)?(?:e-?[0-9]+)?)?(?=[\s,.;:)]|$)"
@@ -47,33 +45,6 @@ def _option(found: re.Match[str]) -> str:
     if name in _LENGTHS:
         words = re.sub(r"[0-9]+(?:\.[0-9]*)?(?:[eE]-?[0-9]+)?", r"\g<0>m", words)
     return f"--{name.replace('_', '-')} {words}".rstrip()
-
-
-@guarded
-def quantity(unit: str) -> Callable[[str], float]:
-    """Return a converter from text such as ``100MPa`` to a number in an SI unit, for argparse.
-
-    Parameters
-    ----------
-    unit
-        An SI unit such as ``"Pa"``, or ``""`` for a plain number.
-
-    Examples
-    --------
-    >>> from roughcontact.typing import quantity
-    >>> quantity("Pa")("100MPa")
-    100000000.0
-    """
-    if unit not in EXAMPLES:
-        raise InputError.unknown("unit of a quantity", unit, EXAMPLES)
-
-    def convert(text: str) -> float:
-        try:
-            return parse_quantity(text, unit)
-        except ValueError as error:
-            raise argparse.ArgumentTypeError(str(error)) from error
-
-    return convert
 
 
 def fields_of(cls: type[Any]) -> tuple[attrs.Attribute[Any], ...]:
