@@ -1,17 +1,19 @@
-"""Layers on a half-space, under pressure that is constant on each cell."""
+"""Layers on a half-space or on a rigid base, under pressure that is constant on each cell."""
 
 from __future__ import annotations
+
+import math
 
 import attrs
 import numpy as np
 import roughcontact as rc
 
 from roughcontact_layered.below import find_excess
-from roughcontact_layered.bodies import compliance_of_other
+from roughcontact_layered.bodies import compliance_of_other, is_made_of
 from roughcontact_layered.cells import cell_integrals, cell_waves
 from roughcontact_layered.harmonics import FindWaves, integrate_stress
 from roughcontact_layered.radial import tabulate
-from roughcontact_layered.stack import Array, Layer, respond
+from roughcontact_layered.stack import Array, Layer, Substrate, respond
 from roughcontact_layered.waves_below import sum_waves
 
 
@@ -22,15 +24,16 @@ def _layers(value: object) -> tuple[Layer, ...]:
     return layers
 
 
-def _substrate(value: object) -> rc.Elastic:
-    if not isinstance(value, rc.Elastic):
-        raise rc.InputError.about("The substrate", value, "the Elastic material of the coated body")
+def _substrate(value: object) -> Substrate:
+    if not isinstance(value, (rc.Elastic, rc.Rigid)):
+        allowed = "the Elastic material of the coated body, or Rigid() for a rigid base"
+        raise rc.InputError.about("The substrate", value, allowed)
     return value
 
 
 @attrs.frozen
 class LayeredKernel(rc.InfluenceKernel):
-    r"""Bonded elastic layers on one of the two bodies, frictionless, under cells of constant pressure.
+    r"""Bonded elastic layers on one of the two bodies, without friction at the surface, under cells of constant pressure.
 
     .. math:: \hat u(q) = \left[\frac{2}{E^*|q|} + \hat u_\mathrm{layers}(q) - \frac{2 c_s}{|q|}\right] \hat p(q)
 
@@ -38,18 +41,23 @@ class LayeredKernel(rc.InfluenceKernel):
     through 1/E*. The layers on one of them come from here; `substrate` repeats that body's material,
     because the layers need its Poisson ratio and the part that is its own, c_s = (1 - nu^2)/E, of 1/E*.
 
+    Layers on a rigid base, to which they are bonded, have the material of the topmost layer as that of their
+    `roughcontact.Body`: c_s is that layer's. A uniform pressure p then sinks the surface by p times
+    `uniform_compliance`. A free boundary counts the approach from the base; on a periodic one it is counted from the
+    mean of the displaced surface, as on half-spaces, so that the approach from the base is more by that amount.
+
     Parameters
     ----------
     layers
         From the surface downwards.
     substrate
-        The material of the body that carries the layers: that of the `roughcontact.Body`.
+        The material of the body that carries the layers, that of the `roughcontact.Body`; or ``rc.Rigid()``.
 
     Raises
     ------
     roughcontact.InputError
         If a part is of another kind; and, when the kernel is used, if both bodies together are stiffer
-        than the substrate alone, so that none of them can be made of it.
+        than the substrate alone, or the topmost layer on a rigid base, so that none of them can be made of it.
 
     Examples
     --------
@@ -58,10 +66,33 @@ class LayeredKernel(rc.InfluenceKernel):
     >>> coating = LayeredKernel(Layer(young=400e9, poisson=0.25, thickness=2e-6), substrate=steel)
     >>> coated = rc.Body(rc.SphereSurface(radius=1e-3), steel)
     >>> problem = rc.ContactProblem(coated, grid=rc.Grid((64, 64), (1e-4, 1e-4)), kernel=coating)
+
+    A rubber pad on a rigid base, under a rigid ball:
+
+    >>> rubber = rc.Elastic(young=2e6, poisson=0.49)
+    >>> pad = LayeredKernel(Layer(rubber.young, rubber.poisson, thickness=20e-6), substrate=rc.Rigid())
+    >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Rigid())
+    >>> pressed = rc.ContactProblem(ball, rc.Body(rc.FlatSurface(), rubber), grid=rc.Grid((64, 64), 200e-6), kernel=pad)
     """
 
     layers: tuple[Layer, ...] = attrs.field(converter=_layers)
-    substrate: rc.Elastic = attrs.field(converter=_substrate)
+    substrate: Substrate = attrs.field(converter=_substrate)
+
+    @property
+    def own_material(self) -> Layer | rc.Elastic:
+        """The material of the coated `roughcontact.Body`: the substrate, or on a rigid base the topmost layer."""
+        return self.layers[0] if isinstance(self.substrate, rc.Rigid) else self.substrate
+
+    @property
+    def uniform_compliance(self) -> float:
+        r"""Displacement of the surface by a uniform unit pressure, m/Pa; infinite on a half-space.
+
+        The layers are compressed one by one with their sides held,
+
+        .. math:: \frac{u}{p} = \sum_k \frac{h_k (1 + \nu_k) (1 - 2 \nu_k)}{E_k (1 - \nu_k)}
+        """
+        is_rigid = isinstance(self.substrate, rc.Rigid)
+        return sum(layer.uniform_compliance for layer in self.layers) if is_rigid else math.inf
 
     def response(self, q: Array, compliance: float) -> Array:
         """Return the displacement amplitude by a pressure wave of amplitude one.
@@ -113,17 +144,23 @@ class LayeredKernel(rc.InfluenceKernel):
 
     @property
     def interfaces(self) -> Array:
-        """Depths of the interfaces, shape (n,), m, ascending."""
-        return np.cumsum([layer.thickness for layer in self.layers])
+        """Depths of the interfaces between bodies that deform, shape (n,), m, ascending."""
+        depths = np.cumsum([layer.thickness for layer in self.layers])
+        return depths[:-1] if isinstance(self.substrate, rc.Rigid) else depths
+
+    @property
+    def base_depth(self) -> float:
+        """Depth of the rigid base, m; infinite on a half-space."""
+        return self.depth if isinstance(self.substrate, rc.Rigid) else math.inf
 
     def describes(self, material: rc.Material) -> bool:
         """Return whether the layers lie on a body of this material."""
-        return isinstance(material, rc.Elastic) and material == self.substrate
+        return is_made_of(material, self.own_material)
 
     def poisson_at(self, depth: float) -> float:
         """Return Poisson's ratio at a depth, m; at an interface the one above."""
-        number = self._number_at(depth)
-        return self.layers[number].poisson if number < len(self.layers) else self.substrate.poisson
+        bodies = [*self.layers, self.own_material]
+        return bodies[self._number_at(depth)].poisson
 
     def stress_coefficients(
         self, load: str, shape: tuple[int, int], spacing: tuple[float, float], depth: float
@@ -190,7 +227,9 @@ class LayeredKernel(rc.InfluenceKernel):
 
     def _other(self, compliance: float) -> float:
         """Return (1 - nu^2) / E of the body without layers, 1/Pa."""
-        return compliance_of_other(f"The substrate {self.substrate!r}", self.substrate.compliance, compliance)
+        is_rigid = isinstance(self.substrate, rc.Rigid)
+        name = f"The topmost layer {self.layers[0]!r}" if is_rigid else f"The substrate {self.substrate!r}"
+        return compliance_of_other(name, self.own_material.compliance, compliance)
 
 
 def _exchange_axes(stress: Array) -> Array:
