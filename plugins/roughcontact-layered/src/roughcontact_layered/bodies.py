@@ -34,6 +34,23 @@ def compliance_of_other(name: str, own: float, compliance: float) -> float:
     return max(other, 0.0)
 
 
+def require_sum(names: list[str], own: list[float], compliance: float) -> None:
+    """Refuse two bodies whose 1/E* together is not the sum of what their kernels describe.
+
+    Parameters
+    ----------
+    names
+        The material of each body as its kernel tells it.
+    own, compliance
+        1/E* of each of them alone, and of the bodies of the contact problem together, 1/Pa.
+    """
+    if abs(compliance - sum(own)) > _ROUNDING * compliance:
+        raise rc.InputError(
+            f"The kernels describe bodies of {' and '.join(names)} (1/E* = {sum(own):g} 1/Pa), but the bodies in contact "
+            f"have {compliance:g} 1/Pa: give each kernel the material of its body."
+        )
+
+
 def is_made_of(material: rc.Material, own: Layer | rc.Elastic) -> bool:
     """Return whether a material has the elastic constants of a part of a kernel, whatever its pressure limit."""
     constants = (getattr(material, "young", None), getattr(material, "poisson", None))

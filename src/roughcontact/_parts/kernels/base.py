@@ -110,6 +110,21 @@ class InfluenceKernel(abc.ABC):  # noqa: B024 - a kernel defines either method b
         """
         return None
 
+    def part_of(self, body: str) -> InfluenceKernel | None:
+        """Return the kernel that describes one of the bodies alone, for the stress below its surface.
+
+        Parameters
+        ----------
+        body
+            ``"body"`` or ``"counterbody"``.
+
+        Returns
+        -------
+        InfluenceKernel or None
+            The kernel; None, the default, if this one does not tell the bodies apart.
+        """
+        return None
+
 
 kernels = Registry(InfluenceKernel, "kernel", "roughcontact.kernels")
 
@@ -224,10 +239,15 @@ class SupportsStress(Protocol):
     ----------
     interfaces
         Depths of the interfaces, shape (n,), m, ascending: there the stress along the surface jumps.
+    base_depth
+        Depth of a rigid base, at which the stress ends, m; infinite on a half-space.
     """
 
     @property
     def interfaces(self) -> Array: ...
+
+    @property
+    def base_depth(self) -> float: ...
 
     def describes(self, material: Material) -> bool:
         """Return whether a body of this material is the one with the layers."""
