@@ -137,10 +137,14 @@ class LayeredKernel(rc.InfluenceKernel):
 
         Love's, for half-spaces of the topmost layer and of the other body, plus the rest with its aliases.
         """
+        top = self._top(compliance)
         nearest = np.array([np.pi / max(spacing)])
-        is_aliased = abs((self.rest(nearest) * nearest).item()) > np.finfo(np.float64).eps * self._top(compliance)
-        love = rc.Love().spectrum(qx, qy, spacing, self._top(compliance))
-        return np.asarray(love + cell_waves(self, qx, qy, spacing, is_aliased))
+        is_aliased = abs((self.rest(nearest) * nearest).item()) > np.finfo(np.float64).eps * top
+        aliased = (self,) if is_aliased else ()
+        if isinstance(self.substrate, rc.Rigid):
+            # Long waves of both parts cancel on a rigid base: their sum is known better.
+            return cell_waves(_BothBodies(self, compliance), qx, qy, spacing, (_HalfSpace(top), *aliased))
+        return np.asarray(rc.Love().spectrum(qx, qy, spacing, top) + cell_waves(self, qx, qy, spacing, aliased))
 
     @property
     def interfaces(self) -> Array:
@@ -230,6 +234,29 @@ class LayeredKernel(rc.InfluenceKernel):
         is_rigid = isinstance(self.substrate, rc.Rigid)
         name = f"The topmost layer {self.layers[0]!r}" if is_rigid else f"The substrate {self.substrate!r}"
         return compliance_of_other(name, self.own_material.compliance, compliance)
+
+
+@attrs.frozen
+class _BothBodies:
+    """The response of both bodies to waves."""
+
+    kernel: LayeredKernel
+    compliance: float
+
+    def wave_rest(self, qx: Array, qy: Array) -> Array:
+        """Return the response to wave vectors, m/Pa."""
+        return self.kernel.response(np.hypot(qx, qy), self.compliance)
+
+
+@attrs.frozen
+class _HalfSpace:
+    """The response of half-spaces to waves."""
+
+    compliance: float
+
+    def wave_rest(self, qx: Array, qy: Array) -> Array:
+        """Return the response to wave vectors, m/Pa."""
+        return np.asarray(2.0 * self.compliance / np.hypot(qx, qy))
 
 
 def _exchange_axes(stress: Array) -> Array:
