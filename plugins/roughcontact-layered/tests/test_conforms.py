@@ -19,6 +19,7 @@ SILICON = Anisotropic.cubic(165.7e9, 63.9e9, 79.6e9, normal=(1, 1, 1), x_axis=(1
 FIBRES = TransverselyIsotropic(c11=300e9, c12=90e9, c13=60e9, c33=900e9, c44=80e9)
 KERNELS = [
     LayeredKernel(layers=(Layer(young=420e9, poisson=0.25, thickness=2e-6),), substrate=rc.Elastic(210e9, 0.3)),
+    LayeredKernel(layers=Layer(young=420e9, poisson=0.25, thickness=2e-6), substrate=rc.Rigid()),
     GradedKernel(gradient=2e5, surface=rc.Elastic(210e9, 0.3)),
     AnisotropicKernel(SILICON),
     AnisotropicKernel(Anisotropic(FIBRES.stiffness, normal=(1, 0, 0), x_axis=(0, 0, 1))),

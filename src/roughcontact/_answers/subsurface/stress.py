@@ -461,7 +461,8 @@ class StressBelow(Response[Stress]):
         names = ("body", "counterbody") if part is None else (self.body,)
         coated = next((name for name in names if kernel.describes(getattr(problem, name).material)), None)
         if coated is None:
-            raise InputError("Neither body has the material of the layers: give it to the one on which they lie.")
+            where = " or of the ".join(names)
+            raise InputError(f"The layers lie on another material than that of the {where}: give both the same one.")
         if coated != self.body:
             return None
         if problem.boundary.mixed:
