@@ -69,7 +69,9 @@ def test_long_waves_squeeze_an_incompressible_layer_as_a_film():
     kernel = pad(0.5, 0.7, 3.0)
     q = np.array([1e-3])
     assert kernel.uniform_compliance == 0.0
-    assert kernel.response(q, kernel.layers[0].compliance).item() == pytest.approx((q * q).item() * 0.7**3 / 3.0, rel=1e-6)
+    assert kernel.response(q, kernel.layers[0].compliance).item() == pytest.approx(
+        (q * q).item() * 0.7**3 / 3.0, rel=1e-6
+    )
 
 
 @pytest.mark.parametrize("poisson", [0.0, 0.3, 0.49])
@@ -141,8 +143,7 @@ def test_a_thin_compressible_layer_is_winklers_foundation():
         excess = solution.pressure[middle] / foundation - penetration[middle]
         assert np.ptp(excess) < 1e-3 * solution.approach
         errors.append(solution.force / (np.pi * foundation * contact**4 / 4) - 1.0)
-    assert errors[1] == pytest.approx(0.5 * errors[0], rel=0.1)
-    assert abs(errors[1]) < 0.03
+    assert abs(errors[1]) < 0.6 * abs(errors[0]) < 1e-3
 
 
 def test_a_thin_incompressible_layer_is_a_film_in_balance():
@@ -216,7 +217,9 @@ def test_a_wave_of_pressure_has_the_stress_of_the_boundary_value_problem(axis, s
     kernel = LayeredKernel(layers, substrate=BASE)
     length = size[axis]
     amplitudes = (1e-4, 0.0) if axis == 0 else (0.0, 1e-4)
-    body = rc.Body(rc.WavySurface(amplitudes, (length if axis == 0 else 1.5, length if axis else 2.0)), material(kernel))
+    body = rc.Body(
+        rc.WavySurface(amplitudes, (length if axis == 0 else 1.5, length if axis else 2.0)), material(kernel)
+    )
     problem = rc.ContactProblem(body, grid=rc.Grid(shape, size), kernel=kernel, boundary="periodic")
     solution = problem.solve(pressure=1e7)
     assert solution.contact.all()
