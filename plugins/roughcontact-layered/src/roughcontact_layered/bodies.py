@@ -46,7 +46,7 @@ def require_sum(names: list[str], own: list[float], compliance: float) -> None:
     """
     if abs(compliance - sum(own)) > _ROUNDING * compliance:
         raise rc.InputError(
-            f"The kernels describe bodies of {' and '.join(names)} (1/E* = {sum(own):g} 1/Pa), but the bodies in contact "
+            f"The kernels describe bodies of {' and '.join(names)} (1/E* = {sum(own):g} 1/Pa), but those in contact "
             f"have {compliance:g} 1/Pa: give each kernel the material of its body."
         )
 

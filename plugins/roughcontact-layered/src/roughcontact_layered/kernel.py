@@ -33,7 +33,7 @@ def _substrate(value: object) -> Substrate:
 
 @attrs.frozen
 class LayeredKernel(rc.InfluenceKernel):
-    r"""Bonded elastic layers on one of the two bodies, without friction at the surface, under cells of constant pressure.
+    r"""Bonded elastic layers on one of the two bodies, frictionless at the surface, under cells of constant pressure.
 
     .. math:: \hat u(q) = \left[\frac{2}{E^*|q|} + \hat u_\mathrm{layers}(q) - \frac{2 c_s}{|q|}\right] \hat p(q)
 

@@ -40,7 +40,7 @@ class PairKernel(rc.InfluenceKernel):
     Raises
     ------
     roughcontact.InputError
-        If a kernel is of another kind; and, when the kernel is used, if the bodies are not made of what the kernels say.
+        If a kernel is of another kind; and, when the kernel is used, if the bodies are made of something else.
 
     Examples
     --------
