@@ -170,10 +170,11 @@ def find_maximum(depths: Array, peaks: Sequence[PlanePeak], scale: float, cell: 
     return StressMaximum(value * scale, uncertainty * scale, peaks[top].x, peaks[top].y, depth, tuple(warnings))
 
 
-def with_interfaces(depths: Array, interfaces: Array) -> Array:
-    """Return depths, and those of both sides of each interface among them, m, ascending."""
-    inside = interfaces[interfaces < depths.max()]
-    return np.unique(np.concatenate((depths, (1.0 - _SIDE) * inside, (1.0 + _SIDE) * inside)))
+def with_interfaces(depths: Array, interfaces: Array, base: float) -> Array:
+    """Return depths down to a base, itself and both sides of each interface among them, m, ascending."""
+    last = min(float(depths.max()), base)
+    inside = interfaces[interfaces < last]
+    return np.unique(np.concatenate((depths[depths < last], (1.0 - _SIDE) * inside, (1.0 + _SIDE) * inside, [last])))
 
 
 def find_maximum_of_layers(

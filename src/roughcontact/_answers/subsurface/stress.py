@@ -219,7 +219,8 @@ class Stress:
     def _find_maximum(self, place: int, measure: Callable[[RealArray], RealArray]) -> StressMaximum:
         peaks = [peak[place] for peak in self._peaks]
         depths = np.unique(self.depths)
-        interfaces = np.empty(0) if self._layers is None else self._layers.interfaces
+        layers = self._layers
+        interfaces = np.empty(0) if layers is None else np.append(layers.interfaces, layers.base_depth)
         found = find_maximum_of_layers(depths, interfaces, peaks, self._scale, max(self._grid.spacing))
         if self.traction is not None and (self.depths == 0.0).any():
             found = self._compare_with_edge(found, measure)
@@ -441,7 +442,10 @@ class StressBelow(Response[Stress]):
         if depths is None:
             depths = default_depths(solution)
             depths = depths if traction is None else np.concatenate(([0.0], depths))
-            depths = depths if layers is None else with_interfaces(depths, layers.interfaces)
+            depths = depths if layers is None else with_interfaces(depths, layers.interfaces, layers.base_depth)
+        base = math.inf if layers is None else layers.base_depth
+        if float(depths.max()) > base:
+            raise InputError.about("A depth", float(depths.max()), f"at most {si(base, 'm')}, down to the rigid base")
         deepest = _MAX_DEPTH_SIDES * max(solution.grid.size)
         if float(depths.max()) > deepest:
             allowed = f"at most {si(deepest, 'm')}, {_MAX_DEPTH_SIDES:g} times the side of the domain"
@@ -450,7 +454,8 @@ class StressBelow(Response[Stress]):
 
     def _find_layers(self, solution: ContactSolution, problem: ContactProblem) -> SupportsStress | None:
         """Return the kernel if its layers lie on the chosen body, None if this body is a homogeneous half-space."""
-        kernel = problem.plan.kernel
+        part = problem.plan.kernel.part_of(self.body)
+        kernel = problem.plan.kernel if part is None else part
         if not isinstance(kernel, SupportsStress):
             if solution.moduli is None:
                 return None
@@ -458,8 +463,11 @@ class StressBelow(Response[Stress]):
                 "The stress below the surface is known for homogeneous half-spaces and for kernels that state it, but "
                 "this kernel is of a layer: choose kernel='love'."
             )
-        bodies = {"body": problem.body, "counterbody": problem.counterbody}
-        coated = next((name for name, one in bodies.items() if kernel.describes(one.material)), None)
+        names = ("body", "counterbody") if part is None else (self.body,)
+        coated = next((name for name in names if kernel.describes(getattr(problem, name).material)), None)
+        if coated is None:
+            where = " or of the ".join(names)
+            raise InputError(f"The layers lie on another material than that of the {where}: give both the same one.")
         if coated != self.body:
             return None
         if problem.boundary.mixed:
