@@ -6,7 +6,7 @@ import contextlib
 import math
 import re
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from decimal import Decimal
 from typing import Any, TypeAlias
 
@@ -232,6 +232,9 @@ class Estimate:
         SI unit; empty for a count.
     warnings
         Why the value must not be trusted, in sentences; empty without a reason.
+    sampling
+        Standard deviation between places of the same rough surface, of this size: the mean of many places should lie
+        within two of them, another place within three. None where there is no such surface, or it is not known.
 
     Examples
     --------
@@ -245,6 +248,17 @@ class Estimate:
     uncertainty: float
     unit: str
     warnings: tuple[str, ...] = ()
+    # Over the value; a function is called when it is asked for.
+    _relative_sampling: float | Callable[[], float | None] | None = attrs.field(
+        default=None, kw_only=True, eq=False, repr=False
+    )
+
+    @property
+    def sampling(self) -> float | None:
+        """Standard deviation between places, in the unit of the value."""
+        found = self._relative_sampling
+        relative = found() if callable(found) else found
+        return None if relative is None else abs(self.value) * relative
 
     @property
     def _reasons(self) -> str:

@@ -7,9 +7,11 @@ from roughcontact._parts.surfaces.heightmap import HeightMap, Separated, list_fa
 from roughcontact._parts.surfaces.matching import MatchedPair, PlacedMap, match
 from roughcontact._parts.surfaces.resampling import bilinear
 from roughcontact._parts.surfaces.statistics import (
+    FORM_DEGREE,
     HANN_DEPENDENCE,
     border_jump,
     mean_in_bands,
+    polynomial,
     power_spectrum,
     repeats,
     rms_slope,
@@ -24,6 +26,7 @@ from roughcontact._parts.surfaces.synthetic import (
 from roughcontact._parts.surfaces.topography import read_topography
 
 __all__ = [
+    "FORM_DEGREE",
     "HANN_DEPENDENCE",
     "MAX_BANDWIDTH",
     "TREATMENTS",
@@ -49,6 +52,7 @@ __all__ = [
     "list_facts",
     "match",
     "mean_in_bands",
+    "polynomial",
     "power_spectrum",
     "read_topography",
     "repeats",

@@ -30,6 +30,7 @@ from roughcontact._solve.solution.results import (
     areas,
     responses,
 )
+from roughcontact._solve.solution.sampling import postpone_sampling
 from roughcontact._solve.solution.storage import read, read_figures, require_netcdf, scalars_of, write
 from roughcontact._solve.solution.summary import (
     MORE_THAN_METALS,
@@ -94,6 +95,7 @@ __all__ = [
     "name_load",
     "note_loads",
     "page_or_file",
+    "postpone_sampling",
     "read",
     "read_estimate",
     "read_figures",
