@@ -7,7 +7,6 @@ from roughcontact._parts.surfaces.heightmap import HeightMap, Separated, list_fa
 from roughcontact._parts.surfaces.matching import MatchedPair, PlacedMap, match
 from roughcontact._parts.surfaces.resampling import bilinear
 from roughcontact._parts.surfaces.statistics import (
-    FORM_DEGREE,
     HANN_DEPENDENCE,
     border_jump,
     mean_in_bands,
@@ -26,7 +25,6 @@ from roughcontact._parts.surfaces.synthetic import (
 from roughcontact._parts.surfaces.topography import read_topography
 
 __all__ = [
-    "FORM_DEGREE",
     "HANN_DEPENDENCE",
     "MAX_BANDWIDTH",
     "TREATMENTS",

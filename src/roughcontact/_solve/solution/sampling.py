@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
@@ -10,10 +11,10 @@ import attrs
 import numpy as np
 from scipy import special
 
-from roughcontact._base.arrays import Array
+from roughcontact._base.arrays import IntArray
 from roughcontact._parts.grid import Grid, extend
-from roughcontact._parts.surfaces import FORM_DEGREE, polynomial
-from roughcontact.reference.roughness import transform_waves
+from roughcontact._parts.surfaces import polynomial
+from roughcontact.reference.roughness import Waves, find_lay, transform_waves
 
 if TYPE_CHECKING:
     from roughcontact._solve.solution.contact import ContactSolution
@@ -23,16 +24,26 @@ if TYPE_CHECKING:
 # of the coarse heights, which hold the longest waves.
 _TILES = 8
 _COARSE_CELLS = 64
-# Standard deviation of the area of one loaded tile at a given load, and the number of such tiles that it counts for.
-_TILE_STD = 0.2
-_TILE_WEIGHT = 3.0
+# Relative standard deviation of the area of one patch at a given load, and the number of tiles for which it counts.
+_PATCH_STD = 0.3
+_PATCH_WEIGHT = 3.0
 # Factors of the standard deviation of the area: of the tiles, and of the error of the mean square height.
-_AREA_FACTOR = 0.75
+_AREA_FACTOR = 0.7
 _DEPENDENCE = 2.0
 # Factors of the standard deviation of the stiffness: of the error of the mean square height, and of the tiles.
-_STIFFNESS_FACTORS = (0.6, 1.5)
-# Maximum relative error of the mean square height that counts.
+_STIFFNESS_FACTORS = (0.65, 1.5)
+# Maximum relative error of the mean square height that counts, and maximum ratio of slopes across and along a lay.
 _MAX_HEIGHT_ERROR = 0.6
+_MAX_LAY_RATIO = 10.0
+# Powers of that ratio with which tiles and maxima grow that are not independent along a lay.
+_TILE_LAY_EXPONENT = 0.4
+_PEAK_LAY_EXPONENT = 0.3
+# Stiffness of a square punch over that of an elliptic one, and minimum compliance by the roughness over all.
+_SQUARE_PUNCH_FACTOR = 1.02
+_MIN_ROUGH_FRACTION = 0.02
+# Minimum cells of coarse heights along an axis that determine a plane and roughness, and range of flat ones over all.
+_MIN_PLANE_CELLS = 4
+_FLATNESS = 1e-9
 # Highest local maxima of the pressure from which the fall of their number is measured, the fraction of all that they
 # are at most, the relative fall that is usual, the number of maxima that it counts for, and the factor.
 _PEAKS = 8
@@ -51,7 +62,9 @@ class PlaceStatistics:
     Attributes
     ----------
     tiles
-        Standard deviation of the area at a given load by the differences of the tiles.
+        Standard deviation of the area at a given load, by the differences of the tiles.
+    elasticity
+        By how much per cent the area falls if the slopes grow by one.
     height
         Sampling error of the mean square height.
     peak
@@ -59,6 +72,7 @@ class PlaceStatistics:
     """
 
     tiles: float
+    elasticity: float
     height: float
     peak: float
 
@@ -111,7 +125,7 @@ def _vary_area(solution: ContactSolution, _: float) -> float | None:
     found = solution._place
     if found is None:
         return None
-    return _AREA_FACTOR * found.tiles * (1.0 + _DEPENDENCE * found.height)
+    return _AREA_FACTOR * found.elasticity * found.tiles * (1.0 + _DEPENDENCE * found.height)
 
 
 def _vary_stiffness(solution: ContactSolution, stiffness: float) -> float | None:
@@ -125,7 +139,7 @@ def _vary_stiffness(solution: ContactSolution, stiffness: float) -> float | None
         return rough
     # A flat punch as large as the domain yields too, everywhere alike.
     flat = _find_punch_stiffness(solution.grid, solution.modulus)
-    return rough * max(1.0 - stiffness / flat, 0.0)
+    return rough * max(1.0 - stiffness / flat, _MIN_ROUGH_FRACTION)
 
 
 def _vary_peak(solution: ContactSolution, _: float) -> float | None:
@@ -139,21 +153,22 @@ def find_place_statistics(solution: ContactSolution) -> PlaceStatistics | None:
     """Return the statistics of the place; None without a contact or roughness."""
     if not solution.contact.any():
         return None
-    height = _find_height_error(solution)
-    if height is None:
+    waves = _find_long_waves(solution)
+    if waves is None:
         return None
-    return PlaceStatistics(_compare_tiles(solution), height, _vary_maxima(solution))
+    height = min(waves.spread(1.0) / waves.sum(1.0), _MAX_HEIGHT_ERROR)
+    lay = min(find_lay(waves), _MAX_LAY_RATIO)
+    elasticity = _find_elasticity(float(np.count_nonzero(solution.contact)) / solution.grid.cells)
+    tiles = _compare_tiles(solution, elasticity) * lay**_TILE_LAY_EXPONENT
+    return PlaceStatistics(tiles, elasticity, height, _vary_maxima(solution) * lay**_PEAK_LAY_EXPONENT)
 
 
-def _sum_tiles(field: Array, shape: tuple[int, int]) -> Array:
-    """Return the sums of a field over tiles, shape `shape`, which differ by a cell where they must."""
-    for axis, count in enumerate(shape):
-        starts = np.arange(count) * field.shape[axis] // count
-        field = np.add.reduceat(field, starts, axis=axis)
-    return field
+def _find_edges(count: int, cells: int) -> IntArray:
+    """Return the first cell of each tile along an axis, and the number of cells; tiles differ by a cell at most."""
+    return np.arange(count + 1) * cells // count
 
 
-def _compare_tiles(solution: ContactSolution) -> float:
+def _compare_tiles(solution: ContactSolution, elasticity: float) -> float:
     r"""Return the standard deviation of the area at a given load, by tiles of the domain.
 
     With loads F and areas A of independent tiles the ratio of the sums, :math:`r = \sum A / \sum F`, has
@@ -166,43 +181,46 @@ def _compare_tiles(solution: ContactSolution) -> float:
         max(1, min(round(_TILES * scale), cells))
         for scale, cells in zip((ratio, 1.0 / ratio), solution.grid.shape, strict=True)
     )
-    loads = _sum_tiles(solution.pressure, (nx, ny))
+    rows, columns = (
+        np.repeat(np.arange(count), np.diff(_find_edges(count, cells)))
+        for count, cells in zip((nx, ny), solution.grid.shape, strict=True)
+    )
+    members = solution.patches.members
+    i, j = np.divmod(members, solution.grid.shape[1])
+    tile = rows[i] * ny + columns[j]
+    loads = np.bincount(tile, weights=solution.pressure.ravel()[members], minlength=nx * ny)
     loads /= loads.sum()
-    areas = _sum_tiles(solution.contact.astype(np.float64), (nx, ny))
-    covered = min(float(areas.sum()) / solution.grid.cells, 1.0)
-    areas /= areas.sum()
+    areas = np.bincount(tile, minlength=nx * ny) / members.size
     found = float(np.sum((areas - loads) ** 2))
     count = 1.0 / float(np.sum(loads**2))
-    usual = (_TILE_STD * _find_elasticity(covered)) ** 2 / count
-    return math.sqrt((count * found + _TILE_WEIGHT * usual) / (count + _TILE_WEIGHT))
+    usual = (_PATCH_STD * elasticity) ** 2 / solution.patches.count
+    return math.sqrt((count * found + _PATCH_WEIGHT * usual) / (count + _PATCH_WEIGHT))
 
 
 def _find_elasticity(fraction: float) -> float:
-    """Return by how much per cent the area falls if the slopes grow by one, after Persson: 1 light, 0 in full contact."""
+    """Return by how much per cent the area falls if the slopes grow by one, after Persson; 0 in full contact."""
     if fraction >= 1.0:
         return 0.0
     ratio = float(special.erfinv(fraction))
     return 2.0 / math.sqrt(math.pi) * ratio * math.exp(-(ratio**2)) / fraction
 
 
-def _find_height_error(solution: ContactSolution) -> float | None:
-    """Return the relative sampling error of the mean square height, from coarse heights; None for flat surfaces."""
+def _find_long_waves(solution: ContactSolution) -> Waves | None:
+    """Return the waves of coarse heights, on a free boundary less their plane; None for flat surfaces."""
     cells = solution.grid.shape
     shape = (min(cells[0], _COARSE_CELLS), min(cells[1], _COARSE_CELLS))
     gap = solution.initial_gap
-    counts = np.outer(*(np.diff(np.arange(n + 1) * full // n) for n, full in zip(shape, cells, strict=True)))
-    coarse = _sum_tiles(gap, shape) / counts
+    rows, columns = (_find_edges(n, full) for n, full in zip(shape, cells, strict=True))
+    narrow = np.array([gap[start:stop].mean(axis=0) for start, stop in itertools.pairwise(rows)])
+    coarse = np.array([narrow[:, start:stop].mean(axis=1) for start, stop in itertools.pairwise(columns)]).T
     repeats = not solution.boundary.has_free_axis
     if not repeats:
-        if min(shape) <= FORM_DEGREE:
+        if min(shape) < _MIN_PLANE_CELLS:
             return None
-        form = polynomial(coarse, FORM_DEGREE, None)
-        coarse = coarse - form
-    scale = float(np.ptp(gap))
-    if not scale > 0.0 or float(np.ptp(coarse)) <= 1e-12 * scale:
+        coarse = coarse - polynomial(coarse, 1, None)
+    if not float(np.ptp(coarse)) > _FLATNESS * float(np.ptp(gap)):
         return None
-    waves = transform_waves(coarse, Grid(shape, solution.grid.size), repeats)
-    return min(waves.spread(1.0) / waves.sum(1.0), _MAX_HEIGHT_ERROR)
+    return transform_waves(coarse, Grid(shape, solution.grid.size), repeats)
 
 
 def _vary_maxima(solution: ContactSolution) -> float:
@@ -227,7 +245,7 @@ def _vary_maxima(solution: ContactSolution) -> float:
 
 
 def _find_punch_stiffness(grid: Grid, modulus: float) -> float:
-    """Return the stiffness of a flat elliptic punch with the area and the aspect ratio of the domain, N/m."""
+    """Return the stiffness of a flat punch as large as the domain, from that of an ellipse, N/m."""
     ratio = min(grid.size) / max(grid.size)
     longer = math.sqrt(grid.area / (math.pi * ratio))
-    return math.pi * modulus * longer / float(special.ellipk(1.0 - ratio**2))
+    return _SQUARE_PUNCH_FACTOR * math.pi * modulus * longer / float(special.ellipk(1.0 - ratio**2))
