@@ -190,7 +190,8 @@ def _compare_tiles(solution: ContactSolution, elasticity: float) -> float:
     tile = rows[i] * ny + columns[j]
     loads = np.bincount(tile, weights=solution.pressure.ravel()[members], minlength=nx * ny)
     loads /= loads.sum()
-    areas = np.bincount(tile, minlength=nx * ny) / members.size
+    areas = np.bincount(tile, minlength=nx * ny).astype(np.float64)
+    areas /= areas.sum()
     found = float(np.sum((areas - loads) ** 2))
     count = 1.0 / float(np.sum(loads**2))
     usual = (_PATCH_STD * elasticity) ** 2 / solution.patches.count
