@@ -160,7 +160,7 @@ def find_place_statistics(solution: ContactSolution) -> PlaceStatistics | None:
     lay = min(find_lay(waves), _MAX_LAY_RATIO)
     elasticity = _find_elasticity(float(np.count_nonzero(solution.contact)) / solution.grid.cells)
     tiles = _compare_tiles(solution, elasticity) * lay**_TILE_LAY_EXPONENT
-    return PlaceStatistics(tiles, elasticity, height, _vary_maxima(solution) * lay**_PEAK_LAY_EXPONENT)
+    return PlaceStatistics(tiles, elasticity, height, _vary_maxima(solution, lay**_PEAK_LAY_EXPONENT))
 
 
 def _find_edges(count: int, cells: int) -> IntArray:
@@ -224,8 +224,12 @@ def _find_long_waves(solution: ContactSolution) -> Waves | None:
     return transform_waves(coarse, Grid(shape, solution.grid.size), repeats)
 
 
-def _vary_maxima(solution: ContactSolution) -> float:
-    """Return the standard deviation of the maximum pressure, from the fall of the highest local maxima."""
+def _vary_maxima(solution: ContactSolution, dependence: float) -> float:
+    """Return the relative standard deviation of the maximum pressure, from the fall of the highest local maxima.
+
+    Of many independent places that have maxima with an exponential tail, the highest one scatters as the mean fall
+    from the highest to a lower one; `dependence` is the factor for a lay.
+    """
     pressure = solution.pressure
     cells = solution.patches.members
     i, j = np.divmod(cells, pressure.shape[1])
@@ -242,7 +246,7 @@ def _vary_maxima(solution: ContactSolution) -> float:
     free_x, free_y = solution.boundary.free_axes
     nx, ny = pressure.shape
     cut = bool((free_x & ((i == 0) | (i == nx - 1)) | free_y & ((j == 0) | (j == ny - 1))).any())
-    return math.hypot(_PEAK_FACTOR * fall, _CUT_PEAK_STD if cut else 0.0)
+    return math.hypot(_PEAK_FACTOR * dependence * fall, _CUT_PEAK_STD if cut else 0.0)
 
 
 def _find_punch_stiffness(grid: Grid, modulus: float) -> float:
