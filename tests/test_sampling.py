@@ -94,7 +94,6 @@ def test_a_turned_off_form_does_not_count():
     [
         rc.WavySurface(1e-6, 32e-6),
         rc.SphereSurface(1e-3),
-        rc.SphereSurface(1e-3) + rc.SelfAffineSurface(hurst=0.8, rms_slope=0.02, shortest=8e-6, longest=32e-6),
     ],
 )
 def test_without_a_rough_surface_there_is_none(surface):
@@ -116,6 +115,30 @@ def test_a_rough_surface_on_a_flat_or_a_rough_one_has_some():
         )
         solution = problem.solve(pressure=100e6)
         assert 0.0 < solution.area().sampling < solution.area().value
+
+
+def test_below_a_ball_it_is_that_of_the_part_in_contact():
+    size = (96e-6, 64e-6)
+    heights = draw((96, 64), size, 1, 16e-6, 4e-6)
+
+    def press_ball(heights, size, force):
+        body = rc.Body(rc.HeightMap(heights, size=size), STEEL)
+        ball = rc.Body(rc.SphereSurface(100e-6), rc.Rigid())
+        return rc.ContactProblem(body, ball).solve(force=force)
+
+    light = press_ball(heights, size, 0.1)
+    heavy = press_ball(heights, size, 1.0)
+    assert max(sampling._find_window(heavy).shape) < 50
+    assert 0.0 < relative(heavy)[0] < relative(light)[0]
+    assert relative(heavy) == pytest.approx(relative(press_ball(heights.T, size[::-1], 1.0)), rel=1e-4)
+
+
+def test_a_contact_too_small_to_tell_has_none():
+    heights = draw((32, 32), 32e-6, 1, 16e-6, 8e-6)
+    ball = rc.Body(rc.SphereSurface(60e-6), STEEL)
+    tiny = rc.ContactProblem(rc.Body(rc.HeightMap(heights, size=32e-6), STEEL), ball).solve(force=1e-4)
+    assert max(sampling._find_window(tiny).shape) < 4
+    assert tiny.area().sampling is None
 
 
 def test_a_surface_of_ones_own_says_whether_it_is_random():
@@ -199,12 +222,13 @@ def test_surfaces_that_attract_each_other_have_none():
 
 def test_tiles_that_carry_in_proportion_to_their_area_do_not_differ(rough):
     even = attrs.evolve(rough, pressure=np.where(rough.contact, 1e9, 0.0))
+    whole = sampling._find_window(even)
     usual = 0.3 / math.sqrt(even.patches.count)
-    assert 0.0 < sampling._compare_tiles(even, 1.0) < usual
+    assert 0.0 < sampling._compare_tiles(even, whole, 1.0) < usual
     # Half of the tiles carry twice the pressure of the others.
     left = np.arange(64)[:, None] < 32
     uneven = attrs.evolve(rough, pressure=np.where(rough.contact, np.where(left, 2e9, 1e9), 0.0))
-    assert sampling._compare_tiles(uneven, 1.0) > 2.0 * sampling._compare_tiles(even, 1.0)
+    assert sampling._compare_tiles(uneven, whole, 1.0) > 2.0 * sampling._compare_tiles(even, whole, 1.0)
 
 
 @pytest.mark.parametrize("fraction", [0.01, 0.3, 0.9])
@@ -217,7 +241,7 @@ def test_the_elasticity_is_the_derivative_of_the_area_of_persson(fraction):
 
 def test_a_flat_punch_of_the_domain_has_its_stiffness():
     # A square punch: 1.152 E* times its side (Borodich, Galanov 2002).
-    found = sampling._find_punch_stiffness(rc.Grid((4, 4), 1e-3), 1e9)
+    found = sampling._find_punch_stiffness((1e-3, 1e-3), 1e9)
     assert found == pytest.approx(1.152 * 1e9 * 1e-3, rel=2e-3)
 
 

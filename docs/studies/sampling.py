@@ -2,7 +2,7 @@
 
 Writes the table of docs/understand/area.md. With the folder of measured maps, cut-outs of these are judged as well.
 
-    python docs/studies/sampling.py [tuned | held-out] [FOLDER]     # 6 minutes each
+    python docs/studies/sampling.py [tuned | held-out [FOLDER [CLASS]]]     # 6 minutes each
 """
 
 from __future__ import annotations
@@ -27,7 +27,11 @@ SLOPE = 0.1
 PRESSURES = (0.0025, 0.02, 0.06, 0.2)
 MODULUS = 100e9
 PLACES = 24
-QUANTITIES = ("area", "stiffness", "maximum pressure")
+QUANTITIES = {
+    "area": rc.ContactSolution.area,
+    "stiffness": rc.ContactSolution.stiffness,
+    "maximum pressure": rc.ContactSolution.peak_pressure,
+}
 
 
 @attrs.frozen
@@ -49,6 +53,8 @@ class Kind:
         place is a domain of its own, which repeats.
     skewed
         Whether the summits are blunt, as after honing.
+    ball
+        Radius of a ball that is pressed on the surface; zero: a flat.
     """
 
     hurst: float
@@ -61,9 +67,11 @@ class Kind:
     size: tuple[float, float] = (1.0, 1.0)
     degree: int | None = None
     skewed: bool = False
+    ball: float = 0.0
 
     @property
     def grid(self) -> rc.Grid:
+        """The cells of a place."""
         return rc.Grid(self.shape, self.size)
 
     def draw(self, grid: rc.Grid, seed: int) -> Array:
@@ -140,6 +148,16 @@ HELD_OUT = {
     "cut-outs with a lay": Kind(0.8, 0.25, "free", degree=2, peklenik=3.0, lay=0.3),
     "cut-outs, roll-off at 4": Kind(0.8, 4.0, "free", degree=2),
 }
+TUNED |= {
+    "ball, roll-off at 1/8": Kind(0.8, 0.125, "free", ball=20.0),
+    "ball on a lay": Kind(0.8, 0.125, "free", ball=20.0, peklenik=5.0, lay=math.pi / 2),
+}
+HELD_OUT |= {
+    "ball on a fine surface": Kind(0.5, 0.25, "free", ball=40.0, cells=3.0, shape=(160, 160)),
+    "ball on a lay": Kind(0.7, 0.1, "free", ball=12.0, peklenik=3.0, lay=0.5, shape=(144, 144)),
+}
+# Radii of the contact of a smooth ball.
+RADII = (0.12, 0.16, 0.22, 0.3)
 # Sides of the parts of measured maps, cells.
 MEASURED = {"plu-1.plu": 192, "x3p-2.x3p": 216, "opd-1.opd": 160}
 
@@ -154,14 +172,37 @@ def cut_map(file: Path, side: int) -> Iterator[rc.HeightMap]:
             yield rc.HeightMap(whole.values[i : i + side, j : j + side], size=size).detrend(2)
 
 
-def list_classes(split: str, folder: str | None = None) -> dict[str, tuple[Callable[[], Iterator[rc.HeightMap]], str]]:
-    """Return for each class the function that yields its maps, and the boundary."""
+@attrs.frozen
+class Places:
+    """Maps that are places of one surface, and what is pressed on them."""
+
+    make: Callable[[], Iterator[rc.HeightMap]]
+    boundary: str | tuple[str, str] = "free"
+    ball: float = 0.0
+
+    def solve(self) -> Iterator[list[rc.ContactSolution]]:
+        """Yield for each place the solutions at all loads."""
+        loads: list[dict[str, float]] = []
+        other = rc.SphereSurface(self.ball) if self.ball else rc.FlatSurface()
+        for height_map in self.make():
+            if not loads and self.ball:
+                loads = [{"force": 4.0 * MODULUS * radius**3 / (3.0 * self.ball)} for radius in RADII]
+            elif not loads:
+                slope = rc.reference.texture(height_map.values, height_map.grid, periodic=False).Sdq.value
+                loads = [{"pressure": ratio * MODULUS * slope} for ratio in PRESSURES]
+            body = rc.Body(height_map, rc.Rigid())
+            problem = rc.ContactProblem(body, rc.Body(other, rc.Elastic(MODULUS, 0.0)), boundary=self.boundary)
+            yield [problem.solve(**load) for load in loads]
+
+
+def list_classes(split: str, folder: str | None = None) -> dict[str, Places]:
+    """Return the classes by name."""
     first = 1000 if split == "held-out" else 0
     kinds = HELD_OUT if split == "held-out" else TUNED
-    found = {name: (partial(kind.list_maps, first), kind.boundary) for name, kind in kinds.items()}
+    found = {name: Places(partial(kind.list_maps, first), kind.boundary, kind.ball) for name, kind in kinds.items()}
     if folder is not None and split == "held-out":
         found |= {
-            f"cut-outs of a measured map, {number}": (partial(cut_map, Path(folder) / name, side), "free")
+            f"cut-outs of a measured map, {number}": Places(partial(cut_map, Path(folder) / name, side))
             for number, (name, side) in enumerate(MEASURED.items(), 1)
         }
     return found
@@ -170,51 +211,49 @@ def list_classes(split: str, folder: str | None = None) -> dict[str, tuple[Calla
 @lru_cache
 def solve_class(split: str, name: str, folder: str | None = None) -> dict[str, Array]:
     """Return for each quantity values and sampling errors, shape (2, places, loads)."""
-    make, boundary = list_classes(split, folder)[name]
-    flat = rc.Body(rc.FlatSurface(), rc.Elastic(MODULUS, 0.0))
-    slope = None
     found: dict[str, list[list[tuple[float, float]]]] = {quantity: [] for quantity in QUANTITIES}
-    for height_map in make():
-        if slope is None:
-            slope = float(rc.reference.texture(height_map.values, height_map.grid, periodic=False).Sdq.value)
-        problem = rc.ContactProblem(rc.Body(height_map, rc.Rigid()), flat, boundary=boundary)
-        places = [[] for _ in QUANTITIES]
-        for ratio in PRESSURES:
-            solution = problem.solve(pressure=ratio * MODULUS * slope)
-            answers = (solution.area(), solution.stiffness(), solution.peak_pressure())
-            for place, answer in zip(places, answers, strict=True):
-                sampling = math.nan if answer.sampling is None else answer.sampling
-                place.append((answer.value, sampling))
-        for quantity, place in zip(QUANTITIES, places, strict=True):
-            found[quantity].append(place)
+    for solutions in list_classes(split, folder)[name].solve():
+        for quantity, ask in QUANTITIES.items():
+            answers = [ask(solution) for solution in solutions]
+            pairs = [(one.value, math.nan if one.sampling is None else one.sampling) for one in answers]
+            found[quantity].append(pairs)
     return {quantity: np.moveaxis(np.array(places), 2, 0) for quantity, places in found.items()}
 
 
 def judge(values: Array, stated: Array) -> tuple[float, float, float, float]:
-    """Return scatter and stated errors (rms over the loads), and fractions of the mean and of others within two.
+    """Return scatter and stated errors (rms over the loads), and how often the mean and another place are within two.
 
-    Another place counts as within two if it lies within two standard deviations of a difference, root two of one.
+    Another place is within two standard deviations of a difference, root two of one. Places at which the contact is too
+    small to tell are left out.
     """
     mean = values.mean(axis=0)
     scatter = values.std(axis=0, ddof=1) / mean
-    inside = np.abs(values - mean) < 2.0 * stated
-    differences = np.abs(values[:, np.newaxis] - values) < 2.0 * math.sqrt(2.0) * stated[:, np.newaxis]
-    count = len(values)
-    others = (differences.sum() - count * values.shape[1]) / (count * (count - 1) * values.shape[1])
-    typical = np.median(stated / mean, axis=0)
-    return float(np.sqrt(np.mean(scatter**2))), float(np.sqrt(np.mean(typical**2))), float(inside.mean()), float(others)
+    known = np.isfinite(stated)
+    inside = np.abs(values - mean)[known] < 2.0 * stated[known]
+    near = np.abs(values[:, np.newaxis] - values) < 2.0 * math.sqrt(2.0) * stated[:, np.newaxis]
+    # A place is as near to itself as can be.
+    others = (near.sum(axis=1)[known] - 1.0) / (len(values) - 1.0)
+    typical = np.nanmedian(stated / mean, axis=0)
+    return (
+        float(np.sqrt(np.mean(scatter**2))),
+        float(np.sqrt(np.mean(typical**2))),
+        float(inside.mean()),
+        float(others.mean()),
+    )
 
 
-def make_rows(split: str = "held-out", folder: str | None = None) -> list[list[str]]:
+def make_rows(split: str = "held-out", folder: str | None = None, named: str = "") -> list[list[str]]:
     heading = ["places", "number"]
-    heading += [f"{part} of the {q}, %" for q in QUANTITIES for part in ("scatter", "sampling", "mean in two", "others")]
+    heading += [
+        f"{part} of the {q}, %" for q in QUANTITIES for part in ("scatter", "sampling", "mean in two", "others")
+    ]
     rows = [heading]
     total: dict[str, list[tuple[float, float, int]]] = {quantity: [] for quantity in QUANTITIES}
-    for name in list_classes(split, folder):
+    for name in (one for one in list_classes(split, folder) if named in one):
         found = solve_class(split, name, folder)
         cells = [name, str(found["area"].shape[1])]
         for quantity, (values, stated) in found.items():
-            if np.isnan(stated).any():
+            if np.isnan(stated).all():
                 cells += ["-"] * 4
                 continue
             numbers = judge(values, stated)
@@ -224,7 +263,7 @@ def make_rows(split: str = "held-out", folder: str | None = None) -> list[list[s
         print(" | ".join(cells), flush=True)
     cells = ["all", str(sum(int(row[1]) for row in rows[1:]))]
     for quantity in QUANTITIES:
-        parts = np.array(total[quantity])
+        parts = np.array(total[quantity]).reshape(-1, 3)
         cells += ["-", "-"] + [f"{100.0 * np.average(parts[:, k], weights=parts[:, 2]):.0f}" for k in (0, 1)]
     rows.append(cells)
     print(" | ".join(cells), flush=True)
@@ -240,4 +279,4 @@ SHOWN = [
 TABLES = {"sampling": DocTable(partial(make_rows, folder=os.environ.get("ROUGHCONTACT_MAPS")), 400, shown=pick(SHOWN))}
 
 if __name__ == "__main__":
-    make_rows(sys.argv[1] if len(sys.argv) > 1 else "held-out", *sys.argv[2:3])
+    make_rows(*sys.argv[1:])

@@ -23,7 +23,7 @@ from roughcontact._base.archive.plain import (
 from roughcontact._base.arrays import RealArray, as_shape
 from roughcontact._parts.grid import Grid
 from roughcontact._parts.materials import Material
-from roughcontact._parts.surfaces import FlatSurface, HeightMap, SelfAffineSurface, Surface, find_maps
+from roughcontact._parts.surfaces import HeightMap, SelfAffineSurface, Surface, find_maps
 from roughcontact.errors import InputError
 
 _PROBLEM_PART = {"kind": "part", "name": "roughcontact:ContactProblem"}
@@ -166,15 +166,13 @@ class Origin:
         return tuple(found for surface in surfaces for found in find_maps(surface))
 
     @property
-    def is_random(self) -> bool:
-        """Whether the surfaces are places of rough ones, without a form of their own; see `Surface.is_random`."""
+    def surfaces(self) -> tuple[Surface, ...]:
+        """The surfaces of the bodies, sums as their members; empty if the problem cannot be built."""
         try:
-            surfaces = [self.problem[name].surface for name in ("body", "counterbody")]
+            found = [self.problem[name].surface for name in ("body", "counterbody")]
         except InputError:
-            return False
-        members = [one for surface in surfaces for one in _list_surfaces(surface) if not one.parts]
-        random = [one for one in members if one.is_random]
-        return bool(random) and all(one.is_random or isinstance(one, FlatSurface) for one in members)
+            return ()
+        return tuple(one for surface in found for one in _list_surfaces(surface) if not one.parts)
 
     @property
     def missing(self) -> str:

@@ -13,7 +13,7 @@ from scipy import special
 
 from roughcontact._base.arrays import IntArray
 from roughcontact._parts.grid import Grid, extend
-from roughcontact._parts.surfaces import polynomial
+from roughcontact._parts.surfaces import FlatSurface, polynomial
 from roughcontact.reference.roughness import Waves, find_lay, transform_waves
 
 if TYPE_CHECKING:
@@ -41,6 +41,8 @@ _PEAK_LAY_EXPONENT = 0.3
 # Stiffness of a square punch over that of an elliptic one, and minimum compliance by the roughness over all.
 _SQUARE_PUNCH_FACTOR = 1.02
 _MIN_ROUGH_FRACTION = 0.02
+# Stiffness of an elliptic punch over that of the rectangle around it.
+_ELLIPSE_FACTOR = math.sqrt(math.pi / 4.0) / _SQUARE_PUNCH_FACTOR
 # Minimum cells of coarse heights along an axis that determine a plane and roughness, and range of flat ones over all.
 _MIN_PLANE_CELLS = 4
 _FLATNESS = 1e-9
@@ -113,12 +115,18 @@ def postpone_sampling(solution: ContactSolution, quantity: str, value: float = 0
 
 
 def _is_sampled(solution: ContactSolution) -> bool:
-    return bool(
-        solution.origin is not None
-        and solution.origin.is_random
-        and solution.tension is None
-        and solution.status.success
-    )
+    """Return whether other places differ, and how much can be told."""
+    if solution.origin is None or solution.tension is not None or not solution.status.success:
+        return False
+    is_random = any(one.is_random for one in solution.origin.surfaces)
+    # On a periodic boundary a form is a wave of the domain.
+    return is_random and (all(solution.boundary.free_axes) or not _has_form(solution))
+
+
+def _has_form(solution: ContactSolution) -> bool:
+    """Return whether a ball, say, is pressed on the roughness, so that it touches in a part of the domain."""
+    known = () if solution.origin is None else solution.origin.surfaces
+    return any(not (one.is_random or isinstance(one, FlatSurface)) for one in known)
 
 
 def _vary_area(solution: ContactSolution, _: float) -> float | None:
@@ -137,8 +145,9 @@ def _vary_stiffness(solution: ContactSolution, stiffness: float) -> float | None
     rough = math.hypot(of_height * found.height, of_tiles * found.tiles)
     if not free[0]:
         return rough
-    # A flat punch as large as the domain yields too, everywhere alike.
-    flat = _find_punch_stiffness(solution.grid, solution.modulus)
+    # A flat punch as large as the domain, or the ellipse in which a ball touches, yields too, everywhere alike.
+    flat = _find_punch_stiffness(_find_window(solution).size, solution.modulus)
+    flat *= _ELLIPSE_FACTOR if _has_form(solution) else 1.0
     return rough * max(1.0 - stiffness / flat, _MIN_ROUGH_FRACTION)
 
 
@@ -153,14 +162,34 @@ def find_place_statistics(solution: ContactSolution) -> PlaceStatistics | None:
     """Return the statistics of the place; None without a contact or roughness."""
     if not solution.contact.any():
         return None
-    waves = _find_long_waves(solution)
+    window = _find_window(solution)
+    waves = _find_long_waves(solution, window)
     if waves is None:
         return None
     height = min(waves.spread(1.0) / waves.sum(1.0), _MAX_HEIGHT_ERROR)
     lay = min(find_lay(waves), _MAX_LAY_RATIO)
-    elasticity = _find_elasticity(float(np.count_nonzero(solution.contact)) / solution.grid.cells)
-    tiles = _compare_tiles(solution, elasticity) * lay**_TILE_LAY_EXPONENT
+    elasticity = _find_elasticity(solution.patches.members.size / (window.shape[0] * window.shape[1]))
+    tiles = _compare_tiles(solution, window, elasticity) * lay**_TILE_LAY_EXPONENT
     return PlaceStatistics(tiles, elasticity, height, _vary_maxima(solution, lay**_PEAK_LAY_EXPONENT))
+
+
+@attrs.frozen
+class _Window:
+    """The part of the domain in which the surfaces touch: first cells, numbers of cells, and sides, m."""
+
+    first: tuple[int, int]
+    shape: tuple[int, int]
+    size: tuple[float, float]
+
+
+def _find_window(solution: ContactSolution) -> _Window:
+    grid = solution.grid
+    if not _has_form(solution):
+        return _Window((0, 0), grid.shape, grid.size)
+    i, j = np.divmod(solution.patches.members, grid.shape[1])
+    nx, ny = (int(k.max() - k.min()) + 1 for k in (i, j))
+    dx, dy = grid.spacing
+    return _Window((int(i.min()), int(j.min())), (nx, ny), (nx * dx, ny * dy))
 
 
 def _find_edges(count: int, cells: int) -> IntArray:
@@ -168,26 +197,25 @@ def _find_edges(count: int, cells: int) -> IntArray:
     return np.arange(count + 1) * cells // count
 
 
-def _compare_tiles(solution: ContactSolution, elasticity: float) -> float:
-    r"""Return the standard deviation of the area at a given load, by tiles of the domain.
+def _compare_tiles(solution: ContactSolution, window: _Window, elasticity: float) -> float:
+    r"""Return the standard deviation of the area at a given load, by tiles of a window.
 
     With loads F and areas A of independent tiles the ratio of the sums, :math:`r = \sum A / \sum F`, has
 
     .. math:: \left(\frac{s_r}{r}\right)^2 = \frac{\sum (A_i - r F_i)^2}{(\sum A_i)^2}
     """
-    sides = solution.grid.size
-    ratio = math.sqrt(sides[0] / sides[1])
+    ratio = math.sqrt(window.size[0] / window.size[1])
     nx, ny = (
         max(1, min(round(_TILES * scale), cells))
-        for scale, cells in zip((ratio, 1.0 / ratio), solution.grid.shape, strict=True)
+        for scale, cells in zip((ratio, 1.0 / ratio), window.shape, strict=True)
     )
     rows, columns = (
         np.repeat(np.arange(count), np.diff(_find_edges(count, cells)))
-        for count, cells in zip((nx, ny), solution.grid.shape, strict=True)
+        for count, cells in zip((nx, ny), window.shape, strict=True)
     )
     members = solution.patches.members
     i, j = np.divmod(members, solution.grid.shape[1])
-    tile = rows[i] * ny + columns[j]
+    tile = rows[i - window.first[0]] * ny + columns[j - window.first[1]]
     loads = np.bincount(tile, weights=solution.pressure.ravel()[members], minlength=nx * ny)
     loads /= loads.sum()
     areas = np.bincount(tile, minlength=nx * ny).astype(np.float64)
@@ -206,11 +234,11 @@ def _find_elasticity(fraction: float) -> float:
     return 2.0 / math.sqrt(math.pi) * ratio * math.exp(-(ratio**2)) / fraction
 
 
-def _find_long_waves(solution: ContactSolution) -> Waves | None:
-    """Return the waves of coarse heights, on a free boundary less their plane; None for flat surfaces."""
-    cells = solution.grid.shape
+def _find_long_waves(solution: ContactSolution, window: _Window) -> Waves | None:
+    """Return the waves of coarse heights, on a free boundary less their plane or form; None for flat surfaces."""
+    cells = window.shape
     shape = (min(cells[0], _COARSE_CELLS), min(cells[1], _COARSE_CELLS))
-    gap = solution.initial_gap
+    gap = solution.initial_gap[tuple(slice(at, at + n) for at, n in zip(window.first, cells, strict=True))]
     rows, columns = (_find_edges(n, full) for n, full in zip(shape, cells, strict=True))
     narrow = np.array([gap[start:stop].mean(axis=0) for start, stop in itertools.pairwise(rows)])
     coarse = np.array([narrow[:, start:stop].mean(axis=1) for start, stop in itertools.pairwise(columns)]).T
@@ -218,10 +246,10 @@ def _find_long_waves(solution: ContactSolution) -> Waves | None:
     if not repeats:
         if min(shape) < _MIN_PLANE_CELLS:
             return None
-        coarse = coarse - polynomial(coarse, 1, None)
+        coarse = coarse - polynomial(coarse, 2 if _has_form(solution) else 1, None)
     if not float(np.ptp(coarse)) > _FLATNESS * float(np.ptp(gap)):
         return None
-    return transform_waves(coarse, Grid(shape, solution.grid.size), repeats)
+    return transform_waves(coarse, Grid(shape, window.size), repeats)
 
 
 def _vary_maxima(solution: ContactSolution, dependence: float) -> float:
@@ -249,8 +277,8 @@ def _vary_maxima(solution: ContactSolution, dependence: float) -> float:
     return math.hypot(_PEAK_FACTOR * dependence * fall, _CUT_PEAK_STD if cut else 0.0)
 
 
-def _find_punch_stiffness(grid: Grid, modulus: float) -> float:
-    """Return the stiffness of a flat punch as large as the domain, from that of an ellipse, N/m."""
-    ratio = min(grid.size) / max(grid.size)
-    longer = math.sqrt(grid.area / (math.pi * ratio))
+def _find_punch_stiffness(sides: tuple[float, float], modulus: float) -> float:
+    """Return the stiffness of a flat rectangular punch, from that of an ellipse of its area and sides, N/m."""
+    ratio = min(sides) / max(sides)
+    longer = max(sides) / math.sqrt(math.pi)
     return _SQUARE_PUNCH_FACTOR * math.pi * modulus * longer / float(special.ellipk(1.0 - ratio**2))
