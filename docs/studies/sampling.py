@@ -17,7 +17,7 @@ from pathlib import Path
 import attrs
 import numpy as np
 import scipy.fft
-from doc_tables import DocTable, pick
+from doc_tables import DocTable, gather
 
 import roughcontact as rc
 from roughcontact.typing import Array
@@ -224,7 +224,7 @@ def judge(values: Array, stated: Array) -> tuple[float, float, float, float]:
     """Return scatter and stated errors (rms over the loads), and how often the mean and another place are within two.
 
     Another place is within two standard deviations of a difference, root two of one. Places at which the contact is too
-    small to tell are left out.
+    small to tell are not counted.
     """
     mean = values.mean(axis=0)
     scatter = values.std(axis=0, ddof=1) / mean
@@ -254,7 +254,7 @@ def make_rows(split: str = "held-out", folder: str | None = None, named: str = "
         cells = [name, str(found["area"].shape[1])]
         for quantity, (values, stated) in found.items():
             if np.isnan(stated).all():
-                cells += ["-"] * 4
+                cells += [""] * 4
                 continue
             numbers = judge(values, stated)
             total[quantity].append((*numbers[2:], len(values)))
@@ -264,19 +264,30 @@ def make_rows(split: str = "held-out", folder: str | None = None, named: str = "
     cells = ["all", str(sum(int(row[1]) for row in rows[1:]))]
     for quantity in QUANTITIES:
         parts = np.array(total[quantity]).reshape(-1, 3)
-        cells += ["-", "-"] + [f"{100.0 * np.average(parts[:, k], weights=parts[:, 2]):.0f}" for k in (0, 1)]
+        cells += ["", ""] + [f"{100.0 * np.average(parts[:, k], weights=parts[:, 2]):.0f}" for k in (0, 1)]
     rows.append(cells)
     print(" | ".join(cells), flush=True)
     return rows
 
 
-SHOWN = [
-    "places",
-    "scatter of the area, %",
-    "sampling of the area, %",
-    *(f"mean in two of the {quantity}, %" for quantity in QUANTITIES),
-]
-TABLES = {"sampling": DocTable(partial(make_rows, folder=os.environ.get("ROUGHCONTACT_MAPS")), 400, shown=pick(SHOWN))}
+GROUPS = {
+    "periodic": [name for name, kind in HELD_OUT.items() if kind.boundary == "periodic"],
+    "free along one axis or both": [
+        name for name, kind in HELD_OUT.items() if kind.boundary != "periodic" and kind.degree is None and not kind.ball
+    ],
+    "cut-outs of a larger surface": [name for name, kind in HELD_OUT.items() if kind.degree is not None],
+    "below a ball": [name for name, kind in HELD_OUT.items() if kind.ball],
+    **{f"cut-outs of a measured map, {k}": [f"cut-outs of a measured map, {k}"] for k in (1, 2, 3)},
+    "all": ["all"],
+}
+SHOWN = {
+    "places": "places",
+    "scatter of the area, %": "scatter of the area, %",
+    "sampling of the area, %": "sampling, median, %",
+    **{f"mean in two of the {quantity}, %": f"mean within two: {quantity}, %" for quantity in QUANTITIES},
+}
+MAPS = os.environ.get("ROUGHCONTACT_MAPS")
+TABLES = {"sampling": DocTable(partial(make_rows, folder=MAPS), 400, shown=gather(GROUPS, SHOWN))}
 
 if __name__ == "__main__":
     make_rows(*sys.argv[1:])

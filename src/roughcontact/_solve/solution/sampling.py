@@ -115,7 +115,7 @@ def postpone_sampling(solution: ContactSolution, quantity: str, value: float = 0
 
 
 def _is_sampled(solution: ContactSolution) -> bool:
-    """Return whether other places differ, and how much can be told."""
+    """Return whether there are other places, and their differences can be estimated."""
     if solution.origin is None or solution.tension is not None or not solution.status.success:
         return False
     is_random = any(one.is_random for one in solution.origin.surfaces)
@@ -216,10 +216,9 @@ def _compare_tiles(solution: ContactSolution, window: _Window, elasticity: float
     members = solution.patches.members
     i, j = np.divmod(members, solution.grid.shape[1])
     tile = rows[i - window.first[0]] * ny + columns[j - window.first[1]]
-    loads = np.bincount(tile, weights=solution.pressure.ravel()[members], minlength=nx * ny)
-    loads /= loads.sum()
-    areas = np.bincount(tile, minlength=nx * ny).astype(np.float64)
-    areas /= areas.sum()
+    pressures = solution.pressure.ravel()[members]
+    loads = np.bincount(tile, weights=pressures / pressures.sum(), minlength=nx * ny)
+    areas = np.bincount(tile, weights=np.full(members.size, 1.0 / members.size), minlength=nx * ny)
     found = float(np.sum((areas - loads) ** 2))
     count = 1.0 / float(np.sum(loads**2))
     usual = (_PATCH_STD * elasticity) ** 2 / solution.patches.count
