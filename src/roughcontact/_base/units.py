@@ -6,7 +6,7 @@ import contextlib
 import math
 import re
 import textwrap
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from decimal import Decimal
 from typing import Any, TypeAlias
 
@@ -248,17 +248,13 @@ class Estimate:
     uncertainty: float
     unit: str
     warnings: tuple[str, ...] = ()
-    # Over the value; a function is called when it is asked for.
-    _relative_sampling: float | Callable[[], float | None] | None = attrs.field(
-        default=None, kw_only=True, eq=False, repr=False
-    )
+    # Over the value.
+    _relative_sampling: float | None = attrs.field(default=None, kw_only=True, eq=False, repr=False)
 
     @property
     def sampling(self) -> float | None:
         """Standard deviation between places, in the unit of the value."""
-        found = self._relative_sampling
-        relative = found() if callable(found) else found
-        return None if relative is None else abs(self.value) * relative
+        return None if self._relative_sampling is None else abs(self.value) * self._relative_sampling
 
     @property
     def _reasons(self) -> str:

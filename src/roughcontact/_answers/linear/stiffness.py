@@ -14,7 +14,7 @@ from roughcontact._base.arrays import Array, IntArray, Mask
 from roughcontact._base.units import ContactWarning
 from roughcontact._parts.grid import Boundary, list_borders
 from roughcontact._solve.problem import find_stability, problem_of
-from roughcontact._solve.solution import Area, ContactSolution, Estimate, Response, postpone_sampling, responses
+from roughcontact._solve.solution import Area, ContactSolution, Estimate, Response, find_stiffness_sampling, responses
 from roughcontact.errors import InputError
 
 # Area by which the punch of the cells acts as smaller, in cells, for a row of L sides: a L - b ln L - c. Solved for
@@ -231,7 +231,7 @@ class Stiffness(Response[Estimate]):
     def respond(self, solution: ContactSolution) -> Estimate:
         """Return the stiffness; see `Response.respond`."""
         normal = find_normal_answer(solution, "stiffness")
-        sampling = postpone_sampling(solution, "stiffness", normal.value)
+        sampling = find_stiffness_sampling(solution, normal.value)
         return Estimate(normal.value, normal.uncertainty, "N/m", normal.warnings, relative_sampling=sampling)
 
 

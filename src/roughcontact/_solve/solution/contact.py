@@ -32,7 +32,7 @@ from roughcontact._solve.solution.results import (
     judge_maps,
     responses,
 )
-from roughcontact._solve.solution.sampling import PlaceStatistics, find_place_statistics, postpone_sampling
+from roughcontact._solve.solution.sampling import PlaceStatistics, find_area_sampling, find_place_statistics
 from roughcontact._solve.solution.summary import abbreviate, summarize
 from roughcontact._solve.solution.theory import Stickiness, TheoryBeside, compare_with_theory, find_stickiness
 from roughcontact._solve.solution.writers import page_or_file, to_pyvista, write_solution, writers
@@ -122,7 +122,7 @@ class ContactSolution(ContactFields):
             )
         area = judge_maps(area, self._maps, self.grid.cell_area)
         area = area if self.origin is None else widen_area(area, self, self.origin)
-        return attrs.evolve(area, relative_sampling=postpone_sampling(self, "area"))
+        return attrs.evolve(area, relative_sampling=find_area_sampling(self))
 
     @cached_property
     def _place(self) -> PlaceStatistics | None:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import attrs
 import numpy as np
@@ -69,49 +68,14 @@ class PlaceStatistics:
         By how much per cent the area falls if the slopes grow by one.
     height
         Sampling error of the mean square height.
-    peak
-        Standard deviation of the maximum pressure.
+    lay
+        Ratio of the rms slopes across and along the lay.
     """
 
     tiles: float
     elasticity: float
     height: float
-    peak: float
-
-
-@attrs.frozen(eq=False)
-class Postponed:
-    """A number that is computed when it is asked for; a copy and a pickle hold the number."""
-
-    compute: Callable[[], float | None]
-
-    def __call__(self) -> float | None:
-        return self.compute()
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return _keep, (self.compute(),)
-
-
-def _keep(value: float | None) -> float | None:
-    return value
-
-
-def postpone_sampling(solution: ContactSolution, quantity: str, value: float = 0.0) -> Postponed | None:
-    """Return the relative sampling error of a quantity, computed when it is asked for; None if it has none.
-
-    Parameters
-    ----------
-    solution
-        The contact.
-    quantity
-        ``"area"``, ``"stiffness"`` or ``"peak pressure"``.
-    value
-        The stiffness, N/m.
-    """
-    if not _is_sampled(solution):
-        return None
-    rules = {"area": _vary_area, "stiffness": _vary_stiffness, "peak pressure": _vary_peak}
-    return Postponed(lambda: rules[quantity](solution, value))
+    lay: float
 
 
 def _is_sampled(solution: ContactSolution) -> bool:
@@ -129,14 +93,16 @@ def _has_form(solution: ContactSolution) -> bool:
     return any(not (one.is_random or isinstance(one, FlatSurface)) for one in known)
 
 
-def _vary_area(solution: ContactSolution, _: float) -> float | None:
+def find_area_sampling(solution: ContactSolution) -> float | None:
+    """Return the standard deviation of the area between places, over the area; None if it is not known."""
     found = solution._place
     if found is None:
         return None
     return _AREA_FACTOR * found.elasticity * found.tiles * (1.0 + _DEPENDENCE * found.height)
 
 
-def _vary_stiffness(solution: ContactSolution, stiffness: float) -> float | None:
+def find_stiffness_sampling(solution: ContactSolution, stiffness: float) -> float | None:
+    """Return the standard deviation of the stiffness, N/m, between places, over it; None if it is not known."""
     found = solution._place
     free = solution.boundary.free_axes
     if found is None or not math.isfinite(stiffness) or free[0] != free[1]:
@@ -151,16 +117,17 @@ def _vary_stiffness(solution: ContactSolution, stiffness: float) -> float | None
     return rough * max(1.0 - stiffness / flat, _MIN_ROUGH_FRACTION)
 
 
-def _vary_peak(solution: ContactSolution, _: float) -> float | None:
-    if solution.saturated.any():
-        return 0.0
+def find_peak_sampling(solution: ContactSolution) -> float | None:
+    """Return the standard deviation of the maximum pressure between places, over it; None if it is not known."""
     found = solution._place
-    return None if found is None else found.peak
+    if found is None:
+        return None
+    return 0.0 if solution.saturated.any() else _vary_maxima(solution, found.lay**_PEAK_LAY_EXPONENT)
 
 
 def find_place_statistics(solution: ContactSolution) -> PlaceStatistics | None:
-    """Return the statistics of the place; None without a contact or roughness."""
-    if not solution.contact.any():
+    """Return the statistics of the place; None where no other places are known, or without a contact or roughness."""
+    if not _is_sampled(solution) or not solution.contact.any():
         return None
     window = _find_window(solution)
     waves = _find_long_waves(solution, window)
@@ -170,7 +137,7 @@ def find_place_statistics(solution: ContactSolution) -> PlaceStatistics | None:
     lay = min(find_lay(waves), _MAX_LAY_RATIO)
     elasticity = _find_elasticity(solution.patches.members.size / (window.shape[0] * window.shape[1]))
     tiles = _compare_tiles(solution, window, elasticity) * lay**_TILE_LAY_EXPONENT
-    return PlaceStatistics(tiles, elasticity, height, _vary_maxima(solution, lay**_PEAK_LAY_EXPONENT))
+    return PlaceStatistics(tiles, elasticity, height, lay)
 
 
 @attrs.frozen
