@@ -212,6 +212,25 @@ def test_on_a_mixed_boundary_the_stiffness_has_none():
     assert solution.area().sampling > 0.0
 
 
+@pytest.mark.parametrize(
+    ("shape", "boundary", "known"),
+    [
+        ((64, 1), "periodic", True),
+        ((64, 1), ("free", "periodic"), False),
+        ((3, 3), "free", False),
+        ((2, 50), "free", False),
+        ((130, 7), "free", True),
+        ((32, 32), "wrapped", True),
+    ],
+)
+def test_narrow_and_tiny_domains(shape, boundary, known):
+    heights = 1e-8 * np.random.default_rng(0).normal(size=shape)
+    surface = rc.HeightMap(heights, size=(shape[0] * 1e-6, shape[1] * 1e-6), periodic=True)
+    area = rc.ContactProblem(rc.Body(surface, STEEL), boundary=boundary).solve(pressure=50e6).area()
+    assert (area.sampling is not None) is known
+    assert not known or 0.0 < area.sampling < area.value
+
+
 def test_surfaces_that_attract_each_other_have_none():
     heights = draw((32, 32), 32e-6, 1, 16e-6, 8e-6)
     law = rc.Exponential(work=0.05, range=50e-9)
