@@ -272,13 +272,14 @@ def test_the_print_and_the_report_tell_it(rough):
     assert line.split(maxsplit=2)[2] == list_answers(rough)["other places"]
 
 
-def test_parts_of_measured_maps_agree_within_their_sampling_errors(measured_maps):
-    whole = rc.read_surface(measured_maps / "opd-1.opd", non_measured="fill")
+def test_parts_of_a_measured_map_agree_within_their_sampling_errors(measured_maps):
+    pytest.importorskip("SurfaceTopography")
+    whole = rc.read_surface(measured_maps / "plu-1.plu", non_measured="fill")
     size = tuple(96 * step for step in whole.grid.spacing)
     areas = []
-    for i in range(0, 576, 192):
-        for j in range(0, 384, 192):
+    for i in range(0, 768, 192):
+        for j in range(0, 576, 192):
             part = rc.HeightMap(whole.values[i : i + 96, j : j + 96], size=size).detrend(2)
-            areas.append(rc.ContactProblem(rc.Body(part, STEEL)).solve(pressure=50e6).area())
+            areas.append(rc.ContactProblem(rc.Body(part, STEEL)).solve(pressure=16e6).area())
     mean = np.mean([one.value for one in areas])
     assert np.mean([abs(one.value - mean) < 2.0 * one.sampling for one in areas]) >= 0.8
