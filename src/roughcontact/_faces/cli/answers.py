@@ -76,9 +76,11 @@ def _value(value: Any, unit: str) -> dict[str, Any]:
 
 def describe_estimate(found: rc.Estimate) -> dict[str, Any]:
     """Return an estimate as data that JSON can hold."""
+    sampling = found.sampling
     return {
         "value": float(found.value),
         "uncertainty": float(found.uncertainty),
+        **({} if sampling is None else {"sampling": float(sampling)}),
         "unit": found.unit,
         "warnings": list(found.warnings),
     }

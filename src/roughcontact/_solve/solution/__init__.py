@@ -30,6 +30,7 @@ from roughcontact._solve.solution.results import (
     areas,
     responses,
 )
+from roughcontact._solve.solution.sampling import find_peak_sampling, find_stiffness_sampling
 from roughcontact._solve.solution.storage import read, read_figures, require_netcdf, scalars_of, write
 from roughcontact._solve.solution.summary import (
     MORE_THAN_METALS,
@@ -84,7 +85,9 @@ __all__ = [
     "exceeds_metals",
     "fill_gap",
     "find_contact",
+    "find_peak_sampling",
     "find_scene",
+    "find_stiffness_sampling",
     "gather_warnings",
     "heal",
     "key_of_origin",
