@@ -28,6 +28,7 @@ from roughcontact._answers.subsurface.maximum import (
     MIN_RELATIVE_ERROR,
     PlanePeak,
     StressMaximum,
+    default_depths,
     find_maximum_of_layers,
     find_shear,
     find_von_mises,
@@ -47,13 +48,6 @@ from roughcontact._solve.problem import ContactProblem, problem_of
 from roughcontact._solve.solution import ContactSolution, Response, responses
 from roughcontact.errors import InputError
 
-# Default depths: the first, in cells; the ratio of each to the one before; the last, in radii of the largest patch, and
-# its bounds, in cells and in sides of the domain.
-_FIRST_DEPTH_CELLS = 0.5
-_DEPTH_RATIO = 1.15
-_LAST_DEPTH_RADII = 2.0
-_MIN_LAST_DEPTH_CELLS = 4.0
-_MAX_LAST_DEPTH_SIDES = 0.5
 # Largest traction, in maximum pressures, and coefficient of friction for which the stress is computed.
 _MAX_LOAD_RATIO = 1e6
 # Largest depth, in sides of the domain, for which the stress is computed.
@@ -491,15 +485,3 @@ class StressBelow(Response[Stress]):
             allowed = f"finite, at most {_MAX_LOAD_RATIO:g} times the maximum pressure"
             raise InputError.about("The traction", float(np.abs(traction).max()), allowed, "Tractions are in pascals.")
         return traction if self.body == "body" else -traction
-
-
-def default_depths(solution: ContactSolution) -> Array:
-    """Return depths in which the maximum of the stress is found, m, ascending."""
-    cell = max(solution.grid.spacing)
-    patches = solution.patches
-    radius = math.sqrt(float(patches.areas.max()) / math.pi) if patches.count else 0.0
-    last = max(
-        _MIN_LAST_DEPTH_CELLS * cell, min(_LAST_DEPTH_RADII * radius, _MAX_LAST_DEPTH_SIDES * max(solution.grid.size))
-    )
-    count = math.ceil(math.log(last / (_FIRST_DEPTH_CELLS * cell)) / math.log(_DEPTH_RATIO)) + 1
-    return np.asarray(np.geomspace(_FIRST_DEPTH_CELLS * cell, last, count), dtype=np.float64)

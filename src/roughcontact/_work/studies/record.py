@@ -17,7 +17,7 @@ import numpy as np
 from roughcontact._base.archive import replacing
 from roughcontact._base.archive.plain import describe, rebuild
 from roughcontact._base.arrays import RealArray
-from roughcontact._base.checks import item_of
+from roughcontact._base.checks import flag, item_of
 from roughcontact._base.tables import Table, make_dataset
 from roughcontact._base.units import Estimate, counted, printable
 from roughcontact._parts.grid import FIRST_LOADING
@@ -291,6 +291,63 @@ class StudyResult:
         if not record.has_friction:
             raise InputError("This record has no path: a study with friction= and tangential_force= has some.")
         return load_path(solution_path(self.folder, record.key), verify=False, key=record.key)
+
+    def plot(
+        self,
+        x: str = "load",
+        y: str = "area",
+        *,
+        color: str | None = None,
+        over: str | None = None,
+        axes: Any = None,
+        dark: bool = False,
+    ) -> Any:
+        """Draw one column over another one (extra ``plot``), with a band of two standard deviations.
+
+        Parameters
+        ----------
+        x, y
+            Columns of `to_pandas`; ``"area"`` is that of the first estimator. Units are chosen.
+        color
+            A column, of whose values each has a curve.
+        over
+            An axis, such as ``"seed"``: drawn are the mean and the scatter over it, in place of the uncertainty.
+        axes, dark
+            As for `ContactSolution.plot`.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes.
+
+        Raises
+        ------
+        InputError
+            If there is no such column, or several solves have the same place on a curve.
+
+        Examples
+        --------
+        >>> import roughcontact as rc
+        >>> def make(seed: int, hurst: float) -> rc.ContactProblem:
+        ...     rough = rc.SelfAffineSurface(hurst=hurst, rms_slope=0.1, shortest=8e-6, longest=64e-6, seed=seed)
+        ...     body = rc.Body(rough, rc.Elastic(young=210e9, poisson=0.3))
+        ...     return rc.ContactProblem(body, grid=rc.Grid((32, 32), 64e-6), boundary="periodic")
+        >>> study = rc.Study(make, seed=[1, 2], hurst=[0.5, 0.8], pressure=[50e6, 100e6])
+        >>> axes = study.run("results").plot(color="hurst", over="seed")
+        >>> axes.get_xlabel(), axes.get_ylabel()
+        ('load, MPa', 'area blend, µm²')
+        """
+        from roughcontact.plotting import StudyNames, draw_study
+
+        table = self._table
+        estimated = [name for name in table.columns if name.startswith("area ")]
+        y = estimated[0] if y == "area" and estimated else y
+        for name in (x, y, color, over):
+            if name is not None and name not in table.columns:
+                raise InputError.unknown("column", name, table.columns)
+        near = (y.replace("area ", "uncertainty ", 1), f"{y}_uncertainty")
+        spread = next((name for name in near if name != y and name in table.columns), "")
+        return draw_study(table, StudyNames(x, y, spread, color or "", over or ""), axes, flag(dark, "dark="))
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write the columns of `to_pandas` to a CSV file, completely or not at all.
