@@ -1,4 +1,4 @@
-"""Responses as columns of a study: asked once, kept, asked again when they change, in scripts and study files."""
+"""Responses as columns of a study: found once, kept, and found anew when their fields change; in study files too."""
 
 from __future__ import annotations
 
