@@ -14,8 +14,10 @@ import roughcontact as rc
 from roughcontact._base import checks
 from roughcontact._base.tables import Table
 from roughcontact._base.units import fit, si
+from roughcontact._faces.html.inputs import describe_part, find_problem
 from roughcontact._faces.panels.figures import save_figure
 from roughcontact._faces.panels.theme import require_matplotlib
+from roughcontact._parts.grid import Load
 from roughcontact._solve.problem import Sweep, make_table
 from roughcontact._solve.solution import require_netcdf, versions
 from roughcontact._work.studies import list_estimates
@@ -65,10 +67,30 @@ def describe_solution(solution: rc.ContactSolution, estimator: str | None = None
         "warnings": list(solution.warnings),
         "accuracy": None if accuracy is None else {"met": accuracy.met, "message": str(accuracy)},
         "residuals": {name: getattr(solution.residuals, name) for name in _RESIDUALS},
+        "inputs": _describe_inputs(solution),
         "grid": {"shape": list(solution.grid.shape), "size": _value(list(solution.grid.size), "m")},
         "boundary": str(solution.boundary),
         "cost": {name: getattr(solution, name) for name in ("iterations", "convolutions", "seconds")},
     }
+
+
+def _describe_inputs(solution: rc.ContactSolution) -> dict[str, Any] | None:
+    """Return the parts of the problem as expressions of a script, and the load; None if they are not known."""
+    problem, _ = find_problem(solution)
+    if problem is None or solution.origin is None:
+        return None
+    ((kind, value),) = solution.origin.load.items()
+    load = Load(kind, value)
+    plan = problem.plan
+    parts: dict[str, Any] = {name: describe_part(getattr(plan, name)) for name in ("kernel", "convolver", "solver")}
+    if problem.adhesion is not None:
+        parts["adhesion"] = describe_part(problem.adhesion)
+    for name in ("body", "counterbody"):
+        body = getattr(problem, name)
+        parts[name] = {"surface": describe_part(body.surface), "material": describe_part(body.material)}
+        if body.surface.provenance:
+            parts[name]["provenance"] = list(body.surface.provenance)
+    return {**parts, "load": {"kind": kind, **_value(value, load.unit)}}
 
 
 def _value(value: Any, unit: str) -> dict[str, Any]:

@@ -14,13 +14,12 @@ from roughcontact._base.arrays import RealArray
 from roughcontact._base.checks import flag, item_of
 from roughcontact._base.tables import Table, make_dataset
 from roughcontact._base.units import Estimate, counted
-from roughcontact._parts.grid import FIRST_LOADING
+from roughcontact._parts.grid import FIRST_LOADING, Load
 from roughcontact._solve.problem import FrictionalPath, load_path
 from roughcontact._solve.solution import ContactSolution
 from roughcontact._work.studies.record import COUNT_COLUMNS, FRICTION_UNITS, Record, read_solution, solution_path
 from roughcontact.errors import InputError
 
-_LOAD_UNITS = {"pressure": "Pa", "force": "N", "approach": "m"}
 _UNITS = {
     "force": "N",
     "mean_pressure": "Pa",
@@ -205,8 +204,8 @@ class StudyResult:
 
     @property
     def _load_unit(self) -> str:
-        kinds = {record.control for record in self.records}
-        return _LOAD_UNITS.get(kinds.pop(), "") if len(kinds) == 1 else ""
+        units = {Load(record.control, record.load).unit for record in self.records}
+        return units.pop() if len(units) == 1 else ""
 
     @property
     def _places(self) -> dict[str, list[Any]]:
