@@ -33,10 +33,14 @@ def load(path: str | os.PathLike[str], *, verify: bool = True) -> ContactSolutio
 
     Examples
     --------
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
     >>> import roughcontact as rc
     >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Elastic(young=210e9, poisson=0.3))
-    >>> rc.ContactProblem(ball, grid=rc.Grid((32, 32), 100e-6)).solve(force=1.0).save("contact.npz")
-    >>> print(f"{rc.load('contact.npz').force} N")
+    >>> solution = rc.ContactProblem(ball, grid=rc.Grid((32, 32), 100e-6)).solve(force=1.0)
+    >>> with TemporaryDirectory() as folder:
+    ...     solution.save(Path(folder) / "contact.npz")
+    ...     print(f"{rc.load(Path(folder) / 'contact.npz').force:.1f} N")
     1.0 N
     """
     verify = checks.flag(verify, "verify=")

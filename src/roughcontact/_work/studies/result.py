@@ -127,7 +127,9 @@ class StudyResult:
         ...     body = rc.Body(rough, rc.Elastic(young=210e9, poisson=0.3))
         ...     return rc.ContactProblem(body, grid=rc.Grid((32, 32), 64e-6), boundary="periodic")
         >>> study = rc.Study(make, seed=[1, 2], hurst=[0.5, 0.8], pressure=[50e6, 100e6])
-        >>> axes = study.run("results").plot(color="hurst", over="seed")
+        >>> from tempfile import TemporaryDirectory
+        >>> with TemporaryDirectory() as folder:
+        ...     axes = study.run(folder).plot(color="hurst", over="seed")
         >>> axes.get_xlabel(), axes.get_ylabel()
         ('load, MPa', 'area blend, µm²')
         """
