@@ -28,6 +28,7 @@ from roughcontact._solve.solution.results import (
     Response,
     Status,
     areas,
+    read_number,
     responses,
 )
 from roughcontact._solve.solution.storage import read, read_figures, require_netcdf, scalars_of, write
@@ -97,6 +98,7 @@ __all__ = [
     "read",
     "read_estimate",
     "read_figures",
+    "read_number",
     "read_path",
     "require_netcdf",
     "responses",
