@@ -342,7 +342,8 @@ class _Search:
         slope = abs(self._slope(point)) * point.answer.value / solution.mean_pressure
         spread = math.hypot(point.answer.uncertainty, point.answer.value - self._wanted)
         uncertainty = spread / slope if slope > 0.0 else math.inf
-        pressure = Estimate(solution.mean_pressure, uncertainty, "Pa", (*point.answer.warnings, *self._warn_of_turn()))
+        warnings = (*point.answer.warnings, *self._warn_of_turn(), *self._warn_of_level(slope))
+        pressure = Estimate(solution.mean_pressure, uncertainty, "Pa", warnings)
         force = attrs.evolve(pressure, value=solution.force, uncertainty=uncertainty * self._grid_area, unit="N")
         return RequiredLoad(force, pressure, point.answer, self._wanted, self._name, solution, solves=len(self._points))
 
@@ -378,18 +379,22 @@ class _Search:
         text = f"the {self._name} rises and falls with the load: other loads may have it too"
         return (ContactWarning(text, "several loads"),)
 
+    def _warn_of_level(self, slope: float) -> tuple[ContactWarning, ...]:
+        """Return a warning if the answer does not change with the load."""
+        if slope > 0.0:
+            return ()
+        return (ContactWarning(f"the {self._name} does not change with the load here", "level"),)
+
     def _say_range(self) -> str:
         unit = self._points[0].answer.unit
-        ends = self._points[0], self._points[-1]
-        values = [write_number(one.answer.value, unit) for one in ends]
-        loads = [si(math.exp(one.x), "Pa") for one in ends]
         wanted = write_number(self._wanted, unit)
-        found = f"it is {values[0]} at {loads[0]}"
-        if len(self._points) > 1:
-            found = f"it goes from {values[0]} at {loads[0]} to {values[1]} at {loads[1]}"
-        carried = ends[1].x >= self._ends[1] >= math.log(self._maximum)
+        low, high = (si(math.exp(self._points[index].x), "Pa") for index in (0, -1))
+        nearest = min(self._points, key=lambda one: abs(one.answer.value - self._wanted))
+        found = f"{write_number(nearest.answer.value, unit)} at {si(math.exp(nearest.x), 'Pa')}"
+        carried = self._points[-1].x >= self._ends[1] >= math.log(self._maximum)
         limit = ", the maximum that the bodies can carry" if carried else ""
-        return f"No load gives {_a(self._name)} of {wanted}: {found}{limit}."
+        tried = f"between {low} and {high}{limit}, the nearest is {found}"
+        return f"No load gives {_a(self._name)} of {wanted}: {tried}."
 
     def _say_jump(self) -> str:
         bracket = self._find_bracket()
