@@ -36,14 +36,14 @@ if TYPE_CHECKING:
 Solve = Callable[[Load, Array | None], ContactSolution]
 
 # The search ends where the answer is off by this fraction of its uncertainty, between these relative errors.
-_PART_OF_UNCERTAINTY = 0.25
+_PART_OF_UNCERTAINTY = 0.2
 _MIN_TOLERANCE = 1e-5
-_MAX_TOLERANCE = 1e-3
+_MAX_TOLERANCE = 5e-3
 # Maximum tries: halvings, the worst case, narrow any bracket below the criterion for jumps.
 _MAX_TRIES = 40
 # Relative width of a bracket in which an answer that is still not found jumps, as an area does from cell to cell.
 _JUMP_WIDTH = 1e-5
-# Brackets that were not halved in two steps, after which all are halved.
+# Errors that were not halved in two steps, after which all brackets are halved.
 _MAX_STALLS = 1
 # Mean pressures between which is searched, over that of a large area: below, no cell follows the load; above, the
 # heights are small beside the displacement.
@@ -115,7 +115,10 @@ def write_number(value: float, unit: str) -> str:
 
 @attrs.frozen
 class _Point:
-    """An answer at a load: logarithms of the mean pressure and of the answer over the wanted one, and the answer."""
+    """An answer at a load.
+
+    `x` and `off` are the logarithms of the mean pressure over the typical one and of the answer over the wanted one.
+    """
 
     x: float
     off: float
@@ -203,11 +206,12 @@ class _Search:
         self._points: list[_Point] = []
         self._solutions: dict[float, ContactSolution] = {}
         self._wanted = math.nan
-        self._widths: list[float] = []
+        self._errors: list[float] = []
         self._stalls = 0
-        smallest = _MIN_PRESSURE_RATIO * min(self._typical, self._maximum)
-        largest = min(self._maximum, _MAX_PRESSURE_RATIO * self._typical)
-        self._ends = math.log(smallest), math.log(largest)
+        # Over the typical pressure, so that a power of two in the modulus changes no bit.
+        self._limit = self._maximum / self._typical
+        smallest = _MIN_PRESSURE_RATIO * min(1.0, self._limit)
+        self._ends = math.log(smallest), math.log(min(self._limit, _MAX_PRESSURE_RATIO))
         if isinstance(response, AreaEstimator):
             self._wanted = self._read_area(wanted)
         elif not isinstance(wanted, str):
@@ -242,7 +246,7 @@ class _Search:
         fraction = _FIRST_FRACTION
         if isinstance(self._response, AreaEstimator):
             fraction = self._wanted / self._grid_area
-        x = math.log(0.5 * fraction * min(self._typical, self._maximum))
+        x = math.log(0.5 * fraction * min(1.0, self._limit))
         for _ in range(_MAX_TRIES):
             point = self._try(x)
             if abs(point.off) <= self._tolerance(point.answer):
@@ -258,7 +262,7 @@ class _Search:
 
     def _try(self, x: float) -> _Point:
         """Return the answer at a load, after solving from the nearest loads."""
-        load = Load("pressure", min(math.exp(x), self._maximum))
+        load = Load("pressure", self._pressure_at(x))
         near = sorted(self._solutions, key=lambda one: -abs(one - x))[-2:]
         if len(near) == 2 and abs(x - near[1]) > _MAX_EXTRAPOLATION * abs(near[1] - near[0]):
             near = near[1:]
@@ -278,6 +282,9 @@ class _Search:
         }
         return point
 
+    def _pressure_at(self, x: float) -> float:
+        return min(self._typical * math.exp(x), self._maximum)
+
     def _tolerance(self, answer: Estimate) -> float:
         relative = answer.uncertainty / answer.value if answer.value > 0.0 else 0.0
         return min(max(_PART_OF_UNCERTAINTY * relative, _MIN_TOLERANCE), _MAX_TOLERANCE)
@@ -290,16 +297,18 @@ class _Search:
     def _interpolate(self, low: _Point, high: _Point) -> float:
         """Return a load inside a bracket."""
         middle = 0.5 * (low.x + high.x)
-        self._widths.append(high.x - low.x)
-        if len(self._widths) > 2 and self._widths[-1] > 0.5 * self._widths[-3]:
+        if not (math.isfinite(low.off) and math.isfinite(high.off)):
+            return middle
+        self._errors.append(min(abs(low.off), abs(high.off)))
+        if len(self._errors) > 2 and self._errors[-1] > 0.5 * self._errors[-3]:
             # The answer jumps or bends.
             self._stalls += 1
             return middle
         if self._stalls > _MAX_STALLS:
             return middle
-        near = self._nearest(3)
-        for count in (3, 2):
-            x = _at_zero(near[:count]) if len(near) >= count else math.nan
+        others = [one for one in self._nearest(3) if one not in (low, high)]
+        for points in ([low, high, *others[:1]], [low, high]):
+            x = _at_zero(points)
             if low.x < x < high.x:
                 return x
         return middle
@@ -342,7 +351,7 @@ class _Search:
         slope = abs(self._slope(point)) * point.answer.value / solution.mean_pressure
         spread = math.hypot(point.answer.uncertainty, point.answer.value - self._wanted)
         uncertainty = spread / slope if slope > 0.0 else math.inf
-        warnings = (*point.answer.warnings, *self._warn_of_turn(), *self._warn_of_level(slope))
+        warnings = (*point.answer.warnings, *self._warn_of_level(slope))
         pressure = Estimate(solution.mean_pressure, uncertainty, "Pa", warnings)
         force = attrs.evolve(pressure, value=solution.force, uncertainty=uncertainty * self._grid_area, unit="N")
         return RequiredLoad(force, pressure, point.answer, self._wanted, self._name, solution, solves=len(self._points))
@@ -366,19 +375,6 @@ class _Search:
         slope = (slopes[0] * other - slopes[1] * one) / (other - one)
         return slope if slope * slopes[0] > 0.0 else slopes[0]
 
-    def _warn_of_turn(self) -> tuple[ContactWarning, ...]:
-        """Return a warning if the answer rises and falls with the load."""
-        finite = [one for one in self._points if math.isfinite(one.answer.value)]
-        signs = set()
-        for low, high in itertools.pairwise(finite):
-            change = high.answer.value - low.answer.value
-            if abs(change) > _SIGNIFICANT_STD * (low.answer.uncertainty + high.answer.uncertainty):
-                signs.add(change > 0.0)
-        if len(signs) < 2:
-            return ()
-        text = f"the {self._name} rises and falls with the load: other loads may have it too"
-        return (ContactWarning(text, "several loads"),)
-
     def _warn_of_level(self, slope: float) -> tuple[ContactWarning, ...]:
         """Return a warning if the answer does not change with the load."""
         if slope > 0.0:
@@ -388,13 +384,22 @@ class _Search:
     def _say_range(self) -> str:
         unit = self._points[0].answer.unit
         wanted = write_number(self._wanted, unit)
-        low, high = (si(math.exp(self._points[index].x), "Pa") for index in (0, -1))
+        low, high = (si(self._pressure_at(self._points[index].x), "Pa") for index in (0, -1))
         nearest = min(self._points, key=lambda one: abs(one.answer.value - self._wanted))
-        found = f"{write_number(nearest.answer.value, unit)} at {si(math.exp(nearest.x), 'Pa')}"
-        carried = self._points[-1].x >= self._ends[1] >= math.log(self._maximum)
+        found = f"{write_number(nearest.answer.value, unit)} at {si(self._pressure_at(nearest.x), 'Pa')}"
+        carried = self._pressure_at(self._points[-1].x) >= (1.0 - 1e-9) * self._maximum
         limit = ", the maximum that the bodies can carry" if carried else ""
         tried = f"between {low} and {high}{limit}, the nearest is {found}"
-        return f"No load gives {_a(self._name)} of {wanted}: {tried}."
+        turn = f"; it rises and falls, and was asked at {len(self._points)} loads only" if self._turns() else ""
+        return f"No load gives {_a(self._name)} of {wanted}: {tried}{turn}."
+
+    def _turns(self) -> bool:
+        """Return whether the answer rises and falls with the load."""
+        signs = set()
+        for low, high in itertools.pairwise(one.answer for one in self._points if math.isfinite(one.answer.value)):
+            if abs(high.value - low.value) > _SIGNIFICANT_STD * (low.uncertainty + high.uncertainty):
+                signs.add(high.value > low.value)
+        return len(signs) == 2
 
     def _say_jump(self) -> str:
         bracket = self._find_bracket()
@@ -402,7 +407,7 @@ class _Search:
         if bracket is None:
             return self._say_range()
         values = [write_number(one.answer.value, one.answer.unit) for one in bracket]
-        near = si(math.exp(bracket[0].x), "Pa")
+        near = si(self._pressure_at(bracket[0].x), "Pa")
         return (
             f"No load gives {_a(self._name)} of {wanted}: near {near} it jumps from {values[0]} to {values[1]}. "
             "Refine the grid or choose another estimator."
