@@ -163,6 +163,7 @@ class TestSearch:
         assert rough.solve_for(area="307.2um2").force == rough.solve_for(area=307.2e-12).force
         assert rough.solve_for(area="10%").wanted == pytest.approx(0.1 * nominal)
         assert rough.solve_for(stiffness="2MN/m").force == rough.solve_for(stiffness=2e6).force
+        assert rough.solve_for(conductance="5e-4", conductivity=50.0).wanted == 5e-4
         assert rough.solve_for(peak_pressure="30GPa").wanted == 30e9
         assert rough.solve_for(mean_gap="0.4um").wanted == pytest.approx(4e-7)
 
@@ -222,7 +223,7 @@ BAD = {
     "all of it": (lambda p: p.solve_for(area="100%"), "below the nominal area"),
     "a wrong unit": (lambda p: p.solve_for(stiffness="5nm"), "not a quantity in units of N/m"),
     "a wrong unit of an area": (lambda p: p.solve_for(area="5nm"), "The wanted area"),
-    "a unit without texts": (lambda p: p.solve_for(conductance="5W/K", conductivity=50.0), "a number in W/K"),
+    "a unit without texts": (lambda p: p.solve_for(conductance="5W/K", conductivity=50.0), "a plain number, W/K"),
     "more flow than the open gap has": (lambda p: p.solve_for(leakage=1.0, **FLOW), "No load gives a leakage"),
     "a wider gap than at first touch": (lambda p: p.solve_for(mean_gap="1mm"), "No load gives a mean-gap"),
     "more than the maximum": (lambda p: p.solve_for(Turning(), value=1.5), "the nearest is"),

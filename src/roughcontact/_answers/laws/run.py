@@ -20,7 +20,7 @@ from roughcontact.errors.door import guarded
 _UNITS_PER_AREA = {"N/m": "Pa/m", "W/K": "W/(m2 K)", "S": "S/m2"}
 _OWN_COLUMNS = ("pressure", "area", "mean_gap")
 # Ratio of neighbouring loads up to which a straight line between them is within 1 % of powers of 1/3 to 1.
-_MAX_LOAD_RATIO = 1.6
+MAX_LOAD_RATIO = 1.6
 
 Rows = dict[str, list[Estimate]]
 
@@ -82,7 +82,7 @@ def interface_law(
     problem.require_load(pressure=values[-1])
     rows, texts = _solve(problem, [Load("pressure", value) for value in values], asked)
     columns = {name: _make_column(name, row, problem.plan.grid.area) for name, row in rows.items()}
-    warnings = *interpolation_warning(np.array(values), _MAX_LOAD_RATIO), *_collect(texts)
+    warnings = *interpolation_warning(np.array(values), MAX_LOAD_RATIO), *_collect(texts)
     return InterfaceLaw(np.array(values), columns, _describe(problem), warnings)
 
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from roughcontact._base.arrays import Array
 from roughcontact._base.checks import number
-from roughcontact._base.units import ContactWarning, Estimate, has_power, parse_quantity, si
+from roughcontact._base.units import EXAMPLES, ContactWarning, Estimate, parse_quantity, si
 from roughcontact._parts.grid import Load
 from roughcontact._parts.surfaces import rms_slope
 from roughcontact._solve.problem.sweep import predict_pressure
@@ -110,7 +110,7 @@ class RequiredLoad:
 
 def write_number(value: float, unit: str) -> str:
     """Return a number with its unit, to six digits."""
-    return si(value, unit, 6) if unit and not has_power(unit) else f"{value:.6g} {unit}".strip()
+    return si(value, unit, 6) if unit else f"{value:.6g}"
 
 
 @attrs.frozen
@@ -233,12 +233,13 @@ class _Search:
     def _read_text(self, unit: str) -> float:
         """Return a wanted answer that is given as a text, in the unit of the answers."""
         what = f"The wanted {self._name}"
+        text = str(self._given)
         try:
-            value = parse_quantity(str(self._given), unit)
-        except KeyError:
-            raise InputError.about(what, self._given, f"a number in {unit}") from None
+            value = parse_quantity(text, unit if unit in EXAMPLES else "")
         except ValueError as error:
-            raise InputError(f"{what}: {error}.") from error
+            if unit in EXAMPLES:
+                raise InputError(f"{what}: {error}.") from error
+            raise InputError.about(what, text, f"a plain number, {unit}") from error
         return number(value, what, unit, above=0.0)
 
     def run(self) -> RequiredLoad:
