@@ -165,7 +165,7 @@ def _pressures(text: str) -> list[float]:
     count = math.ceil(math.log(ends[1] / ends[0]) / math.log(MAX_LOAD_RATIO) - 1e-9)
     if count > _MAX_LOADS:
         raise argparse.ArgumentTypeError(f"{text[:_MAX_SHOWN_CHARACTERS]!r} needs more than {_MAX_LOADS} loads")
-    return np.geomspace(*ends, count + 1).tolist()
+    return [float(one) for one in np.geomspace(*ends, count + 1)]
 
 
 def _add_method(parser: argparse.ArgumentParser, *, boundary: bool = True) -> None:
