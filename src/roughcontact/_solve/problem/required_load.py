@@ -80,8 +80,8 @@ class RequiredLoad:
         What was wanted, such as ``"stiffness"``.
     solution
         The contact at that load.
-    solves
-        Number of loads that were solved.
+    solves, convolutions
+        Loads that were solved, and their convolutions.
     """
 
     force: Estimate
@@ -91,6 +91,7 @@ class RequiredLoad:
     name: str
     solution: ContactSolution
     solves: int
+    convolutions: int
 
     @property
     def estimates(self) -> dict[str, Estimate]:
@@ -208,6 +209,7 @@ class _Search:
         self._wanted = math.nan
         self._errors: list[float] = []
         self._stalls = 0
+        self._convolutions = 0
         # Over the typical pressure, so that a power of two in the modulus changes no bit.
         self._limit = self._maximum / self._typical
         smallest = _MIN_PRESSURE_RATIO * min(1.0, self._limit)
@@ -268,6 +270,7 @@ class _Search:
         if len(near) == 2 and abs(x - near[1]) > _MAX_EXTRAPOLATION * abs(near[1] - near[0]):
             near = near[1:]
         solution = self._solve(load, predict_pressure([self._solutions[one] for one in near], load))
+        self._convolutions += solution.convolutions
         answer = read_number(solution.response(self._response), self._name)
         if math.isnan(self._wanted):
             self._wanted = self._read_text(answer.unit)
@@ -355,7 +358,8 @@ class _Search:
         warnings = (*point.answer.warnings, *self._warn_of_level(slope))
         pressure = Estimate(solution.mean_pressure, uncertainty, "Pa", warnings)
         force = attrs.evolve(pressure, value=solution.force, uncertainty=uncertainty * self._grid_area, unit="N")
-        return RequiredLoad(force, pressure, point.answer, self._wanted, self._name, solution, solves=len(self._points))
+        cost = {"solves": len(self._points), "convolutions": self._convolutions}
+        return RequiredLoad(force, pressure, point.answer, self._wanted, self._name, solution, **cost)
 
     def _slope(self, point: _Point) -> float:
         """Return the slope of the logarithm of the answer over that of the load."""
