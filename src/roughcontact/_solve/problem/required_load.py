@@ -56,7 +56,7 @@ _FIRST_POWER = 0.75
 # is shorter where the answer may fall with the load.
 _FIRST_FACTOR = 8.0
 _PROBING_FACTOR = 2.0
-# Smallest relative difference of two loads between which a slope is told from the noise of the answers.
+# Smallest relative difference of two loads between which a slope stands out from the noise of the answers.
 _MIN_SLOPE_WIDTH = 0.02
 # Steps from one load to the next, over that between the two before, up to which the pressure is extrapolated.
 _MAX_EXTRAPOLATION = 3.0
