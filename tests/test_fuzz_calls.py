@@ -104,6 +104,7 @@ GOOD_FOR = {
     "ContactProblem": {"grid": GRID}, "typing.KnownAnswer": {"area": 1e-9}, "read_surface": {"path": "map.npz"},
     "read_raw": {"file": "map.npz"},
     "run_in": {"problem": LIMITED, "pressure": 1e7}, "ContactSolution.load": {"path": "solution.npz"},
+    "load": {"path": "solution.npz"},
     "Direct.require": {"boundary": rc.Boundary.FREE}, "limited.verify": {"solution": SWEEP.solutions[0]},
     "SelfAffineSurface": {"rms_slope": 0.1}, "HeightMap.filtered": {"shortest": 5e-4},
     "interface_law": {"pressure": [1e7, 2e7], "responses": ()}, "fit": {"name": "area"},

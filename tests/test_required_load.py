@@ -207,7 +207,7 @@ class Stepping(rc.Response):
 BAD = {
     "nothing": (lambda p: p.solve_for(), "exactly one wanted answer"),
     "two": (lambda p: p.solve_for(area=1e-10, stiffness=1e6), "area= and stiffness="),
-    "an unknown name": (lambda p: p.solve_for(stifness=1e6), "stifness="),
+    "an unknown name": (lambda p: p.solve_for(stifness=1e6), "Did you mean 'stiffness'"),
     "a name alone": (lambda p: p.solve_for("area", value=1e-10), r"solve_for\(area="),
     "a number alone": (lambda p: p.solve_for(3.0, value=1e-10), "a response or an area estimator"),
     "no value": (lambda p: p.solve_for(rc.areas.create("blend")), "give value="),

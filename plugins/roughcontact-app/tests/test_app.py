@@ -1368,3 +1368,18 @@ def test_the_page_uses_public_names_alone():
 
 def test_the_page_warns_of_a_tilt_from_the_bound_of_solutions():
     assert PLAUSIBILITY_RULES["tilt"].admissible == preview._ADMISSIBLE_TILT
+
+
+def test_the_answer_at_one_load_tells_how_much_other_places_differ():
+    rough = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.1, shortest=8e-6, longest=32e-6)
+    body = rc.Body(rough, rc.Elastic(young=210e9, poisson=0.3))
+    problem = rc.ContactProblem(body, grid=rc.Grid((32, 32), 64e-6), boundary="periodic")
+    solutions = list(problem.sweep(pressure=[50e6, 100e6]))
+
+    def find_text(answers):
+        return next(one["text"] for one in answers[0]["quantities"] if one["name"] == "contact area")
+
+    area = solutions[0].area()
+    percent = 100.0 * area.sampling / area.value
+    assert find_text(describe_solutions(solutions[:1])).endswith(f"; other places ± {percent:.2g} %")
+    assert "other places" not in find_text(describe_solutions(solutions))

@@ -237,6 +237,9 @@ class Estimate:
         SI unit; empty for a count.
     warnings
         Why the value must not be trusted, in sentences; empty without a reason.
+    sampling
+        Standard deviation between places of the same rough surface, of this size: the mean of many places should lie
+        within two of them, another place within three. None where there is no such surface, or it is not known.
 
     Examples
     --------
@@ -250,6 +253,13 @@ class Estimate:
     uncertainty: float
     unit: str
     warnings: tuple[str, ...] = ()
+    # Over the value.
+    _relative_sampling: float | None = attrs.field(default=None, kw_only=True, eq=False, repr=False)
+
+    @property
+    def sampling(self) -> float | None:
+        """Standard deviation between places, in the unit of the value."""
+        return None if self._relative_sampling is None else abs(self.value) * self._relative_sampling
 
     @property
     def _reasons(self) -> str:

@@ -35,7 +35,10 @@ def describe_solutions(solutions: Sequence[ContactSolution]) -> list[dict[str, A
             "status": in_words_of_page(str(solution.status)),
             "certified": solution.status.success,
             "seconds": solution.seconds,
-            "quantities": [_describe(name, one, next(columns[name])) for name, one in quantities.items()],
+            "quantities": [
+                _describe(name, one, next(columns[name]) + ("" if len(solutions) > 1 else _tell_other_places(one)))
+                for name, one in quantities.items()
+            ],
             "warnings": [end_sentence(text) for text in (*_warn_of_hardness(solution), *warnings)],
         }
         for solution, (quantities, warnings) in zip(solutions, found, strict=True)
@@ -127,6 +130,12 @@ def make_table(answers: list[dict[str, Any]]) -> str:
 def _round(value: float | str) -> float | str:
     """Return a number without the digits that rounding errors have made, such as those of 4.999999999999999 N."""
     return value if isinstance(value, str) else float(f"{value:.{_DIGITS}g}")
+
+
+def _tell_other_places(one: Estimate) -> str:
+    """Return how much other places of the surface differ, as the end of a text; empty where it is not known."""
+    sampling = one.sampling
+    return f"; other places ± {100.0 * sampling / abs(one.value):.2g} %" if sampling and one.value else ""
 
 
 def _describe(name: str, one: Estimate, text: str) -> dict[str, Any]:

@@ -18,6 +18,7 @@ from roughcontact._faces.panels.figures import save_figure
 from roughcontact._faces.panels.theme import require_matplotlib
 from roughcontact._solve.problem import Sweep, make_table
 from roughcontact._solve.solution import require_netcdf, versions
+from roughcontact._work.studies import list_estimates
 
 # What each response that was asked for says of each solution, by the name of the response.
 Answers: TypeAlias = Mapping[str, Sequence[Any]]
@@ -76,9 +77,11 @@ def _value(value: Any, unit: str) -> dict[str, Any]:
 
 def describe_estimate(found: rc.Estimate) -> dict[str, Any]:
     """Return an estimate as data that JSON can hold."""
+    sampling = found.sampling
     return {
         "value": float(found.value),
         "uncertainty": float(found.uncertainty),
+        **({} if sampling is None else {"sampling": float(sampling)}),
         "unit": found.unit,
         "warnings": list(found.warnings),
     }
@@ -150,7 +153,7 @@ def _write_answers(solutions: Sequence[rc.ContactSolution], answers: Answers) ->
     lines = Table({"force": forces, **columns}).to_text().split("\n")
     for name, found in answers.items():
         for force, result in zip(forces, found, strict=True):
-            if not _list_estimates(result):
+            if not list_estimates(result):
                 lines += _label(name, f"at {si(force.value, 'N')}: {result}")
     warnings = {text: name for name, column in columns.items() for one in column for text in one.warnings}
     return [*lines, *(f"warning  {name}: {text}" for text, name in warnings.items())]
@@ -166,7 +169,7 @@ def _tabulate(answers: Answers) -> dict[str, list[rc.Estimate]]:
     columns: dict[str, list[rc.Estimate]] = {}
     for name, found in answers.items():
         for result in found:
-            for part, one in _list_estimates(result).items():
+            for part, one in list_estimates(result).items():
                 columns.setdefault(f"{name} {part}".strip(), []).append(one)
     return columns
 
@@ -174,12 +177,7 @@ def _tabulate(answers: Answers) -> dict[str, list[rc.Estimate]]:
 def _describe_result(result: Any) -> dict[str, Any]:
     if isinstance(result, rc.Estimate):
         return describe_estimate(result)
-    return {name: describe_estimate(one) for name, one in _list_estimates(result).items()} or {"text": str(result)}
-
-
-def _list_estimates(result: Any) -> Mapping[str, rc.Estimate]:
-    """Return the numbers of a result by name: itself, with an empty name, or its `estimates`; empty without any."""
-    return {"": result} if isinstance(result, rc.Estimate) else getattr(result, "estimates", {})
+    return {name: describe_estimate(one) for name, one in list_estimates(result).items()} or {"text": str(result)}
 
 
 def _warnings(solution: rc.ContactSolution) -> tuple[str, ...]:

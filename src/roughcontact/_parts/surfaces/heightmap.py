@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 import attrs
 import numpy as np
@@ -100,6 +100,8 @@ class HeightMap(Surface):
     >>> print(surface.grid)
     32 x 32 cells on 32 µm x 32 µm
     """
+
+    is_random: ClassVar[bool] = True
 
     _heights: Array = attrs.field(converter=measured_heights, alias="heights")
     # mypy does not know converters that take self.

@@ -24,6 +24,7 @@ from roughcontact._solve.problem.plan import SolvePlan, require_memory_of_solve
 from roughcontact._solve.problem.problem import ContactProblem, problem_of
 from roughcontact._solve.problem.required_load import RequiredLoad
 from roughcontact._solve.problem.run import computing
+from roughcontact._solve.problem.saved import find_saved_kind, load
 from roughcontact._solve.problem.sweep import Sweep, make_table, order_of_solving, predict_pressure, run_sweep
 from roughcontact._solve.problem.task import LOAD_TOLERANCE, make_task, maximum_pressure, pressure_unit
 
@@ -43,10 +44,12 @@ __all__ = [
     "TangentialLoop",
     "computing",
     "describe_cycle",
+    "find_saved_kind",
     "find_stability",
     "linearise",
     "list_states",
     "list_targets",
+    "load",
     "load_path",
     "make_cycle_table",
     "make_table",

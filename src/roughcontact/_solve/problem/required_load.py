@@ -170,8 +170,10 @@ def _resolve(answer: object, value: object, asked: Mapping[str, object]) -> tupl
         )
     known = {"area", *responses}
     wanted = [word for word in asked if word in known or word.replace("_", "-") in known]
+    if asked and not wanted:
+        raise InputError.unknown("answer", next(iter(asked)), [word.replace("-", "_") for word in known])
     if len(wanted) != 1:
-        got = " and ".join(f"{word}=" for word in wanted or asked) or "nothing"
+        got = " and ".join(f"{word}=" for word in wanted) or "nothing"
         raise InputError(
             "Give exactly one wanted answer, area= or a registered response such as stiffness=, leakage= or "
             f"peak_pressure=, but got {got}."

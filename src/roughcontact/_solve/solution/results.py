@@ -220,6 +220,8 @@ class Area(Estimate):
         Area over nominal area.
     uncertainty
         One standard deviation, m2: the true area should lie within two of them.
+    sampling
+        Standard deviation between places of the same rough surface, m2; None where there is no such surface.
     estimator
         Name of the estimator.
     unit
@@ -339,7 +341,15 @@ def estimate_saturated_area(solution: ContactSolution, estimator: str | AreaEsti
     )
     uncertainty = float(np.hypot(np.hypot(rest.uncertainty, undecided), edge))
     fraction = value / solution.grid.area
-    return attrs.evolve(rest, value=value, fraction=fraction, uncertainty=uncertainty, warnings=warnings, patches=None)
+    return attrs.evolve(
+        rest,
+        value=value,
+        fraction=fraction,
+        uncertainty=uncertainty,
+        warnings=warnings,
+        patches=None,
+        relative_sampling=None,
+    )
 
 
 def _undecided(solution: ContactSolution) -> float:

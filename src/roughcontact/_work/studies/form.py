@@ -80,6 +80,7 @@ class Form:
             if isinstance(value, (int, float)) and float in members:
                 return value
             kind = next(filter(_has_form, members), members[0])
+        kind = _without_arguments(kind)
         if not _has_form(kind):
             return self._read_plain(kind, value)
         if not isinstance(kind, type):
@@ -253,9 +254,16 @@ def _refuse_unknown(table: Mapping[str, Any], known: Iterable[str]) -> None:
 
 def _has_form(kind: Any) -> bool:
     """Return whether an annotation asks for a part, a class with fields, or several of them."""
+    kind = _without_arguments(kind)
     if isinstance(kind, type) and get_origin(kind) is None:
         return _registry_of(kind) is not None or attrs.has(kind)
     return _item_of(kind) is not None and _has_form(_item_of(kind))
+
+
+def _without_arguments(kind: Any) -> Any:
+    """Return the class of parts without what it is parametrized by, such as `Response` for ``Response[Any]``."""
+    origin = get_origin(kind)
+    return origin if isinstance(origin, type) and _registry_of(origin) is not None else kind
 
 
 def _item_of(kind: Any) -> Any:
