@@ -434,7 +434,7 @@ class ContactProblem:
         >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Elastic(young=210e9, poisson=0.3))
         >>> problem = rc.ContactProblem(ball, grid=rc.Grid((32, 32), 100e-6))
         >>> print(problem.solve_for(peak_pressure="2GPa").force)
-        776.24 mN +- 0.011 %
+        776.2... mN +- 0.011 %
         """
         return find_required_load(self, self._solve, response, value, wanted)
 
