@@ -118,6 +118,8 @@ GOOD_FOR = {
     "ContactProblem.path": {"tangential_force": (0.01, 0.0), "pressure": 1e8},
     "limited.path": {"tangential_force": (0.0, 0.0), "pressure": 1e4}, "limited.slide": {"pressure": 1e4},
     "ContactProblem.slide": {"pressure": 1e8},
+    "ContactProblem.solve_for": {"response": rc.CellCount(), "value": "30%"},
+    "limited.solve_for": {"response": rc.CellCount(), "value": "30%"},
     "Study": {"pressure": [1e7]}, "sweep": {"pressure": [1e7, 2e7]},
     "SurfaceSum.with_parts": {"parts": (WAVE, WAVE)},
     "effective_modulus": {"wavenumber": np.array([1e3, 1e4])},

@@ -15,8 +15,8 @@ commands     `Table`; the functions `replacing`, `si`, `binary`, `write_column`,
              `available_threads`, `limit_address_space`, `require_memory_of_solve`, `run_sweep`, `name_load`,
              `list_quantities`, `gather_warnings`, `exceeds_metals`, `build_problem`
 results      `ContactFields`, `Accuracy`, `Trial`, `Residuals`, `ContactPatches`, `Load`, `Origin`, `SolvePlan`,
-             `Sweep`, `Ladder`, `BeyondResolution`, `RunIn`, `Cycle`, `StudyResult`, `Record`, `ErrorReport`,
-             `KnownAnswer`, `ReportRow`, `Timing`, `StabilityReport`, `Check`, `Verdict`,
+             `Sweep`, `RequiredLoad`, `Ladder`, `BeyondResolution`, `RunIn`, `Cycle`, `StudyResult`, `Record`,
+             `ErrorReport`, `KnownAnswer`, `ReportRow`, `Timing`, `StabilityReport`, `Check`, `Verdict`,
              `MatchedPair`, `Separated`, `PartialSlip`, `FrettingLoop`, `InterfaceLaw`, `LawColumn`, `PowerFit`,
              `TheoryBeside`, `Stickiness`, `AdhesionCycle`, `Stress`, `StressField`, `StressMaximum`, `YieldPoint`,
              `ContactWarning`
@@ -59,6 +59,7 @@ from roughcontact._solve.convolvers import (
 from roughcontact._solve.problem import (
     AdhesionCycle,
     Increment,
+    RequiredLoad,
     SolvePlan,
     StepNumbers,
     Sweep,
@@ -163,6 +164,7 @@ __all__ = [
     "RealArray",
     "Record",
     "ReportRow",
+    "RequiredLoad",
     "Residuals",
     "RunIn",
     "Separated",

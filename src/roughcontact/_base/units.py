@@ -27,6 +27,7 @@ _SUPERSCRIPTS = {1: "", 2: "²", 3: "³"}
 _NUMBER_WITH_PREFIX = re.compile(r"\d[\d.]*(?:e[+-]?\d+)?(?: [fpnµmkMGT]?(?=Pa|m|N))?")
 # An example of each kind of quantity, by its SI unit; the empty one is that of plain numbers.
 EXAMPLES = {"Pa": "100MPa", "m": "250um", "N": "2.5N", "rad": "30deg", "": "0.3", "J/m2": "50mJ/m2", "Pa s": "1mPa.s"}
+EXAMPLES |= {"m2": "0.1mm2", "N/m": "1GN/m", "m3/s": "2mm3/s"}
 _USUAL_UNITS = {
     "Pa": "Pa, MPa or GPa",
     "m": "mm, um or nm",
@@ -34,6 +35,9 @@ _USUAL_UNITS = {
     "rad": "deg or rad",
     "J/m2": "mJ/m2 or J/m2",
     "Pa s": "Pa.s or mPa.s",
+    "m2": "mm2 or um2",
+    "N/m": "N/m or GN/m",
+    "m3/s": "m3/s or mm3/s",
 }
 # Characters of a wrong text that are shown.
 _MAX_QUOTED_CHARACTERS = 80

@@ -22,9 +22,11 @@ from roughcontact._work.studies import Form, build_problem
 
 
 def loads_of(options: argparse.Namespace) -> tuple[Load, ...]:
-    """Return the loads that the options state."""
+    """Return the loads that the options state; none if the load is asked for."""
     if getattr(options, "cycle", None) is not None:
         return tuple(Load("approach", value) for value in options.cycle)
+    if getattr(options, "solve_for", None) is not None:
+        return ()
     several = getattr(options, "loads", None)
     make = Load.of if options.adhesion is None else Load.signed
     return several or (make(pressure=options.pressure, force=options.force, approach=options.approach),)
@@ -33,6 +35,12 @@ def loads_of(options: argparse.Namespace) -> tuple[Load, ...]:
 def problem_of(options: argparse.Namespace) -> rc.ContactProblem:
     """Return the problem that the options describe."""
     surface, counterbody, matching = _surfaces(options)
+    if getattr(options, "mirror_borders", False):
+        if matching is not None:
+            raise rc.InputError("--mirror-borders is for maps with the same cells: omit --match.")
+        surface, counterbody = (
+            one.mirror_borders() if isinstance(one, rc.HeightMap) else one for one in (surface, counterbody)
+        )
     if options.ball is not None:
         surface = surface + rc.SphereSurface(options.ball)
     if options.roller is not None:

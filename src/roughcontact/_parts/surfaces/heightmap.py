@@ -320,6 +320,21 @@ class HeightMap(Surface):
         """Return the map with x reversed: what faces a body whose map was measured from outside, too."""
         return self._rearrange(lambda values: values[::-1], "mirrored, x to -x")
 
+    def mirror_borders(self) -> HeightMap:
+        """Return the map and its mirror images at two borders, four times as large: it repeats without a step.
+
+        A map that repeats is returned as it is.
+        """
+        if self.periodic:
+            return self
+
+        def unfold(values: Any) -> Any:
+            along_x = np.concatenate([values, values[::-1]], axis=0)
+            return np.concatenate([along_x, along_x[:, ::-1]], axis=1)
+
+        size = 2.0 * self.size[0], 2.0 * self.size[1]
+        return attrs.evolve(self._rearrange(unfold, "mirrored at its borders", size), periodic=True)
+
     def transposed(self) -> HeightMap:
         """Return the map with x and y exchanged."""
         return self._rearrange(np.transpose, "x and y exchanged", self.size[::-1])

@@ -28,6 +28,7 @@ from roughcontact._solve.solution.results import (
     Response,
     Status,
     areas,
+    read_number,
     responses,
 )
 from roughcontact._solve.solution.sampling import find_peak_sampling, find_stiffness_sampling
@@ -100,6 +101,7 @@ __all__ = [
     "read",
     "read_estimate",
     "read_figures",
+    "read_number",
     "read_path",
     "require_netcdf",
     "responses",

@@ -90,6 +90,15 @@ class Response(abc.ABC, Generic[T_co]):
 responses: Registry[Response[Any]] = Registry(Response, "response", "roughcontact.responses")
 
 
+def read_number(found: object, name: str) -> Estimate:
+    """Return what a response has returned as one number; `InputError` if it is something else."""
+    value, spread = (getattr(found, part, None) for part in ("value", "uncertainty"))
+    if not isinstance(value, (int, float)) or not isinstance(spread, (int, float)) or math.isnan(value):
+        raise InputError(f"The response {name!r} is not a number with an uncertainty.")
+    warnings = tuple(getattr(found, "warnings", ()))
+    return Estimate(float(value), float(spread), getattr(found, "unit", None) or "", warnings)
+
+
 class Status(Enum):
     """How a solve ended, in a sentence.
 
