@@ -546,6 +546,68 @@ def test_non_measured_points_are_asked_about(client):
     assert dict(filled["rows"])["Non-measured points"] == "2 of 400, filled"
 
 
+def save_map(shape, size, seed):
+    """Return a rough map, and the file that holds it."""
+    rough = rc.SelfAffineSurface(hurst=0.8, rms_height=0.1e-6, shortest=8e-6, longest=24e-6, seed=seed)
+    surface = rc.HeightMap(rough.heights(rc.Grid(shape, size)), size=size)
+    file = io.BytesIO()
+    np.savez(file, heights=surface.values, size=size)
+    return surface, file.getvalue()
+
+
+PLACEMENT = {"offset_x": "4", "offset_y": "-2", "rotation": "20", "mirrored": "yes", "interpolation": "cubic"}
+
+
+@pytest.fixture
+def pair(client):
+    """Two maps and the settings that press one on the other."""
+    (body, first), (other, second) = save_map((64, 39), (64e-6, 39e-6), 1), save_map((90, 35), (60e-6, 50e-6), 2)
+    digests = [client.upload(f"{name}.npz", file)[1]["digest"] for name, file in (("a", first), ("b", second))]
+    settings = {"surface": "file", "file": digests[0], "counterbody_surface": "file", "counterbody_form": "plane"}
+    return body, other.detrend("plane"), {**settings, "counterbody_file": digests[1], **PLACEMENT}
+
+
+def test_two_maps_are_shown_and_solved_as_the_library_does(client, pair):
+    body, other, settings = pair
+    matched = rc.match(body, other, offset=(4e-6, -2e-6), rotation=np.deg2rad(20), mirrored=True, interpolation="cubic")
+    shown = client.post("api/surface", settings)
+    for one, surface in ((shown, matched.body), (shown["counterbody"], matched.counterbody)):
+        assert dict(one["rows"])["Cells"] == " x ".join(map(str, matched.grid.shape))
+        assert dict(one["rows"])["Sq (rms height)"] == f"{surface.heights(matched.grid).std() * 1e9:.4g} nm"
+        assert client.get(f"pictures/{one['picture']}").startswith(b"\x89PNG")
+    assert shown["picture"] != shown["counterbody"]["picture"]
+    assert "turned over, x to -x" in shown["counterbody"]["history"]
+    assert "b.npz" in client.post("api/plan", settings)["text"]
+    ball = {"ball": "5", "load": "force", "load_unit": "N", "loads": "0.1", "counterbody": "deformable"}
+    state = client.wait(client.post("api/runs", settings | ball)["id"])
+    steel = rc.Elastic(210e9, 0.3)
+    bodies = rc.Body(matched.body + rc.SphereSurface(5e-3), steel), rc.Body(matched.counterbody, steel)
+    area = rc.ContactProblem(*bodies, grid=matched.grid).solve(force=0.1).area()
+    values = {one["name"]: (one["value"], one["uncertainty"]) for one in state["answers"][0]["quantities"]}
+    assert values["contact area"] == (area.value, area.uncertainty)
+
+
+@pytest.mark.parametrize(
+    ("changed", "words"),
+    [
+        ({"counterbody_file": "0" * 64}, "the height map of the counterbody is not here."),
+        ({"offset_x": "500"}, "The height maps do not overlap with a shift of (500 µm, -2 µm): move them together."),
+        ({"offset_x": "1e30"}, "The shift along x must be between 1 fm and 1 km, but got 1e30 µm"),
+        ({"rotation": "nan"}, "The rotation must be a number such as 2.5, but got 'nan'."),
+        ({"rotation": "361"}, "The rotation must be between -360 and 360 degrees"),
+        ({"mirrored": "perhaps"}, "The setting 'mirrored' must be one of no, yes"),
+        ({"interpolation": "fourier"}, "The setting 'interpolation' must be one of bilinear, cubic"),
+    ],
+)
+def test_maps_that_cannot_be_matched_are_refused_in_words(client, pair, changed, words):
+    assert words in client.refusal("api/surface", pair[-1] | changed)
+
+
+def test_a_second_map_that_the_page_does_not_show_is_not_solved(pair):
+    settings = read_settings({**pair[-1], "surface": "wavy", "cells": "32"})
+    assert make_scene(settings, None).counterbody is None
+
+
 def test_a_tilt_is_warned_of_before_the_solve(client):
     tilted = io.BytesIO()
     np.savez(tilted, heights=np.add.outer(1e-7 * np.arange(40), 1e-7 * np.sin(np.arange(36))), size=(40e-6, 72e-6))
@@ -561,7 +623,7 @@ def test_a_tilt_is_warned_of_before_the_solve(client):
 def test_a_ball_that_the_page_does_not_show_is_not_added():
     settings = read_settings({"surface": "sphere", "radius": "1", "ball": "5"})
     scene = make_scene(settings, None)
-    assert scene.surface is scene.rough
+    assert scene.surface is scene.body.surface
 
 
 @pytest.mark.parametrize(

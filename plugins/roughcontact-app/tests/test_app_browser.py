@@ -37,11 +37,13 @@ PATIENCE = 180
 SIZE = (48e-6, 40e-6)
 # What a drop of a file on the page is, to the page.
 DROP = """
-const [text, name] = arguments;
+const [text, name, place] = arguments;
 const transfer = new DataTransfer();
 transfer.items.add(new File([text], name));
-for (const kind of ["dragenter", "dragover", "drop"])
-  document.body.dispatchEvent(new DragEvent(kind, { dataTransfer: transfer, bubbles: true, cancelable: true }));
+for (const kind of ["dragenter", "dragover", "drop"]) {
+  const event = new DragEvent(kind, { dataTransfer: transfer, bubbles: true, cancelable: true });
+  document.getElementById(place).dispatchEvent(event);
+}
 """
 # Whether the page is not scrolled for a fifth of a second.
 STANDS = "const [done] = arguments, y = scrollY; setTimeout(() => done(y === scrollY), 200)"
@@ -104,8 +106,8 @@ class Page:
     def has_run_in_address(self):
         return "run=" in self.driver.current_url
 
-    def drop(self, text, name):
-        self.driver.execute_script(DROP, text, name)
+    def drop(self, text, name, place="settings"):
+        self.driver.execute_script(DROP, text, name, place)
 
     def until_planned(self):
         self.until(lambda: "for the solve" in self.text("plan"))
@@ -184,6 +186,40 @@ def test_a_map_is_dropped_solved_and_reported(page, surface, tmp_path):
         assert float(next(csv.DictReader(file))["contact area, m2"]) == pytest.approx(solution.area().value, rel=1e-8)
     with np.load(page.download("ring-1-50-MPa-solution-1.npz")) as data:
         assert np.array_equal(data["pressure"], solution.pressure)
+
+
+def test_a_second_map_is_dropped_placed_and_solved(page, surface, tmp_path):
+    path = tmp_path / "body.npz"
+    np.savez(path, heights=surface.values, size=SIZE)
+    page.open().find("file-input").send_keys(str(path))
+    page.until(lambda: "body.npz" in page.text("file-shown"))
+    page.set("counterbody_surface", "file")
+    page.until(lambda: "the height map of the counterbody is not here" in page.text("surface-problem"))
+    page.drop(write_table(surface), "other.csv", "counterbody_drop")
+    page.until(lambda: "other.csv, 48 x 40 points" in page.text("counterbody_file-shown"))
+    assert page.text("counterbody_size-help") == "x: 48 lines of the file; y: 40 values in each."
+    assert not page.find("size_x").is_displayed()
+    for name, text in {"size_x": "48", "size_y": "40", "height_unit": "um"}.items():
+        page.set(f"counterbody_{name}", text)
+    for name, text in {"offset_x": "-4", "rotation": "180", "mirrored": "yes"}.items():
+        page.set(name, text)
+    page.until(lambda: "rotated by 180 degrees" in page.text("counterbody-history"))
+    page.until(lambda: page.find("counterbody-picture").is_displayed())
+    page.until_planned()
+    page.find("solve").click()
+    page.until(lambda: page.text("headline").startswith("Contact area"))
+    assert "body.npz, on other.csv shifted by -4, 0 µm rotated by 180° mirrored, " in page.text("run-subject")
+    other = rc.HeightMap(np.loadtxt(write_table(surface).splitlines(), delimiter=",") * 1e-6, size=SIZE)
+    pair = rc.match(surface, other, offset=(-4e-6, 0.0), rotation=np.pi, mirrored=True)
+    rigid = rc.Body(pair.counterbody, rc.Rigid())
+    problem = rc.ContactProblem(rc.Body(pair.body, rc.Elastic(210e9, 0.3)), rigid, grid=pair.grid)
+    assert page.value("contact area") == pytest.approx(problem.solve(pressure=1e8).area().value, rel=1e-9)
+    # The address holds both maps while the command runs.
+    page.open(page.driver.current_url)
+    page.until(lambda: "other.csv, 48 x 40 points" in page.text("counterbody_file-shown"))
+    assert page.setting("rotation") == "180"
+    page.set("counterbody_surface", "flat")
+    page.until(lambda: not page.find("counterbody-shown").is_displayed())
 
 
 def test_a_file_is_chosen_and_a_bad_one_refused_in_words(page, surface, tmp_path):

@@ -72,8 +72,9 @@ class Session:
         settings = read_settings(data)
         with maker.making:
             shown = maker.make(self._task("surface", settings, maker.folder), "Making the surface")
-            if "picture" in shown:
-                shown["picture"] = self._keep(maker.folder / shown["picture"])
+            for one in filter(None, (shown, shown.get("counterbody"))):
+                if "picture" in one:
+                    one["picture"] = self._keep(maker.folder / one["picture"])
         return shown
 
     def plan(self, data: object, page: str) -> dict[str, Any]:
@@ -121,11 +122,15 @@ class Session:
         return name
 
     def _task(self, kind: str, settings: Settings, folder: Path) -> dict[str, Any]:
-        file = self.uploads.find(settings["file"]) if settings["surface"] == "file" or kind == "inspect" else None
+        is_wanted = settings["surface"] == "file" or kind == "inspect"
+        file = self.uploads.find(settings["file"]) if is_wanted else None
+        is_wanted = settings["counterbody_surface"] == "file"
+        other = self.uploads.find(settings["counterbody_file"]) if is_wanted else None
         return {
             "kind": kind,
             "settings": dict(settings),
             "upload": None if file is None else [str(file.path), file.name],
+            "counterbody_upload": None if other is None else [str(other.path), other.name],
             "folder": str(folder),
             "calibration": self.jobs.calibration,
         }

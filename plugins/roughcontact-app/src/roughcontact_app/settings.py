@@ -43,6 +43,22 @@ DEFAULTS: dict[str, str] = {
     "rows": "auto",
     "non_measured": "refuse",
     "form": "none",
+    "counterbody_surface": "flat",
+    "counterbody_file": "",
+    "counterbody_file_name": "",
+    "counterbody_size_x": "",
+    "counterbody_size_y": "",
+    "counterbody_size_unit": "um",
+    "counterbody_height_unit": "",
+    "counterbody_rows": "auto",
+    "counterbody_non_measured": "refuse",
+    "counterbody_form": "none",
+    "offset_x": "0",
+    "offset_y": "0",
+    "offset_unit": "um",
+    "rotation": "0",
+    "mirrored": "no",
+    "interpolation": "bilinear",
     "hurst": "0.8",
     "rms_height": "0.1",
     "rms_height_unit": "um",
@@ -98,6 +114,12 @@ _CHOICES = {
     "rows": ("auto", "x", "y"),
     "non_measured": ("refuse", "fill", "keep"),
     "form": ("none", "plane", "quadratic", "sphere"),
+    "counterbody_surface": ("flat", "file"),
+    "counterbody_rows": ("auto", "x", "y"),
+    "counterbody_non_measured": ("refuse", "fill", "keep"),
+    "counterbody_form": ("none", "plane", "quadratic", "sphere"),
+    "mirrored": ("no", "yes"),
+    "interpolation": ("bilinear", "cubic"),
     "counterbody": ("rigid", "deformable"),
     "adhesion": ("none", "exponential", "van-der-waals", "short-range"),
     "load": ("force", "pressure", "approach", "cycle", "fretting"),
@@ -140,10 +162,17 @@ def plain(settings: Settings, name: str, label: str) -> float:
 
 
 def quantity(
-    settings: Settings, name: str, label: str, kind: str, unit: str | None = None, *, zero: bool = False
+    settings: Settings,
+    name: str,
+    label: str,
+    kind: str,
+    unit: str | None = None,
+    *,
+    zero: bool = False,
+    signed: bool = False,
 ) -> float:
     """Return a setting in SI units; its unit is another setting, ``NAME_unit`` by default."""
-    return _quantity(settings[name], label, kind, _unit(settings, unit or f"{name}_unit", kind), zero)
+    return _quantity(settings[name], label, kind, _unit(settings, unit or f"{name}_unit", kind), zero, signed=signed)
 
 
 def whole(settings: Settings, name: str, label: str) -> int:

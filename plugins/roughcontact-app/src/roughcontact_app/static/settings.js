@@ -27,6 +27,7 @@ function fill(select, options) {
 // The page's own first values are those of the server, so that the link can omit them.
 export function prepare(first, examples, typical) {
   materials = typical;
+  copyFieldsOfMap();
   fill(form.elements.example, Object.fromEntries(examples.map((name) => [name, name.replaceAll("_", " ")])));
   for (const select of form.querySelectorAll("[data-units]")) fill(select, UNITS[select.dataset.units]);
   for (const select of form.querySelectorAll("[data-preset]")) {
@@ -59,7 +60,27 @@ function showPresets() {
   }
 }
 
-const hidden = { file: "", file_name: "" };
+// The second map has the fields of the first, whose names begin with its prefix.
+const OTHER = "counterbody_";
+
+function copyFieldsOfMap() {
+  for (const field of form.querySelectorAll("[data-map]")) {
+    const copy = field.cloneNode(true);
+    for (const part of [copy, ...copy.querySelectorAll("*")]) {
+      for (const name of ["id", "name", "for", "aria-describedby"]) {
+        if (part.hasAttribute(name)) part.setAttribute(name, OTHER + part.getAttribute(name));
+      }
+    }
+    copy.dataset.when = `${OTHER}surface=file`;
+    copy.dataset.map = OTHER;
+    document.getElementById(`${OTHER}fields`).append(copy);
+  }
+}
+
+const hidden = { file: "", file_name: "", [`${OTHER}file`]: "", [`${OTHER}file_name`]: "" };
+
+// Whether a map in a file is solved; what is not shown is not.
+export const isFile = (kind) => form.elements[kind].value === "file" && !form.elements[kind].closest("[hidden]");
 
 export function read() {
   const found = { ...hidden, scheme: darkness.matches ? "dark" : "light" };
@@ -79,8 +100,8 @@ export function write(values) {
   }
 }
 
-export function setFile(digest, name) {
-  Object.assign(hidden, { file: digest, file_name: name });
+export function setFile(prefix, digest, name) {
+  Object.assign(hidden, { [`${prefix}file`]: digest, [`${prefix}file_name`]: name });
 }
 
 export function loadKindChanged() {
@@ -101,27 +122,28 @@ export function surfaceKindChanged() {
   return before === boundary.value ? "" : `It was ${before}; for this surface it is now ${boundary.value}.`;
 }
 
+const needsOf = (facts) => facts && {
+  size: facts.size === null, metric: !facts.metric, rows: facts.needs_rows, non_measured: facts.non_measured > 0,
+};
+
+// The facts that each file states, by the prefix of its map.
 export function showFields(facts) {
-  const needs = {
-    size: facts && facts.size === null,
-    metric: facts && !facts.metric,
-    rows: facts && facts.needs_rows,
-    non_measured: facts && facts.non_measured > 0,
-  };
   for (const part of form.querySelectorAll("[data-when]")) {
     const [name, values] = part.dataset.when.split("=");
     const wanted = values.split(" ").includes(form.elements[name].value);
-    part.hidden = !wanted || (part.dataset.need !== undefined && !needs[part.dataset.need]);
+    part.hidden = !wanted || (part.dataset.need !== undefined && !needsOf(facts[part.dataset.map])?.[part.dataset.need]);
   }
   showPresets();
-  if (needs.size) document.getElementById("size-help").textContent = whichIsX(facts);
+  for (const [prefix, known] of Object.entries(facts)) {
+    if (needsOf(known)?.size) document.getElementById(`${prefix}size-help`).textContent = whichIsX(prefix, known);
+  }
 }
 
-function whichIsX({ shape: [first, second], needs_rows: open }) {
-  const isText = /\.(csv|tsv|txt|dat|asc)$/i.test(hidden.file_name);
+function whichIsX(prefix, { shape: [first, second], needs_rows: open }) {
+  const isText = /\.(csv|tsv|txt|dat|asc)$/i.test(hidden[`${prefix}file_name`]);
   const rows = isText ? `${first} lines of the file` : `${first} points, along the first index`;
   const columns = isText ? `${second} values in each` : `${second} points, along the second`;
-  return open && form.elements.rows.value === "y" ? `x: ${columns}; y: ${rows}.` : `x: ${rows}; y: ${columns}.`;
+  return open && form.elements[`${prefix}rows`].value === "y" ? `x: ${columns}; y: ${rows}.` : `x: ${rows}; y: ${columns}.`;
 }
 
 // Only what differs from the first values, so that links stay short.
@@ -151,11 +173,21 @@ function isChoice(name, values) {
 // Whether the form asks for something else than a run had; what is hidden does not count.
 export function differ(others) {
   const own = read();
-  const counts = (name) => (name === "file" ? own.surface === "file" : form.elements[name] && !form.elements[name].closest("[hidden]"));
+  const kinds = { file: "surface", [`${OTHER}file`]: `${OTHER}surface` };
+  const counts = (name) => (name in kinds ? isFile(kinds[name]) : form.elements[name] && !form.elements[name].closest("[hidden]"));
   return Object.keys(defaults).some((name) => counts(name) && own[name].trim() !== others[name]);
 }
 
 export const subjectOf = ({ surface, file_name: name, example }) => ({ file: name || "map", example: example.replaceAll("_", " ") }[surface] || surface);
+
+function describeOther(values, of) {
+  const parts = [`on ${values.counterbody_file_name || "map"}`];
+  if (values.counterbody_form !== "none") parts.push(`less ${FORMS[values.counterbody_form]}`);
+  if (Number(values.offset_x) || Number(values.offset_y)) parts.push(`shifted by ${values.offset_x}, ${of("offset_y", "offset_unit")}`);
+  if (Number(values.rotation)) parts.push(`rotated by ${values.rotation}°`);
+  if (values.mirrored === "yes") parts.push("mirrored");
+  return parts.join(" ");
+}
 
 // What a run has solved, in a line.
 export function describe(values) {
@@ -172,6 +204,7 @@ export function describe(values) {
     cycle: `approach from ${values.cycle_from} to ${of("cycle_to", "cycle_unit")} and back`,
     fretting: `normal force ${of("normal_force")}, tangential force ±${of("tangential_force")}, friction ${values.friction}`,
   };
+  if (["file", "example"].includes(values.surface) && values.counterbody_surface === "file") parts.push(describeOther(values, of));
   parts.push(load[values.load] || of("loads", "load_unit"), material(""));
   if (values.counterbody === "deformable") parts.push(`counterbody ${material("counterbody_")}`);
   if (values.adhesion !== "none") parts.push(`${values.adhesion.replaceAll("-", " ")} adhesion of ${of("work").replace("m2", "m²")}`);

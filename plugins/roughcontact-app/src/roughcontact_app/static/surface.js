@@ -1,25 +1,35 @@
-// The surface before the solve: its picture, numbers and warnings.
+// The surfaces before the solve: their pictures, numbers and warnings.
 
 import { byId, element, say, showList } from "./page.js";
 import { Viewer } from "./viewer.js";
 
-const viewer = new Viewer(byId("surface-picture"), "Picture of the surface");
+const viewers = {
+  surface: new Viewer(byId("surface-picture"), "Picture of the surface"),
+  counterbody: new Viewer(byId("counterbody-picture"), "Picture of the counterbody"),
+};
+const NOTHING = { warnings: [], rows: [], history: [] };
 
 export function showSurface(surface) {
   say("surface-problem", "");
-  showList(byId("surface-warnings"), surface.warnings);
-  const rows = surface.rows.map(([name, text]) => {
+  show("surface", surface);
+  show("counterbody", surface.counterbody || NOTHING);
+  byId("counterbody-shown").hidden = !surface.counterbody;
+}
+
+function show(place, { warnings, rows, history, note = "", picture = "" }) {
+  showList(byId(`${place}-warnings`), warnings);
+  const lines = rows.map(([name, text]) => {
     const row = element("tr");
     row.append(element("th", name, { scope: "row" }), element("td", text));
     return row;
   });
-  byId("surface-table").tBodies[0].replaceChildren(...rows);
-  byId("surface-history").textContent = [...surface.history, surface.note || ""].filter(Boolean).join("; ");
-  if (surface.picture) viewer.show(`pictures/${surface.picture}`, "Heights of the surface");
-  else viewer.hide();
+  byId(`${place}-table`).tBodies[0].replaceChildren(...lines);
+  byId(`${place}-history`).textContent = [...history, note].filter(Boolean).join("; ");
+  if (picture) viewers[place].show(`pictures/${picture}`, `Heights of the ${place}`);
+  else viewers[place].hide();
 }
 
 export function showNoSurface(problem) {
-  showSurface({ warnings: [], rows: [], history: [] });
+  showSurface(NOTHING);
   say("surface-problem", problem);
 }
