@@ -237,7 +237,7 @@ def _read(settings: Settings, upload: Upload | None, prefix: str = "") -> tuple[
         surface = read_surface(
             upload.path,
             size=None if facts["size"] is not None else _size(settings, prefix),
-            unit=None if facts["metric"] else float(f"1{_exponent(settings['height_unit'])}"),
+            unit=None if facts["metric"] else float(f"1{_exponent(own['height_unit'])}"),
             non_measured=own["non_measured"],
             **({"rows": own["rows"]} if facts["needs_rows"] else {}),
         )
