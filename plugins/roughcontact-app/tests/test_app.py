@@ -893,6 +893,72 @@ def test_pictures_are_as_dark_as_the_page(client):
     assert light != dark
 
 
+def test_responses_are_those_of_the_library_in_answers_table_and_report(client):
+    asked = {
+        "ask_stiffness": "yes",
+        "ask_stress": "yes",
+        "ask_first_yield": "yes",
+        "ask_first_yield_yield_stress": "900",
+    }
+    state = client.wait(client.post("api/runs", {**SMALL, **asked, "ask_stability": "yes", "loads": "60 100"})["id"])
+    assert state["phase"] == "done", state
+    body = rc.Body(rc.WavySurface(0.5e-6, 25e-6), rc.Elastic(210e9, 0.3))
+    solution = rc.ContactProblem(body, grid=rc.Grid((48, 48), 50e-6), boundary="periodic").solve(pressure=60e6)
+    values = {one["name"]: (one["value"], one["uncertainty"], one["unit"]) for one in state["answers"][0]["quantities"]}
+    expected = {
+        "stiffness": solution.stiffness(),
+        "stress von Mises": solution.stress().maximum,
+        "first yield force": solution.response(rc.responses.create("first-yield", yield_stress=900e6)).force,
+    }
+    for name, one in expected.items():
+        assert values[name] == (pytest.approx(one.value, rel=1e-6), pytest.approx(one.uncertainty, rel=1e-3), one.unit)
+    # What has no answer does not take the others down.
+    assert "Stability: Without adhesion each state is stable: there is no jump." in state["warnings"]
+    table = client.get(f"runs/{state['id']}/answers.csv").decode("utf-8-sig")
+    assert '"stiffness, N/m","uncertainty of stiffness, N/m"' in table
+    report = client.get(f"runs/{state['id']}/report.html").decode()
+    assert "What the contact does" in report
+    assert "tiffness, MN/m" in report
+
+
+def test_an_infinite_answer_is_sent_as_json_can():
+    infinite = rc.Estimate(np.inf, 0.0, "W/K")
+    body = rc.Body(rc.WavySurface(1e-9, 25e-6), rc.Elastic(1e9, 0.3))
+    solution = rc.ContactProblem(body, grid=rc.Grid((16, 16), 50e-6), boundary="periodic").solve(pressure=1e8)
+    (answer,) = describe_solutions([solution], {"conductance": [infinite]})
+    json.dumps(answer, allow_nan=False)
+    assert answer["quantities"][-1] == {
+        "name": "conductance",
+        "value": None,
+        "uncertainty": 0.0,
+        "unit": "W/K",
+        "text": "inf W/K",
+    }
+    assert ",,0.0," in make_table([answer])
+
+
+@pytest.mark.parametrize(
+    ("asked", "words"),
+    [
+        ({"ask_leakage": "yes"}, "Viscosity (leakage) is missing: fill it in."),
+        ({"ask_leakage": "yes", "ask_leakage_viscosity": "nan"}, "Viscosity (leakage) must be a number"),
+        (
+            {"ask_conductance": "yes", "ask_conductance_conductivity": "5 0"},
+            "Conductance: The conductivity of the bodies",
+        ),
+        (
+            {"ask_conductance": "yes", "ask_conductance_conductivity": "1 2 3"},
+            "has 3 numbers: give one, or one for each",
+        ),
+        ({"ask_first_yield": "yes", "ask_first_yield_yield_stress": "0"}, "Yield stress (first yield) must be above 0"),
+        ({"ask_stiffness": "maybe"}, "The setting 'ask_stiffness' must be one of no, yes"),
+        ({"ask_gradient": "yes"}, "ask_gradient"),
+    ],
+)
+def test_wrong_fields_of_responses_are_refused_in_words(client, asked, words):
+    assert words in client.refusal("api/plan", SMALL | asked)
+
+
 def test_the_plan_says_time_and_memory_before_the_run(client):
     plan = client.post("api/plan", {**SMALL, "loads": "50 100"})
     assert plan["loads"] == ["pressure 50 MPa", "pressure 100 MPa"]

@@ -294,6 +294,41 @@ def test_filled_points_are_counted_and_filling_is_of_one_file(page, surface, tmp
     assert page.setting("non_measured") == "refuse"
 
 
+def test_what_is_ticked_is_answered_and_reported(page):
+    page.open()
+    for name, text in {"surface": "wavy", "cells": "48", "side": "50", "loads": "20"}.items():
+        page.set(name, text)
+    tick = {name: page.driver.find_element(By.NAME, f"ask_{name}") for name in ("stiffness", "conductance", "leakage")}
+    for box in tick.values():
+        box.click()
+    page.until(lambda: "Conductivity of body and counterbody (conductance) is missing" in page.text("plan"))
+    for name, text in {
+        "conductance_conductivity": "50 20",
+        "leakage_viscosity": "1",
+        "leakage_pressure_drop": "0.1",
+    }.items():
+        page.set(f"ask_{name}", text)
+    page.set("ask_leakage_axis", "y")
+    page.until_planned()
+    page.find("solve").click()
+    page.until(lambda: page.text("headline").startswith("Contact area"))
+    assert page.text("run-subject").endswith("periodic; with conductance, leakage, stiffness.")
+    body = rc.Body(rc.WavySurface(0.5e-6, 25e-6), rc.Elastic(210e9, 0.3))
+    solution = rc.ContactProblem(body, grid=rc.Grid((48, 48), 50e-6), boundary="periodic").solve(pressure=20e6)
+    assert page.value("stiffness") == pytest.approx(solution.stiffness().value, rel=1e-9)
+    assert page.value("conductance") == pytest.approx(solution.conductance((50.0, 20.0)).value, rel=1e-9)
+    leakage = solution.leakage(axis=1, viscosity=1e-3, pressure_drop=1e5)
+    assert page.value("leakage") == pytest.approx(leakage.value, rel=1e-9)
+    assert "±" in page.driver.find_element(By.CSS_SELECTOR, "[data-quantity=stiffness]").text
+    assert "What the contact does" in page.download("wavy-20-MPa-report.html").read_text(encoding="utf-8")
+    # The address ticks the same boxes.
+    page.open(page.driver.current_url)
+    assert page.driver.find_element(By.NAME, "ask_leakage").is_selected()
+    assert page.setting("ask_leakage_axis") == "y"
+    page.set("load", "fretting")
+    assert not page.driver.find_element(By.NAME, "ask_leakage").is_displayed()
+
+
 def test_an_answer_says_what_it_answers(page):
     page.open()
     for name, text in {"surface": "wavy", "cells": "64", "loads": "20", "hardness": "7"}.items():

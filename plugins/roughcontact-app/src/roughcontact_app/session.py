@@ -9,9 +9,12 @@ from io import BufferedIOBase
 from pathlib import Path
 from typing import Any
 
+import attrs
+
 from roughcontact_app.folder import PrivateFolder
 from roughcontact_app.jobs import Jobs
 from roughcontact_app.page import Page
+from roughcontact_app.responses import TICK_BOXES
 from roughcontact_app.scene import EXAMPLES, list_materials
 from roughcontact_app.settings import DEFAULTS, Settings, read_settings
 from roughcontact_app.uploads import StoredFile, Uploads, known_endings
@@ -50,6 +53,7 @@ class Session:
             "examples": list(EXAMPLES),
             "materials": list_materials(),
             "endings": known_endings(),
+            "responses": [attrs.asdict(box) for box in TICK_BOXES.values()],
         }
 
     def upload(self, source: BufferedIOBase, size: int, name: str, page: str) -> dict[str, Any]:

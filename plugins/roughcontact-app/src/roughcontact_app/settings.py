@@ -5,10 +5,12 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from decimal import Decimal
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
-from roughcontact import Boundary
+from roughcontact import Boundary, Response
 from roughcontact.errors import InputError, short
+
+from roughcontact_app.responses import TICK_BOXES, TickBox, build_asked, list_choices, list_defaults
 
 Settings: TypeAlias = Mapping[str, str]
 
@@ -20,6 +22,7 @@ UNITS: dict[str, dict[str, int]] = {
     "force": {"N": 0, "mN": -3, "uN": -6, "nN": -9, "kN": 3},
     "approach": {"m": 0, "mm": -3, "um": -6, "nm": -9},
     "work": {"J/m2": 0, "mJ/m2": -3},
+    "viscosity": {"Pa s": 0, "mPa s": -3},
 }
 # The smallest and largest of each kind, in its SI unit: from below an atom to beyond all bodies and what they carry.
 _RANGES = {
@@ -29,6 +32,7 @@ _RANGES = {
     "force": (1e-18, 1e15),
     "approach": (1e-15, 1e3),
     "work": (1e-9, 1e9),
+    "viscosity": (1e-9, 1e12),
 }
 # What the form holds at first; each setting has its text here and no other is taken.
 DEFAULTS: dict[str, str] = {
@@ -107,6 +111,7 @@ DEFAULTS: dict[str, str] = {
     "tangential_force_unit": "N",
     "friction": "0.3",
     "boundary": "free",
+    **list_defaults(),
     "scheme": "light",
 }
 _CHOICES = {
@@ -125,6 +130,7 @@ _CHOICES = {
     "load": ("force", "pressure", "approach", "cycle", "fretting"),
     "added": ("ball", "cylinder-y", "cylinder-x"),
     "boundary": tuple(map(str, Boundary)),
+    **list_choices(),
     "scheme": ("light", "dark"),
 }
 # Characters of one setting; and the digits of a number and of its exponent, more than float64 can tell apart.
@@ -135,6 +141,8 @@ _WHOLE = re.compile(r"[0-9]{1,9}")
 _MOST_LOADS = 40
 # Beyond those of any surfaces.
 _MOST_FRICTION = 10.0
+# Numbers of a field that may be two.
+_PAIR = 2
 # States on each branch of a cycle.
 _MOST_STATES = 201
 
@@ -231,6 +239,30 @@ def fretting_values(settings: Settings) -> tuple[float, float, float]:
             "force, from which on the bodies slide."
         )
     return normal, tangential, friction
+
+
+def asked_responses(settings: Settings) -> dict[str, Response[Any]]:
+    """Return the responses that are ticked, by name; none of a cycle, which has no single state."""
+    if settings["load"] in ("cycle", "fretting"):
+        return {}
+    ticked = {name: box for name, box in TICK_BOXES.items() if settings[box.setting] == "yes"}
+    return {name: build_asked(name, _fields_of(settings, box)) for name, box in ticked.items()}
+
+
+def _fields_of(settings: Settings, box: TickBox) -> dict[str, Any]:
+    found: dict[str, Any] = {"axis": int(settings[box.axis] == "y")} if box.axis else {}
+    for field in box.fields:
+        label = f"{field.label.partition(',')[0]} ({box.label})"
+        if field.kind:
+            found[field.name] = quantity(settings, field.setting, label, field.kind)
+            continue
+        # Of a pair one number is for both.
+        texts = re.split(r"[;\s]+", settings[field.setting]) if field.is_pair else [settings[field.setting]]
+        if len(texts) > _PAIR:
+            raise InputError(f"{label} has {len(texts)} numbers: give one, or one for each of both bodies.")
+        numbers = [float(_decimal(text, label)) for text in texts]
+        found[field.name] = numbers if len(numbers) > 1 else numbers[0]
+    return found
 
 
 def _unit(settings: Settings, name: str, kind: str) -> str:

@@ -17,17 +17,20 @@ from roughcontact_app.answers import describe_cycle, describe_fretting, describe
 from roughcontact_app.outputs import CycleOutputs, FrettingOutputs, Outputs, draw
 from roughcontact_app.preview import describe
 from roughcontact_app.progress import Progress
+from roughcontact_app.responses import ask
 from roughcontact_app.scene import Scene, ShownSurface, Upload, inspect_file, make_loads, make_problem, make_scene
-from roughcontact_app.settings import Settings, fretting_values, read_settings
+from roughcontact_app.settings import Settings, asked_responses, fretting_values, read_settings
 from roughcontact_app.words import end_sentence, in_words_of_page
 
 # How the time of a solve is estimated.
 _BASIS = (
-    "The time is that of the solve, without pictures and report, estimated from the cells and a transform timed here; "
+    "The time is that of the solve, without what is ticked, pictures and report, estimated from the cells and a "
+    "transform timed here; "
     "it may be a third or three times that."
 )
 _CORRECTED = (
-    "The time is that of the solve, without pictures and report, estimated from the cells and a transform timed here, "
+    "The time is that of the solve, without what is ticked, pictures and report, estimated from the cells and a "
+    "transform timed here, "
     "corrected by the runs before."
 )
 
@@ -57,6 +60,7 @@ _OF_OTHERS = (
     "normal_force",
     "tangential_force",
     "scheme",
+    "ask_",
 )
 _OTHERS = ("counterbody",)
 
@@ -115,6 +119,7 @@ def _plan(settings: Settings, uploads: Uploads, calibration: float) -> dict[str,
     scene = _scene(settings, uploads)
     problem = make_problem(settings, scene)
     loads = make_loads(settings, problem)
+    asked_responses(settings)
     plan = problem.plan
     return {
         "loads": [str(load) for load in loads],
@@ -144,6 +149,7 @@ def _solve(settings: Settings, uploads: Uploads, folder: Path, send: Send) -> di
     send({"phase": "evaluating", "fraction": 1.0, "text": "The contact is solved; areas and uncertainties follow."})
     dark = settings["scheme"] == "dark"
     outputs: Outputs | CycleOutputs | FrettingOutputs
+    problems: list[str] = []
     if isinstance(result, AdhesionCycle):
         answers = [describe_cycle(result)]
         outputs = CycleOutputs(result, folder, dark)
@@ -153,9 +159,10 @@ def _solve(settings: Settings, uploads: Uploads, folder: Path, send: Send) -> di
         # Its cost depends on the answer: it says nothing of the time of other runs.
         ratio = None
     else:
-        answers = describe_solutions(result.solutions)
-        outputs = Outputs(result, answers, folder, dark)
-    found = {"answers": answers, "warnings": list_warnings(answers)}
+        asked, problems = ask(asked_responses(settings), result.solutions)
+        answers = describe_solutions(result.solutions, asked)
+        outputs = Outputs(result, asked, answers, folder, dark)
+    found = {"answers": answers, "warnings": [*list_warnings(answers), *problems]}
     send({"phase": "drawing", "text": "Pictures and tables follow.", "ratio": ratio, **found})
     return {"notes": _write_all(outputs, send)}
 

@@ -1,5 +1,7 @@
 // The form, its dependent fields, and the link that holds it.
 
+import { element } from "./page.js";
+
 export const form = document.getElementById("settings");
 const UNITS = {
   length: { m: "m", mm: "mm", um: "µm", nm: "nm" },
@@ -8,11 +10,13 @@ const UNITS = {
   force: { N: "N", mN: "mN", uN: "µN", nN: "nN", kN: "kN" },
   approach: { mm: "mm", um: "µm", nm: "nm" },
   work: { "J/m2": "J/m²", "mJ/m2": "mJ/m²" },
+  viscosity: { "Pa s": "Pa s", "mPa s": "mPa s" },
 };
 // Cycles have fields of their own; those of a load keep what they hold at first.
 UNITS.cycle = UNITS.fretting = UNITS.pressure;
 // At first for each kind of load: a value and its unit.
 const FIRST_LOADS = { pressure: ["100", "MPa"], force: ["1", "N"], approach: ["0.1", "um"], cycle: ["100", "MPa"], fretting: ["100", "MPa"] };
+const NO_RESPONSES = { cycle: true, fretting: true };
 const FORMS = { plane: "its plane", quadratic: "its form of second degree", sphere: "its sphere" };
 let defaults = {};
 // Young's modulus, GPa, Poisson's ratio and hardness, GPa, of typical materials by name.
@@ -25,9 +29,10 @@ function fill(select, options) {
 }
 
 // The page's own first values are those of the server, so that the link can omit them.
-export function prepare(first, examples, typical) {
+export function prepare(first, examples, typical, responses) {
   materials = typical;
   copyFieldsOfMap();
+  for (const one of responses) addResponse(one);
   fill(form.elements.example, Object.fromEntries(examples.map((name) => [name, name.replaceAll("_", " ")])));
   for (const select of form.querySelectorAll("[data-units]")) fill(select, UNITS[select.dataset.units]);
   for (const select of form.querySelectorAll("[data-preset]")) {
@@ -77,6 +82,38 @@ function copyFieldsOfMap() {
   }
 }
 
+// A tick box for what the contact does, and below it its fields.
+function addResponse({ setting, label, summary, fields, axis }) {
+  const line = element("label", "", { class: "tick" });
+  line.append(element("input", "", { type: "checkbox", name: setting, value: "yes" }), element("span", `${label}: ${summary}`));
+  const below = element("div", "", { "data-when": `${setting}=yes`, class: "ticked" });
+  for (const one of fields) {
+    const row = element("span", "", { class: "row" });
+    row.append(element("input", "", { id: one.setting, name: one.setting, inputmode: "decimal" }));
+    if (one.kind) row.append(element("select", "", { name: `${one.setting}_unit`, "aria-label": `Unit of the ${one.label}`, "data-units": one.kind }));
+    below.append(labelled(one.setting, one.label, row));
+  }
+  if (axis) {
+    const select = element("select", "", { id: axis, name: axis });
+    fill(select, { x: "x", y: "y" });
+    below.append(labelled(axis, "Along", select));
+  }
+  document.getElementById("responses").append(line, ...(below.children.length ? [below] : []));
+}
+
+function labelled(id, text, control) {
+  const field = element("div", "", { class: "field" });
+  field.append(element("label", text, { for: id }), control);
+  return field;
+}
+
+const textOf = (control) => (control.type === "checkbox" ? (control.checked ? "yes" : "no") : control.value);
+
+function setText(control, text) {
+  if (control.type === "checkbox") control.checked = text === "yes";
+  else control.value = text;
+}
+
 const hidden = { file: "", file_name: "", [`${OTHER}file`]: "", [`${OTHER}file_name`]: "" };
 
 // Whether a map in a file is solved; what is not shown is not.
@@ -85,8 +122,8 @@ export const isFile = (kind) => form.elements[kind].value === "file" && !form.el
 export function read() {
   const found = { ...hidden, scheme: darkness.matches ? "dark" : "light" };
   for (const name of Object.keys(defaults)) {
-    const element = form.elements[name];
-    if (element) found[name] = element.value;
+    const control = form.elements[name];
+    if (control) found[name] = textOf(control);
   }
   return found;
 }
@@ -96,7 +133,7 @@ export function write(values) {
   fill(form.elements.load_unit, UNITS[all.load] || UNITS.pressure);
   for (const [name, value] of Object.entries(all)) {
     if (name in hidden) hidden[name] = value;
-    else if (form.elements[name]) form.elements[name].value = value;
+    else if (form.elements[name]) setText(form.elements[name], value);
   }
 }
 
@@ -130,7 +167,7 @@ const needsOf = (facts) => facts && {
 export function showFields(facts) {
   for (const part of form.querySelectorAll("[data-when]")) {
     const [name, values] = part.dataset.when.split("=");
-    const wanted = values.split(" ").includes(form.elements[name].value);
+    const wanted = values.split(" ").includes(textOf(form.elements[name]));
     part.hidden = !wanted || (part.dataset.need !== undefined && !needsOf(facts[part.dataset.map])?.[part.dataset.need]);
   }
   showPresets();
@@ -165,9 +202,10 @@ export function fromFragment(text) {
 }
 
 function isChoice(name, values) {
-  const element = form.elements[name];
+  const control = form.elements[name];
   if (name === "load_unit") return values[name] in UNITS[values.load || defaults.load];
-  return element?.tagName !== "SELECT" || [...element.options].some((option) => option.value === values[name]);
+  if (control?.type === "checkbox") return ["yes", "no"].includes(values[name]);
+  return control?.tagName !== "SELECT" || [...control.options].some((option) => option.value === values[name]);
 }
 
 // Whether the form asks for something else than a run had; what is hidden does not count.
@@ -209,5 +247,7 @@ export function describe(values) {
   if (values.counterbody === "deformable") parts.push(`counterbody ${material("counterbody_")}`);
   if (values.adhesion !== "none") parts.push(`${values.adhesion.replaceAll("-", " ")} adhesion of ${of("work").replace("m2", "m²")}`);
   if (["exponential", "van-der-waals"].includes(values.adhesion)) parts.push(`range ${of("range")}`);
-  return [...parts, values.boundary].join(", ");
+  const ticked = [...form.querySelectorAll("[type=checkbox]")].filter(({ name }) => values[name] === "yes" && !(values.load in NO_RESPONSES));
+  const asked = ticked.map(({ name }) => name.replace(/^ask_/, "").replaceAll("_", " "));
+  return [...parts, values.boundary].join(", ") + (asked.length ? `; with ${asked.join(", ")}` : "");
 }
