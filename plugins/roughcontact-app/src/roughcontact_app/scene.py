@@ -28,7 +28,17 @@ from roughcontact import (
 from roughcontact.errors import InputError, MissingPackage, RoughContactError
 from roughcontact.typing import TYPICAL, Load, Pair, RawMap, build_problem, read_raw, require_memory_of_solve
 
-from roughcontact_app.settings import Settings, cycle_values, fretting_values, load_values, plain, quantity, whole
+from roughcontact_app.settings import (
+    Settings,
+    WrongSetting,
+    cycle_values,
+    fretting_values,
+    load_values,
+    plain,
+    quantity,
+    reading,
+    whole,
+)
 
 EXAMPLES: dict[str, Callable[[], HeightMap]] = {
     one.__name__: one for one in (examples.ground_ring, examples.ball, examples.lapped_plate, examples.honed_liner)
@@ -103,7 +113,9 @@ def make_scene(settings: Settings, upload: Upload | None, counterbody_upload: Up
         if settings["counterbody_surface"] == "file":
             other, filled = _read(settings, counterbody_upload, "counterbody_")
             other = _remove_form(settings, other, "counterbody_")
-            pair = match(source, other, **_read_placement(settings))
+            placement = _read_placement(settings)
+            with reading("offset_x"):
+                pair = match(source, other, **placement)
             grid = pair.grid
             body = attrs.evolve(body, surface=pair.body)
             counterbody = ShownSurface(pair.counterbody, other, filled)
@@ -130,7 +142,8 @@ def _read_placement(settings: Settings) -> dict[str, Any]:
     )
     angle = plain(settings, "rotation", "The rotation")
     if not abs(angle) <= _FULL_TURN:
-        raise InputError.about("The rotation", angle, f"between -{_FULL_TURN:g} and {_FULL_TURN:g} degrees")
+        with reading("rotation"):
+            raise InputError.about("The rotation", angle, f"between -{_FULL_TURN:g} and {_FULL_TURN:g} degrees")
     return {
         "offset": (x, y),
         "rotation": math.radians(angle),
@@ -188,7 +201,8 @@ def make_loads(settings: Settings, problem: ContactProblem) -> tuple[Load, ...]:
     if settings["load"] == "cycle":
         return problem.require_cycle(approach=cycle_values(settings))
     values = load_values(settings)
-    return tuple(problem.require_load(**{settings["load"]: value}) for value in values)
+    with reading("loads"):
+        return tuple(problem.require_load(**{settings["load"]: value}) for value in values)
 
 
 def inspect_file(upload: Upload) -> dict[str, object]:
@@ -223,15 +237,19 @@ def _read(settings: Settings, upload: Upload | None, prefix: str = "") -> tuple[
     facts = _facts(_read_raw(upload))
     if facts["size"] is None and not (own["size_x"] and own["size_y"]):
         cells = " x ".join(map(str, facts["shape"]))  # type: ignore[call-overload]
-        raise InputError(
-            f"The file {upload.name} holds {cells} heights but not the size of its domain: fill in both sides, x and y."
+        raise WrongSetting(
+            f"The file {upload.name} holds {cells} heights but not the size of its domain: "
+            "fill in both sides, x and y.",
+            f"{prefix}size_x",
         )
     if not facts["metric"] and not own["height_unit"]:
-        raise InputError(f"The file {upload.name} does not state the unit of its heights: choose it.")
+        sentence = f"The file {upload.name} does not state the unit of its heights: choose it."
+        raise WrongSetting(sentence, f"{prefix}height_unit")
     if facts["non_measured"] and own["non_measured"] == "refuse":
-        raise InputError(
+        raise WrongSetting(
             f"In the file {upload.name} {facts['non_measured']} points were not measured: choose whether to fill "
-            "them from their neighbours or to keep them as points that never touch."
+            "them from their neighbours or to keep them as points that never touch.",
+            f"{prefix}non_measured",
         )
     try:
         surface = read_surface(
@@ -287,7 +305,8 @@ def _make_synthetic(settings: Settings) -> Surface:
     )
     if shortest > longest:
         waves = (f"{settings[name]} {settings['wave_unit'].replace('u', 'µ')}" for name in ("shortest", "longest"))
-        raise InputError("The shortest wavelength, {}, must not be above the longest one, {}.".format(*waves))
+        sentence = "The shortest wavelength, {}, must not be above the longest one, {}.".format(*waves)
+        raise WrongSetting(sentence, "shortest")
     return SelfAffineSurface(
         hurst=plain(settings, "hurst", "The Hurst exponent"),
         rms_height=quantity(settings, "rms_height", "The rms height", "length"),
@@ -302,6 +321,8 @@ def _describe_material(settings: Settings, prefix: str, whose: str) -> dict[str,
         "young": quantity(settings, f"{prefix}young", f"Young's modulus of {whose}", "modulus"),
         "poisson": plain(settings, f"{prefix}poisson", f"Poisson's ratio of {whose}"),
     }
+    with reading(f"{prefix}poisson"):
+        Elastic(**material)
     if settings[f"{prefix}hardness"]:
         material["hardness"] = quantity(settings, f"{prefix}hardness", f"The hardness of {whose}", "modulus")
     return material

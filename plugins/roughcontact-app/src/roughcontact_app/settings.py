@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from decimal import Decimal
 from typing import Any, TypeAlias
 
@@ -147,6 +148,25 @@ _PAIR = 2
 _MOST_STATES = 201
 
 
+class WrongSetting(InputError):
+    """A setting is wrong: its name, beside the sentence."""
+
+    def __init__(self, sentence: str, setting: str):
+        super().__init__(sentence)
+        self.setting = setting
+
+
+@contextmanager
+def reading(setting: str) -> Iterator[None]:
+    """Say of an `InputError` which setting is wrong, unless it is known."""
+    try:
+        yield
+    except WrongSetting:
+        raise
+    except InputError as error:
+        raise WrongSetting(str(error), setting) from error
+
+
 def read_settings(data: object) -> Settings:
     """Return the settings that a page has sent, completed by those it has not, or raise `InputError`."""
     if not isinstance(data, dict):
@@ -166,7 +186,8 @@ def read_settings(data: object) -> Settings:
 
 def plain(settings: Settings, name: str, label: str) -> float:
     """Return a setting without a unit as a number."""
-    return float(_decimal(settings[name], label))
+    with reading(name):
+        return float(_decimal(settings[name], label))
 
 
 def quantity(
@@ -180,18 +201,26 @@ def quantity(
     signed: bool = False,
 ) -> float:
     """Return a setting in SI units; its unit is another setting, ``NAME_unit`` by default."""
-    return _quantity(settings[name], label, kind, _unit(settings, unit or f"{name}_unit", kind), zero, signed=signed)
+    with reading(name):
+        return _quantity(
+            settings[name], label, kind, _unit(settings, unit or f"{name}_unit", kind), zero, signed=signed
+        )
 
 
 def whole(settings: Settings, name: str, label: str) -> int:
     """Return a setting that is a whole number."""
     if not _WHOLE.fullmatch(settings[name]):
-        raise InputError.about(label, settings[name], "a whole number such as 256")
+        raise WrongSetting(str(InputError.about(label, settings[name], "a whole number such as 256")), name)
     return int(settings[name])
 
 
 def load_values(settings: Settings) -> list[float]:
     """Return the loads in SI units."""
+    with reading("loads"):
+        return _load_values(settings)
+
+
+def _load_values(settings: Settings) -> list[float]:
     kind = settings["load"]
     unit = _unit(settings, "load_unit", kind)
     texts = re.split(r"[;\s]+", settings["loads"].strip("; \t"))
@@ -208,35 +237,41 @@ def load_values(settings: Settings) -> list[float]:
 def cycle_values(settings: Settings) -> list[float]:
     """Return the approaches of a branch of a cycle, m."""
     if settings["adhesion"] == "none":
-        raise InputError("A cycle is for surfaces that attract each other: choose an adhesion, or give another load.")
-    unit = _unit(settings, "cycle_unit", "approach")
+        sentence = "A cycle is for surfaces that attract each other: choose an adhesion, or give another load."
+        raise WrongSetting(sentence, "adhesion")
     low, high = (
-        _quantity(settings[name], label, "approach", unit, True, signed=True)
+        quantity(settings, name, label, "approach", "cycle_unit", zero=True, signed=True)
         for name, label in (("cycle_from", "The first approach"), ("cycle_to", "The last approach"))
     )
     if not low < high:
-        raise InputError("The first approach of a cycle must be below the last one, from which the surfaces return.")
+        sentence = "The first approach of a cycle must be below the last one, from which the surfaces return."
+        raise WrongSetting(sentence, "cycle_from")
     count = whole(settings, "states", "The number of states")
     if not 2 <= count <= _MOST_STATES:
-        raise InputError.about("The number of states", count, f"from 2 to {_MOST_STATES}")
+        with reading("states"):
+            raise InputError.about("The number of states", count, f"from 2 to {_MOST_STATES}")
     return [low + (high - low) * step / (count - 1) for step in range(count)]
 
 
 def fretting_values(settings: Settings) -> tuple[float, float, float]:
     """Return the normal force and the largest tangential force of a fretting cycle, N, and the friction."""
     if settings["adhesion"] != "none":
-        raise InputError("Friction between surfaces that attract each other is not known: choose no adhesion.")
+        sentence = "Friction between surfaces that attract each other is not known: choose no adhesion."
+        raise WrongSetting(sentence, "adhesion")
     if settings["boundary"] == "wrapped":
-        raise InputError("A wrapped boundary has no response to forces along the surface: choose another boundary.")
+        sentence = "A wrapped boundary has no response to forces along the surface: choose another boundary."
+        raise WrongSetting(sentence, "boundary")
     normal = quantity(settings, "normal_force", "The normal force", "force")
     tangential = quantity(settings, "tangential_force", "The tangential force", "force")
     friction = plain(settings, "friction", "The coefficient of friction")
     if not 0.0 < friction <= _MOST_FRICTION:
-        raise InputError.about("The coefficient of friction", friction, f"above 0, and at most {_MOST_FRICTION:g}")
+        with reading("friction"):
+            raise InputError.about("The coefficient of friction", friction, f"above 0, and at most {_MOST_FRICTION:g}")
     if tangential >= friction * normal:
-        raise InputError(
+        raise WrongSetting(
             "The tangential force of a fretting cycle must be below the coefficient of friction times the normal "
-            "force, from which on the bodies slide."
+            "force, from which on the bodies slide.",
+            "tangential_force",
         )
     return normal, tangential, friction
 
@@ -246,7 +281,11 @@ def asked_responses(settings: Settings) -> dict[str, Response[Any]]:
     if settings["load"] in ("cycle", "fretting"):
         return {}
     ticked = {name: box for name, box in TICK_BOXES.items() if settings[box.setting] == "yes"}
-    return {name: build_asked(name, _fields_of(settings, box)) for name, box in ticked.items()}
+    found = {}
+    for name, box in ticked.items():
+        with reading(box.fields[0].setting if box.fields else box.setting):
+            found[name] = build_asked(name, _fields_of(settings, box))
+    return found
 
 
 def _fields_of(settings: Settings, box: TickBox) -> dict[str, Any]:
@@ -258,9 +297,10 @@ def _fields_of(settings: Settings, box: TickBox) -> dict[str, Any]:
             continue
         # Of a pair one number is for both.
         texts = re.split(r"[;\s]+", settings[field.setting]) if field.is_pair else [settings[field.setting]]
-        if len(texts) > _PAIR:
-            raise InputError(f"{label} has {len(texts)} numbers: give one, or one for each of both bodies.")
-        numbers = [float(_decimal(text, label)) for text in texts]
+        with reading(field.setting):
+            if len(texts) > _PAIR:
+                raise InputError(f"{label} has {len(texts)} numbers: give one, or one for each of both bodies.")
+            numbers = [float(_decimal(text, label)) for text in texts]
         found[field.name] = numbers if len(numbers) > 1 else numbers[0]
     return found
 

@@ -19,7 +19,7 @@ from roughcontact_app.preview import describe
 from roughcontact_app.progress import Progress
 from roughcontact_app.responses import ask
 from roughcontact_app.scene import Scene, ShownSurface, Upload, inspect_file, make_loads, make_problem, make_scene
-from roughcontact_app.settings import Settings, asked_responses, fretting_values, read_settings
+from roughcontact_app.settings import Settings, WrongSetting, asked_responses, fretting_values, read_settings
 from roughcontact_app.words import end_sentence, in_words_of_page
 
 # How the time of a solve is estimated.
@@ -81,7 +81,7 @@ def run(task: dict[str, Any], send: Send) -> dict[str, Any]:
     try:
         return kinds[task["kind"]]()
     except InputError as error:
-        raise InputError(in_words_of_page(str(error))) from error
+        raise WrongSetting(in_words_of_page(str(error)), getattr(error, "setting", "")) from error
 
 
 @functools.lru_cache(maxsize=1)

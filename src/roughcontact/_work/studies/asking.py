@@ -111,7 +111,7 @@ def build_response(name: str, fields: Mapping[str, Any]) -> Response[Any]:
     --------
     >>> from roughcontact.typing import build_response
     >>> build_response("leakage", {"viscosity": "1 mPa.s", "pressure_drop": 1e5})
-    FluidLeakage(axis=0, viscosity=0.001, pressure_drop=100000.0)
+    GapFlow(axis=0, viscosity=0.001, pressure_drop=100000.0)
     """
     response: Response[Any] = build_part(responses, name, fields, name)
     return response

@@ -33,6 +33,9 @@ function changed(delay = DELAY) {
   remember();
   allowSolve();
   clearTimeout(timer);
+  // What is shown is old from now on, and answers on their way are dropped.
+  changes++;
+  document.body.setAttribute("aria-busy", "true");
   timer = setTimeout(refresh, delay);
 }
 
@@ -45,14 +48,14 @@ function allowSolve() {
 
 // The surface first, then the plan; an answer to settings that have changed again is dropped.
 async function refresh() {
-  const change = ++changes;
+  const change = changes;
   const values = settings.read();
   const file = missing();
   if (file) {
     showNothing(file.reading ? "" : file.unread);
     return;
   }
-  document.body.setAttribute("aria-busy", "true");
+  settings.markWrong();
   try {
     const surface = await post("api/surface", values);
     if (change !== changes) return;
@@ -61,6 +64,7 @@ async function refresh() {
   } catch (error) {
     if (change !== changes) return;
     showNothing(error.message);
+    settings.markWrong(error);
     // The surface may be out of view.
     byId("plan").textContent = error.message;
   } finally {
@@ -85,7 +89,9 @@ async function showPlan(values, change) {
   try {
     plan = await post("api/plan", values);
   } catch (error) {
-    if (change === changes) showNoPlan(error.message);
+    if (change !== changes) return;
+    showNoPlan(error.message);
+    settings.markWrong(error);
     return;
   }
   if (change !== changes) return;

@@ -159,6 +159,17 @@ export function surfaceKindChanged() {
   return before === boundary.value ? "" : `It was ${before}; for this surface it is now ${boundary.value}.`;
 }
 
+// Says under a field what is wrong with it; without an error nothing is wrong.
+export function markWrong({ setting = "", message = "" } = {}) {
+  form.querySelector(".wrong")?.remove();
+  form.querySelector("[aria-invalid]")?.removeAttribute("aria-invalid");
+  const control = form.elements[setting];
+  if (!control || control.closest("[hidden]")) return;
+  control.setAttribute("aria-invalid", "true");
+  control.setAttribute("aria-errormessage", "wrong");
+  (control.closest(".field") || control.parentElement).append(element("p", message, { class: "wrong", id: "wrong" }));
+}
+
 const needsOf = (facts) => facts && {
   size: facts.size === null, metric: !facts.metric, rows: facts.needs_rows, non_measured: facts.non_measured > 0,
 };
