@@ -1042,6 +1042,26 @@ def test_quantities_are_those_of_a_script_to_the_last_bit(text, unit, value):
     assert quantity(settings, "side", "The side", "length") == value
 
 
+@pytest.mark.parametrize(
+    ("changed", "setting"),
+    [
+        ({"loads": "x"}, "loads"),
+        ({"loads": "1e30"}, "loads"),
+        ({"poisson": "0.6"}, "poisson"),
+        ({"hardness": "-1"}, "hardness"),
+        ({"cells": "1.5"}, "cells"),
+        ({"amplitude": ""}, "amplitude"),
+        ({"load": "cycle"}, "adhesion"),
+        ({"load": "fretting", "friction": "0"}, "friction"),
+        ({"load": "fretting", "tangential_force": "1"}, "tangential_force"),
+        ({"ask_conductance": "yes", "ask_conductance_conductivity": "0"}, "ask_conductance_conductivity"),
+        ({"ask_leakage": "yes"}, "ask_leakage_viscosity"),
+    ],
+)
+def test_a_refusal_names_the_wrong_setting(client, changed, setting):
+    assert client.post("api/plan", SMALL | changed, 422)["setting"] == setting
+
+
 def test_loads_are_separated_by_blanks_or_semicolons():
     assert load_values(read_settings({"loads": " 1 2;  5 ; ", "load_unit": "MPa"})) == [1e6, 2e6, 5e6]
 

@@ -359,18 +359,46 @@ def test_an_answer_says_what_it_answers(page):
     assert first != second
     # Equal runs have numbers, and the one that is shown is marked; a reload loses none of them.
     page.driver.refresh()
-    of_first = [By.XPATH, f"//button[starts-with(., '{first[:-1]};')]"]
+    number, of_second = (text.partition(":")[0] for text in (first, second))
+    of_first = [By.XPATH, f"//tbody[@id='run-list']//button[.='{number}']"]
     page.until(lambda: page.driver.find_elements(*of_first) and page.text("run-subject") == second)
     for _ in range(2):
         page.driver.find_element(*of_first).click()
         page.until(lambda: page.text("run-subject") == first and page.find("picture").is_displayed())
         marked = page.driver.find_elements(By.CSS_SELECTOR, "#run-list [aria-pressed=true]")
-        assert [button.text for button in marked] == [f"{first[:-1]}; done"]
+        assert [button.text for button in marked] == [number]
+    area = page.driver.find_element(By.CSS_SELECTOR, "[data-quantity='contact area']").text
+    row = page.driver.find_element(By.XPATH, f"//tbody[@id='run-list']/tr[th/button[.='{number}']]")
+    assert area in row.text
+    # Two runs stand side by side.
+    page.driver.find_element(By.CSS_SELECTOR, f"[aria-label^='{of_second} beside']").click()
+    rows = page.find("beside").find_elements(By.TAG_NAME, "tr")
+    assert rows[0].text.split("\n") == [f"{number} {of_second}"]
+    assert f"contact area {area} {area}" in [row.text for row in rows]
     # Nor does an old address show a run as that of other settings.
     page.driver.execute_script("location.hash = location.hash.replace('loads=20', 'loads=30')")
     page.until(lambda: page.setting("loads") == "30" and page.find("stale").is_displayed())
     assert page.text("run-subject") == first
     assert not page.has_run_in_address()
+
+
+def test_what_is_wrong_is_said_under_its_field_and_what_is_old_is_marked(page):
+    page.open().until_planned()
+    page.set("loads", "x")
+    assert page.driver.find_element(By.CSS_SELECTOR, "#h-run .updating").is_displayed()
+    page.until(lambda: page.text("wrong") == "The load must be a number such as 2.5, but got 'x'.")
+    loads = page.find("loads")
+    assert loads.get_attribute("aria-invalid") == "true"
+    assert page.find("wrong").location["y"] > loads.location["y"]
+    assert not page.driver.find_element(By.CSS_SELECTOR, "#h-run .updating").is_displayed()
+    page.set("poisson", "0.7")
+    page.until(lambda: "Poisson's ratio" in page.text("wrong"))
+    assert page.find("poisson").get_attribute("aria-invalid") == "true"
+    assert loads.get_attribute("aria-invalid") is None
+    for name, text in {"poisson": "0.3", "loads": "10"}.items():
+        page.set(name, text)
+    page.until_planned()
+    assert not page.driver.find_elements(By.ID, "wrong")
 
 
 def test_typical_values_and_links_do_what_they_say(page):
@@ -431,6 +459,16 @@ def test_a_reload_in_the_middle_keeps_run_and_settings(page):
     assert page.driver.find_element(By.NAME, "cells").get_attribute("value") == "512"
     rows = page.driver.find_elements(By.CSS_SELECTOR, "#answer-table tbody tr")
     assert len(rows) == 2
+    # Units stand in the head of a column, and its numbers have three digits, but for the load that was given.
+    head, cells = (
+        [cell.text for cell in page.driver.find_elements(By.CSS_SELECTOR, f"#answer-table {path}")]
+        for path in ("thead th", "tbody tr:first-child td")
+    )
+    assert head[0] == "mean pressure, MPa"
+    assert cells[0] == "50"
+    assert head[1].startswith("force, ")
+    assert len(cells[1].replace(".", "").lstrip("0")) <= 3
+    assert "±" in cells[2]
     page.until(lambda: "area load" in page.text("panel-buttons"))
 
 
