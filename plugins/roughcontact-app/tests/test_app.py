@@ -555,6 +555,28 @@ def save_map(shape, size, seed):
     return surface, file.getvalue()
 
 
+def test_the_roughness_of_a_map_is_that_of_the_library(client):
+    surface, file = save_map((45, 64), (45e-6, 64e-6), 3)
+    settings = {"surface": "file", "file": client.upload("map.npz", file)[1]["digest"], "form": "plane"}
+    shown = client.post("api/roughness", settings)
+    flat = surface.detrend("plane")
+    expected = rc.reference.texture(flat.values, flat.grid, periodic=False)
+    rows = {name: (meaning, text) for name, meaning, text in shown["rows"]}
+    assert rows["Sq"] == ("root mean square height", write_column([expected.Sq])[0])
+    assert rows["Smr1"] == ("material ratio of the peaks", write_column([expected.Smr1])[0])
+    assert len(rows) == 22
+    assert [one["panel"] for one in shown["pictures"]] == ["spectrum", "bearing-curve"]
+    for one in shown["pictures"]:
+        assert client.get(f"pictures/{one['picture']}").startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize("kind", ["sphere", "wavy"])
+def test_surfaces_that_are_made_have_a_roughness_or_a_sentence(client, kind):
+    shown = client.post("api/roughness", {"surface": kind, "cells": "32"})
+    assert shown["rows"] or shown["notes"]
+    assert client.refusal("api/roughness", {"surface": "file"})
+
+
 PLACEMENT = {"offset_x": "4", "offset_y": "-2", "rotation": "20", "mirrored": "yes", "interpolation": "cubic"}
 
 

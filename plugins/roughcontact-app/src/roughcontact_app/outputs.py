@@ -16,6 +16,8 @@ from roughcontact.typing import AdhesionCycle, Sweep, replacing, write_report
 
 from roughcontact_app.answers import make_table
 
+# Pixels of a picture beside those of a page: screens of phones have two to three times as many.
+_SHARPNESS = 2
 # The panels that come first; others follow in the order of their names.
 _FIRST = {"solution": ("pressure", "gap", "heights", "patches"), "sweep": ("area-load", "load-approach")}
 
@@ -167,7 +169,7 @@ def draw(plot: Callable[[], Any], path: Path) -> None:
 
     try:
         with replacing(path) as unfinished:
-            figure.savefig(unfinished, format="png", bbox_inches="tight")
+            figure.savefig(unfinished, format="png", bbox_inches="tight", dpi=_SHARPNESS * figure.dpi)
     finally:
         pyplot.close(figure)
 

@@ -219,7 +219,12 @@ class _Handler(BaseHTTPRequestHandler):
         if path == "api/upload":
             self._upload()
             return
-        actions = {"api/surface": session.show_surface, "api/plan": session.plan, "api/runs": session.start}
+        actions = {
+            "api/surface": session.show_surface,
+            "api/roughness": session.describe_roughness,
+            "api/plan": session.plan,
+            "api/runs": session.start,
+        }
         if path in actions:
             self._send_json(actions[path](self._read_json(), self._page))
         elif path == "api/file":

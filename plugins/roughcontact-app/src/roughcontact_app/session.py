@@ -81,6 +81,16 @@ class Session:
                     one["picture"] = self._keep(maker.folder / one["picture"])
         return shown
 
+    def describe_roughness(self, data: object, page: str) -> dict[str, Any]:
+        """Return the numbers of the roughness of the body's surface, and the names of its pictures."""
+        maker = self._page(page)
+        task = self._task("roughness", read_settings(data), maker.folder)
+        with maker.making:
+            found = maker.make(task, "Measuring the roughness")
+            for one in found["pictures"]:
+                one["picture"] = self._keep(maker.folder / one["picture"])
+        return found
+
     def plan(self, data: object, page: str) -> dict[str, Any]:
         """Return what a run will do and cost."""
         maker = self._page(page)

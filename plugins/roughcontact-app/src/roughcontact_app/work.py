@@ -18,6 +18,7 @@ from roughcontact_app.outputs import CycleOutputs, FrettingOutputs, Outputs, dra
 from roughcontact_app.preview import describe
 from roughcontact_app.progress import Progress
 from roughcontact_app.responses import ask
+from roughcontact_app.roughness import describe_roughness
 from roughcontact_app.scene import Scene, ShownSurface, Upload, inspect_file, make_loads, make_problem, make_scene
 from roughcontact_app.settings import Settings, WrongSetting, asked_responses, fretting_values, read_settings
 from roughcontact_app.words import end_sentence, in_words_of_page
@@ -75,6 +76,7 @@ def run(task: dict[str, Any], send: Send) -> dict[str, Any]:
     kinds: dict[str, Callable[[], dict[str, Any]]] = {
         "inspect": lambda: dict(inspect_file(upload)) if upload else {},
         "surface": lambda: _show_surfaces(settings, uploads, Path(task["folder"])),
+        "roughness": lambda: _describe_roughness(settings, uploads, Path(task["folder"])),
         "plan": lambda: _plan(settings, uploads, task["calibration"]),
         "solve": lambda: _solve(settings, uploads, Path(task["folder"]), send),
     }
@@ -113,6 +115,11 @@ def _show(scene: Scene, one: ShownSurface, picture: Path, dark: bool) -> dict[st
     except RoughContactError as error:
         shown["note"] = in_words_of_page(str(error))
     return shown
+
+
+def _describe_roughness(settings: Settings, uploads: Uploads, folder: Path) -> dict[str, Any]:
+    scene = _scene(settings, uploads)
+    return describe_roughness(scene.body, scene.grid, folder, settings["scheme"] == "dark")
 
 
 def _plan(settings: Settings, uploads: Uploads, calibration: float) -> dict[str, Any]:

@@ -6,7 +6,7 @@ import { byId, say, showList } from "./page.js";
 import { follow } from "./run.js";
 import { listRuns } from "./runs.js";
 import * as settings from "./settings.js";
-import { showNoSurface, showSurface } from "./surface.js";
+import { showNoSurface, showRoughness, showSurface } from "./surface.js";
 
 const { form } = settings;
 // Milliseconds after the last key until the server is asked.
@@ -61,6 +61,7 @@ async function refresh() {
     if (change !== changes) return;
     showSurface(surface);
     await showPlan(values, change);
+    if (change === changes) showRoughness(values, () => change !== changes);
   } catch (error) {
     if (change !== changes) return;
     showNothing(error.message);
@@ -182,6 +183,10 @@ function listen() {
     if (name === "surface" || name === "boundary") say("boundary-note", name === "surface" ? settings.surfaceKindChanged() : "");
     say("note", "");
     changed();
+  });
+  byId("roughness").addEventListener("toggle", () => {
+    const change = changes;
+    showRoughness(settings.read(), () => change !== changes);
   });
   byId("copy").addEventListener("click", async () => {
     const link = `${location.href.split("#")[0]}#${settings.toFragment("")}`;

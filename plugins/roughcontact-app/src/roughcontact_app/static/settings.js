@@ -85,7 +85,9 @@ function copyFieldsOfMap() {
 // A tick box for what the contact does, and below it its fields.
 function addResponse({ setting, label, summary, fields, axis }) {
   const line = element("label", "", { class: "tick" });
-  line.append(element("input", "", { type: "checkbox", name: setting, value: "yes" }), element("span", `${label}: ${summary}`));
+  const words = element("span");
+  words.append(element("b", label), element("span", summary, { class: "help" }));
+  line.append(element("input", "", { type: "checkbox", name: setting, value: "yes" }), words);
   const below = element("div", "", { "data-when": `${setting}=yes`, class: "ticked" });
   for (const one of fields) {
     const row = element("span", "", { class: "row" });
@@ -96,7 +98,7 @@ function addResponse({ setting, label, summary, fields, axis }) {
   if (axis) {
     const select = element("select", "", { id: axis, name: axis });
     fill(select, { x: "x", y: "y" });
-    below.append(labelled(axis, "Along", select));
+    below.append(labelled(axis, "Axis", select));
   }
   document.getElementById("responses").append(line, ...(below.children.length ? [below] : []));
 }
