@@ -28,7 +28,7 @@ class ResponseField:
     name
         The name.
     unit
-        SI unit of its number; empty for a number without one, None if it is no number.
+        SI unit of its number; empty for a number without one, None if it is not a number.
     is_pair
         Whether it is one number or two.
     is_needed
