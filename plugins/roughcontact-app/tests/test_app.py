@@ -567,7 +567,10 @@ def test_the_roughness_of_a_map_is_that_of_the_library(client):
     assert len(rows) == 22
     assert [one["panel"] for one in shown["pictures"]] == ["spectrum", "bearing-curve"]
     for one in shown["pictures"]:
-        assert client.get(f"pictures/{one['picture']}").startswith(b"\x89PNG")
+        picture = client.get(f"pictures/{one['picture']}")
+        assert picture.startswith(b"\x89PNG")
+        # The page shows it 750 pixels wide.
+        assert int.from_bytes(picture[16:20], "big") > 1000
 
 
 @pytest.mark.parametrize("kind", ["sphere", "wavy"])

@@ -546,6 +546,17 @@ def test_everything_is_done_from_the_keyboard(page):
     assert "scale(1)" in image.get_attribute("style")
 
 
+def test_the_roughness_is_measured_when_it_is_opened(page):
+    page.open().until_planned()
+    assert not page.driver.find_elements(By.CSS_SELECTOR, "[data-texture]")
+    page.find("roughness").find_element(By.TAG_NAME, "summary").click()
+    page.until(lambda: "±" in page.driver.find_element(By.CSS_SELECTOR, "[data-texture=Sq]").text)
+    page.until(lambda: page.find("roughness-pictures").size["height"] > 100)
+    before = page.driver.find_element(By.CSS_SELECTOR, "[data-texture=Sq]").text
+    page.set("form", "quadratic")
+    page.until(lambda: page.driver.find_element(By.CSS_SELECTOR, "[data-texture=Sq]").text != before)
+
+
 def test_a_picture_is_zoomed_by_wheel_and_buttons(page):
     page.open()
     page.until(lambda: page.find("surface-picture").is_displayed())

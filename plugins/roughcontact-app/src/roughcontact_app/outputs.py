@@ -16,8 +16,8 @@ from roughcontact.typing import AdhesionCycle, Sweep, replacing, write_report
 
 from roughcontact_app.answers import make_table
 
-# Pixels of a picture beside those of a page: screens of phones have two to three times as many.
-_SHARPNESS = 2
+# Dots beside those of a figure: a picture, 430 dots wide, is shown 750 pixels wide.
+_SHARPNESS = 3
 # The panels that come first; others follow in the order of their names.
 _FIRST = {"solution": ("pressure", "gap", "heights", "patches"), "sweep": ("area-load", "load-approach")}
 
