@@ -5,10 +5,10 @@ from __future__ import annotations
 import io
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, TypeAlias
+from typing import Any
 
 import roughcontact as rc
 from roughcontact._base import checks
@@ -20,10 +20,8 @@ from roughcontact._faces.panels.theme import require_matplotlib
 from roughcontact._parts.grid import Load
 from roughcontact._solve.problem import Sweep, make_table
 from roughcontact._solve.solution import require_netcdf, versions
-from roughcontact._work.studies import list_estimates
+from roughcontact._work.studies import Answers, list_estimates, tabulate_answers
 
-# What each response that was asked for says of each solution, by the name of the response.
-Answers: TypeAlias = Mapping[str, Sequence[Any]]
 _NONE: Answers = MappingProxyType({})
 # Width of the label of a line, as `print(solution)` has it.
 _LABEL_WIDTH = 15
@@ -139,7 +137,7 @@ def to_csv(solutions: Sequence[rc.ContactSolution], estimator: str | None = None
         columns["other_area"] = [float(area.value) for area in others]
         columns["other_area_uncertainty"] = [float(area.uncertainty) for area in others]
         units |= {"other_area": "m2", "other_area_uncertainty": "m2"}
-    return write_csv(Table({**columns, **_tabulate(answers)}, units))
+    return write_csv(Table({**columns, **tabulate_answers(answers)}, units))
 
 
 def write_csv(table: Table) -> str:
@@ -171,7 +169,7 @@ def _write_answers(solutions: Sequence[rc.ContactSolution], answers: Answers) ->
     if len(solutions) == 1:
         return [line for name, found in answers.items() for line in _label(name, str(found[0]))]
     forces = [rc.Estimate(solution.force, 0.0, "N") for solution in solutions]
-    columns = _tabulate(answers)
+    columns = tabulate_answers(answers)
     lines = Table({"force": forces, **columns}).to_text().split("\n")
     for name, found in answers.items():
         for force, result in zip(forces, found, strict=True):
@@ -184,16 +182,6 @@ def _write_answers(solutions: Sequence[rc.ContactSolution], answers: Answers) ->
 def _label(name: str, text: str) -> list[str]:
     first, *others = text.split("\n")
     return [f"{name:{_LABEL_WIDTH - 1}} {first}", *(f"{'':{_LABEL_WIDTH}}{line}" for line in others)]
-
-
-def _tabulate(answers: Answers) -> dict[str, list[rc.Estimate]]:
-    """Return a column for each number, in the order of the solutions."""
-    columns: dict[str, list[rc.Estimate]] = {}
-    for name, found in answers.items():
-        for result in found:
-            for part, one in list_estimates(result).items():
-                columns.setdefault(f"{name} {part}".strip(), []).append(one)
-    return columns
 
 
 def _describe_result(result: Any) -> dict[str, Any]:

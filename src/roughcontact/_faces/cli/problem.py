@@ -18,7 +18,7 @@ from roughcontact._parts.files import read_raw
 from roughcontact._parts.files.reading import options_of
 from roughcontact._parts.grid import Boundary, Load
 from roughcontact._solve.problem import require_memory_of_solve
-from roughcontact._work.studies import Form, build_problem
+from roughcontact._work.studies import build_part, build_problem
 
 
 def loads_of(options: argparse.Namespace) -> tuple[Load, ...]:
@@ -78,11 +78,7 @@ def make_part(registry: Registry[Any], option: str, name: str, texts: Sequence[s
         if not equals:
             raise rc.InputError.about(f"A field of {what}", text, "FIELD=VALUE")
         fields[field] = value.split(",") if "," in value else value
-    form = Form()
-    part = form.read(registry.base, {**fields, "type": name}, "")
-    for place, error in form.faults:
-        raise rc.InputError(f"{what}{place and f' {place}'}: {error}") from error
-    return part
+    return build_part(registry, name, fields, what)
 
 
 def _surfaces(options: argparse.Namespace) -> tuple[rc.Surface, rc.Surface, dict[str, Any] | None]:
