@@ -59,7 +59,10 @@ def test_solve_takes_a_pair_with_every_option(height_map, tmp_path, capsys):
 @pytest.mark.parametrize(
     ("extra", "words"),
     [
-        (["--young", "210GPa"], "one of the arguments --pressure --force --approach --loads --cycle is required"),
+        (
+            ["--young", "210GPa"],
+            "one of the arguments --pressure --force --approach --loads --solve-for --cycle is required",
+        ),
         (["--pressure", "1MPa"], "one of the arguments --material --young is required"),
         (["--pressure", "1MPa", "--force", "1N", "--young", "1GPa"], "not allowed with"),
         (["--pressure", "1kg", "--young", "1GPa"], "'1kg' is not a quantity in units of Pa"),

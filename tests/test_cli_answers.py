@@ -68,6 +68,11 @@ class TestJson:
         assert found["residuals"]["penetration"] == solution.residuals.penetration
         assert found["grid"] == {"shape": [48, 48], "size": {"value": [48e-6, 48e-6], "unit": "m"}}
         assert found["boundary"] == "free"
+        assert found["inputs"]["load"] == {"kind": "pressure", "value": 50e6, "unit": "Pa"}
+        assert found["inputs"]["body"]["material"] == "rc.Elastic(young=210e9, poisson=0.3)"
+        assert found["inputs"]["body"]["provenance"] == list(rc.read_surface("rough.npz").provenance)
+        assert found["inputs"]["counterbody"] == {"surface": "rc.FlatSurface()", "material": "rc.Rigid()"}
+        assert found["inputs"]["solver"] == "rc.ProjectedConjugateGradient()"
         assert found["accuracy"] is None
         assert found["saturated_area"] is None
         assert found["cost"]["convolutions"] == solution.convolutions

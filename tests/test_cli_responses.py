@@ -31,7 +31,9 @@ def solve(**load):
 
 
 def same(found, estimate):
+    places = {} if estimate.sampling is None else {"sampling": pytest.approx(estimate.sampling, rel=1e-9)}
     return found == {
+        **places,
         "value": pytest.approx(estimate.value, rel=1e-12),
         "uncertainty": pytest.approx(estimate.uncertainty, rel=1e-9),
         "unit": estimate.unit,

@@ -107,6 +107,7 @@ GOOD_FOR = {
     "ContactProblem": {"grid": GRID}, "typing.KnownAnswer": {"area": 1e-9}, "read_surface": {"path": "map.npz"},
     "read_raw": {"file": "map.npz"},
     "run_in": {"problem": LIMITED, "pressure": 1e7}, "ContactSolution.load": {"path": "solution.npz"},
+    "load": {"path": "solution.npz"},
     "Direct.require": {"boundary": rc.Boundary.FREE}, "limited.verify": {"solution": SWEEP.solutions[0]},
     "SelfAffineSurface": {"rms_slope": 0.1}, "HeightMap.filtered": {"shortest": 5e-4},
     "interface_law": {"pressure": [1e7, 2e7], "responses": ()}, "fit": {"name": "area"},
@@ -120,6 +121,8 @@ GOOD_FOR = {
     "ContactProblem.path": {"tangential_force": (0.01, 0.0), "pressure": 1e8},
     "limited.path": {"tangential_force": (0.0, 0.0), "pressure": 1e4}, "limited.slide": {"pressure": 1e4},
     "ContactProblem.slide": {"pressure": 1e8},
+    "ContactProblem.solve_for": {"response": rc.CellCount(), "value": "30%"},
+    "limited.solve_for": {"response": rc.CellCount(), "value": "30%"},
     "Study": {"pressure": [1e7]}, "sweep": {"pressure": [1e7, 2e7]},
     "SurfaceSum.with_parts": {"parts": (WAVE, WAVE)},
     "effective_modulus": {"wavenumber": np.array([1e3, 1e4])},
@@ -251,6 +254,7 @@ SKIPPED |= {
 # Functions for commands and pages, which pass what they have made; one limits the memory of this process.
 SKIPPED |= {"si", "binary", "write_column", "available_memory", "available_threads", "limit_address_space"}
 SKIPPED |= {"require_memory_of_solve", "run_sweep", "name_load", "list_quantities", "gather_warnings", "exceeds_metals"}
+SKIPPED |= {"describe_response", "build_response", "tabulate_answers", "write_report"}
 # Views by pyvista, which takes 560 MB: tests/test_bridges.py has them.
 SKIPPED |= {f"{name}.plot_3d" for name in ("WavySurface", "SelfAffineSurface", "HeightMap", "SurfaceSum", "PlacedMap")}
 SKIPPED |= {"SphereSurface.plot_3d", "ContactSolution.plot_3d"}

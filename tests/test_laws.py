@@ -354,6 +354,14 @@ def read_moose(path):
     return lambda pressure: scale * np.interp(pressure, rows[:, 0], rows[:, 1]), contact
 
 
+def read_comsol(path):
+    """Return the rows of a table in the spreadsheet format: numbers between blanks, comments behind a percent sign."""
+    lines = path.read_text(encoding="ascii").splitlines()
+    rows = np.array([line.split() for line in lines if not line.startswith("%")], dtype=float)
+    assert (np.diff(rows[:, 0]) > 0.0).all()
+    return rows
+
+
 UNITS = {"SI": (1.0, 1.0, 1.0), "mm": (1e3, 1e-6, 1e-3)}
 
 
@@ -387,6 +395,14 @@ class TestFiles:
         assert found["name"] == "ROUGH"
         self.check_closure(law, found["closure"], units)
         self.check_conductance(law, found["*GAP CONDUCTANCE"], units)
+
+    def test_comsol(self, law, tmp_path, units):
+        law.to_comsol(tmp_path / "h.txt", units=units)
+        law.to_comsol(tmp_path / "p.txt", table="closure", units=units)
+        found = read_comsol(tmp_path / "h.txt")
+        self.check_conductance(law, found[:, ::-1], units)
+        closure = read_comsol(tmp_path / "p.txt")
+        self.check_closure(law, closure[:, ::-1], units)
 
     def test_moose(self, law, tmp_path, units):
         law.to_moose(tmp_path / "rough.csv", name="joint", min_gap=3e-6, units=units)

@@ -390,3 +390,33 @@ def test_a_field_is_read_under_its_former_name():
     read = rebuild(described, arrays)
     assert (read.interpolation, read.offset) == ("cubic", (1e-4, 0.0))
     np.testing.assert_array_equal(read.source.values, np.eye(8))
+
+
+class TestLoad:
+    """`rc.load`, which reads whatever `save` wrote."""
+
+    @pytest.mark.parametrize("name", ["one.npz", "one.nc"])
+    def test_a_solution(self, tmp_path, name):
+        solution = small().solve(force=1.0)
+        solution.save(tmp_path / name)
+        assert_equal(rc.load(tmp_path / name), solution)
+
+    def test_a_path_and_a_state(self, tmp_path):
+        path = small().path(force=1.0, tangential_force=[(0.1, 0.0)], friction=0.3)
+        path.save(tmp_path / "path.npz")
+        path[0].save(tmp_path / "state.npz")
+        assert isinstance(rc.load(tmp_path / "path.npz"), rc.FrictionalPath)
+        state = rc.load(tmp_path / "state.npz", verify=False)
+        assert isinstance(state, rc.FrictionalSolution)
+        np.testing.assert_array_equal(state.shear, path[0].shear)
+
+    def test_other_files_get_a_sentence(self, tmp_path):
+        np.savez(tmp_path / "map.npz", heights=np.zeros((4, 4)), size=1e-6)
+        (tmp_path / "text.txt").write_text("1 2\n3 4\n")
+        for name in ("map.npz", "text.txt"):
+            with pytest.raises(rc.InputError, match="holds no solution"):
+                rc.load(tmp_path / name)
+        with pytest.raises(rc.InputError, match="There is no file"):
+            rc.load(tmp_path / "none.npz")
+        with pytest.raises(rc.InputError, match="verify="):
+            rc.load(tmp_path / "map.npz", verify="yes")

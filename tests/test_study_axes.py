@@ -218,3 +218,42 @@ class TestAxes:
     def test_axes_need_a_function(self):
         with pytest.raises(rc.InputError, match="no argument of Study named 'hurst'"):
             rc.Study(make_problem(), hurst=[0.3], force=[1.0])
+
+
+@pytest.fixture(scope="module")
+def result(tmp_path_factory):
+    return over().run(tmp_path_factory.mktemp("results"))
+
+
+class TestPlot:
+    """Columns over each other."""
+
+    def test_each_value_has_a_curve_of_means(self, result):
+        axes = result.plot(color="hurst", over="seed")
+        assert [line.get_label() for line in axes.lines] == ["hurst 0.3", "hurst 0.8"]
+        assert axes.get_xlabel() == "load, mN"
+        areas = [record.areas["blend"][0] for record in result if record.parameters["hurst"] == 0.8]
+        means = np.array([np.mean(areas[place::2]) for place in range(2)])
+        drawn = axes.lines[1].get_ydata()
+        np.testing.assert_allclose(drawn / drawn[0], means / means[0])
+
+    def test_without_a_mean_the_band_is_the_uncertainty(self, result):
+        axes = result.plot("load", "peak_pressure", color="key")
+        assert len(axes.lines) == len(result)
+        (lower, upper) = np.sort(axes.collections[0].get_paths()[0].vertices[:, 1])[[0, -1]]
+        record = result[0]
+        ratio = (upper - lower) / (upper + lower)
+        assert ratio == pytest.approx(2.0 * record.peak_pressure_uncertainty / record.peak_pressure, rel=1e-6)
+
+    @pytest.mark.parametrize(
+        ("names", "sentence"),
+        [
+            ({"y": "aera"}, "There is no column named 'aera'"),
+            ({"y": "status"}, "has no numbers"),
+            ({}, "Several solves have the same load"),
+            ({"colour": "seed"}, "Did you mean color"),
+        ],
+    )
+    def test_a_wrong_column_gets_a_sentence(self, result, names, sentence):
+        with pytest.raises(rc.InputError, match=sentence):
+            result.plot(**names)

@@ -53,7 +53,7 @@ from roughcontact._parts.surfaces import (
     surfaces,
 )
 from roughcontact._solve.convolvers import DCFFT, CircularFFT, Convolver, Direct, convolvers
-from roughcontact._solve.problem import RIGID_FLAT, Body, ContactProblem, FrictionalPath
+from roughcontact._solve.problem import RIGID_FLAT, Body, ContactProblem, FrictionalPath, load
 from roughcontact._solve.solution import (
     Area,
     ContactSolution,
@@ -173,6 +173,7 @@ __all__ = [
     "interactions",
     "interface_law",
     "kernels",
+    "load",
     "match",
     "materials",
     "on_grid",

@@ -14,15 +14,16 @@ materials    the mapping `TYPICAL` of typical ones by name; `PairConstants`, the
 readers      `RawMap`; the function `read_raw`
 commands     `Table`; the functions `quantity`, `replacing`, `si`, `binary`, `write_column`, `available_memory`,
              `available_threads`, `limit_address_space`, `require_memory_of_solve`, `run_sweep`, `name_load`,
-             `list_quantities`, `gather_warnings`, `exceeds_metals`, `build_problem`
+             `list_quantities`, `gather_warnings`, `exceeds_metals`, `build_problem`, `describe_response`,
+             `build_response`, `tabulate_answers`, `write_report`
 results      `ContactFields`, `Accuracy`, `Trial`, `Residuals`, `ContactPatches`, `Load`, `Origin`, `SolvePlan`,
-             `Sweep`, `Ladder`, `BeyondResolution`, `RunIn`, `Cycle`, `StudyResult`, `Record`, `ErrorReport`,
-             `KnownAnswer`, `ReportRow`, `Timing`, `StabilityReport`, `Check`, `Verdict`,
+             `Sweep`, `RequiredLoad`, `Ladder`, `BeyondResolution`, `RunIn`, `Cycle`, `StudyResult`, `Record`,
+             `ErrorReport`, `KnownAnswer`, `ReportRow`, `Timing`, `StabilityReport`, `Check`, `Verdict`,
              `MatchedPair`, `Separated`, `PartialSlip`, `FrettingLoop`, `InterfaceLaw`, `LawColumn`, `PowerFit`,
              `TheoryBeside`, `Stickiness`, `AdhesionCycle`, `Stress`, `StressField`, `StressMaximum`, `YieldPoint`,
              `ContactWarning`
 arrays       `Array` (float64), `RealArray` (float32 or float64), `IntArray`, `Mask` (bool), `Pair` (x, y)
-responses    `Leakage`, `Throat`, `Percolation`
+responses    `ResponseForm`, `ResponseField`, `Leakage`, `Throat`, `Percolation`
 friction     `FrictionalResiduals`, `FrictionalState`, `TangentialLoad`, `TangentialLoop`, `StepNumbers`,
              `Increment`
 ===========  ==========================================================================================================
@@ -36,6 +37,7 @@ from roughcontact._base.machine import available_memory, available_threads, limi
 from roughcontact._base.tables import Table
 from roughcontact._base.units import ContactWarning, binary, quantity, si, write_column
 from roughcontact._faces.cli import Command
+from roughcontact._faces.html.report import write_report
 from roughcontact._parts.files import RawMap, read_raw
 from roughcontact._parts.grid import Load
 from roughcontact._parts.interactions import BoundInteraction
@@ -61,6 +63,7 @@ from roughcontact._solve.problem import (
     AdhesionCycle,
     Certificate,
     Increment,
+    RequiredLoad,
     SolvePlan,
     StepNumbers,
     Sweep,
@@ -107,7 +110,16 @@ from roughcontact._solve.solvers import (
 from roughcontact._work.processes import Cycle, RunIn
 from roughcontact._work.reports.error import ErrorReport, KnownAnswer, ReportRow, Timing
 from roughcontact._work.reports.stability import Check, StabilityReport, Verdict
-from roughcontact._work.studies import Record, StudyResult, build_problem
+from roughcontact._work.studies import (
+    Record,
+    ResponseField,
+    ResponseForm,
+    StudyResult,
+    build_problem,
+    build_response,
+    describe_response,
+    tabulate_answers,
+)
 from roughcontact.responses import (
     Conductance,
     FrettingLoop,
@@ -168,7 +180,10 @@ __all__ = [
     "RealArray",
     "Record",
     "ReportRow",
+    "RequiredLoad",
     "Residuals",
+    "ResponseField",
+    "ResponseForm",
     "RunIn",
     "Separated",
     "ShearConvolution",
@@ -207,7 +222,9 @@ __all__ = [
     "available_threads",
     "binary",
     "build_problem",
+    "build_response",
     "confirm",
+    "describe_response",
     "exceeds_metals",
     "gather_warnings",
     "limit_address_space",
@@ -226,5 +243,7 @@ __all__ = [
     "run_sweep",
     "si",
     "starting_pressure",
+    "tabulate_answers",
     "write_column",
+    "write_report",
 ]

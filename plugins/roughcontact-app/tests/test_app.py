@@ -546,6 +546,93 @@ def test_non_measured_points_are_asked_about(client):
     assert dict(filled["rows"])["Non-measured points"] == "2 of 400, filled"
 
 
+def save_map(shape, size, seed):
+    """Return a rough map, and the file that holds it."""
+    rough = rc.SelfAffineSurface(hurst=0.8, rms_height=0.1e-6, shortest=8e-6, longest=24e-6, seed=seed)
+    surface = rc.HeightMap(rough.heights(rc.Grid(shape, size)), size=size)
+    file = io.BytesIO()
+    np.savez(file, heights=surface.values, size=size)
+    return surface, file.getvalue()
+
+
+def test_the_roughness_of_a_map_is_that_of_the_library(client):
+    surface, file = save_map((45, 64), (45e-6, 64e-6), 3)
+    settings = {"surface": "file", "file": client.upload("map.npz", file)[1]["digest"], "form": "plane"}
+    shown = client.post("api/roughness", settings)
+    flat = surface.detrend("plane")
+    expected = rc.reference.texture(flat.values, flat.grid, periodic=False)
+    rows = {name: (meaning, text) for name, meaning, text in shown["rows"]}
+    assert rows["Sq"] == ("root mean square height", write_column([expected.Sq])[0])
+    assert rows["Smr1"] == ("material ratio of the peaks", write_column([expected.Smr1])[0])
+    assert len(rows) == 22
+    assert [one["panel"] for one in shown["pictures"]] == ["spectrum", "bearing-curve"]
+    for one in shown["pictures"]:
+        picture = client.get(f"pictures/{one['picture']}")
+        assert picture.startswith(b"\x89PNG")
+        # The page shows it 750 pixels wide.
+        assert int.from_bytes(picture[16:20], "big") > 1000
+
+
+@pytest.mark.parametrize("kind", ["sphere", "wavy"])
+def test_surfaces_that_are_made_have_a_roughness_or_a_sentence(client, kind):
+    shown = client.post("api/roughness", {"surface": kind, "cells": "32"})
+    assert shown["rows"] or shown["notes"]
+    assert client.refusal("api/roughness", {"surface": "file"})
+
+
+PLACEMENT = {"offset_x": "4", "offset_y": "-2", "rotation": "20", "mirrored": "yes", "interpolation": "cubic"}
+
+
+@pytest.fixture
+def pair(client):
+    """Two maps and the settings that press one on the other."""
+    (body, first), (other, second) = save_map((64, 39), (64e-6, 39e-6), 1), save_map((90, 35), (60e-6, 50e-6), 2)
+    digests = [client.upload(f"{name}.npz", file)[1]["digest"] for name, file in (("a", first), ("b", second))]
+    settings = {"surface": "file", "file": digests[0], "counterbody_surface": "file", "counterbody_form": "plane"}
+    return body, other.detrend("plane"), {**settings, "counterbody_file": digests[1], **PLACEMENT}
+
+
+def test_two_maps_are_shown_and_solved_as_the_library_does(client, pair):
+    body, other, settings = pair
+    matched = rc.match(body, other, offset=(4e-6, -2e-6), rotation=np.deg2rad(20), mirrored=True, interpolation="cubic")
+    shown = client.post("api/surface", settings)
+    for one, surface in ((shown, matched.body), (shown["counterbody"], matched.counterbody)):
+        assert dict(one["rows"])["Cells"] == " x ".join(map(str, matched.grid.shape))
+        assert dict(one["rows"])["Sq (rms height)"] == f"{surface.heights(matched.grid).std() * 1e9:.4g} nm"
+        assert client.get(f"pictures/{one['picture']}").startswith(b"\x89PNG")
+    assert shown["picture"] != shown["counterbody"]["picture"]
+    assert "turned over, x to -x" in shown["counterbody"]["history"]
+    assert "b.npz" in client.post("api/plan", settings)["text"]
+    ball = {"ball": "5", "load": "force", "load_unit": "N", "loads": "0.1", "counterbody": "deformable"}
+    state = client.wait(client.post("api/runs", settings | ball)["id"])
+    steel = rc.Elastic(210e9, 0.3)
+    bodies = rc.Body(matched.body + rc.SphereSurface(5e-3), steel), rc.Body(matched.counterbody, steel)
+    area = rc.ContactProblem(*bodies, grid=matched.grid).solve(force=0.1).area()
+    values = {one["name"]: (one["value"], one["uncertainty"]) for one in state["answers"][0]["quantities"]}
+    assert values["contact area"] == (area.value, area.uncertainty)
+
+
+@pytest.mark.parametrize(
+    ("changed", "words"),
+    [
+        ({"counterbody_file": "0" * 64}, "the height map of the counterbody is not here."),
+        ({"offset_x": "500"}, "The height maps do not overlap with a shift of (500 µm, -2 µm): move them together."),
+        ({"offset_x": "1e30"}, "The shift along x must be between 1 fm and 1 km, but got 1e30 µm"),
+        ({"rotation": "nan"}, "The rotation must be a number such as 2.5, but got 'nan'."),
+        ({"rotation": "361"}, "The rotation must be between -360 and 360 degrees"),
+        ({"mirrored": "perhaps"}, "The setting 'mirrored' must be one of no, yes"),
+        ({"interpolation": "fourier"}, "The setting 'interpolation' must be one of bilinear, cubic"),
+    ],
+)
+def test_maps_that_cannot_be_matched_are_refused_in_words(client, pair, changed, words):
+    assert words in client.refusal("api/surface", pair[-1] | changed)
+
+
+def test_a_second_map_that_the_page_does_not_show_is_not_solved(pair):
+    settings = read_settings({**pair[-1], "surface": "wavy", "cells": "32"})
+    assert make_scene(settings, None).counterbody is None
+
+
 def test_a_tilt_is_warned_of_before_the_solve(client):
     tilted = io.BytesIO()
     np.savez(tilted, heights=np.add.outer(1e-7 * np.arange(40), 1e-7 * np.sin(np.arange(36))), size=(40e-6, 72e-6))
@@ -561,7 +648,7 @@ def test_a_tilt_is_warned_of_before_the_solve(client):
 def test_a_ball_that_the_page_does_not_show_is_not_added():
     settings = read_settings({"surface": "sphere", "radius": "1", "ball": "5"})
     scene = make_scene(settings, None)
-    assert scene.surface is scene.rough
+    assert scene.surface is scene.body.surface
 
 
 @pytest.mark.parametrize(
@@ -831,6 +918,72 @@ def test_pictures_are_as_dark_as_the_page(client):
     assert light != dark
 
 
+def test_responses_are_those_of_the_library_in_answers_table_and_report(client):
+    asked = {
+        "ask_stiffness": "yes",
+        "ask_stress": "yes",
+        "ask_first_yield": "yes",
+        "ask_first_yield_yield_stress": "900",
+    }
+    state = client.wait(client.post("api/runs", {**SMALL, **asked, "ask_stability": "yes", "loads": "60 100"})["id"])
+    assert state["phase"] == "done", state
+    body = rc.Body(rc.WavySurface(0.5e-6, 25e-6), rc.Elastic(210e9, 0.3))
+    solution = rc.ContactProblem(body, grid=rc.Grid((48, 48), 50e-6), boundary="periodic").solve(pressure=60e6)
+    values = {one["name"]: (one["value"], one["uncertainty"], one["unit"]) for one in state["answers"][0]["quantities"]}
+    expected = {
+        "stiffness": solution.stiffness(),
+        "stress von Mises": solution.stress().maximum,
+        "first yield force": solution.response(rc.responses.create("first-yield", yield_stress=900e6)).force,
+    }
+    for name, one in expected.items():
+        assert values[name] == (pytest.approx(one.value, rel=1e-6), pytest.approx(one.uncertainty, rel=1e-3), one.unit)
+    # What has no answer does not take the others down.
+    assert "Stability: Without adhesion each state is stable: there is no jump." in state["warnings"]
+    table = client.get(f"runs/{state['id']}/answers.csv").decode("utf-8-sig")
+    assert '"stiffness, N/m","uncertainty of stiffness, N/m"' in table
+    report = client.get(f"runs/{state['id']}/report.html").decode()
+    assert "What the contact does" in report
+    assert "tiffness, MN/m" in report
+
+
+def test_an_infinite_answer_is_sent_as_json_can():
+    infinite = rc.Estimate(np.inf, 0.0, "W/K")
+    body = rc.Body(rc.WavySurface(1e-9, 25e-6), rc.Elastic(1e9, 0.3))
+    solution = rc.ContactProblem(body, grid=rc.Grid((16, 16), 50e-6), boundary="periodic").solve(pressure=1e8)
+    (answer,) = describe_solutions([solution], {"conductance": [infinite]})
+    json.dumps(answer, allow_nan=False)
+    assert answer["quantities"][-1] == {
+        "name": "conductance",
+        "value": None,
+        "uncertainty": 0.0,
+        "unit": "W/K",
+        "text": "inf W/K",
+    }
+    assert ",,0.0," in make_table([answer])
+
+
+@pytest.mark.parametrize(
+    ("asked", "words"),
+    [
+        ({"ask_leakage": "yes"}, "Viscosity (leakage) is missing: fill it in."),
+        ({"ask_leakage": "yes", "ask_leakage_viscosity": "nan"}, "Viscosity (leakage) must be a number"),
+        (
+            {"ask_conductance": "yes", "ask_conductance_conductivity": "5 0"},
+            "Conductance: The conductivity of the bodies",
+        ),
+        (
+            {"ask_conductance": "yes", "ask_conductance_conductivity": "1 2 3"},
+            "has 3 numbers: give one, or one for each",
+        ),
+        ({"ask_first_yield": "yes", "ask_first_yield_yield_stress": "0"}, "Yield stress (first yield) must be above 0"),
+        ({"ask_stiffness": "maybe"}, "The setting 'ask_stiffness' must be one of no, yes"),
+        ({"ask_gradient": "yes"}, "ask_gradient"),
+    ],
+)
+def test_wrong_fields_of_responses_are_refused_in_words(client, asked, words):
+    assert words in client.refusal("api/plan", SMALL | asked)
+
+
 def test_the_plan_says_time_and_memory_before_the_run(client):
     plan = client.post("api/plan", {**SMALL, "loads": "50 100"})
     assert plan["loads"] == ["pressure 50 MPa", "pressure 100 MPa"]
@@ -912,6 +1065,26 @@ def test_ended_runs_are_forgotten_with_their_files(client, server, monkeypatch):
 def test_quantities_are_those_of_a_script_to_the_last_bit(text, unit, value):
     settings = read_settings({"side": text, "side_unit": unit})
     assert quantity(settings, "side", "The side", "length") == value
+
+
+@pytest.mark.parametrize(
+    ("changed", "setting"),
+    [
+        ({"loads": "x"}, "loads"),
+        ({"loads": "1e30"}, "loads"),
+        ({"poisson": "0.6"}, "poisson"),
+        ({"hardness": "-1"}, "hardness"),
+        ({"cells": "1.5"}, "cells"),
+        ({"amplitude": ""}, "amplitude"),
+        ({"load": "cycle"}, "adhesion"),
+        ({"load": "fretting", "friction": "0"}, "friction"),
+        ({"load": "fretting", "tangential_force": "1"}, "tangential_force"),
+        ({"ask_conductance": "yes", "ask_conductance_conductivity": "0"}, "ask_conductance_conductivity"),
+        ({"ask_leakage": "yes"}, "ask_leakage_viscosity"),
+    ],
+)
+def test_a_refusal_names_the_wrong_setting(client, changed, setting):
+    assert client.post("api/plan", SMALL | changed, 422)["setting"] == setting
 
 
 def test_loads_are_separated_by_blanks_or_semicolons():
@@ -1368,3 +1541,18 @@ def test_the_page_uses_public_names_alone():
 
 def test_the_page_warns_of_a_tilt_from_the_bound_of_solutions():
     assert PLAUSIBILITY_RULES["tilt"].admissible == preview._ADMISSIBLE_TILT
+
+
+def test_the_answer_at_one_load_tells_how_much_other_places_differ():
+    rough = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.1, shortest=8e-6, longest=32e-6)
+    body = rc.Body(rough, rc.Elastic(young=210e9, poisson=0.3))
+    problem = rc.ContactProblem(body, grid=rc.Grid((32, 32), 64e-6), boundary="periodic")
+    solutions = list(problem.sweep(pressure=[50e6, 100e6]))
+
+    def find_text(answers):
+        return next(one["text"] for one in answers[0]["quantities"] if one["name"] == "contact area")
+
+    area = solutions[0].area()
+    percent = 100.0 * area.sampling / area.value
+    assert find_text(describe_solutions(solutions[:1])).endswith(f"; other places ± {percent:.2g} %")
+    assert "other places" not in find_text(describe_solutions(solutions))

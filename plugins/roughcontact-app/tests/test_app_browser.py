@@ -37,11 +37,13 @@ PATIENCE = 180
 SIZE = (48e-6, 40e-6)
 # What a drop of a file on the page is, to the page.
 DROP = """
-const [text, name] = arguments;
+const [text, name, place] = arguments;
 const transfer = new DataTransfer();
 transfer.items.add(new File([text], name));
-for (const kind of ["dragenter", "dragover", "drop"])
-  document.body.dispatchEvent(new DragEvent(kind, { dataTransfer: transfer, bubbles: true, cancelable: true }));
+for (const kind of ["dragenter", "dragover", "drop"]) {
+  const event = new DragEvent(kind, { dataTransfer: transfer, bubbles: true, cancelable: true });
+  document.getElementById(place).dispatchEvent(event);
+}
 """
 # Whether the page is not scrolled for a fifth of a second.
 STANDS = "const [done] = arguments, y = scrollY; setTimeout(() => done(y === scrollY), 200)"
@@ -104,8 +106,8 @@ class Page:
     def has_run_in_address(self):
         return "run=" in self.driver.current_url
 
-    def drop(self, text, name):
-        self.driver.execute_script(DROP, text, name)
+    def drop(self, text, name, place="settings"):
+        self.driver.execute_script(DROP, text, name, place)
 
     def until_planned(self):
         self.until(lambda: "for the solve" in self.text("plan"))
@@ -186,6 +188,40 @@ def test_a_map_is_dropped_solved_and_reported(page, surface, tmp_path):
         assert np.array_equal(data["pressure"], solution.pressure)
 
 
+def test_a_second_map_is_dropped_placed_and_solved(page, surface, tmp_path):
+    path = tmp_path / "body.npz"
+    np.savez(path, heights=surface.values, size=SIZE)
+    page.open().find("file-input").send_keys(str(path))
+    page.until(lambda: "body.npz" in page.text("file-shown"))
+    page.set("counterbody_surface", "file")
+    page.until(lambda: "the height map of the counterbody is not here" in page.text("surface-problem"))
+    page.drop(write_table(surface), "other.csv", "counterbody_drop")
+    page.until(lambda: "other.csv, 48 x 40 points" in page.text("counterbody_file-shown"))
+    assert page.text("counterbody_size-help") == "x: 48 lines of the file; y: 40 values in each."
+    assert not page.find("size_x").is_displayed()
+    for name, text in {"size_x": "48", "size_y": "40", "height_unit": "um"}.items():
+        page.set(f"counterbody_{name}", text)
+    for name, text in {"offset_x": "-4", "rotation": "180", "mirrored": "yes"}.items():
+        page.set(name, text)
+    page.until(lambda: "rotated by 180 degrees" in page.text("counterbody-history"))
+    page.until(lambda: page.find("counterbody-picture").is_displayed())
+    page.until_planned()
+    page.find("solve").click()
+    page.until(lambda: page.text("headline").startswith("Contact area"))
+    assert "body.npz, on other.csv shifted by -4, 0 µm rotated by 180° mirrored, " in page.text("run-subject")
+    other = rc.HeightMap(np.loadtxt(write_table(surface).splitlines(), delimiter=",") * 1e-6, size=SIZE)
+    pair = rc.match(surface, other, offset=(-4e-6, 0.0), rotation=np.pi, mirrored=True)
+    rigid = rc.Body(pair.counterbody, rc.Rigid())
+    problem = rc.ContactProblem(rc.Body(pair.body, rc.Elastic(210e9, 0.3)), rigid, grid=pair.grid)
+    assert page.value("contact area") == pytest.approx(problem.solve(pressure=1e8).area().value, rel=1e-9)
+    # The address holds both maps while the command runs.
+    page.open(page.driver.current_url)
+    page.until(lambda: "other.csv, 48 x 40 points" in page.text("counterbody_file-shown"))
+    assert page.setting("rotation") == "180"
+    page.set("counterbody_surface", "flat")
+    page.until(lambda: not page.find("counterbody-shown").is_displayed())
+
+
 def test_a_file_is_chosen_and_a_bad_one_refused_in_words(page, surface, tmp_path):
     page.open()
     bad, good = tmp_path / "bad.csv", tmp_path / "good.npz"
@@ -258,6 +294,41 @@ def test_filled_points_are_counted_and_filling_is_of_one_file(page, surface, tmp
     assert page.setting("non_measured") == "refuse"
 
 
+def test_what_is_ticked_is_answered_and_reported(page):
+    page.open()
+    for name, text in {"surface": "wavy", "cells": "48", "side": "50", "loads": "20"}.items():
+        page.set(name, text)
+    tick = {name: page.driver.find_element(By.NAME, f"ask_{name}") for name in ("stiffness", "conductance", "leakage")}
+    for box in tick.values():
+        box.click()
+    page.until(lambda: "Conductivity of body and counterbody (conductance) is missing" in page.text("plan"))
+    for name, text in {
+        "conductance_conductivity": "50 20",
+        "leakage_viscosity": "1",
+        "leakage_pressure_drop": "0.1",
+    }.items():
+        page.set(f"ask_{name}", text)
+    page.set("ask_leakage_axis", "y")
+    page.until_planned()
+    page.find("solve").click()
+    page.until(lambda: page.text("headline").startswith("Contact area"))
+    assert page.text("run-subject").endswith("periodic; with conductance, leakage, stiffness.")
+    body = rc.Body(rc.WavySurface(0.5e-6, 25e-6), rc.Elastic(210e9, 0.3))
+    solution = rc.ContactProblem(body, grid=rc.Grid((48, 48), 50e-6), boundary="periodic").solve(pressure=20e6)
+    assert page.value("stiffness") == pytest.approx(solution.stiffness().value, rel=1e-9)
+    assert page.value("conductance") == pytest.approx(solution.conductance((50.0, 20.0)).value, rel=1e-9)
+    leakage = solution.leakage(axis=1, viscosity=1e-3, pressure_drop=1e5)
+    assert page.value("leakage") == pytest.approx(leakage.value, rel=1e-9)
+    assert "±" in page.driver.find_element(By.CSS_SELECTOR, "[data-quantity=stiffness]").text
+    assert "What the contact does" in page.download("wavy-20-MPa-report.html").read_text(encoding="utf-8")
+    # The address ticks the same boxes.
+    page.open(page.driver.current_url)
+    assert page.driver.find_element(By.NAME, "ask_leakage").is_selected()
+    assert page.setting("ask_leakage_axis") == "y"
+    page.set("load", "fretting")
+    assert not page.driver.find_element(By.NAME, "ask_leakage").is_displayed()
+
+
 def test_an_answer_says_what_it_answers(page):
     page.open()
     for name, text in {"surface": "wavy", "cells": "64", "loads": "20", "hardness": "7"}.items():
@@ -288,18 +359,46 @@ def test_an_answer_says_what_it_answers(page):
     assert first != second
     # Equal runs have numbers, and the one that is shown is marked; a reload loses none of them.
     page.driver.refresh()
-    of_first = [By.XPATH, f"//button[starts-with(., '{first[:-1]};')]"]
+    number, of_second = (text.partition(":")[0] for text in (first, second))
+    of_first = [By.XPATH, f"//tbody[@id='run-list']//button[.='{number}']"]
     page.until(lambda: page.driver.find_elements(*of_first) and page.text("run-subject") == second)
     for _ in range(2):
         page.driver.find_element(*of_first).click()
         page.until(lambda: page.text("run-subject") == first and page.find("picture").is_displayed())
         marked = page.driver.find_elements(By.CSS_SELECTOR, "#run-list [aria-pressed=true]")
-        assert [button.text for button in marked] == [f"{first[:-1]}; done"]
+        assert [button.text for button in marked] == [number]
+    area = page.driver.find_element(By.CSS_SELECTOR, "[data-quantity='contact area']").text
+    row = page.driver.find_element(By.XPATH, f"//tbody[@id='run-list']/tr[th/button[.='{number}']]")
+    assert area in row.text
+    # Two runs stand side by side.
+    page.driver.find_element(By.CSS_SELECTOR, f"[aria-label^='{of_second} beside']").click()
+    rows = page.find("beside").find_elements(By.TAG_NAME, "tr")
+    assert rows[0].text.split("\n") == [f"{number} {of_second}"]
+    assert f"contact area {area} {area}" in [row.text for row in rows]
     # Nor does an old address show a run as that of other settings.
     page.driver.execute_script("location.hash = location.hash.replace('loads=20', 'loads=30')")
     page.until(lambda: page.setting("loads") == "30" and page.find("stale").is_displayed())
     assert page.text("run-subject") == first
     assert not page.has_run_in_address()
+
+
+def test_what_is_wrong_is_said_under_its_field_and_what_is_old_is_marked(page):
+    page.open().until_planned()
+    page.set("loads", "x")
+    assert page.driver.find_element(By.CSS_SELECTOR, "#h-run .updating").is_displayed()
+    page.until(lambda: page.text("wrong") == "The load must be a number such as 2.5, but got 'x'.")
+    loads = page.find("loads")
+    assert loads.get_attribute("aria-invalid") == "true"
+    assert page.find("wrong").location["y"] > loads.location["y"]
+    assert not page.driver.find_element(By.CSS_SELECTOR, "#h-run .updating").is_displayed()
+    page.set("poisson", "0.7")
+    page.until(lambda: "Poisson's ratio" in page.text("wrong"))
+    assert page.find("poisson").get_attribute("aria-invalid") == "true"
+    assert loads.get_attribute("aria-invalid") is None
+    for name, text in {"poisson": "0.3", "loads": "10"}.items():
+        page.set(name, text)
+    page.until_planned()
+    assert not page.driver.find_elements(By.ID, "wrong")
 
 
 def test_typical_values_and_links_do_what_they_say(page):
@@ -360,6 +459,16 @@ def test_a_reload_in_the_middle_keeps_run_and_settings(page):
     assert page.driver.find_element(By.NAME, "cells").get_attribute("value") == "512"
     rows = page.driver.find_elements(By.CSS_SELECTOR, "#answer-table tbody tr")
     assert len(rows) == 2
+    # Units stand in the head of a column, and its numbers have three digits, but for the load that was given.
+    head, cells = (
+        [cell.text for cell in page.driver.find_elements(By.CSS_SELECTOR, f"#answer-table {path}")]
+        for path in ("thead th", "tbody tr:first-child td")
+    )
+    assert head[0] == "mean pressure, MPa"
+    assert cells[0] == "50"
+    assert head[1].startswith("force, ")
+    assert len(cells[1].replace(".", "").lstrip("0")) <= 3
+    assert "±" in cells[2]
     page.until(lambda: "area load" in page.text("panel-buttons"))
 
 
@@ -435,6 +544,17 @@ def test_everything_is_done_from_the_keyboard(page):
     assert image.get_attribute("style") != moved
     frame.send_keys("0")
     assert "scale(1)" in image.get_attribute("style")
+
+
+def test_the_roughness_is_measured_when_it_is_opened(page):
+    page.open().until_planned()
+    assert not page.driver.find_elements(By.CSS_SELECTOR, "[data-texture]")
+    page.find("roughness").find_element(By.TAG_NAME, "summary").click()
+    page.until(lambda: "±" in page.driver.find_element(By.CSS_SELECTOR, "[data-texture=Sq]").text)
+    page.until(lambda: page.find("roughness-pictures").size["height"] > 100)
+    before = page.driver.find_element(By.CSS_SELECTOR, "[data-texture=Sq]").text
+    page.set("form", "quadratic")
+    page.until(lambda: page.driver.find_element(By.CSS_SELECTOR, "[data-texture=Sq]").text != before)
 
 
 def test_a_picture_is_zoomed_by_wheel_and_buttons(page):

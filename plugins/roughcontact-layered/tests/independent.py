@@ -2,6 +2,7 @@
 
 import mpmath as mp
 import numpy as np
+import roughcontact as rc
 from scipy import optimize, special
 
 
@@ -9,6 +10,9 @@ def boundary_values(layers, substrate, q, digits=60):
     """Return q u / p from Airy's stress function with four constants per layer, all interfaces at once."""
     with mp.workdps(digits):
         q, count = mp.mpf(q), len(layers)
+        # On a rigid base the last displacement vanishes, and there is nothing below.
+        is_rigid = isinstance(substrate, rc.Rigid)
+        size = 4 * count + (0 if is_rigid else 2)
         depths = [q * mp.mpf(layer.thickness) for layer in layers]
 
         def wave(body, z, sign):
@@ -28,14 +32,15 @@ def boundary_values(layers, substrate, q, digits=60):
                 return wave(substrate, mp.mpf(0), -1)
             return wave(layers[i], z, -1) + wave(layers[i], z - depths[i], 1)
 
-        matrix, right = mp.matrix(4 * count + 2), mp.matrix(4 * count + 2, 1)
+        matrix, right = mp.matrix(size), mp.matrix(size, 1)
         top = columns(0, mp.mpf(0))
         for j in range(4):
             matrix[0, j], matrix[1, j] = top[j][2], top[j][3]
         right[1] = -1
         for i in range(count):
-            above, below = columns(i, depths[i]), columns(i + 1, mp.mpf(0))
-            for part in range(4):
+            held = is_rigid and i == count - 1
+            above, below = columns(i, depths[i]), [] if held else columns(i + 1, mp.mpf(0))
+            for part in range(2 if held else 4):
                 row = 2 + 4 * i + part
                 for j, column in enumerate(above):
                     matrix[row, 4 * i + j] = column[part]
@@ -61,6 +66,19 @@ def one_layer(layer, substrate, q):
     above = 1 + 4 * x * kappa * theta - lam * kappa * theta**2
     below = 1 - (lam + kappa + 4 * kappa * x**2) * theta + lam * kappa * theta**2
     return 2 * layer.compliance * above / below
+
+
+def layer_on_rigid_base(layer, q):
+    """Return q u / p of one layer bonded to a rigid base: from the same problem, solved by hand.
+
+    The fraction of the half-space's is (2 k sinh 2x - 4x) / (2 k cosh 2x + 4 x^2 + 1 + k^2), k = 3 - 4 nu, x = q h.
+    """
+    with mp.workdps(50):
+        k = 3 - 4 * mp.mpf(layer.poisson)
+        x = mp.mpf(q) * mp.mpf(layer.thickness)
+        above = 2 * k * mp.sinh(2 * x) - 4 * x
+        below = 2 * k * mp.cosh(2 * x) + 4 * x**2 + 1 + k**2
+        return 2 * layer.compliance * float(above / below)
 
 
 def sphere_by_rings(response, modulus, radius, contact):
@@ -105,8 +123,10 @@ def stress_of_waves(layers, substrate, q, depth, number):
 
     All constants come from one linear system for each wave: four for each layer, two for the half-space below.
     """
+    is_rigid = isinstance(substrate, rc.Rigid)
     bodies = [*layers, substrate]
     count = len(layers)
+    size = 4 * count + (0 if is_rigid else 2)
 
     def columns(i, z):
         """Return displacements, tractions and the stress along of the functions of a body, at a depth below its top."""
@@ -127,14 +147,18 @@ def stress_of_waves(layers, substrate, q, depth, number):
 
     scale = bodies[0].young
     weights = np.array([scale, scale, 1.0, 1.0])[:, None, None]
-    matrix = np.zeros((4 * count + 2, 4 * count + 2, q.size))
+    matrix = np.zeros((size, size, q.size))
     matrix[:2, : columns(0, 0.0).shape[0]] = columns(0, 0.0)[:, 2:4].transpose(1, 0, 2)
     for i in range(count):
-        above, below = columns(i, layers[i].thickness), columns(i + 1, 0.0)
+        above = columns(i, layers[i].thickness)
+        if is_rigid and i == count - 1:
+            matrix[2 + 4 * i :, 4 * i :] = weights[:2] * above[:, :2].transpose(1, 0, 2)
+            break
+        below = columns(i + 1, 0.0)
         rows = slice(2 + 4 * i, 6 + 4 * i)
         matrix[rows, 4 * i : 4 * i + 4] = weights * above[:, :4].transpose(1, 0, 2)
         matrix[rows, 4 * i + 4 : 4 * i + 4 + below.shape[0]] = -weights * below[:, :4].transpose(1, 0, 2)
-    right = np.zeros((q.size, 4 * count + 2, 1))
+    right = np.zeros((q.size, size, 1))
     right[:, 1] = -1.0
     constants = np.linalg.solve(matrix.transpose(2, 0, 1), right)[..., 0].T
     top = sum(layer.thickness for layer in layers[:number])

@@ -20,6 +20,7 @@ FIBRES = TransverselyIsotropic(c11=300e9, c12=90e9, c13=60e9, c33=900e9, c44=80e
 KERNELS = [
     LayeredKernel(layers=(Layer(young=420e9, poisson=0.25, thickness=2e-6),), substrate=rc.Elastic(210e9, 0.3)),
     LayeredKernel(Layer(210e9, 0.3, 2e-6, conductivity=2.0), substrate=rc.Elastic(210e9, 0.3)).conduction_kernel(45.0),
+    LayeredKernel(layers=Layer(young=420e9, poisson=0.25, thickness=2e-6), substrate=rc.Rigid()),
     GradedKernel(gradient=2e5, surface=rc.Elastic(210e9, 0.3)),
     AnisotropicKernel(SILICON),
     AnisotropicKernel(Anisotropic(FIBRES.stiffness, normal=(1, 0, 0), x_axis=(0, 0, 1))),

@@ -1,6 +1,7 @@
 import subprocess
 import sys
 
+import attrs
 import numpy as np
 import pytest
 import roughcontact as rc
@@ -140,3 +141,13 @@ def test_a_given_approach_under_a_stiff_layer_gives_the_load_of_that_approach(bo
     for solution in (loaded, given):
         assert solution.residuals.complementarity < 1e-6
         assert solution.residuals.penetration < 1e-6
+
+
+@pytest.mark.parametrize("boundary", ["periodic", ("free", "periodic")])
+def test_layers_of_the_substrate_change_no_area_beside_images(boundary):
+    ball = rc.Body(rc.ParaboloidSurface(1e-3, (3e-6, 0.0)), STEEL)
+    problem = rc.ContactProblem(ball, grid=rc.Grid((31, 33), 100e-6), boundary=boundary)
+    layered = attrs.evolve(problem, kernel=LayeredKernel(Layer(STEEL.young, STEEL.poisson, 5e-6), substrate=STEEL))
+    one, other = (each.solve(pressure=1.4e6) for each in (problem, layered))
+    for estimator in ("hertz", "blend"):
+        assert other.area(estimator).value == pytest.approx(one.area(estimator).value, rel=1e-9)

@@ -28,6 +28,7 @@ _SUPERSCRIPTS = {1: "", 2: "²", 3: "³"}
 _NUMBER_WITH_PREFIX = re.compile(r"\d[\d.]*(?:e[+-]?\d+)?(?: [fpnµmkMGT]?(?=Pa|m|N))?")
 # An example of each kind of quantity, by its SI unit; the empty one is that of plain numbers.
 EXAMPLES = {"Pa": "100MPa", "m": "250um", "N": "2.5N", "rad": "30deg", "": "0.3", "J/m2": "50mJ/m2", "Pa s": "1mPa.s"}
+EXAMPLES |= {"m2": "0.1mm2", "N/m": "1GN/m", "m3/s": "2mm3/s"}
 _USUAL_UNITS = {
     "Pa": "Pa, MPa or GPa",
     "m": "mm, um or nm",
@@ -35,6 +36,9 @@ _USUAL_UNITS = {
     "rad": "deg or rad",
     "J/m2": "mJ/m2 or J/m2",
     "Pa s": "Pa.s or mPa.s",
+    "m2": "mm2 or um2",
+    "N/m": "N/m or GN/m",
+    "m3/s": "m3/s or mm3/s",
 }
 # Characters of a wrong text that are shown.
 _MAX_QUOTED_CHARACTERS = 80
@@ -234,6 +238,9 @@ class Estimate:
         SI unit; empty for a count.
     warnings
         Why the value must not be trusted, in sentences; empty without a reason.
+    sampling
+        Standard deviation between places of the same rough surface, of this size: the mean of many places should lie
+        within two of them, another place within three. None where there is no such surface, or it is not known.
 
     Examples
     --------
@@ -247,6 +254,13 @@ class Estimate:
     uncertainty: float
     unit: str
     warnings: tuple[str, ...] = ()
+    # Over the value.
+    _relative_sampling: float | None = attrs.field(default=None, kw_only=True, eq=False, repr=False)
+
+    @property
+    def sampling(self) -> float | None:
+        """Standard deviation between places, in the unit of the value."""
+        return None if self._relative_sampling is None else abs(self.value) * self._relative_sampling
 
     @property
     def _reasons(self) -> str:

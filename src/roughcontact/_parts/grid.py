@@ -223,6 +223,11 @@ class Load:
     kind: str
     value: float
 
+    @property
+    def unit(self) -> str:
+        """SI unit of the value."""
+        return _LOAD_KINDS[self.kind][1]
+
     @classmethod
     def of(cls, **given: object) -> Load:
         """Return the one load that is given by `pressure`, Pa, `force`, N, or `approach`, m; the others are None.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import builtins
 import collections.abc
+import difflib
 import enum
 import functools
 import inspect
@@ -214,7 +215,9 @@ def _explained(error: Exception, call: str, function: Any, args: Any, kwargs: An
     try:
         given = signature.bind(*args, **kwargs).arguments
     except TypeError as wrong:
-        return _misplaced(call, signature, args) or WrongCall(f"{call}({', '.join(_names(signature))}): {wrong}.")
+        guess = _guess(signature, kwargs)
+        sentence = f"{call}({', '.join(_names(signature))}): {wrong}.{guess}"
+        return _misplaced(call, signature, args) or WrongCall(sentence)
     hints = typing.get_type_hints(function, {}, _Names(vars(sys.modules[function.__module__])))
     for name, value in given.items():
         if name in hints and not _is_a(value, hints[name]):
@@ -234,6 +237,13 @@ class _Names(dict[str, Any]):
 
 def _names(signature: inspect.Signature) -> list[str]:
     return [name for name in signature.parameters if name not in ("self", "cls")]
+
+
+def _guess(signature: inspect.Signature, given: dict[str, Any]) -> str:
+    """Return which name of a parameter is meant by the first that is none; empty if none is near."""
+    unknown = [name for name in given if name not in signature.parameters]
+    close = difflib.get_close_matches(unknown[0], _names(signature), n=1, cutoff=0.6) if unknown else []
+    return f" Did you mean {close[0]}=?" if close else ""
 
 
 def _misplaced(call: str, signature: inspect.Signature, args: Any) -> WrongCall | None:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Sequence
+import re
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import Any
 
 import attrs
@@ -16,18 +18,32 @@ from roughcontact.typing import (
     list_quantities,
     name_load,
     si,
+    tabulate_answers,
     write_column,
 )
 
+from roughcontact_app.responses import finite
 from roughcontact_app.words import end_sentence, in_words_of_page
 
 # Digits of a number in a table: more than any uncertainty leaves.
 _DIGITS = 9
 
 
-def describe_solutions(solutions: Sequence[ContactSolution]) -> list[dict[str, Any]]:
-    """Return the answer at each load: how the solve ended, quantities by name in SI units, and all warnings."""
+def describe_solutions(
+    solutions: Sequence[ContactSolution], asked: Mapping[str, Sequence[Any]] = MappingProxyType({})
+) -> list[dict[str, Any]]:
+    """Return the answer at each load: how the solve ended, quantities by name in SI units, and all warnings.
+
+    `asked` is what responses have answered, one for each solution, by their names.
+    """
     found = [list_quantities(solution) for solution in solutions]
+    for name, column in tabulate_answers(asked).items():
+        words = re.sub("[-_]", " ", name).replace("von mises", "von Mises")
+        for (quantities, warnings), one in zip(found, column, strict=True):
+            # A name that a response shares with a quantity hides none.
+            quantities[f"{words} (asked)" if words in quantities else words] = one
+            of = next(one for one in asked if f"{name} ".startswith(f"{one} ")).replace("-", " ")
+            warnings += [said for text in one.warnings if (said := f"{of}: {text}") not in warnings]
     columns = {name: iter(write_column([quantities[name] for quantities, _ in found])) for name in found[0][0]}
     return [
         {
@@ -35,7 +51,10 @@ def describe_solutions(solutions: Sequence[ContactSolution]) -> list[dict[str, A
             "status": in_words_of_page(str(solution.status)),
             "certified": solution.status.success,
             "seconds": solution.seconds,
-            "quantities": [_describe(name, one, next(columns[name])) for name, one in quantities.items()],
+            "quantities": [
+                _describe(name, one, next(columns[name]) + ("" if len(solutions) > 1 else _tell_other_places(one)))
+                for name, one in quantities.items()
+            ],
             "warnings": [end_sentence(text) for text in (*_warn_of_hardness(solution), *warnings)],
         }
         for solution, (quantities, warnings) in zip(solutions, found, strict=True)
@@ -124,10 +143,17 @@ def make_table(answers: list[dict[str, Any]]) -> str:
     return file.getvalue()
 
 
-def _round(value: float | str) -> float | str:
+def _round(value: float | str | None) -> float | str:
     """Return a number without the digits that rounding errors have made, such as those of 4.999999999999999 N."""
-    return value if isinstance(value, str) else float(f"{value:.{_DIGITS}g}")
+    return float(f"{value:.{_DIGITS}g}") if isinstance(value, float) else value or ""
+
+
+def _tell_other_places(one: Estimate) -> str:
+    """Return how much other places of the surface differ, as the end of a text; empty where it is not known."""
+    sampling = one.sampling
+    return f"; other places ± {100.0 * sampling / abs(one.value):.2g} %" if sampling and one.value else ""
 
 
 def _describe(name: str, one: Estimate, text: str) -> dict[str, Any]:
-    return {"name": name, "value": one.value, "uncertainty": one.uncertainty, "unit": one.unit, "text": text}
+    numbers = {"value": finite(one.value), "uncertainty": finite(one.uncertainty)}
+    return {"name": name, **numbers, "unit": one.unit, "text": text}

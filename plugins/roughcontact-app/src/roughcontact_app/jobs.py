@@ -58,7 +58,10 @@ class Job:
 
     def name(self) -> dict[str, Any]:
         """Return by what people tell this run from others."""
-        return {"id": self.id, "number": self.number, "phase": self.phase, "settings": dict(self.settings)}
+        last = self._state["answers"][-1:]
+        numbers = {one["name"]: one["text"] for answer in last for one in answer["quantities"]}
+        known = {"id": self.id, "number": self.number, "phase": self.phase, "settings": dict(self.settings)}
+        return {**known, "numbers": numbers}
 
     def update(self, event: dict[str, Any]) -> None:
         """Take note of a message of the process."""

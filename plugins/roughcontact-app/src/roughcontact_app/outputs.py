@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -12,10 +12,12 @@ import attrs
 from roughcontact import ContactSolution, FrictionalPath
 from roughcontact.errors import RoughContactError
 from roughcontact.plotting import panels
-from roughcontact.typing import AdhesionCycle, Sweep, replacing
+from roughcontact.typing import AdhesionCycle, Sweep, replacing, write_report
 
 from roughcontact_app.answers import make_table
 
+# Dots beside those of a figure: a picture, 430 dots wide, is shown 750 pixels wide.
+_SHARPNESS = 3
 # The panels that come first; others follow in the order of their names.
 _FIRST = {"solution": ("pressure", "gap", "heights", "patches"), "sweep": ("area-load", "load-approach")}
 
@@ -28,8 +30,10 @@ class Outputs:
     ----------
     sweep
         The solutions.
+    asked
+        What responses have answered, one for each solution, by their names.
     answers
-        Their answers; see `describe_solution`.
+        All answers; see `describe_solutions`.
     folder
         Where the files are written.
     dark
@@ -37,6 +41,7 @@ class Outputs:
     """
 
     sweep: Sweep
+    asked: Mapping[str, Sequence[Any]]
     answers: list[dict[str, Any]]
     folder: Path
     dark: bool
@@ -69,8 +74,7 @@ class Outputs:
         return {"role": "solution", "file": name, "load": index}
 
     def _write_report(self) -> dict[str, Any]:
-        whole = self.sweep if len(self.sweep) > 1 else self.sweep.solutions[0]
-        whole.to_html(self.folder / "report.html")
+        write_report(self.sweep.solutions, self.folder / "report.html", self.asked)
         return {"role": "report", "file": "report.html"}
 
     def _draw(self, subject: Sweep | ContactSolution, name: str) -> dict[str, Any]:
@@ -165,7 +169,7 @@ def draw(plot: Callable[[], Any], path: Path) -> None:
 
     try:
         with replacing(path) as unfinished:
-            figure.savefig(unfinished, format="png", bbox_inches="tight")
+            figure.savefig(unfinished, format="png", bbox_inches="tight", dpi=_SHARPNESS * figure.dpi)
     finally:
         pyplot.close(figure)
 

@@ -7,22 +7,24 @@ from roughcontact import HeightMap
 from roughcontact.errors import InputError
 from roughcontact.typing import si
 
-from roughcontact_app.scene import Scene
+from roughcontact_app.scene import Scene, ShownSurface
 from roughcontact_app.words import end_sentence
 
 # Fraction of the variance of the heights that may be a tilt, as of the rule of solutions.
 _ADMISSIBLE_TILT = 0.5
 
 
-def describe(scene: Scene) -> dict[str, object]:
-    """Return the numbers, the history and the warnings of a surface."""
-    heights = scene.rough.heights(scene.grid)
-    missing = scene.rough.non_measured_on(scene.grid)
+def describe(scene: Scene, shown: ShownSurface) -> dict[str, object]:
+    """Return the numbers, the history and the warnings of one of the surfaces."""
+    heights = shown.surface.heights(scene.grid)
+    missing = shown.surface.non_measured_on(scene.grid)
     measured = heights if missing is None else heights[~missing]
     nx, ny = scene.grid.shape
     lx, ly = scene.grid.size
     dx, dy = scene.grid.spacing
-    warnings = [*scene.rough.warnings, *_warn_of_tilt(scene)] if isinstance(scene.rough, HeightMap) else []
+    warnings = []
+    if isinstance(shown.source, HeightMap):
+        warnings = [*shown.source.warnings, *_warn_of_tilt(scene, shown.source)]
     return {
         "rows": [
             ["Cells", f"{nx} x {ny}"],
@@ -30,30 +32,32 @@ def describe(scene: Scene) -> dict[str, object]:
             ["Size of a cell", f"{si(dx, 'm')} x {si(dy, 'm')}"],
             ["Sq (rms height)", si(float(np.std(measured)), "m")],
             ["Sz (peak to valley)", si(float(np.ptp(measured)), "m")],
-            ["Non-measured points", _count_non_measured(scene)],
+            ["Non-measured points", _count_non_measured(scene, shown)],
         ],
-        "history": list(scene.rough.provenance),
+        "history": list(shown.surface.provenance),
         "warnings": [end_sentence(text) for text in warnings],
     }
 
 
-def _count_non_measured(scene: Scene) -> str:
-    missing = scene.rough.non_measured_on(scene.grid)
+def _count_non_measured(scene: Scene, shown: ShownSurface) -> str:
+    missing = shown.surface.non_measured_on(scene.grid)
     if missing is not None:
         return f"{int(missing.sum())} of {missing.size}"
-    return f"{scene.filled} of {scene.grid.cells}, filled" if scene.filled else "none"
+    if shown.filled and isinstance(shown.source, HeightMap):
+        return f"{shown.filled} of {shown.source.grid.cells}, filled"
+    return "none"
 
 
-def _warn_of_tilt(scene: Scene) -> list[str]:
+def _warn_of_tilt(scene: Scene, source: HeightMap) -> list[str]:
     """Return the warning of a solution, in words of the page; below a ball a tilt only moves the contact."""
-    if scene.surface is not scene.rough or not isinstance(scene.rough, HeightMap):
+    if scene.surface is not scene.body.surface:
         return []
     try:
-        separated = scene.rough.separate("plane")
+        separated = source.separate("plane")
     except InputError:
         return []
-    measured = ... if scene.rough.non_measured is None else ~scene.rough.non_measured
-    tilt, all_of_it = (float(np.var(values[measured])) for values in (separated.form.values, scene.rough.values))
+    measured = ... if source.non_measured is None else ~source.non_measured
+    tilt, all_of_it = (float(np.var(values[measured])) for values in (separated.form.values, source.values))
     if not tilt > _ADMISSIBLE_TILT * all_of_it:
         return []
     return [

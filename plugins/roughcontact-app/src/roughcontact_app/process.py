@@ -23,7 +23,11 @@ _CONTEXT = multiprocessing.get_context("spawn")
 
 
 class TaskEnded(Exception):
-    """A task did not come to its result: the text is a sentence for the user."""
+    """A task did not come to its result: the text is a sentence for the user, beside the wrong setting, if known."""
+
+    def __init__(self, sentence: str, setting: str = ""):
+        super().__init__(sentence)
+        self.setting = setting
 
 
 class Worker:
@@ -78,7 +82,7 @@ class Worker:
                     result: dict[str, Any] = message["result"]
                     return result
                 if "error" in message:
-                    raise TaskEnded(str(message["error"]))
+                    raise TaskEnded(str(message["error"]), str(message["setting"]))
                 if on_event is not None:
                     on_event(message["event"])
         except (EOFError, OSError, ValueError):
@@ -133,7 +137,7 @@ def _serve(pipe: Connection) -> None:
         # Whatever a file or a plug-in does becomes a sentence.
         except Exception as error:
             known = translated(error, "The task")
-            message = {"error": str(known)}
+            message = {"error": str(known), "setting": getattr(error, "setting", "")}
         _send(pipe, message)
 
 

@@ -22,17 +22,33 @@ from roughcontact import (
     Surface,
     WavySurface,
     examples,
+    match,
     read_surface,
 )
 from roughcontact.errors import InputError, MissingPackage, RoughContactError
 from roughcontact.typing import TYPICAL, Load, Pair, RawMap, build_problem, read_raw, require_memory_of_solve
 
-from roughcontact_app.settings import Settings, cycle_values, fretting_values, load_values, plain, quantity, whole
+from roughcontact_app.settings import (
+    Settings,
+    WrongSetting,
+    cycle_values,
+    fretting_values,
+    load_values,
+    plain,
+    quantity,
+    reading,
+    whole,
+)
 
 EXAMPLES: dict[str, Callable[[], HeightMap]] = {
     one.__name__: one for one in (examples.ground_ring, examples.ball, examples.lapped_plate, examples.honed_liner)
 }
+_MEASURED = ("file", "example")
+# Settings of each of two files.
+_OF_FILES = ("file_name", "size_x", "size_y", "height_unit", "rows", "non_measured")
 _FORMS: dict[str, str | int] = {"plane": "plane", "quadratic": 2, "sphere": "sphere"}
+# Degrees.
+_FULL_TURN = 360.0
 
 
 @attrs.frozen
@@ -44,50 +60,108 @@ class Upload:
 
 
 @attrs.frozen(eq=False)
+class ShownSurface:
+    """A surface as it is shown, without ball or cylinder.
+
+    Attributes
+    ----------
+    surface
+        Its heights on the grid of the scene.
+    source
+        The map as it was read and freed from its form; the surface itself if there is no map.
+    filled
+        Number of its non-measured points that were filled.
+    """
+
+    surface: Surface
+    source: Surface
+    filled: int = 0
+
+
+@attrs.frozen(eq=False)
 class Scene:
-    """A surface on its grid.
+    """The surfaces on their grid.
 
     Attributes
     ----------
     surface
         The heights of the body, ball or cylinder included.
-    rough
-        The heights without ball or cylinder, as they are shown.
     grid
         The cells.
-    filled
-        Number of non-measured points that were filled.
+    body
+        The surface of the body as it is shown.
+    counterbody
+        The map of the counterbody; None of a flat.
     """
 
     surface: Surface
-    rough: Surface
     grid: Grid
-    filled: int = 0
+    body: ShownSurface
+    counterbody: ShownSurface | None = None
 
 
-def make_scene(settings: Settings, upload: Upload | None) -> Scene:
-    """Return the surface that the settings describe, or raise `InputError`."""
+def make_scene(settings: Settings, upload: Upload | None, counterbody_upload: Upload | None = None) -> Scene:
+    """Return the surfaces that the settings describe, or raise `InputError`."""
     kind = settings["surface"]
-    rough: Surface
-    filled = 0
-    if kind in ("file", "example"):
-        found, filled = _read(settings, upload) if kind == "file" else (_example(settings), 0)
-        rough = found if settings["form"] == "none" else found.detrend(_FORMS[settings["form"]])
-        grid = found.grid
+    counterbody = None
+    if kind in _MEASURED:
+        read, filled = _read(settings, upload) if kind == "file" else (_example(settings), 0)
+        grid = read.grid
+        source = _remove_form(settings, read)
+        body = ShownSurface(source, source, filled)
+        # The page asks for no second map beside other surfaces.
+        if settings["counterbody_surface"] == "file":
+            other, filled = _read(settings, counterbody_upload, "counterbody_")
+            other = _remove_form(settings, other, "counterbody_")
+            placement = _read_placement(settings)
+            with reading("offset_x"):
+                pair = match(source, other, **placement)
+            grid = pair.grid
+            body = attrs.evolve(body, surface=pair.body)
+            counterbody = ShownSurface(pair.counterbody, other, filled)
     else:
         cells = whole(settings, "cells", "The number of cells along a side")
         grid = Grid((cells, cells), quantity(settings, "side", "The side of the domain", "length"))
-        rough = _make_synthetic(settings)
+        made = _make_synthetic(settings)
+        body = ShownSurface(made, made)
     # Before there are heights.
     require_memory_of_solve(grid, Boundary(settings["boundary"]))
+    return Scene(_add_ball(settings, body.surface), grid, body, counterbody)
+
+
+def _remove_form(settings: Settings, surface: HeightMap, prefix: str = "") -> HeightMap:
+    form = settings[f"{prefix}form"]
+    return surface if form == "none" else surface.detrend(_FORMS[form])
+
+
+def _read_placement(settings: Settings) -> dict[str, Any]:
+    """Return how the second map lies on the first, as `roughcontact.match` takes it."""
+    x, y = (
+        quantity(settings, name, f"The shift along {name[-1]}", "length", "offset_unit", signed=True)
+        for name in ("offset_x", "offset_y")
+    )
+    angle = plain(settings, "rotation", "The rotation")
+    if not abs(angle) <= _FULL_TURN:
+        with reading("rotation"):
+            raise InputError.about("The rotation", angle, f"between -{_FULL_TURN:g} and {_FULL_TURN:g} degrees")
+    return {
+        "offset": (x, y),
+        "rotation": math.radians(angle),
+        "mirrored": settings["mirrored"] == "yes",
+        "interpolation": settings["interpolation"],
+    }
+
+
+def _add_ball(settings: Settings, surface: Surface) -> Surface:
+    """Return a surface with the ball or cylinder that is added, if any."""
     # The page asks for no ball beside a sphere.
-    if kind == "sphere" or not settings["ball"]:
-        return Scene(rough, rough, grid, filled)
+    if settings["surface"] == "sphere" or not settings["ball"]:
+        return surface
     radius = quantity(settings, "ball", "The radius of the ball or cylinder", "length")
     added: Surface = SphereSurface(radius)
     if settings["added"] != "ball":
         added = ParaboloidSurface((radius, math.inf) if settings["added"] == "cylinder-y" else (math.inf, radius))
-    return Scene(rough + added, rough, grid, filled)
+    return surface + added
 
 
 def make_problem(settings: Settings, scene: Scene) -> ContactProblem:
@@ -98,7 +172,7 @@ def make_problem(settings: Settings, scene: Scene) -> ContactProblem:
         {
             "body": {"surface": scene.surface, "material": material},
             "counterbody": {
-                "surface": "flat",
+                "surface": "flat" if scene.counterbody is None else scene.counterbody.surface,
                 "material": _describe_material(settings, "counterbody_", "the counterbody") if deforms else "rigid",
             },
             "grid": scene.grid,
@@ -127,7 +201,8 @@ def make_loads(settings: Settings, problem: ContactProblem) -> tuple[Load, ...]:
     if settings["load"] == "cycle":
         return problem.require_cycle(approach=cycle_values(settings))
     values = load_values(settings)
-    return tuple(problem.require_load(**{settings["load"]: value}) for value in values)
+    with reading("loads"):
+        return tuple(problem.require_load(**{settings["load"]: value}) for value in values)
 
 
 def inspect_file(upload: Upload) -> dict[str, object]:
@@ -153,42 +228,47 @@ def _read_raw(upload: Upload) -> RawMap:
         raise _renamed(error, upload) from error
 
 
-def _read(settings: Settings, upload: Upload | None) -> tuple[HeightMap, int]:
-    """Return the map in a file, and how many of its points were filled."""
+def _read(settings: Settings, upload: Upload | None, prefix: str = "") -> tuple[HeightMap, int]:
+    """Return the map in a file, and how many of its points were filled; its settings begin with a prefix."""
+    own = {name: settings[f"{prefix}{name}"] for name in _OF_FILES}
     if upload is None:
-        named = settings["file_name"] or "the height map"
+        named = own["file_name"] or f"the height map{' of the counterbody' if prefix else ''}"
         raise InputError(f"Choose a file, or drop one on the page: {named} is not here.")
     facts = _facts(_read_raw(upload))
-    if facts["size"] is None and not (settings["size_x"] and settings["size_y"]):
+    if facts["size"] is None and not (own["size_x"] and own["size_y"]):
         cells = " x ".join(map(str, facts["shape"]))  # type: ignore[call-overload]
-        raise InputError(
-            f"The file {upload.name} holds {cells} heights but not the size of its domain: fill in both sides, x and y."
+        raise WrongSetting(
+            f"The file {upload.name} holds {cells} heights but not the size of its domain: "
+            "fill in both sides, x and y.",
+            f"{prefix}size_x",
         )
-    if not facts["metric"] and not settings["height_unit"]:
-        raise InputError(f"The file {upload.name} does not state the unit of its heights: choose it.")
-    if facts["non_measured"] and settings["non_measured"] == "refuse":
-        raise InputError(
+    if not facts["metric"] and not own["height_unit"]:
+        sentence = f"The file {upload.name} does not state the unit of its heights: choose it."
+        raise WrongSetting(sentence, f"{prefix}height_unit")
+    if facts["non_measured"] and own["non_measured"] == "refuse":
+        raise WrongSetting(
             f"In the file {upload.name} {facts['non_measured']} points were not measured: choose whether to fill "
-            "them from their neighbours or to keep them as points that never touch."
+            "them from their neighbours or to keep them as points that never touch.",
+            f"{prefix}non_measured",
         )
     try:
         surface = read_surface(
             upload.path,
-            size=None if facts["size"] is not None else _size(settings),
-            unit=None if facts["metric"] else float(f"1{_exponent(settings['height_unit'])}"),
-            non_measured=settings["non_measured"],
-            **({"rows": settings["rows"]} if facts["needs_rows"] else {}),
+            size=None if facts["size"] is not None else _size(settings, prefix),
+            unit=None if facts["metric"] else float(f"1{_exponent(own['height_unit'])}"),
+            non_measured=own["non_measured"],
+            **({"rows": own["rows"]} if facts["needs_rows"] else {}),
         )
     except InputError as error:
         raise _renamed(error, upload) from error
     history = tuple(step.replace(upload.path.name, upload.name) for step in surface.history)
-    filled = facts["non_measured"] if settings["non_measured"] == "fill" else 0
+    filled = facts["non_measured"] if own["non_measured"] == "fill" else 0
     return attrs.evolve(surface, history=history), int(filled)  # type: ignore[call-overload]
 
 
-def _size(settings: Settings) -> Pair:
+def _size(settings: Settings, prefix: str) -> Pair:
     x, y = (
-        quantity(settings, name, f"The side of the map along {name[-1]}", "length", "size_unit")
+        quantity(settings, f"{prefix}{name}", f"The side of the map along {name[-1]}", "length", f"{prefix}size_unit")
         for name in ("size_x", "size_y")
     )
     return x, y
@@ -225,7 +305,8 @@ def _make_synthetic(settings: Settings) -> Surface:
     )
     if shortest > longest:
         waves = (f"{settings[name]} {settings['wave_unit'].replace('u', 'µ')}" for name in ("shortest", "longest"))
-        raise InputError("The shortest wavelength, {}, must not be above the longest one, {}.".format(*waves))
+        sentence = "The shortest wavelength, {}, must not be above the longest one, {}.".format(*waves)
+        raise WrongSetting(sentence, "shortest")
     return SelfAffineSurface(
         hurst=plain(settings, "hurst", "The Hurst exponent"),
         rms_height=quantity(settings, "rms_height", "The rms height", "length"),
@@ -240,6 +321,8 @@ def _describe_material(settings: Settings, prefix: str, whose: str) -> dict[str,
         "young": quantity(settings, f"{prefix}young", f"Young's modulus of {whose}", "modulus"),
         "poisson": plain(settings, f"{prefix}poisson", f"Poisson's ratio of {whose}"),
     }
+    with reading(f"{prefix}poisson"):
+        Elastic(**material)
     if settings[f"{prefix}hardness"]:
         material["hardness"] = quantity(settings, f"{prefix}hardness", f"The hardness of {whose}", "modulus")
     return material

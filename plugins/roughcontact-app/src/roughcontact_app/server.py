@@ -147,7 +147,7 @@ class _Handler(BaseHTTPRequestHandler):
         except Refusal as refusal:
             self._fail(refusal.status, str(refusal), {"Location": refusal.location} if refusal.location else None)
         except (TaskEnded, RoughContactError) as error:
-            self._fail(http.HTTPStatus.UNPROCESSABLE_ENTITY, str(error))
+            self._fail(http.HTTPStatus.UNPROCESSABLE_ENTITY, str(error), setting=getattr(error, "setting", ""))
         except TimeoutError:
             self._fail(http.HTTPStatus.REQUEST_TIMEOUT, "The request came too slowly.")
         except ConnectionError:
@@ -219,7 +219,12 @@ class _Handler(BaseHTTPRequestHandler):
         if path == "api/upload":
             self._upload()
             return
-        actions = {"api/surface": session.show_surface, "api/plan": session.plan, "api/runs": session.start}
+        actions = {
+            "api/surface": session.show_surface,
+            "api/roughness": session.describe_roughness,
+            "api/plan": session.plan,
+            "api/runs": session.start,
+        }
         if path in actions:
             self._send_json(actions[path](self._read_json(), self._page))
         elif path == "api/file":
@@ -261,13 +266,13 @@ class _Handler(BaseHTTPRequestHandler):
         except (ValueError, RecursionError):
             raise Refusal(http.HTTPStatus.BAD_REQUEST, "The settings are not JSON.") from None
 
-    def _fail(self, status: int, sentence: str, extra: dict[str, str] | None = None) -> None:
+    def _fail(self, status: int, sentence: str, extra: dict[str, str] | None = None, setting: str = "") -> None:
         self.close_connection = True
         # A person's browser asks for a page, the scripts of this page for JSON.
         if self.command == "GET" and "text/html" in self.headers.get("Accept", ""):
             self._send(status, _TYPES["html"], _PAGE.format(html.escape(sentence)).encode(), extra)
         else:
-            self._send(status, _JSON, json.dumps({"error": sentence}).encode(), extra)
+            self._send(status, _JSON, json.dumps({"error": sentence, "setting": setting}).encode(), extra)
         # A client that still sends gets the answer only if what it sends is read.
         self.connection.settimeout(1.0)
         with contextlib.suppress(OSError):

@@ -9,9 +9,12 @@ from io import BufferedIOBase
 from pathlib import Path
 from typing import Any
 
+import attrs
+
 from roughcontact_app.folder import PrivateFolder
 from roughcontact_app.jobs import Jobs
 from roughcontact_app.page import Page
+from roughcontact_app.responses import TICK_BOXES
 from roughcontact_app.scene import EXAMPLES, list_materials
 from roughcontact_app.settings import DEFAULTS, Settings, read_settings
 from roughcontact_app.uploads import StoredFile, Uploads, known_endings
@@ -50,6 +53,7 @@ class Session:
             "examples": list(EXAMPLES),
             "materials": list_materials(),
             "endings": known_endings(),
+            "responses": [attrs.asdict(box) for box in TICK_BOXES.values()],
         }
 
     def upload(self, source: BufferedIOBase, size: int, name: str, page: str) -> dict[str, Any]:
@@ -72,9 +76,20 @@ class Session:
         settings = read_settings(data)
         with maker.making:
             shown = maker.make(self._task("surface", settings, maker.folder), "Making the surface")
-            if "picture" in shown:
-                shown["picture"] = self._keep(maker.folder / shown["picture"])
+            for one in filter(None, (shown, shown.get("counterbody"))):
+                if "picture" in one:
+                    one["picture"] = self._keep(maker.folder / one["picture"])
         return shown
+
+    def describe_roughness(self, data: object, page: str) -> dict[str, Any]:
+        """Return the numbers of the roughness of the body's surface, and the names of its pictures."""
+        maker = self._page(page)
+        task = self._task("roughness", read_settings(data), maker.folder)
+        with maker.making:
+            found = maker.make(task, "Measuring the roughness")
+            for one in found["pictures"]:
+                one["picture"] = self._keep(maker.folder / one["picture"])
+        return found
 
     def plan(self, data: object, page: str) -> dict[str, Any]:
         """Return what a run will do and cost."""
@@ -121,11 +136,15 @@ class Session:
         return name
 
     def _task(self, kind: str, settings: Settings, folder: Path) -> dict[str, Any]:
-        file = self.uploads.find(settings["file"]) if settings["surface"] == "file" or kind == "inspect" else None
+        is_wanted = settings["surface"] == "file" or kind == "inspect"
+        file = self.uploads.find(settings["file"]) if is_wanted else None
+        is_wanted = settings["counterbody_surface"] == "file"
+        other = self.uploads.find(settings["counterbody_file"]) if is_wanted else None
         return {
             "kind": kind,
             "settings": dict(settings),
             "upload": None if file is None else [str(file.path), file.name],
+            "counterbody_upload": None if other is None else [str(other.path), other.name],
             "folder": str(folder),
             "calibration": self.jobs.calibration,
         }

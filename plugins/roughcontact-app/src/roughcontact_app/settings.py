@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from decimal import Decimal
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
-from roughcontact import Boundary
+from roughcontact import Boundary, Response
 from roughcontact.errors import InputError, short
+
+from roughcontact_app.responses import TICK_BOXES, TickBox, build_asked, list_choices, list_defaults
 
 Settings: TypeAlias = Mapping[str, str]
 
@@ -20,6 +23,7 @@ UNITS: dict[str, dict[str, int]] = {
     "force": {"N": 0, "mN": -3, "uN": -6, "nN": -9, "kN": 3},
     "approach": {"m": 0, "mm": -3, "um": -6, "nm": -9},
     "work": {"J/m2": 0, "mJ/m2": -3},
+    "viscosity": {"Pa s": 0, "mPa s": -3},
 }
 # The smallest and largest of each kind, in its SI unit: from below an atom to beyond all bodies and what they carry.
 _RANGES = {
@@ -29,6 +33,7 @@ _RANGES = {
     "force": (1e-18, 1e15),
     "approach": (1e-15, 1e3),
     "work": (1e-9, 1e9),
+    "viscosity": (1e-9, 1e12),
 }
 # What the form holds at first; each setting has its text here and no other is taken.
 DEFAULTS: dict[str, str] = {
@@ -43,6 +48,22 @@ DEFAULTS: dict[str, str] = {
     "rows": "auto",
     "non_measured": "refuse",
     "form": "none",
+    "counterbody_surface": "flat",
+    "counterbody_file": "",
+    "counterbody_file_name": "",
+    "counterbody_size_x": "",
+    "counterbody_size_y": "",
+    "counterbody_size_unit": "um",
+    "counterbody_height_unit": "",
+    "counterbody_rows": "auto",
+    "counterbody_non_measured": "refuse",
+    "counterbody_form": "none",
+    "offset_x": "0",
+    "offset_y": "0",
+    "offset_unit": "um",
+    "rotation": "0",
+    "mirrored": "no",
+    "interpolation": "bilinear",
     "hurst": "0.8",
     "rms_height": "0.1",
     "rms_height_unit": "um",
@@ -91,6 +112,7 @@ DEFAULTS: dict[str, str] = {
     "tangential_force_unit": "N",
     "friction": "0.3",
     "boundary": "free",
+    **list_defaults(),
     "scheme": "light",
 }
 _CHOICES = {
@@ -98,11 +120,18 @@ _CHOICES = {
     "rows": ("auto", "x", "y"),
     "non_measured": ("refuse", "fill", "keep"),
     "form": ("none", "plane", "quadratic", "sphere"),
+    "counterbody_surface": ("flat", "file"),
+    "counterbody_rows": ("auto", "x", "y"),
+    "counterbody_non_measured": ("refuse", "fill", "keep"),
+    "counterbody_form": ("none", "plane", "quadratic", "sphere"),
+    "mirrored": ("no", "yes"),
+    "interpolation": ("bilinear", "cubic"),
     "counterbody": ("rigid", "deformable"),
     "adhesion": ("none", "exponential", "van-der-waals", "short-range"),
     "load": ("force", "pressure", "approach", "cycle", "fretting"),
     "added": ("ball", "cylinder-y", "cylinder-x"),
     "boundary": tuple(map(str, Boundary)),
+    **list_choices(),
     "scheme": ("light", "dark"),
 }
 # Characters of one setting; and the digits of a number and of its exponent, more than float64 can tell apart.
@@ -113,8 +142,29 @@ _WHOLE = re.compile(r"[0-9]{1,9}")
 _MOST_LOADS = 40
 # Beyond those of any surfaces.
 _MOST_FRICTION = 10.0
+# Numbers of a field that may be two.
+_PAIR = 2
 # States on each branch of a cycle.
 _MOST_STATES = 201
+
+
+class WrongSetting(InputError):
+    """A setting is wrong: its name, beside the sentence."""
+
+    def __init__(self, sentence: str, setting: str):
+        super().__init__(sentence)
+        self.setting = setting
+
+
+@contextmanager
+def reading(setting: str) -> Iterator[None]:
+    """Say of an `InputError` which setting is wrong, unless it is known."""
+    try:
+        yield
+    except WrongSetting:
+        raise
+    except InputError as error:
+        raise WrongSetting(str(error), setting) from error
 
 
 def read_settings(data: object) -> Settings:
@@ -136,25 +186,41 @@ def read_settings(data: object) -> Settings:
 
 def plain(settings: Settings, name: str, label: str) -> float:
     """Return a setting without a unit as a number."""
-    return float(_decimal(settings[name], label))
+    with reading(name):
+        return float(_decimal(settings[name], label))
 
 
 def quantity(
-    settings: Settings, name: str, label: str, kind: str, unit: str | None = None, *, zero: bool = False
+    settings: Settings,
+    name: str,
+    label: str,
+    kind: str,
+    unit: str | None = None,
+    *,
+    zero: bool = False,
+    signed: bool = False,
 ) -> float:
     """Return a setting in SI units; its unit is another setting, ``NAME_unit`` by default."""
-    return _quantity(settings[name], label, kind, _unit(settings, unit or f"{name}_unit", kind), zero)
+    with reading(name):
+        return _quantity(
+            settings[name], label, kind, _unit(settings, unit or f"{name}_unit", kind), zero, signed=signed
+        )
 
 
 def whole(settings: Settings, name: str, label: str) -> int:
     """Return a setting that is a whole number."""
     if not _WHOLE.fullmatch(settings[name]):
-        raise InputError.about(label, settings[name], "a whole number such as 256")
+        raise WrongSetting(str(InputError.about(label, settings[name], "a whole number such as 256")), name)
     return int(settings[name])
 
 
 def load_values(settings: Settings) -> list[float]:
     """Return the loads in SI units."""
+    with reading("loads"):
+        return _load_values(settings)
+
+
+def _load_values(settings: Settings) -> list[float]:
     kind = settings["load"]
     unit = _unit(settings, "load_unit", kind)
     texts = re.split(r"[;\s]+", settings["loads"].strip("; \t"))
@@ -171,37 +237,72 @@ def load_values(settings: Settings) -> list[float]:
 def cycle_values(settings: Settings) -> list[float]:
     """Return the approaches of a branch of a cycle, m."""
     if settings["adhesion"] == "none":
-        raise InputError("A cycle is for surfaces that attract each other: choose an adhesion, or give another load.")
-    unit = _unit(settings, "cycle_unit", "approach")
+        sentence = "A cycle is for surfaces that attract each other: choose an adhesion, or give another load."
+        raise WrongSetting(sentence, "adhesion")
     low, high = (
-        _quantity(settings[name], label, "approach", unit, True, signed=True)
+        quantity(settings, name, label, "approach", "cycle_unit", zero=True, signed=True)
         for name, label in (("cycle_from", "The first approach"), ("cycle_to", "The last approach"))
     )
     if not low < high:
-        raise InputError("The first approach of a cycle must be below the last one, from which the surfaces return.")
+        sentence = "The first approach of a cycle must be below the last one, from which the surfaces return."
+        raise WrongSetting(sentence, "cycle_from")
     count = whole(settings, "states", "The number of states")
     if not 2 <= count <= _MOST_STATES:
-        raise InputError.about("The number of states", count, f"from 2 to {_MOST_STATES}")
+        with reading("states"):
+            raise InputError.about("The number of states", count, f"from 2 to {_MOST_STATES}")
     return [low + (high - low) * step / (count - 1) for step in range(count)]
 
 
 def fretting_values(settings: Settings) -> tuple[float, float, float]:
     """Return the normal force and the largest tangential force of a fretting cycle, N, and the friction."""
     if settings["adhesion"] != "none":
-        raise InputError("Friction between surfaces that attract each other is not known: choose no adhesion.")
+        sentence = "Friction between surfaces that attract each other is not known: choose no adhesion."
+        raise WrongSetting(sentence, "adhesion")
     if settings["boundary"] == "wrapped":
-        raise InputError("A wrapped boundary has no response to forces along the surface: choose another boundary.")
+        sentence = "A wrapped boundary has no response to forces along the surface: choose another boundary."
+        raise WrongSetting(sentence, "boundary")
     normal = quantity(settings, "normal_force", "The normal force", "force")
     tangential = quantity(settings, "tangential_force", "The tangential force", "force")
     friction = plain(settings, "friction", "The coefficient of friction")
     if not 0.0 < friction <= _MOST_FRICTION:
-        raise InputError.about("The coefficient of friction", friction, f"above 0, and at most {_MOST_FRICTION:g}")
+        with reading("friction"):
+            raise InputError.about("The coefficient of friction", friction, f"above 0, and at most {_MOST_FRICTION:g}")
     if tangential >= friction * normal:
-        raise InputError(
+        raise WrongSetting(
             "The tangential force of a fretting cycle must be below the coefficient of friction times the normal "
-            "force, from which on the bodies slide."
+            "force, from which on the bodies slide.",
+            "tangential_force",
         )
     return normal, tangential, friction
+
+
+def asked_responses(settings: Settings) -> dict[str, Response[Any]]:
+    """Return the responses that are ticked, by name; none of a cycle, which has no single state."""
+    if settings["load"] in ("cycle", "fretting"):
+        return {}
+    ticked = {name: box for name, box in TICK_BOXES.items() if settings[box.setting] == "yes"}
+    found = {}
+    for name, box in ticked.items():
+        with reading(box.fields[0].setting if box.fields else box.setting):
+            found[name] = build_asked(name, _fields_of(settings, box))
+    return found
+
+
+def _fields_of(settings: Settings, box: TickBox) -> dict[str, Any]:
+    found: dict[str, Any] = {"axis": int(settings[box.axis] == "y")} if box.axis else {}
+    for field in box.fields:
+        label = f"{field.label.partition(',')[0]} ({box.label})"
+        if field.kind:
+            found[field.name] = quantity(settings, field.setting, label, field.kind)
+            continue
+        # Of a pair one number is for both.
+        texts = re.split(r"[;\s]+", settings[field.setting]) if field.is_pair else [settings[field.setting]]
+        with reading(field.setting):
+            if len(texts) > _PAIR:
+                raise InputError(f"{label} has {len(texts)} numbers: give one, or one for each of both bodies.")
+            numbers = [float(_decimal(text, label)) for text in texts]
+        found[field.name] = numbers if len(numbers) > 1 else numbers[0]
+    return found
 
 
 def _unit(settings: Settings, name: str, kind: str) -> str:

@@ -67,7 +67,7 @@ class Uploads:
         if size > self.limit:
             raise InputError(
                 f"A file may have at most {binary(self.limit)} here, but this one has {binary(size)}: "
-                "read larger maps with roughcontact.read_surface in a script."
+                "larger maps are for a script."
             )
 
     def receive(self, source: BufferedIOBase, size: int, name: str) -> StoredFile:

@@ -26,6 +26,7 @@ _CONTROLS = {
     "skip them with skip_rows=": "delete that row",
     ", as by scipy.interpolate.griddata": "",
     "write the heights with numpy.savez(path, heights=heights, size=(lx, ly))": "write one row for each x",
+    "do not overlap with an offset of": "do not overlap with a shift of",
     "float64": "double precision",
     "float32": "single precision",
 }

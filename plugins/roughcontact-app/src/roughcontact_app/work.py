@@ -7,7 +7,7 @@ import json
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 from roughcontact import ContactProblem, ContactSolution, FrictionalPath, ProjectedConjugateGradient
 from roughcontact.errors import InputError, RoughContactError
@@ -17,17 +17,21 @@ from roughcontact_app.answers import describe_cycle, describe_fretting, describe
 from roughcontact_app.outputs import CycleOutputs, FrettingOutputs, Outputs, draw
 from roughcontact_app.preview import describe
 from roughcontact_app.progress import Progress
-from roughcontact_app.scene import Scene, Upload, inspect_file, make_loads, make_problem, make_scene
-from roughcontact_app.settings import Settings, fretting_values, read_settings
+from roughcontact_app.responses import ask
+from roughcontact_app.roughness import describe_roughness
+from roughcontact_app.scene import Scene, ShownSurface, Upload, inspect_file, make_loads, make_problem, make_scene
+from roughcontact_app.settings import Settings, WrongSetting, asked_responses, fretting_values, read_settings
 from roughcontact_app.words import end_sentence, in_words_of_page
 
 # How the time of a solve is estimated.
 _BASIS = (
-    "The time is that of the solve, without pictures and report, estimated from the cells and a transform timed here; "
+    "The time is that of the solve, without what is ticked, pictures and report, estimated from the cells and a "
+    "transform timed here; "
     "it may be a third or three times that."
 )
 _CORRECTED = (
-    "The time is that of the solve, without pictures and report, estimated from the cells and a transform timed here, "
+    "The time is that of the solve, without what is ticked, pictures and report, estimated from the cells and a "
+    "transform timed here, "
     "corrected by the runs before."
 )
 
@@ -40,55 +44,89 @@ _COST_LIKE = (0.1, 30.0)
 _MOST_INCREMENTS = 16
 
 Send = Callable[[dict[str, Any]], None]
+# The files of the body and of the counterbody.
+Uploads: TypeAlias = tuple[Upload | None, Upload | None]
 
 # The beginnings of settings that the surface does not follow from: they do not make it anew.
-_OF_MATERIALS = ("young", "poisson", "hardness", "counterbody", "adhesion", "work", "range", "friction")
-_OF_OTHERS = (*_OF_MATERIALS, "load", "cycle", "states", "normal_force", "tangential_force", "scheme")
+_OF_BODIES = tuple(f"{whose}{name}" for whose in ("", "counterbody_") for name in ("young", "poisson", "hardness"))
+_OF_OTHERS = (
+    *_OF_BODIES,
+    "adhesion",
+    "work",
+    "range",
+    "friction",
+    "load",
+    "cycle",
+    "states",
+    "normal_force",
+    "tangential_force",
+    "scheme",
+    "ask_",
+)
+_OTHERS = ("counterbody",)
 
 
 def run(task: dict[str, Any], send: Send) -> dict[str, Any]:
     """Return the result of a task, plain data that JSON can hold, after events sent on the way."""
-    upload = None if task["upload"] is None else Upload(*task["upload"])
+    upload, counterbody = (
+        None if task.get(name) is None else Upload(*task[name]) for name in ("upload", "counterbody_upload")
+    )
+    uploads = upload, counterbody
     settings = read_settings(task["settings"])
     kinds: dict[str, Callable[[], dict[str, Any]]] = {
         "inspect": lambda: dict(inspect_file(upload)) if upload else {},
-        "surface": lambda: _show_surface(settings, upload, Path(task["folder"])),
-        "plan": lambda: _plan(settings, upload, task["calibration"]),
-        "solve": lambda: _solve(settings, upload, Path(task["folder"]), send),
+        "surface": lambda: _show_surfaces(settings, uploads, Path(task["folder"])),
+        "roughness": lambda: _describe_roughness(settings, uploads, Path(task["folder"])),
+        "plan": lambda: _plan(settings, uploads, task["calibration"]),
+        "solve": lambda: _solve(settings, uploads, Path(task["folder"]), send),
     }
     try:
         return kinds[task["kind"]]()
     except InputError as error:
-        raise InputError(in_words_of_page(str(error))) from error
+        raise WrongSetting(in_words_of_page(str(error)), getattr(error, "setting", "")) from error
 
 
 @functools.lru_cache(maxsize=1)
-def _cached_scene(key: str, upload: Upload | None) -> Scene:
-    return make_scene(read_settings(json.loads(key)), upload)
+def _cached_scene(key: str, uploads: Uploads) -> Scene:
+    return make_scene(read_settings(json.loads(key)), *uploads)
 
 
-def _scene(settings: Settings, upload: Upload | None) -> Scene:
+def _scene(settings: Settings, uploads: Uploads) -> Scene:
     """Return the scene: the last one, if its settings have not changed."""
-    own = {name: text for name, text in settings.items() if not name.startswith(_OF_OTHERS)}
-    return _cached_scene(json.dumps(own), upload)
+    own = {name: text for name, text in settings.items() if name not in _OTHERS and not name.startswith(_OF_OTHERS)}
+    return _cached_scene(json.dumps(own), uploads)
 
 
-def _show_surface(settings: Settings, upload: Upload | None, folder: Path) -> dict[str, Any]:
-    scene = _scene(settings, upload)
-    shown = describe(scene)
+def _show_surfaces(settings: Settings, uploads: Uploads, folder: Path) -> dict[str, Any]:
+    """Return what is shown of the surface of the body, and under ``counterbody`` of that of the other."""
+    scene = _scene(settings, uploads)
+    dark = settings["scheme"] == "dark"
+    shown = _show(scene, scene.body, folder / "surface.png", dark)
+    if scene.counterbody is not None:
+        shown["counterbody"] = _show(scene, scene.counterbody, folder / "counterbody.png", dark)
+    return shown
+
+
+def _show(scene: Scene, one: ShownSurface, picture: Path, dark: bool) -> dict[str, Any]:
+    shown = describe(scene, one)
     try:
-        dark = settings["scheme"] == "dark"
-        draw(lambda: scene.rough.plot(scene.grid, "map", dark=dark), folder / "surface.png")
-        shown["picture"] = "surface.png"
+        draw(lambda: one.surface.plot(scene.grid, "map", dark=dark), picture)
+        shown["picture"] = picture.name
     except RoughContactError as error:
         shown["note"] = in_words_of_page(str(error))
     return shown
 
 
-def _plan(settings: Settings, upload: Upload | None, calibration: float) -> dict[str, Any]:
-    scene = _scene(settings, upload)
+def _describe_roughness(settings: Settings, uploads: Uploads, folder: Path) -> dict[str, Any]:
+    scene = _scene(settings, uploads)
+    return describe_roughness(scene.body, scene.grid, folder, settings["scheme"] == "dark")
+
+
+def _plan(settings: Settings, uploads: Uploads, calibration: float) -> dict[str, Any]:
+    scene = _scene(settings, uploads)
     problem = make_problem(settings, scene)
     loads = make_loads(settings, problem)
+    asked_responses(settings)
     plan = problem.plan
     return {
         "loads": [str(load) for load in loads],
@@ -101,9 +139,9 @@ def _plan(settings: Settings, upload: Upload | None, calibration: float) -> dict
     }
 
 
-def _solve(settings: Settings, upload: Upload | None, folder: Path, send: Send) -> dict[str, Any]:
+def _solve(settings: Settings, uploads: Uploads, folder: Path, send: Send) -> dict[str, Any]:
     send({"phase": "preparing"})
-    problem = make_problem(settings, _scene(settings, upload))
+    problem = make_problem(settings, _scene(settings, uploads))
     loads = make_loads(settings, problem)
     forecast = _estimate_seconds(settings, problem, loads)
     started = time.perf_counter()
@@ -118,6 +156,7 @@ def _solve(settings: Settings, upload: Upload | None, folder: Path, send: Send) 
     send({"phase": "evaluating", "fraction": 1.0, "text": "The contact is solved; areas and uncertainties follow."})
     dark = settings["scheme"] == "dark"
     outputs: Outputs | CycleOutputs | FrettingOutputs
+    problems: list[str] = []
     if isinstance(result, AdhesionCycle):
         answers = [describe_cycle(result)]
         outputs = CycleOutputs(result, folder, dark)
@@ -127,9 +166,10 @@ def _solve(settings: Settings, upload: Upload | None, folder: Path, send: Send) 
         # Its cost depends on the answer: it says nothing of the time of other runs.
         ratio = None
     else:
-        answers = describe_solutions(result.solutions)
-        outputs = Outputs(result, answers, folder, dark)
-    found = {"answers": answers, "warnings": list_warnings(answers)}
+        asked, problems = ask(asked_responses(settings), result.solutions)
+        answers = describe_solutions(result.solutions, asked)
+        outputs = Outputs(result, asked, answers, folder, dark)
+    found = {"answers": answers, "warnings": [*list_warnings(answers), *problems]}
     send({"phase": "drawing", "text": "Pictures and tables follow.", "ratio": ratio, **found})
     return {"notes": _write_all(outputs, send)}
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import cached_property
 from typing import TypeAlias
 
@@ -9,7 +10,17 @@ import attrs
 import numpy as np
 import roughcontact as rc
 
-from roughcontact_layered.stack import Array, Layer, cross, half_space, inverse, product, wave_generator
+from roughcontact_layered.stack import (
+    Array,
+    Layer,
+    Substrate,
+    below_layers,
+    cross,
+    half_space,
+    inverse,
+    product,
+    wave_generator,
+)
 
 Body: TypeAlias = Layer | rc.Elastic
 
@@ -19,7 +30,7 @@ _BLOCK = 1 << 14
 _DECAYED = 45.0
 
 
-def find_excess(layers: tuple[Layer, ...], substrate: rc.Elastic, load: str, q: Array, depth: float, k: int) -> Array:
+def find_excess(layers: tuple[Layer, ...], substrate: Substrate, load: str, q: Array, depth: float, k: int) -> Array:
     """Return the stress by waves along x at a depth, less that of a half-space with the same Poisson's ratio.
 
     Parameters
@@ -33,7 +44,7 @@ def find_excess(layers: tuple[Layer, ...], substrate: rc.Elastic, load: str, q: 
     depth
         Depth below the surface, m.
     k
-        Number of the layer in which it lies; the number of layers for the substrate.
+        Number of the layer in which it lies; the number of layers for the substrate. A rigid base has no stress.
 
     Returns
     -------
@@ -51,7 +62,7 @@ def find_excess(layers: tuple[Layer, ...], substrate: rc.Elastic, load: str, q: 
     return result
 
 
-def _find_along(layers: tuple[Layer, ...], substrate: rc.Elastic, load: str, q: Array, depth: float, k: int) -> Array:
+def _find_along(layers: tuple[Layer, ...], substrate: Substrate, load: str, q: Array, depth: float, k: int) -> Array:
     r"""Return the components by a pressure, or by a traction along the wave.
 
     Of the traction t at the top of a layer of thickness h, x = q h, the part :math:`t_a` belongs to waves that decay
@@ -63,9 +74,9 @@ def _find_along(layers: tuple[Layer, ...], substrate: rc.Elastic, load: str, q: 
     so that no exponential grows.
     """
     scale = layers[0].young
-    bodies: tuple[Body, ...] = (*layers, substrate)
+    bodies = _list_bodies(layers, substrate)
     media = [_Medium(body.young / scale, body.poisson) for body in bodies]
-    compliances = _list_compliances(layers, media, scale, q)
+    compliances = _list_compliances(layers, below_layers(substrate, scale), scale, q)
     surface = np.zeros((2, q.size))
     surface[1 if load == "z" else 0] = -1.0
     traction = surface
@@ -84,18 +95,23 @@ def _find_along(layers: tuple[Layer, ...], substrate: rc.Elastic, load: str, q: 
         state = medium.decay(q * inside, down) + medium.grow(q * (thickness - inside), up)
     state -= medium.decay(q * depth, surface)
     along, shear, normal = medium.find_stress(state)
-    poisson = layers[k].poisson if k < len(layers) else substrate.poisson
+    poisson = bodies[k].poisson
     none = np.zeros(q.size)
     # Where the pressure is a cosine, the shear is a sine; where the traction is a sine, the normal stress is a cosine.
     return np.array([along, poisson * (along + normal), normal, none, -shear if load == "z" else shear, none])
 
 
-def _list_compliances(layers: tuple[Layer, ...], media: list[_Medium], scale: float, q: Array) -> list[Array]:
-    """Return the compliance matrices of what lies below each layer, (2, 2, n) each."""
-    matrix = media[-1].own[:, :, np.newaxis] * np.ones(q.size)
+def _list_bodies(layers: tuple[Layer, ...], substrate: Substrate) -> tuple[Body, ...]:
+    """Return the bodies that deform, from the top downwards."""
+    return layers if isinstance(substrate, rc.Rigid) else (*layers, substrate)
+
+
+def _list_compliances(layers: tuple[Layer, ...], below: Array, scale: float, q: Array) -> list[Array]:
+    """Return the compliance matrices of what lies below each layer, (2, 2, n) each; `below` is that under all."""
+    matrix = below[:, :, np.newaxis] * np.ones(q.size)
     compliances = [matrix]
-    for layer, medium in zip(layers[:0:-1], media[-2:0:-1], strict=True):
-        matrix, _ = cross(layer, scale, medium.own, matrix, q * layer.thickness)
+    for layer in layers[:0:-1]:
+        matrix, _ = cross(layer, scale, half_space(layer.young / scale, layer.poisson), matrix, q * layer.thickness)
         compliances.append(matrix)
     return compliances[::-1]
 
@@ -174,7 +190,7 @@ def _multiply(matrix: Array, vector: Array) -> Array:
     return np.array([row[0] * vector[0] + row[1] * vector[1] for row in matrix])
 
 
-def _find_across(layers: tuple[Layer, ...], substrate: rc.Elastic, load: str, q: Array, depth: float, k: int) -> Array:
+def _find_across(layers: tuple[Layer, ...], substrate: Substrate, load: str, q: Array, depth: float, k: int) -> Array:
     r"""Return the components by a traction across the wave.
 
     With shear moduli G and t the displacement over the traction at the bottom of a layer of thickness h, times -G q,
@@ -182,8 +198,9 @@ def _find_across(layers: tuple[Layer, ...], substrate: rc.Elastic, load: str, q:
 
     .. math:: \sigma_{yz} = c\,(\cosh qs + t \sinh qs), \quad \sigma_{xy} = -c\,(\sinh qs + t \cosh qs).
     """
-    bodies: tuple[Body, ...] = (*layers, substrate)
-    moduli = [body.young / (2.0 * (1.0 + body.poisson)) for body in bodies]
+    moduli = [body.young / (2.0 * (1.0 + body.poisson)) for body in _list_bodies(layers, substrate)]
+    if isinstance(substrate, rc.Rigid):
+        moduli.append(math.inf)
     # Displacement over traction below each layer, times -q and the shear modulus below.
     ratios = [np.ones(q.size)]
     for n in range(len(layers) - 1, 0, -1):

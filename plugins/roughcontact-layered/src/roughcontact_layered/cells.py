@@ -133,7 +133,11 @@ class WaveResponse(Hashable, Protocol):
 
 
 def cell_waves(
-    kernel: WaveResponse, qx: Array, qy: Array, spacing: tuple[float, float], is_aliased: bool = True
+    kernel: WaveResponse,
+    qx: Array,
+    qy: Array,
+    spacing: tuple[float, float],
+    aliased: tuple[WaveResponse, ...] | None = None,
 ) -> Array:
     """Return the part of a kernel at the cell centres by waves of cell pressures, shape (m, n), m/Pa.
 
@@ -145,16 +149,16 @@ def cell_waves(
         Wave numbers, shapes (m, 1) and (1, n), rad/m, at most half the sampling wave number.
     spacing
         Sides of a cell (dx, dy), m.
-    is_aliased
-        Whether the aliases of the waves count, too.
+    aliased
+        The parts whose aliases count, too; by default the kernel itself.
     """
     x, rows = np.unique(np.abs(qx).ravel() * spacing[0], return_inverse=True)
     y, columns = np.unique(np.abs(qy).ravel() * spacing[1], return_inverse=True)
     half = [np.sinc(theta / (2.0 * np.pi)) for theta in (x, y)]
     values = kernel.wave_rest((x / spacing[0])[:, np.newaxis], (y / spacing[1])[np.newaxis, :])
     values = values * half[0][:, np.newaxis] * half[1][np.newaxis, :]
-    if is_aliased:
-        values = values + interpolate_aliases(_sum_aliases(kernel, spacing, x.tobytes(), y.tobytes()), (x, y))
+    for part in (kernel,) if aliased is None else aliased:
+        values = values + interpolate_aliases(_sum_aliases(part, spacing, x.tobytes(), y.tobytes()), (x, y))
     return np.asarray(values[np.ix_(rows, columns)])
 
 

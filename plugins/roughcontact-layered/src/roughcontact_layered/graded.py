@@ -73,6 +73,11 @@ class GradedKernel(rc.InfluenceKernel):
     surface: rc.Elastic = attrs.field(converter=_surface)
 
     @property
+    def own_material(self) -> rc.Elastic:
+        """The material of the graded `roughcontact.Body`: that at the surface."""
+        return self.surface
+
+    @property
     def depth(self) -> float:
         """The depth over which the modulus changes by a factor of e, m; zero without a gradient."""
         return 1.0 / abs(self.gradient) if self.gradient else 0.0

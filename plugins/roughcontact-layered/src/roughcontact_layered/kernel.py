@@ -1,6 +1,8 @@
-"""Layers on a half-space, under pressure that is constant on each cell."""
+"""Layers on a half-space or on a rigid base, under pressure that is constant on each cell."""
 
 from __future__ import annotations
+
+import math
 
 import attrs
 import numpy as np
@@ -8,11 +10,12 @@ import roughcontact as rc
 from roughcontact.typing import PairConstants
 
 from roughcontact_layered.below import find_excess
-from roughcontact_layered.bodies import compliance_of_other
+from roughcontact_layered.bodies import compliance_of_other, is_made_of
+from roughcontact_layered.cells import cell_waves
 from roughcontact_layered.conduction import LayeredConduction, conductivity_of
 from roughcontact_layered.harmonics import FindWaves, integrate_stress
 from roughcontact_layered.shear import LayeredShear
-from roughcontact_layered.stack import Array, Layer, respond
+from roughcontact_layered.stack import Array, Layer, Substrate, respond
 from roughcontact_layered.stacked import StackedKernel
 from roughcontact_layered.waves_below import sum_waves
 
@@ -24,15 +27,16 @@ def _layers(value: object) -> tuple[Layer, ...]:
     return layers
 
 
-def _substrate(value: object) -> rc.Elastic:
-    if not isinstance(value, rc.Elastic):
-        raise rc.InputError.about("The substrate", value, "the Elastic material of the coated body")
+def _substrate(value: object) -> Substrate:
+    if not isinstance(value, (rc.Elastic, rc.Rigid)):
+        allowed = "the Elastic material of the coated body, or Rigid() for a rigid base"
+        raise rc.InputError.about("The substrate", value, allowed)
     return value
 
 
 @attrs.frozen
 class LayeredKernel(StackedKernel):
-    r"""Bonded elastic layers on one of the two bodies, frictionless, under cells of constant pressure.
+    r"""Bonded elastic layers on one of the two bodies, frictionless at the surface, under cells of constant pressure.
 
     .. math:: \hat u(q) = \left[\frac{2}{E^*|q|} + \hat u_\mathrm{layers}(q) - \frac{2 c_s}{|q|}\right] \hat p(q)
 
@@ -40,18 +44,23 @@ class LayeredKernel(StackedKernel):
     through 1/E*. The layers on one of them come from here; `substrate` repeats that body's material,
     because the layers need its Poisson ratio and the part that is its own, c_s = (1 - nu^2)/E, of 1/E*.
 
+    Layers on a rigid base, to which they are bonded, have the material of the topmost layer as that of their
+    `roughcontact.Body`: c_s is that layer's. A uniform pressure p then sinks the surface by p times
+    `uniform_compliance`. A free boundary counts the approach from the base; on a periodic one it is counted from the
+    mean of the displaced surface, as on half-spaces, so that the approach from the base is more by that amount.
+
     Parameters
     ----------
     layers
         From the surface downwards.
     substrate
-        The material of the body that carries the layers: that of the `roughcontact.Body`.
+        The material of the body that carries the layers, that of the `roughcontact.Body`; or ``rc.Rigid()``.
 
     Raises
     ------
     roughcontact.InputError
         If a part is of another kind; and, when the kernel is used, if both bodies together are stiffer
-        than the substrate alone, so that none of them can be made of it.
+        than the substrate alone, or the topmost layer on a rigid base, so that none of them can be made of it.
 
     Examples
     --------
@@ -60,10 +69,33 @@ class LayeredKernel(StackedKernel):
     >>> coating = LayeredKernel(Layer(young=400e9, poisson=0.25, thickness=2e-6), substrate=steel)
     >>> coated = rc.Body(rc.SphereSurface(radius=1e-3), steel)
     >>> problem = rc.ContactProblem(coated, grid=rc.Grid((64, 64), (1e-4, 1e-4)), kernel=coating)
+
+    A rubber pad on a rigid base, under a rigid ball:
+
+    >>> rubber = rc.Elastic(young=2e6, poisson=0.49)
+    >>> pad = LayeredKernel(Layer(rubber.young, rubber.poisson, thickness=20e-6), substrate=rc.Rigid())
+    >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Rigid())
+    >>> pressed = rc.ContactProblem(ball, rc.Body(rc.FlatSurface(), rubber), grid=rc.Grid((64, 64), 200e-6), kernel=pad)
     """
 
     layers: tuple[Layer, ...] = attrs.field(converter=_layers)
-    substrate: rc.Elastic = attrs.field(converter=_substrate)
+    substrate: Substrate = attrs.field(converter=_substrate)
+
+    @property
+    def own_material(self) -> Layer | rc.Elastic:
+        """The material of the coated `roughcontact.Body`: the substrate, or on a rigid base the topmost layer."""
+        return self.layers[0] if isinstance(self.substrate, rc.Rigid) else self.substrate
+
+    @property
+    def uniform_compliance(self) -> float:
+        r"""Displacement of the surface by a uniform unit pressure, m/Pa; infinite on a half-space.
+
+        The layers are compressed one by one with their sides held,
+
+        .. math:: \frac{u}{p} = \sum_k \frac{h_k (1 + \nu_k) (1 - 2 \nu_k)}{E_k (1 - \nu_k)}
+        """
+        is_rigid = isinstance(self.substrate, rc.Rigid)
+        return sum(layer.uniform_compliance for layer in self.layers) if is_rigid else math.inf
 
     def respond(self, q: Array) -> tuple[Array, Array]:
         """Return q u / p of the coated body, and the same less that of a half-space of the topmost layer, 1/Pa."""
@@ -75,7 +107,18 @@ class LayeredKernel(StackedKernel):
 
     def other_compliance(self, compliance: float) -> float:
         """Return (1 - nu^2) / E of the body without layers, 1/Pa."""
-        return compliance_of_other(f"The substrate {self.substrate!r}", self.substrate.compliance, compliance)
+        is_rigid = isinstance(self.substrate, rc.Rigid)
+        name = f"The topmost layer {self.layers[0]!r}" if is_rigid else f"The substrate {self.substrate!r}"
+        return compliance_of_other(name, self.own_material.compliance, compliance)
+
+    def spectrum(self, qx: Array, qy: Array, spacing: tuple[float, float], compliance: float) -> Array:
+        """Return the response at the cell centres to waves of cell pressures, shape (m, n), m/Pa."""
+        if not isinstance(self.substrate, rc.Rigid):
+            return super().spectrum(qx, qy, spacing, compliance)
+        # Long waves of a half-space and of the rest cancel on a rigid base: their sum is known better.
+        top = _HalfSpace(self.surface_compliance(compliance))
+        aliased = self.find_aliased(spacing, top.compliance)
+        return cell_waves(_BothBodies(self, compliance), qx, qy, spacing, (top, *aliased))
 
     def conduction_kernel(self, conductivity: float) -> LayeredConduction:
         """Return the response of temperature to heat, or of potential to current; see `roughcontact.typing`.
@@ -119,7 +162,7 @@ class LayeredKernel(StackedKernel):
         pair
             The constants of the two half-spaces under the layers.
         """
-        return LayeredShear(self.layers, self.substrate, axis, pair)
+        return LayeredShear(self.layers, self._require_substrate(), axis, pair)
 
     def coupling(self, wavenumber: Array, compliance: float, pair: PairConstants) -> Array:
         """Return Dundurs' beta of each wave number, shape (n,), positive where the coated body is the softer one.
@@ -133,26 +176,37 @@ class LayeredKernel(StackedKernel):
         pair
             Their constants, with the coated body as the body.
         """
-        own = -respond(self.layers, self.substrate, wavenumber, (0, 1))[0]
-        substrate = (1.0 - 2.0 * self.substrate.poisson) * (1.0 + self.substrate.poisson) / self.substrate.young
-        change = own - substrate + 2.0 * pair.beta * compliance
+        substrate = self._require_substrate()
+        own = -respond(self.layers, substrate, wavenumber, (0, 1))[0]
+        change = own - (1.0 - 2.0 * substrate.poisson) * (1.0 + substrate.poisson) / substrate.young
+        change += 2.0 * pair.beta * compliance
         return np.asarray(change / (wavenumber * self.response(wavenumber, compliance)))
+
+    def _require_substrate(self) -> rc.Elastic:
+        """Return the half-space under the layers, or raise `InputError` on a rigid base."""
+        if isinstance(self.substrate, rc.Rigid):
+            raise rc.InputError("The response to shear is known for layers on a half-space, not on a rigid base.")
+        return self.substrate
 
     @property
     def interfaces(self) -> Array:
-        """Depths of the interfaces, shape (n,), m, ascending."""
-        return np.cumsum([layer.thickness for layer in self.layers])
+        """Depths of the interfaces between bodies that deform, shape (n,), m, ascending."""
+        depths = np.cumsum([layer.thickness for layer in self.layers])
+        return depths[:-1] if isinstance(self.substrate, rc.Rigid) else depths
+
+    @property
+    def base_depth(self) -> float:
+        """Depth of the rigid base, m; infinite on a half-space."""
+        return self.depth if isinstance(self.substrate, rc.Rigid) else math.inf
 
     def describes(self, material: rc.Material) -> bool:
-        """Return whether the layers lie on a body of this material; a hardness does not count."""
-        if not isinstance(material, (rc.Elastic, rc.ElasticPerfectlyPlastic)):
-            return False
-        return (material.young, material.poisson) == (self.substrate.young, self.substrate.poisson)
+        """Return whether the layers lie on a body of this material."""
+        return is_made_of(material, self.own_material)
 
     def poisson_at(self, depth: float) -> float:
         """Return Poisson's ratio at a depth, m; at an interface the one above."""
-        number = self._number_at(depth)
-        return self.layers[number].poisson if number < len(self.layers) else self.substrate.poisson
+        bodies = [*self.layers, self.own_material]
+        return bodies[self._number_at(depth)].poisson
 
     def stress_coefficients(
         self, load: str, shape: tuple[int, int], spacing: tuple[float, float], depth: float
@@ -199,6 +253,29 @@ class LayeredKernel(StackedKernel):
     def _number_at(self, depth: float) -> int:
         # A depth at an interface lies above it, also after rounding.
         return int(np.searchsorted(self.interfaces, (1.0 - 1e-12) * depth))
+
+
+@attrs.frozen
+class _BothBodies:
+    """The response of both bodies to waves."""
+
+    kernel: LayeredKernel
+    compliance: float
+
+    def wave_rest(self, qx: Array, qy: Array) -> Array:
+        """Return the response to wave vectors, m/Pa."""
+        return self.kernel.response(np.hypot(qx, qy), self.compliance)
+
+
+@attrs.frozen
+class _HalfSpace:
+    """The response of half-spaces to waves."""
+
+    compliance: float
+
+    def wave_rest(self, qx: Array, qy: Array) -> Array:
+        """Return the response to wave vectors, m/Pa."""
+        return np.asarray(2.0 * self.compliance / np.hypot(qx, qy))
 
 
 def _exchange_axes(stress: Array) -> Array:

@@ -105,7 +105,7 @@ class LayeredShear(rc.InfluenceKernel):
         nearest = np.array([np.pi / max(spacing)])
         largest = max(abs(_Harmonic(self.layers, self.substrate, order).rest(nearest).item()) for order in (0, 2))
         is_aliased = largest * nearest.item() > np.finfo(np.float64).eps * surface
-        return np.asarray(love + cell_waves(self, qx, qy, spacing, is_aliased))
+        return np.asarray(love + cell_waves(self, qx, qy, spacing, (self,) if is_aliased else ()))
 
     def wave_rest(self, qx: Array, qy: Array) -> Array:
         """Return the response less that of a half-space of the topmost layer, of wave vectors, m/Pa."""

@@ -11,6 +11,7 @@ import numpy.typing as npt
 import roughcontact as rc
 
 Array: TypeAlias = npt.NDArray[np.float64]
+Substrate: TypeAlias = rc.Elastic | rc.Rigid
 
 # Layers of q h below this are crossed by the matrix exponential less one, thicker ones by reflection.
 _THIN = 1.0
@@ -77,9 +78,15 @@ class Layer:
         """Plane-strain compliance (1 - nu^2) / E of a half-space of this material, 1/Pa."""
         return (1.0 - self.poisson**2) / self.young
 
+    @property
+    def uniform_compliance(self) -> float:
+        r"""Compression by a uniform unit pressure, m/Pa: h (1 + nu) (1 - 2 nu) / (E (1 - nu)), its sides held."""
+        lateral = (1.0 + self.poisson) * (1.0 - 2.0 * self.poisson) / (1.0 - self.poisson)
+        return self.thickness * lateral / self.young
+
 
 def respond(
-    layers: tuple[Layer, ...], substrate: rc.Elastic, q: Array, component: tuple[int, int] = (1, 1)
+    layers: tuple[Layer, ...], substrate: Substrate, q: Array, component: tuple[int, int] = (1, 1)
 ) -> tuple[Array, Array]:
     r"""Return q u / p, and the same less that of a half-space of the topmost layer.
 
@@ -100,7 +107,7 @@ def respond(
     layers
         From the top downwards.
     substrate
-        The half-space under them.
+        The half-space under them, or a rigid base.
     q
         Wave numbers, shape (n,), rad/m, above zero.
     component
@@ -125,16 +132,22 @@ def respond(
 
 
 def _respond(
-    layers: tuple[Layer, ...], substrate: rc.Elastic, q: Array, component: tuple[int, int]
+    layers: tuple[Layer, ...], substrate: Substrate, q: Array, component: tuple[int, int]
 ) -> tuple[Array, Array]:
     scale = layers[0].young
-    below = half_space(substrate.young / scale, substrate.poisson)
-    matrix = below[:, :, np.newaxis] * np.ones(q.size)
+    matrix = below_layers(substrate, scale)[:, :, np.newaxis] * np.ones(q.size)
     difference = matrix
     for layer in reversed(layers):
         own = half_space(layer.young / scale, layer.poisson)
         matrix, difference = cross(layer, scale, own, matrix, q * layer.thickness)
     return np.asarray(-matrix[component] / scale), np.asarray(-difference[component] / scale)
+
+
+def below_layers(substrate: Substrate, scale: float) -> Array:
+    """Return the compliance matrix under the layers, for 1/scale: zero on a rigid base, which holds them."""
+    if isinstance(substrate, rc.Rigid):
+        return np.zeros((2, 2))
+    return half_space(substrate.young / scale, substrate.poisson)
 
 
 def half_space(young: float, poisson: float) -> Array:

@@ -84,7 +84,7 @@ class StackedKernel(rc.InfluenceKernel):
         """
         largest = float(np.hypot(shape[0] * spacing[0], shape[1] * spacing[1]))
         table = tabulate(self, 0.4 * min(spacing), largest)
-        singular = rc.Love().coefficients(shape, spacing, self._surface_compliance(compliance))
+        singular = rc.Love().coefficients(shape, spacing, self.surface_compliance(compliance))
         return np.asarray(singular + cell_integrals(table, shape, spacing))
 
     def spectrum(self, qx: Array, qy: Array, spacing: tuple[float, float], compliance: float) -> Array:
@@ -92,11 +92,15 @@ class StackedKernel(rc.InfluenceKernel):
 
         Love's, for half-spaces of the topmost layer and of the other body, plus the rest with its aliases.
         """
-        surface = self._surface_compliance(compliance)
+        surface = self.surface_compliance(compliance)
+        love = rc.Love().spectrum(qx, qy, spacing, surface)
+        return np.asarray(love + cell_waves(self, qx, qy, spacing, self.find_aliased(spacing, surface)))
+
+    def find_aliased(self, spacing: tuple[float, float], surface: float) -> tuple[StackedKernel, ...]:
+        """Return this kernel if waves shorter than two cells count in its rest, beside a compliance; else nothing."""
         nearest = np.array([np.pi / max(spacing)])
         is_aliased = abs((self.rest(nearest) * nearest).item()) > np.finfo(np.float64).eps * surface
-        love = rc.Love().spectrum(qx, qy, spacing, surface)
-        return np.asarray(love + cell_waves(self, qx, qy, spacing, is_aliased))
+        return (self,) if is_aliased else ()
 
     def wave_rest(self, qx: Array, qy: Array) -> Array:
         """Return `rest` of wave vectors, m/Pa."""
@@ -107,5 +111,6 @@ class StackedKernel(rc.InfluenceKernel):
         _, rest = self.respond(q.ravel())
         return np.asarray(rest.reshape(q.shape) / q)
 
-    def _surface_compliance(self, compliance: float) -> float:
+    def surface_compliance(self, compliance: float) -> float:
+        """Return the compliance of half-spaces of the topmost layer and of the other body."""
         return self.top_compliance() + self.other_compliance(compliance)

@@ -18,7 +18,7 @@ from roughcontact._answers.areas.summits import Summits
 from roughcontact._base.arrays import Array, IntArray, Mask
 from roughcontact._base.units import ContactWarning
 from roughcontact._parts.grid import Boundary, extend, grow
-from roughcontact._solve.solution import Area, ContactSolution, Estimate, responses
+from roughcontact._solve.solution import Area, ContactSolution, Estimate, find_peak_sampling, responses
 
 # Change of the maximum pressure over 3 F / 2A of a summit c2 r^2 + c4 r^4, times c4 a^2 / c2: (32/9 - 32/5) / 4.
 _QUARTIC_FACTOR = -32.0 / 45.0
@@ -57,6 +57,10 @@ class PeakPressure(Quantity):
     ----------
     Popov, Hess, Willert, Handbook of Contact Mechanics (2019), sec. 2.3.8, https://doi.org/10.1007/978-3-662-58709-6
     """
+
+    def respond(self, solution: ContactSolution) -> Estimate:
+        """Return the maximum pressure, its uncertainty and its sampling error."""
+        return attrs.evolve(super().respond(solution), relative_sampling=find_peak_sampling(solution))
 
     def find(self, solution: ContactSolution, area: Area) -> Estimate:
         """Return the maximum pressure; see `Quantity.find`."""

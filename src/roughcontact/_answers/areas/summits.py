@@ -118,16 +118,17 @@ def find_far_field(solution: ContactSolution, x: Array, y: Array) -> FarField:
 
     A point load displaces the surface by F / (pi E* r), whose second derivatives are
     F (3 x^2 / r^5 - 1 / r^3) / (pi E*) and the like (Johnson, Contact Mechanics, section 3.2,
-    https://doi.org/10.1017/CBO9781139171731).
+    https://doi.org/10.1017/CBO9781139171731). On layers E* is that of waves as long as the distance.
     """
     forces = solution.patches.forces
     count = x.size
-    if solution.moduli is not None or count == 0:
+    if count == 0:
         return FarField.zero(count)
     radius = math.sqrt(_NEAR_CONTACTS * solution.grid.area / (np.pi * count))
     one, other, dx, dy = _pair_contacts(solution, x, y, radius)
     square = dx * dx + dy * dy
-    cube = 1.0 / (np.pi * solution.modulus * square * np.sqrt(square))
+    distance = np.sqrt(square)
+    cube = 1.0 / (np.pi * solution.effective_modulus(1.0 / distance) * square * distance)
     parts = (-dx, -dy, 3.0 * dx * dx / square - 1.0, 3.0 * dx * dy / square, 3.0 * dy * dy / square - 1.0)
     sums = np.zeros((len(parts), count))
     # Each pair counts from both sides; from the other one the slope has the opposite sign.
@@ -137,7 +138,7 @@ def find_far_field(solution: ContactSolution, x: Array, y: Array) -> FarField:
             sums[k] += np.bincount(here, load * part, minlength=count) * (sign if k < 2 else 1.0)
     if solution.boundary is Boundary.PERIODIC:
         # A uniform pressure outside of a circle bends the surface alike in all directions.
-        sums[2::2] += solution.mean_pressure / (radius * solution.modulus)
+        sums[2::2] += solution.mean_pressure / (radius * float(solution.effective_modulus(1.0 / radius)))
     return FarField(sums[:2], sums[2:])
 
 

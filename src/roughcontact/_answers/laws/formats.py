@@ -1,4 +1,4 @@
-"""Laws for finite-element codes: Abaqus, CalculiX and MOOSE."""
+"""Laws for finite-element codes: Abaqus, CalculiX, COMSOL and MOOSE."""
 
 from __future__ import annotations
 
@@ -20,9 +20,10 @@ THERMAL_UNIT = "W/(m2 K)"
 ELECTRICAL_UNIT = "S/m2"
 # Characters of a line of a comment.
 _COMMENT_WIDTH = 100
-# Marks of comments in the files of Abaqus and CalculiX, and of MOOSE.
+# Marks of comments in the files of Abaqus and CalculiX, of MOOSE, and of COMSOL.
 _KEYWORD_COMMENT = "**"
 _MOOSE_COMMENT = "#"
+_COMSOL_COMMENT = "%"
 # Difference of overclosures, in units of the model, up to which CalculiX changes the second one.
 _MIN_OVERCLOSURE_STEP = 1e-10
 # Temperature of all rows, K: a table at one temperature holds at all temperatures.
@@ -280,3 +281,32 @@ def write_moose(
         "[]",
     ]
     return table, blocks
+
+
+def write_comsol(law: InterfaceLaw, table: str, conductance: str, units: str) -> list[str]:
+    """Return the lines of an interpolation function: columns of its argument and its value.
+
+    References
+    ----------
+    COMSOL Multiphysics Reference Manual 6.1, Spreadsheet Data Format,
+    https://doc.comsol.com/6.1/doc/com.comsol.help.comsol/comsol_api_fileformats.53.04.html
+    """
+    system = unit_system(units)
+    head = describe(law, _COMSOL_COMMENT)
+    if choice(table, "The table", ("conductance", "closure")) == "conductance":
+        electrical = law[conductance].unit == ELECTRICAL_UNIT
+        unit = (f"S/{system.length[0]}2", system.length[1] ** -2) if electrical else system.conductance
+        found, values, comments = tabulate_conductance(law, conductance, _COMSOL_COMMENT, system.pressure, unit)
+        named = f"Argument: contact pressure in {system.pressure[0]}; function: conductance in {unit[0]}"
+    else:
+        pressures, closures, spread, datum = closure_rows(law)
+        found = closures * system.length[1]
+        values = pressures * system.pressure[1]
+        heading = f"overclosure in {system.length[0]}, its standard deviation"
+        comments = [
+            f"{_COMSOL_COMMENT} Overclosure 0 is at a mean gap of {datum * system.length[1]:.6e} {system.length[0]}.",
+            *list_uncertainties(_COMSOL_COMMENT, heading, (found, spread * system.length[1])),
+        ]
+        named = f"Argument: overclosure in {system.length[0]}; function: pressure in {system.pressure[0]}"
+    rows = (f"{one:.9e} {other:.9e}" for one, other in zip(found, values, strict=True))
+    return [*head, *comments, f"{_COMSOL_COMMENT} {named}", *rows]

@@ -237,6 +237,31 @@ class InterfaceLaw:
         """
         _write(path, formats.write_calculix(self, name, conductance, units))
 
+    def to_comsol(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        table: str = "conductance",
+        conductance: str = "conductance",
+        units: str = "SI",
+    ) -> None:
+        """Write a table for an interpolation function of COMSOL Multiphysics, in the spreadsheet format.
+
+        Choose linear interpolation, and the units that the file states for argument and function.
+
+        Parameters
+        ----------
+        path
+            The file, such as ``.txt``; it may replace one.
+        table
+            ``"conductance"``: conductance over pressure; ``"closure"``: pressure over closure.
+        conductance
+            Column of the conductance.
+        units
+            As of `to_abaqus`.
+        """
+        _write(path, formats.write_comsol(self, table, conductance, units))
+
     def to_moose(
         self,
         path: str | os.PathLike[str],

@@ -12,17 +12,15 @@ from roughcontact._answers.laws.law import InterfaceLaw, LawColumn, interpolatio
 from roughcontact._base.units import si
 from roughcontact._parts.grid import FIRST_LOADING, Boundary, Load
 from roughcontact._solve.problem import ContactProblem, order_of_solving, predict_pressure
-from roughcontact._solve.solution import ContactSolution, Estimate, Response, responses
+from roughcontact._solve.solution import ContactSolution, Estimate, Response, read_number, responses
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 
 # Units of numbers in proportion to the nominal area, and their units per area.
 _UNITS_PER_AREA = {"N/m": "Pa/m", "W/K": "W/(m2 K)", "S": "S/m2"}
-# Units of responses whose results have no unit, by registered name.
-_UNITS_OF_RESPONSES = {"conductance": "W/K", "leakage": "m3/s"}
 _OWN_COLUMNS = ("pressure", "area", "mean_gap")
 # Ratio of neighbouring loads up to which a straight line between them is within 1 % of powers of 1/3 to 1.
-_MAX_LOAD_RATIO = 1.6
+MAX_LOAD_RATIO = 1.6
 
 Rows = dict[str, list[Estimate]]
 
@@ -84,7 +82,7 @@ def interface_law(
     problem.require_load(pressure=values[-1])
     rows, texts = _solve(problem, [Load("pressure", value) for value in values], asked)
     columns = {name: _make_column(name, row, problem.plan.grid.area) for name, row in rows.items()}
-    warnings = *interpolation_warning(np.array(values), _MAX_LOAD_RATIO), *_collect(texts)
+    warnings = *interpolation_warning(np.array(values), MAX_LOAD_RATIO), *_collect(texts)
     return InterfaceLaw(np.array(values), columns, _describe(problem), warnings)
 
 
@@ -127,20 +125,11 @@ def _solve(
             "area": Estimate(area.fraction, area.uncertainty / nominal, "", area.warnings),
             "mean_gap": solution.response("mean-gap"),
         }
-        row |= {name: _read_estimate(solution.response(response), name, response) for name, response in asked.items()}
+        row |= {name: read_number(solution.response(response), name) for name, response in asked.items()}
         named = (f"{name}: {text}" for name in asked for text in row[name].warnings if text not in area.warnings)
         found[index] = row, (*solution.warnings, *area.warnings, *named)
     rows = {name: [found[index][0][name] for index in range(len(loads))] for name in names}
     return rows, [(load.value, found[index][1]) for index, load in enumerate(loads)]
-
-
-def _read_estimate(found: object, name: str, response: Response[Any]) -> Estimate:
-    """Return the result of a response as an estimate, with its unit."""
-    value, spread = (getattr(found, part, None) for part in ("value", "uncertainty"))
-    if not isinstance(value, (int, float)) or not isinstance(spread, (int, float)) or math.isnan(value):
-        raise InputError(f"The response {name!r} is not a number with an uncertainty, and cannot be a column of a law.")
-    unit = getattr(found, "unit", None) or _UNITS_OF_RESPONSES.get(responses.name_of(type(response)) or "", "")
-    return Estimate(float(value), float(spread), unit, tuple(getattr(found, "warnings", ())))
 
 
 def _make_column(name: str, row: list[Estimate], nominal: float) -> LawColumn:

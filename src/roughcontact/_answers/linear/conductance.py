@@ -34,6 +34,8 @@ _POINTS = 12
 _HALF_WAVES = 24
 _HALVINGS = 24
 _MAX_RADII = 200
+# Maximum resistance of a film, m2 K/W or Ohm m2: that of a perfect insulator.
+_MAX_FILM_RESISTANCE = 1e20
 
 
 def _conductivity(value: float | Sequence[float]) -> Pair:
@@ -41,7 +43,8 @@ def _conductivity(value: float | Sequence[float]) -> Pair:
 
 
 def _film(value: float) -> float:
-    return number(value, "The film resistance", "m2 K/W or Ohm m2", at_least=0.0)
+    # More would leave the range of float32, in which the flow is found.
+    return number(value, "The film resistance", "m2 K/W or Ohm m2", at_least=0.0, at_most=_MAX_FILM_RESISTANCE)
 
 
 @attrs.frozen(eq=False)

@@ -7,7 +7,6 @@ from collections.abc import Callable
 
 import attrs
 import numpy as np
-from scipy import ndimage
 
 from roughcontact._answers.subsurface.field import COMPONENTS, StressField, maximum_principal
 from roughcontact._answers.subsurface.free import FreePlanes
@@ -177,6 +176,8 @@ def _resolve(field: StressField, load: RealArray, poisson: float, window: _Windo
 
 def _keep_patch(load: RealArray) -> RealArray:
     """Return the loads of the patch nearest to the middle."""
+    from scipy import ndimage
+
     labels = ndimage.label(load[0] != 0.0)[0]
     if not labels.any():
         return load
@@ -187,6 +188,8 @@ def _keep_patch(load: RealArray) -> RealArray:
 
 def _refine(load: RealArray) -> RealArray | None:
     """Return the loads in finer cells, None where too few cells show how the pressure falls towards the edge."""
+    from scipy import ndimage
+
     pressure = load[0]
     contact = pressure != 0.0
     within = ndimage.binary_erosion(contact, border_value=True)
@@ -221,6 +224,8 @@ def _list_fine_cells() -> RealArray:
 
 def _extend(values: RealArray, known: RealArray) -> RealArray:
     """Return values, shape (..., n, n), with those of the nearest known cell where they are not known."""
+    from scipy import ndimage
+
     nearest = ndimage.distance_transform_edt(~known, return_distances=False, return_indices=True)
     return np.asarray(values[..., nearest[0], nearest[1]])
 

@@ -12,6 +12,7 @@ from roughcontact._answers.subsurface.field import StressField, maximum_shear, s
 from roughcontact._base.arrays import Array, RealArray
 from roughcontact._base.units import ContactWarning, Estimate, si
 from roughcontact._parts.grid import Boundary
+from roughcontact._solve.solution import ContactSolution
 
 # Factors of 1/n^2 and 1/n^4 in the relative error of the maximum at a depth of n cells: set on Hertz's balls and on
 # rough surfaces, and judged on others by docs/studies/stress.py.
@@ -26,6 +27,13 @@ _MIN_DEPTH_CELLS = 2.0
 _SURFACE_ERROR = 0.03
 # Distance of the depths on both sides of an interface, over its depth: that of rounding.
 _SIDE = 1e-9
+# Default depths: the first, in cells; the ratio of each to the one before; the last, in radii of the largest patch, and
+# its bounds, in cells and in sides of the domain.
+_FIRST_DEPTH_CELLS = 0.5
+_DEPTH_RATIO = 1.15
+_LAST_DEPTH_RADII = 2.0
+_MIN_LAST_DEPTH_CELLS = 4.0
+_MAX_LAST_DEPTH_SIDES = 0.5
 
 
 @attrs.frozen
@@ -170,10 +178,11 @@ def find_maximum(depths: Array, peaks: Sequence[PlanePeak], scale: float, cell: 
     return StressMaximum(value * scale, uncertainty * scale, peaks[top].x, peaks[top].y, depth, tuple(warnings))
 
 
-def with_interfaces(depths: Array, interfaces: Array) -> Array:
-    """Return depths, and those of both sides of each interface among them, m, ascending."""
-    inside = interfaces[interfaces < depths.max()]
-    return np.unique(np.concatenate((depths, (1.0 - _SIDE) * inside, (1.0 + _SIDE) * inside)))
+def with_interfaces(depths: Array, interfaces: Array, base: float) -> Array:
+    """Return depths down to a base, itself and both sides of each interface among them, m, ascending."""
+    last = min(float(depths.max()), base)
+    inside = interfaces[interfaces < last]
+    return np.unique(np.concatenate((depths[depths < last], (1.0 - _SIDE) * inside, (1.0 + _SIDE) * inside, [last])))
 
 
 def find_maximum_of_layers(
@@ -197,3 +206,15 @@ def warn_of_depth(cells: float) -> ContactWarning:
     """Return the warning that a maximum lies so few cells below the surface."""
     place = f"only {cells:.2g} cells below" if cells > 0.0 else "at"
     return ContactWarning(f"the maximum lies {place} the surface, where it depends on the grid", "resolution", cells)
+
+
+def default_depths(solution: ContactSolution) -> Array:
+    """Return depths in which the maximum of the stress is found, m, ascending."""
+    cell = max(solution.grid.spacing)
+    patches = solution.patches
+    radius = math.sqrt(float(patches.areas.max()) / math.pi) if patches.count else 0.0
+    last = max(
+        _MIN_LAST_DEPTH_CELLS * cell, min(_LAST_DEPTH_RADII * radius, _MAX_LAST_DEPTH_SIDES * max(solution.grid.size))
+    )
+    count = math.ceil(math.log(last / (_FIRST_DEPTH_CELLS * cell)) / math.log(_DEPTH_RATIO)) + 1
+    return np.asarray(np.geomspace(_FIRST_DEPTH_CELLS * cell, last, count), dtype=np.float64)

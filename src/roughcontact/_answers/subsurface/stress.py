@@ -28,6 +28,7 @@ from roughcontact._answers.subsurface.maximum import (
     MIN_RELATIVE_ERROR,
     PlanePeak,
     StressMaximum,
+    default_depths,
     find_maximum_of_layers,
     find_shear,
     find_von_mises,
@@ -47,13 +48,6 @@ from roughcontact._solve.problem import ContactProblem, problem_of
 from roughcontact._solve.solution import ContactSolution, Response, responses
 from roughcontact.errors import InputError
 
-# Default depths: the first, in cells; the ratio of each to the one before; the last, in radii of the largest patch, and
-# its bounds, in cells and in sides of the domain.
-_FIRST_DEPTH_CELLS = 0.5
-_DEPTH_RATIO = 1.15
-_LAST_DEPTH_RADII = 2.0
-_MIN_LAST_DEPTH_CELLS = 4.0
-_MAX_LAST_DEPTH_SIDES = 0.5
 # Largest traction, in maximum pressures, and coefficient of friction for which the stress is computed.
 _MAX_LOAD_RATIO = 1e6
 # Largest depth, in sides of the domain, for which the stress is computed.
@@ -219,7 +213,8 @@ class Stress:
     def _find_maximum(self, place: int, measure: Callable[[RealArray], RealArray]) -> StressMaximum:
         peaks = [peak[place] for peak in self._peaks]
         depths = np.unique(self.depths)
-        interfaces = np.empty(0) if self._layers is None else self._layers.interfaces
+        layers = self._layers
+        interfaces = np.empty(0) if layers is None else np.append(layers.interfaces, layers.base_depth)
         found = find_maximum_of_layers(depths, interfaces, peaks, self._scale, max(self._grid.spacing))
         if self.traction is not None and (self.depths == 0.0).any():
             found = self._compare_with_edge(found, measure)
@@ -441,7 +436,10 @@ class StressBelow(Response[Stress]):
         if depths is None:
             depths = default_depths(solution)
             depths = depths if traction is None else np.concatenate(([0.0], depths))
-            depths = depths if layers is None else with_interfaces(depths, layers.interfaces)
+            depths = depths if layers is None else with_interfaces(depths, layers.interfaces, layers.base_depth)
+        base = math.inf if layers is None else layers.base_depth
+        if float(depths.max()) > base:
+            raise InputError.about("A depth", float(depths.max()), f"at most {si(base, 'm')}, down to the rigid base")
         deepest = _MAX_DEPTH_SIDES * max(solution.grid.size)
         if float(depths.max()) > deepest:
             allowed = f"at most {si(deepest, 'm')}, {_MAX_DEPTH_SIDES:g} times the side of the domain"
@@ -450,7 +448,8 @@ class StressBelow(Response[Stress]):
 
     def _find_layers(self, solution: ContactSolution, problem: ContactProblem) -> SupportsStress | None:
         """Return the kernel if its layers lie on the chosen body, None if this body is a homogeneous half-space."""
-        kernel = problem.plan.kernel
+        part = problem.plan.kernel.part_of(self.body)
+        kernel = problem.plan.kernel if part is None else part
         if not isinstance(kernel, SupportsStress):
             if solution.moduli is None:
                 return None
@@ -458,8 +457,11 @@ class StressBelow(Response[Stress]):
                 "The stress below the surface is known for homogeneous half-spaces and for kernels that state it, but "
                 "this kernel is of a layer: choose kernel='love'."
             )
-        bodies = {"body": problem.body, "counterbody": problem.counterbody}
-        coated = next((name for name, one in bodies.items() if kernel.describes(one.material)), None)
+        names = ("body", "counterbody") if part is None else (self.body,)
+        coated = next((name for name in names if kernel.describes(getattr(problem, name).material)), None)
+        if coated is None:
+            where = " or of the ".join(names)
+            raise InputError(f"The layers lie on another material than that of the {where}: give both the same one.")
         if coated != self.body:
             return None
         if problem.boundary.mixed:
@@ -483,15 +485,3 @@ class StressBelow(Response[Stress]):
             allowed = f"finite, at most {_MAX_LOAD_RATIO:g} times the maximum pressure"
             raise InputError.about("The traction", float(np.abs(traction).max()), allowed, "Tractions are in pascals.")
         return traction if self.body == "body" else -traction
-
-
-def default_depths(solution: ContactSolution) -> Array:
-    """Return depths in which the maximum of the stress is found, m, ascending."""
-    cell = max(solution.grid.spacing)
-    patches = solution.patches
-    radius = math.sqrt(float(patches.areas.max()) / math.pi) if patches.count else 0.0
-    last = max(
-        _MIN_LAST_DEPTH_CELLS * cell, min(_LAST_DEPTH_RADII * radius, _MAX_LAST_DEPTH_SIDES * max(solution.grid.size))
-    )
-    count = math.ceil(math.log(last / (_FIRST_DEPTH_CELLS * cell)) / math.log(_DEPTH_RATIO)) + 1
-    return np.asarray(np.geomspace(_FIRST_DEPTH_CELLS * cell, last, count), dtype=np.float64)

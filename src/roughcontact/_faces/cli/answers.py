@@ -5,22 +5,23 @@ from __future__ import annotations
 import io
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from types import MappingProxyType
-from typing import Any, TypeAlias
+from typing import Any
 
 import roughcontact as rc
 from roughcontact._base import checks
 from roughcontact._base.tables import Table
 from roughcontact._base.units import fit, si
+from roughcontact._faces.html.inputs import describe_part, find_problem
 from roughcontact._faces.panels.figures import save_figure
 from roughcontact._faces.panels.theme import require_matplotlib
+from roughcontact._parts.grid import Load
 from roughcontact._solve.problem import Sweep, make_table
 from roughcontact._solve.solution import require_netcdf, versions
+from roughcontact._work.studies import Answers, list_estimates, tabulate_answers
 
-# What each response that was asked for says of each solution, by the name of the response.
-Answers: TypeAlias = Mapping[str, Sequence[Any]]
 _NONE: Answers = MappingProxyType({})
 # Width of the label of a line, as `print(solution)` has it.
 _LABEL_WIDTH = 15
@@ -64,10 +65,30 @@ def describe_solution(solution: rc.ContactSolution, estimator: str | None = None
         "warnings": list(solution.warnings),
         "accuracy": None if accuracy is None else {"met": accuracy.met, "message": str(accuracy)},
         "residuals": {name: getattr(solution.residuals, name) for name in _RESIDUALS},
+        "inputs": _describe_inputs(solution),
         "grid": {"shape": list(solution.grid.shape), "size": _value(list(solution.grid.size), "m")},
         "boundary": str(solution.boundary),
         "cost": {name: getattr(solution, name) for name in ("iterations", "convolutions", "seconds")},
     }
+
+
+def _describe_inputs(solution: rc.ContactSolution) -> dict[str, Any] | None:
+    """Return the parts of the problem as expressions of a script, and the load; None if they are not known."""
+    problem, _ = find_problem(solution)
+    if problem is None or solution.origin is None:
+        return None
+    ((kind, value),) = solution.origin.load.items()
+    load = Load(kind, value)
+    plan = problem.plan
+    parts: dict[str, Any] = {name: describe_part(getattr(plan, name)) for name in ("kernel", "convolver", "solver")}
+    if problem.adhesion is not None:
+        parts["adhesion"] = describe_part(problem.adhesion)
+    for name in ("body", "counterbody"):
+        body = getattr(problem, name)
+        parts[name] = {"surface": describe_part(body.surface), "material": describe_part(body.material)}
+        if body.surface.provenance:
+            parts[name]["provenance"] = list(body.surface.provenance)
+    return {**parts, "load": {"kind": kind, **_value(value, load.unit)}}
 
 
 def _value(value: Any, unit: str) -> dict[str, Any]:
@@ -76,9 +97,11 @@ def _value(value: Any, unit: str) -> dict[str, Any]:
 
 def describe_estimate(found: rc.Estimate) -> dict[str, Any]:
     """Return an estimate as data that JSON can hold."""
+    sampling = found.sampling
     return {
         "value": float(found.value),
         "uncertainty": float(found.uncertainty),
+        **({} if sampling is None else {"sampling": float(sampling)}),
         "unit": found.unit,
         "warnings": list(found.warnings),
     }
@@ -114,7 +137,7 @@ def to_csv(solutions: Sequence[rc.ContactSolution], estimator: str | None = None
         columns["other_area"] = [float(area.value) for area in others]
         columns["other_area_uncertainty"] = [float(area.uncertainty) for area in others]
         units |= {"other_area": "m2", "other_area_uncertainty": "m2"}
-    return write_csv(Table({**columns, **_tabulate(answers)}, units))
+    return write_csv(Table({**columns, **tabulate_answers(answers)}, units))
 
 
 def write_csv(table: Table) -> str:
@@ -146,11 +169,11 @@ def _write_answers(solutions: Sequence[rc.ContactSolution], answers: Answers) ->
     if len(solutions) == 1:
         return [line for name, found in answers.items() for line in _label(name, str(found[0]))]
     forces = [rc.Estimate(solution.force, 0.0, "N") for solution in solutions]
-    columns = _tabulate(answers)
+    columns = tabulate_answers(answers)
     lines = Table({"force": forces, **columns}).to_text().split("\n")
     for name, found in answers.items():
         for force, result in zip(forces, found, strict=True):
-            if not _list_estimates(result):
+            if not list_estimates(result):
                 lines += _label(name, f"at {si(force.value, 'N')}: {result}")
     warnings = {text: name for name, column in columns.items() for one in column for text in one.warnings}
     return [*lines, *(f"warning  {name}: {text}" for text, name in warnings.items())]
@@ -161,25 +184,10 @@ def _label(name: str, text: str) -> list[str]:
     return [f"{name:{_LABEL_WIDTH - 1}} {first}", *(f"{'':{_LABEL_WIDTH}}{line}" for line in others)]
 
 
-def _tabulate(answers: Answers) -> dict[str, list[rc.Estimate]]:
-    """Return a column for each number, in the order of the solutions."""
-    columns: dict[str, list[rc.Estimate]] = {}
-    for name, found in answers.items():
-        for result in found:
-            for part, one in _list_estimates(result).items():
-                columns.setdefault(f"{name} {part}".strip(), []).append(one)
-    return columns
-
-
 def _describe_result(result: Any) -> dict[str, Any]:
     if isinstance(result, rc.Estimate):
         return describe_estimate(result)
-    return {name: describe_estimate(one) for name, one in _list_estimates(result).items()} or {"text": str(result)}
-
-
-def _list_estimates(result: Any) -> Mapping[str, rc.Estimate]:
-    """Return the numbers of a result by name: itself, with an empty name, or its `estimates`; empty without any."""
-    return {"": result} if isinstance(result, rc.Estimate) else getattr(result, "estimates", {})
+    return {name: describe_estimate(one) for name, one in list_estimates(result).items()} or {"text": str(result)}
 
 
 def _warnings(solution: rc.ContactSolution) -> tuple[str, ...]:

@@ -6,7 +6,6 @@ import argparse
 import contextlib
 import inspect
 import re
-import zipfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -16,7 +15,7 @@ import numpy as np
 
 import roughcontact as rc
 from roughcontact._base import checks
-from roughcontact._base.archive import HEADER, read_some, replacing
+from roughcontact._base.archive import replacing
 from roughcontact._base.arrays import Array
 from roughcontact._base.units import fit, quantity
 from roughcontact._faces.cli import Command
@@ -26,6 +25,7 @@ from roughcontact._faces.cli.options import METRE, NUMBER, add_reading, fields_o
 from roughcontact._faces.cli.problem import read_map
 from roughcontact._faces.panels.figures import save_figure
 from roughcontact._parts.surfaces import list_facts
+from roughcontact._solve.problem import find_saved_kind
 from roughcontact._solve.solution import find_scene
 from roughcontact.reference import roughness, texture
 
@@ -145,26 +145,8 @@ examples:
 def _read(options: argparse.Namespace) -> Any:
     """Return the solution, path or height map of a file."""
     path = checks.path(options.surface, "The file")
-    kind = _find_kind(path)
+    kind = find_saved_kind(path)
     return read_map(options) if kind is None else kind.load(path)
-
-
-def _find_kind(path: Path) -> Any:
-    """Return the class whose `load` reads a file; None for files that are read as height maps."""
-    if path.suffix == ".nc":
-        return rc.ContactSolution
-    try:
-        with zipfile.ZipFile(path) as archive:
-            names = archive.namelist()
-    # Readers of height maps say what is wrong.
-    except (OSError, zipfile.BadZipFile):
-        return None
-    if "displacement.npy" in names:
-        return rc.ContactSolution
-    if f"{HEADER}.npy" not in names:
-        return None
-    kinds = {"frictional path": rc.FrictionalPath, "frictional solution": rc.FrictionalSolution}
-    return kinds.get(str(read_some(path)[1].get("kind")))
 
 
 class MakeSurface(Command):

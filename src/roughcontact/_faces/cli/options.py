@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import math
 import re
 from collections.abc import Callable, Iterable
 from typing import Any
 
 import attrs
+import numpy as np
 
+from roughcontact._answers.laws import MAX_LOAD_RATIO
 from roughcontact._base.units import parse_quantity, quantity
 from roughcontact._parts.grid import Boundary, Load
 from roughcontact._parts.materials import TYPICAL
@@ -22,6 +25,8 @@ _ASIDE = re.compile(r"\s*\(on the command line (?P<option>--[^()]*)\)")
 _LENGTHS = ("size", "unit")
 # Most characters of a wrong argument that are shown.
 _MAX_SHOWN_CHARACTERS = 80
+# Most loads of a range.
+_MAX_LOADS = 200
 
 
 def name_options(sentence: str, names: Iterable[str]) -> str:
@@ -91,7 +96,7 @@ OF_READERS: dict[str, tuple[Callable[[str], Any], str]] = {
 
 def add_problem(parser: argparse.ArgumentParser, *, study: bool = False) -> None:
     """Declare a contact problem of measured height maps, and its loads; or a study file, which needs neither."""
-    others = "" if study else " |\n            --loads L ... | --cycle FROM TO"
+    others = "" if study else " |\n            --loads L ... | --solve-for NAME=VALUE | --cycle FROM TO"
     loads = f"--pressure P | --force F | --approach D{others}"
     parser.usage = f"%(prog)s MAP [MAP] (--young E | --material NAME) [options]\n           ({loads})"
     _add_maps(parser, study)
@@ -103,6 +108,8 @@ def add_problem(parser: argparse.ArgumentParser, *, study: bool = False) -> None
     if not study:
         several = "several loads of one kind, each a first loading: 1N 2N 5N"
         load.add_argument("--loads", type=_load, nargs="+", metavar="L", help=several)
+        wanted = "the load of an answer: area=0.1mm2, area=10%%, stiffness=1GN/m, leakage=1mm3/s viscosity=1mPa.s ..."
+        load.add_argument("--solve-for", nargs="+", metavar=("NAME=VALUE", "FIELD=VALUE"), help=wanted)
         path = "loading and unloading between two approaches, with --adhesion: -0.1um 0.5um"
         load.add_argument("--cycle", type=METRE, nargs=2, metavar=("FROM", "TO"), help=path)
     _add_materials(parser, study)
@@ -117,13 +124,47 @@ def add_problem(parser: argparse.ArgumentParser, *, study: bool = False) -> None
         adhesion.add_argument("--states", type=whole_number, metavar="N", help="states on each branch of --cycle (41)")
     if not study:
         _add_friction(parser)
+    _add_method(parser)
+
+
+def add_interface(parser: argparse.ArgumentParser) -> None:
+    """Declare an interface of measured height maps that repeats, and its loads."""
+    parser.usage = "%(prog)s MAP [MAP] (--young E | --material NAME) --loads FROM..TO [options]"
+    maps = _add_maps(parser, study=False)
+    mirror = "repeat maps that do not repeat, mirrored at their borders"
+    maps.add_argument("--mirror-borders", action="store_true", help=mirror)
+    _add_pair(parser)
+    loads = "mean pressures, as a range or one by one: 4MPa..40MPa; in a range each is at most 1.6 times the last"
+    group = parser.add_argument_group("loads")
+    group.add_argument("--loads", type=_pressures, nargs="+", metavar="P", required=True, help=loads)
+    _add_materials(parser, study=False)
+    _add_method(parser, boundary=False)
+    parser.set_defaults(adhesion=None, boundary=str(Boundary.PERIODIC))
+
+
+def _pressures(text: str) -> list[float]:
+    """Return the mean pressures of a text, for argparse: one, or a range such as ``4MPa..40MPa``."""
+    low, dots, high = text.partition("..")
+    if not dots:
+        return [_PASCAL(low)]
+    ends = _PASCAL(low), _PASCAL(high)
+    if not 0.0 < ends[0] < ends[1]:
+        raise argparse.ArgumentTypeError(f"{text[:_MAX_SHOWN_CHARACTERS]!r} is not a range; write it like 4MPa..40MPa")
+    count = math.ceil(math.log(ends[1] / ends[0]) / math.log(MAX_LOAD_RATIO) - 1e-9)
+    if count > _MAX_LOADS:
+        raise argparse.ArgumentTypeError(f"{text[:_MAX_SHOWN_CHARACTERS]!r} needs more than {_MAX_LOADS} loads")
+    return [float(one) for one in np.geomspace(*ends, count + 1)]
+
+
+def _add_method(parser: argparse.ArgumentParser, *, boundary: bool = True) -> None:
     method = parser.add_argument_group("method")
-    method.add_argument(
-        "--boundary",
-        choices=[str(boundary) for boundary in Boundary],
-        default="free",
-        help="what lies beyond the domain (free); free-periodic is free along x and periodic along y",
-    )
+    if boundary:
+        method.add_argument(
+            "--boundary",
+            choices=[str(one) for one in Boundary],
+            default="free",
+            help="what lies beyond the domain (free); free-periodic is free along x and periodic along y",
+        )
     method.add_argument("--kernel", default="love", metavar="NAME", help="influence kernel (love)")
     method.add_argument("--solver", default="auto", metavar="NAME", help="solver (auto)")
     method.add_argument(
@@ -196,7 +237,7 @@ def _add_materials(parser: argparse.ArgumentParser, study: bool) -> None:
         group.add_argument(f"--{prefix}hardness", type=_PASCAL, metavar="H", help="hardness, such as 6GPa (elastic)")
 
 
-def _add_maps(parser: argparse.ArgumentParser, study: bool) -> None:
+def _add_maps(parser: argparse.ArgumentParser, study: bool) -> argparse._ArgumentGroup:
     other = "; or a study file" if study else ""
     parser.add_argument("surface", help=f"height map of the body: npz, npy, text or instrument file{other}")
     parser.add_argument("counterbody", nargs="?", help="height map of the counterbody (a flat)")
@@ -220,6 +261,7 @@ def _add_maps(parser: argparse.ArgumentParser, study: bool) -> None:
         metavar="R",
         help="add a cylinder of this radius, along y, or along x with --boundary periodic-free",
     )
+    return maps
 
 
 def add_reading(parser: argparse.ArgumentParser) -> None:

@@ -18,13 +18,15 @@ from roughcontact._parts.files import read_raw
 from roughcontact._parts.files.reading import options_of
 from roughcontact._parts.grid import Boundary, Load
 from roughcontact._solve.problem import require_memory_of_solve
-from roughcontact._work.studies import Form, build_problem
+from roughcontact._work.studies import build_part, build_problem
 
 
 def loads_of(options: argparse.Namespace) -> tuple[Load, ...]:
-    """Return the loads that the options state."""
+    """Return the loads that the options state; none if the load is asked for."""
     if getattr(options, "cycle", None) is not None:
         return tuple(Load("approach", value) for value in options.cycle)
+    if getattr(options, "solve_for", None) is not None:
+        return ()
     several = getattr(options, "loads", None)
     make = Load.of if options.adhesion is None else Load.signed
     return several or (make(pressure=options.pressure, force=options.force, approach=options.approach),)
@@ -33,6 +35,12 @@ def loads_of(options: argparse.Namespace) -> tuple[Load, ...]:
 def problem_of(options: argparse.Namespace) -> rc.ContactProblem:
     """Return the problem that the options describe."""
     surface, counterbody, matching = _surfaces(options)
+    if getattr(options, "mirror_borders", False):
+        if matching is not None:
+            raise rc.InputError("--mirror-borders is for maps with the same cells: omit --match.")
+        surface, counterbody = (
+            one.mirror_borders() if isinstance(one, rc.HeightMap) else one for one in (surface, counterbody)
+        )
     if options.ball is not None:
         surface = surface + rc.SphereSurface(options.ball)
     if options.roller is not None:
@@ -70,11 +78,7 @@ def make_part(registry: Registry[Any], option: str, name: str, texts: Sequence[s
         if not equals:
             raise rc.InputError.about(f"A field of {what}", text, "FIELD=VALUE")
         fields[field] = value.split(",") if "," in value else value
-    form = Form()
-    part = form.read(registry.base, {**fields, "type": name}, "")
-    for place, error in form.faults:
-        raise rc.InputError(f"{what}{place and f' {place}'}: {error}") from error
-    return part
+    return build_part(registry, name, fields, what)
 
 
 def _surfaces(options: argparse.Namespace) -> tuple[rc.Surface, rc.Surface, dict[str, Any] | None]:

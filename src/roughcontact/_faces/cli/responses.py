@@ -5,41 +5,30 @@ from __future__ import annotations
 import argparse
 import contextlib
 from collections.abc import Mapping, Sequence
-from typing import Any, get_type_hints
-
-import attrs
+from typing import Any
 
 import roughcontact as rc
-from roughcontact._base.arrays import Array
-from roughcontact._faces.cli.answers import Answers
-from roughcontact._faces.cli.options import fields_of
 from roughcontact._faces.cli.problem import make_part
+from roughcontact._work.studies import Answers, describe_response
 
 
 def add_responses(parser: argparse.ArgumentParser) -> None:
     """Declare an option for each registered response whose name is free; `InputError` if one cannot be loaded."""
     group = parser.add_argument_group("what the contact does")
     for name in rc.responses:
-        cls = rc.responses[name]
-        # An array, a number for each cell, is for scripts.
-        if get_type_hints(cls.respond).get("return") == Array:
+        form = describe_response(name)
+        if form.is_array:
             continue
-        fields = fields_of(cls)
-        needed = [f"{field.alias}=..." for field in fields if field.default is attrs.NOTHING]
-        others = [f"[{field.alias}=...]" for field in fields if field.default is not attrs.NOTHING]
+        needed = [f"{field.name}=..." for field in form.fields if field.is_needed]
+        others = [f"[{field.name}=...]" for field in form.fields if not field.is_needed]
         with contextlib.suppress(argparse.ArgumentError):
             group.add_argument(
                 f"--{name}",
                 dest=f"response {name}",
                 nargs="+" if needed else "*",
                 metavar="VALUE" if len(needed) == 1 else "FIELD=VALUE",
-                help=": ".join(filter(None, (_describe(cls), " ".join(needed + others)))).replace("%", "%%"),
+                help=": ".join(filter(None, (form.summary, " ".join(needed + others)))).replace("%", "%%"),
             )
-
-
-def _describe(cls: type) -> str:
-    line = (cls.__doc__ or "").partition("\n")[0].partition(":math:")[0].strip(" ,.")
-    return line[:1].lower() + line[1:]
 
 
 def responses_of(options: argparse.Namespace) -> dict[str, rc.Response[Any]]:
@@ -48,7 +37,7 @@ def responses_of(options: argparse.Namespace) -> dict[str, rc.Response[Any]]:
     for name in rc.responses:
         texts = getattr(options, f"response {name}", None)
         if texts is not None:
-            needed = [field.alias for field in fields_of(rc.responses[name]) if field.default is attrs.NOTHING]
+            needed = [field.name for field in describe_response(name).fields if field.is_needed]
             # Of one field that is needed the value is enough: --first-yield 1GPa.
             named = [f"{needed[0]}={text}" if len(needed) == 1 and "=" not in text else text for text in texts]
             asked[name] = make_part(rc.responses, f"--{name}", name, named)

@@ -18,6 +18,7 @@ from roughcontact._faces.cli.friction import friction_of, plan_friction_outputs,
 from roughcontact._faces.cli.options import add_accuracy, add_problem, whole_number
 from roughcontact._faces.cli.problem import loads_of, problem_of, set_tolerance
 from roughcontact._faces.cli.progress import describe_steps, show_progress
+from roughcontact._faces.cli.required_load import ANSWER, refuse_for_wanted, solve_wanted, wanted_of
 from roughcontact._faces.cli.responses import add_responses, ask, responses_of
 from roughcontact._parts.grid import Load
 from roughcontact._parts.surfaces import find_maps
@@ -34,6 +35,7 @@ examples:
       --hardness 6GPa --counterbody-young 210GPa --detrend plane \\
       -o contact.npz -o contact.png
   roughcontact solve map.npz --loads 1N 2N 5N --young 210GPa --csv > loads.csv
+  roughcontact solve map.npz --solve-for area=10% --young 210GPa
   roughcontact solve map.npz --force 1N --young 210GPa --json | jq .area
   roughcontact solve map.npz --force 1N --young 210GPa --report contact.html
   roughcontact solve map.npz --force 1N --young 210GPa --stiffness \\
@@ -90,6 +92,8 @@ examples:
         _refuse_for_several(options)
         refuse_for_friction(options)
         refuse_for_cycle(options)
+        refuse_for_wanted(options)
+        wanted = None if options.solve_for is None else wanted_of(options.solve_for)
         law = None if options.friction is None else friction_of(options)
         asked = responses_of(options)
         if asked and (law is not None or options.cycle is not None):
@@ -102,7 +106,7 @@ examples:
         elif options.cycle is not None:
             files = plan_cycle_outputs(options, paths)
         else:
-            files = plan_outputs(options.output, options.report, paths, len(loads_of(options)))
+            files = plan_outputs(options.output, options.report, paths, max(1, len(loads_of(options))))
         with show_progress("reading the maps", quiet=options.quiet) as change:
             problem = problem_of(options)
         if options.explain or options.dry_run:
@@ -120,13 +124,20 @@ examples:
             doubtful = solve_friction(options, problem, law, loads, files)
             return _report_warnings(doubtful, quiet=options.quiet)
         with show_progress("solving", quiet=options.quiet) as change:
-            subject, solutions = _solve(options, problem, loads, change)
+            if wanted is None:
+                subject, solutions = _solve(options, problem, loads, change)
+                found: dict[str, Any] = {}
+            else:
+                required = solve_wanted(set_tolerance(options, problem), wanted)
+                subject = required.solution
+                solutions = (subject,)
+                found = {ANSWER: [required]}
         # Before the responses, of which one may have no answer.
         done = write_outputs(files, subject, solutions)
         if options.quiet:
             return _status(solutions, quiet=True)
         with show_progress("answering", quiet=not asked):
-            answers = ask(asked, solutions)
+            answers = {**found, **ask(asked, solutions)}
         write = to_json if options.json else to_csv if options.csv else to_text
         print(write(solutions, options.area, answers))
         if options.pull_off:

@@ -24,6 +24,7 @@ from roughcontact._solve.solution import (
     list_quantities,
     name_load,
 )
+from roughcontact._work.studies import Answers, tabulate_answers
 from roughcontact.plotting import panels
 
 # Panels that ship, in the order of the page; the panels of plug-ins come last.
@@ -154,6 +155,18 @@ def make_rows(sweep: Sweep) -> str:
     columns: dict[str, list[Any]] = {"load": [name_load(solution) for solution in sweep.solutions]}
     columns |= {name: [quantities[name] for quantities in found] for name in found[0]}
     return grid(*Table(columns).to_cells(), "The answers, a row for each load")
+
+
+def make_responses(answers: Answers, solutions: Sequence[ContactSolution]) -> str:
+    """Return what responses have answered: a row for each load, and the warnings."""
+    columns: dict[str, list[Any]] = {"load": [name_load(solution) for solution in solutions]}
+    columns |= {name.replace("_", " "): found for name, found in tabulate_answers(answers).items()}
+    if len(columns) == 1:
+        return ""
+    shown = grid(*Table(columns).to_cells(), "What the contact does, a row for each load")
+    estimates = [(name, one) for name, found in columns.items() if name != "load" for one in found]
+    warnings = dict.fromkeys(f"{name}: {text}" for name, one in estimates for text in one.warnings)
+    return section("What the contact does", shown, items(warnings) if warnings else "")
 
 
 def _choose_columns(solution: ContactSolution, given: set[str]) -> dict[str, Estimate]:

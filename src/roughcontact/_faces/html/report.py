@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from datetime import date
 from pathlib import Path
+from types import MappingProxyType
 from typing import final
 
 import attrs
@@ -34,6 +35,7 @@ from roughcontact._faces.html.parts import (
     loads_of,
     make_curves,
     make_figures,
+    make_responses,
     make_rows,
     make_verdict,
     make_warnings,
@@ -62,6 +64,8 @@ from roughcontact._solve.solution import (
     note_loads,
     versions,
 )
+from roughcontact._work.studies import Answers
+from roughcontact.errors.door import guarded
 
 # As in CITATION.cff (tests/test_html.py compares them); the year as in the licence.
 TITLE = "roughcontact"
@@ -82,6 +86,7 @@ _NO_FIGURES = "Figures need matplotlib: pip install 'roughcontact[plot]', then w
 _NOTE = note("Uncertainties are one standard deviation: the true value should lie within two of them.")
 # Cells up to which a notebook shows a picture unasked.
 _MAX_PICTURE_CELLS = 2**20
+_NO_ANSWERS: Answers = MappingProxyType({})
 
 
 @attrs.frozen
@@ -145,8 +150,8 @@ class HtmlWriter(SolutionWriter):
         with replacing(path) as partial:
             partial.write_text(self.text(solution), encoding="utf-8")
 
-    def text(self, solution: ContactSolution) -> str:
-        """Return the page."""
+    def text(self, solution: ContactSolution, answers: Answers = _NO_ANSWERS) -> str:
+        """Return the page, with what responses have answered."""
         problem, missing = find_problem(solution)
         return _make_page(
             list_answers(solution)["contact area"].partition(",")[0],
@@ -156,13 +161,14 @@ class HtmlWriter(SolutionWriter):
                 _make_answer(solution),
                 _NOTE,
                 make_warnings(list_all_warnings(solution)),
+                make_responses(answers, [solution]),
                 _make_figures(solution),
                 *_make_details(solution, problem, missing),
             ],
         )
 
-    def sweep_text(self, sweep: Sweep) -> str:
-        """Return the page of a sweep: all loads, then the largest in detail."""
+    def sweep_text(self, sweep: Sweep, answers: Answers = _NO_ANSWERS) -> str:
+        """Return the page of a sweep: all loads, with what responses have answered, then the largest in detail."""
         largest = max(sweep.solutions, key=lambda solution: solution.force)
         problem, missing = find_problem(largest)
         return _make_page(
@@ -174,6 +180,7 @@ class HtmlWriter(SolutionWriter):
                 _NOTE,
                 *map(note, note_loads(sweep.solutions)),
                 make_warnings(list_sweep_warnings(sweep)),
+                make_responses(answers, sweep.solutions),
                 make_curves(sweep) if can_draw() else "",
                 section(f"The largest load, {name_load(largest)}", _make_answer(largest)),
                 _make_figures(largest),
@@ -232,6 +239,26 @@ class HtmlWriter(SolutionWriter):
             picture = draw_panel("solution", solution, "pressure")
             shown += tag("img", src=picture, alt="The contact pressure", style="max-width: 24rem")
         return shown
+
+
+@guarded
+def write_report(solutions: Sequence[ContactSolution], path: Path, answers: Answers = _NO_ANSWERS) -> None:
+    """Write the report of one load or several, with what responses have answered.
+
+    Parameters
+    ----------
+    solutions
+        The solutions.
+    path
+        The HTML file.
+    answers
+        The results of each response, one for each solution, by the name of the response.
+    """
+    writer = HtmlWriter()
+    several = len(solutions) > 1
+    text = writer.sweep_text(Sweep(tuple(solutions)), answers) if several else writer.text(solutions[0], answers)
+    with replacing(path) as partial:
+        partial.write_text(text, encoding="utf-8")
 
 
 def _make_page(title: str, parts: Iterable[str]) -> str:

@@ -1,4 +1,4 @@
-"""Panels of a sweep, and the figures of a law and of an error report."""
+"""Panels of a sweep, and the figures of a study, a law, a cycle, a path and an error report."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ import numpy as np
 
 from roughcontact._answers.laws import LawColumn, PowerFit
 from roughcontact._base.arrays import Array
-from roughcontact._base.units import prefixed
+from roughcontact._base.tables import Table
+from roughcontact._base.units import has_power, prefixed, si
 from roughcontact._faces.panels.base import Panel
 from roughcontact._faces.panels.curves import add_key, draw_band, scale_axes
 from roughcontact._faces.panels.figures import loads_of, write_picture
@@ -24,6 +25,8 @@ from roughcontact.errors import InputError
 
 # Minimum load over the maximum one, of the loads for which a unit is chosen.
 _MIN_LOAD_RATIO = 1e-4
+# Ratio of the ends of an axis of a study from which it is logarithmic.
+_MIN_LOGARITHMIC_RATIO = 10.0
 # A component of the tangential force is drawn if it varies by more than this fraction of both.
 _SHOWN_FRACTION = 1e-3
 Box = tuple[float, float, float, float]  # left, lower, right and upper end, points
@@ -158,6 +161,88 @@ def draw_loop(path: FrictionalPath, axes: Any, dark: bool = False) -> Any:
         if len(shown) > 1:
             add_key(axes)
     return axes
+
+
+@attrs.frozen
+class StudyNames:
+    """The columns of a study that a figure shows: see `StudyResult.plot`; `spread` has the standard deviation of y."""
+
+    x: str
+    y: str
+    spread: str
+    color: str = ""
+    over: str = ""
+
+
+def draw_study(table: Table, names: StudyNames, axes: Any, dark: bool = False) -> Any:
+    """Draw one column of a study over another one; see `StudyResult.plot`."""
+    axes = _own_axes(axes, dark)
+    x, y, spread = (_numbers_of(table, name) for name in (names.x, names.y, names.spread))
+    drawn = np.isfinite(x) & np.isfinite(y)
+    if not drawn.any():
+        raise InputError(f"No solve has both {names.x!r} and {names.y!r}, so that there is nothing to draw.")
+    groups = table.columns[names.color] if names.color else [""] * x.size
+    x_factor, x_unit = _choose_unit(x[drawn], table.units.get(names.x, ""))
+    y_factor, y_unit = _choose_unit(y[drawn], table.units.get(names.y, ""))
+    with style(theme_of(axes).is_dark):
+        for group in dict.fromkeys(groups):
+            of_group = drawn & np.array([one == group for one in groups])
+            if not of_group.any():
+                continue
+            curve = _gather(x[of_group], y[of_group], spread[of_group], names)
+            label = f"{names.color} {_name_value(group, table.units.get(names.color, ''))}" if names.color else ""
+            draw_band(axes, x_factor * curve[0], y_factor * curve[1], y_factor * curve[2], label=label)
+        ends = {"x": (x[drawn].min(), x[drawn].max()), "y": (y[drawn].min(), y[drawn].max())}
+        wide = "".join(axis for axis, (low, high) in ends.items() if 0.0 < low <= high / _MIN_LOGARITHMIC_RATIO)
+        scale_axes(axes, x=_label(names.x, x_unit), y=_label(names.y, y_unit), logarithmic=wide)
+        if names.color:
+            add_key(axes)
+    return axes
+
+
+def _numbers_of(table: Table, name: str) -> Array:
+    """Return a column as numbers, shape (n,), zero without a name; what is missing is NaN."""
+    count = len(next(iter(table.columns.values())))
+    if not name:
+        return np.zeros(count)
+    try:
+        return np.array([np.nan if value is None else value for value in table.columns[name]], dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InputError(f"The column {name!r} has no numbers: give it to color=, or another one.") from None
+
+
+def _choose_unit(values: Array, unit: str) -> tuple[float, str]:
+    base, power = ("m", 2) if unit == "m2" else (unit, 1)
+    if not base or has_power(base):
+        return 1.0, unit
+    factor, named = prefixed(float(np.sqrt(np.abs(values).max() * np.abs(values).min())), base, power)
+    return factor, named.replace("m2", "m²")
+
+
+def _name_value(value: object, unit: str) -> str:
+    return si(float(value), unit) if isinstance(value, (int, float)) and unit else str(value)
+
+
+def _label(name: str, unit: str) -> str:
+    words = name.replace("_", " ")
+    return f"{words}, {unit}" if unit else words
+
+
+def _gather(x: Array, y: Array, spread: Array, names: StudyNames) -> tuple[Array, Array, Array]:
+    """Return x, y and standard deviation of a curve, by x: the mean and the scatter over another axis."""
+    places, where = np.unique(x, return_inverse=True)
+    if not names.over:
+        if places.size < x.size:
+            raise InputError(
+                f"Several solves have the same {names.x}: tell them apart by color=, or give over= the axis of which "
+                "the mean is drawn."
+            )
+        order = np.argsort(x)
+        return x[order], y[order], spread[order]
+    count = np.bincount(where)
+    mean = np.bincount(where, y) / count
+    variance = np.bincount(where, (y - mean[where]) ** 2) / np.maximum(count - 1, 1)
+    return places, mean, np.sqrt(variance)
 
 
 def _own_axes(axes: Any, dark: bool) -> Any:

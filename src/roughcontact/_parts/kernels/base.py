@@ -110,6 +110,21 @@ class InfluenceKernel(abc.ABC):  # noqa: B024 - a kernel defines either method b
         """
         return None
 
+    def part_of(self, body: str) -> InfluenceKernel | None:
+        """Return the kernel that describes one of the bodies alone, for the stress below its surface.
+
+        Parameters
+        ----------
+        body
+            ``"body"`` or ``"counterbody"``.
+
+        Returns
+        -------
+        InfluenceKernel or None
+            The kernel; None, the default, if this one does not tell the bodies apart.
+        """
+        return None
+
 
 kernels = Registry(InfluenceKernel, "kernel", "roughcontact.kernels")
 

@@ -22,10 +22,15 @@ class SupportsStress(Protocol):
     ----------
     interfaces
         Depths of the interfaces, shape (n,), m, ascending: there the stress along the surface jumps.
+    base_depth
+        Depth of a rigid base, at which the stress ends, m; infinite on a half-space.
     """
 
     @property
     def interfaces(self) -> Array: ...
+
+    @property
+    def base_depth(self) -> float: ...
 
     def describes(self, material: Material) -> bool:
         """Return whether a body of this material is the one with the layers."""

@@ -88,7 +88,10 @@ def _respond_to_uniform(spectrum: Spectrum, cells: int, spacing: Pair, datum: fl
     none = np.zeros((1, 1))
     step = spacing[0]
     small = _FAR_PHASE / (cells * step)
-    far = small * float(spectrum(none + small, none, spacing)[0, 0])
+    # The limit from two waves, because it vanishes on a layer with a rigid base; the shortest wave tells the scale.
+    phases = np.array([[small], [2.0 * small], [np.pi / step]])
+    one, other, _ = (phases * spectrum(phases, none, spacing))[:, 0].tolist()
+    far = 2.0 * one - other
     plane = _respond_to_strip(cells, far * step, datum / step, odd)
     count = scipy.fft.next_fast_len(min(_UNIFORM_FACTOR * cells, _MAX_UNIFORM_CELLS), real=True)
     sums = []

@@ -5,7 +5,7 @@ from __future__ import annotations
 import abc
 import dataclasses
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, ClassVar
 
 import attrs
 import numpy as np
@@ -54,6 +54,11 @@ class Surface(abc.ABC):
     non-measured points and random seeds of its parts. This is right if its heights at a point follow from the heights
     of the parts there; a surface that moves or stretches others returns no `parts` and overrides what it needs.
 
+    Attributes
+    ----------
+    is_random
+        Whether the heights are those of one place of a rough surface, so that others differ: see `Estimate.sampling`.
+
     Examples
     --------
     >>> import roughcontact as rc
@@ -63,6 +68,8 @@ class Surface(abc.ABC):
     >>> print(Step().heights(rc.Grid((2, 2), 1e-6)).tolist())
     [[0.0, 0.0], [1e-06, 1e-06]]
     """
+
+    is_random: ClassVar[bool] = False
 
     @abc.abstractmethod
     def heights(self, grid: Grid) -> Array:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 import attrs
 import numpy as np
@@ -100,6 +100,8 @@ class HeightMap(Surface):
     >>> print(surface.grid)
     32 x 32 cells on 32 µm x 32 µm
     """
+
+    is_random: ClassVar[bool] = True
 
     _heights: Array = attrs.field(converter=measured_heights, alias="heights")
     # mypy does not know converters that take self.
@@ -317,6 +319,21 @@ class HeightMap(Surface):
     def mirrored(self) -> HeightMap:
         """Return the map with x reversed: what faces a body whose map was measured from outside, too."""
         return self._rearrange(lambda values: values[::-1], "mirrored, x to -x")
+
+    def mirror_borders(self) -> HeightMap:
+        """Return the map and its mirror images at two borders, four times as large: it repeats without a step.
+
+        A map that repeats is returned as it is.
+        """
+        if self.periodic:
+            return self
+
+        def unfold(values: Any) -> Any:
+            along_x = np.concatenate([values, values[::-1]], axis=0)
+            return np.concatenate([along_x, along_x[:, ::-1]], axis=1)
+
+        size = 2.0 * self.size[0], 2.0 * self.size[1]
+        return attrs.evolve(self._rearrange(unfold, "mirrored at its borders", size), periodic=True)
 
     def transposed(self) -> HeightMap:
         """Return the map with x and y exchanged."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import ClassVar
 
 import attrs
 import numpy as np
@@ -72,6 +73,8 @@ class PlacedMap(Surface):
     >>> heights.shape
     (16, 16)
     """
+
+    is_random: ClassVar[bool] = True
 
     source: HeightMap = attrs.field(validator=instance_of(HeightMap, "What is placed", "a HeightMap"))
     offset: Pair = attrs.field(converter=_offset, default=(0.0, 0.0), kw_only=True)

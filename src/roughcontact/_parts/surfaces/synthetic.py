@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import ClassVar
 
 import attrs
 import numpy as np
@@ -265,6 +266,8 @@ class SelfAffineSurface(Surface):
     >>> heights.shape
     (64, 64)
     """
+
+    is_random: ClassVar[bool] = True
 
     hurst: float = attrs.field(converter=_hurst)
     shortest: float = attrs.field(converter=_check_wavelength, metadata={"unit": "m"})

@@ -22,7 +22,9 @@ from roughcontact._solve.problem.path import (
 )
 from roughcontact._solve.problem.plan import SolvePlan, require_memory_of_solve
 from roughcontact._solve.problem.problem import ContactProblem, problem_of
+from roughcontact._solve.problem.required_load import RequiredLoad
 from roughcontact._solve.problem.run import Certificate, computing, confirm
+from roughcontact._solve.problem.saved import find_saved_kind, load
 from roughcontact._solve.problem.sweep import Sweep, make_table, order_of_solving, predict_pressure, run_sweep
 from roughcontact._solve.problem.task import LOAD_TOLERANCE, make_task, maximum_pressure, pressure_unit
 
@@ -36,6 +38,7 @@ __all__ = [
     "ContactProblem",
     "FrictionalPath",
     "Increment",
+    "RequiredLoad",
     "SolvePlan",
     "StepNumbers",
     "Sweep",
@@ -43,10 +46,12 @@ __all__ = [
     "computing",
     "confirm",
     "describe_cycle",
+    "find_saved_kind",
     "find_stability",
     "linearise",
     "list_states",
     "list_targets",
+    "load",
     "load_path",
     "make_cycle_table",
     "make_table",

@@ -118,8 +118,15 @@ def solve_within(
     target: Target,
     tolerance: float | None,
     on_step: Callable[[Step], None] | None,
+    start: Array | None,
 ) -> ContactSolution:
     """Return the solution on the coarsest grid found that meets a target, or the last one with the reason."""
+    if problem.adhesion is not None:
+        raise InputError(
+            "With adhesion the accuracy cannot be asked for: give a grid whose cohesive length has 2.5 cells."
+        )
+    if start is not None:
+        raise InputError("With area_within= or peak_within= the grid is chosen: omit start=, which needs one.")
     if load.kind == "approach":
         raise InputError(
             "An accuracy needs pressure= or force=: an approach counts from first touch, which moves with the grid."

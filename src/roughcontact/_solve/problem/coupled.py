@@ -179,6 +179,8 @@ class CoupledSolve(FrictionalContact):
         inner = min(max(_INNER_ERROR * error, _TIGHTEST_INNER * self.tolerance), _LOOSEST_INNER * self.tolerance)
         problem = with_tolerance(self.problem, min(inner, 1.0))
         found = run_solve(problem, gap, load, pressure, None)
+        # It solves the changed gap, which is not that of the problem.
+        found = attrs.evolve(found, origin=None)
         return attrs.evolve(found, initial_gap=found.initial_gap + datum, approach=found.approach + datum)
 
     def _change_gap(self, lifted: Array, load: Load) -> tuple[InitialGap, Load, float]:

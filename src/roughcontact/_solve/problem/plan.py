@@ -18,7 +18,7 @@ from roughcontact._base.machine import available_memory, choose_threads, require
 from roughcontact._base.units import PlainText, binary, outlined, si
 from roughcontact._parts.grid import FIRST_LOADING, Boundary, Grid
 from roughcontact._parts.interactions import Interaction
-from roughcontact._parts.kernels import InfluenceKernel
+from roughcontact._parts.kernels import InfluenceKernel, kernels
 from roughcontact._parts.materials import (
     MAX_UNCOUPLED_BETA,
     Material,
@@ -28,13 +28,15 @@ from roughcontact._parts.materials import (
     pair_constants,
 )
 from roughcontact._parts.surfaces import FlatSurface
-from roughcontact._solve.convolvers import Convolver, Direct
+from roughcontact._solve.convolvers import Convolver, Direct, convolvers
 from roughcontact._solve.problem.body import Body, InitialGap
 from roughcontact._solve.solution import RESOLVED_CELLS, describe_range, find_scene
-from roughcontact._solve.solvers import ProjectedConjugateGradient, Solver
+from roughcontact._solve.solvers import ProjectedConjugateGradient, Solver, solvers
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 
+_AUTO_SOLVER = "projected-cg"
+_ADHESIVE_SOLVER = "gap-descent"
 # Time of a solve in transforms there and back on the grid, by the number of free axes; measured on self-affine, wavy
 # and spherical surfaces of 128 x 128 to 512 x 512 cells, most of which need less.
 _TRANSFORMS_PER_SOLVE = (40.0, 52.0, 64.0)
@@ -282,14 +284,19 @@ def make_plan(
     *,
     grid: Grid,
     boundary: Boundary,
-    kernel: InfluenceKernel,
-    convolver: Convolver,
-    solver: Solver,
+    kernel: str | InfluenceKernel,
+    convolver: str | Convolver,
+    solver: str | Solver,
     threads: int | str = "auto",
     memory_limit: int | None = None,
     adhesion: Interaction | None = None,
 ) -> SolvePlan:
     """Return the plan of a problem; `InputError` unless its parts fit together."""
+    kernel = kernels.resolve(kernel)
+    automatic = "dc-fft" if boundary.has_free_axis else "circular-fft"
+    convolver = convolvers.resolve(automatic if convolver == "auto" else convolver)
+    preferred = _AUTO_SOLVER if adhesion is None else _ADHESIVE_SOLVER
+    solver = solvers.resolve(preferred if solver == "auto" else solver)
     convolver.require(kernel, boundary)
     short, long = sorted(grid.spacing)
     if not long <= _MAX_CELL_ASPECT * short:

@@ -15,30 +15,26 @@ from roughcontact._base.machine import limit_of_memory, thread_count
 from roughcontact._base.units import Estimate
 from roughcontact._parts.grid import Boundary, Grid, Load, as_boundary
 from roughcontact._parts.interactions import FrictionLaw, Interaction
-from roughcontact._parts.kernels import BoundKernel, InfluenceKernel, kernels
-from roughcontact._parts.materials import pair_constants
-from roughcontact._parts.surfaces import rms_slope
-from roughcontact._solve.convolvers import Convolver, PreparedConvolution, ShearConvolution, convolvers
+from roughcontact._parts.kernels import InfluenceKernel
+from roughcontact._solve.convolvers import Convolver, PreparedConvolution, ShearConvolution
 from roughcontact._solve.problem.accuracy import Target, solve_within, with_tolerance
 from roughcontact._solve.problem.body import RIGID_FLAT, Body, InitialGap, find_initial_gap
 from roughcontact._solve.problem.cycle import AdhesionCycle, find_pull_off, follow_loads, list_approaches, run_cycle
 from roughcontact._solve.problem.friction_certificate import verify_frictional
 from roughcontact._solve.problem.increments import Increment
 from roughcontact._solve.problem.path import FrictionalPath, run_path, run_slide
-from roughcontact._solve.problem.plan import SolvePlan, make_plan, require_memory_of_friction, require_memory_of_solve
+from roughcontact._solve.problem.plan import SolvePlan, make_plan, require_memory_of_solve
+from roughcontact._solve.problem.required_load import RequiredLoad, find_load_of_area, find_required_load
 from roughcontact._solve.problem.run import computing, require_success, run_solve, verify_solution
-from roughcontact._solve.problem.sweep import Sweep, find_load_of_area, run_sweep
-from roughcontact._solve.problem.task import limit_load, maximum_pressure
-from roughcontact._solve.solution import DEFAULT_AREA, AreaEstimator, ContactSolution, FrictionalSolution, Origin
-from roughcontact._solve.solvers import Solver, Step, solvers
+from roughcontact._solve.problem.sweep import Sweep, run_sweep
+from roughcontact._solve.problem.task import limit_load, prepare_convolution, prepare_shear
+from roughcontact._solve.solution import DEFAULT_AREA, AreaEstimator, ContactSolution, FrictionalSolution, Response
+from roughcontact._solve.solvers import Solver, Step
 from roughcontact.errors import InputError
 
-_AUTO_SOLVER = "projected-cg"
-_ADHESIVE_SOLVER = "gap-descent"
 _BRANCHES = ("loading", "unloading")
 # Arguments for the machine: they change no bit of a solution, and are not part of its problem.
 _MACHINE_ARGUMENTS = ("threads", "memory_limit")
-
 
 _is_body = instance_of(Body, "Each side of a contact", "a Body(surface, material)")
 _is_interaction = attrs.validators.optional(
@@ -107,19 +103,15 @@ class ContactProblem:
     @cached_property
     def plan(self) -> SolvePlan:
         """The parts of a solve, and its omitted steps."""
-        automatic = "dc-fft" if self.boundary.has_free_axis else "circular-fft"
-        convolver = automatic if self.convolver == "auto" else self.convolver
-        preferred = _AUTO_SOLVER if self.adhesion is None else _ADHESIVE_SOLVER
-        solver = preferred if self.solver == "auto" else self.solver
         return make_plan(
             self.body,
             self.counterbody,
             self._gap,
             grid=self._grid,
             boundary=self.boundary,
-            kernel=kernels.resolve(self.kernel),
-            convolver=convolvers.resolve(convolver),
-            solver=solvers.resolve(solver),
+            kernel=self.kernel,
+            convolver=self.convolver,
+            solver=self.solver,
             threads=self.threads,
             memory_limit=self.memory_limit,
             adhesion=self.adhesion,
@@ -128,16 +120,7 @@ class ContactProblem:
     @cached_property
     def convolution(self) -> PreparedConvolution:
         """The prepared convolution in dimensionless variables: lengths in cells, E* = 1."""
-        plan = self.plan
-        # The memory is checked again: the first solve may come long after the problem was made.
-        require_memory_of_solve(plan.grid, plan.boundary, plan.memory_limit)
-        unit = plan.grid.spacing[0] / plan.modulus
-        datum = plan.grid.size[plan.boundary.free_axis] if plan.boundary.mixed else None
-        bound = BoundKernel(plan.kernel, compliance=1.0 / plan.modulus, unit=unit, datum=datum)
-        prepared = plan.convolver.prepare(bound, plan.grid, plan.boundary)
-        if not isinstance(prepared, PreparedConvolution):
-            raise InputError(f"The convolver {plan.convolver!r} must return a PreparedConvolution, not {prepared!r}.")
-        return prepared
+        return prepare_convolution(self.plan)
 
     @cached_property
     def shear_convolution(self) -> ShearConvolution:
@@ -145,10 +128,7 @@ class ContactProblem:
 
         `InputError` if the boundary or the kernel has none, Poisson's ratio is not known, or it exceeds the memory.
         """
-        plan = self.plan
-        require_memory_of_friction(plan)
-        bound = attrs.evolve(self.convolution.setup.kernel, pair=pair_constants(*plan.materials))
-        return plan.convolver.prepare(bound, plan.grid, plan.boundary).shear()
+        return prepare_shear(self.plan, self.convolution)
 
     @property
     def initial_gap(self) -> Array:
@@ -255,13 +235,7 @@ class ContactProblem:
             problem = self if tolerance is None else with_tolerance(self, tolerance)
             closed = np.zeros(self._grid.shape) if branch == "unloading" else None
             return problem._solve(load, start, throw=throw, on_step=on_step, start_gap=closed)
-        if self.adhesion is not None:
-            raise InputError(
-                "With adhesion the accuracy cannot be asked for: give a grid whose cohesive length has 2.5 cells."
-            )
-        if start is not None:
-            raise InputError("With area_within= or peak_within= the grid is chosen: omit start=, which needs one.")
-        solution = solve_within(self, load, target, tolerance, on_step)
+        solution = solve_within(self, load, target, tolerance, on_step, start)
         return require_success(solution) if throw else solution
 
     def require_load(
@@ -432,8 +406,40 @@ class ContactProblem:
         """
         return find_pull_off(self)
 
+    def solve_for(
+        self, response: Response[Any] | None = None, *, value: float | str | None = None, **wanted: Any
+    ) -> RequiredLoad:
+        """Find the load at which the contact has a wanted area, stiffness, leakage or other answer.
+
+        Parameters
+        ----------
+        response
+            A response or an area estimator, in place of a name; `value` is then wanted of it.
+        value
+            The wanted answer, in the SI unit of the response or as a text with a unit.
+        wanted
+            By name: ``area=``, m2, ``"0.1mm2"`` or ``"10%"`` of nominal, or a registered response with one number, such
+            as ``stiffness=``, ``peak_pressure=``, ``leakage=``; and beside it the fields of the response.
+
+        Raises
+        ------
+        InputError
+            If no load gives the answer, on this grid and with this pressure limit; with adhesion.
+        NotConverged
+            If a solution is not certified.
+
+        Examples
+        --------
+        >>> import roughcontact as rc
+        >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Elastic(young=210e9, poisson=0.3))
+        >>> problem = rc.ContactProblem(ball, grid=rc.Grid((32, 32), 100e-6))
+        >>> print(problem.solve_for(peak_pressure="2GPa").force)
+        776.2... mN +- 0.011 %
+        """
+        return find_required_load(self, self._solve, response, value, wanted)
+
     def solve_area(self, fraction: float, estimator: str | AreaEstimator = DEFAULT_AREA) -> ContactSolution:
-        """Find the load at which the real contact area is a given fraction of the nominal area.
+        """Return the contact whose area is a fraction of nominal; `solve_for` has the uncertainty of its load too.
 
         Parameters
         ----------
@@ -447,10 +453,7 @@ class ContactProblem:
         InputError
             If the fraction is out of bounds or no load gives it, on this grid and with this pressure limit.
         """
-        if self.adhesion is not None:
-            raise InputError("With adhesion one area may belong to several loads: sweep the loads instead.")
-        typical_pressure = self.plan.modulus * rms_slope(self.initial_gap, self.plan.grid)
-        return find_load_of_area(self._solve, fraction, estimator, typical_pressure, maximum_pressure(self.plan))
+        return find_load_of_area(self, self._solve, fraction, estimator)
 
     def verify(self, solution: ContactSolution | FrictionalSolution) -> None:
         """Recompute the displacement and residuals of a solution of this problem from its pressure: one convolution.
@@ -480,8 +483,7 @@ class ContactProblem:
         on_step: Callable[[Step], None] | None = None,
         start_gap: Array | None = None,
     ) -> ContactSolution:
-        origin = Origin(self.parts, load.arguments, source=self)
-        solution = attrs.evolve(run_solve(self, self._gap, load, start, on_step, start_gap), origin=origin)
+        solution = run_solve(self, self._gap, load, start, on_step, start_gap)
         return require_success(solution) if throw else solution
 
 

@@ -21,7 +21,14 @@ from roughcontact._solve.convolvers import DCFFT, CircularFFT, Direct, PreparedC
 from roughcontact._solve.problem.body import InitialGap
 from roughcontact._solve.problem.plan import SolvePlan
 from roughcontact._solve.problem.task import LOAD_TOLERANCE, make_task, pressure_unit
-from roughcontact._solve.solution import AdhesiveConditions, ContactConditions, ContactSolution, Residuals, Status
+from roughcontact._solve.solution import (
+    AdhesiveConditions,
+    ContactConditions,
+    ContactSolution,
+    Origin,
+    Residuals,
+    Status,
+)
 from roughcontact._solve.solvers import Outcome, Step, Task
 from roughcontact.errors import InputError, NotConverged
 from roughcontact.errors.door import guarded
@@ -325,10 +332,11 @@ def run_solve(
     on_step: Callable[[Step], None] | None,
     start_gap: Array | None = None,
 ) -> ContactSolution:
-    """Return the certified solution at a load, which may be unfinished, without its origin."""
+    """Return the certified solution at a load, which may be unfinished."""
     started = time.perf_counter()
     with computing(problem):
-        return _solve(problem, gap, load, start, on_step, started, start_gap)
+        solution = _solve(problem, gap, load, start, on_step, started, start_gap)
+    return attrs.evolve(solution, origin=Origin(problem.parts, load.arguments, source=problem))
 
 
 @contextlib.contextmanager

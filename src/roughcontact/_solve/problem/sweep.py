@@ -11,23 +11,13 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array
-from roughcontact._base.checks import flag, item_of, number
+from roughcontact._base.checks import flag, item_of
 from roughcontact._base.tables import Table, make_dataset
 from roughcontact._base.units import Estimate, counted, si
 from roughcontact._parts.grid import Load
-from roughcontact._solve.solution import AreaEstimator, ContactSolution, note_loads, page_or_file, writers
-from roughcontact.errors import InputError
+from roughcontact._solve.solution import ContactSolution, note_loads, page_or_file, writers
 from roughcontact.errors.door import guarded
 
-# Relative error of the area at which the search for its load ends; if the area jumps from cell to cell, the search ends
-# at its uncertainty.
-_AREA_TOLERANCE = 1e-3
-# Maximum tries: 40 halvings, the worst case, narrow any bracket below the criterion for jumps.
-_MAX_TRIES = 40
-# Maximum relative width of a bracket in which the area jumps.
-_JUMP_BRACKET_WIDTH = 1e-6
-# Minimum mean pressure, over the pressure of a large area: below, the area of single cells cannot follow the load.
-_MIN_PRESSURE_RATIO = 1e-20
 # Power of the pressure that is extrapolated, maximum pressure of an elastic cell, over the limit, and power of the
 # overlap that is extrapolated.
 _PRESSURE_POWER = 1.75
@@ -217,54 +207,6 @@ def order_of_solving(loads: Sequence[Load]) -> list[int]:
     Cells that will leave the contact are known, with their pressures; cells that will join it are not.
     """
     return sorted(range(len(loads)), key=lambda index: -loads[index].value)
-
-
-def find_load_of_area(
-    solve: Callable[[Load, Array | None], ContactSolution],
-    fraction: float,
-    estimator: str | AreaEstimator,
-    guess: float,
-    maximum: float,
-) -> ContactSolution:
-    """Return the solution at the mean pressure that gives an area; see `ContactProblem.solve_area`.
-
-    Parameters
-    ----------
-    solve
-        Solves for a load and a pressure to start from.
-    fraction, estimator
-        Real over nominal contact area, and the estimator of the area.
-    guess, maximum
-        A mean pressure that gives a large part of the area, and the maximum that can be carried, Pa.
-    """
-    fraction = number(fraction, "The fraction of the area", above=0.0)
-    if fraction >= 1.0:
-        raise InputError.about("The fraction of the area", fraction, "below 1", "Full contact is given by many loads.")
-    low = 0.0
-    high = maximum
-    pressure = 0.5 * fraction * min(guess, maximum)
-    solutions: list[ContactSolution] = []
-    for _ in range(_MAX_TRIES):
-        load = Load("pressure", pressure)
-        solution = solve(load, predict_pressure(solutions, load))
-        solutions = [*solutions[-1:], solution]
-        area = solution.area(estimator)
-        if abs(area.fraction / fraction - 1.0) <= _AREA_TOLERANCE:
-            return solution
-        narrow = high - low <= _JUMP_BRACKET_WIDTH * low
-        if narrow and abs(area.fraction - fraction) * solution.grid.area <= area.uncertainty:
-            return solution
-        if narrow or pressure < _MIN_PRESSURE_RATIO * guess:
-            break
-        low, high = (pressure, high) if area.fraction < fraction else (low, pressure)
-        # At light load the area is nearly in proportion to the load.
-        pressure = pressure * fraction / area.fraction if area.fraction > 0.0 else 2.0 * pressure
-        if not low < pressure < high:
-            pressure = 0.5 * (low + high) if math.isfinite(high) else 2.0 * low
-    raise InputError(
-        f"No load gives an area of {fraction:g} of nominal: near {si(pressure, 'Pa')} the area jumps across it. "
-        "Refine the grid or choose another estimator."
-    )
 
 
 def predict_pressure(solutions: list[ContactSolution], load: Load) -> Array | None:

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array
 from roughcontact._base.units import si
 from roughcontact._parts.grid import Boundary, Load
 from roughcontact._parts.interactions import BoundInteraction, Interaction
-from roughcontact._solve.problem.plan import SolvePlan
+from roughcontact._parts.kernels import BoundKernel
+from roughcontact._parts.materials import pair_constants
+from roughcontact._solve.convolvers import PreparedConvolution, ShearConvolution
+from roughcontact._solve.problem.plan import SolvePlan, require_memory_of_friction, require_memory_of_solve
 from roughcontact._solve.solvers import Task
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
@@ -25,6 +29,26 @@ _MAX_PRESSURE_LIMIT = 1e30
 def pressure_unit(plan: SolvePlan) -> float:
     """Return the pressure that counts as one in a `Task`, Pa."""
     return plan.modulus * (plan.peak_to_valley / plan.grid.spacing[0])
+
+
+def prepare_convolution(plan: SolvePlan) -> PreparedConvolution:
+    """Return the prepared convolution of a plan in dimensionless variables: lengths in cells, E* = 1."""
+    # The memory is checked again: the first solve may come long after the problem was made.
+    require_memory_of_solve(plan.grid, plan.boundary, plan.memory_limit)
+    unit = plan.grid.spacing[0] / plan.modulus
+    datum = plan.grid.size[plan.boundary.free_axis] if plan.boundary.mixed else None
+    bound = BoundKernel(plan.kernel, compliance=1.0 / plan.modulus, unit=unit, datum=datum)
+    prepared = plan.convolver.prepare(bound, plan.grid, plan.boundary)
+    if not isinstance(prepared, PreparedConvolution):
+        raise InputError(f"The convolver {plan.convolver!r} must return a PreparedConvolution, not {prepared!r}.")
+    return prepared
+
+
+def prepare_shear(plan: SolvePlan, convolution: PreparedConvolution) -> ShearConvolution:
+    """Return the map from tractions to displacements in the variables of a prepared convolution."""
+    require_memory_of_friction(plan)
+    bound = attrs.evolve(convolution.setup.kernel, pair=pair_constants(*plan.materials))
+    return plan.convolver.prepare(bound, plan.grid, plan.boundary).shear()
 
 
 @guarded

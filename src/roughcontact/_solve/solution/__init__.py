@@ -28,8 +28,10 @@ from roughcontact._solve.solution.results import (
     Response,
     Status,
     areas,
+    read_number,
     responses,
 )
+from roughcontact._solve.solution.sampling import find_peak_sampling, find_stiffness_sampling
 from roughcontact._solve.solution.storage import read, read_figures, require_netcdf, scalars_of, write
 from roughcontact._solve.solution.summary import (
     MORE_THAN_METALS,
@@ -84,7 +86,9 @@ __all__ = [
     "exceeds_metals",
     "fill_gap",
     "find_contact",
+    "find_peak_sampling",
     "find_scene",
+    "find_stiffness_sampling",
     "gather_warnings",
     "heal",
     "key_of_origin",
@@ -97,6 +101,7 @@ __all__ = [
     "read",
     "read_estimate",
     "read_figures",
+    "read_number",
     "read_path",
     "require_netcdf",
     "responses",

@@ -32,6 +32,7 @@ from roughcontact._solve.solution.results import (
     judge_maps,
     responses,
 )
+from roughcontact._solve.solution.sampling import PlaceStatistics, find_area_sampling, find_place_statistics
 from roughcontact._solve.solution.summary import abbreviate, summarize
 from roughcontact._solve.solution.theory import Stickiness, TheoryBeside, compare_with_theory, find_stickiness
 from roughcontact._solve.solution.writers import page_or_file, to_pyvista, write_solution, writers
@@ -120,7 +121,12 @@ class ContactSolution(ContactFields):
                 f"The area estimator {chosen!r} returned {area!r}, which is not an Area of finite numbers."
             )
         area = judge_maps(area, self._maps, self.grid.cell_area)
-        return area if self.origin is None else widen_area(area, self, self.origin)
+        area = area if self.origin is None else widen_area(area, self, self.origin)
+        return attrs.evolve(area, relative_sampling=find_area_sampling(self))
+
+    @cached_property
+    def _place(self) -> PlaceStatistics | None:
+        return find_place_statistics(self)
 
     @cached_property
     def _maps(self) -> tuple[HeightMap, ...]:

@@ -166,6 +166,15 @@ class Origin:
         return tuple(found for surface in surfaces for found in find_maps(surface))
 
     @property
+    def surfaces(self) -> tuple[Surface, ...]:
+        """The surfaces of the bodies, sums as their members; empty if the problem cannot be built."""
+        try:
+            found = [self.problem[name].surface for name in ("body", "counterbody")]
+        except InputError:
+            return ()
+        return tuple(one for surface in found for one in _list_surfaces(surface) if not one.parts)
+
+    @property
     def missing(self) -> str:
         """A sentence with the classes to register before a loaded problem can be solved; empty if there are none."""
         return missing_classes(self._saved[0])

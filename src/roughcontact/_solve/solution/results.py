@@ -90,6 +90,15 @@ class Response(abc.ABC, Generic[T_co]):
 responses: Registry[Response[Any]] = Registry(Response, "response", "roughcontact.responses")
 
 
+def read_number(found: object, name: str) -> Estimate:
+    """Return what a response has returned as one number; `InputError` if it is something else."""
+    value, spread = (getattr(found, part, None) for part in ("value", "uncertainty"))
+    if not isinstance(value, (int, float)) or not isinstance(spread, (int, float)) or math.isnan(value):
+        raise InputError(f"The response {name!r} is not a number with an uncertainty.")
+    warnings = tuple(getattr(found, "warnings", ()))
+    return Estimate(float(value), float(spread), getattr(found, "unit", None) or "", warnings)
+
+
 class Status(Enum):
     """How a solve ended, in a sentence.
 
@@ -211,6 +220,8 @@ class Area(Estimate):
         Area over nominal area.
     uncertainty
         One standard deviation, m2: the true area should lie within two of them.
+    sampling
+        Standard deviation between places of the same rough surface, m2; None where there is no such surface.
     estimator
         Name of the estimator.
     unit
@@ -330,7 +341,15 @@ def estimate_saturated_area(solution: ContactSolution, estimator: str | AreaEsti
     )
     uncertainty = float(np.hypot(np.hypot(rest.uncertainty, undecided), edge))
     fraction = value / solution.grid.area
-    return attrs.evolve(rest, value=value, fraction=fraction, uncertainty=uncertainty, warnings=warnings, patches=None)
+    return attrs.evolve(
+        rest,
+        value=value,
+        fraction=fraction,
+        uncertainty=uncertainty,
+        warnings=warnings,
+        patches=None,
+        relative_sampling=None,
+    )
 
 
 def _undecided(solution: ContactSolution) -> float:

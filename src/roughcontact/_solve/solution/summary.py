@@ -34,7 +34,7 @@ _MAX_NAMED_LOADS = 3
 
 
 def list_answers(solution: ContactSolution) -> dict[str, str]:
-    """Return the texts of contact area, load, maximum pressure and approach by name."""
+    """Return the texts of contact area, load, maximum pressure, approach and differences between places by name."""
     peak = _attempt(solution.peak_pressure, None)
     answers = {
         "contact area": _format_area(_attempt(solution.area, None), solution),
@@ -45,6 +45,10 @@ def list_answers(solution: ContactSolution) -> dict[str, str]:
     }
     if solution.capped:
         answers["saturated"] = _format_area(_attempt(solution.saturated_area, None), solution)
+    others = {"contact area": _attempt(solution.area, None), "max pressure": peak}
+    differences = [f"{name} {text}" for name, one in others.items() if (text := _format_sampling(one))]
+    if differences:
+        answers["other places"] = f"{', '.join(differences)} (standard deviation)"
     return answers
 
 
@@ -134,6 +138,11 @@ def _format_estimate(one: Estimate) -> str:
     return f"{with_spread(one.value * factor, one.uncertainty * factor)} {unit}"
 
 
+def _format_sampling(one: Area | Estimate | None) -> str:
+    sampling = None if one is None else one.sampling
+    return f"+- {100.0 * sampling / abs(one.value):.2g} %" if one is not None and one.value and sampling else ""
+
+
 def _format_area(area: Area | None, solution: ContactSolution) -> str:
     # A pressure that is nan has no cell in contact.
     if area is None or not math.isfinite(solution.force):
@@ -184,7 +193,7 @@ def list_quantities(solution: ContactSolution) -> tuple[dict[str, Estimate], lis
         gap = average_gap(solution)
         patches = Estimate(float(solution.patches.areas.size), 0.0, "")
     found = {
-        "contact area": Estimate(area.value, area.uncertainty, "m2"),
+        "contact area": Estimate(area.value, area.uncertainty, "m2", relative_sampling=area._relative_sampling),
         "contact area fraction": Estimate(area.fraction, area.uncertainty / solution.grid.area, ""),
         "maximum pressure": peak,
         "force": Estimate(solution.force, 0.0, "N"),

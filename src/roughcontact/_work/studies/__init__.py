@@ -1,8 +1,34 @@
 """Studies: many problems, many loads, on any executor, and on disk as they go."""
 
+from roughcontact._work.studies.answers import list_estimates
+from roughcontact._work.studies.asking import (
+    Answers,
+    ResponseField,
+    ResponseForm,
+    build_part,
+    build_response,
+    describe_response,
+    tabulate_answers,
+)
 from roughcontact._work.studies.form import Form, build_problem
-from roughcontact._work.studies.record import Record, StudyResult
+from roughcontact._work.studies.record import Record
+from roughcontact._work.studies.result import StudyResult
 from roughcontact._work.studies.shares import Share
 from roughcontact._work.studies.study import Study
 
-__all__ = ["Form", "Record", "Share", "Study", "StudyResult", "build_problem"]
+__all__ = [
+    "Answers",
+    "Form",
+    "Record",
+    "ResponseField",
+    "ResponseForm",
+    "Share",
+    "Study",
+    "StudyResult",
+    "build_part",
+    "build_problem",
+    "build_response",
+    "describe_response",
+    "list_estimates",
+    "tabulate_answers",
+]

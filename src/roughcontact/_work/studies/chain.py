@@ -27,8 +27,9 @@ from roughcontact._solve.problem import (
     predict_pressure,
     save_path,
 )
-from roughcontact._solve.solution import ContactSolution, list_all_warnings, read_figures, solution_key, write
+from roughcontact._solve.solution import ContactSolution, Response, list_all_warnings, read_figures, solution_key, write
 from roughcontact._solve.solvers import Solver
+from roughcontact._work.studies.answers import find_answers, has_answers
 from roughcontact._work.studies.paths import Shearing, figures_of, list_figures
 from roughcontact._work.studies.record import Record, read_solution, solution_path
 from roughcontact.errors import InputError, NotConverged, NotWritten, RoughContactError
@@ -138,6 +139,8 @@ class Chain(Point):
         Earlier records, by key.
     shearing
         Loads along the surface that follow each load; None without.
+    responses
+        What is asked of each contact.
     """
 
     problem: ContactProblem
@@ -145,6 +148,7 @@ class Chain(Point):
     folder: Path
     known: Mapping[str, Record] = attrs.Factory(dict)
     shearing: Shearing | None = None
+    responses: tuple[Response[Any], ...] = ()
 
     def bodies(self) -> dict[str, Any]:
         """Return the bodies with the seed added to the seeds of their surfaces."""
@@ -182,6 +186,10 @@ class Chain(Point):
             return None
         place: dict[str, Any] = {"problem": self.name, "seed": self.seed, "parameters": self.parameters}
         return attrs.evolve(known, **place, control=load.kind, load=load.value)
+
+    def is_answered(self, record: Record) -> bool:
+        """Return whether a record has the areas and answers that are asked for."""
+        return set(self.areas) <= set(record.areas) and has_answers(record.answers, self.responses)
 
     def path(self, key: str) -> Path:
         """Return the file of the solution with a key."""
@@ -278,7 +286,7 @@ def _find_path(chain: Chain, shearing: Shearing, key: str, load: Load) -> Record
         if known is None or not known.agrees_with(figures_of(path)):
             known = chain.record(key, load)
             shearing.verify(chain.seeded, load, path)
-        elif set(chain.areas) <= set(known.areas):
+        elif chain.is_answered(known):
             return attrs.evolve(known, message="")
     # Damaged files fail in many ways: a path that cannot be read is followed again.
     except Exception:
@@ -305,7 +313,7 @@ def _find(chain: Chain, key: str, load: Load) -> tuple[Record | None, ContactSol
         figures = read_figures(solution_path(chain.folder, key), key)
         if known is None or not known.agrees_with(figures):
             known = chain.record(key, load)
-        elif set(chain.areas) <= set(known.areas):
+        elif chain.is_answered(known):
             return attrs.evolve(known, message=""), None
         solution = read_solution(chain.folder, key)
         chain.seeded.verify(solution)
@@ -324,7 +332,7 @@ def _load(chain: Chain, key: str) -> ContactSolution | None:
 
 
 def _measure(chain: Chain, record: Record, solution: ContactSolution) -> Record:
-    """Return the record of a solution, with the areas that the given record lacks."""
+    """Return the record of a solution, with the areas and answers that the given record lacks."""
     areas = dict(record.areas)
     failures = []
     for name in chain.areas:
@@ -334,6 +342,8 @@ def _measure(chain: Chain, record: Record, solution: ContactSolution) -> Record:
                 areas[name] = float(area.value), float(area.uncertainty)
             except Exception as error:
                 failures.append(name_exception(f"The area estimator {name!r}", error))
+    answers, errors = find_answers(solution, chain.responses, record.answers)
+    failures += [name_exception(f"The response {name!r}", error) for name, error in errors.items()]
     return attrs.evolve(
         record,
         status=solution.status.name,
@@ -344,6 +354,7 @@ def _measure(chain: Chain, record: Record, solution: ContactSolution) -> Record:
         p_max=solution.pressure.max(),
         saturated=solution.saturated_area().value,
         areas=areas,
+        answers=answers,
         iterations=solution.iterations,
         convolutions=solution.convolutions,
         seconds=solution.seconds,

@@ -80,6 +80,7 @@ class Form:
             if isinstance(value, (int, float)) and float in members:
                 return value
             kind = next(filter(_has_form, members), members[0])
+        kind = _without_arguments(kind)
         if not _has_form(kind):
             return self._read_plain(kind, value)
         if not isinstance(kind, type):
@@ -142,7 +143,7 @@ class Form:
 
     def _read_fields(self, cls: type[T], table: Mapping[str, Any], place: str) -> T | None:
         """Return an instance of a class from its fields; None, with the faults noted, if one is wrong."""
-        known = _fields_of(cls)
+        known = list_fields(cls)
         before = len(self.faults)
         unknown = [name for name in table if name not in known]
         if unknown:
@@ -253,9 +254,16 @@ def _refuse_unknown(table: Mapping[str, Any], known: Iterable[str]) -> None:
 
 def _has_form(kind: Any) -> bool:
     """Return whether an annotation asks for a part, a class with fields, or several of them."""
+    kind = _without_arguments(kind)
     if isinstance(kind, type) and get_origin(kind) is None:
         return _registry_of(kind) is not None or attrs.has(kind)
     return _item_of(kind) is not None and _has_form(_item_of(kind))
+
+
+def _without_arguments(kind: Any) -> Any:
+    """Return the class of parts without what it is parametrized by, such as `Response` for ``Response[Any]``."""
+    origin = get_origin(kind)
+    return origin if isinstance(origin, type) and _registry_of(origin) is not None else kind
 
 
 def _item_of(kind: Any) -> Any:
@@ -272,7 +280,7 @@ def _registry_of(kind: type) -> Registry[Any] | None:
 
 
 @attrs.frozen
-class _Field:
+class Field:
     """Annotation and unit of an argument, and whether it is required."""
 
     kind: Any
@@ -280,18 +288,18 @@ class _Field:
     required: bool
 
 
-def _fields_of(cls: type) -> dict[str, _Field]:
+def list_fields(cls: type) -> dict[str, Field]:
     """Return the arguments of a class by name."""
     if not attrs.has(cls):
         parameters = inspect.signature(cls).parameters
-        return {name: _Field(Any, None, one.default is one.empty) for name, one in parameters.items()}
+        return {name: Field(Any, None, one.default is one.empty) for name, one in parameters.items()}
     try:
         hints = get_type_hints(cls)
     # A class of a script may be annotated with what is not known in its module.
     except NameError:
         hints = {}
     return {
-        str(field.alias): _Field(hints.get(field.name, Any), field.metadata.get("unit"), field.default is attrs.NOTHING)
+        str(field.alias): Field(hints.get(field.name, Any), field.metadata.get("unit"), field.default is attrs.NOTHING)
         for field in attrs.fields(cls)
         if field.init
     }

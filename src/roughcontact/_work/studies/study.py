@@ -21,11 +21,13 @@ from roughcontact._base.units import PlainText, binary, counted
 from roughcontact._parts.grid import Load
 from roughcontact._parts.interactions import FrictionLaw
 from roughcontact._solve.problem import ContactProblem, require_frictional
-from roughcontact._solve.solution import DEFAULT_AREA, areas
+from roughcontact._solve.solution import DEFAULT_AREA, Response, areas
+from roughcontact._work.studies.answers import read_responses
 from roughcontact._work.studies.axes import BuiltProblems
 from roughcontact._work.studies.chain import Chain, Unbuilt, name_full_disk
 from roughcontact._work.studies.paths import Shearing
-from roughcontact._work.studies.record import Record, StudyResult, read_index, write_index
+from roughcontact._work.studies.record import Record, read_index, write_index
+from roughcontact._work.studies.result import StudyResult
 from roughcontact._work.studies.shares import Share, list_of_records, read_all_records
 from roughcontact._work.studies.tasks import Chains, run_chains
 from roughcontact.errors import InputError, NotWritten, StudyStopped
@@ -37,7 +39,7 @@ _MAX_LISTED_VALUES = 8
 # Units of a time, s; each is used from twice its length on.
 _TIME_UNITS = {"hours": 3600.0, "minutes": 60.0, "s": 1.0}
 _ARGUMENTS = (
-    "problems", "pressure", "force", "approach", "areas", "seeds",
+    "problems", "pressure", "force", "approach", "areas", "responses", "seeds",
     "tangential_force", "displacement", "friction", "substeps",
 )  # fmt: skip
 # Units in which texts of a study file are read.
@@ -158,6 +160,9 @@ class Study:
         give a problem that `run_in` returns.
     areas
         Names of area estimators.
+    responses
+        What is asked of each contact, for columns of the table: registered names of responses, such as
+        ``"stiffness"``, or instances, ``rc.responses.create("conductance", conductivity=45.0)``.
     seeds
         Added to the seed of each random surface of each problem; if empty, the surfaces are used as they are. A
         function has an axis instead, ``seed=[...]``.
@@ -196,6 +201,7 @@ class Study:
     force: Sequence[float] | None = attrs.field(default=None, converter=_as_tuple, kw_only=True, metadata=_NEWTON)
     approach: Sequence[float] | None = attrs.field(default=None, converter=_as_tuple, kw_only=True, metadata=_METRE)
     areas: tuple[str, ...] = attrs.field(default=(DEFAULT_AREA,), converter=_names, kw_only=True)
+    responses: tuple[Response[Any], ...] = attrs.field(default=(), converter=read_responses, kw_only=True)
     seeds: tuple[int, ...] = attrs.field(default=(), converter=_seeds, kw_only=True)
     tangential_force: Sequence[Pair] | None = attrs.field(default=None, kw_only=True, metadata=_NEWTON)
     displacement: Sequence[Pair] | None = attrs.field(default=None, kw_only=True, metadata=_METRE)
@@ -215,6 +221,7 @@ class Study:
         force: Iterable[float] | None = None,
         approach: Iterable[float] | None = None,
         areas: str | Sequence[str] = (DEFAULT_AREA,),
+        responses: str | Response[Any] | Sequence[str | Response[Any]] = (),
         seeds: Iterable[int] = (),
         tangential_force: Sequence[Pair] | None = None,
         displacement: Sequence[Pair] | None = None,
@@ -233,6 +240,7 @@ class Study:
             force=force,
             approach=approach,
             areas=areas,
+            responses=responses,
             seeds=seeds,
             tangential_force=tangential_force,
             displacement=displacement,
@@ -297,7 +305,8 @@ class Study:
             yield chain
 
     def _points(self, folder: Path, known: Mapping[str, Record], share: Share | None) -> Chains:
-        return Chains(self.problems, self.seeds, self.loads, self.areas, folder, known, share, self.shearing)
+        asked = (self.shearing, self.responses)
+        return Chains(self.problems, self.seeds, self.loads, self.areas, folder, known, share, *asked)
 
     def explain(self) -> str:
         """Return in words the plan of every problem, or of the first that is built, the axes, and work and time."""

@@ -13,6 +13,7 @@ import attrs
 from roughcontact._base.machine import share_machine
 from roughcontact._parts.grid import Load
 from roughcontact._solve.problem import ContactProblem
+from roughcontact._solve.solution import Response
 from roughcontact._work.studies.axes import BuiltProblems
 from roughcontact._work.studies.chain import Chain, ChainResult, Unbuilt, name_exception, run_chain
 from roughcontact._work.studies.paths import Shearing
@@ -42,6 +43,8 @@ class Chains(Sequence[Chain | Unbuilt]):
         Which of n shares they are; None for all.
     shearing
         The loads along the surface of the study; None without.
+    responses
+        What the study asks of each contact.
     """
 
     problems: Mapping[str, ContactProblem]
@@ -52,6 +55,7 @@ class Chains(Sequence[Chain | Unbuilt]):
     known: Mapping[str, Record]
     share: Share | None
     shearing: Shearing | None = None
+    responses: tuple[Response[Any], ...] = ()
     _places: list[tuple[str, int | None]] = attrs.field(init=False)
 
     @_places.default
@@ -70,7 +74,8 @@ class Chains(Sequence[Chain | Unbuilt]):
             problem = self.problems[name]
         except InputError as error:
             return Unbuilt(**place, message=str(error))
-        chain = Chain(**place, problem=problem, areas=self.areas, folder=self.folder, shearing=self.shearing)
+        asked: dict[str, Any] = {"areas": self.areas, "responses": self.responses, "shearing": self.shearing}
+        chain = Chain(**place, problem=problem, folder=self.folder, **asked)
         if not self.known:
             return chain
         # A worker needs the records of its own chain only.

@@ -5,7 +5,7 @@ const page = (sessionStorage.page ||= crypto.randomUUID());
 
 async function answerOf(response) {
   const data = await response.json();
-  if (!response.ok) throw new Error(data.error || "The server refused this.");
+  if (!response.ok) throw Object.assign(new Error(data.error || "The server refused this."), { setting: data.setting || "" });
   return data;
 }
 

@@ -1,27 +1,25 @@
 // The page: what the user changes is sent, checked and shown at once; a run is started and followed.
 
-import { get, post, upload } from "./api.js";
+import { get, post } from "./api.js";
+import { MapFile } from "./files.js";
 import { byId, say, showList } from "./page.js";
 import { follow } from "./run.js";
 import { listRuns } from "./runs.js";
 import * as settings from "./settings.js";
-import { showNoSurface, showSurface } from "./surface.js";
+import { showNoSurface, showRoughness, showSurface } from "./surface.js";
 
 const { form } = settings;
 // Milliseconds after the last key until the server is asked.
 const DELAY = 350;
-// The facts of the map's file; the file that is being read; why the last one could not be; what a link asks for.
-let facts = null;
-let reading = null;
-let unread = "";
-let wanted = null;
+// The maps of the body and of the counterbody.
+const files = [["", "surface"], ["counterbody_", "counterbody_surface"]].map((of) => new MapFile(...of, () => changed(0)));
 // The run that is shown, its settings and its phase.
 let run = { id: "" };
 let starting = false;
 let changes = 0;
 let timer = 0;
 
-const hasNoSurface = () => Boolean(reading || (unread && form.elements.surface.value === "file"));
+const missing = () => files.find((file) => file.isMissing);
 
 // The address holds the shown run only beside the settings that it had.
 function remember() {
@@ -31,36 +29,43 @@ function remember() {
 }
 
 function changed(delay = DELAY) {
-  settings.showFields(facts);
+  settings.showFields(Object.fromEntries(files.map((file) => [file.prefix, file.facts])));
   remember();
   allowSolve();
   clearTimeout(timer);
+  // What is shown is old from now on, and answers on their way are dropped.
+  changes++;
+  document.body.setAttribute("aria-busy", "true");
   timer = setTimeout(refresh, delay);
 }
 
 function allowSolve() {
-  byId("solve").disabled = starting || hasNoSurface();
-  const why = reading ? `Solve waits until ${reading.name} is read.` : "There is no surface to solve: choose another file, or another surface.";
-  say("solve-why", hasNoSurface() ? why : "");
+  const file = missing();
+  byId("solve").disabled = starting || Boolean(file);
+  const why = file?.reading ? `Solve waits until ${file.reading.name} is read.` : "There is no surface to solve: choose another file, or another surface.";
+  say("solve-why", file ? why : "");
 }
 
 // The surface first, then the plan; an answer to settings that have changed again is dropped.
 async function refresh() {
-  const change = ++changes;
+  const change = changes;
   const values = settings.read();
-  if (hasNoSurface()) {
-    showNothing(reading ? "" : unread);
+  const file = missing();
+  if (file) {
+    showNothing(file.reading ? "" : file.unread);
     return;
   }
-  document.body.setAttribute("aria-busy", "true");
+  settings.markWrong();
   try {
     const surface = await post("api/surface", values);
     if (change !== changes) return;
     showSurface(surface);
     await showPlan(values, change);
+    if (change === changes) showRoughness(values, () => change !== changes);
   } catch (error) {
     if (change !== changes) return;
     showNothing(error.message);
+    settings.markWrong(error);
     // The surface may be out of view.
     byId("plan").textContent = error.message;
   } finally {
@@ -85,7 +90,9 @@ async function showPlan(values, change) {
   try {
     plan = await post("api/plan", values);
   } catch (error) {
-    if (change === changes) showNoPlan(error.message);
+    if (change !== changes) return;
+    showNoPlan(error.message);
+    settings.markWrong(error);
     return;
   }
   if (change !== changes) return;
@@ -102,59 +109,9 @@ function duration(seconds) {
   return seconds < 3600 ? `${Math.round(seconds / 60)} min` : `${(seconds / 3600).toFixed(1)} h`;
 }
 
-// What was shown before is of another surface: it goes at once, and answers on their way are dropped.
-async function takeFile(file) {
-  reading = file;
-  for (const place of ["refusal", "note"]) say(place, "");
-  say("file-shown", `Reading ${file.name} ...`);
-  changed(0);
-  try {
-    const found = await upload(file);
-    if (reading === file) acceptFile(found);
-  } catch (error) {
-    if (reading === file) refuseFile(file.name, error.message);
-  }
-}
-
-function acceptFile(found) {
-  const other = wanted && wanted.digest !== found.digest;
-  // What a link says of its file holds for the file that is chosen for it.
-  if (!wanted && settings.read().file !== found.digest) ["non_measured", "rows"].forEach(settings.reset);
-  facts = found.facts;
-  settings.setFile(found.digest, found.name);
-  showFile(found, other ? ` It is not the file of the link, ${wanted.name}, whose digest begins ${wanted.digest.slice(0, 12)}.` : "");
-  reading = wanted = null;
-  unread = "";
-  solveFile();
-}
-
-function refuseFile(name, problem) {
-  facts = reading = null;
-  unread = problem;
-  settings.setFile(wanted?.digest || "", wanted?.name || name);
-  say("file-shown", wanted ? wishFor(wanted) : "");
-  solveFile();
-}
-
-function solveFile() {
-  const { surface } = form.elements;
-  if (surface.value !== "file") {
-    surface.value = "file";
-    say("boundary-note", settings.surfaceKindChanged());
-  }
-  changed(0);
-}
-
-const wishFor = ({ name, digest }) => `Choose or drop the file of this link again: ${name}, digest ${digest.slice(0, 12)}.`;
-
-function showFile(found, more = "") {
-  const cells = found.facts ? `, ${found.facts.shape.join(" x ")} points` : "";
-  say("file-shown", `${found.name}${cells}, digest ${found.digest.slice(0, 12)}.${more}`);
-}
-
 async function solve(event) {
   event.preventDefault();
-  if (starting || hasNoSurface()) return;
+  if (starting || missing()) return;
   say("refusal", "");
   starting = true;
   allowSolve();
@@ -185,22 +142,13 @@ function noteRun(state) {
 async function restore(found) {
   settings.write(found.values);
   say("boundary-note", "");
-  facts = reading = wanted = null;
-  unread = "";
-  const { surface, file, file_name: name } = settings.read();
-  const known = surface === "file" && file ? await post("api/file", file).catch(() => ({ here: false })) : null;
-  say("file-shown", "");
-  if (known?.here) {
-    facts = known.facts;
-    showFile(known);
-  } else if (known) {
-    wanted = { name, digest: file };
-    say("file-shown", wishFor(wanted));
-  }
-  byId("file-input").value = "";
+  // Which files are wanted follows from what is shown.
+  settings.showFields({});
+  const wishes = [];
+  for (const file of files) wishes.push(await file.restore());
   if (found.run) showRun({ id: found.run });
   changed(0);
-  return wanted ? `The settings are restored. ${wishFor(wanted)}` : "The settings are restored.";
+  return ["The settings are restored.", ...wishes].filter(Boolean).join(" ");
 }
 
 // The link is in the address.
@@ -236,8 +184,9 @@ function listen() {
     say("note", "");
     changed();
   });
-  byId("file-input").addEventListener("change", (event) => {
-    if (event.target.files.length) takeFile(event.target.files[0]);
+  byId("roughness").addEventListener("toggle", () => {
+    const change = changes;
+    showRoughness(settings.read(), () => change !== changes);
   });
   byId("copy").addEventListener("click", async () => {
     const link = `${location.href.split("#")[0]}#${settings.toFragment("")}`;
@@ -258,16 +207,17 @@ function listen() {
     event.preventDefault();
     depth = 0;
     byId("veil").hidden = true;
-    byId("file-input").value = "";
-    if (event.dataTransfer?.files.length) takeFile(event.dataTransfer.files[0]);
+    const file = files.find(({ prefix }) => prefix && event.target.closest?.(`#${prefix}drop`)) || files[0];
+    file.input.value = "";
+    if (event.dataTransfer?.files.length) file.take(event.dataTransfer.files[0]);
   });
 }
 
 async function begin() {
   try {
     const start = await get("api/start");
-    settings.prepare(start.defaults, start.examples, start.materials);
-    byId("file-input").accept = start.endings.join(",");
+    settings.prepare(start.defaults, start.examples, start.materials, start.responses);
+    for (const file of files) file.input.accept = start.endings.join(",");
   } catch (error) {
     showNoSurface(error.message);
     return;

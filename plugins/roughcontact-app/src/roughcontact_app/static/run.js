@@ -12,6 +12,8 @@ const PHASES = {
 };
 // Loads without a value of their own, and without a report.
 const CYCLES = ["cycle", "fretting"];
+// The quantity that a kind of load gives.
+const GIVEN = { pressure: "mean pressure", force: "force", approach: "approach" };
 const INTERVAL = 400;
 let viewer;
 let current = "";
@@ -108,16 +110,26 @@ function body(rows) {
   return made;
 }
 
+// The number of a text, and its unit, which is that of its whole column.
+function split({ text, unit }) {
+  const end = unit ? text.lastIndexOf(" ") : text.length;
+  return [text.slice(0, end), text.slice(end + 1)];
+}
+
 function curveRows(state) {
   const names = state.answers[0].quantities.map((one) => one.name);
   const order = ["mean pressure", "force", ...names.filter((name) => !["mean pressure", "force"].includes(name))];
   const head = element("tr");
-  head.append(...order.map((name) => element("th", name, { scope: "col" })), element("th", "fields", { scope: "col" }));
+  const titles = order.map((name) => [name, split(quantity(state.answers[0], name))[1]].filter(Boolean).join(", "));
+  head.append(...[...titles, "fields"].map((title) => element("th", title, { scope: "col" })));
   const rows = state.answers.map((answer, index) => {
     const row = element("tr");
     for (const name of order) {
       const one = quantity(answer, name);
-      row.append(element("td", one.text, { "data-quantity": name }));
+      const [number] = split(one);
+      // A load stands as it was given.
+      const isShort = one.uncertainty || name === GIVEN[state.settings.load] || !Number.isFinite(Number(number));
+      row.append(element("td", isShort ? number : String(Number(Number(number).toPrecision(3))), { "data-quantity": name }));
       row.lastChild.dataset.value = one.value;
     }
     row.append(element("td", "", { "data-files": index }));

@@ -1,5 +1,7 @@
 // The form, its dependent fields, and the link that holds it.
 
+import { element } from "./page.js";
+
 export const form = document.getElementById("settings");
 const UNITS = {
   length: { m: "m", mm: "mm", um: "µm", nm: "nm" },
@@ -8,11 +10,13 @@ const UNITS = {
   force: { N: "N", mN: "mN", uN: "µN", nN: "nN", kN: "kN" },
   approach: { mm: "mm", um: "µm", nm: "nm" },
   work: { "J/m2": "J/m²", "mJ/m2": "mJ/m²" },
+  viscosity: { "Pa s": "Pa s", "mPa s": "mPa s" },
 };
 // Cycles have fields of their own; those of a load keep what they hold at first.
 UNITS.cycle = UNITS.fretting = UNITS.pressure;
 // At first for each kind of load: a value and its unit.
 const FIRST_LOADS = { pressure: ["100", "MPa"], force: ["1", "N"], approach: ["0.1", "um"], cycle: ["100", "MPa"], fretting: ["100", "MPa"] };
+const NO_RESPONSES = { cycle: true, fretting: true };
 const FORMS = { plane: "its plane", quadratic: "its form of second degree", sphere: "its sphere" };
 let defaults = {};
 // Young's modulus, GPa, Poisson's ratio and hardness, GPa, of typical materials by name.
@@ -25,8 +29,10 @@ function fill(select, options) {
 }
 
 // The page's own first values are those of the server, so that the link can omit them.
-export function prepare(first, examples, typical) {
+export function prepare(first, examples, typical, responses) {
   materials = typical;
+  copyFieldsOfMap();
+  for (const one of responses) addResponse(one);
   fill(form.elements.example, Object.fromEntries(examples.map((name) => [name, name.replaceAll("_", " ")])));
   for (const select of form.querySelectorAll("[data-units]")) fill(select, UNITS[select.dataset.units]);
   for (const select of form.querySelectorAll("[data-preset]")) {
@@ -59,13 +65,67 @@ function showPresets() {
   }
 }
 
-const hidden = { file: "", file_name: "" };
+// The second map has the fields of the first, whose names begin with its prefix.
+const OTHER = "counterbody_";
+
+function copyFieldsOfMap() {
+  for (const field of form.querySelectorAll("[data-map]")) {
+    const copy = field.cloneNode(true);
+    for (const part of [copy, ...copy.querySelectorAll("*")]) {
+      for (const name of ["id", "name", "for", "aria-describedby"]) {
+        if (part.hasAttribute(name)) part.setAttribute(name, OTHER + part.getAttribute(name));
+      }
+    }
+    copy.dataset.when = `${OTHER}surface=file`;
+    copy.dataset.map = OTHER;
+    document.getElementById(`${OTHER}fields`).append(copy);
+  }
+}
+
+// A tick box for what the contact does, and below it its fields.
+function addResponse({ setting, label, summary, fields, axis }) {
+  const line = element("label", "", { class: "tick" });
+  const words = element("span");
+  words.append(element("b", label), element("span", summary, { class: "help" }));
+  line.append(element("input", "", { type: "checkbox", name: setting, value: "yes" }), words);
+  const below = element("div", "", { "data-when": `${setting}=yes`, class: "ticked" });
+  for (const one of fields) {
+    const row = element("span", "", { class: "row" });
+    row.append(element("input", "", { id: one.setting, name: one.setting, inputmode: "decimal" }));
+    if (one.kind) row.append(element("select", "", { name: `${one.setting}_unit`, "aria-label": `Unit of the ${one.label}`, "data-units": one.kind }));
+    below.append(labelled(one.setting, one.label, row));
+  }
+  if (axis) {
+    const select = element("select", "", { id: axis, name: axis });
+    fill(select, { x: "x", y: "y" });
+    below.append(labelled(axis, "Axis", select));
+  }
+  document.getElementById("responses").append(line, ...(below.children.length ? [below] : []));
+}
+
+function labelled(id, text, control) {
+  const field = element("div", "", { class: "field" });
+  field.append(element("label", text, { for: id }), control);
+  return field;
+}
+
+const textOf = (control) => (control.type === "checkbox" ? (control.checked ? "yes" : "no") : control.value);
+
+function setText(control, text) {
+  if (control.type === "checkbox") control.checked = text === "yes";
+  else control.value = text;
+}
+
+const hidden = { file: "", file_name: "", [`${OTHER}file`]: "", [`${OTHER}file_name`]: "" };
+
+// Whether a map in a file is solved; what is not shown is not.
+export const isFile = (kind) => form.elements[kind].value === "file" && !form.elements[kind].closest("[hidden]");
 
 export function read() {
   const found = { ...hidden, scheme: darkness.matches ? "dark" : "light" };
   for (const name of Object.keys(defaults)) {
-    const element = form.elements[name];
-    if (element) found[name] = element.value;
+    const control = form.elements[name];
+    if (control) found[name] = textOf(control);
   }
   return found;
 }
@@ -75,12 +135,12 @@ export function write(values) {
   fill(form.elements.load_unit, UNITS[all.load] || UNITS.pressure);
   for (const [name, value] of Object.entries(all)) {
     if (name in hidden) hidden[name] = value;
-    else if (form.elements[name]) form.elements[name].value = value;
+    else if (form.elements[name]) setText(form.elements[name], value);
   }
 }
 
-export function setFile(digest, name) {
-  Object.assign(hidden, { file: digest, file_name: name });
+export function setFile(prefix, digest, name) {
+  Object.assign(hidden, { [`${prefix}file`]: digest, [`${prefix}file_name`]: name });
 }
 
 export function loadKindChanged() {
@@ -101,27 +161,39 @@ export function surfaceKindChanged() {
   return before === boundary.value ? "" : `It was ${before}; for this surface it is now ${boundary.value}.`;
 }
 
-export function showFields(facts) {
-  const needs = {
-    size: facts && facts.size === null,
-    metric: facts && !facts.metric,
-    rows: facts && facts.needs_rows,
-    non_measured: facts && facts.non_measured > 0,
-  };
-  for (const part of form.querySelectorAll("[data-when]")) {
-    const [name, values] = part.dataset.when.split("=");
-    const wanted = values.split(" ").includes(form.elements[name].value);
-    part.hidden = !wanted || (part.dataset.need !== undefined && !needs[part.dataset.need]);
-  }
-  showPresets();
-  if (needs.size) document.getElementById("size-help").textContent = whichIsX(facts);
+// Says under a field what is wrong with it; without an error nothing is wrong.
+export function markWrong({ setting = "", message = "" } = {}) {
+  form.querySelector(".wrong")?.remove();
+  form.querySelector("[aria-invalid]")?.removeAttribute("aria-invalid");
+  const control = form.elements[setting];
+  if (!control || control.closest("[hidden]")) return;
+  control.setAttribute("aria-invalid", "true");
+  control.setAttribute("aria-errormessage", "wrong");
+  (control.closest(".field") || control.parentElement).append(element("p", message, { class: "wrong", id: "wrong" }));
 }
 
-function whichIsX({ shape: [first, second], needs_rows: open }) {
-  const isText = /\.(csv|tsv|txt|dat|asc)$/i.test(hidden.file_name);
+const needsOf = (facts) => facts && {
+  size: facts.size === null, metric: !facts.metric, rows: facts.needs_rows, non_measured: facts.non_measured > 0,
+};
+
+// The facts that each file states, by the prefix of its map.
+export function showFields(facts) {
+  for (const part of form.querySelectorAll("[data-when]")) {
+    const [name, values] = part.dataset.when.split("=");
+    const wanted = values.split(" ").includes(textOf(form.elements[name]));
+    part.hidden = !wanted || (part.dataset.need !== undefined && !needsOf(facts[part.dataset.map])?.[part.dataset.need]);
+  }
+  showPresets();
+  for (const [prefix, known] of Object.entries(facts)) {
+    if (needsOf(known)?.size) document.getElementById(`${prefix}size-help`).textContent = whichIsX(prefix, known);
+  }
+}
+
+function whichIsX(prefix, { shape: [first, second], needs_rows: open }) {
+  const isText = /\.(csv|tsv|txt|dat|asc)$/i.test(hidden[`${prefix}file_name`]);
   const rows = isText ? `${first} lines of the file` : `${first} points, along the first index`;
   const columns = isText ? `${second} values in each` : `${second} points, along the second`;
-  return open && form.elements.rows.value === "y" ? `x: ${columns}; y: ${rows}.` : `x: ${rows}; y: ${columns}.`;
+  return open && form.elements[`${prefix}rows`].value === "y" ? `x: ${columns}; y: ${rows}.` : `x: ${rows}; y: ${columns}.`;
 }
 
 // Only what differs from the first values, so that links stay short.
@@ -143,19 +215,30 @@ export function fromFragment(text) {
 }
 
 function isChoice(name, values) {
-  const element = form.elements[name];
+  const control = form.elements[name];
   if (name === "load_unit") return values[name] in UNITS[values.load || defaults.load];
-  return element?.tagName !== "SELECT" || [...element.options].some((option) => option.value === values[name]);
+  if (control?.type === "checkbox") return ["yes", "no"].includes(values[name]);
+  return control?.tagName !== "SELECT" || [...control.options].some((option) => option.value === values[name]);
 }
 
 // Whether the form asks for something else than a run had; what is hidden does not count.
 export function differ(others) {
   const own = read();
-  const counts = (name) => (name === "file" ? own.surface === "file" : form.elements[name] && !form.elements[name].closest("[hidden]"));
+  const kinds = { file: "surface", [`${OTHER}file`]: `${OTHER}surface` };
+  const counts = (name) => (name in kinds ? isFile(kinds[name]) : form.elements[name] && !form.elements[name].closest("[hidden]"));
   return Object.keys(defaults).some((name) => counts(name) && own[name].trim() !== others[name]);
 }
 
 export const subjectOf = ({ surface, file_name: name, example }) => ({ file: name || "map", example: example.replaceAll("_", " ") }[surface] || surface);
+
+function describeOther(values, of) {
+  const parts = [`on ${values.counterbody_file_name || "map"}`];
+  if (values.counterbody_form !== "none") parts.push(`less ${FORMS[values.counterbody_form]}`);
+  if (Number(values.offset_x) || Number(values.offset_y)) parts.push(`shifted by ${values.offset_x}, ${of("offset_y", "offset_unit")}`);
+  if (Number(values.rotation)) parts.push(`rotated by ${values.rotation}°`);
+  if (values.mirrored === "yes") parts.push("mirrored");
+  return parts.join(" ");
+}
 
 // What a run has solved, in a line.
 export function describe(values) {
@@ -172,9 +255,12 @@ export function describe(values) {
     cycle: `approach from ${values.cycle_from} to ${of("cycle_to", "cycle_unit")} and back`,
     fretting: `normal force ${of("normal_force")}, tangential force ±${of("tangential_force")}, friction ${values.friction}`,
   };
+  if (["file", "example"].includes(values.surface) && values.counterbody_surface === "file") parts.push(describeOther(values, of));
   parts.push(load[values.load] || of("loads", "load_unit"), material(""));
   if (values.counterbody === "deformable") parts.push(`counterbody ${material("counterbody_")}`);
   if (values.adhesion !== "none") parts.push(`${values.adhesion.replaceAll("-", " ")} adhesion of ${of("work").replace("m2", "m²")}`);
   if (["exponential", "van-der-waals"].includes(values.adhesion)) parts.push(`range ${of("range")}`);
-  return [...parts, values.boundary].join(", ");
+  const ticked = [...form.querySelectorAll("[type=checkbox]")].filter(({ name }) => values[name] === "yes" && !(values.load in NO_RESPONSES));
+  const asked = ticked.map(({ name }) => name.replace(/^ask_/, "").replaceAll("_", " "));
+  return [...parts, values.boundary].join(", ") + (asked.length ? `; with ${asked.join(", ")}` : "");
 }

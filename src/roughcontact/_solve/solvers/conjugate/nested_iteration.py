@@ -26,6 +26,8 @@ _ESTIMATE_ITERATIONS = 60
 _APPROACH_MARGIN = 1.02
 # Cells of which the sides of a window are multiples, so that they can be halved.
 _WINDOW_MULTIPLE = 32
+# Sum of the negative responses to a cell, over the maximum, that is rounding in float32.
+_MAX_BULGE = 1e-6
 # Maximum fraction of the domain for which a window saves work.
 _MAX_WINDOW_FRACTION = 0.7
 # Minimum fraction of the coarser grid in contact for a solve for the gap instead of the pressure.
@@ -229,7 +231,7 @@ class Window:
     """A rectangle of cells outside which a free domain cannot touch.
 
     Pressure moves every cell away from the other body: with K and p not negative the gap is at least h - approach, so
-    that contact needs an initial gap h below the approach.
+    that contact needs an initial gap h below the approach. Beside a load an incompressible layer bulges: K is negative.
     """
 
     rows: slice
@@ -276,7 +278,7 @@ def find_window(convolution: PreparedConvolution, task: Task, approach: float) -
     if not convolution.setup.boundary.has_free_axis:
         return None
     touching = task.initial_gap <= _APPROACH_MARGIN * approach
-    if not touching.any():
+    if not touching.any() or _bulges(convolution, task):
         return None
     rows, columns = (
         _extent(np.flatnonzero(touching.any(axis=1 - axis)), count) if free else slice(0, count)
@@ -287,6 +289,18 @@ def find_window(convolution: PreparedConvolution, task: Task, approach: float) -
     capacity = np.sum(np.broadcast_to(task.pressure_limit, touching.shape)[rows, columns])
     mean = task.mean_pressure
     return Window(rows, columns) if mean is None or mean * task.initial_gap.size <= capacity else None
+
+
+def _bulges(convolution: PreparedConvolution, task: Task) -> bool:
+    """Return whether pressure on a cell moves others towards the other body, as on no homogeneous half-space."""
+    setup = convolution.setup
+    wavenumbers = np.array([1.0 / max(setup.grid.size), 1.0 / min(setup.grid.spacing)])
+    if setup.kernel.kernel.effective_modulus(wavenumbers, setup.kernel.compliance) is None:
+        return False
+    load = np.zeros(task.initial_gap.shape, like=task.initial_gap)
+    load[0, 0] = 1.0
+    response = convolution.apply(load)
+    return float(-response[response < 0.0].sum()) > _MAX_BULGE * float(response.max())
 
 
 def _extent(marked: IntArray, count: int) -> slice:

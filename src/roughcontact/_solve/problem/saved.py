@@ -1,0 +1,72 @@
+"""Files of solutions, and of paths and states with friction, whichever of them it is."""
+
+from __future__ import annotations
+
+import os
+import zipfile
+from pathlib import Path
+from typing import Any
+
+from roughcontact._base import checks
+from roughcontact._base.archive import HEADER, read_some
+from roughcontact._solve.problem.path import FrictionalPath
+from roughcontact._solve.solution import ContactSolution, FrictionalSolution
+from roughcontact.errors import InputError
+from roughcontact.errors.door import guarded
+
+
+@guarded
+def load(path: str | os.PathLike[str], *, verify: bool = True) -> ContactSolution | FrictionalPath | FrictionalSolution:
+    """Return what `save` wrote: a solution, or a path or a state with friction.
+
+    Parameters
+    ----------
+    path
+        The file, ``.npz`` or ``.nc``.
+    verify
+        Whether to build the problem and recompute the certificate; see `ContactSolution.load`.
+
+    Raises
+    ------
+    InputError
+        If there is no such file, it holds nothing of this kind, is damaged, or contradicts itself.
+
+    Examples
+    --------
+    >>> from pathlib import Path
+    >>> from tempfile import TemporaryDirectory
+    >>> import roughcontact as rc
+    >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Elastic(young=210e9, poisson=0.3))
+    >>> solution = rc.ContactProblem(ball, grid=rc.Grid((32, 32), 100e-6)).solve(force=1.0)
+    >>> with TemporaryDirectory() as folder:
+    ...     solution.save(Path(folder) / "contact.npz")
+    ...     print(f"{rc.load(Path(folder) / 'contact.npz').force:.1f} N")
+    1.0 N
+    """
+    verify = checks.flag(verify, "verify=")
+    file = checks.path(path, "The file")
+    if not file.is_file():
+        raise InputError(f"There is no file {str(file)!r}.")
+    kind = find_saved_kind(file)
+    if kind is None:
+        raise InputError(f"{file.name} holds no solution and no path: rc.read_surface reads height maps.")
+    found: ContactSolution | FrictionalPath | FrictionalSolution = kind.load(file, verify=verify)
+    return found
+
+
+def find_saved_kind(path: Path) -> Any:
+    """Return the class whose `load` reads a file; None for files that may be height maps."""
+    if path.suffix == ".nc":
+        return ContactSolution
+    try:
+        with zipfile.ZipFile(path) as archive:
+            names = archive.namelist()
+    # Readers of height maps say what is wrong.
+    except (OSError, zipfile.BadZipFile):
+        return None
+    if "displacement.npy" in names:
+        return ContactSolution
+    if f"{HEADER}.npy" not in names:
+        return None
+    kinds = {"frictional path": FrictionalPath, "frictional solution": FrictionalSolution}
+    return kinds.get(str(read_some(path)[1].get("kind")))

@@ -1,0 +1,250 @@
+"""Sampling errors of a contact: how much its answers differ between places of the same rough surface."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from typing import TYPE_CHECKING
+
+import attrs
+import numpy as np
+from scipy import special
+
+from roughcontact._base.arrays import IntArray
+from roughcontact._parts.grid import Grid, extend
+from roughcontact._parts.surfaces import FlatSurface, polynomial
+from roughcontact.reference.roughness import Waves, find_lay, transform_waves
+
+if TYPE_CHECKING:
+    from roughcontact._solve.solution.contact import ContactSolution
+
+# All constants were set on the tuned classes of docs/studies/sampling.py.
+# Tiles of a square domain along each side, between which the load is compared with the area, and cells along a side
+# of the coarse heights, which hold the longest waves.
+_TILES = 8
+_COARSE_CELLS = 64
+# Relative standard deviation of the area of one patch at a given load, and the number of tiles for which it counts.
+_PATCH_STD = 0.3
+_PATCH_WEIGHT = 3.0
+# Factors of the standard deviation of the area: of the tiles, and of the error of the mean square height.
+_AREA_FACTOR = 0.7
+_DEPENDENCE = 2.0
+# Factors of the standard deviation of the stiffness: of the error of the mean square height, and of the tiles.
+_STIFFNESS_FACTORS = (0.65, 1.5)
+# Maximum relative error of the mean square height that counts, and maximum ratio of slopes across and along a lay.
+_MAX_HEIGHT_ERROR = 0.6
+_MAX_LAY_RATIO = 10.0
+# Powers of that ratio with which tiles and maxima grow that are not independent along a lay.
+_TILE_LAY_EXPONENT = 0.4
+_PEAK_LAY_EXPONENT = 0.3
+# Stiffness of a square punch over that of an elliptic one, and minimum compliance by the roughness over all.
+_SQUARE_PUNCH_FACTOR = 1.02
+_MIN_ROUGH_FRACTION = 0.02
+# Stiffness of an elliptic punch over that of the rectangle around it.
+_ELLIPSE_FACTOR = math.sqrt(math.pi / 4.0) / _SQUARE_PUNCH_FACTOR
+# Minimum cells of coarse heights along an axis that determine a plane and roughness, and range of flat ones over all.
+_MIN_PLANE_CELLS = 4
+_FLATNESS = 1e-9
+# Highest local maxima of the pressure from which the fall of their number is measured, the fraction of all that they
+# are at most, the relative fall that is usual, the number of maxima that it counts for, and the factor.
+_PEAKS = 8
+_PEAK_FRACTION = 3
+_USUAL_FALL = 0.12
+_PEAK_WEIGHT = 4.0
+_PEAK_FACTOR = 0.9
+# Relative standard deviation of a maximum where a border cuts the contact.
+_CUT_PEAK_STD = 0.27
+
+
+@attrs.frozen
+class PlaceStatistics:
+    """Numbers of one place that tell how much others differ, without units.
+
+    Attributes
+    ----------
+    tiles
+        Standard deviation of the area at a given load, by the differences of the tiles.
+    elasticity
+        By how much per cent the area falls if the slopes grow by one.
+    height
+        Sampling error of the mean square height.
+    lay
+        Ratio of the rms slopes across and along the lay.
+    """
+
+    tiles: float
+    elasticity: float
+    height: float
+    lay: float
+
+
+def _is_sampled(solution: ContactSolution) -> bool:
+    """Return whether there are other places, and their differences can be estimated."""
+    if solution.origin is None or solution.tension is not None or not solution.status.success:
+        return False
+    is_random = any(one.is_random for one in solution.origin.surfaces)
+    # On a periodic boundary a form is a wave of the domain.
+    return is_random and (all(solution.boundary.free_axes) or not _has_form(solution))
+
+
+def _has_form(solution: ContactSolution) -> bool:
+    """Return whether a ball, say, is pressed on the roughness, so that it touches in a part of the domain."""
+    known = () if solution.origin is None else solution.origin.surfaces
+    return any(not (one.is_random or isinstance(one, FlatSurface)) for one in known)
+
+
+def find_area_sampling(solution: ContactSolution) -> float | None:
+    """Return the standard deviation of the area between places, over the area; None if it is not known."""
+    found = solution._place
+    if found is None:
+        return None
+    return _AREA_FACTOR * found.elasticity * found.tiles * (1.0 + _DEPENDENCE * found.height)
+
+
+def find_stiffness_sampling(solution: ContactSolution, stiffness: float) -> float | None:
+    """Return the standard deviation of the stiffness, N/m, between places, over it; None if it is not known."""
+    found = solution._place
+    free = solution.boundary.free_axes
+    if found is None or not math.isfinite(stiffness) or free[0] != free[1]:
+        return None
+    of_height, of_tiles = _STIFFNESS_FACTORS
+    rough = math.hypot(of_height * found.height, of_tiles * found.tiles)
+    if not free[0]:
+        return rough
+    # A flat punch as large as the domain, or the ellipse in which a ball touches, yields too, everywhere alike.
+    flat = _find_punch_stiffness(_find_window(solution).size, solution.modulus)
+    flat *= _ELLIPSE_FACTOR if _has_form(solution) else 1.0
+    return rough * max(1.0 - stiffness / flat, _MIN_ROUGH_FRACTION)
+
+
+def find_peak_sampling(solution: ContactSolution) -> float | None:
+    """Return the standard deviation of the maximum pressure between places, over it; None if it is not known."""
+    found = solution._place
+    if found is None:
+        return None
+    return 0.0 if solution.saturated.any() else _vary_maxima(solution, found.lay**_PEAK_LAY_EXPONENT)
+
+
+def find_place_statistics(solution: ContactSolution) -> PlaceStatistics | None:
+    """Return the statistics of the place; None where no other places are known, or without a contact or roughness."""
+    if not _is_sampled(solution) or not solution.contact.any():
+        return None
+    window = _find_window(solution)
+    waves = _find_long_waves(solution, window)
+    if waves is None:
+        return None
+    height = min(waves.spread(1.0) / waves.sum(1.0), _MAX_HEIGHT_ERROR)
+    lay = min(find_lay(waves), _MAX_LAY_RATIO)
+    elasticity = _find_elasticity(solution.patches.members.size / (window.shape[0] * window.shape[1]))
+    tiles = _compare_tiles(solution, window, elasticity) * lay**_TILE_LAY_EXPONENT
+    return PlaceStatistics(tiles, elasticity, height, lay)
+
+
+@attrs.frozen
+class _Window:
+    """The part of the domain in which the surfaces touch: first cells, numbers of cells, and sides, m."""
+
+    first: tuple[int, int]
+    shape: tuple[int, int]
+    size: tuple[float, float]
+
+
+def _find_window(solution: ContactSolution) -> _Window:
+    grid = solution.grid
+    if not _has_form(solution):
+        return _Window((0, 0), grid.shape, grid.size)
+    i, j = np.divmod(solution.patches.members, grid.shape[1])
+    nx, ny = (int(k.max() - k.min()) + 1 for k in (i, j))
+    dx, dy = grid.spacing
+    return _Window((int(i.min()), int(j.min())), (nx, ny), (nx * dx, ny * dy))
+
+
+def _find_edges(count: int, cells: int) -> IntArray:
+    """Return the first cell of each tile along an axis, and the number of cells; tiles differ by a cell at most."""
+    return np.arange(count + 1) * cells // count
+
+
+def _compare_tiles(solution: ContactSolution, window: _Window, elasticity: float) -> float:
+    r"""Return the standard deviation of the area at a given load, by tiles of a window.
+
+    With loads F and areas A of independent tiles the ratio of the sums, :math:`r = \sum A / \sum F`, has
+
+    .. math:: \left(\frac{s_r}{r}\right)^2 = \frac{\sum (A_i - r F_i)^2}{(\sum A_i)^2}
+    """
+    ratio = math.sqrt(window.size[0] / window.size[1])
+    nx, ny = (
+        max(1, min(round(_TILES * scale), cells))
+        for scale, cells in zip((ratio, 1.0 / ratio), window.shape, strict=True)
+    )
+    rows, columns = (
+        np.repeat(np.arange(count), np.diff(_find_edges(count, cells)))
+        for count, cells in zip((nx, ny), window.shape, strict=True)
+    )
+    members = solution.patches.members
+    i, j = np.divmod(members, solution.grid.shape[1])
+    tile = rows[i - window.first[0]] * ny + columns[j - window.first[1]]
+    pressures = solution.pressure.ravel()[members]
+    loads = np.bincount(tile, weights=pressures / pressures.sum(), minlength=nx * ny)
+    areas = np.bincount(tile, weights=np.full(members.size, 1.0 / members.size), minlength=nx * ny)
+    found = float(np.sum((areas - loads) ** 2))
+    count = 1.0 / float(np.sum(loads**2))
+    usual = (_PATCH_STD * elasticity) ** 2 / solution.patches.count
+    return math.sqrt((count * found + _PATCH_WEIGHT * usual) / (count + _PATCH_WEIGHT))
+
+
+def _find_elasticity(fraction: float) -> float:
+    """Return by how much per cent the area falls if the slopes grow by one, after Persson; 0 in full contact."""
+    if fraction >= 1.0:
+        return 0.0
+    ratio = float(special.erfinv(fraction))
+    return 2.0 / math.sqrt(math.pi) * ratio * math.exp(-(ratio**2)) / fraction
+
+
+def _find_long_waves(solution: ContactSolution, window: _Window) -> Waves | None:
+    """Return the waves of coarse heights, on a free boundary less their plane or form; None for flat surfaces."""
+    cells = window.shape
+    shape = (min(cells[0], _COARSE_CELLS), min(cells[1], _COARSE_CELLS))
+    gap = solution.initial_gap[tuple(slice(at, at + n) for at, n in zip(window.first, cells, strict=True))]
+    rows, columns = (_find_edges(n, full) for n, full in zip(shape, cells, strict=True))
+    narrow = np.array([gap[start:stop].mean(axis=0) for start, stop in itertools.pairwise(rows)])
+    coarse = np.array([narrow[:, start:stop].mean(axis=1) for start, stop in itertools.pairwise(columns)]).T
+    repeats = not solution.boundary.has_free_axis
+    if not repeats:
+        if min(shape) < _MIN_PLANE_CELLS:
+            return None
+        coarse = coarse - polynomial(coarse, 2 if _has_form(solution) else 1, None)
+    if not float(np.ptp(coarse)) > _FLATNESS * float(np.ptp(gap)):
+        return None
+    return transform_waves(coarse, Grid(shape, window.size), repeats)
+
+
+def _vary_maxima(solution: ContactSolution, dependence: float) -> float:
+    """Return the relative standard deviation of the maximum pressure, from the fall of the highest local maxima.
+
+    Of many independent places that have maxima with an exponential tail, the highest one scatters as the mean fall
+    from the highest to a lower one; `dependence` is the factor for a lay.
+    """
+    pressure = solution.pressure
+    cells = solution.patches.members
+    i, j = np.divmod(cells, pressure.shape[1])
+    around = extend(pressure, 1, solution.boundary)
+    own = pressure.ravel()[cells]
+    highest = np.ones(cells.size, dtype=bool)
+    for step in range(9):
+        highest &= own >= around[i + step // 3, j + step % 3]
+    maxima = np.sort(own[highest])[::-1]
+    count = min(_PEAKS, max(1, maxima.size // _PEAK_FRACTION))
+    beyond = float(maxima[count]) if maxima.size > count else 0.0
+    fall = (float(maxima[:count].mean()) - beyond) / float(maxima[0])
+    fall = math.sqrt((count * fall**2 + _PEAK_WEIGHT * _USUAL_FALL**2) / (count + _PEAK_WEIGHT))
+    free_x, free_y = solution.boundary.free_axes
+    nx, ny = pressure.shape
+    cut = bool((free_x & ((i == 0) | (i == nx - 1)) | free_y & ((j == 0) | (j == ny - 1))).any())
+    return math.hypot(_PEAK_FACTOR * dependence * fall, _CUT_PEAK_STD if cut else 0.0)
+
+
+def _find_punch_stiffness(sides: tuple[float, float], modulus: float) -> float:
+    """Return the stiffness of a flat rectangular punch, from that of an ellipse of its area and sides, N/m."""
+    ratio = min(sides) / max(sides)
+    longer = max(sides) / math.sqrt(math.pi)
+    return _SQUARE_PUNCH_FACTOR * math.pi * modulus * longer / float(special.ellipk(1.0 - ratio**2))

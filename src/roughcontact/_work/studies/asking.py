@@ -1,0 +1,143 @@
+"""Responses in tables of names and numbers, for the command line and the page: their fields, and their answers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, TypeAlias, get_type_hints
+
+import attrs
+
+from roughcontact._base.arrays import Array, Pair
+from roughcontact._base.registry import Registry
+from roughcontact._base.units import Estimate
+from roughcontact._solve.solution import Response, responses
+from roughcontact._work.studies.answers import list_estimates
+from roughcontact._work.studies.form import Form, list_fields
+from roughcontact.errors import InputError
+from roughcontact.errors.door import guarded
+
+# What each response that was asked for says of each solution, by the name of the response.
+Answers: TypeAlias = Mapping[str, Sequence[Any]]
+
+
+@attrs.frozen
+class ResponseField:
+    """A field of a response, as a form asks for it.
+
+    Attributes
+    ----------
+    name
+        The name.
+    unit
+        SI unit of its number; empty for a number without one, None if it is not a number.
+    is_pair
+        Whether it is one number or two.
+    is_needed
+        Whether it has no default.
+    """
+
+    name: str
+    unit: str | None
+    is_pair: bool
+    is_needed: bool
+
+
+@attrs.frozen
+class ResponseForm:
+    """What a form asks for a registered response.
+
+    Attributes
+    ----------
+    summary
+        What the response says, in a line.
+    fields
+        Its fields.
+    is_array
+        Whether it answers a number for each cell, which is for scripts.
+    """
+
+    summary: str
+    fields: tuple[ResponseField, ...]
+    is_array: bool
+
+
+@guarded
+def describe_response(name: str) -> ResponseForm:
+    """Return what a form asks for the response with a registered name; `InputError` if it cannot be loaded.
+
+    Examples
+    --------
+    >>> from roughcontact.typing import describe_response
+    >>> [(field.name, field.unit) for field in describe_response("leakage").fields if field.is_needed]
+    [('viscosity', 'Pa s'), ('pressure_drop', 'Pa')]
+    """
+    cls = responses[name]
+    line = (cls.__doc__ or "").partition("\n")[0].partition(":math:")[0].strip(" ,.")
+    fields = []
+    # Those of a class that is not of attrs are for scripts.
+    for field, found in list_fields(cls).items() if attrs.has(cls) else ():
+        plain = "" if found.kind in (float, Pair) else None
+        unit = plain if found.unit is None else found.unit
+        fields.append(ResponseField(field, unit, found.kind == Pair, found.required))
+    is_array = get_type_hints(cls.respond).get("return") == Array
+    return ResponseForm(line[:1].lower() + line[1:], tuple(fields), is_array)
+
+
+def build_part(registry: Registry[Any], name: str, fields: Mapping[str, Any], what: str) -> Any:
+    """Return the part with a registered name and fields as in a study file; `InputError` begins with `what`."""
+    form = Form()
+    part = form.read(registry.base, {**fields, "type": name}, "")
+    for place, error in form.faults:
+        raise InputError(f"{what}{place and f' {place}'}: {error}") from error
+    return part
+
+
+@guarded
+def build_response(name: str, fields: Mapping[str, Any]) -> Response[Any]:
+    """Return the response with a registered name.
+
+    Parameters
+    ----------
+    name
+        The name.
+    fields
+        Its fields by name, numbers in SI units or texts as in a study file.
+
+    Raises
+    ------
+    InputError
+        If a field is wrong or missing.
+
+    Examples
+    --------
+    >>> from roughcontact.typing import build_response
+    >>> build_response("leakage", {"viscosity": "1 mPa.s", "pressure_drop": 1e5})
+    GapFlow(axis=0, viscosity=0.001, pressure_drop=100000.0)
+    """
+    response: Response[Any] = build_part(responses, name, fields, name)
+    return response
+
+
+@guarded
+def tabulate_answers(answers: Answers) -> dict[str, list[Estimate]]:
+    """Return a column for each number that responses have answered, in the order of the solutions.
+
+    Parameters
+    ----------
+    answers
+        The results of each response, one for each solution, by the name of the response.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> from roughcontact.typing import tabulate_answers
+    >>> columns = tabulate_answers({"stiffness": [rc.Estimate(2e6, 1e4, "N/m")]})
+    >>> print(*columns["stiffness"])
+    2 MN/m +- 0.5 %
+    """
+    columns: dict[str, list[Estimate]] = {}
+    for name, found in answers.items():
+        for result in found:
+            for part, one in list_estimates(result).items():
+                columns.setdefault(f"{name} {part}".strip(), []).append(one)
+    return columns

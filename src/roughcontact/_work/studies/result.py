@@ -1,0 +1,302 @@
+"""The result of a study: its records as a table, as arrays over its axes, and as a figure."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any, overload
+
+import attrs
+import numpy as np
+
+from roughcontact._base.arrays import RealArray
+from roughcontact._base.checks import flag, item_of
+from roughcontact._base.tables import Table, make_dataset
+from roughcontact._base.units import Estimate, counted
+from roughcontact._parts.grid import FIRST_LOADING, Load
+from roughcontact._solve.problem import FrictionalPath, load_path
+from roughcontact._solve.solution import ContactSolution
+from roughcontact._work.studies.record import COUNT_COLUMNS, FRICTION_UNITS, Record, read_solution, solution_path
+from roughcontact.errors import InputError
+
+_UNITS = {
+    "force": "N",
+    "mean_pressure": "Pa",
+    "approach": "m",
+    "p_max": "Pa",
+    "saturated_area": "m2",
+    "seconds": "s",
+    "peak_pressure": "Pa",
+    "peak_pressure_uncertainty": "Pa",
+}
+_NO_AREA = (np.nan, np.nan)
+# Solves whose answers are printed: the first and the last ones of a longer study.
+_MAX_PRINTED_ROWS = 40
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class StudyResult:
+    """All records of a study, in its order: iterable, with `len` and ``[]``.
+
+    Attributes
+    ----------
+    folder
+        The folder of the solutions.
+    records
+        One for each problem, seed and load.
+    computed
+        How many of them were solved now, and not found in the folder.
+    """
+
+    folder: Path
+    records: tuple[Record, ...]
+    computed: int
+
+    def __iter__(self) -> Iterator[Record]:
+        return iter(self.records)
+
+    def __len__(self) -> int:
+        return len(self.records)
+
+    @overload
+    def __getitem__(self, index: int) -> Record: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> tuple[Record, ...]: ...
+
+    def __getitem__(self, index: int | slice) -> Record | tuple[Record, ...]:
+        return item_of(self.records, index, "The index of a record")
+
+    @property
+    def failed(self) -> tuple[Record, ...]:
+        """The records without a certified solution, or without an area that was asked for: their messages say why."""
+        return tuple(record for record in self.records if record.message or not record.success)
+
+    def solution(self, record: Record) -> ContactSolution:
+        """Return the solution of a record from its file; `InputError` if there is none, or it is damaged.
+
+        Of a path with friction it is the contact at its end.
+        """
+        return self.path(record)[-1].contact if record.has_friction else read_solution(self.folder, record.key)
+
+    def path(self, record: Record) -> FrictionalPath:
+        """Return the path with friction of a record from its file; `InputError` if there is none, or it is damaged."""
+        if not record.has_friction:
+            raise InputError("This record has no path: a study with friction= and tangential_force= has some.")
+        return load_path(solution_path(self.folder, record.key), verify=False, key=record.key)
+
+    def plot(
+        self,
+        x: str = "load",
+        y: str = "area",
+        *,
+        color: str | None = None,
+        over: str | None = None,
+        axes: Any = None,
+        dark: bool = False,
+    ) -> Any:
+        """Draw one column over another one (extra ``plot``), with a band of two standard deviations.
+
+        Parameters
+        ----------
+        x, y
+            Columns of `to_pandas`; ``"area"`` is that of the first estimator. Units are chosen.
+        color
+            A column, of whose values each has a curve.
+        over
+            An axis, such as ``"seed"``: drawn are the mean and the scatter over it, in place of the uncertainty.
+        axes, dark
+            As for `ContactSolution.plot`.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes.
+
+        Raises
+        ------
+        InputError
+            If there is no such column, or several solves have the same place on a curve.
+
+        Examples
+        --------
+        >>> import roughcontact as rc
+        >>> def make(seed: int, hurst: float) -> rc.ContactProblem:
+        ...     rough = rc.SelfAffineSurface(hurst=hurst, rms_slope=0.1, shortest=8e-6, longest=64e-6, seed=seed)
+        ...     body = rc.Body(rough, rc.Elastic(young=210e9, poisson=0.3))
+        ...     return rc.ContactProblem(body, grid=rc.Grid((32, 32), 64e-6), boundary="periodic")
+        >>> study = rc.Study(make, seed=[1, 2], hurst=[0.5, 0.8], pressure=[50e6, 100e6])
+        >>> from tempfile import TemporaryDirectory
+        >>> with TemporaryDirectory() as folder:
+        ...     axes = study.run(folder).plot(color="hurst", over="seed")
+        >>> axes.get_xlabel(), axes.get_ylabel()
+        ('load, MPa', 'area blend, µm²')
+        """
+        from roughcontact.plotting import StudyNames, draw_study
+
+        table = self._table
+        estimated = [name for name in table.columns if name.startswith("area ")]
+        y = estimated[0] if y == "area" and estimated else y
+        for name in (x, y, color, over):
+            if name is not None and name not in table.columns:
+                raise InputError.unknown("column", name, table.columns)
+        near = (y.replace("area ", "uncertainty ", 1), f"{y}_uncertainty")
+        spread = next((name for name in near if name != y and name in table.columns), "")
+        return draw_study(table, StudyNames(x, y, spread, color or "", over or ""), axes, flag(dark, "dark="))
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Write the columns of `to_pandas` to a CSV file, completely or not at all.
+
+        It has a row for each solve; the units are in the heading, as ``force [N]``.
+        """
+        self._table.to_csv(path)
+
+    def to_pandas(self) -> Any:
+        """Return a `pandas.DataFrame` with a row for each solve (extra ``table``).
+
+        Its columns are the axes of the study, or ``problem`` and ``seed``, then those of a `Record`: ``load``,
+        ``status``, ``mean_pressure``, ``approach``, ``area blend``, ``uncertainty blend`` and so on, in the units of
+        ``frame.attrs["units"]``. What is missing is NaN. ``warnings`` is a text, empty where there are none.
+        """
+        return self._table.to_pandas()
+
+    def to_xarray(self) -> Any:
+        """Return an `xarray.Dataset` over the axes of the study and the load (extra ``store``).
+
+        The dimensions are the axes, or ``problem`` and ``seed``, then ``load``; ``area`` and ``area_uncertainty``
+        have the dimension ``estimator`` too if there are several. What is missing is NaN, and its status
+        and warnings are empty.
+        """
+        places = self._places
+        positions = [{value: position for position, value in enumerate(values)} for values in places.values()]
+        index = [
+            tuple(known[_place(record, name)] for name, known in zip(places, positions, strict=True))
+            for record in self.records
+        ]
+        rows = [record.row() for record in self.records]
+        estimators = list(dict.fromkeys(name for record in self.records for name in record.areas))
+
+        def spread(values: Iterable[Any], missing: object, kind: type) -> RealArray:
+            filled: RealArray = np.full([len(known) for known in positions], missing, dtype=kind)
+            for where, value in zip(index, values, strict=True):
+                filled[where] = value
+            return filled
+
+        answers = {
+            column: unit for name, unit in self._answer_units.items() for column in (name, f"{name}_uncertainty")
+        }
+        friction = FRICTION_UNITS if any(record.has_friction for record in self.records) else {}
+        variables: dict[str, Any] = {
+            name: (tuple(places), spread((row.get(name, np.nan) for row in rows), np.nan, float), {"units": unit})
+            for name, unit in {**_UNITS, **friction, **answers, **dict.fromkeys(COUNT_COLUMNS, "")}.items()
+        }
+        for name in ("status", "warnings"):
+            variables[name] = (tuple(places), spread((row[name] for row in rows), "", object).astype(str))
+        for part, name in enumerate(("area", "area_uncertainty")):
+            values = [
+                spread((one.areas.get(estimator, _NO_AREA)[part] for one in self), np.nan, float)
+                for estimator in estimators
+            ]
+            variables[name] = (("estimator", *places), values or np.empty((0, *map(len, positions))), {"units": "m2"})
+        coordinates: dict[str, Any] = {name: (name, values) for name, values in places.items()}
+        coordinates["load"] = ("load", places["load"], {"units": self._load_unit})
+        dataset = make_dataset(variables, {**coordinates, "estimator": estimators}, {"folder": str(self.folder)})
+        return dataset.squeeze("estimator") if len(estimators) == 1 else dataset
+
+    @property
+    def _load_unit(self) -> str:
+        units = {Load(record.control, record.load).unit for record in self.records}
+        return units.pop() if len(units) == 1 else ""
+
+    @property
+    def _places(self) -> dict[str, list[Any]]:
+        """The values on each axis, in the order in which they first occur."""
+        axes = list(dict.fromkeys(name for record in self.records for name in record.parameters))
+        if not axes:
+            seeds = any(record.seed is not None for record in self.records)
+            axes = ["problem", *["seed"][:seeds]]
+        return {name: list(dict.fromkeys(_place(one, name) for one in self.records)) for name in (*axes, "load")}
+
+    @property
+    def _answer_units(self) -> dict[str, str]:
+        """The unit of each number of the responses, by its column."""
+        return {name: one.unit for record in self.records for name, one in record.estimates.items()}
+
+    @property
+    def _columns(self) -> dict[str, list[Any]]:
+        rows = [record.row() for record in self.records]
+        names = dict.fromkeys(name for row in rows for name in row)
+        return {name: [row.get(name) for row in rows] for name in names}
+
+    @property
+    def _table(self) -> Table:
+        columns = self._columns
+        known = {**_UNITS, **FRICTION_UNITS}
+        units = {name: known[name] for name in columns if name in known}
+        units |= {name: "m2" for name in columns if name.startswith(("area ", "uncertainty "))}
+        for name, unit in self._answer_units.items():
+            units |= {name: unit, f"{name}_uncertainty": unit}
+        return Table(columns, units | {"load": self._load_unit})
+
+    def __repr__(self) -> str:
+        return f"<StudyResult {self._summary}>"
+
+    def _repr_html_(self) -> str:
+        return self._answers.to_html(self._summary, *self._notes)
+
+    def __str__(self) -> str:
+        answers = self._answers.to_text(keys=len(self._places), max_rows=_MAX_PRINTED_ROWS)
+        return "\n".join([self._summary, "", answers, *self._notes])
+
+    @property
+    def _answers(self) -> Table:
+        """The table for people: the axes, the load, and the answers with their uncertainties."""
+        rows = self.records
+        columns: dict[str, list[Any]] = {name: [_place(record, name) for record in rows] for name in self._places}
+        if not all(record.success for record in rows):
+            columns["status"] = [record.status for record in rows]
+        for name in dict.fromkeys(name for record in rows for name in record.areas):
+            pairs = [record.areas.get(name, _NO_AREA) for record in rows]
+            columns[f"area {name}"] = [Estimate(area, uncertainty, "m2") for area, uncertainty in pairs]
+        columns["maximum pressure"] = [
+            Estimate(record.peak_pressure, record.peak_pressure_uncertainty, "Pa") for record in rows
+        ]
+        if any(record.has_friction for record in rows):
+            lost = [(one.dissipated, one.dissipated_uncertainty) for one in rows]
+            stick = [(one.stick_area, one.stick_area_uncertainty) for one in rows]
+            columns["energy lost"] = [_estimate(*pair, "J") for pair in lost]
+            columns["area that sticks"] = [_estimate(*pair, "m2") for pair in stick]
+        for name in self._answer_units:
+            columns[name.replace("_", " ")] = [record.estimates.get(name) for record in rows]
+        given = {record.control for record in rows}
+        if given != {"pressure"}:
+            columns["mean pressure"] = [record.mean_pressure for record in rows]
+        if given != {"approach"}:
+            columns["approach"] = [record.approach for record in rows]
+        if any(record.doubtful for record in rows):
+            columns["doubtful"] = ["yes" if record.doubtful else "" for record in rows]
+        return Table(columns, {"load": self._load_unit, "mean pressure": "Pa", "approach": "m"})
+
+    @property
+    def _notes(self) -> list[str]:
+        return [FIRST_LOADING] if any(record.saturated > 0.0 for record in self.records) else []
+
+    @property
+    def _summary(self) -> str:
+        counts = {
+            "a certified solution": sum(not record.success for record in self.records),
+            "all areas and answers": sum(record.success for record in self.failed),
+        }
+        bad = "".join(f", {count} without {what}" for what, count in counts.items() if count)
+        if doubtful := sum(record.doubtful for record in self.records):
+            bad += f", {doubtful} doubtful (see their warnings)"
+        return f"{counted(len(self), 'solve')}, {self.computed} of them now{bad}, in {self.folder}"
+
+
+def _estimate(value: float | None, uncertainty: float | None, unit: str) -> Estimate | None:
+    return None if value is None or uncertainty is None else Estimate(value, uncertainty, unit)
+
+
+def _place(record: Record, name: str) -> Any:
+    return record.parameters[name] if name in record.parameters else getattr(record, name)

@@ -1,0 +1,285 @@
+"""The sampling error: how much other places of the same rough surface differ."""
+
+import copy
+import gc
+import math
+import pickle
+import weakref
+
+import attrs
+import numpy as np
+import pytest
+from scipy import special
+
+import roughcontact as rc
+from roughcontact._solve.solution import list_answers, sampling
+
+STEEL = rc.Elastic(young=210e9, poisson=0.3)
+SLOPE = 0.1
+
+
+def draw(shape, size, seed, longest, shortest):
+    """Return Gaussian heights of a self-affine surface, whose rms slope is that of its spectrum over many seeds."""
+    grid = rc.Grid(shape, size)
+    qx, qy = (np.fft.fftfreq(n, step) for n, step in zip(grid.shape, grid.spacing, strict=True))
+    q = np.hypot(qx[:, None], qy)
+    power = np.where((q > 0.0) & (q <= 1.0 / shortest), np.maximum(q, 1.0 / longest) ** -3.6, 0.0)
+    power *= SLOPE**2 / np.sum((2.0 * np.pi * q) ** 2 * power)
+    white = np.random.default_rng(seed).normal(size=shape)
+    return np.fft.ifft2(np.fft.fft2(white) * np.sqrt(power)).real * math.sqrt(grid.cells)
+
+
+def press(heights, size, ratio=0.03, boundary="periodic", material=STEEL):
+    """Return the contact of a map at a load that is `ratio` times its rms slope times the modulus."""
+    height_map = rc.HeightMap(heights, size=size, periodic=boundary == "periodic")
+    problem = rc.ContactProblem(rc.Body(height_map, material), boundary=boundary)
+    return problem.solve(pressure=ratio * SLOPE * STEEL.young / (1.0 - STEEL.poisson**2))
+
+
+def relative(solution):
+    answers = (solution.area(), solution.stiffness(), solution.peak_pressure())
+    return np.array([one.sampling / one.value for one in answers])
+
+
+@pytest.fixture(scope="module")
+def rough():
+    return press(draw((64, 64), 64e-6, 1, 16e-6, 4e-6), 64e-6)
+
+
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+def test_the_sampling_error_tells_the_scatter_of_places(boundary):
+    places = [press(draw((48, 48), 48e-6, seed, 12e-6, 4e-6), 48e-6, boundary=boundary) for seed in range(10)]
+    for ask in (rc.ContactSolution.area, rc.ContactSolution.stiffness, rc.ContactSolution.peak_pressure):
+        answers = [ask(place) for place in places]
+        values = np.array([one.value for one in answers])
+        stated = np.array([one.sampling for one in answers])
+        assert np.mean(np.abs(values - values.mean()) < 2.0 * stated) >= 0.8
+        assert 0.5 < np.median(stated) / values.std(ddof=1) < 2.5
+
+
+def test_a_larger_map_is_known_better():
+    small = relative(press(draw((64, 64), 64e-6, 1, 16e-6, 4e-6), 64e-6))
+    large = relative(press(draw((256, 256), 256e-6, 1, 16e-6, 4e-6), 256e-6))
+    assert 0.15 < large[0] / small[0] < 0.4  # a quarter, by the number of independent waves
+    assert 0.15 < large[1] / small[1] < 0.4
+
+
+@pytest.mark.parametrize(
+    ("shape", "size"), [((128, 16), (128e-6, 16e-6)), ((63, 45), (63e-6, 135e-6)), ((64, 66), (64e-6, 66e-6))]
+)
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+def test_a_transposed_map_has_the_same(shape, size, boundary):
+    heights = draw(shape, size, 3, 24e-6, 8e-6)
+    upright = relative(press(heights, size, boundary=boundary))
+    lying = relative(press(heights.T, size[::-1], boundary=boundary))
+    assert np.isfinite(upright).all()
+    assert upright == pytest.approx(lying, rel=1e-4)
+
+
+def test_a_scaled_map_has_the_same(rough):
+    larger = press(1e3 * draw((64, 64), 64e-6, 1, 16e-6, 4e-6), 64e-3)
+    assert relative(larger) == pytest.approx(relative(rough), rel=1e-6)
+
+
+def test_a_turned_off_form_does_not_count():
+    heights = draw((64, 64), 64e-6, 1, 16e-6, 4e-6)
+    x = np.linspace(-1.0, 1.0, 64)
+    tilted = rc.HeightMap(heights + 1e-6 * x[:, None], size=64e-6).detrend(1)
+    level = rc.HeightMap(heights, size=64e-6).detrend(1)
+    load = {"pressure": 0.3e9}
+    pair = [rc.ContactProblem(rc.Body(one, STEEL)).solve(**load).area() for one in (tilted, level)]
+    assert pair[0].sampling == pytest.approx(pair[1].sampling, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    "surface",
+    [
+        rc.WavySurface(1e-6, 32e-6),
+        rc.SphereSurface(1e-3),
+    ],
+)
+def test_without_a_rough_surface_there_is_none(surface):
+    solution = rc.ContactProblem(rc.Body(surface, STEEL), grid=rc.Grid((32, 32), 64e-6), boundary="free").solve(
+        force=1e-3
+    )
+    assert solution.area().sampling is None
+    assert solution.stiffness().sampling is None
+    assert solution.peak_pressure().sampling is None
+    assert "other places" not in str(solution)
+
+
+def test_a_rough_surface_on_a_flat_or_a_rough_one_has_some():
+    surface = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.1, shortest=8e-6, longest=32e-6)
+    grid = rc.Grid((32, 32), 64e-6)
+    for one in (surface, rc.FlatSurface() + surface):
+        problem = rc.ContactProblem(
+            rc.Body(one, STEEL), rc.Body(surface.reseed(1), STEEL), grid=grid, boundary="periodic"
+        )
+        solution = problem.solve(pressure=100e6)
+        assert 0.0 < solution.area().sampling < solution.area().value
+
+
+def test_below_a_ball_it_is_that_of_the_part_in_contact():
+    size = (96e-6, 64e-6)
+    heights = draw((96, 64), size, 1, 16e-6, 4e-6)
+
+    def press_ball(heights, size, force):
+        body = rc.Body(rc.HeightMap(heights, size=size), STEEL)
+        ball = rc.Body(rc.SphereSurface(100e-6), rc.Rigid())
+        return rc.ContactProblem(body, ball).solve(force=force)
+
+    light = press_ball(heights, size, 0.1)
+    heavy = press_ball(heights, size, 1.0)
+    assert max(sampling._find_window(heavy).shape) < 50
+    assert 0.0 < relative(heavy)[0] < relative(light)[0]
+    assert relative(heavy) == pytest.approx(relative(press_ball(heights.T, size[::-1], 1.0)), rel=1e-4)
+
+
+def test_a_contact_too_small_to_tell_has_none():
+    heights = draw((32, 32), 32e-6, 1, 16e-6, 8e-6)
+    ball = rc.Body(rc.SphereSurface(60e-6), STEEL)
+    tiny = rc.ContactProblem(rc.Body(rc.HeightMap(heights, size=32e-6), STEEL), ball).solve(force=1e-4)
+    assert max(sampling._find_window(tiny).shape) < 4
+    assert tiny.area().sampling is None
+
+
+def test_a_surface_of_ones_own_says_whether_it_is_random():
+    class Made(rc.Surface):
+        def heights(self, grid):
+            return draw(grid.shape, grid.size, 1, 16e-6, 4e-6)
+
+    class Random(Made):
+        is_random = True
+
+    def ask(surface):
+        problem = rc.ContactProblem(rc.Body(surface, STEEL), grid=rc.Grid((32, 32), 32e-6), boundary="periodic")
+        return problem.solve(pressure=100e6).area().sampling
+
+    assert ask(Made()) is None
+    assert ask(Random()) > 0.0
+
+
+def test_an_area_does_not_keep_its_solution():
+    solution = press(draw((32, 32), 32e-6, 1, 16e-6, 4e-6), 32e-6)
+    area = solution.area()
+    reference = weakref.ref(solution)
+    del solution
+    gc.collect()
+    assert reference() is None
+    assert area.sampling > 0.0
+
+
+def test_pickles_and_copies_hold_the_number(rough):
+    area = rough.area()
+    for one in (pickle.loads(pickle.dumps(area)), copy.deepcopy(area)):
+        assert one.sampling == area.sampling
+        assert one == area
+    assert len(pickle.dumps(area)) < 20_000
+    assert pickle.loads(pickle.dumps(rough)).area().sampling == area.sampling
+
+
+def test_a_solution_from_a_file_has_the_same(rough, tmp_path):
+    rough.save(tmp_path / "rough.npz")
+    assert rc.ContactSolution.load(tmp_path / "rough.npz").area().sampling == pytest.approx(rough.area().sampling)
+
+
+def test_all_estimators_state_the_same_part(rough):
+    parts = {name: rough.area(name) for name in ("blend", "cell-count", "level-set")}
+    ratios = [one.sampling / one.value for one in parts.values()]
+    assert ratios == pytest.approx([ratios[0]] * 3)
+    assert rc.Estimate(1.0, 0.1, "m").sampling is None
+
+
+def test_full_contact_has_the_same_area_everywhere():
+    solution = press(draw((32, 32), 32e-6, 1, 16e-6, 8e-6), 32e-6, ratio=10.0)
+    assert solution.contact.all()
+    assert solution.area().sampling == 0.0
+    assert solution.stiffness().sampling is None
+
+
+def test_where_the_hardness_is_reached_the_maximum_is_known():
+    soft = rc.ElasticPerfectlyPlastic(young=210e9, poisson=0.3, hardness=2e9)
+    solution = press(draw((64, 64), 64e-6, 1, 16e-6, 4e-6), 64e-6, material=soft)
+    assert solution.saturated.any()
+    assert solution.peak_pressure().sampling == 0.0
+    assert solution.area().sampling > 0.0
+    assert solution.saturated_area().sampling is None
+
+
+def test_on_a_mixed_boundary_the_stiffness_has_none():
+    solution = press(draw((32, 32), 32e-6, 1, 16e-6, 4e-6), 32e-6, boundary=("free", "periodic"))
+    assert solution.stiffness().sampling is None
+    assert solution.area().sampling > 0.0
+
+
+@pytest.mark.parametrize(
+    ("shape", "boundary", "known"),
+    [
+        ((64, 1), "periodic", True),
+        ((64, 1), ("free", "periodic"), False),
+        ((3, 3), "free", False),
+        ((2, 50), "free", False),
+        ((130, 7), "free", True),
+        ((32, 32), "wrapped", True),
+    ],
+)
+def test_narrow_and_tiny_domains(shape, boundary, known):
+    heights = 1e-8 * np.random.default_rng(0).normal(size=shape)
+    surface = rc.HeightMap(heights, size=(shape[0] * 1e-6, shape[1] * 1e-6), periodic=True)
+    area = rc.ContactProblem(rc.Body(surface, STEEL), boundary=boundary).solve(pressure=50e6).area()
+    assert (area.sampling is not None) is known
+    assert not known or 0.0 < area.sampling < area.value
+
+
+def test_surfaces_that_attract_each_other_have_none():
+    heights = draw((32, 32), 32e-6, 1, 16e-6, 8e-6)
+    law = rc.Exponential(work=0.05, range=50e-9)
+    surface = rc.HeightMap(heights, size=32e-6, periodic=True)
+    problem = rc.ContactProblem(rc.Body(surface, rc.Elastic(1e9, 0.3)), boundary="periodic", adhesion=law)
+    assert problem.solve(pressure=10e6).area().sampling is None
+
+
+def test_tiles_that_carry_in_proportion_to_their_area_do_not_differ(rough):
+    even = attrs.evolve(rough, pressure=np.where(rough.contact, 1e9, 0.0))
+    whole = sampling._find_window(even)
+    usual = 0.3 / math.sqrt(even.patches.count)
+    assert 0.0 < sampling._compare_tiles(even, whole, 1.0) < usual
+    # Half of the tiles carry twice the pressure of the others.
+    left = np.arange(64)[:, None] < 32
+    uneven = attrs.evolve(rough, pressure=np.where(rough.contact, np.where(left, 2e9, 1e9), 0.0))
+    assert sampling._compare_tiles(uneven, whole, 1.0) > 2.0 * sampling._compare_tiles(even, whole, 1.0)
+
+
+@pytest.mark.parametrize("fraction", [0.01, 0.3, 0.9])
+def test_the_elasticity_is_the_derivative_of_the_area_of_persson(fraction):
+    ratio = special.erfinv(fraction)
+    step = 1e-5
+    derivative = (math.log(special.erf(ratio / (1 + step))) - math.log(special.erf(ratio / (1 - step)))) / (2 * step)
+    assert sampling._find_elasticity(fraction) == pytest.approx(-derivative, rel=1e-6)
+
+
+def test_a_flat_punch_of_the_domain_has_its_stiffness():
+    # A square punch: 1.152 E* times its side (Borodich, Galanov 2002).
+    found = sampling._find_punch_stiffness((1e-3, 1e-3), 1e9)
+    assert found == pytest.approx(1.152 * 1e9 * 1e-3, rel=2e-3)
+
+
+def test_the_print_and_the_report_tell_it(rough):
+    (line,) = (line for line in str(rough).splitlines() if line.startswith("other places"))
+    percent = 100.0 * rough.area().sampling / rough.area().value
+    assert f"contact area +- {percent:.2g} %" in line
+    # The report has the rows of this list.
+    assert line.split(maxsplit=2)[2] == list_answers(rough)["other places"]
+
+
+def test_parts_of_a_measured_map_agree_within_their_sampling_errors(measured_maps):
+    pytest.importorskip("SurfaceTopography")
+    whole = rc.read_surface(measured_maps / "plu-1.plu", non_measured="fill")
+    size = tuple(96 * step for step in whole.grid.spacing)
+    areas = []
+    for i in range(0, 768, 192):
+        for j in range(0, 576, 192):
+            part = rc.HeightMap(whole.values[i : i + 96, j : j + 96], size=size).detrend(2)
+            areas.append(rc.ContactProblem(rc.Body(part, STEEL)).solve(pressure=16e6).area())
+    mean = np.mean([one.value for one in areas])
+    assert np.mean([abs(one.value - mean) < 2.0 * one.sampling for one in areas]) >= 0.8
