@@ -37,7 +37,6 @@ from roughcontact._base.machine import available_memory, available_threads, limi
 from roughcontact._base.tables import Table
 from roughcontact._base.units import ContactWarning, binary, quantity, si, write_column
 from roughcontact._faces.cli import Command
-from roughcontact._faces.html.report import write_report
 from roughcontact._parts.files import RawMap, read_raw
 from roughcontact._parts.grid import Load
 from roughcontact._parts.interactions import BoundInteraction
@@ -119,6 +118,7 @@ from roughcontact._work.studies import (
     build_response,
     describe_response,
     tabulate_answers,
+    write_report,
 )
 from roughcontact.responses import (
     Conductance,

@@ -65,7 +65,6 @@ from roughcontact._solve.solution import (
     versions,
 )
 from roughcontact._work.studies import Answers
-from roughcontact.errors.door import guarded
 
 # As in CITATION.cff (tests/test_html.py compares them); the year as in the licence.
 TITLE = "roughcontact"
@@ -239,26 +238,6 @@ class HtmlWriter(SolutionWriter):
             picture = draw_panel("solution", solution, "pressure")
             shown += tag("img", src=picture, alt="The contact pressure", style="max-width: 24rem")
         return shown
-
-
-@guarded
-def write_report(solutions: Sequence[ContactSolution], path: Path, answers: Answers = _NO_ANSWERS) -> None:
-    """Write the report of one load or several, with what responses have answered.
-
-    Parameters
-    ----------
-    solutions
-        The solutions.
-    path
-        The HTML file.
-    answers
-        The results of each response, one for each solution, by the name of the response.
-    """
-    writer = HtmlWriter()
-    several = len(solutions) > 1
-    text = writer.sweep_text(Sweep(tuple(solutions)), answers) if several else writer.text(solutions[0], answers)
-    with replacing(path) as partial:
-        partial.write_text(text, encoding="utf-8")
 
 
 def _make_page(title: str, parts: Iterable[str]) -> str:

@@ -9,6 +9,7 @@ from roughcontact._work.studies.asking import (
     build_response,
     describe_response,
     tabulate_answers,
+    write_report,
 )
 from roughcontact._work.studies.form import Form, build_problem
 from roughcontact._work.studies.record import Record
@@ -31,4 +32,5 @@ __all__ = [
     "describe_response",
     "list_estimates",
     "tabulate_answers",
+    "write_report",
 ]

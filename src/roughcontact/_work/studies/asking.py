@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from pathlib import Path
+from types import MappingProxyType
 from typing import Any, TypeAlias, get_type_hints
 
 import attrs
@@ -10,7 +12,8 @@ import attrs
 from roughcontact._base.arrays import Array, Pair
 from roughcontact._base.registry import Registry
 from roughcontact._base.units import Estimate
-from roughcontact._solve.solution import Response, responses
+from roughcontact._solve.problem import Sweep
+from roughcontact._solve.solution import ContactSolution, Response, page_or_file, responses, writers
 from roughcontact._work.studies.answers import list_estimates
 from roughcontact._work.studies.form import Form, list_fields
 from roughcontact.errors import InputError
@@ -18,6 +21,7 @@ from roughcontact.errors.door import guarded
 
 # What each response that was asked for says of each solution, by the name of the response.
 Answers: TypeAlias = Mapping[str, Sequence[Any]]
+_NO_ANSWERS: Answers = MappingProxyType({})
 
 
 @attrs.frozen
@@ -141,3 +145,22 @@ def tabulate_answers(answers: Answers) -> dict[str, list[Estimate]]:
             for part, one in list_estimates(result).items():
                 columns.setdefault(f"{name} {part}".strip(), []).append(one)
     return columns
+
+
+@guarded
+def write_report(solutions: Sequence[ContactSolution], path: Path, answers: Answers = _NO_ANSWERS) -> None:
+    """Write the report of one load or several, with what responses have answered.
+
+    Parameters
+    ----------
+    solutions
+        The solutions.
+    path
+        The HTML file.
+    answers
+        The results of each response, one for each solution, by the name of the response.
+    """
+    writer: Any = writers.create("html")
+    several = len(solutions) > 1
+    subject: Any = Sweep(tuple(solutions)) if several else solutions[0]
+    page_or_file(lambda: (writer.sweep_text if several else writer.text)(subject, answers), path)
