@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import os
+import io
 import sys
 from collections.abc import Sequence
 
@@ -105,7 +105,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     with contextlib.ExitStack() as stack:
         if processes.rank:
             # All read the same arguments; one tells what is wrong with them.
-            silent = stack.enter_context(open(os.devnull, "w", encoding="utf-8"))
+            silent = io.StringIO()
             stack.enter_context(contextlib.redirect_stderr(silent))
             stack.enter_context(contextlib.redirect_stdout(silent))
         options = _parser().parse_args(arguments)

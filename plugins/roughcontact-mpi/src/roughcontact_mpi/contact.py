@@ -22,6 +22,7 @@ from roughcontact.typing import (
     Step,
     confirm,
     make_task,
+    replacing,
     require_memory_of_solve,
     si,
 )
@@ -205,7 +206,8 @@ class SlabSolution:
             write_field(folder / f"{name}.npy", getattr(self, name))
         numbers = self.numbers
         if processes.rank == 0:
-            (folder / "numbers.json").write_text(json.dumps(numbers, indent=2) + "\n", encoding="utf-8")
+            with replacing(folder / "numbers.json") as partial:
+                partial.write_text(json.dumps(numbers, indent=2) + "\n", encoding="utf-8")
 
 
 def solve(

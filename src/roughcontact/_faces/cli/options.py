@@ -129,7 +129,7 @@ def add_problem(parser: argparse.ArgumentParser, *, study: bool = False) -> None
 
 def add_interface(parser: argparse.ArgumentParser) -> None:
     """Declare an interface of measured height maps that repeats, and its loads."""
-    parser.usage = "%(prog)s MAP [MAP] (--young E | --material NAME) --loads FROM..TO [options]"
+    parser.usage = "%(prog)s MAP [MAP] (--young E | --material NAME)\n           --loads FROM..TO [options]"
     maps = _add_maps(parser, study=False)
     mirror = "repeat maps that do not repeat, mirrored at their borders"
     maps.add_argument("--mirror-borders", action="store_true", help=mirror)
