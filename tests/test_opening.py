@@ -85,7 +85,7 @@ class TestWorkflows:
 
 def test_ci_runs_every_stage():
     assert DEFAULT < STAGES
-    assert stages_of("ci") == DEFAULT | {"portable"}
+    assert stages_of("ci") == DEFAULT | {"portable", "build"}
     # Stages that use the environment of `tests` run after it.
     for one in jobs_on_linux():
         stages = one["stages"].split()
