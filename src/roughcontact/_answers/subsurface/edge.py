@@ -102,8 +102,10 @@ def find_edge_stress(
         The boundary of the domain.
     """
     load = pressure[np.newaxis] if traction is None else np.concatenate((pressure[np.newaxis], traction))
-    stress = np.array(maximum_principal(field.values))
-    lowest = _WORTH * float(stress.max())
+    stress = maximum_principal(field.values)
+    i, j = _find_largest(stress)
+    coarse = EdgeStress.at(field.values, (i, j), _locate(field.grid, i, j))
+    lowest = _WORTH * float(stress[i, j])
     found = []
     for _ in range(_MAX_PLACES):
         place = _find_largest(stress)
@@ -115,8 +117,6 @@ def find_edge_stress(
             break
         found.append(resolved)
         stress[window.select(_KNOWN)] = -np.inf
-    i, j = _find_largest(maximum_principal(field.values))
-    coarse = EdgeStress.at(field.values, (i, j), _locate(field.grid, i, j))
     if not found:
         return coarse
     return attrs.evolve(max(found, key=lambda one: one.extrapolate(maximum_principal)[0]), coarse=coarse)

@@ -17,9 +17,8 @@ from roughcontact._base.units import fit, si
 from roughcontact._faces.html.inputs import describe_part, find_problem
 from roughcontact._faces.panels.figures import save_figure
 from roughcontact._faces.panels.theme import require_matplotlib
-from roughcontact._parts.grid import Load
 from roughcontact._solve.problem import Sweep, make_table
-from roughcontact._solve.solution import require_netcdf, versions
+from roughcontact._solve.solution import find_load, require_netcdf, versions
 from roughcontact._work.studies import Answers, list_estimates, tabulate_answers
 
 _NONE: Answers = MappingProxyType({})
@@ -75,10 +74,9 @@ def describe_solution(solution: rc.ContactSolution, estimator: str | None = None
 def _describe_inputs(solution: rc.ContactSolution) -> dict[str, Any] | None:
     """Return the parts of the problem as expressions of a script, and the load; None if they are not known."""
     problem, _ = find_problem(solution)
-    if problem is None or solution.origin is None:
+    load = find_load(solution)
+    if problem is None or load is None:
         return None
-    ((kind, value),) = solution.origin.load.items()
-    load = Load(kind, value)
     plan = problem.plan
     parts: dict[str, Any] = {name: describe_part(getattr(plan, name)) for name in ("kernel", "convolver", "solver")}
     if problem.adhesion is not None:
@@ -88,7 +86,7 @@ def _describe_inputs(solution: rc.ContactSolution) -> dict[str, Any] | None:
         parts[name] = {"surface": describe_part(body.surface), "material": describe_part(body.material)}
         if body.surface.provenance:
             parts[name]["provenance"] = list(body.surface.provenance)
-    return {**parts, "load": {"kind": kind, **_value(value, load.unit)}}
+    return {**parts, "load": {"kind": load.kind, **_value(load.value, load.unit)}}
 
 
 def _value(value: Any, unit: str) -> dict[str, Any]:

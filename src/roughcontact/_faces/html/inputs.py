@@ -28,7 +28,7 @@ from roughcontact._solve.problem import (
     FrictionalPath,
     problem_of,
 )
-from roughcontact._solve.solution import ContactSolution, describe_work, key_of_origin, versions
+from roughcontact._solve.solution import ContactSolution, describe_work, find_load, key_of_origin, versions
 from roughcontact.errors import RoughContactError
 
 _READ = 'rc.ContactSolution.load("solution.npz")'
@@ -73,7 +73,7 @@ def write_path_script(problem: ContactProblem, path: FrictionalPath) -> str:
         law = writer.write(path[0].friction)
     except _NotInAScript:
         return ""
-    loads = [_load_of(state.contact) for state in path]
+    loads = _loads_of(state.contact for state in path)
     kind = loads[0].kind
     # Under one load the bodies are pressed first, and then moved.
     normal = _write_number(loads[0].value) if path.pressed is not None else _write_numbers(one.value for one in loads)
@@ -88,7 +88,7 @@ def write_path_script(problem: ContactProblem, path: FrictionalPath) -> str:
 
 def write_cycle_script(problem: ContactProblem, cycle: AdhesionCycle) -> str:
     """Return a Python script that solves a cycle with adhesion again."""
-    approaches = _write_numbers(_load_of(state).value for state in cycle.loading)
+    approaches = _write_numbers(load.value for load in _loads_of(cycle.loading))
     return f"{_write_problem(problem, _OF_CYCLE)}\ncycle = problem.cycle(approach={approaches})\nprint(cycle)\n"
 
 
@@ -105,10 +105,9 @@ def _write_problem(problem: ContactProblem, file: tuple[str, str], *modules: str
     return f"{imports}{separator}import roughcontact as rc\n\n{made}"
 
 
-def _load_of(solution: ContactSolution) -> Load:
-    assert solution.origin is not None
-    ((kind, value),) = solution.origin.load.items()
-    return Load(kind, value)
+def _loads_of(solutions: Iterable[ContactSolution]) -> list[Load]:
+    """Return the loads in the order of the solutions, all of which state theirs."""
+    return [load for load in map(find_load, solutions) if load is not None]
 
 
 def _write_numbers(values: Iterable[float]) -> str:
@@ -266,7 +265,7 @@ def list_inputs(solution: ContactSolution, problem: ContactProblem | None) -> di
     if solution.non_measured is not None:
         rows["Non-measured points"] = escape(int(solution.non_measured.sum()))
     if solution.origin is not None:
-        rows["Load"] = ", ".join(escape(Load(kind, value)) for kind, value in solution.origin.load.items())
+        rows["Load"] = escape(find_load(solution))
         rows["Key"] = f"{_code(key_of_origin(solution.origin) or 'none')} (of problem, load and versions)"
     rows["Pressure"] = f"SHA-256 of its bytes {_code(hash_pressure(solution))}"
     return rows

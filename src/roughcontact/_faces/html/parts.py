@@ -20,6 +20,7 @@ from roughcontact._solve.problem import AdhesionCycle, FrictionalPath, Sweep
 from roughcontact._solve.solution import (
     ContactSolution,
     FrictionalSolution,
+    find_load,
     gather_warnings,
     list_quantities,
     name_load,
@@ -116,9 +117,7 @@ def note(text: str) -> str:
 
 def loads_of(solutions: Iterable[ContactSolution]) -> list[Load]:
     """Return the given loads of the solutions that state them, from the smallest up."""
-    origins = [solution.origin for solution in solutions]
-    found = [Load(kind, value) for origin in origins if origin is not None for kind, value in origin.load.items()]
-    return sorted(found, key=lambda load: load.value)
+    return sorted(filter(None, map(find_load, solutions)), key=lambda load: load.value)
 
 
 def make_verdict(solutions: Sequence[ContactSolution | FrictionalSolution]) -> str:

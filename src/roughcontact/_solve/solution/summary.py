@@ -170,10 +170,16 @@ def _wrap(label: str, text: str) -> Iterator[str]:
 @guarded
 def name_load(solution: ContactSolution) -> str:
     """Return the load as it was given, such as ``10 N``; the mean pressure if it is not known."""
+    load = find_load(solution)
+    return si(solution.mean_pressure, "Pa") if load is None else str(load).removeprefix(f"{load.kind} ")
+
+
+def find_load(solution: ContactSolution) -> Load | None:
+    """Return the load that was given; None if it is not known."""
     if solution.origin is None:
-        return si(solution.mean_pressure, "Pa")
+        return None
     ((kind, value),) = solution.origin.load.items()
-    return str(Load(kind, value)).removeprefix(f"{kind} ")
+    return Load(kind, value)
 
 
 def note_loads(solutions: Sequence[ContactSolution]) -> list[str]:
