@@ -558,7 +558,7 @@ def save_map(shape, size, seed):
 def test_the_roughness_of_a_map_is_that_of_the_library(client):
     surface, file = save_map((45, 64), (45e-6, 64e-6), 3)
     settings = {"surface": "file", "file": client.upload("map.npz", file)[1]["digest"], "form": "plane"}
-    shown = client.post("api/roughness", settings)
+    (shown,) = client.post("api/roughness", settings)["surfaces"]
     flat = surface.detrend("plane")
     expected = rc.reference.texture(flat.values, flat.grid, periodic=False)
     rows = {name: (meaning, text) for name, meaning, text in shown["rows"]}
@@ -575,7 +575,7 @@ def test_the_roughness_of_a_map_is_that_of_the_library(client):
 
 @pytest.mark.parametrize("kind", ["sphere", "wavy"])
 def test_surfaces_that_are_made_have_a_roughness_or_a_sentence(client, kind):
-    shown = client.post("api/roughness", {"surface": kind, "cells": "32"})
+    (shown,) = client.post("api/roughness", {"surface": kind, "cells": "32"})["surfaces"]
     assert shown["rows"] or shown["notes"]
     assert client.refusal("api/roughness", {"surface": "file"})
 
@@ -602,6 +602,13 @@ def test_two_maps_are_shown_and_solved_as_the_library_does(client, pair):
         assert client.get(f"pictures/{one['picture']}").startswith(b"\x89PNG")
     assert shown["picture"] != shown["counterbody"]["picture"]
     assert "turned over, x to -x" in shown["counterbody"]["history"]
+    rough = client.post("api/roughness", settings)["surfaces"]
+    assert [one["of"] for one in rough] == ["body", "counterbody"]
+    for one, surface in zip(rough, (body, other), strict=True):
+        expected = rc.reference.texture(surface.values, surface.grid, periodic=False)
+        texts = {symbol: text for symbol, _, text in one["rows"]}
+        assert texts["Sq"] == write_column([expected.Sq])[0]
+    assert len({picture["picture"] for one in rough for picture in one["pictures"]}) == 4
     assert "b.npz" in client.post("api/plan", settings)["text"]
     ball = {"ball": "5", "load": "force", "load_unit": "N", "loads": "0.1", "counterbody": "deformable"}
     state = client.wait(client.post("api/runs", settings | ball)["id"])
@@ -1025,6 +1032,14 @@ def test_runs_in_the_queue_are_bounded(client, monkeypatch):
     finally:
         for run in reversed(runs):
             client.post(f"api/cancel/{run}", {})
+
+
+def test_the_numbers_of_a_run_say_their_load(solved):
+    client, state = solved
+    (listed,) = [one for one in json.loads(client.get("api/runs"))["runs"] if one["id"] == state["id"]]
+    assert listed["numbers"]["load"] == f"{state['answers'][1]['load']}, the last of 2"
+    texts = {one["name"]: one["text"] for one in state["answers"][1]["quantities"]}
+    assert listed["numbers"]["contact area"] == texts["contact area"]
 
 
 def test_runs_are_numbered_and_listed(client):

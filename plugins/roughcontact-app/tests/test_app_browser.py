@@ -551,7 +551,7 @@ def test_the_roughness_is_measured_when_it_is_opened(page):
     assert not page.driver.find_elements(By.CSS_SELECTOR, "[data-texture]")
     page.find("roughness").find_element(By.TAG_NAME, "summary").click()
     page.until(lambda: "±" in page.driver.find_element(By.CSS_SELECTOR, "[data-texture=Sq]").text)
-    page.until(lambda: page.find("roughness-pictures").size["height"] > 100)
+    page.until(lambda: page.find("roughness-surfaces").find_element(By.CLASS_NAME, "pictures").size["height"] > 100)
     before = page.driver.find_element(By.CSS_SELECTOR, "[data-texture=Sq]").text
     page.set("form", "quadratic")
     page.until(lambda: page.driver.find_element(By.CSS_SELECTOR, "[data-texture=Sq]").text != before)

@@ -58,8 +58,10 @@ class Job:
 
     def name(self) -> dict[str, Any]:
         """Return by what people tell this run from others."""
-        last = self._state["answers"][-1:]
-        numbers = {one["name"]: one["text"] for answer in last for one in answer["quantities"]}
+        answers = self._state["answers"]
+        numbers = {one["name"]: one["text"] for answer in answers[-1:] for one in answer["quantities"]}
+        if len(answers) > 1:
+            numbers = {"load": f"{answers[-1]['load']}, the last of {len(answers)}", **numbers}
         known = {"id": self.id, "number": self.number, "phase": self.phase, "settings": dict(self.settings)}
         return {**known, "numbers": numbers}
 

@@ -20,15 +20,15 @@ _PANELS = ("spectrum", "bearing-curve")
 
 
 def describe_roughness(shown: ShownSurface, grid: Grid, folder: Path, dark: bool) -> dict[str, Any]:
-    """Return the numbers and the pictures of a map as it was read, or of a surface on a grid."""
+    """Return the numbers and the pictures, in a folder, of a map as it was read or of a surface on a grid."""
     source = shown.source
     own = grid
     periodic = False
-    basis = "of the surface on these cells"
+    basis = "measured on these cells"
     if isinstance(source, HeightMap):
         own = source.grid
         periodic = source.periodic
-        basis = "of the map as it was read, less its form"
+        basis = "measured on the map as it was read, less its form"
     rows: list[list[str]] = []
     notes = []
     pictures = []
@@ -40,6 +40,7 @@ def describe_roughness(shown: ShownSurface, grid: Grid, folder: Path, dark: bool
         notes = [f"{name}: {text}" for name, one in numbers.items() for text in one.warnings]
     except RoughContactError as error:
         notes.append(in_words_of_page(str(error)))
+    folder.mkdir(exist_ok=True)
     for panel in _PANELS:
         path = folder / f"{panel}.png"
         try:

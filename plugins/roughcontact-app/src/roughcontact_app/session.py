@@ -82,13 +82,14 @@ class Session:
         return shown
 
     def describe_roughness(self, data: object, page: str) -> dict[str, Any]:
-        """Return the numbers of the roughness of the body's surface, and the names of its pictures."""
+        """Return the numbers of the roughness of the surfaces, and the names of their pictures."""
         maker = self._page(page)
         task = self._task("roughness", read_settings(data), maker.folder)
         with maker.making:
             found = maker.make(task, "Measuring the roughness")
-            for one in found["pictures"]:
-                one["picture"] = self._keep(maker.folder / one["picture"])
+            for surface in found["surfaces"]:
+                for one in surface["pictures"]:
+                    one["picture"] = self._keep(maker.folder / surface["of"] / one["picture"])
         return found
 
     def plan(self, data: object, page: str) -> dict[str, Any]:

@@ -119,7 +119,15 @@ def _show(scene: Scene, one: ShownSurface, picture: Path, dark: bool) -> dict[st
 
 def _describe_roughness(settings: Settings, uploads: Uploads, folder: Path) -> dict[str, Any]:
     scene = _scene(settings, uploads)
-    return describe_roughness(scene.body, scene.grid, folder, settings["scheme"] == "dark")
+    both = {"body": scene.body, "counterbody": scene.counterbody}
+    dark = settings["scheme"] == "dark"
+    return {
+        "surfaces": [
+            {"of": whose, **describe_roughness(one, scene.grid, folder / whose, dark)}
+            for whose, one in both.items()
+            if one is not None
+        ]
+    }
 
 
 def _plan(settings: Settings, uploads: Uploads, calibration: float) -> dict[str, Any]:

@@ -33,28 +33,41 @@ function show(place, { warnings, rows, history, note = "", picture = "" }) {
 // It takes seconds: only while it is open. What is shown of a surface that has changed goes at once.
 export async function showRoughness(values, isLate) {
   if (!byId("roughness").open) return;
-  const show = ({ rows = [], notes = [], pictures = [], basis = "" }) => {
+  const show = (basis, surfaces = []) => {
     byId("roughness-basis").textContent = basis;
-    showList(byId("roughness-notes"), notes);
-    const lines = rows.map(([symbol, meaning, text]) => {
-      const row = element("tr");
-      row.append(element("th", symbol, { scope: "row" }), element("td", meaning), element("td", text, { "data-texture": symbol }));
-      return row;
-    });
-    byId("roughness-table").tBodies[0].replaceChildren(...lines);
-    byId("roughness-pictures").replaceChildren(...pictures.map(({ panel, picture }) =>
-      element("img", "", { src: `pictures/${picture}`, alt: `The ${panel.replaceAll("-", " ")} of the surface` })));
+    byId("roughness-surfaces").replaceChildren(...surfaces.map((one) => describeRoughness(one, surfaces.length > 1)));
   };
   say("roughness-problem", "");
-  show({ basis: "measuring" });
+  show("measuring");
   try {
-    const found = await post("api/roughness", values);
-    if (!isLate()) show({ ...found, basis: `± is one standard deviation from the sampling, ${found.basis}` });
+    const { surfaces } = await post("api/roughness", values);
+    if (!isLate()) show("± is one standard deviation from the sampling.", surfaces);
   } catch (error) {
     if (isLate()) return;
-    show({});
+    show("");
     say("roughness-problem", error.message);
   }
+}
+
+function describeRoughness({ of, rows, notes, pictures, basis }, several) {
+  const made = element("div", "", { "data-roughness": of });
+  if (several) made.append(element("h3", `Roughness of the ${of}`));
+  made.append(element("p", `${basis[0].toUpperCase()}${basis.slice(1)}.`, { class: "help" }));
+  const region = element("div", "", { class: "scroll", tabindex: "0", role: "region", "aria-label": `Numbers of the roughness of the ${of}` });
+  const table = element("table");
+  table.append(...rows.map(([symbol, meaning, text]) => {
+    const row = element("tr");
+    row.append(element("th", symbol, { scope: "row" }), element("td", meaning), element("td", text, { "data-texture": symbol }));
+    return row;
+  }));
+  region.append(table);
+  const list = element("ul", "", { class: "warnings" });
+  showList(list, notes);
+  const drawn = element("div", "", { class: "pictures" });
+  drawn.append(...pictures.map(({ panel, picture }) =>
+    element("img", "", { src: `pictures/${picture}`, alt: `The ${panel.replaceAll("-", " ")} of the ${of}` })));
+  made.append(region, list, drawn);
+  return made;
 }
 
 export function showNoSurface(problem) {
