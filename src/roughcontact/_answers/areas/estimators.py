@@ -87,7 +87,7 @@ class Perimeter(AreaEstimator):
         """Return the corrected area; see `AreaEstimator.estimate`."""
         contact = solution.contact
         cell = solution.grid.cell_area
-        rows = find_straight_rows(contact, solution.boundary)
+        rows = find_straight_rows(solution)
         elastic = int(rows.sum()) - count_sides(contact, solution.boundary, solution.saturated)
         needed = float(np.add.reduce(solution.pressure / solution.pressure_limit, axis=None))
         value = max(int(np.count_nonzero(contact)) - _COUNT_EXCESS * elastic, needed) * cell

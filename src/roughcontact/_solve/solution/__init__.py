@@ -46,6 +46,7 @@ from roughcontact._solve.solution.summary import (
     note_loads,
 )
 from roughcontact._solve.solution.theory import Stickiness, TheoryBeside
+from roughcontact._solve.solution.whole import Whole
 from roughcontact._solve.solution.writers import SolutionWriter, page_or_file, writers
 
 __all__ = [
@@ -79,6 +80,7 @@ __all__ = [
     "TheoryBeside",
     "Trial",
     "Violation",
+    "Whole",
     "areas",
     "count_patch_cells",
     "describe_maps",

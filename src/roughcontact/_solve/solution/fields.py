@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 import attrs
 import numpy as np
@@ -14,6 +14,7 @@ from roughcontact._base.units import outlined
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._solve.solution.origin import Accuracy, Origin
 from roughcontact._solve.solution.results import GridLevel, Residuals, Status
+from roughcontact._solve.solution.whole import Whole
 from roughcontact.errors import InputError
 
 # Minimum cells of a patch with a point that is surrounded by contact; the area of smaller ones is hardly known.
@@ -208,6 +209,9 @@ class ContactFields:
     tension
         Attraction of the surfaces, shape `grid.shape`, Pa, at least zero; None without adhesion.
     """
+
+    # Of a contact that is divided among processes, what holds its parts together.
+    parts: ClassVar[Whole] = Whole()
 
     grid: Grid
     boundary: Boundary
