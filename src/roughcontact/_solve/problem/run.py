@@ -106,7 +106,7 @@ def certify(
     if task.interaction is not None:
         return _certify_adhesive(plan, convolution, initial_gap, task, task.interaction, outcome, seconds)
     certificate = confirm(plan, convolution, task, outcome)
-    return _make_solution(plan, initial_gap, outcome, certificate, seconds)
+    return make_solution(plan, initial_gap, outcome, certificate, seconds)
 
 
 @guarded
@@ -173,7 +173,7 @@ def _certify_adhesive(
     complementarity, penetration, tension = found
     residuals = Residuals(complementarity, penetration, load, state.scale * plan.peak_to_valley, tension)
     certificate = _in_si(plan, task, outcome, displacement, state.approach, status, residuals)
-    return _make_solution(plan, initial_gap, outcome, certificate, seconds)
+    return make_solution(plan, initial_gap, outcome, certificate, seconds)
 
 
 def _in_si(
@@ -199,7 +199,7 @@ def _in_si(
     )
 
 
-def _make_solution(
+def make_solution(
     plan: SolvePlan, initial_gap: Array, outcome: Outcome, certificate: Certificate, seconds: float
 ) -> ContactSolution:
     """Return the solution with the fields of a certificate."""

@@ -11,7 +11,7 @@ from roughcontact._solve.solution.attraction import (
 )
 from roughcontact._solve.solution.conditions import ContactConditions, Violation
 from roughcontact._solve.solution.contact import ContactSolution
-from roughcontact._solve.solution.fields import ContactFields, ContactPatches
+from roughcontact._solve.solution.fields import ContactFields, ContactPatches, find_patches
 from roughcontact._solve.solution.frictional import FrictionalSolution
 from roughcontact._solve.solution.frictional_files import read_estimate, read_path, write_path
 from roughcontact._solve.solution.frictional_state import FrictionalResiduals, FrictionalState, TangentialLoad
@@ -90,6 +90,7 @@ __all__ = [
     "fill_gap",
     "find_contact",
     "find_load",
+    "find_patches",
     "find_peak_sampling",
     "find_scene",
     "find_stiffness_sampling",
