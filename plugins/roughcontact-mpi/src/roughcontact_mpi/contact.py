@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import json
-import math
 import time
 from collections.abc import Callable, Sequence
+from functools import cached_property
 from pathlib import Path
 from typing import Any, cast
 
@@ -13,7 +13,6 @@ import attrs
 import numpy as np
 import roughcontact as rc
 from roughcontact.typing import (
-    Array,
     BoundKernel,
     GridLevel,
     Load,
@@ -30,12 +29,10 @@ from roughcontact.typing import (
 from roughcontact_mpi.arrays import SlabArray
 from roughcontact_mpi.convolver import SlabFFT
 from roughcontact_mpi.files import write_field
+from roughcontact_mpi.patches import SlabPatches
 from roughcontact_mpi.processes import Processes
+from roughcontact_mpi.windows import WindowSolution, gather, open_window
 
-# Mean excess of the count, in cells per side, and the fraction of that correction in one standard deviation, as in
-# rc.Perimeter (Yastrebov 2017).
-_COUNT_EXCESS = (math.pi - 1.0 + math.log(2.0)) / 24.0
-_CORRECTION_STD = 0.5
 # Cells along the sides of the small grid on which materials, kernel and boundary are checked.
 _SCENE_CELLS = 8
 
@@ -58,12 +55,16 @@ class SlabSolution:
         Displacement that it causes, shape (nx, ny), m.
     initial_gap
         Gap before deformation, shape (nx, ny), m.
+    scene, plan, load
+        The materials, kernel and boundary on a small grid; the same in variables of the solver; and the load.
     approach
         Approach since first touch, m.
     status, residuals
         The certificate, recomputed in float64 from the pressure alone.
     iterations, convolutions
         Iterations, and convolutions on the finest grid or work of the same cost.
+    errors
+        The solver's error before each iteration.
     levels
         The work on each grid.
     seconds
@@ -77,11 +78,15 @@ class SlabSolution:
     pressure: SlabArray = attrs.field(repr=False)
     displacement: SlabArray = attrs.field(repr=False)
     initial_gap: SlabArray = attrs.field(repr=False)
+    scene: rc.ContactProblem = attrs.field(repr=False)
+    plan: SolvePlan = attrs.field(repr=False)
+    load: Load
     approach: float
     status: rc.Status
     residuals: Residuals
     iterations: int
     convolutions: int
+    errors: tuple[float, ...] = attrs.field(repr=False)
     levels: tuple[GridLevel, ...] = attrs.field(repr=False)
     seconds: float
 
@@ -100,46 +105,36 @@ class SlabSolution:
         """Nominal mean pressure, Pa; all processes must ask."""
         return float(self.pressure.mean())
 
-    def area(self, estimator: str = "perimeter") -> rc.Area:
+    @cached_property
+    def _window(self) -> WindowSolution:
+        return open_window(self)
+
+    def area(self, estimator: str = "blend") -> rc.Area:
         """Return the real contact area; all processes must ask.
 
         Parameters
         ----------
         estimator
-            ``"cell-count"``: all cells with pressure; or ``"perimeter"``: less a correction by the sides of the edge,
-            with an uncertainty of half of it (see `rc.Perimeter`, which adds the position of straight edges).
+            Registered name of an area estimator.
         """
-        if estimator not in ("cell-count", "perimeter"):
-            raise rc.InputError.about("The area estimator on slabs", estimator, "'cell-count' or 'perimeter'")
-        contact = self.pressure > 0.0
-        count = int(np.count_nonzero(contact))
-        cell = self.grid.cell_area
-        sides = self._count_sides(contact, None)
-        excess = _COUNT_EXCESS * sides
-        if estimator == "cell-count":
-            return rc.Area(count * cell, count / self.grid.cells, excess * cell, estimator)
-        needed = 0.0
-        if math.isfinite(self.pressure_limit):
-            sides -= self._count_sides(contact, self.pressure >= self.pressure_limit)
-            excess = _COUNT_EXCESS * sides
-            needed = float(self.pressure.sum()) / self.pressure_limit
-        value = max(count - excess, needed) * cell
-        return rc.Area(value, value / self.grid.area, _CORRECTION_STD * excess * cell, estimator)
+        chosen: rc.AreaEstimator = rc.areas.create(estimator)
+        return self._default_area if estimator == "blend" else chosen.estimate(self._window)
 
-    def _count_sides(self, contact: SlabArray, of: SlabArray | None) -> int:
-        """Return the number of cell sides between contact and open cells, or of those at the cells `of`."""
-        count = 0
-        for axis, free in enumerate(self.boundary.free_axes):
-            # The next row may be that of another process.
-            sides: Any = contact != np.roll(cast(Array, contact), -1, axis=axis)
-            if of is not None:
-                sides &= of | np.roll(cast(Array, of), -1, axis=axis)
-            if free and axis == 1:
-                sides.part[:, -1] = False
-            elif free and sides.processes.own_rows(self.grid.shape[0]).stop == self.grid.shape[0]:
-                sides.part[-1:] = False
-            count += int(np.count_nonzero(sides))
-        return count
+    @cached_property
+    def _default_area(self) -> rc.Area:
+        return self._window.area()
+
+    @property
+    def patches(self) -> SlabPatches:
+        """The connected patches of the contact; all processes must ask."""
+        return self._window.patches.public
+
+    def gather(self) -> rc.ContactSolution | None:
+        """Return the whole solution on the first process, certified anew there, with every answer; None on the others.
+
+        It must fit into the memory of that process. All processes must ask.
+        """
+        return gather(self)
 
     @property
     def numbers(self) -> dict[str, Any]:
@@ -262,7 +257,7 @@ def solve(
     load = Load.of(pressure=pressure, force=force, approach=approach)
     grid = rc.Grid(cast(tuple[int, int], heights.shape), cast(Any, size))
     solver = rc.ProjectedConjugateGradient() if tolerance is None else rc.ProjectedConjugateGradient(tolerance)
-    plan = _plan(heights, grid, material, counterbody, boundary, kernel, solver)
+    scene, plan = _plan(heights, grid, material, counterbody, boundary, kernel, solver)
     # The plan has the gap; arrays in slabs follow numpy's protocols.
     gap: Any = plan.initial_gap
     convolver = cast(SlabFFT, plan.convolver)
@@ -281,11 +276,15 @@ def solve(
         pressure=fields.pressure,
         displacement=fields.displacement,
         initial_gap=gap,
+        scene=scene,
+        plan=plan,
+        load=load,
         approach=certificate.approach,
         status=certificate.status,
         residuals=certificate.residuals,
         iterations=outcome.iterations,
         convolutions=outcome.convolutions + 1,
+        errors=outcome.errors,
         levels=outcome.levels,
         seconds=time.perf_counter() - started,
     )
@@ -303,19 +302,20 @@ def _plan(
     boundary: str,
     kernel: str | rc.InfluenceKernel,
     solver: rc.Solver,
-) -> SolvePlan:
-    """Return the plan of the solve: materials, kernel and boundary are checked on a few of its cells."""
+) -> tuple[rc.ContactProblem, SolvePlan]:
+    """Return a problem on a few cells and the plan of the solve: materials, kernel and boundary are checked on a few of its cells."""
     processes = heights.processes
     few = rc.Grid((_SCENE_CELLS, _SCENE_CELLS), tuple(_SCENE_CELLS * step for step in grid.spacing))
     flat = rc.FlatSurface()
-    scene = rc.ContactProblem(
+    problem = rc.ContactProblem(
         rc.Body(rc.SphereSurface(max(few.size)), material),
         rc.RIGID_FLAT if counterbody is None else rc.Body(flat, counterbody),
         grid=few,
         boundary=boundary,
         kernel=kernel,
         solver=solver,
-    ).plan
+    )
+    scene = problem.plan
     convolver = SlabFFT(processes, gathers=False)
     convolver.require(scene.kernel, scene.boundary)
     if scene.pressure_limit.ndim:
@@ -326,7 +326,7 @@ def _plan(
     height = float(gap.max())
     if not height > 0.0:
         raise rc.InputError("The heights are all the same: of flat bodies there is nothing to solve.")
-    return attrs.evolve(scene, grid=grid, initial_gap=cast(Any, gap), peak_to_valley=height, convolver=convolver)
+    return problem, attrs.evolve(scene, grid=grid, initial_gap=cast(Any, gap), peak_to_valley=height, convolver=convolver)
 
 
 def _require_memory(processes: Processes, grid: rc.Grid, boundary: rc.Boundary) -> None:

@@ -85,10 +85,10 @@ class Part(Whole):
         """Return the columns of all processes one after the other, of an array of shape (m, n)."""
         return np.stack([self.processes.gather(np.ascontiguousarray(row)) for row in values])
 
-    def own(self, mask: Mask) -> Mask:
-        """Return a mask of the window without the rows of other processes."""
-        found = np.zeros_like(mask)
-        found[self.inside] = mask[self.inside]
+    def own(self, field: RealArray) -> RealArray:
+        """Return a field of the window that is zero on the rows of other processes."""
+        found = np.zeros_like(field)
+        found[self.inside] = field[self.inside]
         return found
 
     def own_rows(self, rows: IntArray) -> Mask:

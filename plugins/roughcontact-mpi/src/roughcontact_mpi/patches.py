@@ -49,6 +49,7 @@ class WindowPatches(ContactPatches):
     """The patches as the estimators of one machine take them: labels of the window, members of this process."""
 
     part: Part
+    public: SlabPatches
 
     @cached_property
     def cells(self) -> IntArray:
@@ -128,4 +129,7 @@ def window_patches(
         step = step - part.shape[0] * np.round(step / part.shape[0]).astype(np.intp)
     whole = (begin >= part.start) & (begin < part.stop) & (row == part.inside.start + begin - part.start + step)
     mine = np.where(small, whole, (row >= part.inside.start) & (row < part.inside.stop))
-    return WindowPatches(grid, boundary, pressure, window, count, members[mine], part)
+    forces = np.bincount(own.ravel(), weights=pressure[part.inside].ravel(), minlength=count + 1)
+    forces = part.total(forces.astype(np.float64))[1:] * grid.cell_area
+    public = SlabPatches(count, cells[1:], cells[1:] * grid.cell_area, forces, labels)
+    return WindowPatches(grid, boundary, pressure, window, count, members[mine], part, public)

@@ -119,16 +119,22 @@ def count_crossings(solution: ContactSolution) -> int:
     return sum(int(np.count_nonzero(crossing)) for crossing in crossings)
 
 
-def count_sides(contact: Mask, boundary: Boundary, of: Mask | None = None) -> int:
+def count_sides(solution: ContactSolution, of: Mask | None = None) -> int:
     """Return the number of cell sides between contact and open cells, or of those at the cells `of`."""
-    return sum(int(np.count_nonzero(sides)) for sides in _mark_sides(contact, boundary, of))
+    return int(_count_both(solution, of).sum())
 
 
 def measure_sides(solution: ContactSolution) -> float:
     """Return the total length of the cell sides between contact and open cells, m."""
-    across, along = _mark_sides(solution.contact, solution.boundary, None)
+    across, along = _count_both(solution, None)
     dx, dy = solution.grid.spacing
-    return float(np.count_nonzero(across) * dy + np.count_nonzero(along) * dx)
+    return float(across * dy + along * dx)
+
+
+def _count_both(solution: ContactSolution, of: Mask | None) -> IntArray:
+    """Return the numbers of sides that face x, and y, shape (2,)."""
+    both = _mark_sides(solution.contact, solution.boundary, of)
+    return solution.parts.total(np.array([np.count_nonzero(solution.parts.own(sides)) for sides in both]))
 
 
 def find_straight_rows(solution: ContactSolution) -> IntArray:

@@ -146,8 +146,8 @@ def _find_trust(solution: ContactSolution, ratio: float) -> float:
     trust = 1.0 / (1.0 + (ratio / _HALF_TRUST_RATIO) ** 4)
     if trust > _MIN_FULL_TRUST:
         return trust
-    sides = count_sides(solution.contact, solution.boundary)
-    sharp = count_sides(solution.contact, solution.boundary, find_sharp_edges(solution))
+    sides = count_sides(solution)
+    sharp = count_sides(solution, find_sharp_edges(solution))
     return max(trust, sharp / sides) if sides else trust
 
 
@@ -314,7 +314,7 @@ def _find_pull_std(solution: ContactSolution, answer: Array, value: float) -> fl
         return 0.0
     # Cells that pull alike in a ring around the contact, whose sides are 4/pi times its length.
     count = total**2 / float(np.einsum("i,i->", pull, pull))
-    width = count / (0.25 * math.pi * max(count_sides(solution.contact, solution.boundary), 1))
+    width = count / (0.25 * math.pi * max(count_sides(solution), 1))
     stuck = _STUCK_STD * math.exp(-_STUCK_FALL * law.cohesive_cells(solution.grid.spacing, solution.modulus))
     return math.hypot(_PULL_STD * total * solution.grid.cell_area / width, stuck * value)
 

@@ -6,7 +6,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from roughcontact._base.arrays import Array, IntArray, Mask
+from roughcontact._base.arrays import Array, IntArray, Mask, RealArray
 
 T = TypeVar("T")
 
@@ -39,9 +39,9 @@ class Whole:
         """Return the columns of all parts one after the other, of an array of shape (m, n)."""
         return values
 
-    def own(self, mask: Mask) -> Mask:
-        """Return a mask without the cells that are another part's too."""
-        return mask
+    def own(self, field: RealArray) -> RealArray:
+        """Return a field that is zero, or a mask that is false, at the cells that are another part's too."""
+        return field
 
     def own_rows(self, rows: IntArray) -> slice | Mask:
         """Return which of these rows of the fields are not another part's too; the first row stands for negative ones."""
