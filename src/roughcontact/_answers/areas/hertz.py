@@ -155,7 +155,8 @@ def _average_cells(solution: ContactSolution, summits: Summits, chosen: Mask) ->
     love = Love().coefficients(reach, solution.grid.spacing, 1.0 / solution.modulus)
     terms = [(pressure * part, label) for part in (x, y, x * x, x * y, y * y, solution.displacement.ravel()[members])]
     terms += [(love[di, dj] * pressure[one] * pressure[other], label[one]), (pressure, label)]
-    sums = np.stack([np.bincount(of, weights=part, minlength=patches.count) for part, of in terms])
+    # Sums over no cells are whole numbers.
+    sums = np.array([np.bincount(of, weights=part, minlength=patches.count) for part, of in terms], dtype=np.float64)
     *moments, displaced, own, total = solution.parts.total(sums)
     total[~chosen] = 1.0
     return np.stack(moments) / total, displaced / total - own / total

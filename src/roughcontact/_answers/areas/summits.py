@@ -297,7 +297,8 @@ def find_centroids(solution: ContactSolution) -> tuple[Array, Array]:
     for at, origin, n, free in zip((row, column), origins, (nx, ny), solution.boundary.free_axes, strict=True):
         step = unwrap(at - origin[label], n, free=free)
         sums.append(np.bincount(label, weights=weight * step, minlength=patches.count))
-    total, *moments = solution.parts.total(np.stack(sums))
+    # Sums over no cells are whole numbers.
+    total, *moments = solution.parts.total(np.array(sums, dtype=np.float64))
     return origins[0] + moments[0] / total, origins[1] + moments[1] / total
 
 
