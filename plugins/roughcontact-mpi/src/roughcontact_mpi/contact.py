@@ -124,6 +124,10 @@ class SlabSolution:
     def _default_area(self) -> rc.Area:
         return self._window.area()
 
+    def peak_pressure(self) -> rc.Estimate:
+        """Return the maximum pressure between the cells, Pa; all processes must ask."""
+        return self._window.peak_pressure()
+
     @property
     def patches(self) -> SlabPatches:
         """The connected patches of the contact; all processes must ask."""

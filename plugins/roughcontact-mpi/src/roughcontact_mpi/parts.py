@@ -100,6 +100,12 @@ class Part(Whole):
         """Return the rows in the domain of rows of the window."""
         return np.asarray(self.window[rows])
 
+    def find(self, cells: IntArray) -> tuple[Mask, IntArray]:
+        """Return which cells of the domain, flat indices, are of this process, and their flat indices in the window."""
+        first, last = (bound * self.shape[1] for bound in (self.start, self.stop))
+        mine = (cells >= first) & (cells < last)
+        return mine, cells[mine] - first + self.inside.start * self.shape[1]
+
     def sample(self, cells: IntArray, count: int) -> IntArray:
         """Return every n-th of the cells, so that about `count` remain on all processes together."""
         counts = self.processes.collect(cells.size)

@@ -55,6 +55,10 @@ class Whole:
         """Return a spline through a field that all parts evaluate together, at points of the whole domain."""
         return spline
 
+    def find(self, cells: IntArray) -> tuple[slice | Mask, IntArray]:
+        """Return which cells of the domain, flat indices, are of this part alone, and their flat indices in the fields."""
+        return slice(None), cells
+
     def sample(self, cells: IntArray, count: int) -> IntArray:
         """Return every n-th of the cells, so that about `count` remain in all parts together."""
         return cells[:: max(1, cells.size // count)]
