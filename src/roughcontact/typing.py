@@ -10,7 +10,7 @@ convolvers   `BoundKernel`, `ConvolutionSetup`, `PreparedConvolution`, `InverseC
 solvers      `Task`, `Outcome`, `Step`, `GridLevel`, `Monitor`, `ContactConditions`, `Violation`; the functions
              `starting_pressure`, `nearest_pressure`, `project_to_load`, `rescale_to_load`; for a solve of your own
              `make_task`, `confirm`, `Certificate`, `certify`, `make_solution`; for one that is divided among
-             processes `Whole`, `find_patches`
+             processes `Whole`, `find_patches`, `solve_on_cells`, `LinearSolution`, `require_found`
 materials    the mapping `TYPICAL` of typical ones by name; `PairConstants`, the function `pair_constants`
 readers      `RawMap`; the function `read_raw`
 commands     `Table`; the functions `quantity`, `replacing`, `si`, `binary`, `write_column`, `available_memory`,
@@ -31,6 +31,7 @@ friction     `FrictionalResiduals`, `FrictionalState`, `TangentialLoad`, `Tangen
 """
 
 from roughcontact._answers.laws import InterfaceLaw, LawColumn, PowerFit
+from roughcontact._answers.linear.tangent import LinearSolution, require_found, solve_on_cells
 from roughcontact._answers.refinement import BeyondResolution, Ladder
 from roughcontact._base.archive import replacing
 from roughcontact._base.arrays import Array, IntArray, Mask, Pair, RealArray
@@ -169,6 +170,7 @@ __all__ = [
     "Ladder",
     "LawColumn",
     "Leakage",
+    "LinearSolution",
     "Load",
     "Mask",
     "MatchedPair",
@@ -248,9 +250,11 @@ __all__ = [
     "read_raw",
     "replacing",
     "require_memory_of_solve",
+    "require_found",
     "rescale_to_load",
     "run_sweep",
     "si",
+    "solve_on_cells",
     "starting_pressure",
     "tabulate_answers",
     "write_column",

@@ -16,6 +16,7 @@ from roughcontact.typing import (
     BoundKernel,
     GridLevel,
     Load,
+    PreparedConvolution,
     Residuals,
     SolvePlan,
     Step,
@@ -55,8 +56,8 @@ class SlabSolution:
         Displacement that it causes, shape (nx, ny), m.
     initial_gap
         Gap before deformation, shape (nx, ny), m.
-    scene, plan, load
-        The materials, kernel and boundary on a small grid; the same in variables of the solver; and the load.
+    scene, plan, load, convolution
+        The problem on a small grid, its plan, the load, and the convolution that solved it.
     approach
         Approach since first touch, m.
     status, residuals
@@ -81,6 +82,7 @@ class SlabSolution:
     scene: rc.ContactProblem = attrs.field(repr=False)
     plan: SolvePlan = attrs.field(repr=False)
     load: Load
+    convolution: PreparedConvolution = attrs.field(repr=False)
     approach: float
     status: rc.Status
     residuals: Residuals
@@ -127,6 +129,10 @@ class SlabSolution:
     def peak_pressure(self) -> rc.Estimate:
         """Return the maximum pressure between the cells, Pa; all processes must ask."""
         return self._window.peak_pressure()
+
+    def stiffness(self) -> rc.Estimate:
+        """Return the normal stiffness dF/d(approach), N/m, by one more solve; all processes must ask."""
+        return self._window.stiffness()
 
     @property
     def patches(self) -> SlabPatches:
@@ -283,6 +289,7 @@ def solve(
         scene=scene,
         plan=plan,
         load=load,
+        convolution=convolution,
         approach=certificate.approach,
         status=certificate.status,
         residuals=certificate.residuals,

@@ -13,6 +13,7 @@ from roughcontact.typing import Array, IntArray, Mask, RealArray, Whole
 
 from roughcontact_mpi.arrays import SlabArray
 from roughcontact_mpi.processes import Processes
+from roughcontact_mpi.tangent import SlabTangent
 
 T = TypeVar("T")
 
@@ -106,15 +107,19 @@ class Part(Whole):
         mine = (cells >= first) & (cells < last)
         return mine, cells[mine] - first + self.inside.start * self.shape[1]
 
+    def tangent(self, solution: Any) -> Any:
+        """Return the linear answer on slabs of the solution that the window was opened on."""
+        return SlabTangent(solution)
+
     def sample(self, cells: IntArray, count: int) -> IntArray:
         """Return every n-th of the cells, so that about `count` remain on all processes together."""
         counts = self.processes.collect(cells.size)
         step = max(1, int(counts.sum()) // count)
         return cells[-int(counts[: self.processes.rank].sum()) % step :: step]
 
-    def lines(self, mask: Mask, axis: int) -> Mask:
-        """Return the own lines of a mask of the window along y (axis 0), or along x (axis 1), shape (lines, cells)."""
-        own = mask[self.inside]
+    def lines(self, field: RealArray, axis: int) -> RealArray:
+        """Return the own lines of a field of the window along y (axis 0), or along x (axis 1), shape (lines, cells)."""
+        own = field[self.inside]
         if axis == 0 or self.processes.count == 1:
             return own if axis == 0 else np.ascontiguousarray(own.T)
         bounds = self.processes.columns(self.shape[1])
@@ -123,8 +128,10 @@ class Part(Whole):
         heights = np.diff(self.bounds).tolist()
         packed = np.concatenate([own[:, low:high].ravel() for low, high in itertools.pairwise(bounds)])
         counts = [own.shape[0] * width for width in widths]
-        found = self.processes.exchange(packed.view(np.uint8), counts, [height * mine for height in heights])
-        return np.ascontiguousarray(found.view(np.bool_).reshape(self.shape[0], mine).T)
+        # MPI does not know booleans of numpy.
+        sent = packed.view(np.uint8) if field.dtype == np.bool_ else packed
+        found = self.processes.exchange(sent, counts, [height * mine for height in heights])
+        return np.ascontiguousarray(found.view(field.dtype).reshape(self.shape[0], mine).T)
 
     def count_equal(self, keys: Array) -> IntArray:
         """Return how many keys of all processes are equal to each of a list."""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import attrs
 import numpy as np
 import roughcontact as rc
-from roughcontact.typing import Array, Certificate, Origin, Outcome, certify, make_solution, make_task
+from roughcontact.typing import Array, Certificate, Origin, Outcome, PreparedConvolution, certify, make_solution, make_task
 
 from roughcontact_mpi.arrays import SlabArray
 from roughcontact_mpi.parts import Part
@@ -23,6 +23,7 @@ class WindowSolution(rc.ContactSolution):
 
     parts: Part = attrs.field(repr=False)
     patches: WindowPatches = attrs.field(repr=False)
+    convolution: PreparedConvolution = attrs.field(repr=False)
 
     @property
     def force(self) -> float:
@@ -48,7 +49,7 @@ def open_window(solution: SlabSolution) -> WindowSolution:
     )
     base = make_solution(plan, initial_gap, _outcome(solution, pressure), certificate, solution.seconds)
     fields = attrs.asdict(base, recurse=False)
-    return WindowSolution(**fields, parts=part, patches=patches)
+    return WindowSolution(**fields, parts=part, patches=patches, convolution=solution.convolution)
 
 
 def gather(solution: SlabSolution) -> rc.ContactSolution | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -59,13 +59,17 @@ class Whole:
         """Return which cells of the domain, flat indices, are of this part alone, and their flat indices in the fields."""
         return slice(None), cells
 
+    def tangent(self, solution: Any) -> Any:
+        """Return what gives the linear answer of all parts of a solution; None if there is no other part."""
+        return None
+
     def sample(self, cells: IntArray, count: int) -> IntArray:
         """Return every n-th of the cells, so that about `count` remain in all parts together."""
         return cells[:: max(1, cells.size // count)]
 
-    def lines(self, mask: Mask, axis: int) -> Mask:
-        """Return the lines of a mask along y (axis 0), or along x (axis 1), shape (lines, cells)."""
-        return mask if axis == 0 else np.ascontiguousarray(mask.T)
+    def lines(self, field: RealArray, axis: int) -> RealArray:
+        """Return the lines of a field along y (axis 0), or along x (axis 1), shape (lines, cells)."""
+        return field if axis == 0 else np.ascontiguousarray(field.T)
 
     def count_equal(self, keys: Array) -> IntArray:
         """Return how many keys of a list are equal to each of them."""
