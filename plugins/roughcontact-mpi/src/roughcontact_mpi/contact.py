@@ -36,6 +36,8 @@ from roughcontact_mpi.windows import WindowSolution, gather, open_window
 
 # Cells along the sides of the small grid on which materials, kernel and boundary are checked.
 _SCENE_CELLS = 8
+# The area estimators whose text asks the other processes.
+_ESTIMATORS = ("blend", "cell-count", "hertz", "level-set", "level-set-richardson", "perimeter")
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -91,6 +93,7 @@ class SlabSolution:
     errors: tuple[float, ...] = attrs.field(repr=False)
     levels: tuple[GridLevel, ...] = attrs.field(repr=False)
     seconds: float
+    _found: dict[str, rc.Estimate] = attrs.field(factory=dict, init=False, repr=False)
 
     @property
     def gap(self) -> SlabArray:
@@ -117,14 +120,11 @@ class SlabSolution:
         Parameters
         ----------
         estimator
-            Registered name of an area estimator.
+            Name of an area estimator of roughcontact.
         """
-        chosen: rc.AreaEstimator = rc.areas.create(estimator)
-        return self._default_area if estimator == "blend" else chosen.estimate(self._window)
-
-    @cached_property
-    def _default_area(self) -> rc.Area:
-        return self._window.area()
+        if estimator not in _ESTIMATORS:
+            raise rc.InputError.about("The area estimator on slabs", estimator, f"one of {', '.join(_ESTIMATORS)}")
+        return self._window.area(estimator)
 
     def peak_pressure(self) -> rc.Estimate:
         """Return the maximum pressure between the cells, Pa; all processes must ask."""
@@ -132,7 +132,9 @@ class SlabSolution:
 
     def stiffness(self) -> rc.Estimate:
         """Return the normal stiffness dF/d(approach), N/m, by one more solve; all processes must ask."""
-        return self._window.stiffness()
+        if "stiffness" not in self._found:
+            self._found["stiffness"] = self._window.stiffness()
+        return self._found["stiffness"]
 
     @property
     def patches(self) -> SlabPatches:
@@ -148,10 +150,13 @@ class SlabSolution:
 
     @property
     def numbers(self) -> dict[str, Any]:
-        """The numbers of the solution, in SI units; all processes must ask."""
+        """The numbers of the solution, in SI units, with the stiffness once it was asked for; all processes must ask."""
         counted = self.area("cell-count")
         area = self.area()
-        return {
+        peak = self.peak_pressure()
+        stiffness = {name: found.value for name, found in self._found.items()}
+        stiffness |= {f"{name}_uncertainty": found.uncertainty for name, found in self._found.items()}
+        return stiffness | {
             "shape": list(self.grid.shape),
             "size": list(self.grid.size),
             "boundary": str(self.boundary),
@@ -160,10 +165,13 @@ class SlabSolution:
             "force": self.force,
             "mean_pressure": self.mean_pressure,
             "maximum_pressure": float(self.pressure.max()),
+            "peak_pressure": peak.value,
+            "peak_pressure_uncertainty": peak.uncertainty,
             "approach": self.approach,
             "area": area.value,
             "area_uncertainty": area.uncertainty,
             "counted_area": counted.value,
+            "patches": self.patches.count,
             "contact_modulus": self.modulus,
             "iterations": self.iterations,
             "convolutions": self.convolutions,
@@ -187,9 +195,11 @@ class SlabSolution:
                 "pressure",
                 f"mean {si(numbers['mean_pressure'], 'Pa', 6)}, maximum {si(numbers['maximum_pressure'], 'Pa', 6)}",
             ),
+            ("peak", str(self.peak_pressure())),
             ("approach", si(self.approach, "m", 6)),
             ("area", str(self.area())),
-            ("counted", str(self.area("cell-count"))),
+            ("counted", f"{si(numbers['counted_area'], 'm2', 6)} in {numbers['patches']} patches"),
+            *((name, str(found)) for name, found in self._found.items()),
             ("work", f"{self.iterations} iterations, {self.convolutions} convolutions, {self.seconds:.3g} s"),
         )
         return "\n".join(f"{label:<10} {text}" for label, text in rows)
