@@ -83,6 +83,12 @@ CONTACTS = {
     "filled": (filled, (96, 96), 1.0, {"pressure": 1e7}, None),
     "full": (waves, (48, 48), 1.0, {"pressure": 3e9}, None),
 }
+# The contacts that so many processes solve.
+OF_COUNT = {
+    1: ("rough", "filled"),
+    2: tuple(CONTACTS),
+    3: ("odd", "hard", "low", "ridges", "snake", "corner"),
+}
 BOUNDARIES = ("periodic", "free")
 SEEDS = {name: int(name == "strips") or 3 + place for place, name in enumerate(CONTACTS)}
 
@@ -119,7 +125,7 @@ def main(folder):
     processes = Processes()
     table = {}
     with ending_all(processes):
-        for name in CONTACTS:
+        for name in OF_COUNT[processes.count]:
             heights, size = make(name)
             own = processes.own_rows(heights.shape[0])
             for boundary in BOUNDARIES:

@@ -13,8 +13,9 @@ import mpi
 pytestmark = pytest.mark.skipif(bool(mpi.missing()), reason=mpi.missing() or "MPI is there")
 
 SCRIPT = Path(answer_cases.__file__)
-COUNTS = (1, 2, 3)
 CASES = [f"{name} {boundary}" for name in answer_cases.CONTACTS for boundary in answer_cases.BOUNDARIES]
+# Two processes have all cases; more processes than processors wait for each other, so that three have some.
+OF_COUNT = {count: [case for case in CASES if case.split()[0] in names] for count, names in answer_cases.OF_COUNT.items()}
 # The solve for the stiffness is one in float32.
 TOLERANCES = {"stiffness": 1e-8}
 
@@ -23,29 +24,30 @@ TOLERANCES = {"stiffness": 1e-8}
 def folder(tmp_path_factory):
     """The folder with the answers of one, two and three processes."""
     place = tmp_path_factory.mktemp("answers")
-    for count in COUNTS:
+    for count in OF_COUNT:
         done = mpi.run(count, SCRIPT, place, timeout=600)
         assert done.returncode == 0, done.stderr
     return place
 
 
-@pytest.mark.parametrize("count", COUNTS)
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize(("count", "case"), [(count, case) for count, cases in OF_COUNT.items() for case in cases])
 def test_answers_are_those_of_the_gathered_solution(folder, case, count):
     found, expected = json.loads((folder / f"answers-{count}.json").read_text())[case]
     for name, numbers in expected.items():
+        tolerance = TOLERANCES.get(name, 1e-9)
         for one, other in zip(found[name], numbers, strict=True):
-            assert one == pytest.approx(other, rel=TOLERANCES.get(name, 1e-9), abs=1e-30), name
+            # An uncertainty far below rounding of the number is rounding itself.
+            assert one == pytest.approx(other, rel=tolerance, abs=tolerance * np.abs(numbers[0]).max()), name
 
 
-@pytest.mark.parametrize("case", [case for case in CASES if case.split()[0] in ("rough", "hard", "wide")])
+@pytest.mark.parametrize("case", [case for case in CASES if case in OF_COUNT[3] and case.split()[0] in ("odd", "hard")])
 def test_the_gathered_solution_is_that_of_one_machine(folder, case):
     name, boundary = case.split()
     heights, size = answer_cases.make(name)
     body = rc.Body(rc.HeightMap(heights, size), answer_cases.material_of(name))
     problem = rc.ContactProblem(body, boundary=boundary)
     alone = problem.solve(**answer_cases.CONTACTS[name][3], tolerance=1e-10)
-    for count in COUNTS:
+    for count in (2, 3):
         pressure = np.load(folder / f"{name}-{boundary}-{count}.npy")
         assert np.abs(pressure - alone.pressure).max() < 1e-8 * alone.pressure.max()
         found = json.loads((folder / f"answers-{count}.json").read_text())[case][0]
@@ -62,4 +64,4 @@ def test_contacts_cross_slabs_wrap_around_and_leave_slabs_empty(folder):
     assert corner[0, 0]
     assert corner[-1, -1]
     assert not corner[40:88].any()
-    assert np.load(folder / "rough-free-2.npy")[[0, -1]].any()
+    assert np.load(folder / "odd-free-3.npy")[[0, -1]].any()

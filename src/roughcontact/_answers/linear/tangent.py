@@ -23,6 +23,7 @@ from roughcontact._solve.problem import computing, problem_of
 from roughcontact._solve.solution import ContactSolution
 from roughcontact._solve.solvers import ActiveCells, MaskedCells, Preconditioner, active_cells, dot, total
 from roughcontact.errors import NotConverged
+from roughcontact.errors.door import guarded
 
 # Relative residual from which float32 is used: its rounding is 6e-8 of the right side for each product.
 _FLOAT32_TOLERANCE = 1e-4
@@ -66,6 +67,7 @@ class LinearSolution:
     margin: float = 1.0
 
 
+@guarded
 def require_found(error: float, tolerance: float, iterations: int, solution: ContactSolution) -> None:
     """Raise `NotConverged` if the error of a linear answer is above a tolerance and rounding."""
     if not error <= max(tolerance, _ROUNDING_RESIDUAL):
@@ -76,6 +78,7 @@ def require_found(error: float, tolerance: float, iterations: int, solution: Con
         )
 
 
+@guarded
 def solve_on_cells(
     operator: PreparedConvolution,
     inverse: InverseConvolution,

@@ -76,6 +76,7 @@ class Certificate:
     residuals: Residuals
 
 
+@guarded
 def certify(
     plan: SolvePlan,
     convolution: PreparedConvolution,
@@ -199,10 +200,11 @@ def _in_si(
     )
 
 
+@guarded
 def make_solution(
     plan: SolvePlan, initial_gap: Array, outcome: Outcome, certificate: Certificate, seconds: float
 ) -> ContactSolution:
-    """Return the solution with the fields of a certificate."""
+    """Return the solution with the fields of a certificate; parameters as of `certify`."""
     return ContactSolution(
         grid=plan.grid,
         boundary=plan.boundary,

@@ -16,6 +16,7 @@ from roughcontact._solve.solution.origin import Accuracy, Origin
 from roughcontact._solve.solution.results import GridLevel, Residuals, Status
 from roughcontact._solve.solution.whole import Whole
 from roughcontact.errors import InputError
+from roughcontact.errors.door import guarded
 
 # Minimum cells of a patch with a point that is surrounded by contact; the area of smaller ones is hardly known.
 _SMALL_PATCH_CELLS = 4
@@ -113,8 +114,9 @@ class ContactPatches:
         )
 
 
+@guarded
 def find_patches(contact: Mask, pressure: Array, grid: Grid, boundary: Boundary) -> ContactPatches:
-    """Return the patches of the cells in contact."""
+    """Return the patches of the cells in contact, and the pressure on them, Pa; both of shape (nx, ny)."""
     nx, ny = contact.shape
     labels = np.zeros(contact.shape, dtype=np.intp)
     # Runs of cells in contact along y, with an open cell behind each row.
