@@ -42,22 +42,26 @@ class Part(Whole):
         self.shape = shape
         self.free = boundary.free_axes[0]
         self.bounds = processes.rows(shape[0])
-        self.windows = [_window(*ends, shape[0], free=self.free) for ends in itertools.pairwise(self.bounds)]
-        self.window = np.asarray(self.windows[processes.rank], dtype=np.intp)
         self.start = self.bounds[processes.rank]
         self.stop = self.bounds[processes.rank + 1]
-        first = min(self.start, BESIDE) if self.free else BESIDE
-        self.inside = slice(first, first + self.stop - self.start)
+        # The rows before and behind those of each process.
+        self._beside = [_list_beside(*ends, shape[0], free=self.free) for ends in itertools.pairwise(self.bounds)]
+        before, behind = self._beside[processes.rank]
+        self.window = np.array([*before, *range(self.start, self.stop), *behind], dtype=np.intp)
+        self.inside = slice(len(before), len(before) + self.stop - self.start)
 
     def read(self, field: SlabArray) -> RealArray:
         """Return the rows of the window of a field."""
-        return self.processes.fetch_rows(np.ascontiguousarray(field.part), self.bounds, self.windows)
+        own = np.ascontiguousarray(field.part)
+        beside = self.processes.fetch_rows(own, self.bounds, [[*before, *behind] for before, behind in self._beside])
+        return np.concatenate((beside[: self.inside.start], own, beside[self.inside.start :]))
 
     def total(self, values: T) -> T:
         """Return the sum over all processes of a number or an array of the same shape on each."""
         given: Any = values
         if np.ndim(given):
-            return self.processes.total_blocks(np.ascontiguousarray(given))
+            found: Any = self.processes.total_blocks(np.ascontiguousarray(given))
+            return found
         return self.processes.total(given).item()
 
     def highest(self, values: T) -> T:
@@ -82,7 +86,7 @@ class Part(Whole):
         found, count = self.processes.total(np.array([np.sum(values), values.size], dtype=np.float64))
         return float(found / count)
 
-    def join(self, values: Array) -> Array:
+    def join(self, values: RealArray) -> RealArray:
         """Return the columns of all processes one after the other, of an array of shape (m, n)."""
         return np.stack([self.processes.gather(np.ascontiguousarray(row)) for row in values])
 
@@ -180,9 +184,11 @@ class _SharedSpline:
         return self.part.total(found)
 
 
-def _window(start: int, stop: int, count: int, *, free: bool) -> list[int]:
-    """Return the rows of a window around the rows of a process."""
+def _list_beside(start: int, stop: int, count: int, *, free: bool) -> tuple[list[int], list[int]]:
+    """Return the rows before and behind those of a process in its window."""
     if free:
-        return list(range(max(start - BESIDE, 0), min(stop + BESIDE, count)))
+        return list(range(max(start - BESIDE, 0), start)), list(range(stop, min(stop + BESIDE, count)))
+    # A few more, so that the window is fast to transform.
     rows = scipy.fft.next_fast_len(stop - start + 2 * BESIDE, real=True)
-    return [row % count for row in range(start - BESIDE, start - BESIDE + rows)]
+    before = [row % count for row in range(start - BESIDE, start)]
+    return before, [row % count for row in range(stop, start - BESIDE + rows)]

@@ -129,7 +129,8 @@ def window_patches(
         step = step - part.shape[0] * np.round(step / part.shape[0]).astype(np.intp)
     whole = (begin >= part.start) & (begin < part.stop) & (row == part.inside.start + begin - part.start + step)
     mine = np.where(small, whole, (row >= part.inside.start) & (row < part.inside.stop))
-    forces = np.bincount(own.ravel(), weights=pressure[part.inside].ravel(), minlength=count + 1)
-    forces = part.total(forces.astype(np.float64))[1:] * grid.cell_area
-    public = SlabPatches(count, cells[1:], cells[1:] * grid.cell_area, forces, labels)
+    loads = np.bincount(own.ravel(), weights=pressure[part.inside].ravel(), minlength=count + 1).astype(np.float64)
+    forces = np.asarray(part.total(loads)[1:] * grid.cell_area)
+    areas = np.asarray(cells[1:] * grid.cell_area, dtype=np.float64)
+    public = SlabPatches(count, cells[1:], areas, forces, labels)
     return WindowPatches(grid, boundary, pressure, window, count, members[mine], part, public)

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 class WindowSolution(rc.ContactSolution):
     """The solution of a contact on the rows of a window; its grid and its numbers are those of the whole domain."""
 
-    parts: Part = attrs.field(repr=False)
+    parts: Part = attrs.field(repr=False)  # type: ignore[misc]
     patches: WindowPatches = attrs.field(repr=False)
     convolution: PreparedConvolution = attrs.field(repr=False)
 

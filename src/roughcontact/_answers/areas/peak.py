@@ -69,8 +69,8 @@ class PeakPressure(Quantity):
             return Estimate(0.0, 0.0, "Pa")
         highest = _find_highest(solution)
         limit = np.broadcast_to(solution.pressure_limit, solution.contact.shape)
-        reached = np.max(limit, where=solution.parts.own(solution.saturated), initial=0.0)
-        reached = solution.parts.highest(float(reached))
+        own = float(np.max(limit, where=solution.parts.own(solution.saturated), initial=0.0))
+        reached = solution.parts.highest(own)
         if reached > 0.0:
             return Estimate(reached, 0.0, "Pa", area.warnings)
         sharpness = _find_sharpness(solution, highest)

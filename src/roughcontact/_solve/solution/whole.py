@@ -35,7 +35,7 @@ class Whole:
         """Return the mean of a list of which each part has some."""
         return float(np.mean(values))
 
-    def join(self, values: Array) -> Array:
+    def join(self, values: RealArray) -> RealArray:
         """Return the columns of all parts one after the other, of an array of shape (m, n)."""
         return values
 
