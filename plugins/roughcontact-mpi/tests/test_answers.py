@@ -15,7 +15,9 @@ pytestmark = pytest.mark.skipif(bool(mpi.missing()), reason=mpi.missing() or "MP
 SCRIPT = Path(answer_cases.__file__)
 CASES = [f"{name} {boundary}" for name in answer_cases.CONTACTS for boundary in answer_cases.BOUNDARIES]
 # Two processes have all cases; more processes than processors wait for each other, so that three have some.
-OF_COUNT = {count: [case for case in CASES if case.split()[0] in names] for count, names in answer_cases.OF_COUNT.items()}
+OF_COUNT = {
+    count: [case for case in CASES if case.split()[0] in names] for count, names in answer_cases.OF_COUNT.items()
+}
 # The solve for the stiffness is one in float32.
 TOLERANCES = {"stiffness": 1e-8}
 

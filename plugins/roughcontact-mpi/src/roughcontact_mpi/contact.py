@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any, cast
 
 import attrs
-import numpy as np
 import roughcontact as rc
 from roughcontact.typing import (
     BoundKernel,
@@ -150,7 +149,7 @@ class SlabSolution:
 
     @property
     def numbers(self) -> dict[str, Any]:
-        """The numbers of the solution, in SI units, with the stiffness once it was asked for; all processes must ask."""
+        """The numbers of the solution, SI units, with the stiffness once it was asked for; all processes must ask."""
         counted = self.area("cell-count")
         area = self.area()
         peak = self.peak_pressure()
@@ -324,7 +323,7 @@ def _plan(
     kernel: str | rc.InfluenceKernel,
     solver: rc.Solver,
 ) -> tuple[rc.ContactProblem, SolvePlan]:
-    """Return a problem on a few cells and the plan of the solve: materials, kernel and boundary are checked on a few of its cells."""
+    """Return the problem on a few cells, on which materials, kernel and boundary are checked, and the plan of all."""
     processes = heights.processes
     few = rc.Grid((_SCENE_CELLS, _SCENE_CELLS), tuple(_SCENE_CELLS * step for step in grid.spacing))
     flat = rc.FlatSurface()
@@ -347,7 +346,9 @@ def _plan(
     height = float(gap.max())
     if not height > 0.0:
         raise rc.InputError("The heights are all the same: of flat bodies there is nothing to solve.")
-    return problem, attrs.evolve(scene, grid=grid, initial_gap=cast(Any, gap), peak_to_valley=height, convolver=convolver)
+    return problem, attrs.evolve(
+        scene, grid=grid, initial_gap=cast(Any, gap), peak_to_valley=height, convolver=convolver
+    )
 
 
 def _require_memory(processes: Processes, grid: rc.Grid, boundary: rc.Boundary) -> None:

@@ -11,7 +11,7 @@ from roughcontact.typing import Array, ContactPatches, IntArray, RealArray, find
 from scipy import sparse
 
 from roughcontact_mpi.arrays import SlabArray
-from roughcontact_mpi.parts import BESIDE, Part
+from roughcontact_mpi.parts import Part
 
 # Cells of the largest patch that one process has as a whole: larger ones are not taken for single summits of Hertz.
 WHOLE_PATCH_CELLS = 36

@@ -7,7 +7,16 @@ from typing import TYPE_CHECKING
 import attrs
 import numpy as np
 import roughcontact as rc
-from roughcontact.typing import Array, Certificate, Origin, Outcome, PreparedConvolution, certify, make_solution, make_task
+from roughcontact.typing import (
+    Array,
+    Certificate,
+    Origin,
+    Outcome,
+    PreparedConvolution,
+    certify,
+    make_solution,
+    make_task,
+)
 
 from roughcontact_mpi.arrays import SlabArray
 from roughcontact_mpi.parts import Part

@@ -112,9 +112,7 @@ def _find_sharpness(solution: ContactSolution, highest: IntArray) -> Array:
     mine, places = solution.parts.find(highest)
     sharpness = np.zeros(highest.size)
     sharpness[mine] = np.nan_to_num(find_sharpness(solution, places))
-    return solution.parts.total(sharpness) / (
-        curvature_resolution(solution) + calibration.MIN_RESOLUTION_RATIO
-    )
+    return solution.parts.total(sharpness) / (curvature_resolution(solution) + calibration.MIN_RESOLUTION_RATIO)
 
 
 def _find_tip_error(cells: IntArray, sharpness: Array) -> Array:

@@ -44,7 +44,7 @@ class Whole:
         return field
 
     def own_rows(self, rows: IntArray) -> slice | Mask:
-        """Return which of these rows of the fields are not another part's too; the first row stands for negative ones."""
+        """Return which rows of the fields are not another part's too; the first row stands for negative ones."""
         return slice(None)
 
     def rows(self, rows: IntArray) -> IntArray:
@@ -56,7 +56,7 @@ class Whole:
         return spline
 
     def find(self, cells: IntArray) -> tuple[slice | Mask, IntArray]:
-        """Return which cells of the domain, flat indices, are of this part alone, and their flat indices in the fields."""
+        """Return which cells of the domain, flat indices, are of this part alone, and their indices in the fields."""
         return slice(None), cells
 
     def tangent(self, solution: Any) -> Any:
