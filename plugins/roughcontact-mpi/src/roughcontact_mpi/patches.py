@@ -60,19 +60,23 @@ class WindowPatches(ContactPatches):
         return self.part.total(super()._sum(field))
 
 
-def label_slabs(part: Part, pressure: SlabArray, grid: rc.Grid, boundary: rc.Boundary) -> tuple[SlabArray, int]:
-    """Return the labels of the patches, in the order of their first cells, and their number."""
+def label_slabs(
+    part: Part, pressure: SlabArray, grid: rc.Grid, boundary: rc.Boundary
+) -> tuple[SlabArray, IntArray, int]:
+    """Return the labels of the patches, in the order of their first cells, the own cells in contact, and the number."""
     rows = np.ascontiguousarray(pressure.part)
-    labels = np.zeros(rows.shape, dtype=np.intp)
-    own = 0
+    touching = np.zeros(0, dtype=np.intp)
+    own = touching
     if (rows > 0.0).any():
         apart = rc.Boundary.FREE if boundary.free_axes[1] else rc.Boundary.FREE_PERIODIC
         found = find_patches(rows > 0.0, rows, grid, apart)
-        labels[:] = found.labels
-        own = found.count
-    counts = part.processes.collect(own)
-    labels[labels > 0] += int(counts[: part.processes.rank].sum())
+        touching = found.members
+        own = found.member_labels
+    counts = part.processes.collect(int(own.max(initial=0)))
+    own = own + int(counts[: part.processes.rank].sum())
     count = int(counts.sum())
+    labels = np.zeros(rows.shape, dtype=np.intp)
+    labels.ravel()[touching] = own
     one, other = part.join(_list_pairs(part, labels, periodic=not boundary.free_axes[1])).astype(np.intp) - 1
     links = sparse.coo_matrix((np.ones(one.size), (one, other)), shape=(max(count, 1), max(count, 1)))
     pieces = sparse.csgraph.connected_components(links, directed=False)[1][:count]
@@ -80,8 +84,8 @@ def label_slabs(part: Part, pressure: SlabArray, grid: rc.Grid, boundary: rc.Bou
     _, first, inverse = np.unique(pieces, return_index=True, return_inverse=True)
     number = np.empty(first.size, dtype=np.intp)
     number[np.argsort(first)] = np.arange(1, first.size + 1)
-    new = np.concatenate(([0], number[inverse])).astype(np.intp)
-    return SlabArray.field(new[labels], part.processes, grid.shape[0]), int(first.size)
+    labels.ravel()[touching] = number[inverse][own - 1]
+    return SlabArray.field(labels, part.processes, grid.shape[0]), touching, int(first.size)
 
 
 def _list_pairs(part: Part, labels: IntArray, *, periodic: bool) -> IntArray:
@@ -107,30 +111,36 @@ def _list_pairs(part: Part, labels: IntArray, *, periodic: bool) -> IntArray:
 
 
 def window_patches(
-    part: Part, labels: SlabArray, count: int, pressure: RealArray, grid: rc.Grid, boundary: rc.Boundary
+    part: Part,
+    labels: SlabArray,
+    touching: IntArray,
+    count: int,
+    pressure: RealArray,
+    grid: rc.Grid,
+    boundary: rc.Boundary,
 ) -> WindowPatches:
     """Return the patches for the estimators; each cell is a member on one process, small patches as a whole."""
     ny = grid.shape[1]
+    inside = part.inside
     window = part.read(labels)
-    own = labels.part
-    touching = np.flatnonzero(own)
+    own = labels.part.ravel()[touching]
     first = np.full(count + 1, grid.cells, dtype=np.intp)
-    np.minimum.at(first, own.ravel()[touching], touching + part.start * ny)
+    np.minimum.at(first, own, touching + part.start * ny)
     first = part.lowest(first)
-    cells = part.total(np.bincount(own.ravel(), minlength=count + 1))
-    members = np.flatnonzero(window)
+    cells = part.total(np.bincount(own, minlength=count + 1))
+    loads = np.bincount(own, weights=pressure[inside].ravel()[touching], minlength=count + 1).astype(np.float64)
+    forces = np.asarray(part.total(loads)[1:] * grid.cell_area)
+    areas = np.asarray(cells[1:] * grid.cell_area, dtype=np.float64)
+    public = SlabPatches(count, cells[1:], areas, forces, labels)
+    beside = np.flatnonzero(window[: inside.start]), np.flatnonzero(window[inside.stop :]) + inside.stop * ny
+    members = np.concatenate((beside[0], touching + inside.start * ny, beside[1]))
     label = window.ravel()[members]
     row = members // ny
-    small = cells[label] <= WHOLE_PATCH_CELLS
     begin = first[label] // ny
     # Small patches are with the process of their first cell, each cell once, by the shorter way around.
     step = part.window[row] - begin
     if not part.free:
         step = step - part.shape[0] * np.round(step / part.shape[0]).astype(np.intp)
-    whole = (begin >= part.start) & (begin < part.stop) & (row == part.inside.start + begin - part.start + step)
-    mine = np.where(small, whole, (row >= part.inside.start) & (row < part.inside.stop))
-    loads = np.bincount(own.ravel(), weights=pressure[part.inside].ravel(), minlength=count + 1).astype(np.float64)
-    forces = np.asarray(part.total(loads)[1:] * grid.cell_area)
-    areas = np.asarray(cells[1:] * grid.cell_area, dtype=np.float64)
-    public = SlabPatches(count, cells[1:], areas, forces, labels)
+    whole = (begin >= part.start) & (begin < part.stop) & (row == inside.start + begin - part.start + step)
+    mine = np.where(cells[label] <= WHOLE_PATCH_CELLS, whole, (row >= inside.start) & (row < inside.stop))
     return WindowPatches(grid, boundary, pressure, window, count, members[mine], part, public)

@@ -47,8 +47,8 @@ def open_window(solution: SlabSolution) -> WindowSolution:
     pressure, displacement, initial_gap = (
         part.read(field) for field in (solution.pressure, solution.displacement, solution.initial_gap)
     )
-    labels, count = label_slabs(part, solution.pressure, plan.grid, plan.boundary)
-    patches = window_patches(part, labels, count, pressure, plan.grid, plan.boundary)
+    labels, touching, count = label_slabs(part, solution.pressure, plan.grid, plan.boundary)
+    patches = window_patches(part, labels, touching, count, pressure, plan.grid, plan.boundary)
     certificate = Certificate(
         pressure=pressure,
         displacement=displacement,
