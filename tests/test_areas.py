@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -7,7 +9,13 @@ from hypothesis import given, settings
 import roughcontact as rc
 from roughcontact import reference
 from roughcontact._answers.areas.cells import count_sides, find_straight_rows
+from roughcontact.typing import Whole
 from strategies import problems
+
+
+def touching(contact, boundary):
+    """What the counts of sides read of a solution."""
+    return SimpleNamespace(contact=contact, boundary=boundary, parts=Whole())
 
 
 @settings(max_examples=40)
@@ -41,11 +49,11 @@ def test_full_contact_is_the_nominal_area_exactly():
 def test_sides_are_counted_across_a_periodic_border(boundary, sides):
     mask = np.zeros((5, 6), dtype=bool)
     mask[0, 2:4] = True
-    assert count_sides(mask, boundary) == sides
+    assert count_sides(touching(mask, boundary)) == sides
 
 
 def test_a_row_of_cells_is_not_its_own_neighbour():
-    assert count_sides(np.array([[True, False, False, True]]), rc.Boundary.PERIODIC) == 2
+    assert count_sides(touching(np.array([[True, False, False, True]]), rc.Boundary.PERIODIC)) == 2
 
 
 def hertz(cells_across, offset):
@@ -164,7 +172,7 @@ def test_the_uncertainties_hold_strips_along_the_grid(name, rows):
 def test_straight_rows():
     mask = np.zeros((6, 6), dtype=bool)
     mask[1:3, 1:5] = True
-    assert sorted(find_straight_rows(mask, rc.Boundary.FREE)) == [2, 2, 4, 4]
+    assert sorted(find_straight_rows(touching(mask, rc.Boundary.FREE))) == [2, 2, 4, 4]
     for shift in range(6):
         moved = np.roll(mask, (shift, -shift), (0, 1))
-        assert sorted(find_straight_rows(moved, rc.Boundary.PERIODIC)) == [2, 2, 4, 4]
+        assert sorted(find_straight_rows(touching(moved, rc.Boundary.PERIODIC))) == [2, 2, 4, 4]

@@ -22,6 +22,7 @@ from roughcontact._parts.grid import Load, grow
 from roughcontact._solve.problem.sweep import Sweep, predict_pressure
 from roughcontact._solve.solvers.conjugate.descent import Descent
 from roughcontact._solve.solvers.projection import ApproachControl, LoadControl, ReleasedCells, project_to_weighted_load
+from roughcontact.typing import Whole
 
 CORNERS = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
 
@@ -106,10 +107,11 @@ def test_rows_of_sides_across_the_border_are_one():
     contact = np.zeros((6, 8), dtype=bool)
     contact[2:4, [0, 1, 6, 7]] = True
     free, periodic = rc.Boundary.FREE, rc.Boundary.PERIODIC
-    assert sorted(find_straight_rows(contact, periodic)) == [2, 2, 4, 4]
-    assert sorted(find_straight_rows(contact, free)) == [2, 2, 2, 2, 2, 2]
-    assert count_sides(contact, periodic) == count_sides(contact, free) == 12
-    assert count_sides(contact, free, np.indices(contact.shape)[1] < 4) == 6
+    on_periodic, on_free = (SimpleNamespace(contact=contact, boundary=one, parts=Whole()) for one in (periodic, free))
+    assert sorted(find_straight_rows(on_periodic)) == [2, 2, 4, 4]
+    assert sorted(find_straight_rows(on_free)) == [2, 2, 2, 2, 2, 2]
+    assert count_sides(on_periodic) == count_sides(on_free) == 12
+    assert count_sides(on_free, np.indices(contact.shape)[1] < 4) == 6
     i, j = np.nonzero(contact & ~np.roll(contact, 1, axis=0))
     starts, lengths = _find_rows(i, j, None)
     assert (starts.tolist(), lengths.tolist()) == ([0, 2], [2, 2])
@@ -123,10 +125,10 @@ def test_rows_of_sides_across_the_border_are_one():
 def test_neighbours_along_x_end_at_a_free_border(step):
     mask = np.zeros((4, 3), dtype=bool)
     mask[[0, -1]] = True
-    np.testing.assert_array_equal(_shift(mask, step, free=False), np.roll(mask, step, axis=0))
+    np.testing.assert_array_equal(_shift(mask, step, 0, free=False), np.roll(mask, step, axis=0))
     inner = np.zeros((4, 3), dtype=bool)
     inner[1 if step == 1 else 2] = True
-    np.testing.assert_array_equal(_shift(mask, step, free=True), inner)
+    np.testing.assert_array_equal(_shift(mask, step, 0, free=True), inner)
 
 
 @pytest.mark.parametrize("width", [1, 2])

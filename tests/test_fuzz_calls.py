@@ -64,7 +64,8 @@ BOUND = types_of_rc.BoundKernel(rc.Love())
 # Methods that parts call on each other: any error of roughcontact will do, and what they return is not judged.
 INNER = ("Love", "FourierHalfSpace", "DCFFT", "CircularFFT", "Direct", "project_to_load", "rescale_to_load")
 INNER += ("nearest_pressure", "starting_pressure", "PolonskyKeer.solve", "ProjectedConjugateGradient.solve")
-INNER += ("SpectralGradient.solve", "natural_residual", "make_task", "confirm")
+INNER += ("SpectralGradient.solve", "natural_residual", "make_task", "confirm", "certify", "make_solution")
+INNER += ("find_patches", "solve_on_cells", "require_found")
 
 # A good value for each argument that has no default, by its name; the loads are given as pressures.
 GOOD = {
@@ -130,6 +131,15 @@ GOOD_FOR = {
     "natural_residual": {"shear": np.zeros((2, 8)), "slip": np.zeros((2, 8)), "limit": np.ones(8), "own": 1.0},
     "nearest_pressure": {"values": TASK.initial_gap}, "make_task": {"load": types_of_rc.Load("pressure", 1e8)},
     "rescale_to_load": {"pressure": np.ones((8, 8))},
+    "find_patches": {"contact": SOLUTION.contact, "pressure": SOLUTION.pressure},
+    "make_solution": {
+        "certificate": types_of_rc.confirm(PLAN, PROBLEM.convolution, TASK, OUTCOME),
+    },
+    "require_found": {"error": 1e-9},
+    "solve_on_cells": {
+        "operator": PROBLEM.convolution, "inverse": PROBLEM.convolution.inverse(np.float32), "unit": 1e-9,
+        "cells": SOLUTION.contact, "right": np.ones(GRID.shape), "tolerance": 1e-2, "rigid": False,
+    },
 }  # fmt: skip
 LOADED = ("solve", "require_load", "error_vs_time", "extrapolate", "run_in", "stability", "beyond_resolution")
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from types import SimpleNamespace
 
 import attrs
 import numpy as np
@@ -42,6 +43,7 @@ from roughcontact._answers.areas.hertz import (
 from roughcontact._answers.areas.outline import _chain, contours, outline
 from roughcontact._answers.areas.peak import _find_cut, _find_highest, _find_summits, _gather
 from roughcontact._answers.areas.spline import Spline
+from roughcontact.typing import Whole
 
 
 @pytest.mark.parametrize("value", [1.0, 0.5])
@@ -93,7 +95,7 @@ def test_edges_that_are_the_same_are_counted():
     np.testing.assert_allclose(found.area[1:], alone.area[1])
     assert found.area.size == 5
     same = _count_alike(
-        np.array([0.5, 0.5, 0.2, 0.5]), np.array([1.0, 1.0, 1.0, 0.7]), np.tile([[1.0], [-1.0]], (1, 4))
+        Whole(), np.array([0.5, 0.5, 0.2, 0.5]), np.array([1.0, 1.0, 1.0, 0.7]), np.tile([[1.0], [-1.0]], (1, 4))
     )
     assert same.tolist() == [2.0, 2.0, 1.0, 1.0]
     assert _count_equal_errors(np.array([1.0, 3.0])).tolist() == [1.0, 1.0 + 2.0 * calibration.ALIKE_PARTS_FACTOR]
@@ -329,7 +331,8 @@ def test_the_highest_cells_of_patches_and_whether_the_border_cuts_them():
     assert sorted(np.transpose(np.divmod(highest, 9)).tolist()) == [[0, 2], [4, 5], [7, 8]]
     assert sorted(_find_cut(free, highest).tolist()) == [False, True, True]
     assert not _find_cut(with_fields(grid, pressure, 1.0, boundary="periodic"), highest).any()
-    near = _gather(np.arange(72.0).reshape(8, 9), rc.Boundary.PERIODIC, np.array([13]), 1)
+    periodic = SimpleNamespace(boundary=rc.Boundary.PERIODIC, parts=Whole())
+    near = _gather(periodic, np.arange(72.0).reshape(8, 9), np.array([13]), 1)
     np.testing.assert_array_equal(near[:, :, 0], [[3, 4, 5], [12, 13, 14], [21, 22, 23]])
 
 

@@ -12,6 +12,7 @@ import time
 import tracemalloc
 from pathlib import Path
 
+import attrs
 import numpy as np
 import roughcontact as rc
 
@@ -28,6 +29,9 @@ CONTACTS = {
     "free, light": {"load": {"pressure": 5e6}, "boundary": "free"},
 }
 REPEATS = 3
+# The answers that are measured, from a solution that has none yet, on grids of a side from here on.
+ANSWERS = {"area": lambda solution: solution.area(), "stiffness": lambda solution: solution.stiffness()}
+ANSWERED = 1024
 
 
 class Timed:
@@ -88,14 +92,30 @@ def measure_slabs(path):
                 started = time.thread_time()
                 solution = run(slab)
                 seconds.append(time.thread_time() - started - timed.seconds)
+            counts = {"reductions": own.reductions, "sent": own.sent}
             peak = traced(run) / max(8 * heights.part.size, 1)
             work = float(processes.collect(min(seconds)).max())
             memory = float(processes.collect(peak).max())
             row = solution.numbers
-            row |= {"work": work, "memory": memory, "reductions": own.reductions, "sent": own.sent}
-            rows[name] = row
+            answers = {}
+            if heights.shape[0] >= ANSWERED:
+                answers = {answer: measure_answer(solution, answer, timed, own) for answer in ANSWERS}
+            rows[name] = row | counts | {"work": work, "memory": memory, "answers": answers}
         if processes.rank == 0:
             print(json.dumps(rows))
+
+
+def measure_answer(solution, answer, timed, own):
+    """Return the work of an answer on slabs, s, the number of reductions, and the bytes that a process sends."""
+    seconds = []
+    for _ in range(REPEATS):
+        fresh = attrs.evolve(solution)
+        own.sent = own.reductions = 0
+        timed.seconds = 0.0
+        started = time.thread_time()
+        ANSWERS[answer](fresh)
+        seconds.append(time.thread_time() - started - timed.seconds)
+    return float(own.collect(min(seconds)).max()), own.reductions - 1, own.sent
 
 
 def measure_alone(path):
@@ -113,11 +133,21 @@ def measure_alone(path):
         problem = rc.ContactProblem(body, boundary=contact["boundary"], threads=1)
         peak = traced(lambda problem=problem, contact=contact: problem.solve(**contact["load"])) / (8 * heights.size)
         area = solution.area("cell-count").value
-        yield name, solution.iterations, solution.convolutions, area, min(seconds), peak
+        answers = {}
+        for answer, ask in ANSWERS.items() if heights.shape[0] >= ANSWERED else ():
+            took = []
+            for _ in range(REPEATS):
+                fresh = attrs.evolve(solution)
+                started = time.thread_time()
+                ask(fresh)
+                took.append(time.thread_time() - started)
+            answers[answer] = min(took)
+        yield name, solution.iterations, solution.convolutions, area, min(seconds), peak, answers
 
 
 def main():
-    """Print the table."""
+    """Print both tables."""
+    answered = []
     print("| contact | cells a side | processes | iterations | products | area, counted | reductions | sent, MiB "
           "| work, s | over one process | memory, arrays |")  # fmt: skip
     print("|---|---|---|---|---|---|---|---|---|---|---|")
@@ -133,7 +163,7 @@ def main():
             for count in COUNTS:
                 command = ["mpiexec", "-n", str(count), sys.executable, __file__, str(path)]
                 slabs[count] = json.loads(subprocess.run(command, capture_output=True, check=True).stdout)
-            for name, iterations, products, area, seconds, memory in measure_alone(path):
+            for name, iterations, products, area, seconds, memory, answers in measure_alone(path):
                 head = f"| {name} | {side} |"
                 done = f"{iterations} | {products} | {area * 1e6:.8f}"
                 print(f"{head} serial | {done} | | | {seconds:.2f} | 1 | {memory:.1f} |")
@@ -144,6 +174,15 @@ def main():
                     sent = f"{row['reductions']} | {row['sent'] / 2**20:.1f}"
                     cost = f"{work:.2f} | {work / seconds:.2f} | {row['memory']:.1f}"
                     print(f"{head} {count} | {done} | {sent} | {cost} |", flush=True)
+                for answer, alone in answers.items():
+                    answered.append(f"| {answer} | {name} | {side} | serial | | | {alone:.2f} | 1 |")
+                    for count in COUNTS:
+                        work, reductions, sent = slabs[count][name]["answers"][answer]
+                        cost = f"{reductions} | {sent / 2**20:.1f} | {work:.2f} | {work / alone:.2f}"
+                        answered.append(f"| {answer} | {name} | {side} | {count} | {cost} |")
+    print("\n| answer | contact | cells a side | processes | reductions | sent, MiB | work, s | over one process |")
+    print("|---|---|---|---|---|---|---|---|")
+    print("\n".join(answered))
 
 
 if __name__ == "__main__":

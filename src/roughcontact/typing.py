@@ -9,7 +9,8 @@ convolvers   `BoundKernel`, `ConvolutionSetup`, `PreparedConvolution`, `InverseC
              `WaveMatrix`
 solvers      `Task`, `Outcome`, `Step`, `GridLevel`, `Monitor`, `ContactConditions`, `Violation`; the functions
              `starting_pressure`, `nearest_pressure`, `project_to_load`, `rescale_to_load`; for a solve of your own
-             `make_task`, `confirm`, `Certificate`
+             `make_task`, `confirm`, `Certificate`, `certify`, `make_solution`; for one that is divided among
+             processes `Whole`, `find_patches`, `solve_on_cells`, `LinearSolution`, `require_found`
 materials    the mapping `TYPICAL` of typical ones by name; `PairConstants`, the function `pair_constants`
 readers      `RawMap`; the function `read_raw`
 commands     `Table`; the functions `quantity`, `replacing`, `si`, `binary`, `write_column`, `available_memory`,
@@ -30,6 +31,7 @@ friction     `FrictionalResiduals`, `FrictionalState`, `TangentialLoad`, `Tangen
 """
 
 from roughcontact._answers.laws import InterfaceLaw, LawColumn, PowerFit
+from roughcontact._answers.linear.tangent import LinearSolution, require_found, solve_on_cells
 from roughcontact._answers.refinement import BeyondResolution, Ladder
 from roughcontact._base.archive import replacing
 from roughcontact._base.arrays import Array, IntArray, Mask, Pair, RealArray
@@ -67,7 +69,9 @@ from roughcontact._solve.problem import (
     StepNumbers,
     Sweep,
     TangentialLoop,
+    certify,
     confirm,
+    make_solution,
     make_task,
     require_memory_of_solve,
     run_sweep,
@@ -87,7 +91,9 @@ from roughcontact._solve.solution import (
     TheoryBeside,
     Trial,
     Violation,
+    Whole,
     exceeds_metals,
+    find_patches,
     gather_warnings,
     list_quantities,
     name_load,
@@ -164,6 +170,7 @@ __all__ = [
     "Ladder",
     "LawColumn",
     "Leakage",
+    "LinearSolution",
     "Load",
     "Mask",
     "MatchedPair",
@@ -217,18 +224,22 @@ __all__ = [
     "Verdict",
     "Violation",
     "WaveMatrix",
+    "Whole",
     "YieldPoint",
     "available_memory",
     "available_threads",
     "binary",
     "build_problem",
     "build_response",
+    "certify",
     "confirm",
     "describe_response",
     "exceeds_metals",
+    "find_patches",
     "gather_warnings",
     "limit_address_space",
     "list_quantities",
+    "make_solution",
     "make_task",
     "name_load",
     "natural_residual",
@@ -238,10 +249,12 @@ __all__ = [
     "quantity",
     "read_raw",
     "replacing",
+    "require_found",
     "require_memory_of_solve",
     "rescale_to_load",
     "run_sweep",
     "si",
+    "solve_on_cells",
     "starting_pressure",
     "tabulate_answers",
     "write_column",

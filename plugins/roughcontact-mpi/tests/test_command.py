@@ -37,6 +37,7 @@ def test_the_command_writes_fields_and_numbers(heights, tmp_path):
     path, values = heights
     out = tmp_path / "out"
     load = ("--force", "2mN", "--young", "2GPa", "--poisson", "0.25", "--hardness", "1GPa", "--tolerance", "1e-11")
+    load = (*load, "--stiffness")
     done = run_command(3, path, "--size", "96um", "72um", "--unit", "um", *load, "-o", out)
     assert done.returncode == 0, done.stderr
     assert "3 processes" in done.stdout
@@ -54,6 +55,14 @@ def test_the_command_writes_fields_and_numbers(heights, tmp_path):
     numbers = json.loads((out / "numbers.json").read_text())
     assert numbers["force"] == pytest.approx(2e-3, rel=1e-12)
     assert numbers["contact_modulus"] == pytest.approx(alone.modulus, rel=1e-12)
+    answers = {"area": alone.area(), "peak_pressure": alone.peak_pressure(), "stiffness": alone.stiffness()}
+    for name, answer in answers.items():
+        assert numbers[name] == pytest.approx(answer.value, rel=1e-6)
+        assert numbers[f"{name}_uncertainty"] == pytest.approx(answer.uncertainty, rel=1e-6)
+    area = str(alone.area()).partition(";")[0]
+    assert f"area       {area}" in done.stdout
+    stiffness = str(alone.stiffness()).partition(";")[0]
+    assert f"stiffness  {stiffness}" in done.stdout
 
 
 @pytest.mark.parametrize(

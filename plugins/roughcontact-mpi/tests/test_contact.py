@@ -120,7 +120,8 @@ def test_pressure_is_that_of_one_process(folder, case, count):
     assert numbers["approach"] == pytest.approx(alone.approach, rel=1e-9)
     assert numbers["force"] == pytest.approx(alone.force, rel=1e-9)
     assert numbers["counted_area"] == pytest.approx(alone.area("cell-count").value, rel=1e-12)
-    assert numbers["area"] == pytest.approx(alone.area("perimeter").value, rel=1e-12)
+    assert numbers["area"] == pytest.approx(alone.area().value, rel=1e-6)
+    assert numbers["patches"] == alone.patches.count
     assert max(numbers["residuals"].values()) <= 2e-11
 
 

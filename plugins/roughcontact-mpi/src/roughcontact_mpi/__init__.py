@@ -4,6 +4,17 @@ from roughcontact_mpi.arrays import SlabArray
 from roughcontact_mpi.contact import SlabSolution, solve
 from roughcontact_mpi.convolver import SlabFFT
 from roughcontact_mpi.files import read_heights, write_field
+from roughcontact_mpi.patches import SlabPatches
 from roughcontact_mpi.processes import Processes, ending_all
 
-__all__ = ["Processes", "SlabArray", "SlabFFT", "SlabSolution", "ending_all", "read_heights", "solve", "write_field"]
+__all__ = [
+    "Processes",
+    "SlabArray",
+    "SlabFFT",
+    "SlabPatches",
+    "SlabSolution",
+    "ending_all",
+    "read_heights",
+    "solve",
+    "write_field",
+]

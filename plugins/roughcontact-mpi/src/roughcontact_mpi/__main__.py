@@ -56,6 +56,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--boundary", choices=["free", "periodic"], default="free", help="(free)")
     parser.add_argument("--kernel", default="love", metavar="NAME", help="influence kernel (love)")
     parser.add_argument("--tolerance", type=_NUMBER, metavar="T", help="tolerance of the solver (1e-5)")
+    parser.add_argument("--stiffness", action="store_true", help="also the normal stiffness, by one more solve")
     parser.add_argument("-o", "--output", metavar="FOLDER", help="folder for the fields and numbers")
     parser.add_argument("-q", "--quiet", action="store_true", help="print nothing but errors")
     return parser
@@ -88,6 +89,8 @@ def _run(processes: Processes, options: argparse.Namespace) -> None:
         kernel=options.kernel,
         tolerance=options.tolerance,
     )
+    if options.stiffness:
+        solution.stiffness()
     text = solution.describe()
     if options.output is not None:
         solution.save(options.output)

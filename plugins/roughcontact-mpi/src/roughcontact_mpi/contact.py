@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 import json
-import math
 import time
 from collections.abc import Callable, Sequence
+from functools import cached_property
 from pathlib import Path
 from typing import Any, cast
 
 import attrs
-import numpy as np
 import roughcontact as rc
 from roughcontact.typing import (
-    Array,
     BoundKernel,
     GridLevel,
     Load,
+    PreparedConvolution,
     Residuals,
     SolvePlan,
     Step,
@@ -30,14 +29,14 @@ from roughcontact.typing import (
 from roughcontact_mpi.arrays import SlabArray
 from roughcontact_mpi.convolver import SlabFFT
 from roughcontact_mpi.files import write_field
+from roughcontact_mpi.patches import SlabPatches
 from roughcontact_mpi.processes import Processes
+from roughcontact_mpi.windows import WindowSolution, gather, open_window
 
-# Mean excess of the count, in cells per side, and the fraction of that correction in one standard deviation, as in
-# rc.Perimeter (Yastrebov 2017).
-_COUNT_EXCESS = (math.pi - 1.0 + math.log(2.0)) / 24.0
-_CORRECTION_STD = 0.5
 # Cells along the sides of the small grid on which materials, kernel and boundary are checked.
 _SCENE_CELLS = 8
+# The area estimators whose text asks the other processes.
+_ESTIMATORS = ("blend", "cell-count", "hertz", "level-set", "level-set-richardson", "perimeter")
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -58,12 +57,16 @@ class SlabSolution:
         Displacement that it causes, shape (nx, ny), m.
     initial_gap
         Gap before deformation, shape (nx, ny), m.
+    scene, plan, load, convolution
+        The problem on a small grid, its plan, the load, and the convolution that solved it.
     approach
         Approach since first touch, m.
     status, residuals
         The certificate, recomputed in float64 from the pressure alone.
     iterations, convolutions
         Iterations, and convolutions on the finest grid or work of the same cost.
+    errors
+        The solver's error before each iteration.
     levels
         The work on each grid.
     seconds
@@ -77,13 +80,19 @@ class SlabSolution:
     pressure: SlabArray = attrs.field(repr=False)
     displacement: SlabArray = attrs.field(repr=False)
     initial_gap: SlabArray = attrs.field(repr=False)
+    scene: rc.ContactProblem = attrs.field(repr=False)
+    plan: SolvePlan = attrs.field(repr=False)
+    load: Load
+    convolution: PreparedConvolution = attrs.field(repr=False)
     approach: float
     status: rc.Status
     residuals: Residuals
     iterations: int
     convolutions: int
+    errors: tuple[float, ...] = attrs.field(repr=False)
     levels: tuple[GridLevel, ...] = attrs.field(repr=False)
     seconds: float
+    _found: dict[str, rc.Estimate] = attrs.field(factory=dict, init=False, repr=False)
 
     @property
     def gap(self) -> SlabArray:
@@ -100,53 +109,53 @@ class SlabSolution:
         """Nominal mean pressure, Pa; all processes must ask."""
         return float(self.pressure.mean())
 
-    def area(self, estimator: str = "perimeter") -> rc.Area:
+    @cached_property
+    def _window(self) -> WindowSolution:
+        return open_window(self)
+
+    def area(self, estimator: str = "blend") -> rc.Area:
         """Return the real contact area; all processes must ask.
 
         Parameters
         ----------
         estimator
-            ``"cell-count"``: all cells with pressure; or ``"perimeter"``: less a correction by the sides of the edge,
-            with an uncertainty of half of it (see `rc.Perimeter`, which adds the position of straight edges).
+            Name of an area estimator of roughcontact.
         """
-        if estimator not in ("cell-count", "perimeter"):
-            raise rc.InputError.about("The area estimator on slabs", estimator, "'cell-count' or 'perimeter'")
-        contact = self.pressure > 0.0
-        count = int(np.count_nonzero(contact))
-        cell = self.grid.cell_area
-        sides = self._count_sides(contact, None)
-        excess = _COUNT_EXCESS * sides
-        if estimator == "cell-count":
-            return rc.Area(count * cell, count / self.grid.cells, excess * cell, estimator)
-        needed = 0.0
-        if math.isfinite(self.pressure_limit):
-            sides -= self._count_sides(contact, self.pressure >= self.pressure_limit)
-            excess = _COUNT_EXCESS * sides
-            needed = float(self.pressure.sum()) / self.pressure_limit
-        value = max(count - excess, needed) * cell
-        return rc.Area(value, value / self.grid.area, _CORRECTION_STD * excess * cell, estimator)
+        if estimator not in _ESTIMATORS:
+            raise rc.InputError.about("The area estimator on slabs", estimator, f"one of {', '.join(_ESTIMATORS)}")
+        return self._window.area(estimator)
 
-    def _count_sides(self, contact: SlabArray, of: SlabArray | None) -> int:
-        """Return the number of cell sides between contact and open cells, or of those at the cells `of`."""
-        count = 0
-        for axis, free in enumerate(self.boundary.free_axes):
-            # The next row may be that of another process.
-            sides: Any = contact != np.roll(cast(Array, contact), -1, axis=axis)
-            if of is not None:
-                sides &= of | np.roll(cast(Array, of), -1, axis=axis)
-            if free and axis == 1:
-                sides.part[:, -1] = False
-            elif free and sides.processes.own_rows(self.grid.shape[0]).stop == self.grid.shape[0]:
-                sides.part[-1:] = False
-            count += int(np.count_nonzero(sides))
-        return count
+    def peak_pressure(self) -> rc.Estimate:
+        """Return the maximum pressure between the cells, Pa; all processes must ask."""
+        return self._window.peak_pressure()
+
+    def stiffness(self) -> rc.Estimate:
+        """Return the normal stiffness dF/d(approach), N/m, by one more solve; all processes must ask."""
+        if "stiffness" not in self._found:
+            self._found["stiffness"] = self._window.stiffness()
+        return self._found["stiffness"]
+
+    @property
+    def patches(self) -> SlabPatches:
+        """The connected patches of the contact; all processes must ask."""
+        return self._window.patches.public
+
+    def gather(self) -> rc.ContactSolution | None:
+        """Return the whole solution on the first process, certified anew there, with every answer; None on the others.
+
+        It must fit into the memory of that process. All processes must ask.
+        """
+        return gather(self)
 
     @property
     def numbers(self) -> dict[str, Any]:
-        """The numbers of the solution, in SI units; all processes must ask."""
+        """The numbers of the solution, SI units, with the stiffness once it was asked for; all processes must ask."""
         counted = self.area("cell-count")
         area = self.area()
-        return {
+        peak = self.peak_pressure()
+        stiffness = {name: found.value for name, found in self._found.items()}
+        stiffness |= {f"{name}_uncertainty": found.uncertainty for name, found in self._found.items()}
+        return stiffness | {
             "shape": list(self.grid.shape),
             "size": list(self.grid.size),
             "boundary": str(self.boundary),
@@ -155,10 +164,13 @@ class SlabSolution:
             "force": self.force,
             "mean_pressure": self.mean_pressure,
             "maximum_pressure": float(self.pressure.max()),
+            "peak_pressure": peak.value,
+            "peak_pressure_uncertainty": peak.uncertainty,
             "approach": self.approach,
             "area": area.value,
             "area_uncertainty": area.uncertainty,
             "counted_area": counted.value,
+            "patches": self.patches.count,
             "contact_modulus": self.modulus,
             "iterations": self.iterations,
             "convolutions": self.convolutions,
@@ -182,9 +194,11 @@ class SlabSolution:
                 "pressure",
                 f"mean {si(numbers['mean_pressure'], 'Pa', 6)}, maximum {si(numbers['maximum_pressure'], 'Pa', 6)}",
             ),
+            ("peak", str(self.peak_pressure())),
             ("approach", si(self.approach, "m", 6)),
             ("area", str(self.area())),
-            ("counted", str(self.area("cell-count"))),
+            ("counted", f"{si(numbers['counted_area'], 'm2', 6)} in {numbers['patches']} patches"),
+            *((name, str(found)) for name, found in self._found.items()),
             ("work", f"{self.iterations} iterations, {self.convolutions} convolutions, {self.seconds:.3g} s"),
         )
         return "\n".join(f"{label:<10} {text}" for label, text in rows)
@@ -262,7 +276,7 @@ def solve(
     load = Load.of(pressure=pressure, force=force, approach=approach)
     grid = rc.Grid(cast(tuple[int, int], heights.shape), cast(Any, size))
     solver = rc.ProjectedConjugateGradient() if tolerance is None else rc.ProjectedConjugateGradient(tolerance)
-    plan = _plan(heights, grid, material, counterbody, boundary, kernel, solver)
+    scene, plan = _plan(heights, grid, material, counterbody, boundary, kernel, solver)
     # The plan has the gap; arrays in slabs follow numpy's protocols.
     gap: Any = plan.initial_gap
     convolver = cast(SlabFFT, plan.convolver)
@@ -281,11 +295,16 @@ def solve(
         pressure=fields.pressure,
         displacement=fields.displacement,
         initial_gap=gap,
+        scene=scene,
+        plan=plan,
+        load=load,
+        convolution=convolution,
         approach=certificate.approach,
         status=certificate.status,
         residuals=certificate.residuals,
         iterations=outcome.iterations,
         convolutions=outcome.convolutions + 1,
+        errors=outcome.errors,
         levels=outcome.levels,
         seconds=time.perf_counter() - started,
     )
@@ -303,19 +322,20 @@ def _plan(
     boundary: str,
     kernel: str | rc.InfluenceKernel,
     solver: rc.Solver,
-) -> SolvePlan:
-    """Return the plan of the solve: materials, kernel and boundary are checked on a few of its cells."""
+) -> tuple[rc.ContactProblem, SolvePlan]:
+    """Return the problem on a few cells, on which materials, kernel and boundary are checked, and the plan of all."""
     processes = heights.processes
     few = rc.Grid((_SCENE_CELLS, _SCENE_CELLS), tuple(_SCENE_CELLS * step for step in grid.spacing))
     flat = rc.FlatSurface()
-    scene = rc.ContactProblem(
+    problem = rc.ContactProblem(
         rc.Body(rc.SphereSurface(max(few.size)), material),
         rc.RIGID_FLAT if counterbody is None else rc.Body(flat, counterbody),
         grid=few,
         boundary=boundary,
         kernel=kernel,
         solver=solver,
-    ).plan
+    )
+    scene = problem.plan
     convolver = SlabFFT(processes, gathers=False)
     convolver.require(scene.kernel, scene.boundary)
     if scene.pressure_limit.ndim:
@@ -326,7 +346,9 @@ def _plan(
     height = float(gap.max())
     if not height > 0.0:
         raise rc.InputError("The heights are all the same: of flat bodies there is nothing to solve.")
-    return attrs.evolve(scene, grid=grid, initial_gap=cast(Any, gap), peak_to_valley=height, convolver=convolver)
+    return problem, attrs.evolve(
+        scene, grid=grid, initial_gap=cast(Any, gap), peak_to_valley=height, convolver=convolver
+    )
 
 
 def _require_memory(processes: Processes, grid: rc.Grid, boundary: rc.Boundary) -> None:

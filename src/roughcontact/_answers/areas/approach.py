@@ -321,7 +321,7 @@ def find_shift(solution: ContactSolution) -> tuple[float, float]:
 
 def _find_aligned(solution: ContactSolution) -> float:
     """Return the error of the shift over the bend where the edge is straight and its cells have the same error."""
-    rows = find_straight_rows(solution.contact, solution.boundary)
+    rows = find_straight_rows(solution)
     # The mean counts, because a slender ellipse has some long rows too.
     long = rows.size > 0 and float(np.mean(rows)) > 0.5 * min(solution.grid.shape)
     if long:

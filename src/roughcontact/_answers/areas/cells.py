@@ -75,18 +75,19 @@ def find_cut_cells(solution: ContactSolution) -> Mask:
 
     The square of the pressure, linear in the distance from an edge, then does not vanish before the border.
     """
-    cut = np.zeros(solution.grid.shape, dtype=bool)
+    shape = solution.contact.shape
+    cut = np.zeros(shape, dtype=bool)
     if not solution.boundary.has_free_axis:
         return cut
-    limit = np.broadcast_to(solution.pressure_limit, solution.grid.shape)
-    for axis, cells in enumerate(solution.grid.shape):
+    limit = np.broadcast_to(solution.pressure_limit, shape)
+    for axis, cells in enumerate(shape):
         if not solution.boundary.free_axes[axis]:
             continue
         pressure, highest, marked = (np.moveaxis(field, axis, 0) for field in (solution.pressure, limit, cut))
         for pair in ((0, min(1, cells - 1)), (cells - 1, max(cells - 2, 0))):
             outer, inner = (np.where(pressure[k] < highest[k], pressure[k], 0.0) ** 2 for k in pair)
             marked[pair[0]] |= 3.0 * outer > inner
-    return cut
+    return solution.parts.own(cut)
 
 
 def find_cut_patches(solution: ContactSolution) -> Mask:
@@ -96,9 +97,8 @@ def find_cut_patches(solution: ContactSolution) -> Mask:
 
 def find_patches_of(solution: ContactSolution, marked: Mask) -> Mask:
     """Return which patches have marked cells, shape (count,)."""
-    found = np.zeros(solution.patches.count + 1, dtype=bool)
-    found[solution.patches.labels[marked]] = True
-    return found[1:]
+    counts = np.bincount(solution.patches.labels[marked], minlength=solution.patches.count + 1)
+    return np.asarray(solution.parts.total(counts)[1:] > 0)
 
 
 def count_saturated(solution: ContactSolution) -> IntArray:
@@ -107,7 +107,7 @@ def count_saturated(solution: ContactSolution) -> IntArray:
     if not solution.capped:
         return np.zeros(patches.count + 1, dtype=np.intp)
     saturated = patches.member_labels[solution.saturated.ravel()[patches.members]]
-    return np.bincount(saturated, minlength=patches.count + 1)
+    return solution.parts.total(np.bincount(saturated, minlength=patches.count + 1))
 
 
 def count_crossings(solution: ContactSolution) -> int:
@@ -119,23 +119,30 @@ def count_crossings(solution: ContactSolution) -> int:
     return sum(int(np.count_nonzero(crossing)) for crossing in crossings)
 
 
-def count_sides(contact: Mask, boundary: Boundary, of: Mask | None = None) -> int:
+def count_sides(solution: ContactSolution, of: Mask | None = None) -> int:
     """Return the number of cell sides between contact and open cells, or of those at the cells `of`."""
-    return sum(int(np.count_nonzero(sides)) for sides in _mark_sides(contact, boundary, of))
+    return int(_count_both(solution, of).sum())
 
 
 def measure_sides(solution: ContactSolution) -> float:
     """Return the total length of the cell sides between contact and open cells, m."""
-    across, along = _mark_sides(solution.contact, solution.boundary, None)
+    across, along = _count_both(solution, None)
     dx, dy = solution.grid.spacing
-    return float(np.count_nonzero(across) * dy + np.count_nonzero(along) * dx)
+    return float(across * dy + along * dx)
 
 
-def find_straight_rows(contact: Mask, boundary: Boundary) -> IntArray:
+def _count_both(solution: ContactSolution, of: Mask | None) -> IntArray:
+    """Return the numbers of sides that face x, and y, shape (2,)."""
+    both = _mark_sides(solution.contact, solution.boundary, of)
+    return solution.parts.total(np.array([np.count_nonzero(solution.parts.own(sides)) for sides in both]))
+
+
+def find_straight_rows(solution: ContactSolution) -> IntArray:
     """Return the lengths, in sides, of the straight rows of sides that form the edge of the contact."""
+    boundary = solution.boundary
     lengths = []
-    for axis, sides in enumerate(_mark_sides(contact, boundary, None)):
-        lines = sides if axis == 0 else np.ascontiguousarray(sides.T)
+    for axis, sides in enumerate(_mark_sides(solution.contact, boundary, None)):
+        lines = solution.parts.lines(sides, axis)
         if not boundary.free_axes[1 - axis]:
             # A row that crosses the border is one row: rotate its line so that it begins at a gap.
             crossing = np.flatnonzero(lines[:, 0] & lines[:, -1] & ~lines.all(axis=1))

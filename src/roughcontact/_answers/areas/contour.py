@@ -14,7 +14,7 @@ from roughcontact._answers.areas.cells import count_saturated, split
 from roughcontact._base.arrays import Array, IntArray, Mask
 from roughcontact._parts.grid import pad_axes
 from roughcontact._parts.kernels import InfluenceKernel
-from roughcontact._solve.solution import ContactSolution
+from roughcontact._solve.solution import ContactSolution, Whole
 
 Corners: TypeAlias = npt.NDArray[np.float64]
 
@@ -176,7 +176,8 @@ class DualCells:
             for corners, weights in zip((self.rows, self.columns), self.weights, strict=True)
         )
         weights = along[i] * across[j]
-        return np.bincount(patches.member_labels, weights=weights, minlength=patches.count + 1).astype(np.float64)
+        cover = np.bincount(patches.member_labels, weights=weights, minlength=patches.count + 1)
+        return solution.parts.total(cover.astype(np.float64))
 
 
 @attrs.frozen(eq=False)
@@ -227,7 +228,7 @@ def find_dual_cells(solution: ContactSolution, stride: int) -> DualCells:
     before = tuple(stride if free else 0 for free in solution.boundary.free_axes)
     weights = []
     corners = []
-    for n, more in zip(solution.grid.shape, before, strict=True):
+    for n, more in zip(solution.contact.shape, before, strict=True):
         first = np.arange(-more, n)
         both = np.stack((first, first + stride))
         if more == 0:
@@ -281,6 +282,9 @@ def trace_contour(solution: ContactSolution, sharp: Mask, stride: int = 1) -> Co
     patches = solution.patches
     cell = solution.grid.cell_area
     i, j = dual.find_edge(solution.contact)
+    mine = solution.parts.own_rows(i - dual.before[0])
+    i = i[mine]
+    j = j[mine]
     k = dual.corners(i, j)
     label = patches.labels.ravel().take(k)
     touching = label > 0
@@ -294,7 +298,7 @@ def trace_contour(solution: ContactSolution, sharp: Mask, stride: int = 1) -> Co
     distance = find_distances(solution, k, touching, size)
     parts, chords, euler = measure_polygons(distance, touching, kind, size)
     parts = np.where(counted, inside / 4.0 * (size[0] * size[1]), parts)
-    alike = _count_alike(parts / (size[0] * size[1]), chords / size[0], distance)
+    alike = _count_alike(solution.parts, parts / (size[0] * size[1]), chords / size[0], distance)
     straight = np.zeros(patches.count + 1)
     if stride == 1 and _has_known_edge(solution):
         straight, parts = _place_straight_edges(solution, label, distance, parts, counted)
@@ -302,16 +306,18 @@ def trace_contour(solution: ContactSolution, sharp: Mask, stride: int = 1) -> Co
     weight = dual.weights[0][i] * dual.weights[1][j] / stride**2
     smooth = weight * ~counted
     owners = CellOwners.find(label, kind, patches.count)
-    total = owners.sum(weight)
     # At the edge the area of the polygon replaces the quarters of the corners in contact.
-    area = cell * dual.cover(solution) + owners.sum((parts - inside / 4.0 * (size[0] * size[1])) * weight)
+    replaced = (parts - inside / 4.0 * (size[0] * size[1])) * weight
+    terms = (weight, replaced, chords * smooth, euler * smooth, jagged * weight, alike * weight, meeting * weight)
+    sums = solution.parts.total(np.stack([owners.sum(term) for term in terms]))
+    total, replaced, length, euler, jagged_part, alike, met = sums
     return Contour(
-        area=area,
-        length=owners.sum(chords * smooth),
-        euler=owners.sum(euler * smooth),
-        sharp=_divide_or(owners.sum(jagged * weight), total, 0.0),
-        alike=_divide_or(owners.sum(alike * weight), total, 1.0),
-        meeting=owners.sum(meeting * weight),
+        area=cell * dual.cover(solution) + replaced,
+        length=length,
+        euler=euler,
+        sharp=_divide_or(jagged_part, total, 0.0),
+        alike=_divide_or(alike, total, 1.0),
+        meeting=met,
         straight=straight,
     )
 
@@ -329,17 +335,20 @@ def _place_straight_edges(
     There all parts of an edge have the same place in a cell, and the same error, which is known.
     """
     grid = solution.grid
+    count = solution.patches.count + 1
     inside = label > 0
     ordered = np.sort(distance, axis=0)
     uneven = np.maximum(ordered[1] - ordered[0], ordered[3] - ordered[2])
     even = (inside.sum(axis=0) == 2) & (inside[0] != inside[2]) & ~counted
     even &= uneven <= _MAX_UNEVEN_DISTANCE * (ordered[3] - ordered[0])
     patch = label.max(axis=0)
-    sides = np.bincount(patch, minlength=solution.patches.count + 1)
+    sides, uneven_sides = solution.parts.total(
+        np.stack([np.bincount(of, minlength=count) for of in (patch, patch[~even])])
+    )
     # Narrower patches have no edge that is known: one row of sides on either side of their cells.
     cells = np.concatenate(([0], solution.patches.cells))
     straight = (sides > 0) & (2 * cells >= _MIN_STRAIGHT_CELLS * sides)
-    straight[patch[~even]] = False
+    straight[uneven_sides > 0] = False
     straight[count_saturated(solution) > 0] = False
     straight[0] = False
     chosen = np.flatnonzero(straight[patch])
@@ -352,7 +361,7 @@ def _place_straight_edges(
     parts[chosen] = (found - solution.edge_shift * math.sqrt(grid.cell_area) / across) * grid.cell_area
     across_edges = np.zeros(straight.size)
     across_edges[patch[chosen]] = across
-    return across_edges, parts
+    return solution.parts.highest(across_edges), parts
 
 
 def _find_non_measured(solution: ContactSolution, k: IntArray, touching: Mask) -> tuple[Mask, Mask]:
@@ -369,21 +378,15 @@ def _divide_or(sums: Array, counts: Array, otherwise: float) -> Array:
     return np.divide(sums, counts, out=np.full_like(sums, otherwise), where=counts > 0.0)
 
 
-def _count_alike(parts: Array, chords: Array, distance: Corners) -> Array:
+def _count_alike(whole: Whole, parts: Array, chords: Array, distance: Corners) -> IntArray:
     """Return how many dual cells have the same edge as each, shape (n,).
 
     Where the contact repeats on the grid, or is symmetric in it, the errors of its parts are the same.
     """
     highest = np.abs(distance).max(axis=0)
-    highest = highest / np.maximum(highest.max(initial=0.0), np.finfo(float).tiny)
+    highest = highest / np.maximum(whole.highest(highest.max(initial=0.0)), np.finfo(float).tiny)
     first, second, third = (np.floor(part / _KEY_STEP + _KEY_OFFSET) for part in (parts, chords, highest))
-    keys = (first * _KEY_COUNT + second) * _KEY_COUNT + third
-    order = np.argsort(keys)
-    ends = np.flatnonzero(np.diff(keys[order], append=np.inf)) + 1
-    counts = np.diff(ends, prepend=0)
-    alike = np.empty(keys.size)
-    alike[order] = np.repeat(counts, counts)
-    return alike
+    return whole.count_equal((first * _KEY_COUNT + second) * _KEY_COUNT + third)
 
 
 def find_modulus_change(solution: ContactSolution) -> float:

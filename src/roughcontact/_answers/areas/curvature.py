@@ -10,7 +10,7 @@ import numpy as np
 from roughcontact._answers.areas.cells import Neighbourhood, split
 from roughcontact._base.arrays import Array, IntArray, Mask
 from roughcontact._parts.grid import Boundary
-from roughcontact._solve.solution import ContactSolution, heal
+from roughcontact._solve.solution import ContactSolution, Whole, heal
 
 # Weights of the central second difference of eighth order at the offsets 0 to 4: 0.7 % too small at four cells a wave.
 _SECOND_DIFFERENCE = (-205.0 / 72.0, 8.0 / 5.0, -1.0 / 5.0, 8.0 / 315.0, -1.0 / 560.0)
@@ -82,7 +82,7 @@ def is_linear(solution: ContactSolution, chosen: IntArray) -> bool:
     steps = float(np.mean(here * after)) < -_MIN_STEP_CORRELATION * second**2
     if steps or second == 0.0 or third <= _EXACT_DIFFERENCE * second:
         return False
-    if not _are_distinct(here[np.abs(here) > _ALIKE_DIFFERENCE * second] / second):
+    if not _are_distinct(solution.parts, here[np.abs(here) > _ALIKE_DIFFERENCE * second] / second):
         return False
     kinked = np.minimum(np.abs(here) / second, np.abs(after - here) / third)
     return bool(np.quantile(kinked, _KINKLESS_FRACTION) < _ALIKE_DIFFERENCE)
@@ -91,24 +91,29 @@ def is_linear(solution: ContactSolution, chosen: IntArray) -> bool:
 def find_filled(solution: ContactSolution, chosen: IntArray) -> Mask:
     """Return which of the chosen cells have the mean height of their four neighbours, as filled points have."""
     (along_x, _), (along_y, _) = _find_differences(solution, chosen)
-    size = math.sqrt(float(np.mean(along_x**2 + along_y**2))) if chosen.size else 0.0
+    whole = solution.parts
+    if whole.total(chosen.size) == 0:
+        return np.zeros(chosen.shape, dtype=bool)
+    size = math.sqrt(whole.mean(along_x**2 + along_y**2))
     filled = (np.abs(along_x + along_y) < _EXACT_DIFFERENCE * size) & (np.abs(along_x) > _EXACT_DIFFERENCE * size)
-    if not filled.any() or not _are_distinct(along_x / size):
+    if not whole.total(np.count_nonzero(filled)) or not _are_distinct(whole, along_x / size):
         return np.zeros(chosen.shape, dtype=bool)
     return np.asarray(filled)
 
 
-def _are_distinct(differences: Array) -> bool:
+def _are_distinct(whole: Whole, differences: Array) -> bool:
     """Return whether few differences are equal: many are if summits lie alike on the grid, or heights are rounded."""
-    return np.unique(np.round(differences, _DISTINCT_DIGITS)).size >= _MIN_DISTINCT_FRACTION * differences.size
+    distinct = whole.count_distinct(np.round(differences, _DISTINCT_DIGITS))
+    return distinct >= _MIN_DISTINCT_FRACTION * whole.total(differences.size)
 
 
 def _find_differences(solution: ContactSolution, chosen: IntArray) -> list[tuple[Array, Array]]:
     """Return the second differences of the initial gap at cells and at the next cells along x and y, m."""
     i, j = split(chosen, solution.grid.shape[1])
-    axes = zip((i, j), solution.grid.shape, solution.boundary.free_axes, strict=True)
+    shape = solution.contact.shape
+    axes = zip((i, j), shape, solution.boundary.free_axes, strict=True)
     i, j = (np.clip(k, 2, n - 3) if free and n > 4 else k for k, n, free in axes)
-    near = Neighbourhood.of(i, j, solution.grid.shape, solution.boundary, 2)
+    near = Neighbourhood.of(i, j, shape, solution.boundary, 2)
     heights = solution.initial_gap.ravel()
     found = []
     for a, b in ((1, 0), (0, 1)):
@@ -151,14 +156,14 @@ def _measure_heights(solution: ContactSolution) -> tuple[float, float, float]:
 
 
 def _find_ratios(solution: ContactSolution) -> tuple[float, float, float]:
-    chosen = np.flatnonzero(solution.contact)
-    chosen = chosen[:: max(1, chosen.size // _SAMPLE_CELLS)]
-    if chosen.size == 0:
+    whole = solution.parts
+    chosen = whole.sample(np.flatnonzero(whole.own(solution.contact)), _SAMPLE_CELLS)
+    if whole.total(chosen.size) == 0:
         return 0.0, 0.0, 1.0
     *lines, rising, falling = _gather_lines(solution, chosen, 2, 4)
     bends = [pairs[0] - 2.0 * here for here, pairs in lines]
-    fourth = sum(float(np.mean((pairs[1] - 4.0 * pairs[0] + 6.0 * here) ** 2)) for here, pairs in lines)
-    second = sum(float(np.mean(bend**2)) for bend in bends)
+    fourth = sum(whole.mean((pairs[1] - 4.0 * pairs[0] + 6.0 * here) ** 2) for here, pairs in lines)
+    second = sum(whole.mean(bend**2) for bend in bends)
     dx, dy = solution.grid.spacing
     mixed = 0.25 * (rising[1][0] - falling[1][0])
     xx = bends[0] / dx**2
@@ -166,27 +171,33 @@ def _find_ratios(solution: ContactSolution) -> tuple[float, float, float]:
     yy = bends[1] / dy**2
     laplacian = xx + yy
     inside = _find_inner(solution, chosen)
-    middle = abs(float(np.mean(laplacian[inside]))) if inside.any() else 0.0
-    rim = float(np.mean(laplacian[~inside])) / middle if middle > 0.0 and not inside.all() else 0.0
-    return math.sqrt(fourth / second) if second > 0.0 else 0.0, rim, _find_lay(xx, xy, yy)
+    inner, outer = whole.total(np.array([np.count_nonzero(inside), np.count_nonzero(~inside)]))
+    middle = abs(whole.mean(laplacian[inside])) if inner else 0.0
+    rim = whole.mean(laplacian[~inside]) / middle if middle > 0.0 and outer else 0.0
+    return math.sqrt(fourth / second) if second > 0.0 else 0.0, rim, _find_lay(whole, xx, xy, yy)
 
 
-def _find_lay(xx: Array, xy: Array, yy: Array) -> float:
+def _find_lay(whole: Whole, xx: Array, xy: Array, yy: Array) -> float:
     """Return the lay ratio for these second derivatives, from the mean square of their 2 x 2 matrix."""
-    along_x = float(np.mean(xx**2 + xy**2))
-    along_y = float(np.mean(xy**2 + yy**2))
+    along_x = whole.mean(xx**2 + xy**2)
+    along_y = whole.mean(xy**2 + yy**2)
     middle = 0.5 * (along_x + along_y)
-    difference = math.hypot(0.5 * (along_x - along_y), float(np.mean(xy * (xx + yy))))
+    difference = math.hypot(0.5 * (along_x - along_y), whole.mean(xy * (xx + yy)))
     return math.sqrt(max(middle - difference, 0.0) / (middle + difference)) if middle > 0.0 else 1.0
 
 
 def _find_inner(solution: ContactSolution, chosen: IntArray) -> Mask:
     """Return which cells have neighbours in contact on all four sides."""
-    nx, ny = solution.grid.shape
+    shape = solution.contact.shape
     contact = solution.contact.ravel()
-    # The outermost cells of any domain have neighbours beyond its border.
-    near = Neighbourhood.of(*split(chosen, ny), (nx, ny), Boundary.PERIODIC, 1)
-    return np.asarray(np.logical_and.reduce([contact[near.at(*step)] for step in ((1, 0), (-1, 0), (0, 1), (0, -1))]))
+    places = split(chosen, shape[1])
+    near = Neighbourhood.of(*places, shape, Boundary.PERIODIC, 1)
+    inner = np.logical_and.reduce([contact[near.at(*step)] for step in ((1, 0), (-1, 0), (0, 1), (0, -1))])
+    for at, n, free in zip(places, shape, solution.boundary.free_axes, strict=True):
+        if free:
+            # Beyond a free border nothing touches.
+            inner &= (at > 0) & (at < n - 1)
+    return np.asarray(inner)
 
 
 def _average(hessian: list[Array], label: IntArray, weights: Array, count: int) -> tuple[Array, Array]:
@@ -235,9 +246,10 @@ def _gather_lines(
     """
     i, j = split(chosen, solution.grid.shape[1])
     # At a free border the stencil is moved inside.
-    axes = zip((i, j), solution.grid.shape, solution.boundary.free_axes, strict=True)
+    shape = solution.contact.shape
+    axes = zip((i, j), shape, solution.boundary.free_axes, strict=True)
     i, j = (np.clip(k, reach, n - 1 - reach) if free and n > 2 * reach else k for k, n, free in axes)
-    near = Neighbourhood.of(i, j, solution.grid.shape, solution.boundary, reach)
+    near = Neighbourhood.of(i, j, shape, solution.boundary, reach)
     heights = solution.initial_gap.ravel()
     here = heights.take(near.at(0, 0))
     steps = range(1, reach + 1)

@@ -279,20 +279,20 @@ def _correct(solution: ContactSolution, edge: Contour, stride: int) -> Array:
 def _border_std(solution: ContactSolution) -> float:
     """Return the standard deviation where a free border cuts the contact, in cells: saturated pressure is bounded."""
     contact = solution.contact
-    if not solution.boundary.has_free_axis or contact.all():
+    if not solution.boundary.has_free_axis or int(solution.patches.cells.sum()) == solution.grid.cells:
         return 0.0
     contact, saturated, cut = (
         np.concatenate(list_borders(field, solution.boundary))
-        for field in (contact, solution.saturated, find_cut_cells(solution))
+        for field in (solution.parts.own(contact), solution.saturated, find_cut_cells(solution))
     )
-    ended = np.count_nonzero(contact & ~saturated & ~cut)
-    return calibration.CUT_BORDER_STD * np.count_nonzero(cut) + calibration.UNCUT_BORDER_STD * ended
+    counts = np.array([np.count_nonzero(cut), np.count_nonzero(contact & ~saturated & ~cut)])
+    return float(solution.parts.total(counts) @ (calibration.CUT_BORDER_STD, calibration.UNCUT_BORDER_STD))
 
 
 def _find_filled_std(solution: ContactSolution) -> float:
     """Return the standard deviation at points beside the edge whose heights were filled in, in cells."""
     beside = grow(solution.contact, 1, solution.boundary) & grow(~solution.contact, 1, solution.boundary)
-    filled = np.count_nonzero(find_filled(solution, np.flatnonzero(beside)))
+    filled = solution.parts.total(np.count_nonzero(find_filled(solution, np.flatnonzero(solution.parts.own(beside)))))
     return calibration.FILLED_POINT_STD * math.sqrt(filled)
 
 
@@ -303,10 +303,10 @@ def _saturated_weight(solution: ContactSolution) -> Array:
 
 def is_diagonal(solution: ContactSolution, lay: float) -> bool:
     """Return whether long edges run along a diagonal of the grid, or straight ones in any oblique direction."""
-    rows = find_straight_rows(solution.contact, solution.boundary).astype(np.float64)
-    long = rows.sum() > _LONG_EDGE_SIDES * solution.patches.count
+    rows = find_straight_rows(solution).astype(np.float64)
+    sides, squares = solution.parts.total(np.array([rows.sum(), np.sum(rows**2)]))
     oblique = _MAX_OBLIQUE_ROW if lay < MAX_RIDGE_LAY else _MAX_DIAGONAL_ROW
-    return bool(long and np.sum(rows**2) < oblique * rows.sum())
+    return bool(sides > _LONG_EDGE_SIDES * solution.patches.count and squares < oblique * sides)
 
 
 def total_area(
@@ -320,7 +320,7 @@ def total_area(
     grid = solution.grid
     patches = solution.patches
     cells = int(patches.cells.sum())
-    if cells in (0, solution.contact.size):
+    if cells in (0, grid.cells):
         fraction = float(cells > 0)
         parts = np.full(int(fraction), grid.area)
         hidden = _count_hidden_gaps(solution) * grid.cell_area
@@ -348,7 +348,8 @@ def _count_hidden_gaps(solution: ContactSolution) -> float:
     extended = extend(pressure, 1, solution.boundary)
     around = (extended[:-2, 1:-1], extended[2:, 1:-1], extended[1:-1, :-2], extended[1:-1, 2:])
     steepest = np.max([np.abs(neighbour - pressure) for neighbour in around], axis=0)
-    return float(np.count_nonzero((pressure > 0.0) & (2.0 * pressure < steepest)))
+    hidden = solution.parts.own((pressure > 0.0) & (2.0 * pressure < steepest))
+    return float(solution.parts.total(np.count_nonzero(hidden)))
 
 
 def warn_if_uncertain(value: float, std: float, unit: str, warnings: tuple[str, ...]) -> Estimate:

@@ -51,10 +51,10 @@ class CellCount(AreaEstimator):
 
     def estimate(self, solution: ContactSolution) -> Area:
         """Return the counted area; see `AreaEstimator.estimate`."""
-        count = int(np.count_nonzero(solution.contact))
+        count = _count_cells(solution)
         cell = solution.grid.cell_area
-        excess = _COUNT_EXCESS * count_sides(solution.contact, solution.boundary) * cell
-        return _counted_area(solution, count * cell, count / solution.contact.size, excess, "cell-count")
+        excess = _COUNT_EXCESS * count_sides(solution) * cell
+        return _counted_area(solution, count * cell, count / solution.grid.cells, excess, "cell-count")
 
 
 @attrs.frozen
@@ -85,15 +85,20 @@ class Perimeter(AreaEstimator):
 
     def estimate(self, solution: ContactSolution) -> Area:
         """Return the corrected area; see `AreaEstimator.estimate`."""
-        contact = solution.contact
+        whole = solution.parts
         cell = solution.grid.cell_area
-        rows = find_straight_rows(contact, solution.boundary)
-        elastic = int(rows.sum()) - count_sides(contact, solution.boundary, solution.saturated)
-        needed = float(np.add.reduce(solution.pressure / solution.pressure_limit, axis=None))
-        value = max(int(np.count_nonzero(contact)) - _COUNT_EXCESS * elastic, needed) * cell
-        position = _POSITION_STD * math.sqrt(float(np.sum(rows.astype(np.float64) ** 2)))
+        elastic = count_sides(solution) - count_sides(solution, solution.saturated)
+        fractions = whole.own(solution.pressure / solution.pressure_limit)
+        needed = whole.total(float(np.add.reduce(fractions, axis=None)))
+        value = max(_count_cells(solution) - _COUNT_EXCESS * elastic, needed) * cell
+        rows = find_straight_rows(solution).astype(np.float64)
+        position = _POSITION_STD * math.sqrt(whole.total(float(np.sum(rows**2))))
         uncertainty = (_CORRECTION_STD * _COUNT_EXCESS * elastic + position) * cell
         return _counted_area(solution, value, value / solution.grid.area, uncertainty, "perimeter")
+
+
+def _count_cells(solution: ContactSolution) -> int:
+    return solution.parts.total(int(np.count_nonzero(solution.parts.own(solution.contact))))
 
 
 def _counted_area(solution: ContactSolution, value: float, fraction: float, uncertainty: float, name: str) -> Area:

@@ -141,25 +141,25 @@ def _average_cells(solution: ContactSolution, summits: Summits, chosen: Mask) ->
     members = patches.members[which]
     label = label[which]
     i, j = np.divmod(members, ny)
+    i = solution.parts.rows(i)
     free_x, free_y = solution.boundary.free_axes
     x = unwrap(i - summits.row[label], nx, free=free_x) * solution.grid.spacing[0]
     y = unwrap(j - summits.column[label], ny, free=free_y) * solution.grid.spacing[1]
     pressure = solution.pressure.ravel()[members]
-    total = np.bincount(label, weights=pressure, minlength=patches.count)
-    total[~chosen] = 1.0
-
-    def mean(values: Array, of: IntArray = label) -> Array:
-        return np.asarray(np.bincount(of, weights=values, minlength=patches.count) / total)
 
     one, other = _pair_cells(label)
     # A patch across the border is one piece.
     di = np.abs(unwrap(i[one] - i[other], nx, free=free_x)).astype(np.intp)
     dj = np.abs(unwrap(j[one] - j[other], ny, free=free_y)).astype(np.intp)
-    reach = int(di.max()) + 1, int(dj.max()) + 1
+    reach = int(di.max(initial=0)) + 1, int(dj.max(initial=0)) + 1
     love = Love().coefficients(reach, solution.grid.spacing, 1.0 / solution.modulus)
-    own = mean(love[di, dj] * pressure[one] * pressure[other], label[one])
-    displaced = mean(pressure * solution.displacement.ravel()[members]) - own
-    return np.stack([mean(pressure * part) for part in (x, y, x * x, x * y, y * y)]), displaced
+    terms = [(pressure * part, label) for part in (x, y, x * x, x * y, y * y, solution.displacement.ravel()[members])]
+    terms += [(love[di, dj] * pressure[one] * pressure[other], label[one]), (pressure, label)]
+    # Sums over no cells are whole numbers.
+    sums = np.array([np.bincount(of, weights=part, minlength=patches.count) for part, of in terms], dtype=np.float64)
+    *moments, displaced, own, total = solution.parts.total(sums)
+    total[~chosen] = 1.0
+    return np.stack(moments) / total, displaced / total - own / total
 
 
 def _pair_cells(label: IntArray) -> tuple[IntArray, IntArray]:
@@ -172,16 +172,10 @@ def _pair_cells(label: IntArray) -> tuple[IntArray, IntArray]:
 
 def _find_hidden(solution: ContactSolution, spline: Spline, sharpest: float) -> tuple[Array, Array, Array]:
     """Return the overlap of summits between open cells, m, and their approach, m, and area, m2, under 1 N."""
-    chosen = _find_low_cells(solution, sharpest)
-    if chosen.size == 0:
+    i, j, here, along_x, along_y = _gather_low_cells(solution, sharpest)
+    if i.size == 0:
         return np.zeros(0), np.ones(0), np.zeros(0)
-    ny = solution.grid.shape[1]
     dx, dy = solution.grid.spacing
-    i, j = np.divmod(chosen, ny)
-    nx = solution.grid.shape[0]
-    u = solution.displacement
-    along_x = (u[(i + 1) % nx, j] - u[i - 1, j]) / (2.0 * dx)
-    along_y = (u[i, (j + 1) % ny] - u[i, j - 1]) / (2.0 * dy)
     x = np.zeros(i.size)
     y = np.zeros(i.size)
     for _ in range(_NEWTON_STEPS):
@@ -197,7 +191,7 @@ def _find_hidden(solution: ContactSolution, spline: Spline, sharpest: float) -> 
     middle = 0.5 * (xx + yy)
     difference = np.hypot(0.5 * (xx - yy), xy)
     summit = middle - difference > MIN_CURVATURE_RATIO * (middle + difference)
-    overlap = solution.approach - value - solution.displacement.ravel()[chosen] - along_x * x - along_y * y
+    overlap = solution.approach - value - here - along_x * x - along_y * y
     overlap = overlap[summit]
     middle = middle[summit]
     difference = difference[summit]
@@ -208,9 +202,21 @@ def _find_hidden(solution: ContactSolution, spline: Spline, sharpest: float) -> 
     return overlap, depth, area
 
 
+def _gather_low_cells(solution: ContactSolution, sharpest: float) -> Array:
+    """Return row and column of the cells of `_find_low_cells`, their displacement, m, and its slopes, shape (5, n)."""
+    chosen = _find_low_cells(solution, sharpest)
+    nx, ny = solution.contact.shape
+    dx, dy = solution.grid.spacing
+    i, j = np.divmod(chosen, ny)
+    u = solution.displacement
+    along_x = (u[(i + 1) % nx, j] - u[i - 1, j]) / (2.0 * dx)
+    along_y = (u[i, (j + 1) % ny] - u[i, j - 1]) / (2.0 * dy)
+    return solution.parts.join(np.stack((solution.parts.rows(i), j, u[i, j], along_x, along_y)))
+
+
 def _find_low_cells(solution: ContactSolution, sharpest: float) -> IntArray:
     """Return open cells without lower neighbours or neighbours in contact, beside which a summit may touch."""
-    nx, ny = solution.grid.shape
+    nx, ny = solution.contact.shape
     dx, dy = solution.grid.spacing
     low = (solution.gap < sharpest * (dx * dx + dy * dy) * _HIDDEN_GAP_FACTOR) & ~solution.contact
     if solution.non_measured is not None:
@@ -218,7 +224,7 @@ def _find_low_cells(solution: ContactSolution, sharpest: float) -> IntArray:
     for axis, free in enumerate(solution.boundary.free_axes):
         if free:
             np.moveaxis(low, axis, 0)[[0, 1, -2, -1]] = False
-    chosen = np.flatnonzero(low)
+    chosen = np.flatnonzero(solution.parts.own(low))
     near = Neighbourhood.of(*split(chosen, ny), (nx, ny), solution.boundary, 1)
     gap = solution.gap.ravel()
     contact = solution.contact.ravel()
@@ -264,7 +270,7 @@ def hertz_areas(solution: ContactSolution) -> HertzAreas:
 
 def _find_areas(solution: ContactSolution) -> HertzAreas:
     patches = solution.patches
-    spline = Spline.through_gap(solution)
+    spline = solution.parts.evaluating(Spline.through_gap(solution))
     summits = find_summits(solution, spline)
     correction = correct_loads(solution, summits, spline)
     shared = correction.factor ** (2.0 / 3.0)
@@ -304,15 +310,16 @@ def _find_uneven_deficit(spread: Array) -> Array:
 def _find_tip_error(solution: ContactSolution) -> Array:
     """Return the relative standard deviation for tips between the cell centres, shape (count,)."""
     patches = solution.patches
-    members = np.flatnonzero(np.concatenate(([False], patches.cells <= calibration.MAX_TIP_CELLS))[patches.labels])
-    label = patches.labels.ravel()[members] - 1
+    chosen = (patches.cells <= calibration.MAX_TIP_CELLS)[patches.member_labels - 1]
+    members = patches.members[chosen]
+    label = patches.member_labels[chosen] - 1
     order = np.lexsort((solution.initial_gap.ravel()[members], label))
     lowest = order[np.flatnonzero(np.diff(label[order], prepend=-1))]
     sharpness = find_sharpness(solution, members[lowest])
     first, most = calibration.TIP_ERROR
     error = np.zeros(patches.count)
     error[label[lowest]] = np.where(np.isfinite(sharpness), np.minimum(first * sharpness**4, most), most)
-    return error
+    return solution.parts.total(error)
 
 
 def find_sharpness(solution: ContactSolution, cells: IntArray) -> Array:

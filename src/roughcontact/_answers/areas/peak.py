@@ -9,15 +9,15 @@ import numpy as np
 
 from roughcontact._answers.areas import quantity_calibration as calibration
 from roughcontact._answers.areas.approach import TIP_REACH, fit_hyperboloid
-from roughcontact._answers.areas.cells import MIN_SHARP_PATCH_CELLS, find_cut_patches
+from roughcontact._answers.areas.cells import MIN_SHARP_PATCH_CELLS, find_cut_patches, split
 from roughcontact._answers.areas.curvature import curvature_resolution
 from roughcontact._answers.areas.edges import warn_if_uncertain
 from roughcontact._answers.areas.hertz import find_sharpness, hertz_areas
 from roughcontact._answers.areas.quantities import Quantity
 from roughcontact._answers.areas.summits import Summits
-from roughcontact._base.arrays import Array, IntArray, Mask
+from roughcontact._base.arrays import Array, IntArray, Mask, RealArray
 from roughcontact._base.units import ContactWarning
-from roughcontact._parts.grid import Boundary, extend, grow
+from roughcontact._parts.grid import extend, grow
 from roughcontact._solve.solution import Area, ContactSolution, Estimate, find_peak_sampling, responses
 
 # Change of the maximum pressure over 3 F / 2A of a summit c2 r^2 + c4 r^4, times c4 a^2 / c2: (32/9 - 32/5) / 4.
@@ -68,9 +68,11 @@ class PeakPressure(Quantity):
         if patches.count == 0:
             return Estimate(0.0, 0.0, "Pa")
         highest = _find_highest(solution)
-        limit = np.broadcast_to(solution.pressure_limit, solution.grid.shape)
-        if solution.saturated.any():
-            return Estimate(float(limit[solution.saturated].max()), 0.0, "Pa", area.warnings)
+        limit = np.broadcast_to(solution.pressure_limit, solution.contact.shape)
+        own = float(np.max(limit, where=solution.parts.own(solution.saturated), initial=0.0))
+        reached = solution.parts.highest(own)
+        if reached > 0.0:
+            return Estimate(reached, 0.0, "Pa", area.warnings)
         sharpness = _find_sharpness(solution, highest)
         quadratic, quadratic_std = _fit_quadratics(solution, highest, sharpness)
         with np.errstate(all="ignore"):
@@ -92,19 +94,25 @@ class PeakPressure(Quantity):
 
 
 def _find_highest(solution: ContactSolution) -> IntArray:
-    """Return the flat index of the cell of highest pressure in each patch, shape (count,)."""
-    labels = solution.patches.labels.ravel()
-    pressure = solution.pressure.ravel()
-    members = np.flatnonzero(labels)
-    members = members[np.lexsort((-pressure[members], labels[members]))]
-    return members[np.unique(labels[members], return_index=True)[1]]
+    """Return the flat index in the domain of the cell of highest pressure in each patch, shape (count,)."""
+    patches = solution.patches
+    label = patches.member_labels - 1
+    pressure = solution.pressure.ravel()[patches.members]
+    highest = np.zeros(patches.count)
+    np.maximum.at(highest, label, pressure)
+    top = pressure == solution.parts.highest(highest)[label]
+    i, j = split(patches.members[top], solution.grid.shape[1])
+    found = np.full(patches.count, solution.grid.cells, dtype=np.intp)
+    np.minimum.at(found, label[top], solution.parts.rows(i) * solution.grid.shape[1] + j)
+    return solution.parts.lowest(found)
 
 
 def _find_sharpness(solution: ContactSolution, highest: IntArray) -> Array:
     """Return sharpness over resolution ratio, no unit: a quarter on waves, zero on paraboloids, more on tips."""
-    return np.nan_to_num(find_sharpness(solution, highest)) / (
-        curvature_resolution(solution) + calibration.MIN_RESOLUTION_RATIO
-    )
+    mine, places = solution.parts.find(highest)
+    sharpness = np.zeros(highest.size)
+    sharpness[mine] = np.nan_to_num(find_sharpness(solution, places))
+    return solution.parts.total(sharpness) / (curvature_resolution(solution) + calibration.MIN_RESOLUTION_RATIO)
 
 
 def _find_tip_error(cells: IntArray, sharpness: Array) -> Array:
@@ -116,7 +124,7 @@ def _find_tip_error(cells: IntArray, sharpness: Array) -> Array:
 
 def _find_point_error(solution: ContactSolution, highest: IntArray, cells: int) -> float:
     """Return the relative error of the pressure at a tip that only its gap shows."""
-    near = _gather(solution.initial_gap, solution.boundary, highest, TIP_REACH)
+    near = _gather(solution, solution.initial_gap, highest, TIP_REACH)
     pointed = fit_hyperboloid(near[..., 0])[1]
     certain, first, steep = calibration.POINTED_PEAK_ERROR
     sharp = certain * min(pointed / first, 1.0) + steep * max(pointed - first, 0.0)
@@ -125,7 +133,7 @@ def _find_point_error(solution: ContactSolution, highest: IntArray, cells: int) 
 
 def _fit_quadratics(solution: ContactSolution, highest: IntArray, sharpness: Array) -> tuple[Array, Array]:
     """Return the maximum of a quadratic through p^2, and its relative error."""
-    near = _gather(solution.pressure**2, solution.boundary, highest, 2)
+    near = _gather(solution, solution.pressure**2, highest, 2)
     along_x = near[:, 2]
     along_y = near[2]
     here = near[2, 2]
@@ -180,7 +188,7 @@ def _find_cut(solution: ContactSolution, cells: IntArray) -> Mask:
 def _lies_at_step(solution: ContactSolution, cell: IntArray) -> bool:
     """Return whether the contact ends at a step of the heights beside this cell, and the heights inward are flat."""
     contact, gap = (
-        _gather(field, solution.boundary, cell, 2)[..., 0] for field in (solution.contact, solution.initial_gap)
+        _gather(solution, field, cell, 2)[..., 0] for field in (solution.contact.view(np.uint8), solution.initial_gap)
     )
     for touching, rise in ((contact[:, 2], gap[:, 2]), (contact[2], gap[2])):
         for outward in (1, -1):
@@ -211,7 +219,7 @@ def _find_summits(solution: ContactSolution, area: Area, highest: IntArray) -> t
     factor = found.correction.factor
     single = np.isfinite(found.error[1:])
     areas = np.where(single, found.area[1:], solution.grid.area)
-    near = _gather(solution.initial_gap, solution.boundary, highest, 2)
+    near = _gather(solution, solution.initial_gap, highest, 2)
     dx, dy = solution.grid.spacing
     second = np.array((1.0, -2.0, 1.0))
     fourth = np.array((1.0, -4.0, 6.0, -4.0, 1.0))
@@ -238,9 +246,12 @@ def _measure_room(solution: ContactSolution, summits: Summits) -> Array:
     return room
 
 
-def _gather(field: Array | Mask, boundary: Boundary, at: IntArray, reach: int) -> Array:
-    """Return the field around cells, shape (2 reach + 1, 2 reach + 1, n)."""
-    extended = extend(field, reach, boundary)
-    i, j = np.divmod(at, field.shape[1])
+def _gather(solution: ContactSolution, field: RealArray, at: IntArray, reach: int) -> Array:
+    """Return the field around cells of the domain, shape (2 reach + 1, 2 reach + 1, n)."""
+    mine, places = solution.parts.find(at)
+    extended = extend(field, reach, solution.boundary)
+    i, j = split(places, field.shape[1])
     steps = np.arange(2 * reach + 1)
-    return extended[i + steps[:, np.newaxis, np.newaxis], j + steps[:, np.newaxis]]
+    found = np.zeros((steps.size, steps.size, at.size), dtype=field.dtype)
+    found[..., mine] = extended[i + steps[:, np.newaxis, np.newaxis], j + steps[:, np.newaxis]]
+    return solution.parts.total(found)

@@ -286,16 +286,20 @@ def find_centroids(solution: ContactSolution) -> tuple[Array, Array]:
     label = patches.member_labels - 1
     weight = solution.pressure.ravel()[members]
     # Around the first cell of each patch, for a patch may cross the border.
-    first = np.empty(patches.count, dtype=np.intp)
-    first[label[::-1]] = np.arange(members.size)[::-1]
-    total = np.bincount(label, weights=weight, minlength=patches.count)
-    centres = []
-    axes = zip(split(members, solution.grid.shape[1]), solution.grid.shape, solution.boundary.free_axes, strict=True)
-    for at, n, free in axes:
-        origin = at[first]
+    nx, ny = solution.grid.shape
+    row, column = split(members, ny)
+    row = solution.parts.rows(row)
+    cell = row * ny + column
+    first = np.full(patches.count, nx * ny, dtype=np.intp)
+    np.minimum.at(first, label, cell)
+    sums = [np.bincount(label, weights=weight, minlength=patches.count)]
+    origins = split(solution.parts.lowest(first), ny)
+    for at, origin, n, free in zip((row, column), origins, (nx, ny), solution.boundary.free_axes, strict=True):
         step = unwrap(at - origin[label], n, free=free)
-        centres.append(origin + np.bincount(label, weights=weight * step, minlength=patches.count) / total)
-    return centres[0], centres[1]
+        sums.append(np.bincount(label, weights=weight * step, minlength=patches.count))
+    # Sums over no cells are whole numbers.
+    total, *moments = solution.parts.total(np.array(sums, dtype=np.float64))
+    return origins[0] + moments[0] / total, origins[1] + moments[1] / total
 
 
 def unwrap(steps: Array | IntArray, cells: int, *, free: bool) -> Array:

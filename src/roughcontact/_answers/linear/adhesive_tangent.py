@@ -95,6 +95,9 @@ class AdhesiveTangent:
 
 def tangent_of(solution: ContactSolution) -> Tangent | AdhesiveTangent:
     """Return the linear answer of a contact with or without adhesion, under further load."""
+    shared: Tangent | None = solution.parts.tangent(solution)
+    if shared is not None:
+        return shared
     return Tangent(solution) if solution.tension is None else AdhesiveTangent(solution)
 
 

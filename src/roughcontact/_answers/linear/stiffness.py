@@ -146,8 +146,8 @@ def _find_trust(solution: ContactSolution, ratio: float) -> float:
     trust = 1.0 / (1.0 + (ratio / _HALF_TRUST_RATIO) ** 4)
     if trust > _MIN_FULL_TRUST:
         return trust
-    sides = count_sides(solution.contact, solution.boundary)
-    sharp = count_sides(solution.contact, solution.boundary, find_sharp_edges(solution))
+    sides = count_sides(solution)
+    sharp = count_sides(solution, find_sharp_edges(solution))
     return max(trust, sharp / sides) if sides else trust
 
 
@@ -166,31 +166,32 @@ def _measure_rows(solution: ContactSolution, answer: Array, cells: Mask) -> tupl
     lost, sides, squares, along = (np.zeros(count + 1) for _ in range(4))
     for axis in (0, 1):
         # Rows of sides that face x lie along y, and the other way round.
-        mask, contact = (marked if axis == 0 else marked.T for marked in (cells, solution.contact))
-        label, field = (labels, answer) if axis == 0 else (labels.T, answer.T)
+        label, field = (solution.parts.lines(values, axis) for values in (labels, answer))
         across = solution.grid.spacing[axis]
         side = solution.grid.spacing[1 - axis]
         for step in (-1, 1):
-            facing = mask & ~_shift(contact, step, free=solution.boundary.free_axes[axis])
+            open_ = ~_shift(solution.contact, step, axis, free=solution.boundary.free_axes[axis])
+            facing = solution.parts.lines(cells & open_, axis)
             i, j = np.nonzero(facing)
             if i.size == 0:
                 continue
             members = label[i, j]
-            starts, lengths = _find_rows(i, j, None if solution.boundary.free_axes[1 - axis] else mask.shape[1])
-            loss = _find_loss(lengths, mask.shape[1], across / side)
+            starts, lengths = _find_rows(i, j, None if solution.boundary.free_axes[1 - axis] else facing.shape[1])
+            loss = _find_loss(lengths, facing.shape[1], across / side)
             lost += np.bincount(members[starts], weights=loss, minlength=count + 1)
             sides += side * np.bincount(members, minlength=count + 1)
             square = np.bincount(members, weights=field[i, j] ** 2, minlength=count + 1)
             squares += square
             along += side * square
-    return lost[1:], sides[1:], squares[1:], along[1:]
+    lost, sides, squares, along = solution.parts.total(np.stack((lost, sides, squares, along))[:, 1:])
+    return lost, sides, squares, along
 
 
-def _shift(mask: Mask, step: int, *, free: bool) -> Mask:
-    """Return which cells have a marked neighbour on one side along x; beyond a free border there is none."""
-    moved = np.roll(mask, step, axis=0)
+def _shift(mask: Mask, step: int, axis: int, *, free: bool) -> Mask:
+    """Return which cells have a marked neighbour on one side along an axis; beyond a free border there is none."""
+    moved = np.roll(mask, step, axis=axis)
     if free:
-        moved[0 if step == 1 else -1] = False
+        np.moveaxis(moved, axis, 0)[0 if step == 1 else -1] = False
     return moved
 
 
@@ -287,7 +288,7 @@ def find_normal_answer(solution: ContactSolution, what: str) -> NormalAnswer:
     area = solution.area()
     warnings = list_warnings(solution, area.warnings)
     tangent = tangent_of(solution)
-    unit = np.ones(solution.grid.shape)
+    unit = np.ones(solution.contact.shape)
     if tangent.is_rigid:
         return NormalAnswer(0.0 * unit, math.inf, 0.0, (*warnings, describe_full_contact(what)))
     answer = tangent.solve(unit, _RESIDUAL_TOLERANCE if solution.tension is None else _ADHESIVE_TOLERANCE)
@@ -295,7 +296,7 @@ def find_normal_answer(solution: ContactSolution, what: str) -> NormalAnswer:
     warnings = warnings if jump is None else (*warnings, jump)
     value = answer.product * solution.grid.cell_area
     std = 0.0
-    if tangent.cells.any():
+    if solution.parts.total(np.count_nonzero(solution.parts.own(tangent.cells))):
         modulus = float(solution.effective_modulus(1.0 / edge_length(solution.grid)))
         correction = correct_edges(solution, answer.values, tangent.cells, area, 0.0, modulus)
         value += float(correction.patches.sum())
@@ -314,7 +315,7 @@ def _find_pull_std(solution: ContactSolution, answer: Array, value: float) -> fl
         return 0.0
     # Cells that pull alike in a ring around the contact, whose sides are 4/pi times its length.
     count = total**2 / float(np.einsum("i,i->", pull, pull))
-    width = count / (0.25 * math.pi * max(count_sides(solution.contact, solution.boundary), 1))
+    width = count / (0.25 * math.pi * max(count_sides(solution), 1))
     stuck = _STUCK_STD * math.exp(-_STUCK_FALL * law.cohesive_cells(solution.grid.spacing, solution.modulus))
     return math.hypot(_PULL_STD * total * solution.grid.cell_area / width, stuck * value)
 
@@ -336,7 +337,8 @@ def describe_full_contact(what: str) -> ContactWarning:
 
 def list_warnings(solution: ContactSolution, warnings: tuple[str, ...]) -> tuple[str, ...]:
     """Return the warnings of the area, and a warning if a free border cuts the contact."""
-    if not any(edge.any() for edge in list_borders(solution.contact, solution.boundary)):
+    own = solution.parts.own(solution.contact)
+    if not solution.parts.total(sum(np.count_nonzero(edge) for edge in list_borders(own, solution.boundary))):
         return warnings
     text = "the contact reaches the border of a free domain, which counts as its edge"
     return (*warnings, ContactWarning(text, "edge contact"))

@@ -23,6 +23,7 @@ from roughcontact._solve.problem import computing, problem_of
 from roughcontact._solve.solution import ContactSolution
 from roughcontact._solve.solvers import ActiveCells, MaskedCells, Preconditioner, active_cells, dot, total
 from roughcontact.errors import NotConverged
+from roughcontact.errors.door import guarded
 
 # Relative residual from which float32 is used: its rounding is 6e-8 of the right side for each product.
 _FLOAT32_TOLERANCE = 1e-4
@@ -34,6 +35,10 @@ _ROUNDING_RESIDUAL = 1e-8
 # Smallest singular value of the products of two pressures, over the larger one, for which they count as independent;
 # rounding in float32 gives 1e-7.
 _MIN_SINGULAR_RATIO = 1e-6
+
+
+def _read_only(values: Array) -> Array:
+    return read_only(values) if isinstance(values, np.ndarray) else values
 
 
 @attrs.frozen(eq=False)
@@ -54,7 +59,7 @@ class LinearSolution:
         Of surfaces that attract each other: the stability margin at a given approach, as far as it was met.
     """
 
-    values: Array = attrs.field(converter=read_only)
+    values: Array = attrs.field(converter=_read_only)
     product: float
     error: float
     iterations: int
@@ -62,6 +67,7 @@ class LinearSolution:
     margin: float = 1.0
 
 
+@guarded
 def require_found(error: float, tolerance: float, iterations: int, solution: ContactSolution) -> None:
     """Raise `NotConverged` if the error of a linear answer is above a tolerance and rounding."""
     if not error <= max(tolerance, _ROUNDING_RESIDUAL):
@@ -70,6 +76,54 @@ def require_found(error: float, tolerance: float, iterations: int, solution: Con
             f"{error:.1e} of the right side.",
             solution,
         )
+
+
+@guarded
+def solve_on_cells(
+    operator: PreparedConvolution,
+    inverse: InverseConvolution,
+    cells: Mask,
+    right: Array,
+    tolerance: float,
+    *,
+    unit: float,
+    rigid: bool,
+) -> LinearSolution:
+    """Return the solution on some cells, as far as it was found; arrays are those of the operator's `to_numpy`.
+
+    Parameters
+    ----------
+    operator, inverse
+        The kernel, lengths in cells and E* = 1, and its approximate inverse in float32.
+    cells, right, tolerance
+        As in `Tangent.solve`.
+    unit
+        Displacement by a pressure of one Pa on all cells, if the kernel were one, m/Pa.
+    rigid
+        Whether the mean of the right side is omitted, and the solution has the mean zero.
+    """
+    right = np.where(cells, right, 0.0)
+    if rigid:
+        right -= right.mean()
+    size = float(np.abs(right).max())
+    if size == 0.0:
+        return LinearSolution(np.zeros_like(right), 0.0, 0.0, 0, 0)
+    dtype = np.float32 if tolerance >= _FLOAT32_TOLERANCE else np.float64
+    flat = operator.from_numpy(right / size).astype(dtype).ravel()
+    mask = operator.from_numpy(cells.astype(np.float64)).ravel() > 0.0
+    active = active_cells(flat, lambda tile: mask[tile])
+    system = _System(operator, active, Preconditioner(inverse, operator, rigid=False))
+    vectors = system.solve(active.gather(flat), tolerance, rigid=rigid)
+    found, left = (
+        operator.to_numpy(active.scatter(vector).astype(np.float64).reshape(right.shape)) for vector in vectors[:2]
+    )
+    if rigid:
+        found -= found.mean()
+    error = math.sqrt(sum_of_products(left, left) / sum_of_products(right, right)) * size
+    values = found * (size / unit)
+    # The error of the product is the square of the residual.
+    product = float(np.add.reduce(values * (right + left * size), axis=None))
+    return LinearSolution(values, product, error, *vectors[2:])
 
 
 class Tangent:
@@ -134,37 +188,12 @@ class Tangent:
         NotConverged
             If the residual cannot be made that small, nor 1e-8.
         """
-        right = np.where(self.cells, right, 0.0)
-        if self.is_rigid:
-            right -= right.mean()
-        size = float(np.abs(right).max())
-        if size == 0.0:
-            return LinearSolution(np.zeros_like(right), 0.0, 0.0, 0, 0)
         with computing(self._problem):
-            found, left, iterations, products = self._solve(right / size, tolerance)
-        error = math.sqrt(sum_of_products(left, left) / sum_of_products(right, right)) * size
-        require_found(error, tolerance, iterations, self._solution)
-        values = found * (size / self._unit)
-        # The error of the product is the square of the residual.
-        product = float(np.add.reduce(values * (right + left * size), axis=None))
-        return LinearSolution(values, product, error, iterations, products)
-
-    def _solve(self, right: Array, tolerance: float) -> tuple[Array, Array, int, int]:
-        """Return the solution and its residual, lengths in cells and E* = 1; iterations, and products."""
-        operator = self._operator
-        dtype = np.float32 if tolerance >= _FLOAT32_TOLERANCE else np.float64
-        flat = operator.from_numpy(right).astype(dtype).ravel()
-        mask = operator.from_numpy(self.cells.astype(np.float64)).ravel() > 0.0
-        active = active_cells(flat, lambda tile: mask[tile])
-        system = _System(operator, active, Preconditioner(self._inverse, operator, rigid=False))
-        values, residual, iterations, products = system.solve(active.gather(flat), tolerance, rigid=self.is_rigid)
-        found, left = (
-            operator.to_numpy(active.scatter(vector).astype(np.float64).reshape(right.shape))
-            for vector in (values, residual)
-        )
-        if self.is_rigid:
-            found -= found.mean()
-        return found, left, iterations, products
+            answer = solve_on_cells(
+                self._operator, self._inverse, self.cells, right, tolerance, unit=self._unit, rigid=self.is_rigid
+            )
+        require_found(answer.error, tolerance, answer.iterations, self._solution)
+        return answer
 
     @cached_property
     def _operator(self) -> PreparedConvolution:

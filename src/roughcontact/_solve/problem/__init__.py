@@ -23,7 +23,7 @@ from roughcontact._solve.problem.path import (
 from roughcontact._solve.problem.plan import SolvePlan, require_memory_of_solve
 from roughcontact._solve.problem.problem import ContactProblem, problem_of
 from roughcontact._solve.problem.required_load import RequiredLoad
-from roughcontact._solve.problem.run import Certificate, computing, confirm
+from roughcontact._solve.problem.run import Certificate, certify, computing, confirm, make_solution
 from roughcontact._solve.problem.saved import find_saved_kind, load
 from roughcontact._solve.problem.sweep import Sweep, make_table, order_of_solving, predict_pressure, run_sweep
 from roughcontact._solve.problem.task import LOAD_TOLERANCE, make_task, maximum_pressure, pressure_unit
@@ -43,6 +43,7 @@ __all__ = [
     "StepNumbers",
     "Sweep",
     "TangentialLoop",
+    "certify",
     "computing",
     "confirm",
     "describe_cycle",
@@ -54,6 +55,7 @@ __all__ = [
     "load",
     "load_path",
     "make_cycle_table",
+    "make_solution",
     "make_table",
     "make_task",
     "maximum_pressure",

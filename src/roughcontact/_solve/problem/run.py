@@ -76,6 +76,7 @@ class Certificate:
     residuals: Residuals
 
 
+@guarded
 def certify(
     plan: SolvePlan,
     convolution: PreparedConvolution,
@@ -106,7 +107,7 @@ def certify(
     if task.interaction is not None:
         return _certify_adhesive(plan, convolution, initial_gap, task, task.interaction, outcome, seconds)
     certificate = confirm(plan, convolution, task, outcome)
-    return _make_solution(plan, initial_gap, outcome, certificate, seconds)
+    return make_solution(plan, initial_gap, outcome, certificate, seconds)
 
 
 @guarded
@@ -173,7 +174,7 @@ def _certify_adhesive(
     complementarity, penetration, tension = found
     residuals = Residuals(complementarity, penetration, load, state.scale * plan.peak_to_valley, tension)
     certificate = _in_si(plan, task, outcome, displacement, state.approach, status, residuals)
-    return _make_solution(plan, initial_gap, outcome, certificate, seconds)
+    return make_solution(plan, initial_gap, outcome, certificate, seconds)
 
 
 def _in_si(
@@ -199,10 +200,11 @@ def _in_si(
     )
 
 
-def _make_solution(
+@guarded
+def make_solution(
     plan: SolvePlan, initial_gap: Array, outcome: Outcome, certificate: Certificate, seconds: float
 ) -> ContactSolution:
-    """Return the solution with the fields of a certificate."""
+    """Return the solution with the fields of a certificate; parameters as of `certify`."""
     return ContactSolution(
         grid=plan.grid,
         boundary=plan.boundary,

@@ -11,7 +11,7 @@ from roughcontact._solve.solution.attraction import (
 )
 from roughcontact._solve.solution.conditions import ContactConditions, Violation
 from roughcontact._solve.solution.contact import ContactSolution
-from roughcontact._solve.solution.fields import ContactFields, ContactPatches
+from roughcontact._solve.solution.fields import ContactFields, ContactPatches, find_patches
 from roughcontact._solve.solution.frictional import FrictionalSolution
 from roughcontact._solve.solution.frictional_files import read_estimate, read_path, write_path
 from roughcontact._solve.solution.frictional_state import FrictionalResiduals, FrictionalState, TangentialLoad
@@ -46,6 +46,7 @@ from roughcontact._solve.solution.summary import (
     note_loads,
 )
 from roughcontact._solve.solution.theory import Stickiness, TheoryBeside
+from roughcontact._solve.solution.whole import Whole
 from roughcontact._solve.solution.writers import SolutionWriter, page_or_file, writers
 
 __all__ = [
@@ -79,6 +80,7 @@ __all__ = [
     "TheoryBeside",
     "Trial",
     "Violation",
+    "Whole",
     "areas",
     "count_patch_cells",
     "describe_maps",
@@ -88,6 +90,7 @@ __all__ = [
     "fill_gap",
     "find_contact",
     "find_load",
+    "find_patches",
     "find_peak_sampling",
     "find_scene",
     "find_stiffness_sampling",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 import attrs
 import numpy as np
@@ -14,7 +14,9 @@ from roughcontact._base.units import outlined
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._solve.solution.origin import Accuracy, Origin
 from roughcontact._solve.solution.results import GridLevel, Residuals, Status
+from roughcontact._solve.solution.whole import Whole
 from roughcontact.errors import InputError
+from roughcontact.errors.door import guarded
 
 # Minimum cells of a patch with a point that is surrounded by contact; the area of smaller ones is hardly known.
 _SMALL_PATCH_CELLS = 4
@@ -112,8 +114,9 @@ class ContactPatches:
         )
 
 
+@guarded
 def find_patches(contact: Mask, pressure: Array, grid: Grid, boundary: Boundary) -> ContactPatches:
-    """Return the patches of the cells in contact."""
+    """Return the patches of the cells in contact, and the pressure on them, Pa; both of shape (nx, ny)."""
     nx, ny = contact.shape
     labels = np.zeros(contact.shape, dtype=np.intp)
     # Runs of cells in contact along y, with an open cell behind each row.
@@ -208,6 +211,9 @@ class ContactFields:
     tension
         Attraction of the surfaces, shape `grid.shape`, Pa, at least zero; None without adhesion.
     """
+
+    # Of a contact that is divided among processes, what holds its parts together.
+    parts: ClassVar[Whole] = Whole()
 
     grid: Grid
     boundary: Boundary

@@ -1,0 +1,99 @@
+"""A contact on slabs as the estimators of one machine see it: by windows, on each process its own."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import attrs
+import numpy as np
+import roughcontact as rc
+from roughcontact.typing import (
+    Array,
+    Certificate,
+    Origin,
+    Outcome,
+    PreparedConvolution,
+    certify,
+    make_solution,
+    make_task,
+)
+
+from roughcontact_mpi.arrays import SlabArray
+from roughcontact_mpi.parts import Part
+from roughcontact_mpi.patches import WindowPatches, label_slabs, window_patches
+
+if TYPE_CHECKING:
+    from roughcontact_mpi.contact import SlabSolution
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class WindowSolution(rc.ContactSolution):
+    """The solution of a contact on the rows of a window; its grid and its numbers are those of the whole domain."""
+
+    parts: Part = attrs.field(repr=False)  # type: ignore[misc]
+    patches: WindowPatches = attrs.field(repr=False)
+    convolution: PreparedConvolution = attrs.field(repr=False)
+
+    @property
+    def force(self) -> float:
+        """Normal force, N; all processes must ask."""
+        return self.parts.total(float(self.pressure[self.parts.inside].sum())) * self.grid.cell_area
+
+
+def open_window(solution: SlabSolution) -> WindowSolution:
+    """Return a solution on the window of this process."""
+    plan = solution.plan
+    part = Part(solution.pressure.processes, plan.grid.shape, plan.boundary)
+    pressure, displacement, initial_gap = (
+        part.read(field) for field in (solution.pressure, solution.displacement, solution.initial_gap)
+    )
+    labels, touching, count = label_slabs(part, solution.pressure, plan.grid, plan.boundary)
+    patches = window_patches(part, labels, touching, count, pressure, plan.grid, plan.boundary)
+    certificate = Certificate(
+        pressure=pressure,
+        displacement=displacement,
+        approach=solution.approach,
+        status=solution.status,
+        residuals=solution.residuals,
+    )
+    base = make_solution(plan, initial_gap, _outcome(solution, pressure), certificate, solution.seconds)
+    fields = attrs.asdict(base, recurse=False)
+    return WindowSolution(**fields, parts=part, patches=patches, convolution=solution.convolution)
+
+
+def gather(solution: SlabSolution) -> rc.ContactSolution | None:
+    """Return the whole solution on the first process, certified anew, and None on the others."""
+    pressure, gap = (_gather_rows(field) for field in (solution.pressure, solution.initial_gap))
+    if pressure is None or gap is None:
+        return None
+    scene = solution.scene
+    surface = rc.HeightMap(-gap, solution.grid.size)
+    body = rc.Body(surface, scene.body.material)
+    problem = attrs.evolve(scene, body=body, grid=None)
+    plan = problem.plan
+    task = make_task(plan, problem.initial_gap, solution.load, pressure)
+    start = np.zeros(gap.shape) if task.start is None else task.start
+    found = certify(
+        plan, problem.convolution, problem.initial_gap, task, _outcome(solution, start), seconds=solution.seconds
+    )
+    return attrs.evolve(found, origin=Origin(problem.parts, solution.load.arguments, source=problem))
+
+
+def _outcome(solution: SlabSolution, pressure: Array) -> Outcome:
+    return Outcome(
+        pressure=pressure,
+        status=solution.status,
+        iterations=solution.iterations,
+        convolutions=solution.convolutions - 1,
+        errors=solution.errors,
+        levels=solution.levels,
+    )
+
+
+def _gather_rows(field: SlabArray) -> Array | None:
+    """Return all rows of a field on the first process."""
+    processes = field.processes
+    counts = [field.shape[1] * rows if processes.rank == 0 else 0 for rows in np.diff(processes.rows(field.shape[0]))]
+    sent = [field.part.size if rank == 0 else 0 for rank in range(processes.count)]
+    found = processes.exchange(np.ascontiguousarray(field.part).ravel(), sent, [int(count) for count in counts])
+    return found.reshape(field.shape) if processes.rank == 0 else None
