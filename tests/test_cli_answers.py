@@ -8,6 +8,7 @@ import io
 import json
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -403,6 +404,27 @@ def test_a_shell_completes_commands_and_options(run, tmp_path):
     assert complete("roughcontact so", 1) == ["solve"]
     assert complete("roughcontact solve --area", 2) == ["--area-within", "--area"]
     assert "self-affine" in complete("roughcontact surface s", 2)
+
+
+def test_fish_completes_commands_and_options(run):
+    pytest.importorskip("shtab")
+    _, script, _ = run("completion", "fish")
+    Path("complete.fish").write_text(script, encoding="utf-8")
+    if shutil.which("fish") is None:
+        assert "complete -c roughcontact" in script
+        assert {"-l stiffness", "-l area-within", "-l hurst"} <= set(re.findall(r"-l [\w-]+", script))
+        return
+
+    def complete(words):
+        ask = f"source complete.fish; complete -C '{words}'"
+        found = subprocess.run(["fish", "-c", ask], capture_output=True, text=True, check=True).stdout
+        return {line.partition("\t")[0] for line in found.splitlines()}
+
+    assert complete("roughcontact so") == {"solve"}
+    assert complete("roughcontact solve map.npz --area") == {"--area-within", "--area"}
+    assert {"free", "periodic", "wrapped"} <= complete("roughcontact solve map.npz --boundary ")
+    assert "self-affine" in complete("roughcontact surface s")
+    assert "--hurst" in complete("roughcontact surface self-affine --h")
 
 
 BLOCKED = ("matplotlib", "pint", "rich", "pandas", "xarray", "h5py", "h5netcdf", "shtab", "pyamg")
