@@ -18,8 +18,8 @@ from roughcontact._faces.html.inputs import describe_part, find_problem
 from roughcontact._faces.panels.figures import save_figure
 from roughcontact._faces.panels.theme import require_matplotlib
 from roughcontact._solve.problem import Sweep, make_table
-from roughcontact._solve.solution import find_load, require_netcdf, versions
-from roughcontact._work.studies import Answers, list_estimates, tabulate_answers
+from roughcontact._solve.solution import find_load, list_estimates, require_netcdf, versions
+from roughcontact._work.studies import Answers, tabulate_answers
 
 _NONE: Answers = MappingProxyType({})
 # Width of the label of a line, as `print(solution)` has it.
@@ -256,8 +256,8 @@ def plan_picture(text: str, others: Sequence[str] = ()) -> Path:
     return path
 
 
-def write_outputs(files: Sequence[Path], subject: Any, solutions: Sequence[rc.ContactSolution]) -> str:
-    """Return what was written, in words, after writing solutions (several with their numbers), picture and report."""
+def write_outputs(files: Sequence[Path], subject: Any, solutions: Sequence[rc.ContactSolution]) -> list[Path]:
+    """Return the files that were written: solutions (several with their numbers), pictures and reports."""
     written = []
     for path in files:
         if path.suffix in PICTURES or path.suffix == ".html":
@@ -270,7 +270,12 @@ def write_outputs(files: Sequence[Path], subject: Any, solutions: Sequence[rc.Co
         for target, solution in zip(_numbered(path, len(solutions)), solutions, strict=True):
             solution.save(target)
             written.append(target)
-    return fit(f"\nWritten: {', '.join(map(str, written))}") if written else ""
+    return written
+
+
+def name_written(files: Sequence[Path]) -> str:
+    """Return a line that names the files that were written, below an empty one; empty without any."""
+    return fit(f"\nWritten: {', '.join(map(str, files))}") if files else ""
 
 
 def _numbered(path: Path, count: int) -> list[Path]:

@@ -16,7 +16,7 @@ from roughcontact._faces.cli import DOUBTFUL, Command
 from roughcontact._faces.cli.answers import PICTURES, describe_estimate, require_place, write_csv, write_json
 from roughcontact._faces.cli.options import add_interface
 from roughcontact._faces.cli.problem import problem_of
-from roughcontact._faces.cli.progress import show_progress
+from roughcontact._faces.cli.progress import count_done, show_progress
 from roughcontact._faces.cli.responses import add_responses, responses_of
 from roughcontact._faces.panels.figures import save_figure
 from roughcontact._faces.panels.theme import require_matplotlib
@@ -71,8 +71,8 @@ examples:
         with show_progress("reading the maps", quiet=options.quiet):
             problem = problem_of(options)
         pressures = [value for several in options.loads for value in several]
-        with show_progress("solving", quiet=options.quiet):
-            law = rc.interface_law(problem, pressures, asked)
+        with show_progress("solving", quiet=options.quiet) as change:
+            law = rc.interface_law(problem, pressures, asked, on_load=count_done(change, len(pressures), "load"))
         for write, path in writers:
             write(law, path)
         if options.json:

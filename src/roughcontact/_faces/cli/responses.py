@@ -9,6 +9,7 @@ from typing import Any
 
 import roughcontact as rc
 from roughcontact._faces.cli.problem import make_part
+from roughcontact._faces.cli.progress import ChangeProgress
 from roughcontact._work.studies import Answers, describe_response
 
 
@@ -44,12 +45,19 @@ def responses_of(options: argparse.Namespace) -> dict[str, rc.Response[Any]]:
     return asked
 
 
-def ask(asked: Mapping[str, rc.Response[Any]], solutions: Sequence[rc.ContactSolution]) -> Answers:
+def ask(
+    asked: Mapping[str, rc.Response[Any]], solutions: Sequence[rc.ContactSolution], change: ChangeProgress
+) -> Answers:
     """Return what each response says of each solution; `InputError`, with its option, where it has no answer."""
-    found = {}
+    found: dict[str, list[Any]] = {}
+    total = len(asked) * len(solutions)
     for name, response in asked.items():
-        try:
-            found[name] = [solution.response(response) for solution in solutions]
-        except rc.InputError as error:
-            raise rc.InputError(f"--{name}: {error}") from error
+        found[name] = []
+        for solution in solutions:
+            done = len(solutions) * (len(found) - 1) + len(found[name])
+            change(f"{name}, answer {done + 1} of {total}", done / total)
+            try:
+                found[name].append(solution.response(response))
+            except rc.InputError as error:
+                raise rc.InputError(f"--{name}: {error}") from error
     return found

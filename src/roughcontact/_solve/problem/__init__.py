@@ -22,7 +22,7 @@ from roughcontact._solve.problem.path import (
 )
 from roughcontact._solve.problem.plan import SolvePlan, require_memory_of_solve
 from roughcontact._solve.problem.problem import ContactProblem, problem_of
-from roughcontact._solve.problem.required_load import RequiredLoad
+from roughcontact._solve.problem.required_load import RequiredLoad, find_required_load
 from roughcontact._solve.problem.run import Certificate, computing, confirm
 from roughcontact._solve.problem.saved import find_saved_kind, load
 from roughcontact._solve.problem.sweep import Sweep, make_table, order_of_solving, predict_pressure, run_sweep
@@ -46,6 +46,7 @@ __all__ = [
     "computing",
     "confirm",
     "describe_cycle",
+    "find_required_load",
     "find_saved_kind",
     "find_stability",
     "linearise",
