@@ -556,3 +556,35 @@ def test_a_reader_that_has_enough_ends_it_quietly():
     command = f"{sys.executable} -m roughcontact check love | head -c 1"
     done = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=False)
     assert done.stderr == ""
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (
+            ["solve", "rough.npz", "--force", "1N", *STEEL, "--stifness"],
+            "no option --stifness; did you mean --stiffness?",
+        ),
+        (["solve", "rough.npz", "--preasure=10MPa", *STEEL], "no option --preasure; did you mean --pressure?"),
+        (["surface", "self-affine", "--hrust", "0.8"], "no option --hrust; did you mean --hurst?"),
+        (["run", "study.toml", "--worker=2", "--shares", "1/2"], "no option --shares; did you mean --share?"),
+        (["solve", "rough.npz", "--xyzzy"], "is required"),
+    ],
+)
+def test_a_wrong_option_is_told_which_one_is_meant(run, arguments, words):
+    status, out, err = run(*arguments)
+    assert status == 2
+    assert words in err
+    assert out == ""
+
+
+def test_equal_warnings_of_several_loads_are_one_sentence(run):
+    grid = rc.Grid((32, 32), 100e-6)
+    np.savez("ball.npz", heights=rc.SphereSurface(radius=1e-3).heights(grid), size=grid.size)
+    loads = ["20N", "30N", "40N", "50N"]
+    status, out, _ = run("solve", "ball.npz", "--loads", *loads, *STEEL, "--stiffness")
+    assert status == 3
+    warnings = re.findall(r"^warning  (.*(?:\n         .*)*)", out, re.MULTILINE)
+    assert len(warnings) == len({re.sub(r"\d[\d.]*", "#", " ".join(text.split())) for text in warnings})
+    assert "At all 4 loads" in out
+    assert max(map(len, out.splitlines())) <= 80

@@ -10,7 +10,7 @@ import numpy as np
 
 from roughcontact._answers.laws.law import InterfaceLaw, LawColumn, interpolation_warning
 from roughcontact._base.checks import callback
-from roughcontact._base.units import si
+from roughcontact._base.units import kind_of, si
 from roughcontact._parts.grid import FIRST_LOADING, Boundary, Load
 from roughcontact._solve.problem import ContactProblem, order_of_solving, predict_pressure
 from roughcontact._solve.solution import ContactSolution, Estimate, Response, read_number, responses
@@ -151,16 +151,19 @@ def _make_column(name: str, row: list[Estimate], nominal: float) -> LawColumn:
 
 
 def _collect(texts: list[tuple[float, tuple[str, ...]]]) -> tuple[str, ...]:
-    """Return each warning once, with the loads at which it was given."""
-    loads: dict[str, list[float]] = {}
+    """Return each warning once, whatever numbers it has, with the loads at which it was given."""
+    found: dict[str, dict[float, str]] = {}
     for load, warnings in texts:
-        for text in dict.fromkeys(warnings):
-            loads.setdefault(text, []).append(load)
-    found = []
-    for text, at in loads.items():
-        where = si(at[0], "Pa") if len(at) == 1 else f"{len(at)} loads from {si(at[0], 'Pa')} to {si(at[-1], 'Pa')}"
-        found.append(f"At {where}: {text}")
-    return tuple(found)
+        for text in warnings:
+            # Warnings of the solution and of its area may share a rule: the words tell them apart.
+            found.setdefault(kind_of(str(text)), {})[load] = text
+    collected = []
+    for at in found.values():
+        first, *_, last = (*at, *at)
+        where = si(first, "Pa") if len(at) == 1 else f"{len(at)} loads from {si(first, 'Pa')} to {si(last, 'Pa')}"
+        differ = "" if len(set(at.values())) == 1 else ", here with the numbers at the last"
+        collected.append(f"At {where}{differ}: {at[last]}")
+    return tuple(collected)
 
 
 def _describe(problem: ContactProblem) -> tuple[str, ...]:
