@@ -223,6 +223,32 @@ class InterfaceLaw:
         """
         _write(path, formats.write_abaqus(self, name, conductance, electrical, units))
 
+    def to_ansys(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        name: str = "ROUGH",
+        conductance: str = "conductance",
+        units: str = "SI",
+    ) -> None:
+        """Write the thermal conductance over the contact pressure for Ansys, as commands of Mechanical APDL.
+
+        They make a table and give it to the contact elements of the set of real constants ``cid``: read the file with
+        ``/INPUT``, or paste it into a command object below a contact of Workbench.
+
+        Parameters
+        ----------
+        path
+            The file; it may replace one.
+        name
+            Name of the table.
+        conductance
+            Column of the conductance.
+        units
+            As of `to_abaqus`.
+        """
+        _write(path, formats.write_ansys(self, name, conductance, units))
+
     def to_calculix(
         self,
         path: str | os.PathLike[str],

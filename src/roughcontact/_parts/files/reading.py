@@ -55,7 +55,7 @@ def read_surface(
         their neighbours, which makes no new summit; or ``"keep"`` them: they never touch, and do not count when form
         is fitted.
     unit
-        Unit of the heights, m, where the file does not state it: 1e-6 for micrometres.
+        Unit of the heights, m, where the file does not state it: 1e-6 or ``"um"`` for micrometres.
     reader
         Registered name or instance; ``"auto"`` chooses by the ending of the file name.
     **options
