@@ -15,7 +15,7 @@ from roughcontact._base import checks
 from roughcontact._base.archive import replacing
 from roughcontact._base.arrays import Array, Pair, read_only
 from roughcontact._base.tables import Table
-from roughcontact._base.units import Estimate, counted, outlined, si
+from roughcontact._base.units import Estimate, ShownAsPrinted, counted, outlined, si
 from roughcontact.errors import InputError
 
 # Misfit that is allowed whatever the uncertainties, both over the value and over its change in the range.
@@ -27,7 +27,7 @@ _MIN_LOAD_RANGE = 10.0
 
 
 @attrs.frozen
-class PowerFit:
+class PowerFit(ShownAsPrinted):
     """A power law of the pressure, value = `factor` (pressure / `pivot`)^`exponent`, and where it holds.
 
     Attributes

@@ -14,7 +14,7 @@ import numpy as np
 from roughcontact._base.arrays import Array, as_shape, read_only
 from roughcontact._base.checks import number
 from roughcontact._base.registry import Registry
-from roughcontact._base.units import ContactWarning, prefixed, with_spread
+from roughcontact._base.units import ContactWarning, ShownAsPrinted, prefixed, with_spread
 from roughcontact._base.units import Estimate as Estimate
 from roughcontact._parts.surfaces import HeightMap
 from roughcontact.errors import InputError
@@ -160,7 +160,7 @@ class Status(Enum):
 
 
 @attrs.frozen
-class Residuals:
+class Residuals(ShownAsPrinted):
     """The violations of the conditions of contact, recomputed in float64 from the pressure alone.
 
     Attributes
