@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import csv
 import io
+import itertools
 import json
 import os
 import re
@@ -12,6 +13,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import types
 from pathlib import Path
 
 import numpy as np
@@ -587,4 +589,56 @@ def test_equal_warnings_of_several_loads_are_one_sentence(run):
     warnings = re.findall(r"^warning  (.*(?:\n         .*)*)", out, re.MULTILINE)
     assert len(warnings) == len({re.sub(r"\d[\d.]*", "#", " ".join(text.split())) for text in warnings})
     assert "At all 4 loads" in out
+    assert max(map(len, out.splitlines())) <= 80
+
+
+class Terminal(io.StringIO):
+    def isatty(self):
+        return True
+
+
+STICKY = ["--young", "5MPa", "--poisson", "0.5", "--adhesion", "exponential", "work=50mJ/m2", "range=2um"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["solve", "rough.npz", "--loads", "10mN", "12mN", "14mN", *STEEL], "load 3 of 3, 10 mN: 48 x 48 cells"),
+        (["solve", "rough.npz", "--solve-for", "area=10%", *STEEL], "load 2, "),
+        (["law", "wave.npz", "--loads", "1MPa..2MPa", *STEEL], "load 3 of 3"),
+        (["solve", "rough.npz", "--cycle", "-2um", "1um", "--states", "3", *STICKY], "state 5 of 5"),
+        (["solve", "rough.npz", "--force", "10mN", "--stiffness", "--peak-pressure", *STEEL], "answer 2 of 2"),
+    ],
+)
+def test_progress_says_what_is_solved_and_how_long_it_takes(run, monkeypatch, arguments, words):
+    from roughcontact._faces.cli import progress
+
+    rough = rc.read_surface("rough.npz")
+    np.savez("wave.npz", heights=rough.values, size=rough.size, periodic=True)
+    terminal = Terminal()
+    # Each look at the clock takes ten seconds; the thread that draws does not look.
+    now = itertools.count(0.0, 10.0)
+    monkeypatch.setattr(progress.sys, "stderr", terminal)
+    monkeypatch.setattr(progress, "_REDRAW_SECONDS", 1e6)
+    monkeypatch.setattr(progress, "time", types.SimpleNamespace(monotonic=lambda: next(now)))
+    drawn = []
+    real = progress._Line.change
+
+    def change(line, *given):
+        before = next(now)
+        real(line, *given)
+        drawn.append(f"{progress._write_left(line._end - before)}  {line.text}")
+
+    monkeypatch.setattr(progress._Line, "change", change)
+    run(*arguments)
+    assert any(words in text for text in drawn), drawn
+    if "--solve-for" not in arguments:
+        assert any(re.match(r", about \d+ (s|min) left  ", text) for text in drawn)
+
+
+def test_the_help_of_a_response_has_units_and_defaults(run):
+    _, out, _ = run("solve", "--help")
+    words = " ".join(out.split())
+    assert "viscosity=1mPa.s pressure_drop=100MPa [axis=0]" in words
+    assert "yield_stress=100MPa [body=body]" in words
     assert max(map(len, out.splitlines())) <= 80

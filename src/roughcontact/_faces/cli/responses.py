@@ -7,10 +7,13 @@ import contextlib
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import attrs
+
 import roughcontact as rc
+from roughcontact._base.units import EXAMPLES
 from roughcontact._faces.cli.problem import make_part
 from roughcontact._faces.cli.progress import ChangeProgress
-from roughcontact._work.studies import Answers, describe_response
+from roughcontact._work.studies import Answers, ResponseField, describe_response
 
 
 def add_responses(parser: argparse.ArgumentParser) -> None:
@@ -20,8 +23,8 @@ def add_responses(parser: argparse.ArgumentParser) -> None:
         form = describe_response(name)
         if form.is_array:
             continue
-        needed = [f"{field.name}=..." for field in form.fields if field.is_needed]
-        others = [f"[{field.name}=...]" for field in form.fields if not field.is_needed]
+        needed = [f"{field.name}={_write_example(field)}" for field in form.fields if field.is_needed]
+        others = [f"[{field.name}={_write_default(name, field)}]" for field in form.fields if not field.is_needed]
         with contextlib.suppress(argparse.ArgumentError):
             group.add_argument(
                 f"--{name}",
@@ -30,6 +33,18 @@ def add_responses(parser: argparse.ArgumentParser) -> None:
                 metavar="VALUE" if len(needed) == 1 else "FIELD=VALUE",
                 help=": ".join(filter(None, (form.summary, " ".join(needed + others)))).replace("%", "%%"),
             )
+
+
+def _write_example(field: ResponseField) -> str:
+    """Return an example of the value of a field, with its unit; dots where it has none."""
+    return EXAMPLES[field.unit] if field.unit and field.unit in EXAMPLES else "..."
+
+
+def _write_default(name: str, field: ResponseField) -> str:
+    """Return the default of a field of a response; dots where it is nothing that one can write."""
+    cls: Any = rc.responses[name]
+    default = attrs.fields_dict(cls)[field.name].default
+    return f"{default:g}" if isinstance(default, float) else str(default) if isinstance(default, (int, str)) else "..."
 
 
 def responses_of(options: argparse.Namespace) -> dict[str, rc.Response[Any]]:
