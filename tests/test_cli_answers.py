@@ -603,7 +603,7 @@ STICKY = ["--young", "5MPa", "--poisson", "0.5", "--adhesion", "exponential", "w
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["solve", "rough.npz", "--loads", "10mN", "12mN", "14mN", *STEEL], "load 3 of 3, 10 mN: 48 x 48 cells"),
+        (["solve", "rough.npz", "--loads", "10mN", "12mN", "14mN", *STEEL], "load 3 of 3, force 10 mN: 48 x 48 cells"),
         (["solve", "rough.npz", "--solve-for", "area=10%", *STEEL], "load 2, "),
         (["law", "wave.npz", "--loads", "1MPa..2MPa", *STEEL], "load 3 of 3"),
         (["solve", "rough.npz", "--cycle", "-2um", "1um", "--states", "3", *STICKY], "state 5 of 5"),
