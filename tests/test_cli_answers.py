@@ -5,12 +5,15 @@ from __future__ import annotations
 import contextlib
 import csv
 import io
+import itertools
 import json
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
+import types
 from pathlib import Path
 
 import numpy as np
@@ -405,6 +408,27 @@ def test_a_shell_completes_commands_and_options(run, tmp_path):
     assert "self-affine" in complete("roughcontact surface s", 2)
 
 
+def test_fish_completes_commands_and_options(run):
+    pytest.importorskip("shtab")
+    _, script, _ = run("completion", "fish")
+    Path("complete.fish").write_text(script, encoding="utf-8")
+    if shutil.which("fish") is None:
+        assert "complete -c roughcontact" in script
+        assert {"-l stiffness", "-l area-within", "-l hurst"} <= set(re.findall(r"-l [\w-]+", script))
+        return
+
+    def complete(words):
+        ask = f"source complete.fish; complete -C '{words}'"
+        found = subprocess.run(["fish", "-c", ask], capture_output=True, text=True, check=True).stdout
+        return {line.partition("\t")[0] for line in found.splitlines()}
+
+    assert complete("roughcontact so") == {"solve"}
+    assert complete("roughcontact solve map.npz --area") == {"--area-within", "--area"}
+    assert {"free", "periodic", "wrapped"} <= complete("roughcontact solve map.npz --boundary ")
+    assert "self-affine" in complete("roughcontact surface s")
+    assert "--hurst" in complete("roughcontact surface self-affine --h")
+
+
 BLOCKED = ("matplotlib", "pint", "rich", "pandas", "xarray", "h5py", "h5netcdf", "shtab", "pyamg")
 CORE = f"""
 import sys
@@ -534,3 +558,87 @@ def test_a_reader_that_has_enough_ends_it_quietly():
     command = f"{sys.executable} -m roughcontact check love | head -c 1"
     done = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=False)
     assert done.stderr == ""
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (
+            ["solve", "rough.npz", "--force", "1N", *STEEL, "--stifness"],
+            "no option --stifness; did you mean --stiffness?",
+        ),
+        (["solve", "rough.npz", "--preasure=10MPa", *STEEL], "no option --preasure; did you mean --pressure?"),
+        (["surface", "self-affine", "--hrust", "0.8"], "no option --hrust; did you mean --hurst?"),
+        (["run", "study.toml", "--worker=2", "--shares", "1/2"], "no option --shares; did you mean --share?"),
+        (["solve", "rough.npz", "--xyzzy"], "is required"),
+    ],
+)
+def test_a_wrong_option_is_told_which_one_is_meant(run, arguments, words):
+    status, out, err = run(*arguments)
+    assert status == 2
+    assert words in err
+    assert out == ""
+
+
+def test_equal_warnings_of_several_loads_are_one_sentence(run):
+    grid = rc.Grid((32, 32), 100e-6)
+    np.savez("ball.npz", heights=rc.SphereSurface(radius=1e-3).heights(grid), size=grid.size)
+    loads = ["20N", "30N", "40N", "50N"]
+    status, out, _ = run("solve", "ball.npz", "--loads", *loads, *STEEL, "--stiffness")
+    assert status == 3
+    warnings = re.findall(r"^warning  (.*(?:\n         .*)*)", out, re.MULTILINE)
+    assert len(warnings) == len({re.sub(r"\d[\d.]*", "#", " ".join(text.split())) for text in warnings})
+    assert "At all 4 loads" in out
+    assert max(map(len, out.splitlines())) <= 80
+
+
+class Terminal(io.StringIO):
+    def isatty(self):
+        return True
+
+
+STICKY = ["--young", "5MPa", "--poisson", "0.5", "--adhesion", "exponential", "work=50mJ/m2", "range=2um"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["solve", "rough.npz", "--loads", "10mN", "12mN", "14mN", *STEEL], "load 3 of 3, force 10 mN: 48 x 48 cells"),
+        (["solve", "rough.npz", "--solve-for", "area=10%", *STEEL], "load 2, "),
+        (["law", "wave.npz", "--loads", "1MPa..2MPa", *STEEL], "load 3 of 3"),
+        (["solve", "rough.npz", "--cycle", "-2um", "1um", "--states", "3", *STICKY], "state 5 of 5"),
+        (["solve", "rough.npz", "--force", "10mN", "--stiffness", "--peak-pressure", *STEEL], "answer 2 of 2"),
+    ],
+)
+def test_progress_says_what_is_solved_and_how_long_it_takes(run, monkeypatch, arguments, words):
+    from roughcontact._faces.cli import progress
+
+    rough = rc.read_surface("rough.npz")
+    np.savez("wave.npz", heights=rough.values, size=rough.size, periodic=True)
+    terminal = Terminal()
+    # Each look at the clock takes ten seconds; the thread that draws does not look.
+    now = itertools.count(0.0, 10.0)
+    monkeypatch.setattr(progress.sys, "stderr", terminal)
+    monkeypatch.setattr(progress, "_REDRAW_SECONDS", 1e6)
+    monkeypatch.setattr(progress, "time", types.SimpleNamespace(monotonic=lambda: next(now)))
+    drawn = []
+    real = progress._Line.change
+
+    def change(line, *given):
+        before = next(now)
+        real(line, *given)
+        drawn.append(f"{progress._write_left(line._end - before)}  {line.text}")
+
+    monkeypatch.setattr(progress._Line, "change", change)
+    run(*arguments)
+    assert any(words in text for text in drawn), drawn
+    if "--solve-for" not in arguments:
+        assert any(re.match(r", about \d+ (s|min) left  ", text) for text in drawn)
+
+
+def test_the_help_of_a_response_has_units_and_defaults(run):
+    _, out, _ = run("solve", "--help")
+    words = " ".join(out.split())
+    assert "viscosity=1mPa.s pressure_drop=100MPa [axis=0]" in words
+    assert "yield_stress=100MPa [body=body]" in words
+    assert max(map(len, out.splitlines())) <= 80

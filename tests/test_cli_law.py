@@ -139,6 +139,7 @@ class TestLaw:
 
     def test_files_of_other_programs(self, run):
         files = ["--abaqus", "a.inp", "--calculix", "c.inp", "--moose", "m.csv", "--comsol", "t.txt", "-o", "law.png"]
+        files += ["--ansys", "s.inp"]
         call = ["law", "map.npz", *STEEL, "--loads", "4MPa..10MPa", "--conductance", "45"]
         _, output, _ = run(*call, *files, "--units", "mm", "--name", "JOINT")
         heat = rc.responses.create("conductance", 45.0)
@@ -146,7 +147,8 @@ class TestLaw:
         law.to_abaqus("a2.inp", units="mm", name="JOINT")
         law.to_calculix("c2.inp", units="mm", name="JOINT")
         law.to_moose("m2.csv", units="mm", name="JOINT")
-        for one, other in (("a.inp", "a2.inp"), ("c.inp", "c2.inp"), ("m.csv", "m2.csv")):
+        law.to_ansys("s2.inp", units="mm", name="JOINT")
+        for one, other in (("a.inp", "a2.inp"), ("c.inp", "c2.inp"), ("m.csv", "m2.csv"), ("s.inp", "s2.inp")):
             assert Path(one).read_text(encoding="ascii") == Path(other).read_text(encoding="ascii")
         assert Path("m.i").exists()
         assert Path("law.png").read_bytes().startswith(b"\x89PNG")
@@ -174,6 +176,7 @@ class TestLaw:
             (["--loads", "4MPa", "-o", "law.txt"], "a file that ends in"),
             (["--loads", "4MPa", "-o", "there/law.csv"], "no folder"),
             (["--loads", "4MPa", "--moose", "law.csv"], "give --conductance too"),
+            (["--loads", "4MPa", "--ansys", "s.inp"], "--ansys writes a conductance: give --conductance too"),
             (["--loads", "4MPa", "--stress"], "not a number with an uncertainty"),
             (["--loads", "4MPa", "--comsol", "map.npz", "--conductance", "45"], "a height map that is read"),
             (["--loads", "4MPa", "--abaqus", "a.inp", "--name", "1 2"], "The name"),

@@ -5,12 +5,16 @@ from __future__ import annotations
 import csv
 import io
 import json
+import re
+import types
+from pathlib import Path
 
 import attrs
 import numpy as np
 import pytest
 
 import roughcontact as rc
+from roughcontact.typing import Table
 
 SIZE = (96e-6, 32e-6)
 SHAPE = (48, 48)
@@ -142,3 +146,85 @@ def test_the_numbers_of_the_area_have_the_estimator_that_is_named(run):
         json.loads(out)["responses"]["patches"]["value"]
         == solve(force=20e-3).response(rc.responses.create("patches", estimator="cell-count")).value
     )
+
+
+def words_of(path):
+    """Return the words of a page, without its tags."""
+    return " ".join(re.sub("<[^>]*>", " ", Path(path).read_text(encoding="utf-8")).split())
+
+
+@pytest.mark.parametrize("place", [["--report", "r.html"], ["--quiet", "-o", "r.html"]])
+def test_a_report_has_the_answers(run, place):
+    pytest.importorskip("matplotlib")
+    asked = ["--stiffness", "--conductance", "45", "--leakage", "viscosity=1mPa.s", "pressure_drop=1bar"]
+    status, _, err = run(*LOADED, "--force", "20mN", *asked, *place)
+    assert status in (0, 3), err
+    solution = solve(force=20e-3)
+    page = words_of("r.html")
+    assert "What the contact does" in page
+    for found in (
+        solution.stiffness(),
+        solution.conductance(45.0),
+        solution.leakage(viscosity=1e-3, pressure_drop=1e5),
+    ):
+        table = Table({"found": [found]})
+        heading, ((cell,),) = table.to_cells()
+        assert cell in page
+        assert heading[0].partition(", ")[2] in page
+
+
+def test_a_report_of_several_loads_has_a_row_for_each(run):
+    pytest.importorskip("matplotlib")
+    run(*LOADED, "--loads", "20mN", "40mN", "--stiffness", "--report", "r.html")
+    body = rc.Body(rc.read_surface("map.npz"), rc.Elastic(210e9, 0.3))
+    sweep = rc.ContactProblem(body, boundary="periodic").sweep(force=[20e-3, 40e-3])
+    page = words_of("r.html").partition("What the contact does")[2]
+    _, cells = Table({"found": [solution.stiffness() for solution in sweep]}).to_cells()
+    assert all(cell in page for (cell,) in cells)
+
+
+def test_a_report_has_the_load_that_was_searched(run):
+    pytest.importorskip("matplotlib")
+    run(
+        "solve",
+        "map.npz",
+        "--boundary",
+        "periodic",
+        "--young",
+        "210GPa",
+        "--solve-for",
+        "area=10%",
+        "--report",
+        "r.html",
+    )
+    assert "required-load force" in words_of("r.html")
+
+
+class Halves(rc.Response):
+    """Numbers of some contacts only."""
+
+    def respond(self, solution):
+        if solution.force > 30e-3:
+            return "no number here"
+        return types.SimpleNamespace(estimates={"low": rc.Estimate(1.5, 0.1, "m")})
+
+
+def test_answers_without_a_number_stay_beside_those_with_one(run, monkeypatch):
+    pytest.importorskip("matplotlib")
+    monkeypatch.setitem(rc.responses._classes, "halves", Halves)
+    _, out, _ = run(*LOADED, "--loads", "20mN", "40mN", "--halves", "--report", "r.html")
+    assert "no number here" in out
+    assert "no number here" in words_of("r.html")
+    _, out, _ = run(*LOADED, "--loads", "20mN", "40mN", "--halves", "--csv")
+    low = [row["halves low [m]"] for row in csv.DictReader(io.StringIO(out))]
+    assert low == ["1.5", "nan"]
+
+
+def test_a_response_without_an_answer_leaves_the_report(run):
+    pytest.importorskip("matplotlib")
+    status, out, err = run(*LOADED, "--force", "20mN", "--stability", "-o", "one.npz", "--report", "r.html")
+    assert status == 2
+    assert "--stability: Without adhesion" in err
+    assert out == ""
+    assert "Contact report" in words_of("r.html")
+    assert rc.ContactSolution.load("one.npz").force == pytest.approx(20e-3)

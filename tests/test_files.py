@@ -350,6 +350,12 @@ def test_points_x_y_z_on_a_regular_grid_are_a_map(tmp_path):
         rc.read_surface(path)
     surface = rc.read_surface(path, size=(4e-6, 13.5e-6), unit=1e-6)
     np.testing.assert_array_equal(surface.values, 1e-6 * heights)
+    for text in ("um", "1um", "0.001 mm"):
+        read = rc.read_surface(path, size=(4e-6, 13.5e-6), unit=text)
+        np.testing.assert_array_equal(read.values, surface.values)
+    for wrong in ("Pa", "umm", "", "-1um"):
+        with pytest.raises(rc.InputError, match="The unit of the heights"):
+            rc.read_surface(path, size=(4e-6, 13.5e-6), unit=wrong)
     # Points that are not listed, or have no height, were not measured.
     lines[order[0]] = lines[order[0]].rsplit(" ", 1)[0] + " BAD"
     path.write_text("\n".join(lines[k] for k in order[:-4]))

@@ -72,6 +72,16 @@ class TestLaw:
         assert law.warnings == ("At 2 loads from 1.262 GPa to 2 GPa: conductance: A warning.",)
         assert "warning: At 2 loads" in str(law)
 
+    def test_a_warning_with_other_numbers_is_one_sentence(self):
+        class Doubtful(rc.Response):
+            def respond(self, solution):
+                text = f"{solution.mean_pressure / 1e6:.0f} MPa are many."
+                return rc.Estimate(1.0, 0.1, "", (text,))
+
+        found = rc.interface_law(problem(), [2e8, 3e8, 4e8], {"doubtful": Doubtful()}).warnings
+        last = "At 3 loads from 200 MPa to 400 MPa, here with the numbers at the last: doubtful: 400 MPa are many."
+        assert found == (last,)
+
     def test_few_loads_get_a_warning(self):
         found = rc.interface_law(problem(), [2e8, 4e8], ())
         assert found.warnings == (
@@ -354,6 +364,34 @@ def read_moose(path):
     return lambda pressure: scale * np.interp(pressure, rows[:, 0], rows[:, 1]), contact
 
 
+def read_ansys(path):
+    """Return pressures and conductances of the table that is given to real constant 14, by the rules of APDL."""
+    tables = {}
+    given = {}
+    for line in path.read_text(encoding="ascii").splitlines():
+        command = line.partition("!")[0].strip()
+        assert len(command) <= 640
+        assert "$" not in command
+        if command.startswith("*DIM,"):
+            _, name, kind, rows, columns, planes, variable = command.split(",")
+            assert (kind, columns, planes, variable) == ("TABLE", "1", "1", "PRESSURE")
+            assert name not in tables
+            tables[name] = np.full((int(rows) + 1, 2), np.nan)
+        elif command.startswith("RMODIF,"):
+            _, constants, place, table = command.split(",")
+            assert table[0] == table[-1] == "%"
+            given[constants, place] = tables[table.strip("%")]
+        elif command:
+            name, row, column, value = re.fullmatch(r"(\w+)\((\d+),(\d)\)=(\S+)", command).groups()
+            tables[name][int(row), int(column)] = float(value)
+    ((place, table),) = given.items()
+    assert place == ("cid", "14")
+    # Index numbers stand in column zero, from row one on, in ascending order.
+    assert (np.diff(table[1:, 0]) > 0.0).all()
+    assert not np.isnan(table[1:]).any()
+    return table[1:]
+
+
 def read_comsol(path):
     """Return the rows of a table in the spreadsheet format: numbers between blanks, comments behind a percent sign."""
     lines = path.read_text(encoding="ascii").splitlines()
@@ -404,6 +442,10 @@ class TestFiles:
         closure = read_comsol(tmp_path / "p.txt")
         self.check_closure(law, closure[:, ::-1], units)
 
+    def test_ansys(self, law, tmp_path, units):
+        law.to_ansys(tmp_path / "a.inp", name="JOINT_1", units=units)
+        self.check_conductance(law, read_ansys(tmp_path / "a.inp")[:, ::-1], units)
+
     def test_moose(self, law, tmp_path, units):
         law.to_moose(tmp_path / "rough.csv", name="joint", min_gap=3e-6, units=units)
         function, contact = read_moose(tmp_path / "rough.i")
@@ -416,16 +458,21 @@ class TestFiles:
         assert function(1e30) == pytest.approx(law["conductance"].values[-1] * conductance, rel=1e-8)
 
     def test_comments_say_units_limits_and_uncertainties(self, law, tmp_path, units):
-        for write, name in ((law.to_abaqus, "a.inp"), (law.to_calculix, "c.inp"), (law.to_moose, "m.csv")):
+        for write, name in (
+            (law.to_abaqus, "a.inp"),
+            (law.to_calculix, "c.inp"),
+            (law.to_ansys, "s.inp"),
+            (law.to_moose, "m.csv"),
+        ):
             write(tmp_path / name, units=units)
-            comments = [line for line in (tmp_path / name).read_text("ascii").splitlines() if line[0] in "*#"]
+            comments = [line for line in (tmp_path / name).read_text("ascii").splitlines() if line[0] in "*#!"]
             text = " ".join(comments)
             unit = {"SI": "pressure in Pa, conductance in W/(m2 K)", "mm": "pressure in MPa, conductance in mW/(mm2 K)"}
             assert unit[units] in text
             assert "no pressure limit" in text
             assert "all pressures are nominal" in text
             assert "A warning." in text
-            rows = [line.strip("*# ").split(", ") for line in comments if re.match(r"(\*\*|#) [\d.]+e", line)]
+            rows = [line.strip("*#! ").split(", ") for line in comments if re.match(r"(\*\*|#|!) [\d.]+e", line)]
             _, pressure, conductance = UNITS[units]
             last = [float(value) for value in rows[-1]]
             values = law["conductance"]
@@ -495,6 +542,17 @@ class TestFilesOfOtherLaws:
     def test_what_cannot_be_written_gets_a_sentence(self, law, options, words, tmp_path):
         with pytest.raises(rc.InputError, match=words):
             law.to_abaqus(tmp_path / "a.inp", **options)
+        assert not list(tmp_path.iterdir())
+
+    def test_ansys_needs_a_name_of_a_parameter_and_a_thermal_conductance(self, tmp_path):
+        law = small_law([3e-6, 2e-6])
+        for name in ("JOINT-1", "1", "_A", "A" * 33, "A B", "", 3):
+            with pytest.raises(rc.InputError, match="The name of the table"):
+                law.to_ansys(tmp_path / "a.inp", name=name)
+        with pytest.raises(rc.InputError, match="no column of the law named 'heat'"):
+            law.to_ansys(tmp_path / "a.inp", conductance="heat")
+        with pytest.raises(rc.InputError, match="takes a conductance in"):
+            law.to_ansys(tmp_path / "a.inp", conductance="mean_gap")
         assert not list(tmp_path.iterdir())
 
     def test_moose_needs_a_csv_and_a_gap(self, tmp_path):

@@ -32,13 +32,32 @@ CELLS = {
     "rc.plotting.make_figure('sweep', sweep);": 0,
     "solution.iterations": 0,
 }
+# Small results, which a cell shows as `print` does.
+PRINTED = (
+    "solution.area()",
+    "solution.peak_pressure()",
+    "solution.saturated_area()",
+    "solution.residuals",
+    "solution.stiffness()",
+    "solution.conductance(45.0)",
+    "solution.leakage(viscosity=1e-3, pressure_drop=1e5)",
+    "solution.leakage(viscosity=1e-3, pressure_drop=1e5).throat",
+    "solution.stress([1e-7])",
+    "solution.stress([1e-7]).maximum",
+    "solution.first_yield(yield_stress=1e9)",
+    "solution.partial_slip(tangential_force=1e-6, friction=0.3)",
+    "problem.solve_for(area='10%')",
+    "rc.reference.roughness(surface.heights(grid), grid, periodic=True)",
+    "rc.reference.texture(surface.heights(grid), grid, periodic=True)",
+)
 INLINE = {"solution.plot()": 1, "fig = sweep.plot()": 1, "fig": 1, "first = sweep.plot()\nsweep.plot()": 2}
 
 
 @pytest.fixture(scope="module")
 def executed(tmp_path_factory):
     """The cells of one notebook."""
-    cells = [SETUP, *CELLS, "%matplotlib inline", *INLINE]
+    printed = [cell for text in PRINTED for cell in (text, f"print({text})")]
+    cells = [SETUP, *CELLS, "%matplotlib inline", *INLINE, *printed, f"[{PRINTED[0]}]"]
     notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(cell) for cell in cells])
     with pytest.MonkeyPatch.context() as patch:
         for name in ("IPYTHONDIR", "JUPYTER_RUNTIME_DIR"):
@@ -58,10 +77,22 @@ def pictures(cell) -> Iterator[bytes]:
 
 def test_each_figure_is_shown_once(executed):
     shown = [(cell.source, len(list(pictures(cell)))) for cell in executed]
-    assert shown == [(SETUP, 0), *CELLS.items(), ("%matplotlib inline", 0), *INLINE.items()]
+    wanted = [(SETUP, 0), *CELLS.items(), ("%matplotlib inline", 0), *INLINE.items()]
+    assert shown == wanted + [(cell.source, 0) for cell in executed[len(wanted) :]]
 
 
 def test_pictures_of_different_figures_differ(executed):
     images = [picture for cell in executed for picture in pictures(cell)]
     assert len(set(images)) >= 5
     assert all(image.startswith(b"\x89PNG") and len(image) > 2000 for image in images)
+
+
+def test_small_results_are_shown_as_they_print(executed):
+    shown = {cell.source: cell.outputs for cell in executed}
+    for text in PRINTED:
+        (value,) = shown[text]
+        (printed,) = shown[f"print({text})"]
+        assert value["data"]["text/plain"] == printed["text"].rstrip("\n"), text
+    (first,) = shown[PRINTED[0]]
+    (listed,) = shown[f"[{PRINTED[0]}]"]
+    assert listed["data"]["text/plain"] == f"[{first['data']['text/plain']}]"

@@ -368,6 +368,12 @@ def test_the_plan_has_the_history_of_each_map(tmp_path):
         assert words in second
 
 
+def test_a_place_is_stated_to_a_thousandth_of_a_cell():
+    one = rough((32, 48), (32e-6, 24e-6))
+    placed = rc.match(one, one, offset=(675.8e-15, 3.00004e-6)).counterbody
+    assert "its centre at (0 m, 1.5 µm)" in placed.provenance
+
+
 def test_a_matched_pair_is_refined_between_its_points():
     one, other = rough((32, 32), (32e-6, 32e-6), 7), rough((40, 40), (40e-6, 40e-6), 8)
     pair = rc.match(one, other, interpolation="cubic")

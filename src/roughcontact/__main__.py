@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import difflib
 import inspect
 import io
 import os
@@ -94,6 +95,18 @@ class _Parser(argparse.ArgumentParser):
         super().__init__(**others)
         # As Python 3.14 has it; before, it takes -1 for a number, but -1N for an option.
         self._negative_number_matcher = re.compile(r"-\.?[0-9]")
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """Parse arguments, after naming the option that is meant by one that does not exist."""
+        # A parser of several kinds leaves the options to that of the kind.
+        for text in () if self._subparsers is not None else args or ():
+            name = text.partition("=")[0]
+            known = self._option_string_actions
+            if name.startswith("--") and not any(one.startswith(name) for one in known):
+                close = difflib.get_close_matches(name[:80], known, n=1)
+                if close:
+                    self.error(f"there is no option {name}; did you mean {close[0]}?")
+        return super().parse_known_args(args, namespace)
 
     def error(self, message: str) -> NoReturn:
         super().error(shorten(message, 400))

@@ -11,7 +11,7 @@ import numpy as np
 
 from roughcontact._base.arrays import Array
 from roughcontact._base.checks import integer, number
-from roughcontact._base.units import si
+from roughcontact._base.units import ShownAsPrinted, si
 from roughcontact._parts.grid import Grid, Load
 from roughcontact._parts.surfaces import Continuation, bilinear, cells_for, find_maps, rms_slope
 from roughcontact._solve.problem import Body, ContactProblem, require_memory_of_solve, resample_problem
@@ -69,7 +69,7 @@ def on_grid(problem: ContactProblem, shape: tuple[int, int], interpolation: str 
 
 
 @attrs.frozen(eq=False)
-class Ladder:
+class Ladder(ShownAsPrinted):
     """Solutions of one contact on ever finer grids.
 
     Attributes
@@ -193,7 +193,7 @@ def solve_ladder(
 
 
 @attrs.frozen(eq=False)
-class BeyondResolution:
+class BeyondResolution(ShownAsPrinted):
     """The contact area of a measured map with random short waves; `str` of it is a table.
 
     Attributes

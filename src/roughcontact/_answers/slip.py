@@ -17,7 +17,7 @@ from roughcontact._answers.linear.tangential import (
 )
 from roughcontact._base.arrays import Array, Mask, Pair, read_only
 from roughcontact._base.checks import flag, integer, number
-from roughcontact._base.units import ContactWarning, outlined, si
+from roughcontact._base.units import ContactWarning, ShownAsPrinted, outlined, si
 from roughcontact._parts.grid import Boundary, Load, list_borders
 from roughcontact._parts.materials import MAX_UNCOUPLED_BETA, Material, pair_constants
 from roughcontact._solve.problem import predict_pressure, problem_of
@@ -51,7 +51,7 @@ _MAX_ENERGY_STD = 0.5
 
 
 @attrs.frozen(eq=False)
-class FrettingLoop:
+class FrettingLoop(ShownAsPrinted):
     """Tangential force and displacement at first loading, and in the cycles that follow.
 
     Attributes
@@ -103,7 +103,7 @@ def _friction(value: float) -> float:
 
 
 @attrs.frozen(eq=False)
-class PartialSlip:
+class PartialSlip(ShownAsPrinted):
     """A contact under a constant normal force and a tangential force that does not make it slide.
 
     Attributes

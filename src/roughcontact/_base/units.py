@@ -146,6 +146,22 @@ class PlainText(str):
         return str(self)
 
 
+class ShownAsPrinted:
+    """A result that a notebook shows as it prints; its `repr` stays an expression with all digits."""
+
+    __slots__ = ()
+
+    def __init_subclass__(cls) -> None:
+        # IPython takes the `repr` that a class defines itself before what it inherits.
+        cls._repr_pretty_ = ShownAsPrinted._repr_pretty_  # type: ignore[method-assign]
+
+    def _repr_pretty_(self, printer: Any, cycle: bool) -> None:
+        for number, line in enumerate(str(self).split("\n")):
+            if number:
+                printer.break_()
+            printer.text(line)
+
+
 def prefixed(largest: float, unit: str, power: int = 1) -> tuple[float, str]:
     """Return the factor and the prefixed unit in which numbers up to `largest`, in ``unit**power``, are written.
 
@@ -225,7 +241,7 @@ def kind_of(warning: str) -> str:
 
 
 @attrs.frozen
-class Estimate:
+class Estimate(ShownAsPrinted):
     """A number with its uncertainty.
 
     Attributes

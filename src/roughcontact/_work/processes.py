@@ -12,7 +12,7 @@ from roughcontact._base.arrays import Array, Mask
 from roughcontact._base.checks import callback, integer, number
 from roughcontact._base.registry import Registry
 from roughcontact._base.tables import Table
-from roughcontact._base.units import si
+from roughcontact._base.units import ShownAsPrinted, si
 from roughcontact._parts.surfaces import HeightMap, repeats
 from roughcontact._solve.problem import Body, ContactProblem
 from roughcontact._solve.solution import Area, ContactSolution
@@ -147,7 +147,7 @@ class Cycle:
 
 
 @attrs.frozen(eq=False, kw_only=True)
-class RunIn:
+class RunIn(ShownAsPrinted):
     """Surfaces that were run in, and a record of the cycles.
 
     Attributes

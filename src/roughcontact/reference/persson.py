@@ -10,7 +10,7 @@ from scipy import special
 
 from roughcontact._base.arrays import Array, read_only
 from roughcontact._base.checks import number
-from roughcontact._base.units import outlined, si
+from roughcontact._base.units import ShownAsPrinted, outlined, si
 from roughcontact._parts.grid import Grid
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
@@ -30,7 +30,7 @@ _FULL_PRESSURE_RATIO = 8.0
 
 @guarded
 @attrs.frozen(eq=False)
-class PerssonContact:
+class PerssonContact(ShownAsPrinted):
     """Contact after Persson, at one or several pressures.
 
     Attributes

@@ -10,7 +10,7 @@ import scipy.fft
 
 from roughcontact._base.arrays import Array, read_only, sum_of_products
 from roughcontact._base.checks import MIN_MAGNITUDE, flag, heights_array, numbers
-from roughcontact._base.units import Estimate, outlined
+from roughcontact._base.units import Estimate, ShownAsPrinted, outlined
 from roughcontact._parts.grid import Grid
 from roughcontact._parts.surfaces import HANN_DEPENDENCE
 from roughcontact.errors import InputError
@@ -182,7 +182,7 @@ def _find_fractions(heights: Array, levels: Array) -> Array:
 
 @guarded
 @attrs.frozen
-class Roughness:
+class Roughness(ShownAsPrinted):
     """Spectral moments of heights, and the summits of a Gaussian surface with these moments.
 
     The uncertainties are sampling errors: standard deviations over Gaussian surfaces of the same spectrum and size.

@@ -10,7 +10,7 @@ import scipy.fft
 
 from roughcontact._base.arrays import Array, Mask
 from roughcontact._base.checks import flag, heights_array
-from roughcontact._base.units import Estimate
+from roughcontact._base.units import Estimate, ShownAsPrinted
 from roughcontact._parts.grid import Grid
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
@@ -58,7 +58,7 @@ _PARAMETERS = {
 
 @guarded
 @attrs.frozen
-class Texture:
+class Texture(ShownAsPrinted):
     """Numbers of a scale-limited surface after ISO 25178-2; heights count from their mean, outward.
 
     The uncertainties are sampling errors, one standard deviation: by the jackknife over 16 parts of the map, which must

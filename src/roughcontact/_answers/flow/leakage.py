@@ -18,7 +18,7 @@ from roughcontact._answers.flow.network import (
 from roughcontact._base import checks
 from roughcontact._base.arrays import Array, Mask, Pair, RealArray, read_only
 from roughcontact._base.checks import number
-from roughcontact._base.units import ContactWarning, Estimate, si
+from roughcontact._base.units import ContactWarning, Estimate, ShownAsPrinted, si
 from roughcontact._parts.grid import Grid
 from roughcontact._solve.solution import ContactSolution, Response, responses
 from roughcontact.errors import InputError, NotConverged
@@ -37,7 +37,7 @@ _MOLECULAR_GAP = 1e-9
 
 
 @attrs.frozen
-class Throat:
+class Throat(ShownAsPrinted):
     """The place where the flow through a gap loses most power for its width: a square as wide as the gap is there.
 
     Attributes

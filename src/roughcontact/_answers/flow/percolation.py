@@ -11,7 +11,7 @@ from roughcontact._answers.areas.curvature import curvature_resolution
 from roughcontact._answers.flow.leakage import find_open_cells, flow_axis
 from roughcontact._answers.flow.network import find_paths
 from roughcontact._base.checks import number
-from roughcontact._base.units import si
+from roughcontact._base.units import ShownAsPrinted, si
 from roughcontact._parts.grid import Load
 from roughcontact._parts.surfaces import rms_slope
 from roughcontact._solve.problem import ContactProblem, maximum_pressure, predict_pressure
@@ -35,7 +35,7 @@ _BLOCKS, _SIDES, _CORNERS = range(3)
 
 
 @attrs.frozen(eq=False)
-class Percolation:
+class Percolation(ShownAsPrinted):
     """The load and the contact area at which the last open path through the gap closes.
 
     Attributes

@@ -1,4 +1,4 @@
-"""Laws for finite-element codes: Abaqus, CalculiX, COMSOL and MOOSE."""
+"""Laws for finite-element codes: Abaqus, Ansys, CalculiX, COMSOL and MOOSE."""
 
 from __future__ import annotations
 
@@ -20,14 +20,17 @@ THERMAL_UNIT = "W/(m2 K)"
 ELECTRICAL_UNIT = "S/m2"
 # Characters of a line of a comment.
 _COMMENT_WIDTH = 100
-# Marks of comments in the files of Abaqus and CalculiX, of MOOSE, and of COMSOL.
+# Marks of comments in the files of Abaqus and CalculiX, of Ansys, of MOOSE, and of COMSOL.
 _KEYWORD_COMMENT = "**"
+_ANSYS_COMMENT = "!"
 _MOOSE_COMMENT = "#"
 _COMSOL_COMMENT = "%"
 # Difference of overclosures, in units of the model, up to which CalculiX changes the second one.
 _MIN_OVERCLOSURE_STEP = 1e-10
 # Temperature of all rows, K: a table at one temperature holds at all temperatures.
 _TEMPERATURE = "293."
+# Place of the thermal contact conductance among the real constants of contact elements of Ansys.
+_ANSYS_CONSTANT = 14
 
 
 @attrs.frozen
@@ -225,6 +228,33 @@ def write_calculix(law: InterfaceLaw, name: str, conductance: str | None, units:
         *comments,
         "*GAP CONDUCTANCE",
         *(f"{v:.9e},{p:.9e},{_TEMPERATURE}" for v, p in zip(values, pressures, strict=True)),
+    ]
+
+
+def write_ansys(law: InterfaceLaw, name: str, column: str, units: str) -> list[str]:
+    """Return the commands that make a table and give it to contact elements.
+
+    References
+    ----------
+    Ansys Mechanical APDL 2023 R2, *DIM,
+    https://ansyshelp.ansys.com/Views/Secured/corp/v232/en//ans_cmd/Hlp_C_DIM.html; release 18.2, RMODIF and R,
+    https://mm.bme.hu/~gyebro/files/ans_help_v182/ans_cmd/Hlp_C_RMODIF.html
+    """
+    system = unit_system(units)
+    if not isinstance(name, str) or not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,31}", name):
+        raise InputError.about("The name of the table", name, "a letter, then up to 31 letters, digits or _")
+    if law[column].unit != THERMAL_UNIT:
+        raise InputError(f"The file for Ansys takes a conductance in {THERMAL_UNIT}, not the column {column!r}.")
+    pressures, values, comments = tabulate_conductance(law, column, _ANSYS_COMMENT, system.pressure, system.conductance)
+    return [
+        *describe(law, _ANSYS_COMMENT),
+        *comments,
+        f"{_ANSYS_COMMENT} cid is the number of the real constants of the contact elements (CONTA172, 174, 175). In a",
+        f"{_ANSYS_COMMENT} command object of Workbench below the contact it is known; elsewhere set it first.",
+        f"*DIM,{name},TABLE,{pressures.size},1,1,PRESSURE",
+        *(f"{name}({row},0)={pressure:.9e}" for row, pressure in enumerate(pressures, 1)),
+        *(f"{name}({row},1)={value:.9e}" for row, value in enumerate(values, 1)),
+        f"RMODIF,cid,{_ANSYS_CONSTANT},%{name}%",
     ]
 
 

@@ -15,7 +15,7 @@ from roughcontact._base import checks
 from roughcontact._base.archive import replacing
 from roughcontact._base.arrays import Array, Pair, read_only
 from roughcontact._base.tables import Table
-from roughcontact._base.units import Estimate, counted, outlined, si
+from roughcontact._base.units import Estimate, ShownAsPrinted, counted, outlined, si
 from roughcontact.errors import InputError
 
 # Misfit that is allowed whatever the uncertainties, both over the value and over its change in the range.
@@ -27,7 +27,7 @@ _MIN_LOAD_RANGE = 10.0
 
 
 @attrs.frozen
-class PowerFit:
+class PowerFit(ShownAsPrinted):
     """A power law of the pressure, value = `factor` (pressure / `pivot`)^`exponent`, and where it holds.
 
     Attributes
@@ -222,6 +222,32 @@ class InterfaceLaw:
             ``"SI"``, or ``"mm"``: mm, N, tonne, s, K, in which a pressure is in MPa.
         """
         _write(path, formats.write_abaqus(self, name, conductance, electrical, units))
+
+    def to_ansys(
+        self,
+        path: str | os.PathLike[str],
+        *,
+        name: str = "ROUGH",
+        conductance: str = "conductance",
+        units: str = "SI",
+    ) -> None:
+        """Write the thermal conductance over the contact pressure for Ansys, as commands of Mechanical APDL.
+
+        They make a table and give it to the contact elements of the set of real constants ``cid``: read the file with
+        ``/INPUT``, or paste it into a command object below a contact of Workbench.
+
+        Parameters
+        ----------
+        path
+            The file; it may replace one.
+        name
+            Name of the table.
+        conductance
+            Column of the conductance.
+        units
+            As of `to_abaqus`.
+        """
+        _write(path, formats.write_ansys(self, name, conductance, units))
 
     def to_calculix(
         self,

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from roughcontact._answers.laws.law import InterfaceLaw, LawColumn, interpolation_warning
-from roughcontact._base.units import si
+from roughcontact._base.checks import callback
+from roughcontact._base.units import kind_of, si
 from roughcontact._parts.grid import FIRST_LOADING, Boundary, Load
 from roughcontact._solve.problem import ContactProblem, order_of_solving, predict_pressure
 from roughcontact._solve.solution import ContactSolution, Estimate, Response, read_number, responses
@@ -30,6 +31,8 @@ def interface_law(
     problem: ContactProblem,
     pressure: Iterable[float],
     responses: Sequence[str | Response[Any]] | Mapping[str, str | Response[Any]] = ("stiffness",),
+    *,
+    on_load: Callable[[ContactSolution], None] | None = None,
 ) -> InterfaceLaw:
     """Return area, mean gap and responses of a periodic interface over the load, each with its uncertainty.
 
@@ -47,6 +50,8 @@ def interface_law(
         Registered names or instances of responses, or a mapping from names of columns to these. Stiffness and
         conductance are divided by the nominal area. A conductance has the units of a thermal one; for conductivities in
         S/m the numbers are in S/m2.
+    on_load
+        Called with the solution at each load when its responses are found.
 
     Raises
     ------
@@ -74,13 +79,14 @@ def interface_law(
             f"A law per area needs boundary='periodic', but got '{problem.boundary}': mean gap and stiffness of a "
             "cut-out depend on where it is cut. A map that does not repeat can be mirrored at its borders."
         )
+    told = callback(on_load, "on_load=", "solution")
     asked = _name_columns(responses)
     loads = Load.sequence(pressure=pressure)
     values = sorted(load.value for load in loads)
     if len(set(values)) < len(values):
         raise InputError("A pressure is given twice: give each load of a law once.")
     problem.require_load(pressure=values[-1])
-    rows, texts = _solve(problem, [Load("pressure", value) for value in values], asked)
+    rows, texts = _solve(problem, [Load("pressure", value) for value in values], asked, told)
     columns = {name: _make_column(name, row, problem.plan.grid.area) for name, row in rows.items()}
     warnings = *interpolation_warning(np.array(values), MAX_LOAD_RATIO), *_collect(texts)
     return InterfaceLaw(np.array(values), columns, _describe(problem), warnings)
@@ -109,7 +115,10 @@ def _name_columns(chosen: object) -> dict[str, Response[Any]]:
 
 
 def _solve(
-    problem: ContactProblem, loads: list[Load], asked: dict[str, Response[Any]]
+    problem: ContactProblem,
+    loads: list[Load],
+    asked: dict[str, Response[Any]],
+    told: Callable[[ContactSolution], object] | None,
 ) -> tuple[Rows, list[tuple[float, tuple[str, ...]]]]:
     """Return the estimates of each column and the warnings, in the order of the loads."""
     names = ("area", "mean_gap", *asked)
@@ -128,6 +137,8 @@ def _solve(
         row |= {name: read_number(solution.response(response), name) for name, response in asked.items()}
         named = (f"{name}: {text}" for name in asked for text in row[name].warnings if text not in area.warnings)
         found[index] = row, (*solution.warnings, *area.warnings, *named)
+        if told is not None:
+            told(solution)
     rows = {name: [found[index][0][name] for index in range(len(loads))] for name in names}
     return rows, [(load.value, found[index][1]) for index, load in enumerate(loads)]
 
@@ -140,16 +151,19 @@ def _make_column(name: str, row: list[Estimate], nominal: float) -> LawColumn:
 
 
 def _collect(texts: list[tuple[float, tuple[str, ...]]]) -> tuple[str, ...]:
-    """Return each warning once, with the loads at which it was given."""
-    loads: dict[str, list[float]] = {}
+    """Return each warning once, whatever numbers it has, with the loads at which it was given."""
+    found: dict[str, dict[float, str]] = {}
     for load, warnings in texts:
-        for text in dict.fromkeys(warnings):
-            loads.setdefault(text, []).append(load)
-    found = []
-    for text, at in loads.items():
-        where = si(at[0], "Pa") if len(at) == 1 else f"{len(at)} loads from {si(at[0], 'Pa')} to {si(at[-1], 'Pa')}"
-        found.append(f"At {where}: {text}")
-    return tuple(found)
+        for text in warnings:
+            # Warnings of the solution and of its area may share a rule: the words tell them apart.
+            found.setdefault(kind_of(str(text)), {})[load] = text
+    collected = []
+    for at in found.values():
+        first, *_, last = (*at, *at)
+        where = si(first, "Pa") if len(at) == 1 else f"{len(at)} loads from {si(first, 'Pa')} to {si(last, 'Pa')}"
+        differ = "" if len(set(at.values())) == 1 else ", here with the numbers at the last"
+        collected.append(f"At {where}{differ}: {at[last]}")
+    return tuple(collected)
 
 
 def _describe(problem: ContactProblem) -> tuple[str, ...]:

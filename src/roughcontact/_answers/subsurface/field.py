@@ -14,7 +14,7 @@ import scipy.fft
 
 from roughcontact._base.arrays import Array, Pair, RealArray, Waves, read_only
 from roughcontact._base.machine import threads_for
-from roughcontact._base.units import si
+from roughcontact._base.units import ShownAsPrinted, si
 from roughcontact._parts.grid import Grid
 from roughcontact._parts.kernels import SupportsStress
 
@@ -191,7 +191,7 @@ def common_step(steps: Sequence[tuple[int, int]]) -> tuple[int, int]:
 
 
 @attrs.frozen(eq=False)
-class StressField:
+class StressField(ShownAsPrinted):
     """The stress at one depth below a surface; tension is positive.
 
     Attributes

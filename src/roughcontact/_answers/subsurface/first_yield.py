@@ -10,7 +10,7 @@ from roughcontact._answers.subsurface.maximum import StressMaximum
 from roughcontact._answers.subsurface.stress import StressBelow, body_name, coefficient, degrees
 from roughcontact._base.arrays import Array
 from roughcontact._base.checks import number
-from roughcontact._base.units import outlined, si
+from roughcontact._base.units import ShownAsPrinted, outlined, si
 from roughcontact._parts.grid import Load
 from roughcontact._solve.problem import ContactProblem, maximum_pressure, predict_pressure, problem_of
 from roughcontact._solve.solution import ContactSolution, Estimate, Response, responses
@@ -35,7 +35,7 @@ _MAX_LOAD_FRACTION = 0.999
 
 
 @attrs.frozen(eq=False)
-class YieldPoint:
+class YieldPoint(ShownAsPrinted):
     """The load of first yield.
 
     Attributes

@@ -41,7 +41,7 @@ from roughcontact._base import checks
 from roughcontact._base.arrays import Array, RealArray, frozen_array, read_only
 from roughcontact._base.checks import choice, number, numbers
 from roughcontact._base.machine import require_memory, use_threads
-from roughcontact._base.units import ContactWarning, outlined, si
+from roughcontact._base.units import ContactWarning, ShownAsPrinted, outlined, si
 from roughcontact._parts.grid import Boundary, Grid, list_borders
 from roughcontact._parts.kernels import SupportsStress
 from roughcontact._solve.problem import ContactProblem, problem_of
@@ -62,7 +62,7 @@ _ALLOWED_DEPTHS = "a number or a list of numbers (m), from 0 at the surface to 1
 
 
 @attrs.frozen(eq=False)
-class Stress:
+class Stress(ShownAsPrinted):
     """The stress below the surface of a body, computed on access: one depth at a time, except for `components`.
 
     Iteration, `len` and ``stress[i]`` give a `StressField` for each depth.

@@ -13,13 +13,20 @@ from typing import Any
 import roughcontact as rc
 from roughcontact._base import checks
 from roughcontact._base.tables import Table
-from roughcontact._base.units import fit, si
+from roughcontact._base.units import fit, kind_of, si
 from roughcontact._faces.html.inputs import describe_part, find_problem
 from roughcontact._faces.panels.figures import save_figure
 from roughcontact._faces.panels.theme import require_matplotlib
 from roughcontact._solve.problem import Sweep, make_table
-from roughcontact._solve.solution import find_load, require_netcdf, versions
-from roughcontact._work.studies import Answers, list_estimates, tabulate_answers
+from roughcontact._solve.solution import (
+    find_load,
+    gather_warnings,
+    list_estimates,
+    list_quantities,
+    require_netcdf,
+    versions,
+)
+from roughcontact._work.studies import Answers, tabulate_answers
 
 _NONE: Answers = MappingProxyType({})
 # Width of the label of a line, as `print(solution)` has it.
@@ -149,12 +156,9 @@ def to_text(solutions: Sequence[rc.ContactSolution], estimator: str | None = Non
     """Return the answer for people, of at most 80 columns: of one load, or as a table over several."""
     lines = [str(solutions[0])]
     if len(solutions) > 1:
-        texts: dict[str, list[str]] = {}
-        for solution in solutions:
-            for text in _warnings(solution):
-                texts.setdefault(text, []).append(si(solution.force, "N"))
+        warnings = gather_warnings([(si(solution.force, "N"), list_quantities(solution)[1]) for solution in solutions])
         lines = [str(Sweep(tuple(solutions))), "+-: one standard deviation"]
-        lines += [f"warning  {text} [at {', '.join(at)}]" for text, at in texts.items()]
+        lines += [f"warning  {text}" for text in warnings]
     if estimator is not None:
         lines += ["", *(f"Area: {solution.area(estimator)}" for solution in solutions)]
     if answers:
@@ -173,8 +177,11 @@ def _write_answers(solutions: Sequence[rc.ContactSolution], answers: Answers) ->
         for force, result in zip(forces, found, strict=True):
             if not list_estimates(result):
                 lines += _label(name, f"at {si(force.value, 'N')}: {result}")
-    warnings = {text: name for name, column in columns.items() for one in column for text in one.warnings}
-    return [*lines, *(f"warning  {name}: {text}" for text, name in warnings.items())]
+    # One sentence for the warnings of a rule, whatever numbers they have, and for all numbers that have it.
+    warnings = {
+        kind_of(text): (name, text) for name, column in columns.items() for one in column for text in one.warnings
+    }
+    return [*lines, *(f"warning  {name}: {text}" for name, text in warnings.values())]
 
 
 def _label(name: str, text: str) -> list[str]:
@@ -256,8 +263,8 @@ def plan_picture(text: str, others: Sequence[str] = ()) -> Path:
     return path
 
 
-def write_outputs(files: Sequence[Path], subject: Any, solutions: Sequence[rc.ContactSolution]) -> str:
-    """Return what was written, in words, after writing solutions (several with their numbers), picture and report."""
+def write_outputs(files: Sequence[Path], subject: Any, solutions: Sequence[rc.ContactSolution]) -> list[Path]:
+    """Return the files that were written: solutions (several with their numbers), pictures and reports."""
     written = []
     for path in files:
         if path.suffix in PICTURES or path.suffix == ".html":
@@ -270,7 +277,12 @@ def write_outputs(files: Sequence[Path], subject: Any, solutions: Sequence[rc.Co
         for target, solution in zip(_numbered(path, len(solutions)), solutions, strict=True):
             solution.save(target)
             written.append(target)
-    return fit(f"\nWritten: {', '.join(map(str, written))}") if written else ""
+    return written
+
+
+def name_written(files: Sequence[Path]) -> str:
+    """Return a line that names the files that were written, below an empty one; empty without any."""
+    return fit(f"\nWritten: {', '.join(map(str, files))}") if files else ""
 
 
 def _numbered(path: Path, count: int) -> list[Path]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +12,7 @@ import roughcontact as rc
 from roughcontact._base.units import si
 from roughcontact._faces.cli.answers import (
     describe_estimate,
+    name_written,
     plan_picture,
     plan_report,
     write_csv,
@@ -20,7 +20,7 @@ from roughcontact._faces.cli.answers import (
     write_outputs,
 )
 from roughcontact._faces.cli.problem import set_tolerance
-from roughcontact._faces.cli.progress import show_progress
+from roughcontact._faces.cli.progress import count_done, show_progress
 from roughcontact._solve.problem import AdhesionCycle, make_cycle_table
 
 # States on each branch.
@@ -40,9 +40,9 @@ def solve_cycle(options: argparse.Namespace, problem: rc.ContactProblem, files: 
     low, high = options.cycle
     states = _STATES if options.states is None else options.states
     total = 2 * states - 1
-    with show_progress(f"state 1 of {total}", quiet=options.quiet) as change:
-        cycle = problem.cycle(approach=np.linspace(low, high, states), on_state=_count(total, change))
-    done = write_outputs(files, cycle, ())
+    with show_progress("solving", quiet=options.quiet) as change:
+        cycle = problem.cycle(approach=np.linspace(low, high, states), on_state=count_done(change, total, "state"))
+    done = name_written(write_outputs(files, cycle, ()))
     if not options.quiet:
         write = cycle_to_json if options.json else cycle_to_csv if options.csv else str
         print(write(cycle))
@@ -68,17 +68,6 @@ def refuse_for_cycle(options: argparse.Namespace) -> None:
     low, high = options.cycle
     if not low < high:
         raise rc.InputError(f"--cycle needs its lower approach first, but got {si(low, 'm')} and {si(high, 'm')}.")
-
-
-def _count(total: int, change: Callable[[str], None]) -> Callable[[rc.ContactSolution], None]:
-    found = 0
-
-    def note(state: rc.ContactSolution) -> None:
-        nonlocal found
-        found += 1
-        change(f"state {min(found + 1, total)} of {total}")
-
-    return note
 
 
 def cycle_to_csv(cycle: AdhesionCycle) -> str:

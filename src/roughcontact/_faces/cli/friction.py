@@ -17,6 +17,7 @@ from roughcontact._base.units import fit, parse_quantity
 from roughcontact._faces.cli.answers import (
     describe_estimate,
     describe_solution,
+    name_written,
     plan_picture,
     plan_report,
     require_place,
@@ -120,7 +121,8 @@ def _solve_path(
     with show_progress("pressing", quiet=options.quiet) as change:
 
         def tell(done: Increment) -> None:
-            change(str(done))
+            # The pressing is not counted: it may be a solve that has been asked for, or many increments.
+            change(str(done), (done.step - 1 + done.increment / done.increments) / done.steps if done.step else None)
 
         try:
             return problem.path(**{loads[0].kind: values}, **along, friction=law, substeps=substeps, on_increment=tell)
@@ -149,7 +151,7 @@ def _write_outputs(
     write = to_json if options.json else to_csv if options.csv else to_text
     print(write(subject))
     if files and write is to_text:
-        print(fit(f"\nWritten: {', '.join(map(str, files))}"))
+        print(name_written(files))
 
 
 def state_to_text(state: rc.FrictionalSolution) -> str:

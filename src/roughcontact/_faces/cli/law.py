@@ -16,7 +16,7 @@ from roughcontact._faces.cli import DOUBTFUL, Command
 from roughcontact._faces.cli.answers import PICTURES, describe_estimate, require_place, write_csv, write_json
 from roughcontact._faces.cli.options import add_interface
 from roughcontact._faces.cli.problem import problem_of
-from roughcontact._faces.cli.progress import show_progress
+from roughcontact._faces.cli.progress import count_done, show_progress
 from roughcontact._faces.cli.responses import add_responses, responses_of
 from roughcontact._faces.panels.figures import save_figure
 from roughcontact._faces.panels.theme import require_matplotlib
@@ -46,6 +46,7 @@ examples:
         programs = parser.add_argument_group("files of other programs")
         for name, what in (
             ("abaqus", "surface interaction of Abaqus"),
+            ("ansys", "conductance for Ansys, commands of Mechanical APDL"),
             ("calculix", "surface interaction of CalculiX"),
             ("comsol", f"conductance for COMSOL, and pressure over closure beside it, {_CLOSURE}"),
             ("moose", "conductance for MOOSE, .csv, and the blocks beside it, .i"),
@@ -66,13 +67,14 @@ examples:
         maps = [checks.path(name, "The map") for name in (options.surface, options.counterbody) if name is not None]
         writers = _plan_writers(options, maps)
         asked = {"stiffness": rc.responses.create("stiffness"), **responses_of(options)}
-        if options.moose is not None and "conductance" not in asked:
-            raise rc.InputError("--moose writes a conductance: give --conductance too.")
+        for name in ("ansys", "moose"):
+            if getattr(options, name) is not None and "conductance" not in asked:
+                raise rc.InputError(f"--{name} writes a conductance: give --conductance too.")
         with show_progress("reading the maps", quiet=options.quiet):
             problem = problem_of(options)
         pressures = [value for several in options.loads for value in several]
-        with show_progress("solving", quiet=options.quiet):
-            law = rc.interface_law(problem, pressures, asked)
+        with show_progress("solving", quiet=options.quiet) as change:
+            law = rc.interface_law(problem, pressures, asked, on_load=count_done(change, len(pressures), "load"))
         for write, path in writers:
             write(law, path)
         if options.json:
@@ -101,6 +103,8 @@ def _plan_writers(
         planned.append(({".csv": _write_csv, ".json": _write_json}.get(ending, _draw), text))
     if options.abaqus is not None:
         planned.append((lambda law, path: law.to_abaqus(path, name=options.name, units=units), options.abaqus))
+    if options.ansys is not None:
+        planned.append((lambda law, path: law.to_ansys(path, name=options.name, units=units), options.ansys))
     if options.calculix is not None:
         planned.append((lambda law, path: law.to_calculix(path, name=options.name, units=units), options.calculix))
     if options.moose is not None:

@@ -1,26 +1,40 @@
-"""A line on the terminal that says what runs, and for how long."""
+"""A line on the terminal that says what runs, for how long, and how long it will still take."""
 
 from __future__ import annotations
 
+import math
 import shutil
 import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TextIO
+from typing import Protocol, TextIO
 
 from roughcontact._solve.solvers import Step
 
 # Seconds after which the line is shown first, and between two of them.
 _REDRAW_SECONDS = 1.0
+# Seconds at the start whose work says nothing about the rest: what is found in a folder, for instance.
+_FIRST_SECONDS = 0.5
+# Smallest fraction of the work from which the rest is estimated.
+_MIN_FRACTION = 0.02
+# Seconds from which on the time left is stated in minutes.
+_MIN_MINUTES = 100.0
+
+
+class ChangeProgress(Protocol):
+    """Show another text, and the fraction of all work that is done; None where it is not known."""
+
+    def __call__(self, text: str, done: float | None = None) -> None: ...
 
 
 @contextmanager
-def show_progress(text: str, *, quiet: bool = False) -> Iterator[Callable[[str], None]]:
-    """Show a text and the seconds since the start on standard error, if that is a terminal; the value changes the text.
+def show_progress(text: str, *, quiet: bool = False) -> Iterator[ChangeProgress]:
+    """Show a text, the seconds since the start and the time left on standard error, if that is a terminal.
 
-    The line is drawn once a second, by a thread of its own: also while nothing reports progress.
+    The value changes the text. The line is drawn once a second, by a thread of its own: also while nothing reports
+    progress.
     """
     stream = sys.stderr
     line = _Line(text)
@@ -39,20 +53,32 @@ def show_progress(text: str, *, quiet: bool = False) -> Iterator[Callable[[str],
 
 
 class _Line:
-    """The text, when it was started, and how many characters it takes on the terminal."""
+    """The text, when it was started, how far it has come, and how many characters it takes on the terminal."""
 
     def __init__(self, text: str) -> None:
         self.text = text
         self.started = time.monotonic()
         self.shown = 0
+        # When the work began to tell the time left, and its fraction then; the end that was estimated last.
+        self._base = (self.started, 0.0)
+        self._end = math.nan
 
-    def change(self, text: str) -> None:
+    def change(self, text: str, done: float | None = None) -> None:
         self.text = text
+        now = time.monotonic()
+        if done is None:
+            self._end = math.nan
+        elif now - self.started < _FIRST_SECONDS:
+            self._base = (now, done)
+        elif done - self._base[1] >= _MIN_FRACTION:
+            begun, before = self._base
+            self._end = begun + (now - begun) * (1.0 - before) / (done - before)
 
     def redraw(self, stream: TextIO, done: threading.Event) -> None:
         while not done.wait(_REDRAW_SECONDS):
             width = shutil.get_terminal_size().columns - 1
-            shown = f"{time.monotonic() - self.started:.0f} s  {self.text}"[:width]
+            now = time.monotonic()
+            shown = f"{now - self.started:.0f} s{_write_left(self._end - now)}  {self.text}"[:width]
             stream.write(f"\r{shown:<{self.shown}}")
             stream.flush()
             self.shown = len(shown)
@@ -63,11 +89,39 @@ class _Line:
             stream.flush()
 
 
-def describe_steps(change: Callable[[str], None], what: str = "solving") -> Callable[[Step], None]:
-    """Return a function for `on_step=` that shows the grid, the iteration and how far the error has fallen."""
+def _write_left(seconds: float) -> str:
+    """Return the time left in words; empty where it is not known, or nothing is left of it."""
+    if not seconds >= 1.0:
+        return ""
+    return f", about {seconds:.0f} s left" if seconds < _MIN_MINUTES else f", about {seconds / 60.0:.0f} min left"
+
+
+def count_done(change: ChangeProgress, total: int, what: str) -> Callable[[object], None]:
+    """Return a function that counts what it is called with, such as the states of a cycle."""
+    found = 0
+    change(f"{what} 1 of {total}", 0.0)
+
+    def count(_: object) -> None:
+        nonlocal found
+        found += 1
+        change(f"{what} {min(found + 1, total)} of {total}", found / total)
+
+    return count
+
+
+def describe_steps(
+    change: ChangeProgress, what: str, shape: tuple[int, int], tolerance: float | None, part: tuple[int, int] = (0, 1)
+) -> Callable[[Step], None]:
+    """Return a function for `on_step=` that shows the grid, the iteration and how far the error has fallen.
+
+    `tolerance` is that of the solve on the grid of `shape`; None if it is not known on which grid it ends. `part` is
+    the number of the solve, from zero, and how many there are.
+    """
+    first, count = part
 
     def on_step(step: Step) -> None:
         nx, ny = step.shape
-        change(f"{what}: {nx} x {ny} cells, iteration {step.iteration}, error {step.error:.0e}")
+        fraction = None if tolerance is None else (first + step.fraction(shape, tolerance)) / count
+        change(f"{what}: {nx} x {ny} cells, iteration {step.iteration}, error {step.error:.0e}", fraction)
 
     return on_step

@@ -87,7 +87,7 @@ def _compare(options: argparse.Namespace, scene: Scene) -> ErrorReport:
             tolerances=options.tolerances,
             interpolation=options.interpolation,
             repeats=options.repeats,
-            on_case=lambda case, fraction: change(f"{case}, {100 * fraction:.0f} % done"),
+            on_case=lambda case, fraction: change(f"{case}, {100 * fraction:.0f} % done", fraction),
         )
 
 

@@ -7,8 +7,11 @@ from collections.abc import Sequence
 from typing import Any
 
 import roughcontact as rc
+from roughcontact._base.arrays import Array
 from roughcontact._faces.cli.problem import make_part
-from roughcontact._solve.problem import RequiredLoad
+from roughcontact._faces.cli.progress import ChangeProgress, describe_steps
+from roughcontact._parts.grid import Load
+from roughcontact._solve.problem import RequiredLoad, find_required_load
 from roughcontact._solve.solution import DEFAULT_AREA
 
 # Name of the load among the answers.
@@ -44,10 +47,20 @@ def wanted_of(texts: Sequence[str]) -> tuple[rc.Response[Any], str]:
     return response, value
 
 
-def solve_wanted(problem: rc.ContactProblem, wanted: tuple[rc.Response[Any], str]) -> RequiredLoad:
+def solve_wanted(
+    problem: rc.ContactProblem, wanted: tuple[rc.Response[Any], str], change: ChangeProgress
+) -> RequiredLoad:
     """Return the load at which the contact has what is wanted; `InputError`, with the option, where there is none."""
     response, value = wanted
+    tried = 0
+
+    def solve(load: Load, start: Array | None) -> rc.ContactSolution:
+        nonlocal tried
+        tried += 1
+        steps = describe_steps(change, f"load {tried}, {load}", problem.plan.grid.shape, None)
+        return problem.solve(**load.arguments, start=start, on_step=steps)
+
     try:
-        return problem.solve_for(response, value=value)
+        return find_required_load(problem, solve, response, value, {})
     except rc.InputError as error:
         raise rc.InputError(f"{_OPTION}: {error}") from error

@@ -7,9 +7,13 @@ import contextlib
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import attrs
+
 import roughcontact as rc
+from roughcontact._base.units import EXAMPLES
 from roughcontact._faces.cli.problem import make_part
-from roughcontact._work.studies import Answers, describe_response
+from roughcontact._faces.cli.progress import ChangeProgress
+from roughcontact._work.studies import Answers, ResponseField, describe_response
 
 
 def add_responses(parser: argparse.ArgumentParser) -> None:
@@ -19,8 +23,8 @@ def add_responses(parser: argparse.ArgumentParser) -> None:
         form = describe_response(name)
         if form.is_array:
             continue
-        needed = [f"{field.name}=..." for field in form.fields if field.is_needed]
-        others = [f"[{field.name}=...]" for field in form.fields if not field.is_needed]
+        needed = [f"{field.name}={_write_example(field)}" for field in form.fields if field.is_needed]
+        others = [f"[{field.name}={_write_default(name, field)}]" for field in form.fields if not field.is_needed]
         with contextlib.suppress(argparse.ArgumentError):
             group.add_argument(
                 f"--{name}",
@@ -29,6 +33,18 @@ def add_responses(parser: argparse.ArgumentParser) -> None:
                 metavar="VALUE" if len(needed) == 1 else "FIELD=VALUE",
                 help=": ".join(filter(None, (form.summary, " ".join(needed + others)))).replace("%", "%%"),
             )
+
+
+def _write_example(field: ResponseField) -> str:
+    """Return an example of the value of a field, with its unit; dots where it has none."""
+    return EXAMPLES[field.unit] if field.unit and field.unit in EXAMPLES else "..."
+
+
+def _write_default(name: str, field: ResponseField) -> str:
+    """Return the default of a field of a response; dots where it is nothing that one can write."""
+    cls: Any = rc.responses[name]
+    default = attrs.fields_dict(cls)[field.name].default
+    return f"{default:g}" if isinstance(default, float) else str(default) if isinstance(default, (int, str)) else "..."
 
 
 def responses_of(options: argparse.Namespace) -> dict[str, rc.Response[Any]]:
@@ -44,12 +60,19 @@ def responses_of(options: argparse.Namespace) -> dict[str, rc.Response[Any]]:
     return asked
 
 
-def ask(asked: Mapping[str, rc.Response[Any]], solutions: Sequence[rc.ContactSolution]) -> Answers:
+def ask(
+    asked: Mapping[str, rc.Response[Any]], solutions: Sequence[rc.ContactSolution], change: ChangeProgress
+) -> Answers:
     """Return what each response says of each solution; `InputError`, with its option, where it has no answer."""
-    found = {}
+    found: dict[str, list[Any]] = {}
+    total = len(asked) * len(solutions)
     for name, response in asked.items():
-        try:
-            found[name] = [solution.response(response) for solution in solutions]
-        except rc.InputError as error:
-            raise rc.InputError(f"--{name}: {error}") from error
+        found[name] = []
+        for solution in solutions:
+            done = len(solutions) * (len(found) - 1) + len(found[name])
+            change(f"{name}, answer {done + 1} of {total}", done / total)
+            try:
+                found[name].append(solution.response(response))
+            except rc.InputError as error:
+                raise rc.InputError(f"--{name}: {error}") from error
     return found

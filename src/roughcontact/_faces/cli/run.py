@@ -61,7 +61,7 @@ examples:
 
             def count(records: Sequence[Record]) -> None:
                 done.extend(records)
-                change(f"{len(done)} of {total} solves")
+                change(f"{len(done)} of {total} solves", len(done) / total)
 
             result = study.run(folder, executor=executor, share=options.share, on_records=count)
         # Shares would overwrite each other's table.

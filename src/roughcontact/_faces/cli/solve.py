@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable
 from typing import Any
 
 import roughcontact as rc
@@ -12,17 +11,18 @@ from roughcontact._base import checks
 from roughcontact._base.arrays import Array
 from roughcontact._base.units import fit
 from roughcontact._faces.cli import DOUBTFUL, Command
-from roughcontact._faces.cli.answers import plan_outputs, to_csv, to_json, to_text, write_outputs
+from roughcontact._faces.cli.answers import name_written, plan_outputs, to_csv, to_json, to_text, write_outputs
 from roughcontact._faces.cli.cycle import plan_cycle_outputs, refuse_for_cycle, solve_cycle
 from roughcontact._faces.cli.friction import friction_of, plan_friction_outputs, refuse_for_friction, solve_friction
 from roughcontact._faces.cli.options import add_accuracy, add_problem, whole_number
 from roughcontact._faces.cli.problem import loads_of, problem_of, set_tolerance
-from roughcontact._faces.cli.progress import describe_steps, show_progress
+from roughcontact._faces.cli.progress import ChangeProgress, describe_steps, show_progress
 from roughcontact._faces.cli.required_load import ANSWER, refuse_for_wanted, solve_wanted, wanted_of
 from roughcontact._faces.cli.responses import add_responses, ask, responses_of
 from roughcontact._parts.grid import Load
 from roughcontact._parts.surfaces import find_maps
 from roughcontact._solve.problem import run_sweep
+from roughcontact._work.studies import write_report
 
 
 class Solve(Command):
@@ -128,16 +128,25 @@ examples:
                 subject, solutions = _solve(options, problem, loads, change)
                 found: dict[str, Any] = {}
             else:
-                required = solve_wanted(set_tolerance(options, problem), wanted)
+                required = solve_wanted(set_tolerance(options, problem), wanted, change)
                 subject = required.solution
                 solutions = (subject,)
                 found = {ANSWER: [required]}
-        # Before the responses, of which one may have no answer.
-        done = write_outputs(files, subject, solutions)
+        # Solutions and pictures before the responses, of which one may have no answer.
+        reports = [path for path in files if path.suffix == ".html"]
+        written = write_outputs([path for path in files if path not in reports], subject, solutions)
+        if options.quiet and not reports:
+            return _status(solutions, quiet=True)
+        answers = found
+        try:
+            with show_progress("answering", quiet=options.quiet or not asked) as change:
+                answers = {**found, **ask(asked, solutions, change)}
+        finally:
+            for path in reports:
+                write_report(solutions, path, answers)
         if options.quiet:
             return _status(solutions, quiet=True)
-        with show_progress("answering", quiet=not asked):
-            answers = {**found, **ask(asked, solutions)}
+        done = name_written([*written, *reports])
         write = to_json if options.json else to_csv if options.csv else to_text
         print(write(solutions, options.area, answers))
         if options.pull_off:
@@ -165,12 +174,16 @@ def _refuse_for_several(options: argparse.Namespace) -> None:
 
 
 def _solve(
-    options: argparse.Namespace, problem: rc.ContactProblem, loads: tuple[Load, ...], change: Callable[[str], None]
+    options: argparse.Namespace, problem: rc.ContactProblem, loads: tuple[Load, ...], change: ChangeProgress
 ) -> tuple[Any, tuple[rc.ContactSolution, ...]]:
     """Return the solution or sweep to be drawn, and the solutions at all loads."""
     if options.refine is None and options.loads is None:
         asked = {name: getattr(options, name) for name in ("area_within", "peak_within", "tolerance")}
-        solution = problem.solve(**loads[0].arguments, **asked, throw=False, on_step=describe_steps(change))
+        # An accuracy is reached on grids that are not known yet.
+        on_one_grid = options.area_within is None and options.peak_within is None
+        tolerance = (options.tolerance or problem.plan.solver.tolerance) if on_one_grid else None
+        steps = describe_steps(change, "solving", problem.plan.grid.shape, tolerance)
+        solution = problem.solve(**loads[0].arguments, **asked, throw=False, on_step=steps)
         return solution, (solution,)
     problem = set_tolerance(options, problem)
     if options.refine is not None:
@@ -184,8 +197,14 @@ def _solve(
         sweep = problem.sweep(**{loads[0].kind: [load.value for load in loads]})
         return sweep, sweep.solutions
 
+    plan = problem.plan
+    done = 0
+
     def solve(load: Load, start: Array | None) -> rc.ContactSolution:
-        steps = describe_steps(change, f"solving at {load}")
+        nonlocal done
+        what = f"load {done + 1} of {len(loads)}, {load}"
+        steps = describe_steps(change, what, plan.grid.shape, plan.solver.tolerance, (done, len(loads)))
+        done += 1
         return problem.solve(**load.arguments, start=start, throw=False, on_step=steps)
 
     sweep = run_sweep(solve, loads)

@@ -85,11 +85,12 @@ examples:
   mkdir -p ~/.local/share/bash-completion/completions
   roughcontact completion bash \\
       > ~/.local/share/bash-completion/completions/roughcontact
+  roughcontact completion fish > ~/.config/fish/completions/roughcontact.fish
   roughcontact completion zsh > ~/.zfunc/_roughcontact
 """
 
     def declare(self, parser: argparse.ArgumentParser) -> None:
-        parser.add_argument("shell", choices=("bash", "zsh", "tcsh"), help="the shell that will read it")
+        parser.add_argument("shell", choices=("bash", "fish", "zsh", "tcsh"), help="the shell that will read it")
 
     def run(self, options: argparse.Namespace) -> int:
         """Print the script, and return 0."""

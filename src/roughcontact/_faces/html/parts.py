@@ -22,6 +22,7 @@ from roughcontact._solve.solution import (
     FrictionalSolution,
     find_load,
     gather_warnings,
+    list_estimates,
     list_quantities,
     name_load,
 )
@@ -160,9 +161,16 @@ def make_responses(answers: Answers, solutions: Sequence[ContactSolution]) -> st
     """Return what responses have answered: a row for each load, and the warnings."""
     columns: dict[str, list[Any]] = {"load": [name_load(solution) for solution in solutions]}
     columns |= {name.replace("_", " "): found for name, found in tabulate_answers(answers).items()}
-    if len(columns) == 1:
+    texts = [
+        f"{name}, {load}: {result}"
+        for name, found in answers.items()
+        for load, result in zip(columns["load"], found, strict=True)
+        if not list_estimates(result)
+    ]
+    if len(columns) == 1 and not texts:
         return ""
-    shown = grid(*Table(columns).to_cells(), "What the contact does, a row for each load")
+    shown = grid(*Table(columns).to_cells(), "What the contact does, a row for each load") if len(columns) > 1 else ""
+    shown += items(texts) if texts else ""
     estimates = [(name, one) for name, found in columns.items() if name != "load" for one in found]
     warnings = dict.fromkeys(f"{name}: {text}" for name, one in estimates for text in one.warnings)
     return section("What the contact does", shown, items(warnings) if warnings else "")

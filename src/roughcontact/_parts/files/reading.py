@@ -36,7 +36,7 @@ def read_surface(
     *,
     size: float | Sequence[float] | None = None,
     non_measured: str = "refuse",
-    unit: float | None = None,
+    unit: float | str | None = None,
     reader: str | SurfaceReader = "auto",
     **options: Any,
 ) -> HeightMap:
@@ -55,7 +55,7 @@ def read_surface(
         their neighbours, which makes no new summit; or ``"keep"`` them: they never touch, and do not count when form
         is fitted.
     unit
-        Unit of the heights, m, where the file does not state it: 1e-6 for micrometres.
+        Unit of the heights, m, where the file does not state it: 1e-6 or ``"um"`` for micrometres.
     reader
         Registered name or instance; ``"auto"`` chooses by the ending of the file name.
     **options
@@ -107,7 +107,7 @@ def read_surface(
     )
     surface = HeightMap(heights, given, periodic=raw.periodic, non_measured=mask)
     scale = _unit(raw, unit, file)
-    in_units = "" if unit is None else f", heights in units of {si(unit, 'm')}"
+    in_units = "" if unit is None else f", heights in units of {si(scale, 'm')}"
     # Free the heights of the file before new ones are made.
     del raw, heights
     values = surface.values if unit is None else surface.values * scale
@@ -195,7 +195,7 @@ def _require_rows(heights: Array, size: float | Sequence[float], file: Path) -> 
         )
 
 
-def _unit(raw: RawMap, given: float | None, file: Path) -> float:
+def _unit(raw: RawMap, given: float | str | None, file: Path) -> float:
     if given is None and raw.needs_unit:
         raise InputError(
             f"The heights in {file.name} are numbers without a unit: give what one of them means, m, such as unit=1e-9 "
@@ -205,4 +205,8 @@ def _unit(raw: RawMap, given: float | None, file: Path) -> float:
         return 1.0
     if raw.metric:
         raise InputError(f"The file {file.name} states its own unit of height: leave unit= out.")
-    return number(given, "The unit of the heights", "m, such as 1e-6 for µm", above=0.0)
+    what = "The unit of the heights"
+    if isinstance(given, str):
+        # "um" alone is "1um".
+        return number(f"1{given}" if given[:1].isalpha() else given, what, "m", above=0.0)
+    return number(given, what, "m, such as 1e-6 for µm", above=0.0)

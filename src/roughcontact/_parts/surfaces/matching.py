@@ -25,6 +25,8 @@ _COVER_TOLERANCE = 1e-6
 _MIN_CELL_FRACTION = 1e-3
 # Sine or cosine of a rotation between parallel axes: rounding.
 _PARALLEL_TOLERANCE = 1e-12
+# Fraction of a cell to which a place is stated.
+_PLACE_STEP = 1e-3
 _is_map = instance_of(HeightMap, "Each side of a pair", "a HeightMap")
 
 
@@ -102,8 +104,12 @@ class PlacedMap(Surface):
             texts.append("turned over, x to -x")
         if self.rotation != 0.0:
             texts.append(f"rotated by {math.degrees(self.rotation):.6g} degrees")
+        place = [
+            si(_PLACE_STEP * step * round(value / (_PLACE_STEP * step)) + 0.0, "m")
+            for value, step in zip(self.offset, self.source.grid.spacing, strict=True)
+        ]
         if self.offset != (0.0, 0.0):
-            texts.append(f"its centre at ({si(self.offset[0], 'm')}, {si(self.offset[1], 'm')})")
+            texts.append(f"its centre at ({', '.join(place)})")
         pitch = " x ".join(si(step, "m") for step in self.source.grid.spacing)
         return (*texts, f"interpolated ({self.interpolation}) between its points, which are {pitch} apart")
 

@@ -22,7 +22,7 @@ from roughcontact._solve.problem.path import (
 )
 from roughcontact._solve.problem.plan import SolvePlan, require_memory_of_solve
 from roughcontact._solve.problem.problem import ContactProblem, problem_of
-from roughcontact._solve.problem.required_load import RequiredLoad
+from roughcontact._solve.problem.required_load import RequiredLoad, find_required_load
 from roughcontact._solve.problem.run import Certificate, certify, computing, confirm, make_solution
 from roughcontact._solve.problem.saved import find_saved_kind, load
 from roughcontact._solve.problem.sweep import Sweep, make_table, order_of_solving, predict_pressure, run_sweep
@@ -47,6 +47,7 @@ __all__ = [
     "computing",
     "confirm",
     "describe_cycle",
+    "find_required_load",
     "find_saved_kind",
     "find_stability",
     "linearise",

@@ -13,7 +13,7 @@ import numpy as np
 
 from roughcontact._base.arrays import Array
 from roughcontact._base.checks import number
-from roughcontact._base.units import EXAMPLES, ContactWarning, Estimate, parse_quantity, si
+from roughcontact._base.units import EXAMPLES, ContactWarning, Estimate, ShownAsPrinted, parse_quantity, si
 from roughcontact._parts.grid import Load
 from roughcontact._parts.surfaces import rms_slope
 from roughcontact._solve.problem.sweep import predict_pressure
@@ -65,7 +65,7 @@ _SIGNIFICANT_STD = 2.0
 
 
 @attrs.frozen(eq=False)
-class RequiredLoad:
+class RequiredLoad(ShownAsPrinted):
     """The load that a wanted answer requires.
 
     Attributes

@@ -28,6 +28,7 @@ from roughcontact._solve.solution.results import (
     Response,
     Status,
     areas,
+    list_estimates,
     read_number,
     responses,
 )
@@ -99,6 +100,7 @@ __all__ = [
     "key_of_origin",
     "list_all_warnings",
     "list_answers",
+    "list_estimates",
     "list_quantities",
     "name_load",
     "note_loads",

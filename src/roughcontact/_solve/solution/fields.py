@@ -10,7 +10,7 @@ import numpy as np
 
 from roughcontact._base.arrays import Array, IntArray, Mask, read_only
 from roughcontact._base.checks import numbers
-from roughcontact._base.units import outlined
+from roughcontact._base.units import ShownAsPrinted, outlined
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._solve.solution.origin import Accuracy, Origin
 from roughcontact._solve.solution.results import GridLevel, Residuals, Status
@@ -23,7 +23,7 @@ _SMALL_PATCH_CELLS = 4
 
 
 @attrs.frozen(eq=False)
-class ContactPatches:
+class ContactPatches(ShownAsPrinted):
     """Patches of the contact: cells that share a side or a corner, also across a periodic or wrapped border.
 
     Attributes

@@ -13,7 +13,7 @@ import numpy as np
 
 from roughcontact._base import checks
 from roughcontact._base.arrays import Array, Mask, Pair, read_only
-from roughcontact._base.units import Estimate, si
+from roughcontact._base.units import Estimate, ShownAsPrinted, si
 from roughcontact._parts.grid import Boundary, Grid, extend
 from roughcontact._parts.interactions import FrictionLaw, shear_limit
 from roughcontact._parts.materials import PairConstants
@@ -39,7 +39,7 @@ _ROUNDING = 1e-12
 
 
 @attrs.frozen(eq=False, kw_only=True)
-class FrictionalSolution:
+class FrictionalSolution(ShownAsPrinted):
     """A contact with friction at the end of one step of a path, or in steady sliding.
 
     All signs are those of the traction on the body: the counterbody is pushed over the body along the tangential

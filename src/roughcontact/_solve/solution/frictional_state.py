@@ -9,7 +9,7 @@ import numpy as np
 
 from roughcontact._base.archive import digest_of
 from roughcontact._base.arrays import Array, Pair, read_only
-from roughcontact._base.units import si
+from roughcontact._base.units import ShownAsPrinted, si
 from roughcontact._solve.solution.results import Residuals
 
 
@@ -72,7 +72,7 @@ class TangentialLoad:
 
 
 @attrs.frozen
-class FrictionalResiduals:
+class FrictionalResiduals(ShownAsPrinted):
     """The violations of the conditions of contact with friction, recomputed in float64 from two states in a row.
 
     Attributes

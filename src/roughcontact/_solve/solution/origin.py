@@ -21,6 +21,7 @@ from roughcontact._base.archive.plain import (
     rebuild_fields,
 )
 from roughcontact._base.arrays import RealArray, as_shape
+from roughcontact._base.units import ShownAsPrinted
 from roughcontact._parts.grid import Grid
 from roughcontact._parts.materials import Material
 from roughcontact._parts.surfaces import HeightMap, SelfAffineSurface, Surface, find_maps
@@ -33,7 +34,7 @@ _ALLOWED_NUMBERS_PER_CELL = 32
 
 
 @attrs.frozen
-class Trial:
+class Trial(ShownAsPrinted):
     """One grid that was solved to reach an accuracy.
 
     Attributes
@@ -69,7 +70,7 @@ class Trial:
 
 
 @attrs.frozen
-class Accuracy:
+class Accuracy(ShownAsPrinted):
     """The accuracy that was requested, and its cost.
 
     Attributes

@@ -14,7 +14,7 @@ import numpy as np
 from roughcontact._base.arrays import Array, as_shape, read_only
 from roughcontact._base.checks import number
 from roughcontact._base.registry import Registry
-from roughcontact._base.units import ContactWarning, prefixed, with_spread
+from roughcontact._base.units import ContactWarning, ShownAsPrinted, prefixed, with_spread
 from roughcontact._base.units import Estimate as Estimate
 from roughcontact._parts.surfaces import HeightMap
 from roughcontact.errors import InputError
@@ -90,13 +90,26 @@ class Response(abc.ABC, Generic[T_co]):
 responses: Registry[Response[Any]] = Registry(Response, "response", "roughcontact.responses")
 
 
+def list_estimates(found: object) -> dict[str, Estimate]:
+    """Return the numbers of what a response has returned, by name; empty without any.
+
+    A single number has an empty name; other results have `estimates`.
+    """
+    if isinstance(found, Estimate):
+        return {"": found}
+    value, spread = (getattr(found, part, None) for part in ("value", "uncertainty"))
+    if isinstance(value, (int, float)) and isinstance(spread, (int, float)):
+        warnings = tuple(getattr(found, "warnings", ()))
+        return {"": Estimate(float(value), float(spread), getattr(found, "unit", None) or "", warnings)}
+    return dict(getattr(found, "estimates", {}))
+
+
 def read_number(found: object, name: str) -> Estimate:
     """Return what a response has returned as one number; `InputError` if it is something else."""
-    value, spread = (getattr(found, part, None) for part in ("value", "uncertainty"))
-    if not isinstance(value, (int, float)) or not isinstance(spread, (int, float)) or math.isnan(value):
+    number = list_estimates(found).get("")
+    if number is None or math.isnan(number.value):
         raise InputError(f"The response {name!r} is not a number with an uncertainty.")
-    warnings = tuple(getattr(found, "warnings", ()))
-    return Estimate(float(value), float(spread), getattr(found, "unit", None) or "", warnings)
+    return number
 
 
 class Status(Enum):
@@ -147,7 +160,7 @@ class Status(Enum):
 
 
 @attrs.frozen
-class Residuals:
+class Residuals(ShownAsPrinted):
     """The violations of the conditions of contact, recomputed in float64 from the pressure alone.
 
     Attributes

@@ -9,7 +9,7 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array
-from roughcontact._base.units import si
+from roughcontact._base.units import ShownAsPrinted, si
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._parts.interactions import Interaction
 from roughcontact.reference.persson import PerssonContact, evaluate_persson
@@ -38,7 +38,7 @@ _MAX_CELLS = 2**22
 
 
 @attrs.frozen(eq=False)
-class TheoryBeside:
+class TheoryBeside(ShownAsPrinted):
     """Persson's theory for the surface and load of a solution.
 
     Attributes
@@ -88,7 +88,7 @@ def compare_with_theory(solution: ContactSolution) -> TheoryBeside | None:
 
 
 @attrs.frozen(eq=False)
-class Stickiness:
+class Stickiness(ShownAsPrinted):
     """What theory says of rough surfaces that attract each other: whether they stick, and what full contact costs.
 
     Attributes

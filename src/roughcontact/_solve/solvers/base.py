@@ -24,6 +24,8 @@ from roughcontact.errors.door import guarded
 # Error (see `Violation`) at which solvers end by default: areas and maximum pressures move by 3e-5 at most
 # (docs/studies/tolerance.py), a tenth of the smallest uncertainty that an area is given.
 DEFAULT_TOLERANCE = 1e-5
+# Fraction of a solve that the coarse grids are counted as.
+_COARSE_FRACTION = 0.1
 
 
 @attrs.frozen
@@ -43,6 +45,13 @@ class Step:
     shape: tuple[int, int]
     iteration: int
     error: float
+
+    def fraction(self, shape: tuple[int, int], tolerance: float) -> float:
+        """Return the fraction of a solve on the grid of `shape` that is done, about: errors fall as a power."""
+        if self.shape != shape or not 0.0 < self.error < math.inf:
+            return 0.0
+        digits = math.log(min(1.0, self.error)) / math.log(tolerance)
+        return _COARSE_FRACTION + (1.0 - _COARSE_FRACTION) * min(1.0, digits)
 
 
 def _as_limit(value: Any) -> Array:

@@ -1,6 +1,5 @@
 """Studies: many problems, many loads, on any executor, and on disk as they go."""
 
-from roughcontact._work.studies.answers import list_estimates
 from roughcontact._work.studies.asking import (
     Answers,
     ResponseField,
@@ -30,7 +29,6 @@ __all__ = [
     "build_problem",
     "build_response",
     "describe_response",
-    "list_estimates",
     "tabulate_answers",
     "write_report",
 ]

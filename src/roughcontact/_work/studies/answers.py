@@ -8,8 +8,8 @@ from typing import Any
 import attrs
 
 from roughcontact._base.archive.plain import key_of
-from roughcontact._base.units import Estimate, printable
-from roughcontact._solve.solution import ContactSolution, Response, responses
+from roughcontact._base.units import printable
+from roughcontact._solve.solution import ContactSolution, Response, list_estimates, responses
 from roughcontact.errors import InputError
 
 _ALLOWED = "a registered name, a Response, or a list of them"
@@ -101,8 +101,3 @@ def has_answers(known: Mapping[str, Answer], asked: Sequence[Response[Any]]) -> 
     return all(
         name in known and known[name].key == key_of(response) for name, response in zip(names, asked, strict=True)
     )
-
-
-def list_estimates(result: Any) -> Mapping[str, Estimate]:
-    """Return the numbers of a result by name: itself, with an empty name, or its `estimates`; empty without any."""
-    return {"": result} if isinstance(result, Estimate) else getattr(result, "estimates", {})

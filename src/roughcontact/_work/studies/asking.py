@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
@@ -13,8 +14,14 @@ from roughcontact._base.arrays import Array, Pair
 from roughcontact._base.registry import Registry
 from roughcontact._base.units import Estimate
 from roughcontact._solve.problem import Sweep
-from roughcontact._solve.solution import ContactSolution, Response, page_or_file, responses, writers
-from roughcontact._work.studies.answers import list_estimates
+from roughcontact._solve.solution import (
+    ContactSolution,
+    Response,
+    list_estimates,
+    page_or_file,
+    responses,
+    writers,
+)
 from roughcontact._work.studies.form import Form, list_fields
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
@@ -124,7 +131,7 @@ def build_response(name: str, fields: Mapping[str, Any]) -> Response[Any]:
 
 @guarded
 def tabulate_answers(answers: Answers) -> dict[str, list[Estimate]]:
-    """Return a column for each number that responses have answered, in the order of the solutions.
+    """Return a column for each number that responses have answered, in the order of the solutions; nan without one.
 
     Parameters
     ----------
@@ -141,9 +148,10 @@ def tabulate_answers(answers: Answers) -> dict[str, list[Estimate]]:
     """
     columns: dict[str, list[Estimate]] = {}
     for name, found in answers.items():
-        for result in found:
-            for part, one in list_estimates(result).items():
-                columns.setdefault(f"{name} {part}".strip(), []).append(one)
+        numbers = [list_estimates(result) for result in found]
+        for part, unit in {part: one.unit for several in numbers for part, one in several.items()}.items():
+            absent = Estimate(math.nan, math.nan, unit)
+            columns[f"{name} {part}".strip()] = [several.get(part, absent) for several in numbers]
     return columns
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Iterator
+from functools import cached_property
 from pathlib import Path
 from typing import Any, overload
 
@@ -218,7 +219,7 @@ class StudyResult:
             axes = ["problem", *["seed"][:seeds]]
         return {name: list(dict.fromkeys(_place(one, name) for one in self.records)) for name in (*axes, "load")}
 
-    @property
+    @cached_property
     def _answer_units(self) -> dict[str, str]:
         """The unit of each number of the responses, by its column."""
         return {name: one.unit for record in self.records for name, one in record.estimates.items()}

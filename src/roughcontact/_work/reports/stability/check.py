@@ -11,7 +11,7 @@ from functools import cached_property
 
 import attrs
 
-from roughcontact._base.units import WIDTH
+from roughcontact._base.units import WIDTH, ShownAsPrinted
 from roughcontact._parts.grid import Load
 from roughcontact._solve.problem import ContactProblem
 from roughcontact._solve.solution import PLAUSIBILITY_RULES, ContactSolution, Rule
@@ -96,7 +96,7 @@ def summarize(verdicts: Sequence[Verdict]) -> str:
 
 
 @attrs.frozen
-class Check:
+class Check(ShownAsPrinted):
     """One property of a solution, measured and compared with its thresholds.
 
     Attributes
