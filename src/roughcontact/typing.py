@@ -3,13 +3,13 @@
 ===========  ==========================================================================================================
 for          types
 ===========  ==========================================================================================================
-kernels      `SupportsCoefficients`, `SupportsSpectrum`, `SupportsShear`, `SupportsStress`, `SupportsConduction`,
-             `SupportsTangential`
+kernels      `SupportsCoefficients`, `SupportsRows`, `SupportsSpectrum`, `SupportsShear`, `SupportsStress`,
+             `SupportsConduction`, `SupportsTangential`
 convolvers   `BoundKernel`, `ConvolutionSetup`, `PreparedConvolution`, `InverseConvolution`, `ShearConvolution`,
-             `WaveMatrix`
+             `WaveMatrix`; the function `padded_shape`
 solvers      `Task`, `Outcome`, `Step`, `GridLevel`, `Monitor`, `ContactConditions`, `Violation`; the functions
              `starting_pressure`, `nearest_pressure`, `project_to_load`, `rescale_to_load`; for a solve of your own
-             `make_task`, `confirm`, `Certificate`
+             `bind_kernel`, `make_task`, `confirm`, `Certificate`
 materials    the mapping `TYPICAL` of typical ones by name; `PairConstants`, the function `pair_constants`
 readers      `RawMap`; the function `read_raw`
 commands     `Table`; the functions `quantity`, `replacing`, `si`, `binary`, `write_column`, `available_memory`,
@@ -44,6 +44,7 @@ from roughcontact._parts.kernels import (
     BoundKernel,
     SupportsCoefficients,
     SupportsConduction,
+    SupportsRows,
     SupportsShear,
     SupportsSpectrum,
     SupportsStress,
@@ -57,6 +58,7 @@ from roughcontact._solve.convolvers import (
     PreparedConvolution,
     ShearConvolution,
     WaveMatrix,
+    padded_shape,
 )
 from roughcontact._solve.problem import (
     AdhesionCycle,
@@ -67,6 +69,7 @@ from roughcontact._solve.problem import (
     StepNumbers,
     Sweep,
     TangentialLoop,
+    bind_kernel,
     confirm,
     make_task,
     require_memory_of_solve,
@@ -201,6 +204,7 @@ __all__ = [
     "StudyResult",
     "SupportsCoefficients",
     "SupportsConduction",
+    "SupportsRows",
     "SupportsShear",
     "SupportsSpectrum",
     "SupportsStress",
@@ -221,6 +225,7 @@ __all__ = [
     "available_memory",
     "available_threads",
     "binary",
+    "bind_kernel",
     "build_problem",
     "build_response",
     "confirm",
@@ -233,6 +238,7 @@ __all__ = [
     "name_load",
     "natural_residual",
     "nearest_pressure",
+    "padded_shape",
     "pair_constants",
     "project_to_load",
     "quantity",

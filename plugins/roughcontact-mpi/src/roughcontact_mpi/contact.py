@@ -14,12 +14,12 @@ import numpy as np
 import roughcontact as rc
 from roughcontact.typing import (
     Array,
-    BoundKernel,
     GridLevel,
     Load,
     Residuals,
     SolvePlan,
     Step,
+    bind_kernel,
     confirm,
     make_task,
     replacing,
@@ -219,7 +219,7 @@ def solve(
     pressure: float | str | None = None,
     force: float | str | None = None,
     approach: float | str | None = None,
-    boundary: str = "free",
+    boundary: str | Sequence[str] = "free",
     kernel: str | rc.InfluenceKernel = "love",
     tolerance: float | None = None,
     on_step: Callable[[Step], None] | None = None,
@@ -239,7 +239,7 @@ def solve(
     pressure, force, approach
         Exactly one load: nominal mean pressure, Pa; normal force, N; approach since first touch, m.
     boundary
-        ``"free"`` or ``"periodic"``.
+        ``"free"`` or ``"periodic"``, or a pair of them, for x and y.
     kernel
         An influence kernel.
     tolerance
@@ -266,9 +266,7 @@ def solve(
     # The plan has the gap; arrays in slabs follow numpy's protocols.
     gap: Any = plan.initial_gap
     convolver = cast(SlabFFT, plan.convolver)
-    unit = grid.spacing[0] / plan.modulus
-    bound = BoundKernel(plan.kernel, compliance=1.0 / plan.modulus, unit=unit)
-    convolution = convolver.prepare(bound, grid, plan.boundary)
+    convolution = convolver.prepare(bind_kernel(plan), grid, plan.boundary)
     task = attrs.evolve(make_task(plan, gap, load), on_step=on_step)
     outcome = solver.solve(convolution, task)
     certificate = confirm(plan, convolution, task, outcome)
@@ -300,7 +298,7 @@ def _plan(
     grid: rc.Grid,
     material: rc.Material | str,
     counterbody: rc.Material | str | None,
-    boundary: str,
+    boundary: str | Sequence[str],
     kernel: str | rc.InfluenceKernel,
     solver: rc.Solver,
 ) -> SolvePlan:
