@@ -249,13 +249,14 @@ def _multiply(
     transpose = Transpose(processes, processes.rows(nx), my // 2 + 1)
     for block in range(transpose.blocks):
         columns = transpose.forward(waves, block)
-        factors = symbol[:, transpose.own(block)]
+        given = symbol[:, transpose.own(block)]
         for start in range(0, columns.shape[1], _COLUMNS):
             tile = slice(start, start + _COLUMNS)
             part = scipy.fft.fft(columns[:, tile], n=mx, axis=0)
-            part[:half] *= factors[:, tile]
+            factors = given[:, tile].astype(values.dtype, copy=False)
+            part[:half] *= factors
             if half < mx:
-                part[half:] *= factors[mx - half : 0 : -1, tile]
+                part[half:] *= factors[mx - half : 0 : -1]
             columns[:, tile] = scipy.fft.ifft(part, axis=0, overwrite_x=True)[:nx]
         transpose.back(columns, waves, block)
         del columns
@@ -263,9 +264,10 @@ def _multiply(
 
 
 def _transform(values: RealArray, length: int) -> RealArray:
-    if values.size:
-        return np.asarray(scipy.fft.rfft(values, n=length, axis=1))
-    return np.zeros((0, length // 2 + 1), dtype=np.result_type(values.dtype, np.complex64))
+    waves = np.empty((values.shape[0], length // 2 + 1), dtype=np.result_type(values.dtype, np.complex64))
+    for rows in _tiles(slice(0, values.shape[0]), length):
+        waves[rows] = scipy.fft.rfft(values[rows], n=length, axis=1)
+    return waves
 
 
 def transform_back(waves: RealArray, length: int, count: int, norm: Any = None) -> RealArray:
@@ -413,9 +415,8 @@ class SlabConvolution(PreparedConvolution):
         if isinstance(pressure, np.ndarray):
             return self.to_numpy(self.apply(self.from_numpy(pressure)))
         field = _slab(pressure)
-        symbol = self.symbol.astype(np.float32) if field.dtype == np.float32 else self.symbol
         shape = cast(tuple[int, int], field.shape)
-        return _array(field.like(_multiply(field.part, shape, symbol, self.padded, self.processes)))
+        return _array(field.like(_multiply(field.part, shape, self.symbol, self.padded, self.processes)))
 
     def inverse(self, dtype: type[np.float32] | type[np.float64] = np.float64) -> InverseConvolution:
         """Return the approximate inverse on slabs."""
