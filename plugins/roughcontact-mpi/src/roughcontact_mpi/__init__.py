@@ -5,5 +5,6 @@ from roughcontact_mpi.contact import SlabSolution, solve
 from roughcontact_mpi.convolver import SlabFFT
 from roughcontact_mpi.files import read_heights, write_field
 from roughcontact_mpi.processes import Processes, ending_all
+from roughcontact_mpi.surfaces import make_heights
 
-__all__ = ["Processes", "SlabArray", "SlabFFT", "SlabSolution", "ending_all", "read_heights", "solve", "write_field"]
+__all__ = ["Processes", "SlabArray", "SlabFFT", "SlabSolution", "ending_all", "make_heights", "read_heights", "solve", "write_field"]

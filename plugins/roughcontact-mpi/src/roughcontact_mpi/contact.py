@@ -31,6 +31,7 @@ from roughcontact_mpi.arrays import SlabArray
 from roughcontact_mpi.convolver import SlabFFT
 from roughcontact_mpi.files import write_field
 from roughcontact_mpi.processes import Processes
+from roughcontact_mpi.surfaces import make_heights
 
 # Mean excess of the count, in cells per side, and the fraction of that correction in one standard deviation, as in
 # rc.Perimeter (Yastrebov 2017).
@@ -211,8 +212,8 @@ class SlabSolution:
 
 
 def solve(
-    heights: SlabArray,
-    size: float | str | Sequence[float | str],
+    heights: SlabArray | rc.SelfAffineSurface,
+    size: float | str | Sequence[float | str] | rc.Grid,
     material: rc.Material | str,
     counterbody: rc.Material | str | None = None,
     *,
@@ -231,9 +232,10 @@ def solve(
     ----------
     heights
         Heights, shape (nx, ny), m, as of `read_heights`, or of ``SlabArray.field(own_rows, processes, nx)`` with the
-        rows ``processes.own_rows(nx)``; of two rough bodies the sum of both.
+        rows ``processes.own_rows(nx)``; of two rough bodies the sum of both. Or a self-affine surface; see
+        `make_heights`.
     size
-        Length of the domain along x and y, or of both sides, m.
+        Length of the domain along x and y, or of both sides, m; of a surface the grid.
     material, counterbody
         Materials of the rough body and of the flat one; by default this one is rigid. One hardness for all cells.
     pressure, force, approach
@@ -257,10 +259,14 @@ def solve(
         If the solution is not certified and `throw` is true.
     """
     started = time.perf_counter()
+    load = Load.of(pressure=pressure, force=force, approach=approach)
+    if isinstance(heights, rc.Surface):
+        heights = make_heights(heights, cast(rc.Grid, size))
     if not isinstance(heights, SlabArray) or not heights.is_divided or heights.ndim != 2:
         raise rc.InputError.about("The heights", heights, "an array in slabs, as read_heights returns it")
-    load = Load.of(pressure=pressure, force=force, approach=approach)
-    grid = rc.Grid(cast(tuple[int, int], heights.shape), cast(Any, size))
+    grid = size if isinstance(size, rc.Grid) else rc.Grid(cast(tuple[int, int], heights.shape), cast(Any, size))
+    if grid.shape != heights.shape:
+        raise rc.InputError.about("The grid", grid.shape, f"of the shape of the heights, {heights.shape}")
     solver = rc.ProjectedConjugateGradient() if tolerance is None else rc.ProjectedConjugateGradient(tolerance)
     plan = _plan(heights, grid, material, counterbody, boundary, kernel, solver)
     # The plan has the gap; arrays in slabs follow numpy's protocols.

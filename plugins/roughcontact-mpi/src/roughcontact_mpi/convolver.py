@@ -85,7 +85,7 @@ def _symbol_of_columns(setup: ConvolutionSetup, padded: tuple[int, int], process
     nx, ny = setup.grid.shape
     own = processes.own_rows(nx)
     half = np.empty((own.stop - own.start, padded[1] // 2 + 1))
-    for rows in _tiles(own, 4 * padded[1]):
+    for rows in list_tiles(own, 4 * padded[1]):
         given = setup.kernel.coefficients((rows.stop - rows.start, ny), setup.grid.spacing, rows.start)
         half[rows.start - own.start : rows.stop - own.start] = _transform_even(given.T, padded[1]).T
     return _transform_columns(half, processes.rows(nx), padded, processes)
@@ -103,12 +103,12 @@ def _mixed_symbol_of_columns(setup: ConvolutionSetup, padded: tuple[int, int], p
 
     if free == 0:
         symbol = np.empty((offsets, own.stop - own.start))
-        for part in _tiles(own, 4 * padded[0]):
+        for part in list_tiles(own, 4 * padded[0]):
             symbol[:, part.start - own.start : part.stop - own.start] = _transform_even(find(part), padded[0])
         return symbol
     # Each process has some of the waves along x, and then of those along y.
     half = np.empty((own.stop - own.start, offsets))
-    for part in _tiles(own, 4 * padded[1]):
+    for part in list_tiles(own, 4 * padded[1]):
         half[part.start - own.start : part.stop - own.start] = _transform_even(find(part).T, padded[1]).T
     transpose = Transpose(processes, processes.columns(waves), offsets)
     symbol = np.empty((waves, transpose.width))
@@ -124,14 +124,14 @@ def _transform_columns(half: Array, bounds: Sequence[int], padded: tuple[int, in
     for block in range(transpose.blocks):
         own = transpose.own(block)
         columns = transpose.forward(half, block)
-        for tile in _tiles(own, 4 * padded[0]):
+        for tile in list_tiles(own, 4 * padded[0]):
             given = columns[:, tile.start - own.start : tile.stop - own.start]
             symbol[:, tile] = _transform_even(given, padded[0])
     return symbol
 
 
-def _tiles(whole: slice, values: int) -> Iterator[slice]:
-    """Yield the parts of a range that take little memory, for a number of values of each entry."""
+def list_tiles(whole: slice, values: int) -> Iterator[slice]:
+    """Yield parts of a range that take little memory, for a number of values of each entry."""
     step = max(1, _TILE_VALUES // values)
     for start in range(whole.start, whole.stop, step):
         yield slice(start, min(start + step, whole.stop))
@@ -265,7 +265,7 @@ def _multiply(
 
 def _transform(values: RealArray, length: int) -> RealArray:
     waves = np.empty((values.shape[0], length // 2 + 1), dtype=np.result_type(values.dtype, np.complex64))
-    for rows in _tiles(slice(0, values.shape[0]), length):
+    for rows in list_tiles(slice(0, values.shape[0]), length):
         waves[rows] = scipy.fft.rfft(values[rows], n=length, axis=1)
     return waves
 
@@ -273,7 +273,7 @@ def _transform(values: RealArray, length: int) -> RealArray:
 def transform_back(waves: RealArray, length: int, count: int, norm: Any = None) -> RealArray:
     """Return the first values of each row of `length` values from its waves, which may be overwritten."""
     values = np.empty((waves.shape[0], count), dtype=waves.real.dtype)
-    for rows in _tiles(slice(0, waves.shape[0]), length):
+    for rows in list_tiles(slice(0, waves.shape[0]), length):
         values[rows] = scipy.fft.irfft(waves[rows], n=length, axis=1, norm=norm, overwrite_x=True)[:, :count]
     return values
 
