@@ -31,6 +31,7 @@ from roughcontact_mpi.arrays import SlabArray
 from roughcontact_mpi.convolver import SlabFFT
 from roughcontact_mpi.files import write_field
 from roughcontact_mpi.processes import Processes
+from roughcontact_mpi.store import SUFFIX, require_place, write_store
 from roughcontact_mpi.surfaces import make_heights
 
 # Mean excess of the count, in cells per side, and the fraction of that correction in one standard deviation, as in
@@ -196,9 +197,21 @@ class SlabSolution:
         Parameters
         ----------
         folder
-            A folder on a disk of all processes; it is made if it is not there.
+            A folder on a disk of all processes; it is made if it is not there. Or a zarr store, ``NAME.zarr``, which
+            gets the initial gap too, and the numbers as attributes.
+
+        Raises
+        ------
+        InputError
+            If something else is there.
+        MissingPackage
+            Of a store, if zarr is not installed.
         """
         folder = Path(folder)
+        require_place(folder)
+        if folder.suffix == SUFFIX:
+            write_store(folder, self)
+            return
         processes = self.pressure.processes
         if processes.rank == 0:
             folder.mkdir(parents=True, exist_ok=True)
