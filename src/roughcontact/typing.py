@@ -14,8 +14,8 @@ materials    the mapping `TYPICAL` of typical ones by name; `PairConstants`, the
 readers      `RawMap`; the function `read_raw`
 commands     `Table`; the functions `quantity`, `replacing`, `si`, `binary`, `write_column`, `available_memory`,
              `available_threads`, `limit_address_space`, `require_memory_of_solve`, `run_sweep`, `name_load`,
-             `list_quantities`, `gather_warnings`, `exceeds_metals`, `build_problem`, `describe_response`,
-             `build_response`, `tabulate_answers`, `write_report`
+             `list_quantities`, `gather_warnings`, `exceeds_metals`, `build_part`, `build_problem`,
+             `describe_response`, `build_response`, `tabulate_answers`, `write_report`
 results      `ContactFields`, `Accuracy`, `Trial`, `Residuals`, `ContactPatches`, `Load`, `Origin`, `SolvePlan`,
              `Sweep`, `RequiredLoad`, `Ladder`, `BeyondResolution`, `RunIn`, `Cycle`, `StudyResult`, `Record`,
              `ErrorReport`, `KnownAnswer`, `ReportRow`, `Timing`, `StabilityReport`, `Check`, `Verdict`,
@@ -117,6 +117,7 @@ from roughcontact._work.studies import (
     ResponseField,
     ResponseForm,
     StudyResult,
+    build_part,
     build_problem,
     build_response,
     describe_response,
@@ -226,6 +227,7 @@ __all__ = [
     "available_threads",
     "binary",
     "bind_kernel",
+    "build_part",
     "build_problem",
     "build_response",
     "confirm",
