@@ -7,4 +7,14 @@ from roughcontact_mpi.files import read_heights, write_field
 from roughcontact_mpi.processes import Processes, ending_all
 from roughcontact_mpi.surfaces import make_heights
 
-__all__ = ["Processes", "SlabArray", "SlabFFT", "SlabSolution", "ending_all", "make_heights", "read_heights", "solve", "write_field"]
+__all__ = [
+    "Processes",
+    "SlabArray",
+    "SlabFFT",
+    "SlabSolution",
+    "ending_all",
+    "make_heights",
+    "read_heights",
+    "solve",
+    "write_field",
+]

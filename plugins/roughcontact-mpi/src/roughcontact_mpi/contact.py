@@ -282,7 +282,8 @@ def solve(
         raise rc.InputError.about("The grid", grid.shape, f"of the shape of the heights, {heights.shape}")
     solver = rc.ProjectedConjugateGradient() if tolerance is None else rc.ProjectedConjugateGradient(tolerance)
     plan = _plan(heights, grid, material, counterbody, boundary, kernel, solver)
-    # The plan has the gap; arrays in slabs follow numpy's protocols.
+    # The plan has the gap, and the heights may go; arrays in slabs follow numpy's protocols.
+    del heights
     gap: Any = plan.initial_gap
     convolver = cast(SlabFFT, plan.convolver)
     convolution = convolver.prepare(bind_kernel(plan), grid, plan.boundary)
