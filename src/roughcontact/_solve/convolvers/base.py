@@ -39,6 +39,7 @@ from roughcontact._parts.kernels import (
     require_form,
 )
 from roughcontact.errors import InputError
+from roughcontact.errors.door import guarded
 
 if TYPE_CHECKING:
     from roughcontact._solve.convolvers.shear import ShearConvolution
@@ -315,6 +316,7 @@ def list_all_waves(half: RealArray, length: int, odd: bool = False) -> RealArray
     return values
 
 
+@guarded
 def padded_shape(grid: Grid, boundary: Boundary) -> tuple[int, int]:
     """Return the cells of the grid, along free axes at least 2n - 1 of them, as many as are fast for real transforms.
 

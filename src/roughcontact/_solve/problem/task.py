@@ -31,6 +31,7 @@ def pressure_unit(plan: SolvePlan) -> float:
     return plan.modulus * (plan.peak_to_valley / plan.grid.spacing[0])
 
 
+@guarded
 def bind_kernel(plan: SolvePlan) -> BoundKernel:
     """Return the kernel of a plan in dimensionless variables: lengths in cells, E* = 1."""
     unit = plan.grid.spacing[0] / plan.modulus
