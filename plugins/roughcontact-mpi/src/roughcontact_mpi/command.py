@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import re
 import sys
 from pathlib import Path
 from typing import Any
@@ -47,7 +48,7 @@ A folder gets pressure.npy, displacement.npy and gap.npy, in Pa and m, and numbe
         parser.add_argument("--boundary", choices=boundaries, default="free", help="what lies beyond the domain (free)")
         parser.add_argument("--kernel", default="love", metavar="NAME", help="influence kernel (love)")
         parser.add_argument("--tolerance", type=_NUMBER, metavar="T", help="tolerance of the solver (1e-5)")
-        parser.add_argument("-o", "--output", type=Path, metavar="PLACE", help="a folder, or a zarr store, NAME.zarr")
+        parser.add_argument("-o", "--output", metavar="PLACE", help="a folder, or a zarr store, NAME.zarr")
         parser.add_argument("-q", "--quiet", action="store_true", help="print nothing but errors")
 
     def run(self, options: argparse.Namespace) -> int:
@@ -76,11 +77,18 @@ def _add_heights(parser: argparse.ArgumentParser) -> None:
         metavar="FIELD=VALUE",
         help="random heights instead, as of 'roughcontact surface self-affine', such as hurst=0.8",
     )
-    parser.add_argument("--shape", type=int, nargs=2, metavar=("NX", "NY"), help="cells of random heights")
+    parser.add_argument("--shape", type=_whole_number, nargs=2, metavar=("NX", "NY"), help="cells of random heights")
     parser.add_argument(
         "--size", type=_METRE, nargs="+", required=True, metavar="L", help="both sides, or LX LY: 1mm 0.5mm"
     )
     parser.add_argument("--unit", type=_unit, metavar="U", help="unit of the heights in the file, such as um (m)")
+
+
+def _whole_number(text: str) -> int:
+    """Return text such as ``256`` as an int."""
+    if not re.fullmatch(r"[-+]?[0-9]{1,18}", text):
+        raise argparse.ArgumentTypeError(f"{text[:80]!r} is not a whole number; write it like 256")
+    return int(text)
 
 
 def _unit(text: str) -> float:
@@ -137,7 +145,7 @@ def _run(processes: Any, options: argparse.Namespace) -> None:
 
     material = _material(options)
     if options.output is not None:
-        require_place(options.output)
+        require_place(Path(options.output))
     solution = solve(
         _heights(processes, options),
         _size(options),

@@ -29,7 +29,7 @@ from roughcontact_mpi.processes import Processes, share
 # Columns that are transformed at a time: few enough for the cache.
 _COLUMNS = 32
 # Values of a tile of rows or columns, with what its transform takes: few enough to save memory.
-_TILE_VALUES = 2**17
+_TILE_VALUES = 2**16
 # Values that a process sends to another at a time, from which on an exchange is divided, and the most parts.
 _EXCHANGED_VALUES = 2**13
 _MAX_EXCHANGES = 8
@@ -85,7 +85,7 @@ def _symbol_of_columns(setup: ConvolutionSetup, padded: tuple[int, int], process
     nx, ny = setup.grid.shape
     own = processes.own_rows(nx)
     half = np.empty((own.stop - own.start, padded[1] // 2 + 1))
-    for rows in list_tiles(own, 4 * padded[1]):
+    for rows in list_tiles(own, 2 * padded[1]):
         given = setup.kernel.coefficients((rows.stop - rows.start, ny), setup.grid.spacing, rows.start)
         half[rows.start - own.start : rows.stop - own.start] = _transform_even(given.T, padded[1]).T
     return _transform_columns(half, processes.rows(nx), padded, processes)
@@ -103,12 +103,12 @@ def _mixed_symbol_of_columns(setup: ConvolutionSetup, padded: tuple[int, int], p
 
     if free == 0:
         symbol = np.empty((offsets, own.stop - own.start))
-        for part in list_tiles(own, 4 * padded[0]):
+        for part in list_tiles(own, 2 * padded[0]):
             symbol[:, part.start - own.start : part.stop - own.start] = _transform_even(find(part), padded[0])
         return symbol
     # Each process has some of the waves along x, and then of those along y.
     half = np.empty((own.stop - own.start, offsets))
-    for part in list_tiles(own, 4 * padded[1]):
+    for part in list_tiles(own, 2 * padded[1]):
         half[part.start - own.start : part.stop - own.start] = _transform_even(find(part).T, padded[1]).T
     transpose = Transpose(processes, processes.columns(waves), offsets)
     symbol = np.empty((waves, transpose.width))
@@ -124,7 +124,7 @@ def _transform_columns(half: Array, bounds: Sequence[int], padded: tuple[int, in
     for block in range(transpose.blocks):
         own = transpose.own(block)
         columns = transpose.forward(half, block)
-        for tile in list_tiles(own, 4 * padded[0]):
+        for tile in list_tiles(own, 2 * padded[0]):
             given = columns[:, tile.start - own.start : tile.stop - own.start]
             symbol[:, tile] = _transform_even(given, padded[0])
     return symbol

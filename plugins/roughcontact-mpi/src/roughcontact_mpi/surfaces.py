@@ -39,7 +39,7 @@ def make_heights(surface: rc.SelfAffineSurface, grid: rc.Grid, processes: Proces
     own = processes.own_rows(nx)
     columns = processes.own_columns(ny // 2 + 1)
     half = surface.half_spectrum(grid, columns, lambda ufunc, value: float(ufunc.reduce(processes.collect(value))))
-    for tile in list_tiles(slice(0, half.shape[1]), 4 * nx):
+    for tile in list_tiles(slice(0, half.shape[1]), 2 * nx):
         half[:, tile] = scipy.fft.ifft(half[:, tile], axis=0, norm="forward", overwrite_x=True)
     waves = np.empty((own.stop - own.start, ny // 2 + 1), dtype=half.dtype)
     transpose = Transpose(processes, processes.rows(nx), ny // 2 + 1)
