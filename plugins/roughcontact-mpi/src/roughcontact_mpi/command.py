@@ -28,7 +28,8 @@ examples:
       --self-affine hurst=0.8 rms_slope=0.1 shortest=1um longest=1mm \\
       --pressure 10MPa --young 210GPa --boundary periodic -o out
 
-A folder gets pressure.npy, displacement.npy and gap.npy, in Pa and m, and numbers.json.
+A folder gets pressure.npy, displacement.npy, gap.npy, in Pa and m, and
+numbers.json.
 """
 
     def declare(self, parser: argparse.ArgumentParser) -> None:
@@ -45,7 +46,8 @@ A folder gets pressure.npy, displacement.npy and gap.npy, in Pa and m, and numbe
         parser.add_argument("--poisson", type=_NUMBER, metavar="NU", help="Poisson's ratio (0.3)")
         parser.add_argument("--hardness", type=_PASCAL, metavar="H", help="maximum contact pressure (none)")
         boundaries = [str(one) for one in rc.Boundary if one is not rc.Boundary.WRAPPED]
-        parser.add_argument("--boundary", choices=boundaries, default="free", help="what lies beyond the domain (free)")
+        words = f"what lies beyond the domain, {', '.join(boundaries)} (free)"
+        parser.add_argument("--boundary", choices=boundaries, default="free", metavar="WORD", help=words)
         parser.add_argument("--kernel", default="love", metavar="NAME", help="influence kernel (love)")
         parser.add_argument("--tolerance", type=_NUMBER, metavar="T", help="tolerance of the solver (1e-5)")
         parser.add_argument("-o", "--output", metavar="PLACE", help="a folder, or a zarr store, NAME.zarr")

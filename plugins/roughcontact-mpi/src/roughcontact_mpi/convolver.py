@@ -30,8 +30,10 @@ from roughcontact_mpi.processes import Processes, share
 _COLUMNS = 32
 # Values of a tile of rows or columns, with what its transform takes: few enough to save memory.
 _TILE_VALUES = 2**16
+# The fewest tiles, on small grids.
+_TILES = 4
 # Values that a process sends to another at a time, from which on an exchange is divided, and the most parts.
-_EXCHANGED_VALUES = 2**13
+_EXCHANGED_VALUES = 2**10
 _MAX_EXCHANGES = 8
 # Minimum amplitude that is inverted, over the mean, as in the inverse of arrays of numpy.
 _MIN_AMPLITUDE = 1e-6
@@ -132,7 +134,7 @@ def _transform_columns(half: Array, bounds: Sequence[int], padded: tuple[int, in
 
 def list_tiles(whole: slice, values: int) -> Iterator[slice]:
     """Yield parts of a range that take little memory, for a number of values of each entry."""
-    step = max(1, _TILE_VALUES // values)
+    step = max(1, min(_TILE_VALUES // values, (whole.stop - whole.start) // _TILES))
     for start in range(whole.start, whole.stop, step):
         yield slice(start, min(start + step, whole.stop))
 
@@ -250,8 +252,9 @@ def _multiply(
     for block in range(transpose.blocks):
         columns = transpose.forward(waves, block)
         given = symbol[:, transpose.own(block)]
-        for start in range(0, columns.shape[1], _COLUMNS):
-            tile = slice(start, start + _COLUMNS)
+        step = max(1, min(_COLUMNS, columns.shape[1] // _TILES))
+        for start in range(0, columns.shape[1], step):
+            tile = slice(start, start + step)
             part = scipy.fft.fft(columns[:, tile], n=mx, axis=0)
             factors = given[:, tile].astype(values.dtype, copy=False)
             part[:half] *= factors
