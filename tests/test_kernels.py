@@ -79,6 +79,22 @@ def test_coefficients_are_loves_solution_in_si(spacing):
         assert abs(values[i, j] / exact - 1) < 1e-13
 
 
+class Halved(rc.InfluenceKernel):
+    """A kernel that gives its coefficients from the first row on alone."""
+
+    def coefficients(self, shape, spacing, compliance):
+        return 0.5 * rc.Love().coefficients(shape, spacing, compliance)
+
+
+@pytest.mark.parametrize("spacing", [(1.0, 1.0), (1.0, 3.0), (3.0, 1.0), (1e3, 1.0), (1.0, 1e3)])
+@pytest.mark.parametrize("first", [1, 10, 110, 200])
+def test_coefficients_from_a_row_on_are_those_of_the_whole(spacing, first):
+    for kernel in (rc.Love(), Halved()):
+        bound = BoundKernel(kernel)
+        whole = bound.coefficients((260, 130), spacing)
+        np.testing.assert_array_equal(bound.coefficients((60, 130), spacing, first), whole[first : first + 60])
+
+
 def test_far_from_the_cell_its_load_acts_like_a_point():
     values = rc.Love().coefficients((2001, 1), (1e-6, 1e-6), 1.0)
     distance = 2000e-6

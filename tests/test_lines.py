@@ -1,5 +1,6 @@
 """Domains that are free along one axis and periodic along the other: rollers, seals and lines."""
 
+import itertools
 import math
 
 import mpmath as mp
@@ -104,6 +105,18 @@ def test_uniform_shear_is_that_of_plane_and_antiplane_strain():
     np.testing.assert_allclose(yy, (1 + pair.gamma) * normal, rtol=1e-12)
     assert not xy.any()
     np.testing.assert_allclose(zx, np.where(np.arange(16) > 0, pair.beta, 0.0), rtol=1e-12)
+
+
+@pytest.mark.parametrize("boundary", [FREE_PERIODIC, PERIODIC_FREE])
+@pytest.mark.parametrize("shape", [(40, 33), (33, 40), (1, 9), (9, 1)])
+def test_parts_of_the_waves_are_those_of_the_whole(boundary, shape):
+    kernel = BoundKernel(rc.Love())
+    grid = rc.Grid(shape, (1.0, 2.0))
+    along = 1 - boundary.free_axis
+    whole = kernel.mixed_coefficients(grid, boundary)
+    bounds = [whole.shape[along] * part // 3 for part in range(4)]
+    parts = [kernel.mixed_coefficients(grid, boundary, part=slice(*ends)) for ends in itertools.pairwise(bounds)]
+    np.testing.assert_allclose(np.concatenate(parts, axis=along), whole, rtol=0, atol=1e-14 * whole.max())
 
 
 class Coated(rc.InfluenceKernel):

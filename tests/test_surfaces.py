@@ -1,8 +1,12 @@
 from __future__ import annotations
 
+import threading
+from concurrent.futures import ThreadPoolExecutor
+
 import attrs
 import numpy as np
 import pytest
+import scipy.fft
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -187,6 +191,47 @@ def test_the_seed_fixes_the_long_waves(seed, one, other, cutoff, rms, aspect):
     default = rc.SelfAffineSurface(hurst=0.7, shortest=cutoff, longest=24.0, rolloff=12.0, seed=seed, **{rms: 0.1})
     grid = rc.Grid((40, 46), size)
     np.testing.assert_array_equal(counted.heights(grid), default.heights(grid))
+
+
+@pytest.mark.parametrize(
+    ("shape", "size", "fields"),
+    [
+        ((64, 64), (1.0, 1.0), {"shortest": 1 / 32, "longest": 0.5, "rms_height": 0.1, "rolloff": 0.25}),
+        (
+            (64, 48),
+            (2.0, 1.0),
+            {"shortest": 1 / 16, "rms_slope": 0.1, "longest": 1.0, "peklenik": 3.0, "lay": 0.4, "rms_cutoff": 1 / 6},
+        ),
+        ((45, 33), (2.0, 1.0), {"shortest": 1 / 10, "rms_slope": 0.1, "longest": 1.0, "rms_cutoff": 1 / 80}),
+        ((64, 4), (16.0, 1.0), {"shortest": 0.5, "rms_slope": 0.1, "longest": 3.0}),
+        ((4, 64), (1.0, 16.0), {"shortest": 0.5, "rms_slope": 0.1, "longest": 3.0}),
+    ],
+)
+@pytest.mark.parametrize("count", [1, 3])
+def test_columns_of_the_waves_are_those_of_the_heights(shape, size, fields, count):
+    """The parts ask each other for a number at the same time: each is a thread that waits for the others."""
+    surface = rc.SelfAffineSurface(hurst=0.8, seed=3, **fields)
+    grid = rc.Grid(shape, size)
+    bounds = [(shape[1] // 2 + 1) * part // count for part in range(count + 1)]
+    barrier = threading.Barrier(count, timeout=30)
+    numbers = [0.0] * count
+
+    def find(part):
+        def across(ufunc, value):
+            numbers[part] = value
+            barrier.wait()
+            found = float(ufunc.reduce(numbers))
+            barrier.wait()
+            return found
+
+        return surface.half_spectrum(grid, slice(*bounds[part : part + 2]), across)
+
+    with ThreadPoolExecutor(count) as pool:
+        waves = np.concatenate(list(pool.map(find, range(count))), axis=1)
+    heights = surface.heights(grid)
+    np.testing.assert_allclose(
+        scipy.fft.irfft2(waves, s=shape, norm="forward"), heights, rtol=0, atol=1e-14 * np.abs(heights).max()
+    )
 
 
 def test_a_cutoff_beyond_the_longest_wave_is_refused():

@@ -27,6 +27,8 @@ CONTACTS = {
     "periodic, nearly full": {"load": {"pressure": 1e8}, "boundary": "periodic"},
     "periodic, hardness": {"load": {"pressure": 1e7}, "boundary": "periodic", "hardness": 3e7},
     "free, light": {"load": {"pressure": 5e6}, "boundary": "free"},
+    "free-periodic, light": {"load": {"pressure": 5e6}, "boundary": "free-periodic"},
+    "periodic-free, light": {"load": {"pressure": 5e6}, "boundary": "periodic-free"},
 }
 REPEATS = 3
 # The answers that are measured, from a solution that has none yet, on grids of a side from here on.

@@ -3,20 +3,20 @@
 ===========  ==========================================================================================================
 for          types
 ===========  ==========================================================================================================
-kernels      `SupportsCoefficients`, `SupportsSpectrum`, `SupportsShear`, `SupportsStress`, `SupportsConduction`,
-             `SupportsTangential`
+kernels      `SupportsCoefficients`, `SupportsRows`, `SupportsSpectrum`, `SupportsShear`, `SupportsStress`,
+             `SupportsConduction`, `SupportsTangential`
 convolvers   `BoundKernel`, `ConvolutionSetup`, `PreparedConvolution`, `InverseConvolution`, `ShearConvolution`,
-             `WaveMatrix`
+             `WaveMatrix`; the function `padded_shape`
 solvers      `Task`, `Outcome`, `Step`, `GridLevel`, `Monitor`, `ContactConditions`, `Violation`; the functions
              `starting_pressure`, `nearest_pressure`, `project_to_load`, `rescale_to_load`; for a solve of your own
-             `make_task`, `confirm`, `Certificate`, `certify`, `make_solution`; for one that is divided among
-             processes `Whole`, `find_patches`, `solve_on_cells`, `LinearSolution`, `require_found`
+             `bind_kernel`, `make_task`, `confirm`, `Certificate`, `certify`, `make_solution`; for one that is divided
+             among processes `Whole`, `find_patches`, `solve_on_cells`, `LinearSolution`, `require_found`
 materials    the mapping `TYPICAL` of typical ones by name; `PairConstants`, the function `pair_constants`
 readers      `RawMap`; the function `read_raw`
 commands     `Table`; the functions `quantity`, `replacing`, `si`, `binary`, `write_column`, `available_memory`,
              `available_threads`, `limit_address_space`, `require_memory_of_solve`, `run_sweep`, `name_load`,
-             `list_quantities`, `gather_warnings`, `exceeds_metals`, `build_problem`, `describe_response`,
-             `build_response`, `tabulate_answers`, `write_report`
+             `list_quantities`, `gather_warnings`, `exceeds_metals`, `build_part`, `build_problem`,
+             `describe_response`, `build_response`, `tabulate_answers`, `write_report`
 results      `ContactFields`, `Accuracy`, `Trial`, `Residuals`, `ContactPatches`, `Load`, `Origin`, `SolvePlan`,
              `Sweep`, `RequiredLoad`, `Ladder`, `BeyondResolution`, `RunIn`, `Cycle`, `StudyResult`, `Record`,
              `ErrorReport`, `KnownAnswer`, `ReportRow`, `Timing`, `StabilityReport`, `Check`, `Verdict`,
@@ -46,6 +46,7 @@ from roughcontact._parts.kernels import (
     BoundKernel,
     SupportsCoefficients,
     SupportsConduction,
+    SupportsRows,
     SupportsShear,
     SupportsSpectrum,
     SupportsStress,
@@ -59,6 +60,7 @@ from roughcontact._solve.convolvers import (
     PreparedConvolution,
     ShearConvolution,
     WaveMatrix,
+    padded_shape,
 )
 from roughcontact._solve.problem import (
     AdhesionCycle,
@@ -69,6 +71,7 @@ from roughcontact._solve.problem import (
     StepNumbers,
     Sweep,
     TangentialLoop,
+    bind_kernel,
     certify,
     confirm,
     make_solution,
@@ -120,6 +123,7 @@ from roughcontact._work.studies import (
     ResponseField,
     ResponseForm,
     StudyResult,
+    build_part,
     build_problem,
     build_response,
     describe_response,
@@ -208,6 +212,7 @@ __all__ = [
     "StudyResult",
     "SupportsCoefficients",
     "SupportsConduction",
+    "SupportsRows",
     "SupportsShear",
     "SupportsSpectrum",
     "SupportsStress",
@@ -229,6 +234,8 @@ __all__ = [
     "available_memory",
     "available_threads",
     "binary",
+    "bind_kernel",
+    "build_part",
     "build_problem",
     "build_response",
     "certify",
@@ -244,6 +251,7 @@ __all__ = [
     "name_load",
     "natural_residual",
     "nearest_pressure",
+    "padded_shape",
     "pair_constants",
     "project_to_load",
     "quantity",

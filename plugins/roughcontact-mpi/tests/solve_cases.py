@@ -18,9 +18,15 @@ with ending_all(processes):
         if case["hardness"] is not None:
             material = rc.ElasticPerfectlyPlastic(1e9, 0.0, case["hardness"])
         heights = read_heights(folder / f"{case['map']}.npy", processes)
-        solution = solve(
-            heights, case["size"], material, **case["load"], boundary=case["boundary"], tolerance=case["tolerance"]
-        )
+        try:
+            solution = solve(
+                heights, case["size"], material, **case["load"], boundary=case["boundary"], tolerance=case["tolerance"]
+            )
+        except rc.InputError as error:
+            # All refuse it.
+            if processes.rank == 0:
+                (folder / f"{name}-{processes.count}.json").write_text(json.dumps({"error": str(error)}))
+            continue
         write_field(folder / f"{name}-{processes.count}.npy", solution.pressure)
         numbers = solution.numbers
         rows = processes.rows(heights.shape[0])

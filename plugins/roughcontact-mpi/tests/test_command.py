@@ -30,7 +30,7 @@ def heights(tmp_path_factory):
 
 
 def run_command(count, *arguments):
-    return mpi.run(count, "-m", "roughcontact_mpi", *arguments)
+    return mpi.run(count, "-m", "roughcontact", "slabs", *arguments)
 
 
 def test_the_command_writes_fields_and_numbers(heights, tmp_path):
@@ -69,6 +69,8 @@ def test_the_command_writes_fields_and_numbers(heights, tmp_path):
     ("arguments", "sentence"),
     [
         (("--size", "1mm", "--pressure", "5", "--young", "1GPa"), "has no unit"),
+        (("--size", "1mm", "--pressure", "5MPa", "--young", "1GPa", "-o", "out.npz"), "must be a folder"),
+        (("--size", "1mm", "--pressure", "5MPa", "--young", "1GPa", "--self-affine", "hurst=1"), "either the file"),
         (("--size", "1mm", "2mm", "3mm", "--force", "1N", "--young", "1GPa"), "one length or two"),
         (("--size", "1mm", "--pressure", "2GPa", "--young", "1GPa", "--hardness", "1GPa"), "more than the bodies can"),
     ],
@@ -78,6 +80,31 @@ def test_wrong_input_gets_one_sentence(heights, arguments, sentence):
     assert done.returncode != 0
     assert done.stderr.count(sentence) == 1
     assert "Traceback" not in done.stderr
+
+
+def test_random_heights_go_into_a_store(tmp_path):
+    pytest.importorskip("zarr")
+    xarray = pytest.importorskip("xarray")
+    fields = ("hurst=0.8", "rms_slope=0.1", "shortest=4um", "longest=48um", "seed=3")
+    load = ("--pressure", "20MPa", "--young", "2GPa", "--boundary", "free-periodic", "--tolerance", "1e-11")
+    domain = ("--shape", "48", "36", "--size", "48um", "36um")
+    for _ in range(2):
+        done = run_command(2, "--self-affine", *fields, *domain, *load, "-o", tmp_path / "out.zarr")
+        assert done.returncode == 0, done.stderr
+    rough = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.1, shortest=4e-6, longest=48e-6, seed=3)
+    problem = rc.ContactProblem(
+        rc.Body(rough, rc.Elastic(2e9, 0.3)), grid=rc.Grid((48, 36), (48e-6, 36e-6)), boundary="free-periodic"
+    )
+    expected = problem.solve(pressure=20e6, tolerance=1e-11).to_xarray()
+    with xarray.open_zarr(tmp_path / "out.zarr", chunks=None) as found:
+        for name in ("pressure", "displacement", "gap", "initial_gap"):
+            assert found[name].dims == expected[name].dims
+            assert found[name].attrs == expected[name].attrs
+            assert np.abs(found[name] - expected[name]).max() < 1e-9 * np.abs(expected[name]).max()
+        for axis in ("x", "y"):
+            assert np.array_equal(found[axis], expected[axis])
+        assert found.attrs["mean_pressure"] == pytest.approx(20e6, rel=1e-12)
+    assert [file.name for file in tmp_path.iterdir()] == ["out.zarr"]
 
 
 def test_the_failure_of_one_ends_all():

@@ -9,6 +9,8 @@ import pytest
 import roughcontact as rc
 
 import mpi
+from alone import solve_alone
+from random_problems import make_problem
 
 pytestmark = pytest.mark.skipif(bool(mpi.missing()), reason=mpi.missing() or "MPI is there")
 
@@ -29,8 +31,12 @@ LOADS = {
     "full": {"pressure": 1e9},
     "approach": {"approach": None},
 }
+MIXED = ("free-periodic", "periodic-free")
 CASES = [
     *(f"{shape} {boundary} light" for shape in SHAPES for boundary in ("periodic", "free")),
+    *(f"{shape} {boundary} light" for shape in ("odd", "long", "wide", "cells", "low") for boundary in MIXED),
+    *(f"square {boundary} {load}" for load in ("near-full", "approach") for boundary in MIXED),
+    "cells free-periodic light hard",
     *(f"square {boundary} {load}" for load in LOADS if load != "light" for boundary in ("periodic", "free")),
     "square periodic light hard",
     "square free light hard",
@@ -40,7 +46,7 @@ CASES = [
 SMOOTH = ("square periodic light", "square free light", "square periodic light hard")
 # Two processes have all cases; more processes than processors wait for each other, so that three have some.
 OF_THREE = (
-    *(f"{shape} {boundary} light" for shape in ("odd", "low") for boundary in ("periodic", "free")),
+    *(f"{shape} {boundary} light" for shape in ("odd", "low") for boundary in ("periodic", "free", *MIXED)),
     "square free light hard",
     "cells periodic approach hard",
     "square periodic near-full",
@@ -53,13 +59,8 @@ OF_COUNT = {2: CASES, 3: OF_THREE}
 def make_case(name):
     """Return the heights and the arguments of a case."""
     if name.startswith("random"):
-        random = np.random.default_rng(int(name.removeprefix("random")))
-        shape = tuple(int(n) for n in random.integers(5, 70, 2))
-        size = tuple(random.uniform(0.5, 2.0, 2))
-        boundary = str(random.choice(["periodic", "free"]))
-        load = {"pressure": float(10.0 ** random.uniform(5.0, 7.5))}
-        hardness = float(random.choice([1e8, 1e9])) if random.random() < 0.5 else None
-        return random.normal(size=shape) * 0.01, size, boundary, load, hardness
+        heights, case = make_problem(int(name.removeprefix("random")))
+        return heights, *case.values()
     kind, boundary, load, *hard = name.split()
     shape, size = SHAPES[kind]
     step = max(length / n for length, n in zip(size, shape, strict=True))
@@ -72,15 +73,6 @@ def make_case(name):
     if load == "approach":
         given["approach"] = 0.4 * float(heights.max() - heights.mean())
     return heights, size, boundary, given, 3e7 if hard else None
-
-
-def solve_alone(case, heights):
-    material = rc.Elastic(1e9, 0.0)
-    if case["hardness"] is not None:
-        material = rc.ElasticPerfectlyPlastic(1e9, 0.0, case["hardness"])
-    surface = rc.HeightMap(heights, case["size"])
-    problem = rc.ContactProblem(rc.Body(surface, material), boundary=case["boundary"])
-    return problem.solve(**case["load"], tolerance=case["tolerance"])
 
 
 @pytest.fixture(scope="module")

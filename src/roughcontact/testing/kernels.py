@@ -8,7 +8,7 @@ import numpy as np
 
 from roughcontact._base.arrays import Array, Pair
 from roughcontact._parts.grid import Boundary
-from roughcontact._parts.kernels import InfluenceKernel, SupportsCoefficients, SupportsSpectrum
+from roughcontact._parts.kernels import InfluenceKernel, SupportsCoefficients, SupportsRows, SupportsSpectrum
 from roughcontact.testing.claim import DoesNotApply, claim, require, require_close
 from roughcontact.testing.generic import claim_input_unchanged, claim_powers_of_two, claim_repeatable, require_array
 from roughcontact.testing.problems import displace
@@ -152,6 +152,16 @@ def _independent(kernel: InfluenceKernel, shape: tuple[int, int], spacing: Pair)
         more = kernel.spectrum(qx, qy, spacing, _COMPLIANCE)
         errors.append(require_close(more[::2, 1:3], few, 1e-6, detail))
     return max(errors)
+
+
+@claim("kernel", "rows of coefficients", _cases)
+def _rows(kernel: InfluenceKernel, shape: tuple[int, int], spacing: Pair) -> float:
+    if not isinstance(kernel, SupportsRows):
+        raise DoesNotApply("the kernel has no coefficients_from")
+    whole = _coefficients(kernel).coefficients((shape[0] + 4, shape[1]), spacing, _COMPLIANCE)
+    values = kernel.coefficients_from(4, shape, spacing, _COMPLIANCE)
+    require_array(values, shape)
+    return require_close(values, whole[4:], 1e-6, "the coefficients from a row on are not those of the whole")
 
 
 @claim("kernel", "positive energy")

@@ -6,6 +6,7 @@ from roughcontact_mpi.convolver import SlabFFT
 from roughcontact_mpi.files import read_heights, write_field
 from roughcontact_mpi.patches import SlabPatches
 from roughcontact_mpi.processes import Processes, ending_all
+from roughcontact_mpi.surfaces import make_heights
 
 __all__ = [
     "Processes",
@@ -14,6 +15,7 @@ __all__ = [
     "SlabPatches",
     "SlabSolution",
     "ending_all",
+    "make_heights",
     "read_heights",
     "solve",
     "write_field",

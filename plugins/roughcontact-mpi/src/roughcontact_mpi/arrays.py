@@ -165,7 +165,7 @@ class SlabArray(NDArrayOperatorsMixin):
         wanted = shape[0] if isinstance(shape[0], tuple) else shape
         if self.extent is None:
             return SlabArray(self.part.reshape(wanted), self.processes, None)
-        if wanted == (-1,):
+        if len(wanted) == 1:
             length = self.size if self.ndim > 1 else None
             extent = self.extent if length is None else Extent(self.processes, self.part.size, length)
             return SlabArray(self.part.reshape(-1), self.processes, extent)

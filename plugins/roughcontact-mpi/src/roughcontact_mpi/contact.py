@@ -12,13 +12,13 @@ from typing import Any, cast
 import attrs
 import roughcontact as rc
 from roughcontact.typing import (
-    BoundKernel,
     GridLevel,
     Load,
     PreparedConvolution,
     Residuals,
     SolvePlan,
     Step,
+    bind_kernel,
     confirm,
     make_task,
     replacing,
@@ -31,6 +31,8 @@ from roughcontact_mpi.convolver import SlabFFT
 from roughcontact_mpi.files import write_field
 from roughcontact_mpi.patches import SlabPatches
 from roughcontact_mpi.processes import Processes
+from roughcontact_mpi.store import SUFFIX, require_place, write_store
+from roughcontact_mpi.surfaces import make_heights
 from roughcontact_mpi.windows import WindowSolution, gather, open_window
 
 # Cells along the sides of the small grid on which materials, kernel and boundary are checked.
@@ -209,9 +211,21 @@ class SlabSolution:
         Parameters
         ----------
         folder
-            A folder on a disk of all processes; it is made if it is not there.
+            A folder on a disk of all processes; it is made if it is not there. Or a zarr store, ``NAME.zarr``, which
+            gets the initial gap too, and the numbers as attributes.
+
+        Raises
+        ------
+        InputError
+            If something else is there.
+        MissingPackage
+            Of a store, if zarr is not installed.
         """
         folder = Path(folder)
+        require_place(folder)
+        if folder.suffix == SUFFIX:
+            write_store(folder, self)
+            return
         processes = self.pressure.processes
         if processes.rank == 0:
             folder.mkdir(parents=True, exist_ok=True)
@@ -225,15 +239,15 @@ class SlabSolution:
 
 
 def solve(
-    heights: SlabArray,
-    size: float | str | Sequence[float | str],
+    heights: SlabArray | rc.SelfAffineSurface,
+    size: float | str | Sequence[float | str] | rc.Grid,
     material: rc.Material | str,
     counterbody: rc.Material | str | None = None,
     *,
     pressure: float | str | None = None,
     force: float | str | None = None,
     approach: float | str | None = None,
-    boundary: str = "free",
+    boundary: str | Sequence[str] = "free",
     kernel: str | rc.InfluenceKernel = "love",
     tolerance: float | None = None,
     on_step: Callable[[Step], None] | None = None,
@@ -245,15 +259,16 @@ def solve(
     ----------
     heights
         Heights, shape (nx, ny), m, as of `read_heights`, or of ``SlabArray.field(own_rows, processes, nx)`` with the
-        rows ``processes.own_rows(nx)``; of two rough bodies the sum of both.
+        rows ``processes.own_rows(nx)``; of two rough bodies the sum of both. Or a self-affine surface; see
+        `make_heights`.
     size
-        Length of the domain along x and y, or of both sides, m.
+        Length of the domain along x and y, or of both sides, m; of a surface the grid.
     material, counterbody
         Materials of the rough body and of the flat one; by default this one is rigid. One hardness for all cells.
     pressure, force, approach
         Exactly one load: nominal mean pressure, Pa; normal force, N; approach since first touch, m.
     boundary
-        ``"free"`` or ``"periodic"``.
+        ``"free"`` or ``"periodic"``, or a pair of them, for x and y.
     kernel
         An influence kernel.
     tolerance
@@ -271,18 +286,21 @@ def solve(
         If the solution is not certified and `throw` is true.
     """
     started = time.perf_counter()
+    load = Load.of(pressure=pressure, force=force, approach=approach)
+    if isinstance(heights, rc.Surface):
+        heights = make_heights(heights, cast(rc.Grid, size))
     if not isinstance(heights, SlabArray) or not heights.is_divided or heights.ndim != 2:
         raise rc.InputError.about("The heights", heights, "an array in slabs, as read_heights returns it")
-    load = Load.of(pressure=pressure, force=force, approach=approach)
-    grid = rc.Grid(cast(tuple[int, int], heights.shape), cast(Any, size))
+    grid = size if isinstance(size, rc.Grid) else rc.Grid(cast(tuple[int, int], heights.shape), cast(Any, size))
+    if grid.shape != heights.shape:
+        raise rc.InputError.about("The grid", grid.shape, f"of the shape of the heights, {heights.shape}")
     solver = rc.ProjectedConjugateGradient() if tolerance is None else rc.ProjectedConjugateGradient(tolerance)
     scene, plan = _plan(heights, grid, material, counterbody, boundary, kernel, solver)
-    # The plan has the gap; arrays in slabs follow numpy's protocols.
+    # The plan has the gap, and the heights may go; arrays in slabs follow numpy's protocols.
+    del heights
     gap: Any = plan.initial_gap
     convolver = cast(SlabFFT, plan.convolver)
-    unit = grid.spacing[0] / plan.modulus
-    bound = BoundKernel(plan.kernel, compliance=1.0 / plan.modulus, unit=unit)
-    convolution = convolver.prepare(bound, grid, plan.boundary)
+    convolution = convolver.prepare(bind_kernel(plan), grid, plan.boundary)
     task = attrs.evolve(make_task(plan, gap, load), on_step=on_step)
     outcome = solver.solve(convolution, task)
     certificate = confirm(plan, convolution, task, outcome)
@@ -319,7 +337,7 @@ def _plan(
     grid: rc.Grid,
     material: rc.Material | str,
     counterbody: rc.Material | str | None,
-    boundary: str,
+    boundary: str | Sequence[str],
     kernel: str | rc.InfluenceKernel,
     solver: rc.Solver,
 ) -> tuple[rc.ContactProblem, SolvePlan]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Iterator, Sequence
 from typing import Any, cast
 
 import attrs
@@ -18,21 +19,29 @@ from roughcontact.typing import (
     PreparedConvolution,
     RealArray,
     SupportsSpectrum,
+    padded_shape,
 )
 
 from roughcontact_mpi.arrays import SlabArray
 from roughcontact_mpi.functions import gather, unknown
-from roughcontact_mpi.processes import Processes
+from roughcontact_mpi.processes import Processes, share
 
 # Columns that are transformed at a time: few enough for the cache.
 _COLUMNS = 32
+# Values of a tile of rows or columns, with what its transform takes: few enough to save memory.
+_TILE_VALUES = 2**16
+# The fewest tiles, on small grids.
+_TILES = 4
+# Values that a process sends to another at a time, from which on an exchange is divided, and the most parts.
+_EXCHANGED_VALUES = 2**10
+_MAX_EXCHANGES = 8
 # Minimum amplitude that is inverted, over the mean, as in the inverse of arrays of numpy.
 _MIN_AMPLITUDE = 1e-6
 
 
 @attrs.frozen(eq=False)
 class SlabFFT(rc.Convolver):
-    """Multiplication in Fourier space, each process with its rows and columns, on a periodic or a free boundary.
+    """Multiplication in Fourier space, each process with its rows and columns, on any boundary but a wrapped one.
 
     Parameters
     ----------
@@ -45,13 +54,11 @@ class SlabFFT(rc.Convolver):
     processes: Processes = attrs.field(factory=Processes)
     gathers: bool = attrs.field(default=True, kw_only=True)
 
-    boundaries = frozenset({rc.Boundary.PERIODIC, rc.Boundary.FREE})
+    boundaries = frozenset(rc.Boundary) - {rc.Boundary.WRAPPED}
 
     def transform_shape(self, grid: rc.Grid, boundary: rc.Boundary) -> tuple[int, int]:
-        """Return the cells of the grid, on a free boundary those of a padded one that is fast to transform."""
-        sizes = zip(grid.shape, boundary.free_axes, strict=True)
-        mx, my = (scipy.fft.next_fast_len(2 * n - 1, real=True) if free else n for n, free in sizes)
-        return mx, my
+        """Return the cells of the padded grid; see `roughcontact.typing.padded_shape`."""
+        return padded_shape(grid, boundary)
 
     def prepare(self, kernel: BoundKernel, grid: rc.Grid, boundary: rc.Boundary) -> PreparedConvolution:
         """Return the convolution on slabs."""
@@ -59,6 +66,8 @@ class SlabFFT(rc.Convolver):
         padded = self.transform_shape(grid, boundary)
         if boundary is rc.Boundary.PERIODIC:
             symbol = _spectrum_of_columns(setup, padded, self.processes)
+        elif boundary.mixed:
+            symbol = _mixed_symbol_of_columns(setup, padded, self.processes)
         else:
             symbol = _symbol_of_columns(setup, padded, self.processes)
         return SlabConvolution(setup, symbol, padded, self.processes)
@@ -77,76 +86,146 @@ def _symbol_of_columns(setup: ConvolutionSetup, padded: tuple[int, int], process
     """Return the transform of the coefficients on a padded grid, its columns of this process, for half of the rows."""
     nx, ny = setup.grid.shape
     own = processes.own_rows(nx)
-    # A kernel gives the coefficients from the first row on.
-    rows = setup.kernel.coefficients((max(own.stop, 1), ny), setup.grid.spacing)[own].copy()
-    half = _transform_even(rows, padded[1], 1)
-    columns = _Transpose(processes, (nx, padded[1] // 2 + 1)).forward(half)
-    return _transform_even(columns, padded[0], 0)
+    half = np.empty((own.stop - own.start, padded[1] // 2 + 1))
+    for rows in list_tiles(own, 2 * padded[1]):
+        given = setup.kernel.coefficients((rows.stop - rows.start, ny), setup.grid.spacing, rows.start)
+        half[rows.start - own.start : rows.stop - own.start] = _transform_even(given.T, padded[1]).T
+    return _transform_columns(half, processes.rows(nx), padded, processes)
 
 
-def _transform_even(values: Array, length: int, axis: int) -> Array:
-    """Return the real transform along an axis of the even extension to a length, shape length // 2 + 1 along it."""
-    n = values.shape[axis]
-    shape = list(values.shape)
-    shape[axis] = length
-    extended = np.zeros(shape)
-    ahead = np.moveaxis(extended, axis, 0)
-    given = np.moveaxis(values, axis, 0)
-    ahead[:n] = given
-    ahead[length - n + 1 :] = given[:0:-1]
-    if not extended.size:
-        shape[axis] = length // 2 + 1
-        return np.zeros(shape)
-    return np.ascontiguousarray(scipy.fft.rfft(extended, axis=axis).real)
+def _mixed_symbol_of_columns(setup: ConvolutionSetup, padded: tuple[int, int], processes: Processes) -> Array:
+    """Return `_symbol_of_columns` where one axis is periodic."""
+    free = setup.boundary.free_axis
+    offsets = padded[free] // 2 + 1
+    waves = padded[1 - free] // 2 + 1
+    own = processes.own_columns(waves)
+
+    def find(part: slice) -> Array:
+        return setup.kernel.mixed_coefficients(setup.grid, setup.boundary, offsets=offsets, part=part)
+
+    if free == 0:
+        symbol = np.empty((offsets, own.stop - own.start))
+        for part in list_tiles(own, 2 * padded[0]):
+            symbol[:, part.start - own.start : part.stop - own.start] = _transform_even(find(part), padded[0])
+        return symbol
+    # Each process has some of the waves along x, and then of those along y.
+    half = np.empty((own.stop - own.start, offsets))
+    for part in list_tiles(own, 2 * padded[1]):
+        half[part.start - own.start : part.stop - own.start] = _transform_even(find(part).T, padded[1]).T
+    transpose = Transpose(processes, processes.columns(waves), offsets)
+    symbol = np.empty((waves, transpose.width))
+    for block in range(transpose.blocks):
+        symbol[:, transpose.own(block)] = transpose.forward(half, block)
+    return symbol
+
+
+def _transform_columns(half: Array, bounds: Sequence[int], padded: tuple[int, int], processes: Processes) -> Array:
+    """Return the transform along x of the even extension of rows of this process: its columns."""
+    transpose = Transpose(processes, bounds, padded[1] // 2 + 1)
+    symbol = np.empty((padded[0] // 2 + 1, transpose.width))
+    for block in range(transpose.blocks):
+        own = transpose.own(block)
+        columns = transpose.forward(half, block)
+        for tile in list_tiles(own, 2 * padded[0]):
+            given = columns[:, tile.start - own.start : tile.stop - own.start]
+            symbol[:, tile] = _transform_even(given, padded[0])
+    return symbol
+
+
+def list_tiles(whole: slice, values: int) -> Iterator[slice]:
+    """Yield parts of a range that take little memory, for a number of values of each entry."""
+    step = max(1, min(_TILE_VALUES // values, (whole.stop - whole.start) // _TILES))
+    for start in range(whole.start, whole.stop, step):
+        yield slice(start, min(start + step, whole.stop))
+
+
+def _transform_even(values: Array, length: int) -> Array:
+    """Return the transform along the first axis of the even extension to a length, shape (length // 2 + 1, n)."""
+    # On a padded grid of an even number of cells the last offset is its own image.
+    kept = values[: length // 2 + 1]
+    extended = np.zeros((length, values.shape[1]))
+    extended[: kept.shape[0]] = kept
+    extended[length - kept.shape[0] + 1 :] = kept[:0:-1]
+    return np.asarray(scipy.fft.rfft(extended, axis=0).real)
 
 
 @attrs.frozen
-class _Transpose:
-    """Exchanges rows for columns and back; `shape` is that of the whole."""
+class Transpose:
+    """Exchanges rows for columns and back, some of the columns of each process at a time.
+
+    Parameters
+    ----------
+    processes
+        The processes.
+    bounds
+        Bounds of the rows of all.
+    columns
+        Number of columns of the whole.
+    """
 
     processes: Processes
-    shape: tuple[int, int]
+    bounds: Sequence[int]
+    columns: int
 
-    def _widths(self) -> list[int]:
-        return np.diff(self.processes.columns(self.shape[1])).tolist()
+    @property
+    def width(self) -> int:
+        """Columns of this process."""
+        own = self.processes.own_columns(self.columns)
+        return own.stop - own.start
 
-    def _heights(self) -> list[int]:
-        return np.diff(self.processes.rows(self.shape[0])).tolist()
+    @property
+    def blocks(self) -> int:
+        """The number of exchanges, the same on all processes: several where one would take much memory."""
+        count = self.processes.count
+        if count == 1:
+            return 1
+        values = -(-self.bounds[-1] * self.columns // count**2)
+        return int(np.clip(values // _EXCHANGED_VALUES, 1, min(_MAX_EXCHANGES, max(1, self.columns // count))))
 
-    def forward(self, rows: RealArray) -> RealArray:
-        """Return the columns of this process, shape (nx, n), from its rows."""
-        processes = self.processes
-        if processes.count == 1:
+    def own(self, block: int) -> slice:
+        """Return the columns of a block among those of this process."""
+        return self._columns(self.processes.rank, block, first=0)
+
+    def _columns(self, rank: int, block: int, first: int | None = None) -> slice:
+        start, stop = self.processes.columns(self.columns)[rank : rank + 2]
+        bounds = share(stop - start, self.blocks)
+        origin = start if first is None else first
+        return slice(origin + bounds[block], origin + bounds[block + 1])
+
+    def _sizes(self, block: int) -> tuple[list[slice], list[int], list[int]]:
+        """Return the columns of all processes, the entries of this one in them, and those of its columns in all."""
+        columns = [self._columns(rank, block) for rank in range(self.processes.count)]
+        heights = np.diff(self.bounds).tolist()
+        rank = self.processes.rank
+        mine = columns[rank].stop - columns[rank].start
+        return columns, [heights[rank] * (own.stop - own.start) for own in columns], [n * mine for n in heights]
+
+    def forward(self, rows: RealArray, block: int) -> RealArray:
+        """Return a block of the columns of this process, shape (nx, n), from its rows."""
+        if self.processes.count == 1:
             return rows
-        widths = self._widths()
-        heights = self._heights()
-        ends = np.cumsum(widths)
-        packed = np.empty(rows.size, dtype=rows.dtype)
+        columns, sent, expected = self._sizes(block)
+        packed = np.empty(sum(sent), dtype=rows.dtype)
         start = 0
-        for end, width in zip(ends, widths, strict=True):
-            stop = start + width * rows.shape[0]
-            packed[start:stop].reshape(rows.shape[0], width)[:] = rows[:, end - width : end]
-            start = stop
-        mine = widths[processes.rank]
-        counts = [rows.shape[0] * width for width in widths]
-        return processes.exchange(packed, counts, [height * mine for height in heights]).reshape(self.shape[0], mine)
+        for own, size in zip(columns, sent, strict=True):
+            packed[start : start + size].reshape(rows.shape[0], own.stop - own.start)[:] = rows[:, own]
+            start += size
+        mine = self.own(block)
+        found = self.processes.exchange(packed, sent, expected)
+        return found.reshape(self.bounds[-1], mine.stop - mine.start)
 
-    def back(self, columns: RealArray) -> RealArray:
-        """Return the rows of this process, shape (n, ny), from its columns."""
-        processes = self.processes
-        if processes.count == 1:
-            return columns
-        widths = self._widths()
-        heights = self._heights()
-        mine = heights[processes.rank]
-        counts = [height * columns.shape[1] for height in heights]
-        found = processes.exchange(columns.reshape(-1), counts, [mine * width for width in widths])
-        rows = np.empty((mine, self.shape[1]), dtype=columns.dtype)
+    def back(self, found: RealArray, rows: RealArray, block: int) -> None:
+        """Put a block of the columns of this process into the rows of all."""
+        if self.processes.count == 1:
+            if found is not rows:
+                rows[:] = found
+            return
+        columns, expected, sent = self._sizes(block)
+        packed = self.processes.exchange(found.reshape(-1), sent, expected)
         start = 0
-        for end, width in zip(np.cumsum(widths), widths, strict=True):
-            rows[:, end - width : end] = found[start : start + mine * width].reshape(mine, width)
-            start += mine * width
-        return rows
+        for own, size in zip(columns, expected, strict=True):
+            rows[:, own] = packed[start : start + size].reshape(rows.shape[0], own.stop - own.start)
+            start += size
 
 
 def _multiply(
@@ -165,32 +244,41 @@ def _multiply(
     padded
         Cells of the periodic grid.
     """
-    nx, ny = shape
+    nx = shape[0]
     mx, my = padded
-    transpose = _Transpose(processes, (nx, my // 2 + 1))
-    waves = _transform(values, my)
-    columns = transpose.forward(waves)
-    del waves
     half = symbol.shape[0]
-    for start in range(0, columns.shape[1], _COLUMNS):
-        block = slice(start, start + _COLUMNS)
-        part = scipy.fft.fft(columns[:, block], n=mx, axis=0)
-        part[:half] *= symbol[:, block]
-        if half < mx:
-            part[half:] *= symbol[mx - half : 0 : -1, block]
-        columns[:, block] = scipy.fft.ifft(part, axis=0, overwrite_x=True)[:nx]
-    waves = transpose.back(columns)
-    del columns
-    if not waves.size:
-        return np.zeros_like(values)
-    found = scipy.fft.irfft(waves, n=my, axis=1, overwrite_x=True)
-    return np.asarray(found) if my == ny else np.ascontiguousarray(found[:, :ny])
+    waves = _transform(values, my)
+    transpose = Transpose(processes, processes.rows(nx), my // 2 + 1)
+    for block in range(transpose.blocks):
+        columns = transpose.forward(waves, block)
+        given = symbol[:, transpose.own(block)]
+        step = max(1, min(_COLUMNS, columns.shape[1] // _TILES))
+        for start in range(0, columns.shape[1], step):
+            tile = slice(start, start + step)
+            part = scipy.fft.fft(columns[:, tile], n=mx, axis=0)
+            factors = given[:, tile].astype(values.dtype, copy=False)
+            part[:half] *= factors
+            if half < mx:
+                part[half:] *= factors[mx - half : 0 : -1]
+            columns[:, tile] = scipy.fft.ifft(part, axis=0, overwrite_x=True)[:nx]
+        transpose.back(columns, waves, block)
+        del columns
+    return transform_back(waves, my, shape[1])
 
 
 def _transform(values: RealArray, length: int) -> RealArray:
-    if values.size:
-        return np.asarray(scipy.fft.rfft(values, n=length, axis=1))
-    return np.zeros((0, length // 2 + 1), dtype=np.result_type(values.dtype, np.complex64))
+    waves = np.empty((values.shape[0], length // 2 + 1), dtype=np.result_type(values.dtype, np.complex64))
+    for rows in list_tiles(slice(0, values.shape[0]), length):
+        waves[rows] = scipy.fft.rfft(values[rows], n=length, axis=1)
+    return waves
+
+
+def transform_back(waves: RealArray, length: int, count: int, norm: Any = None) -> RealArray:
+    """Return the first values of each row of `length` values from its waves, which may be overwritten."""
+    values = np.empty((waves.shape[0], count), dtype=waves.real.dtype)
+    for rows in list_tiles(slice(0, waves.shape[0]), length):
+        values[rows] = scipy.fft.irfft(waves[rows], n=length, axis=1, norm=norm, overwrite_x=True)[:, :count]
+    return values
 
 
 @attrs.frozen(eq=False)
@@ -330,9 +418,8 @@ class SlabConvolution(PreparedConvolution):
         if isinstance(pressure, np.ndarray):
             return self.to_numpy(self.apply(self.from_numpy(pressure)))
         field = _slab(pressure)
-        symbol = self.symbol.astype(np.float32) if field.dtype == np.float32 else self.symbol
         shape = cast(tuple[int, int], field.shape)
-        return _array(field.like(_multiply(field.part, shape, symbol, self.padded, self.processes)))
+        return _array(field.like(_multiply(field.part, shape, self.symbol, self.padded, self.processes)))
 
     def inverse(self, dtype: type[np.float32] | type[np.float64] = np.float64) -> InverseConvolution:
         """Return the approximate inverse on slabs."""

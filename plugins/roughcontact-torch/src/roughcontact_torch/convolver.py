@@ -10,7 +10,6 @@ from typing import Any, cast
 import attrs
 import numpy as np
 import roughcontact as rc
-import scipy.fft
 import torch
 from roughcontact.typing import (
     Array,
@@ -21,6 +20,7 @@ from roughcontact.typing import (
     PreparedConvolution,
     RealArray,
     ShearConvolution,
+    padded_shape,
 )
 
 from roughcontact_torch.arrays import TensorArray
@@ -77,10 +77,8 @@ class TorchFFT(rc.Convolver):
         _ = self.place
 
     def transform_shape(self, grid: rc.Grid, boundary: rc.Boundary) -> tuple[int, int]:
-        """Return the cells of the grid, along free axes those of a padded one that is fast to transform."""
-        sizes = zip(grid.shape, boundary.free_axes, strict=True)
-        mx, my = (scipy.fft.next_fast_len(2 * n - 1, real=True) if free else n for n, free in sizes)
-        return mx, my
+        """Return the cells of the padded grid; see `roughcontact.typing.padded_shape`."""
+        return padded_shape(grid, boundary)
 
     def prepare(self, kernel: BoundKernel, grid: rc.Grid, boundary: rc.Boundary) -> PreparedConvolution:
         """Return the convolution on tensors."""

@@ -154,6 +154,27 @@ class SupportsCoefficients(Protocol):
 
 
 @runtime_checkable
+class SupportsRows(Protocol):
+    """A kernel that knows its coefficients from any row on: an optional ability, which saves memory on slabs."""
+
+    def coefficients_from(self, first: int, shape: tuple[int, int], spacing: Pair, compliance: float) -> Array:
+        """Return the influence coefficients of the rows from the first one on.
+
+        Parameters
+        ----------
+        first
+            Offset of the first row along x, in cells.
+        shape, spacing, compliance
+            As for `SupportsCoefficients.coefficients`: of the offsets first .. first + nx - 1 along x.
+
+        Returns
+        -------
+        Array
+            Shape (nx, ny), m/Pa.
+        """
+
+
+@runtime_checkable
 class SupportsSpectrum(Protocol):
     """A kernel known in Fourier space: needed on a periodic boundary."""
 
@@ -308,10 +329,13 @@ class BoundKernel:
     pair: PairConstants = attrs.field(factory=PairConstants)
     datum: float | None = None
 
-    def coefficients(self, shape: tuple[int, int], spacing: Pair) -> Array:
-        """Return the influence coefficients, finite, shape (nx, ny); see `SupportsCoefficients`."""
+    def coefficients(self, shape: tuple[int, int], spacing: Pair, first: int = 0) -> Array:
+        """Return the influence coefficients from a row on, finite, shape (nx, ny); see `SupportsCoefficients`."""
         kernel: Any = require_form(self.kernel, SupportsCoefficients)
-        return self._check(kernel.coefficients(shape, spacing, self.compliance), shape)
+        if first and isinstance(kernel, SupportsRows):
+            return self._check(kernel.coefficients_from(first, shape, spacing, self.compliance), shape)
+        whole = first + shape[0], shape[1]
+        return self._check(kernel.coefficients(whole, spacing, self.compliance), whole)[first:]
 
     def spectrum(self, qx: Array, qy: Array, spacing: Pair) -> Array:
         """Return the spectrum, finite, shape (m, n), zero at q = 0; see `SupportsSpectrum`.
@@ -371,7 +395,12 @@ class BoundKernel:
         return _sum_waves(partial(self.shear_spectrum, component), grid, odd)
 
     def mixed_coefficients(
-        self, grid: Grid, boundary: Boundary, component: str = "zz", offsets: int | None = None
+        self,
+        grid: Grid,
+        boundary: Boundary,
+        component: str = "zz",
+        offsets: int | None = None,
+        part: slice = slice(None),
     ) -> Array:
         """Return the response at each offset along the free axis to the waves along the periodic one.
 
@@ -385,6 +414,8 @@ class BoundKernel:
             The letters of displacement and traction.
         offsets
             Number of offsets along the free axis, by default those within the grid.
+        part
+            The waves, by default all.
         """
         free = boundary.free_axis
         spectrum = self.spectrum if component == "zz" else partial(self.shear_spectrum, component)
@@ -396,6 +427,7 @@ class BoundKernel:
             grid.spacing if free == 0 else grid.spacing[::-1],
             self.datum or grid.size[free],
             odd=odd_axes(component)[free],
+            part=part,
         )
         return values if free == 0 else np.ascontiguousarray(values.T)
 

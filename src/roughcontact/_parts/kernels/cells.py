@@ -92,7 +92,7 @@ def _log_of_line(i: Array, y: Array, aspect: float) -> Array:
     reach += np.sqrt(right**2 + square)
     reach -= aspect
     # Beside the middle of a long cell r1 + r2 - a cancels; there r1 = r2.
-    if aspect > 2.0 * _NEAR_RANGE and i[0] == 0.0:
+    if aspect > 2.0 * _NEAR_RANGE and i.size and i[0] == 0.0:
         reach[0] = 2.0 * square[0] / (np.sqrt(right[0] ** 2 + square[0]) + right[0])
     # Singular only on cells at the origin, which the sum over edges overwrites.
     with np.errstate(divide="ignore"):

@@ -49,11 +49,15 @@ class Love(InfluenceKernel):
 
     def coefficients(self, shape: tuple[int, int], spacing: Pair, compliance: float) -> Array:
         """Return the influence coefficients, shape (nx, ny), m/Pa; see `SupportsCoefficients`."""
-        i = np.arange(shape[0], dtype=np.float64)
+        return self.coefficients_from(0, shape, spacing, compliance)
+
+    def coefficients_from(self, first: int, shape: tuple[int, int], spacing: Pair, compliance: float) -> Array:
+        """Return the influence coefficients of the rows from the first one on; see `SupportsRows`."""
+        i = first + np.arange(shape[0], dtype=np.float64)
         j = np.arange(shape[1], dtype=np.float64)
         dx, dy = spacing
         if dx < dy:
-            return np.ascontiguousarray(self.coefficients(shape[::-1], (dy, dx), compliance).T)
+            return np.ascontiguousarray(cell_potential(j, i, dy / dx).T) * (compliance * dx / np.pi)
         return cell_potential(i, j, dx / dy) * (compliance * dy / np.pi)
 
     def spectrum(self, qx: Array, qy: Array, spacing: Pair, compliance: float) -> Array:

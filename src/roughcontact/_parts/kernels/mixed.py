@@ -26,7 +26,14 @@ _ROUNDING = 1e-13
 
 
 def mixed_coefficients(
-    spectrum: Spectrum, cells: int, waves: Array, spacing: Pair, datum: float, *, odd: bool = False
+    spectrum: Spectrum,
+    cells: int,
+    waves: Array,
+    spacing: Pair,
+    datum: float,
+    *,
+    odd: bool = False,
+    part: slice = slice(None),
 ) -> Array:
     r"""Return the response along a free x to pressure waves along y on one row of cells, shape (cells, n).
 
@@ -56,14 +63,21 @@ def mixed_coefficients(
         The distance D, m.
     odd
         Whether the response is odd in x: the sum is then one of sines, with a minus sign.
+    part
+        The waves of which it is returned, neighbours.
     """
-    result = np.empty((cells, waves.size))
-    result[:, 0] = _respond_to_uniform(spectrum, cells, spacing, datum, odd)
+    start, stop, _ = part.indices(waves.size)
+    result = np.empty((cells, stop - start))
+    if start == 0 < stop:
+        result[:, 0] = _respond_to_uniform(spectrum, cells, spacing, datum, odd)
     for octave in list_octaves(waves.size):
+        own = slice(max(octave.start, start), min(octave.stop, stop))
+        if own.start >= own.stop:
+            continue
         length = _IMAGE_WAVELENGTHS * 2.0 * np.pi / waves[octave.start]
         count = scipy.fft.next_fast_len(cells + int(np.ceil(length / spacing[0])), real=True)
-        amplitudes = spectrum(_list_waves(count, spacing[0]), waves[np.newaxis, octave], spacing)
-        result[:, octave] = sum_along_x(amplitudes, count, odd)[:cells]
+        amplitudes = spectrum(_list_waves(count, spacing[0]), waves[np.newaxis, own], spacing)
+        result[:, own.start - start : own.stop - start] = sum_along_x(amplitudes, count, odd)[:cells]
     return result
 
 

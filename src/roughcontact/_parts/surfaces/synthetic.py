@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import ClassVar
 
 import attrs
 import numpy as np
-import numpy.typing as npt
 import scipy.fft
 
-from roughcontact._base.arrays import Array, Pair
+from roughcontact._base.arrays import Array, IntArray, Pair, Waves
 from roughcontact._base.checks import integer, number, pair
 from roughcontact._base.machine import require_memory
 from roughcontact._base.units import si
@@ -296,25 +296,55 @@ class SelfAffineSurface(Surface):
 
     def heights(self, grid: Grid) -> Array:
         """Return the heights at the cell centres, shape `grid.shape`, m, of mean zero."""
+        kx, ky = (np.arange(-m, m + 1) for m in self._boxes(grid)[1])
+        self._require(grid)
+        modes = self._waves(grid, ky)
+        spectrum = np.zeros(grid.shape, dtype=np.complex128)
+        np.add.at(spectrum, np.ix_(kx % grid.shape[0], ky % grid.shape[1]), modes)
+        return np.ascontiguousarray(scipy.fft.ifft2(spectrum, norm="forward").real)
+
+    def half_spectrum(self, grid: Grid, columns: slice, across: Callable[[np.ufunc, float], float]) -> Waves:
+        """Return columns of the waves of the heights, shape (nx, n), for transforms whose parts lie apart.
+
+        The heights are `scipy.fft.irfft2` of all columns, with ``norm="forward"``, but for rounding.
+
+        Parameters
+        ----------
+        grid
+            The grid.
+        columns
+            The columns, of the ny // 2 + 1 waves along y from zero up.
+        across
+            Function of a ufunc, `np.add` or `np.maximum`, and a number of this part that returns the sum or the maximum
+            over all parts, which together have each column once.
+        """
+        nx, ny = grid.shape
+        mx, my = self._boxes(grid)[1]
+        kx = np.arange(-mx, mx + 1)
+        waves = np.arange(my + 1)
+        # Waves that count in the rms value alone may be shorter than two cells.
+        places = np.minimum(waves % ny, -waves % ny)
+        ky = waves[(columns.start <= places) & (places < columns.stop)]
+        self._require(grid, ky.size / waves.size)
+        modes = self._waves(grid, ky, across)
+        spectrum = np.zeros((nx, columns.stop - columns.start), dtype=np.complex128)
+        resolved = 2 * ky <= ny
+        np.add.at(spectrum, np.ix_(kx % nx, ky[resolved] - columns.start), modes[:, resolved])
+        # At half the sampling wave number a wave and the opposite one are the same.
+        limit = 2 * ky == ny
+        np.add.at(spectrum, np.ix_(-kx % nx, ky[limit] - columns.start), np.conj(modes[:, limit]))
+        return spectrum
+
+    def _require(self, grid: Grid, part: float = 1.0) -> None:
+        """Refuse a grid that is too coarse, or one of which a part does not fit into memory."""
         nyquist = max(2.0 * step for step in grid.spacing)
         if self.shortest < nyquist * (1 - _WAVELENGTH_TOLERANCE):
             allowed = f"at least two cells ({nyquist:g} m) on this grid"
             hint = "Refine the grid or choose a longer wave."
             raise InputError.about("The shortest wavelength", self.shortest, allowed, hint)
-        inner, outer = self._boxes(grid)
-        kx, ky = (np.arange(-m, m + 1) for m in outer)
-        numbers = max(_NUMBERS_PER_WAVE * kx.size * ky.size, _NUMBERS_PER_CELL * grid.cells)
-        require_memory(8.0 * numbers, f"A self-affine surface of {kx.size} x {ky.size} waves", "choose fewer cells")
-        qx, qy = (
-            np.asarray(2 * np.pi * k / side, dtype=np.float64)
-            for k, side in ((kx[:, None], grid.size[0]), (ky[None, :], grid.size[1]))
-        )
-        modes = self._modes(qx, qy, inner)
-        # The origin is the centre of the domain; the FFT has it in the first cell.
-        modes = modes * np.exp(1j * (qx * grid.x[0, 0] + qy * grid.y[0, 0]))
-        spectrum = np.zeros(grid.shape, dtype=np.complex128)
-        np.add.at(spectrum, np.ix_(kx % grid.shape[0], ky % grid.shape[1]), modes)
-        return np.ascontiguousarray(scipy.fft.ifft2(spectrum, norm="forward").real)
+        nx, ny = (2 * m + 1 for m in self._boxes(grid)[1])
+        numbers = part * max(_NUMBERS_PER_WAVE * nx * ny, _NUMBERS_PER_CELL * grid.cells)
+        require_memory(8.0 * numbers, f"A self-affine surface of {nx} x {ny} waves", "choose fewer cells")
 
     @property
     def periodic(self) -> bool:
@@ -334,8 +364,26 @@ class SelfAffineSurface(Surface):
         )
         return inner, tuple(map(max, inner, shown))
 
-    def _modes(self, qx: Array, qy: Array, inner: tuple[int, ...]) -> npt.NDArray[np.complex128]:
+    def _waves(
+        self, grid: Grid, ky: IntArray, across: Callable[[np.ufunc, float], float] = lambda _, value: value
+    ) -> Waves:
+        """Return the Fourier coefficients of the heights, whose origin the FFT has in the first cell.
+
+        Those of all numbers of waves along y, or of some from zero up, in ascending order; see `half_spectrum`.
+        """
+        mx = self._boxes(grid)[1][0]
+        qx, qy = (
+            np.asarray(2 * np.pi * k / side, dtype=np.float64)
+            for k, side in ((np.arange(-mx, mx + 1)[:, None], grid.size[0]), (ky[None, :], grid.size[1]))
+        )
+        modes = self._modes(grid, qx, qy, ky, across)
+        return np.asarray(modes * np.exp(1j * (qx * grid.x[0, 0] + qy * grid.y[0, 0])))
+
+    def _modes(
+        self, grid: Grid, qx: Array, qy: Array, ky: IntArray, across: Callable[[np.ufunc, float], float]
+    ) -> Waves:
         """Return the Fourier coefficients of a real surface with exactly the given rms height or slope."""
+        inner, outer = self._boxes(grid)
         cos = math.cos(self.lay)
         sin = math.sin(self.lay)
         q = np.hypot(self.peklenik * (cos * qx + sin * qy), cos * qy - sin * qx)
@@ -343,33 +391,57 @@ class SelfAffineSurface(Surface):
         shown, counted = (
             inside & (q * wave <= 2 * np.pi * (1 + _WAVELENGTH_TOLERANCE)) for wave in (self.shortest, self.rms_cutoff)
         )
-        if not shown.any() or not counted.any():
+        if not all(across(np.maximum, float(waves.any())) for waves in (shown, counted)):
             raise InputError("No wave between shortest and longest fits into the domain: enlarge it.")
         flat = np.maximum(q, 2 * np.pi / self.rolloff)
         amplitude = np.where(inside, flat ** (-1.0 - self.hurst), 0.0)
-        noise = self._noise(inner, (qx.size // 2, qy.size // 2))
-        modes = amplitude / amplitude.max() * (noise[0] + 1j * noise[1])
-        modes = modes + np.conj(modes[::-1, ::-1])
-        box = tuple(slice(n // 2 - m, n // 2 + m + 1) for n, m in zip(q.shape, inner, strict=True))
+        amplitude /= across(np.maximum, float(amplitude.max(initial=0.0)))
+        modes = self._draw(amplitude, inner, outer, ky)
+        box = (
+            slice(outer[0] - inner[0], outer[0] + inner[0] + 1),
+            slice(int(np.searchsorted(ky, -inner[1])), int(np.searchsorted(ky, inner[1], side="right"))),
+        )
         magnitude = np.where(counted[box], np.abs(modes[box]), 0.0)
         rms = self.rms_height
         if rms is None:
             rms = self.rms_slope
             magnitude = np.hypot(qx, qy)[box] * magnitude
-        return np.asarray(np.where(shown, modes * (rms / np.sqrt(np.sum(magnitude**2))), 0.0))
+        squares = magnitude**2
+        if not _has_opposites(ky):
+            squares[:, ky[box[1]] > 0] *= 2.0
+        scale = rms / np.sqrt(across(np.add, float(np.sum(squares))))
+        return np.asarray(np.where(shown, modes * scale, 0.0))
 
-    def _noise(self, inner: tuple[int, ...], outer: tuple[int, ...]) -> Array:
-        """Return two normal numbers for each wave, shape (2, 2 outer + 1); they do not depend on `outer`."""
-        noise = np.random.default_rng(self.seed).standard_normal((2, *(2 * m + 1 for m in inner)))
-        if inner == outer:
-            return noise
+    def _draw(self, amplitude: Array, inner: tuple[int, ...], outer: tuple[int, ...], ky: IntArray) -> Waves:
+        """Return random coefficients of the given amplitudes: of opposite waves conjugates."""
+        whole = _has_opposites(ky)
+        noise = self._noise(inner, outer, ky if whole else np.concatenate((ky, -ky)))
+        modes = amplitude * (noise[0, :, : ky.size] + 1j * noise[1, :, : ky.size])
+        if whole:
+            return np.asarray(modes + np.conj(modes[::-1, ::-1]))
+        opposite = amplitude * (noise[0, ::-1, ky.size :] + 1j * noise[1, ::-1, ky.size :])
+        return np.asarray(modes + np.conj(opposite))
+
+    def _noise(self, inner: tuple[int, ...], outer: tuple[int, ...], ky: IntArray) -> Array:
+        """Return two normal numbers for each wave, shape (2, 2 outer + 1, n); they do not depend on `outer`."""
         mx, my = inner
         nx, ny = outer
-        wider = np.empty((2, 2 * nx + 1, 2 * ny + 1))
-        # Each row has its own random stream, with the long waves first.
-        order = np.argsort(np.abs(np.arange(-ny, ny + 1)), kind="stable")
-        for row in range(2 * nx + 1):
-            key = np.random.SeedSequence(self.seed, spawn_key=(2 * abs(row - nx) + (row < nx),))
-            wider[:, row, order] = np.random.default_rng(key).standard_normal((order.size, 2)).T
-        wider[:, nx - mx : nx + mx + 1, ny - my : ny + my + 1] = noise
-        return wider
+        noise = np.empty((2, 2 * nx + 1, ky.size))
+        if inner != outer:
+            # Each row has its own random stream, with the long waves first.
+            order = np.argsort(np.abs(np.arange(-ny, ny + 1)), kind="stable")
+            places = np.argsort(order)[ky + ny]
+            for row in range(2 * nx + 1):
+                key = np.random.SeedSequence(self.seed, spawn_key=(2 * abs(row - nx) + (row < nx),))
+                noise[:, row] = np.random.default_rng(key).standard_normal((order.size, 2))[places].T
+        near = np.abs(ky) <= my
+        columns = ky[near] + my
+        random = np.random.default_rng(self.seed)
+        for part, row in itertools.product(range(2), range(nx - mx, nx + mx + 1)):
+            noise[part, row, near] = random.standard_normal(2 * my + 1)[columns]
+        return noise
+
+
+def _has_opposites(ky: IntArray) -> bool:
+    """Return whether numbers of waves along y include those below zero."""
+    return bool((ky < 0).any())

@@ -39,6 +39,7 @@ from roughcontact._parts.kernels import (
     require_form,
 )
 from roughcontact.errors import InputError
+from roughcontact.errors.door import guarded
 
 if TYPE_CHECKING:
     from roughcontact._solve.convolvers.shear import ShearConvolution
@@ -313,6 +314,21 @@ def list_all_waves(half: RealArray, length: int, odd: bool = False) -> RealArray
     if odd:
         values[mirrored] *= -1.0
     return values
+
+
+@guarded
+def padded_shape(grid: Grid, boundary: Boundary) -> tuple[int, int]:
+    """Return the cells of the grid, along free axes at least 2n - 1 of them, as many as are fast for real transforms.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> rc.typing.padded_shape(rc.Grid((32, 24), 1e-3), rc.Boundary.FREE_PERIODIC)
+    (64, 24)
+    """
+    sizes = zip(grid.shape, boundary.free_axes, strict=True)
+    mx, my = (scipy.fft.next_fast_len(2 * n - 1, real=True) if free else n for n, free in sizes)
+    return mx, my
 
 
 class Convolver(abc.ABC):

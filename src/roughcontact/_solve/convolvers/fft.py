@@ -6,7 +6,6 @@ from functools import cached_property
 
 import attrs
 import numpy as np
-import scipy.fft
 
 from roughcontact._base.arrays import Array, RealArray, Waves
 from roughcontact._base.units import outlined
@@ -19,6 +18,7 @@ from roughcontact._solve.convolvers.base import (
     mixed_spectrum,
     multiply_columns,
     multiply_waves,
+    padded_shape,
     require_shear,
     transform_extended,
     transform_rows,
@@ -51,10 +51,8 @@ class DCFFT(Convolver):
     boundaries = frozenset({Boundary.FREE, Boundary.FREE_PERIODIC, Boundary.PERIODIC_FREE})
 
     def transform_shape(self, grid: Grid, boundary: Boundary) -> tuple[int, int]:
-        """Return the smallest sizes from 2n - 1 on along free axes that are fast for real transforms."""
-        sizes = zip(grid.shape, boundary.free_axes, strict=True)
-        mx, my = (scipy.fft.next_fast_len(2 * n - 1, real=True) if free else n for n, free in sizes)
-        return mx, my
+        """Return the cells of the padded grid; see `padded_shape`."""
+        return padded_shape(grid, boundary)
 
     def prepare(self, kernel: BoundKernel, grid: Grid, boundary: Boundary) -> PreparedConvolution:
         setup = ConvolutionSetup(self, kernel, grid, boundary)

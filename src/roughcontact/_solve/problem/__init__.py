@@ -26,7 +26,7 @@ from roughcontact._solve.problem.required_load import RequiredLoad, find_require
 from roughcontact._solve.problem.run import Certificate, certify, computing, confirm, make_solution
 from roughcontact._solve.problem.saved import find_saved_kind, load
 from roughcontact._solve.problem.sweep import Sweep, make_table, order_of_solving, predict_pressure, run_sweep
-from roughcontact._solve.problem.task import LOAD_TOLERANCE, make_task, maximum_pressure, pressure_unit
+from roughcontact._solve.problem.task import LOAD_TOLERANCE, bind_kernel, make_task, maximum_pressure, pressure_unit
 
 __all__ = [
     "AS_GIVEN",
@@ -43,6 +43,7 @@ __all__ = [
     "StepNumbers",
     "Sweep",
     "TangentialLoop",
+    "bind_kernel",
     "certify",
     "computing",
     "confirm",

@@ -31,14 +31,19 @@ def pressure_unit(plan: SolvePlan) -> float:
     return plan.modulus * (plan.peak_to_valley / plan.grid.spacing[0])
 
 
-def prepare_convolution(plan: SolvePlan) -> PreparedConvolution:
-    """Return the prepared convolution of a plan in dimensionless variables: lengths in cells, E* = 1."""
-    # The memory is checked again: the first solve may come long after the problem was made.
-    require_memory_of_solve(plan.grid, plan.boundary, plan.memory_limit)
+@guarded
+def bind_kernel(plan: SolvePlan) -> BoundKernel:
+    """Return the kernel of a plan in dimensionless variables: lengths in cells, E* = 1."""
     unit = plan.grid.spacing[0] / plan.modulus
     datum = plan.grid.size[plan.boundary.free_axis] if plan.boundary.mixed else None
-    bound = BoundKernel(plan.kernel, compliance=1.0 / plan.modulus, unit=unit, datum=datum)
-    prepared = plan.convolver.prepare(bound, plan.grid, plan.boundary)
+    return BoundKernel(plan.kernel, compliance=1.0 / plan.modulus, unit=unit, datum=datum)
+
+
+def prepare_convolution(plan: SolvePlan) -> PreparedConvolution:
+    """Return the prepared convolution of a plan, with the kernel of `bind_kernel`."""
+    # The memory is checked again: the first solve may come long after the problem was made.
+    require_memory_of_solve(plan.grid, plan.boundary, plan.memory_limit)
+    prepared = plan.convolver.prepare(bind_kernel(plan), plan.grid, plan.boundary)
     if not isinstance(prepared, PreparedConvolution):
         raise InputError(f"The convolver {plan.convolver!r} must return a PreparedConvolution, not {prepared!r}.")
     return prepared

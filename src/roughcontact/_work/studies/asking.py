@@ -94,8 +94,32 @@ def describe_response(name: str) -> ResponseForm:
     return ResponseForm(line[:1].lower() + line[1:], tuple(fields), is_array)
 
 
+@guarded
 def build_part(registry: Registry[Any], name: str, fields: Mapping[str, Any], what: str) -> Any:
-    """Return the part with a registered name and fields as in a study file; `InputError` begins with `what`."""
+    """Return a part with a registered name.
+
+    Parameters
+    ----------
+    registry
+        The registry, such as ``rc.surfaces``.
+    name
+        The name.
+    fields
+        Its fields by name, numbers in SI units or texts as in a study file.
+    what
+        What a sentence calls the part.
+
+    Raises
+    ------
+    InputError
+        If a field is wrong or missing.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> rc.typing.build_part(rc.surfaces, "sphere", {"radius": "5 mm"}, "the ball")
+    SphereSurface(radius=0.005, center=(0.0, 0.0))
+    """
     form = Form()
     part = form.read(registry.base, {**fields, "type": name}, "")
     for place, error in form.faults:
