@@ -159,10 +159,11 @@ def _collect(texts: list[tuple[float, tuple[str, ...]]]) -> tuple[str, ...]:
             found.setdefault(kind_of(str(text)), {})[load] = text
     collected = []
     for at in found.values():
-        first, *_, last = (*at, *at)
-        where = si(first, "Pa") if len(at) == 1 else f"{len(at)} loads from {si(first, 'Pa')} to {si(last, 'Pa')}"
+        loads = list(at)
+        where = " to ".join(si(load, "Pa") for load in (loads[0], *loads[1:][-1:]))
+        where = where if len(at) == 1 else f"{len(at)} loads from {where}"
         differ = "" if len(set(at.values())) == 1 else ", here with the numbers at the last"
-        collected.append(f"At {where}{differ}: {at[last]}")
+        collected.append(f"At {where}{differ}: {at[loads[-1]]}")
     return tuple(collected)
 
 
