@@ -119,11 +119,8 @@ def test_what_is_no_store_is_not_replaced(tmp_path):
     pytest.importorskip("zarr")
     solution = solve(slab(), 1.0, STEEL, pressure=1e7, boundary="periodic")
     (tmp_path / "data.zarr").mkdir()
-    for name, sentence in (
-        ("data.zarr", "something else"),
-        ("no/out.zarr", "no folder"),
-        ("out.nc", "must be a folder"),
-    ):
+    refused = {"data.zarr": "something else", "no/out.zarr": "no folder", "out.nc": "must be a folder"}
+    for name, sentence in refused.items():
         with pytest.raises(rc.InputError, match=sentence):
             solution.save(tmp_path / name)
     assert [file.name for file in tmp_path.iterdir()] == ["data.zarr"]
