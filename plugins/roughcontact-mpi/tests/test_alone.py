@@ -6,10 +6,11 @@ import roughcontact as rc
 
 MPI = pytest.importorskip("mpi4py.MPI", reason="mpi4py finds no MPI: pip install mpich", exc_type=Exception)
 
-from roughcontact_mpi import Processes, SlabArray, SlabFFT, read_heights, solve, write_field  # noqa: E402
+from roughcontact_mpi import Processes, SlabArray, SlabFFT, make_heights, read_heights, solve, write_field  # noqa: E402
 
 ALONE = Processes(MPI.COMM_SELF)
 STEEL = rc.Elastic(1e9, 0.3)
+ROUGH = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.1, shortest=0.1, longest=1.0, lay=0.3, peklenik=2.0, seed=2)
 VALUES = 0.01 * np.random.default_rng(1).normal(size=(40, 33))
 
 
@@ -59,6 +60,10 @@ def test_a_step_that_slabs_do_not_have_is_refused():
         ({"pressure": 1e7, "heights": slab(np.ones((4, 4)))}, "all the same"),
         ({"pressure": 1e7, "material": rc.ElasticPerfectlyPlastic(1e9, 0.3, np.full((8, 8), 1e8))}, "one number"),
         ({"approach": 1.0, "boundary": "periodic"}, "full contact"),
+        ({"pressure": 1e7, "heights": rc.SphereSurface(1.0), "size": rc.Grid((8, 8), 1.0)}, "SelfAffineSurface"),
+        ({"pressure": 1e7, "heights": ROUGH, "size": 1.0}, "an rc.Grid"),
+        ({"pressure": 1e7, "heights": ROUGH, "size": rc.Grid((8, 8), 1.0)}, "at least two cells"),
+        ({"pressure": 1e7, "size": rc.Grid((8, 8), 1.0)}, "shape of the heights"),
     ],
 )
 def test_wrong_input_is_refused(arguments, sentence):
@@ -96,6 +101,29 @@ def test_a_field_comes_back_from_its_file(tmp_path):
     found = read_heights(tmp_path / "field.npy", ALONE, unit=1e-6)
     assert np.array_equal(found.part, VALUES * 1e-6)
     assert [file.name for file in tmp_path.iterdir()] == ["field.npy"]
+
+
+def test_random_heights_are_those_of_the_surface():
+    grid = rc.Grid((40, 33), (2.0, 1.0))
+    expected = ROUGH.heights(grid)
+    found = make_heights(ROUGH, grid, ALONE)
+    assert np.abs(found.part - expected).max() < 1e-14 * np.abs(expected).max()
+    one, other = (
+        solve(heights, grid, STEEL, pressure=1e7, boundary="periodic", tolerance=1e-10)
+        for heights in (ROUGH, slab(expected))
+    )
+    assert np.abs(one.pressure.part - other.pressure.part).max() < 1e-8 * other.pressure.part.max()
+
+
+def test_what_is_no_store_is_not_replaced(tmp_path):
+    pytest.importorskip("zarr")
+    solution = solve(slab(), 1.0, STEEL, pressure=1e7, boundary="periodic")
+    (tmp_path / "data.zarr").mkdir()
+    refused = {"data.zarr": "something else", "no/out.zarr": "no folder", "out.nc": "must be a folder"}
+    for name, sentence in refused.items():
+        with pytest.raises(rc.InputError, match=sentence):
+            solution.save(tmp_path / name)
+    assert [file.name for file in tmp_path.iterdir()] == ["data.zarr"]
 
 
 def test_the_area_does_not_depend_on_the_orientation():
