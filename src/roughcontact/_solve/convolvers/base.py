@@ -290,18 +290,27 @@ def mixed_spectrum(setup: ConvolutionSetup, padded: tuple[int, int], component: 
     length = padded[free]
     coefficients = setup.kernel.mixed_coefficients(setup.grid, boundary, component, length // 2 + 1)
     odd = odd_axes(component)[free]
-    if free == 0:
-        return transform_extended(coefficients, length, odd)
-    return np.ascontiguousarray(transform_extended(coefficients.T, length, odd).T)
+    return transform_extended(coefficients, length, odd, axis=free)
 
 
-def transform_extended(values: Array, length: int, odd: bool) -> Array:
-    """Return the transform along the first axis of the even or odd extension to `length`: its only part."""
-    n = values.shape[0]
-    extended = np.zeros((length, *values.shape[1:]))
-    extended[:n] = values
-    extended[length - n + 1 :] = -values[:0:-1] if odd else values[:0:-1]
-    waves = scipy.fft.rfft(extended, axis=0, workers=threads_for(extended.size))
+def transform_extended(values: Array, length: int, odd: bool, axis: int = 0) -> Array:
+    """Return the transform along an axis of the even or odd extension to `length`: its only part."""
+    n = values.shape[axis]
+    shape = list(values.shape)
+    if not odd and length % 2 == 0:
+        # The cosine transform needs half of the extension.
+        shape[axis] = length // 2 + 1
+        half = np.zeros(shape)
+        np.moveaxis(half, axis, 0)[:n] = np.moveaxis(values, axis, 0)
+        found: Array = scipy.fft.dct(half, type=1, axis=axis, overwrite_x=True, workers=threads_for(half.size))
+        return found
+    shape[axis] = length
+    extended = np.zeros(shape)
+    ahead = np.moveaxis(extended, axis, 0)
+    given = np.moveaxis(values, axis, 0)
+    ahead[:n] = given
+    ahead[length - n + 1 :] = -given[:0:-1] if odd else given[:0:-1]
+    waves = scipy.fft.rfft(extended, axis=axis, workers=threads_for(extended.size))
     return np.ascontiguousarray(waves.imag if odd else waves.real)
 
 
