@@ -83,6 +83,8 @@ class Descent:
         self._step: RealArray | None = None
         self._change: RealArray | None = None
         self._curvature = 1.0
+        # The minimum of the gap, where the last step has found it.
+        self._minimum: float | None = None
         self.products = 0
         self.met_limit = False
 
@@ -91,7 +93,7 @@ class Descent:
         self.pressure = pressure
         self.gap = gap
         self._level = 0.0
-        self._minimum = -math.inf
+        self._minimum = None
         active = active_cells(pressure, lambda tile: self._inside(pressure[tile], self._limits(tile)))
         weights = self._preconditioner.weights(active) if active.count else active.ones
         self._state = ActiveState(active, active.gather(pressure), active.gather(gap), weights)
@@ -125,6 +127,8 @@ class Descent:
             np.maximum(gap, 0.0, out=gap, where=state.pressure >= limit)
         load = float(np.add.reduce(state.pressure))
         open_gap = dot(state.pressure, np.abs(gap, out=gap)) / load if load > 0.0 else 0.0
+        if self._minimum is None:
+            self._minimum = min(map_tiles(self._find_minimum, tiles_of(self.gap)))
         return max(open_gap, level - self._minimum)
 
     def _find_minimum(self, tile: slice) -> float:
