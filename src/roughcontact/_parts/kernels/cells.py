@@ -122,7 +122,7 @@ def _edge_log(distance: Array, middle: Array, length: float) -> Array:
 
 
 def _length(x: Array, y: Array) -> Array:
-    """Return the length of vectors whose squares are in the range of float64: `numpy.hypot` takes three times as long."""
+    """Return the length of vectors whose squares are in the range of float64, in a third of the time of `hypot`."""
     return np.asarray(np.sqrt(x * x + y * y))
 
 

@@ -26,8 +26,8 @@ _FLOAT32_GAIN = 2e-5
 _EARLY_GOAL_FACTOR = 10.0
 # Goal of the estimated error, over the tolerance of the verification.
 _GOAL_FRACTION = 0.7
-# Maximum error, over the first, at which a coarse grid is left: a ball on 1024 x 1024 cells takes 14 products instead of
-# the 18 without it, a rough surface on 2048 x 2048 at x = 0.2 25 instead of 30; with 0.2 no rough surface takes fewer.
+# Maximum error, over the first, at which a coarse grid is left: a ball on 1024 x 1024 cells takes 14 products instead
+# of 18, a rough surface on 2048 x 2048 cells at x = 0.2 25 instead of 30; with 0.2 no rough surface takes fewer.
 _FIRST_ERROR_FRACTION = 0.1
 # A pass whose error has fallen by the first factor ends after three iterations that do not lower it to a third.
 _LATE_ERROR_FRACTION = 3e-3
