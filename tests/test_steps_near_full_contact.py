@@ -266,8 +266,9 @@ def test_open_cells_beside_contacts_that_overlap_are_released_below_what_a_step_
     levels = preconditioner.levels(weights, active.gather(gap.ravel()), np.float32(0.5))
     parts = [levels(slice(start, min(start + 1000, gap.size))) for start in range(0, gap.size, 1000)]
     found = np.concatenate(parts).reshape(shape)
-    assert np.ptp(found[:10]) < 1e-6
-    assert 0.1 < found[0, 0] < 0.3
+    bearing = (pressure > 0.0).reshape(shape)[:10]
+    assert np.ptp(found[:10][bearing]) < 1e-6
+    assert 0.1 < found[:10][bearing].max() < 0.3
     assert found[35:] == pytest.approx(0.5, abs=1e-6)
     assert (found <= 0.5 + 1e-6).all()
 
