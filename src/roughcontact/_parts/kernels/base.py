@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import abc
+import math
 from collections.abc import Callable
 from functools import partial
 from typing import Any, ClassVar, Protocol, runtime_checkable
@@ -344,11 +345,9 @@ class BoundKernel:
         """
         kernel: Any = require_form(self.kernel, SupportsSpectrum)
         with np.errstate(divide="ignore", invalid="ignore"):
-            values = np.array(kernel.spectrum(qx, qy, spacing, self.compliance), dtype=np.float64)
-        shape = (qx.shape[0], qy.shape[1])
-        if values.shape == shape:
-            values[np.broadcast_to((qx == 0.0) & (qy == 0.0), shape)] = 0.0
-        return self._check(values, shape)
+            values = kernel.spectrum(qx, qy, spacing, self.compliance)
+        mean = np.ix_(np.flatnonzero(qx == 0.0), np.flatnonzero(qy == 0.0))
+        return self._check(values, (qx.shape[0], qy.shape[1]), unused=mean)
 
     def shear_coefficients(self, component: str, shape: tuple[int, int], spacing: Pair) -> Array:
         """Return the coefficients of a component, finite, shape (nx, ny); see `SupportsShear`."""
@@ -365,14 +364,10 @@ class BoundKernel:
         kernel: Any = require_form(self.kernel, SupportsShear)
         with np.errstate(divide="ignore", invalid="ignore"):
             given = kernel.shear_spectrum(component, qx, qy, spacing, self.compliance, self.pair)
-        values = np.array(given, dtype=np.float64)
-        shape = (qx.shape[0], qy.shape[1])
-        if values.shape == shape:
-            unused = (qx == 0.0) & (qy == 0.0)
-            for wave, step, odd in zip((qx, qy), spacing, odd_axes(component), strict=True):
-                unused = unused | (odd & (np.abs(wave) * step >= _NYQUIST_PHASE))
-            values[np.broadcast_to(unused, shape)] = 0.0
-        return self._check(values, shape, component)
+        unused = (qx == 0.0) & (qy == 0.0)
+        for wave, step, odd in zip((qx, qy), spacing, odd_axes(component), strict=True):
+            unused = unused | (odd & (np.abs(wave) * step >= _NYQUIST_PHASE))
+        return self._check(given, (qx.shape[0], qy.shape[1]), component, unused=unused)
 
     def responses(self, grid: Grid, boundary: Boundary) -> Array:
         """Return the displacement by unit pressure at each offset within a grid, shape (nx, ny).
@@ -431,16 +426,21 @@ class BoundKernel:
         )
         return values if free == 0 else np.ascontiguousarray(values.T)
 
-    def _check(self, values: Array, shape: tuple[int, int], component: str = "zz") -> Array:
-        values = np.asarray(values)
+    def _check(self, given: Array, shape: tuple[int, int], component: str = "zz", unused: Any = None) -> Array:
+        """Return a copy of values in the unit, zero where they are unused; `InputError` unless it is finite."""
+        values = np.asarray(given)
         if values.shape != shape or values.dtype.kind != "f":
             raise InputError(
                 f"The kernel {self.kernel!r} returned an array of shape {values.shape} and type {values.dtype}, "
                 f"where real numbers of shape {shape} are needed."
             )
-        scaled = values / self.unit
+        scaled = np.divide(values, self.unit, dtype=np.float64)
+        if unused is not None:
+            scaled[unused] = 0.0
         # Only a displacement along the load is above zero somewhere.
         along = component[0] == component[1]
-        if not np.isfinite(scaled).all() or (along and not scaled.max() > 0.0):
+        low = float(scaled.min(initial=0.0))
+        high = float(scaled.max(initial=0.0))
+        if not (math.isfinite(low) and math.isfinite(high)) or (along and not high > 0.0):
             raise InputError(f"The kernel {self.kernel!r} returned values that are not finite, or none above zero.")
         return scaled

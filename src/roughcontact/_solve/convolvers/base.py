@@ -25,7 +25,7 @@ from roughcontact._base.arrays import (
     matrix_product,
     sum_of_products,
 )
-from roughcontact._base.machine import map_tiles, split, threads_for
+from roughcontact._base.machine import map_tiles, split, threads_for, tiles_of
 from roughcontact._base.registry import Registry
 from roughcontact._base.units import outlined
 from roughcontact._parts.grid import Boundary, Grid
@@ -251,19 +251,32 @@ def approximate_inverse(setup: ConvolutionSetup, dtype: npt.DTypeLike = np.float
     """Return the approximate inverse of a convolution, its stiffness in the given precision."""
     shape = setup.inverse_shape
     if setup.boundary is Boundary.PERIODIC:
-        response = np.array(setup.spectrum)
+        response = setup.spectrum
     else:
         known = isinstance(setup.kernel.kernel, SupportsSpectrum)
         spectrum = periodic_spectrum if known else wrapped_spectrum
         response = spectrum(setup.kernel, shape, setup.grid.spacing)
-    response[0, 0] = 0.0
-    floor = _MIN_AMPLITUDE * float(np.abs(response).mean())
-    exact = setup.boundary is Boundary.PERIODIC and bool((response.ravel()[1:] > floor).all())
-    response = np.abs(response)
-    stiffness = np.zeros_like(response)
-    np.divide(1.0, np.maximum(response, floor), out=stiffness, where=response > 0.0)
+    tiles = tiles_of(response)
+    sums, minima = zip(*map_tiles(lambda rows: _measure_response(response[rows], rows.start), tiles), strict=True)
+    floor = _MIN_AMPLITUDE * (math.fsum(sums) / response.size)
+    exact = setup.boundary is Boundary.PERIODIC and min(minima) > floor
+    stiffness = np.empty(response.shape, dtype=dtype)
+
+    def invert(rows: slice) -> None:
+        amplitude = np.abs(response[rows])
+        vanishing = amplitude == 0.0
+        np.divide(1.0, np.maximum(amplitude, floor, out=amplitude), out=stiffness[rows], casting="same_kind")
+        stiffness[rows][vanishing] = 0.0
+
+    map_tiles(invert, tiles)
     stiffness[0, 0] = 0.0
-    return InverseConvolution(stiffness.astype(dtype, copy=False), shape, exact)
+    return InverseConvolution(stiffness, shape, exact)
+
+
+def _measure_response(rows: RealArray, first: int) -> tuple[float, float]:
+    """Return the sum of the amplitudes in rows from the first one on, and the minimum, without the mean wave."""
+    values = rows.ravel()[0 if first else 1 :]
+    return float(np.abs(values).sum()), float(values.min(initial=math.inf))
 
 
 def periodic_spectrum(kernel: BoundKernel, shape: tuple[int, int], spacing: Pair) -> Array:
@@ -291,18 +304,27 @@ def mixed_spectrum(setup: ConvolutionSetup, padded: tuple[int, int], component: 
     length = padded[free]
     coefficients = setup.kernel.mixed_coefficients(setup.grid, boundary, component, length // 2 + 1)
     odd = odd_axes(component)[free]
-    if free == 0:
-        return transform_extended(coefficients, length, odd)
-    return np.ascontiguousarray(transform_extended(coefficients.T, length, odd).T)
+    return transform_extended(coefficients, length, odd, axis=free)
 
 
-def transform_extended(values: Array, length: int, odd: bool) -> Array:
-    """Return the transform along the first axis of the even or odd extension to `length`: its only part."""
-    n = values.shape[0]
-    extended = np.zeros((length, *values.shape[1:]))
-    extended[:n] = values
-    extended[length - n + 1 :] = -values[:0:-1] if odd else values[:0:-1]
-    waves = scipy.fft.rfft(extended, axis=0, workers=threads_for(extended.size))
+def transform_extended(values: Array, length: int, odd: bool, axis: int = 0) -> Array:
+    """Return the transform along an axis of the even or odd extension to `length`: its only part."""
+    n = values.shape[axis]
+    shape = list(values.shape)
+    if not odd and length % 2 == 0:
+        # The cosine transform needs half of the extension.
+        shape[axis] = length // 2 + 1
+        half = np.zeros(shape)
+        np.moveaxis(half, axis, 0)[:n] = np.moveaxis(values, axis, 0)
+        found: Array = scipy.fft.dct(half, type=1, axis=axis, overwrite_x=True, workers=threads_for(half.size))
+        return found
+    shape[axis] = length
+    extended = np.zeros(shape)
+    ahead = np.moveaxis(extended, axis, 0)
+    given = np.moveaxis(values, axis, 0)
+    ahead[:n] = given
+    ahead[length - n + 1 :] = -given[:0:-1] if odd else given[:0:-1]
+    waves = scipy.fft.rfft(extended, axis=axis, workers=threads_for(extended.size))
     return np.ascontiguousarray(waves.imag if odd else waves.real)
 
 

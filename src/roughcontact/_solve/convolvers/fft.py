@@ -77,8 +77,7 @@ def _transform_offsets(coefficients: Array, padded: tuple[int, int], odd: tuple[
 
     Shape (mx // 2 + 1, my // 2 + 1). Odd in one axis it is imaginary, and its imaginary part is returned.
     """
-    half = transform_extended(coefficients.T, padded[1], odd[1])
-    values = transform_extended(np.ascontiguousarray(half.T), padded[0], odd[0])
+    values = transform_extended(transform_extended(coefficients, padded[1], odd[1], axis=1), padded[0], odd[0])
     return -values if all(odd) else values
 
 

@@ -128,7 +128,8 @@ def confirm(plan: SolvePlan, convolution: PreparedConvolution, task: Task, outco
     carried = convolution.sum(outcome.pressure) / outcome.pressure.size
     load = 0.0 if task.mean_pressure is None else abs(carried / task.mean_pressure - 1.0)
     bound = 2.0 * max(plan.solver.tolerance, state.floor)
-    bounded = bool(outcome.pressure.min() >= 0.0 and (outcome.pressure <= task.pressure_limit).all())
+    within = (outcome.pressure <= task.pressure_limit).all() if task.capped else outcome.pressure.max() < math.inf
+    bounded = bool(outcome.pressure.min() >= 0.0 and within)
     confirmed = state.error <= bound and load <= LOAD_TOLERANCE and bounded
     status = outcome.status.within(state.floor, plan.solver.tolerance)
     if status.success and not confirmed:
@@ -188,9 +189,11 @@ def _in_si(
 ) -> Certificate:
     """Return the certificate of dimensionless fields and a dimensionless approach."""
     unit = pressure_unit(plan)
-    pressure = np.minimum(outcome.pressure * unit, plan.pressure_limit)
-    # Saturated cells carry the limit to the last bit.
-    pressure = np.where(outcome.pressure >= task.pressure_limit, plan.pressure_limit, pressure)
+    pressure = outcome.pressure * unit
+    if task.capped:
+        np.minimum(pressure, plan.pressure_limit, out=pressure)
+        # Saturated cells carry the limit to the last bit.
+        np.copyto(pressure, plan.pressure_limit, where=outcome.pressure >= task.pressure_limit)
     return Certificate(
         pressure=pressure,
         displacement=displacement * plan.peak_to_valley,

@@ -78,7 +78,7 @@ class ContactConditions:
         self._limit = pressure_limit
         self._approach = approach
         self._capped = bool(np.isfinite(pressure_limit).any())
-        self._rms = float(initial_gap.std()) if rms is None else rms
+        self._rms = _standard_deviation(initial_gap) if rms is None else rms
 
     def measure(self, pressure: Array, displacement: Array) -> Violation:
         """Return the violation by a pressure, within its bounds, and the displacement it causes, shape (nx, ny).
@@ -94,7 +94,8 @@ class ContactConditions:
             elastic = bearing if not self._capped else np.where(bearing >= self._limits(tile), 0.0, bearing)
             load = np.add.reduce(elastic, axis=None)
             weighted = sum_of_products(elastic, moved + self._initial_gap[tile])
-            sums = load, weighted, np.add.reduce(bearing, axis=None)
+            whole = np.add.reduce(bearing, axis=None) if self._capped else load
+            sums = load, weighted, whole
             return tuple(float(value) for value in (*sums, bearing.max(), moved.min(), moved.max()))
 
         loads, weights, totals, peaks, lows, highs = zip(*map_tiles(weigh, tiles), strict=True)
@@ -144,3 +145,14 @@ class ContactConditions:
         lower = float(gap[pressure >= self._limit].max(initial=gap.min()))
         open_cells = pressure <= 0.0
         return min(lower, float(gap[open_cells].min())) if open_cells.any() else lower
+
+
+def _standard_deviation(values: Array) -> float:
+    """Return the standard deviation of a field, by tiles."""
+    mean = float(values.mean())
+
+    def square(tile: slice) -> float:
+        rest = values[tile] - mean
+        return sum_of_products(rest, rest)
+
+    return math.sqrt(math.fsum(map_tiles(square, tiles_of(values))) / values.size)

@@ -91,13 +91,18 @@ def rescale_to_load(pressure: Array, load: float, pressure_limit: float | Array)
         Maximum pressure, a number or an array that broadcasts to the shape.
     """
     limit = np.asarray(pressure_limit, like=pressure)
-    elastic = pressure < limit
-    # Sums with `where=` are not pairwise: on 1024 x 1024 cells they miss the load by more than its rounding.
-    carried = float(np.add.reduce(np.where(elastic, pressure, 0.0), axis=None))
-    saturated = float(np.add.reduce(np.where(elastic, 0.0, limit), axis=None))
-    if carried > 0.0:
-        np.multiply(pressure, max(load - saturated, 0.0) / carried, out=pressure, where=elastic)
-        np.minimum(pressure, limit, out=pressure)
+    if np.isfinite(limit).any():
+        elastic = pressure < limit
+        # Sums with `where=` are not pairwise: on 1024 x 1024 cells they miss the load by more than its rounding.
+        carried = float(np.add.reduce(np.where(elastic, pressure, 0.0), axis=None))
+        saturated = float(np.add.reduce(np.where(elastic, 0.0, limit), axis=None))
+        if carried > 0.0:
+            np.multiply(pressure, max(load - saturated, 0.0) / carried, out=pressure, where=elastic)
+            np.minimum(pressure, limit, out=pressure)
+    else:
+        carried = float(np.add.reduce(pressure, axis=None))
+        if carried > 0.0:
+            pressure *= load / carried
     if abs(float(np.add.reduce(pressure, axis=None)) - load) > LOAD_ROUNDING * load:
         flat = pressure.ravel()
         bound = limit.ravel()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Protocol
 
 import attrs
@@ -56,6 +57,9 @@ class SupportsPreconditioning(Protocol):
     def apply(self, active: ActiveCells, weights: RealArray, residual: RealArray) -> RealArray:
         """Return the vector of the preconditioned residual."""
 
+    def levels(self, weights: RealArray, gap: RealArray, level: np.float32) -> Callable[[slice], RealArray] | None:
+        """Return the level below which open cells are released, by tiles, from vectors; None if it is the given one."""
+
 
 class Descent:
     """Lowers the energy p.Kp/2 + h.p within the bounds by preconditioned conjugate gradients.
@@ -83,6 +87,8 @@ class Descent:
         self._step: RealArray | None = None
         self._change: RealArray | None = None
         self._curvature = 1.0
+        # The minimum of the gap, where the last step has found it.
+        self._minimum: float | None = None
         self.products = 0
         self.met_limit = False
 
@@ -91,6 +97,7 @@ class Descent:
         self.pressure = pressure
         self.gap = gap
         self._level = 0.0
+        self._minimum = None
         active = active_cells(pressure, lambda tile: self._inside(pressure[tile], self._limits(tile)))
         weights = self._preconditioner.weights(active) if active.count else active.ones
         self._state = ActiveState(active, active.gather(pressure), active.gather(gap), weights)
@@ -124,8 +131,9 @@ class Descent:
             np.maximum(gap, 0.0, out=gap, where=state.pressure >= limit)
         load = float(np.add.reduce(state.pressure))
         open_gap = dot(state.pressure, np.abs(gap, out=gap)) / load if load > 0.0 else 0.0
-        minimum = min(map_tiles(self._find_minimum, tiles_of(self.gap)))
-        return max(open_gap, level - minimum)
+        if self._minimum is None:
+            self._minimum = min(map_tiles(self._find_minimum, tiles_of(self.gap)))
+        return max(open_gap, level - self._minimum)
 
     def _find_minimum(self, tile: slice) -> float:
         """Return the minimum gap of the cells of a tile that are not saturated: they must not overlap."""
@@ -137,14 +145,20 @@ class Descent:
         state = self._state
         inside = self._inside(state.pressure, state.active.limits(self._limit))
         level = np.float32(self._find_level(inside))
+        # Without a limit all cells in contact are active: their vector takes less to read than the field.
+        bearing = None if self._capped else state.active.scatter(inside)
+        levels = None
+        if state.active.count:
+            levels = self._preconditioner.levels(state.weights * inside, state.gap, level)
 
         def mark(tile: slice) -> Mask:
-            pressure = self.pressure[tile]
             gap = self.gap[tile]
+            low = gap < (level if levels is None else levels(tile))
+            if bearing is not None:
+                low |= bearing[tile]
+                return low
+            pressure = self.pressure[tile]
             contact = pressure > 0.0
-            low = gap < level
-            if not self._capped:
-                return contact | low
             high = gap > level
             high |= pressure < self._limits(tile)
             return np.where(contact, high, low)
@@ -215,7 +229,8 @@ class Descent:
             field = state.active.scatter(step)
             change = self._operator.apply(field.reshape(self._shape)).ravel()
             self.products += 1
-            curvature = dot(step, state.active.gather(change))
+            response = state.active.gather(change)
+            curvature = dot(step, response)
             if not math.isfinite(curvature):
                 return False
             part = dot(residual, step) / curvature if curvature > 0.0 else 0.0
@@ -226,20 +241,23 @@ class Descent:
                 self._step = field
                 self._change = change
                 self._curvature = part * curvature
-                self._state = ActiveState(state.active, pressure, state.active.gather(self.gap), state.weights)
+                response *= np.float32(part)
+                response += state.gap
+                self._state = ActiveState(state.active, pressure, response, state.weights)
                 return True
             self._length *= _CAREFUL_LENGTH
         return False
 
     def _add_to_gap(self, change: RealArray, part: np.float32) -> None:
-        """Add a part of a change, flat, to the gap; the change is scaled to that part."""
+        """Add a part of a change, flat, to the gap, and find its minimum; the change is scaled to that part."""
         gap = self.gap
 
-        def add(tile: slice) -> None:
+        def add(tile: slice) -> float:
             change[tile] *= part
             gap[tile] += change[tile]
+            return self._find_minimum(tile)
 
-        map_tiles(add, tiles_of(gap))
+        self._minimum = min(map_tiles(add, tiles_of(gap)))
 
     def _take_part(
         self, part: float, before: Array, trial: Array, limit: Array, *, clipped: bool

@@ -123,8 +123,9 @@ def _refine(
             return InitialGuess(full.closing, products, guess.levels, closed=True)
         if full is not None and full.inverse.exact and not task.capped:
             nearly_full = attrs.evolve(full, gap=np.where(is_open, gap, np.float32(0.0)))
-    fine = np.maximum(interpolate(pressure, fx, fy), 0.0)
-    fine[is_open] = 0.0
+    fine = interpolate(pressure, fx, fy)
+    np.maximum(fine, 0.0, out=fine)
+    np.copyto(fine, 0.0, where=is_open)
     met_limit = guess.met_limit
     if task.capped:
         # Parabolas overshoot.
