@@ -10,8 +10,9 @@ import pytest
 
 import roughcontact as rc
 from roughcontact._parts.grid import Load
-from roughcontact._solve.convolvers import base as inverses
-from roughcontact._solve.convolvers.base import InverseConvolution, multiply_waves
+from roughcontact._solve.convolvers import transforms
+from roughcontact._solve.convolvers.base import InverseConvolution
+from roughcontact._solve.convolvers.transforms import multiply_waves
 from roughcontact._solve.problem.task import make_task, pressure_unit
 from roughcontact._solve.solvers.conjugate import solver as conjugate
 from roughcontact._solve.solvers.conjugate.active import ListedCells, MaskedCells, active_cells
@@ -156,7 +157,7 @@ def test_the_inverse_of_a_half_space_is_as_stiff_as_the_wave_number(shape):
 @pytest.mark.parametrize("shape", [(12, 15), (9, 20)])
 def test_waves_are_multiplied_by_their_symbol(shape, large, monkeypatch):
     """By columns and in three passes, on padded grids, and for a field in few rows."""
-    monkeypatch.setattr(inverses, "_MIN_COLUMNWISE_WAVES", 1 if large else 10**9)
+    monkeypatch.setattr(transforms, "_MIN_COLUMNWISE_WAVES", 1 if large else 10**9)
     rng, padded = np.random.default_rng(5), (20, 27)
     values = np.zeros(shape)
     values[[2, 7]] = rng.normal(size=(2, shape[1]))

@@ -192,12 +192,12 @@ class TestBits:
         pressure = np.random.default_rng(seed).random(grid.shape).astype(dtype)
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(machine, "_CELLS_PER_THREAD", 1)
-            patch.setattr("roughcontact._solve.convolvers.base._ROW_BLOCK_VALUES", 100)
+            patch.setattr("roughcontact._solve.convolvers.transforms._ROW_BLOCK_VALUES", 100)
             convolution = convolver.prepare(KERNEL, grid, rc.Boundary(boundary))
             inverse, fields = approximate_inverse(convolution.setup, dtype), []
             for count in COUNTS:
                 for large in (2**60, 0):
-                    patch.setattr("roughcontact._solve.convolvers.base._MIN_COLUMNWISE_WAVES", large)
+                    patch.setattr("roughcontact._solve.convolvers.transforms._MIN_COLUMNWISE_WAVES", large)
                     with use_threads(count):
                         fields.append((convolution.apply(pressure), inverse.apply(pressure)))
         assert all(field.dtype == dtype and field.shape == grid.shape for pair in fields for field in pair)

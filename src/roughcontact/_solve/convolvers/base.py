@@ -5,7 +5,6 @@ from __future__ import annotations
 import abc
 import itertools
 import math
-from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -20,12 +19,11 @@ from roughcontact._base.arrays import (
     IntArray,
     Pair,
     RealArray,
-    Waves,
     frozen_array,
     matrix_product,
     sum_of_products,
 )
-from roughcontact._base.machine import map_tiles, split, threads_for, tiles_of
+from roughcontact._base.machine import map_tiles, tiles_of
 from roughcontact._base.registry import Registry
 from roughcontact._base.units import outlined
 from roughcontact._parts.grid import Boundary, Grid
@@ -38,17 +36,12 @@ from roughcontact._parts.kernels import (
     odd_axes,
     require_form,
 )
+from roughcontact._solve.convolvers.transforms import multiply_waves, multiply_waves_of_rows, transform_extended
 from roughcontact.errors import InputError
-from roughcontact.errors.door import guarded
 
 if TYPE_CHECKING:
     from roughcontact._solve.convolvers.shear import ShearConvolution
 
-# Bytes along a row of the columns that are transformed at a time: few enough for the cache, enough for vector units. On
-# 512 x 512 and 1024 x 1024 cells 16 and 32 columns of float64 are fastest; 8 take 6 % longer, 128 take 13 %.
-_COLUMN_BLOCK_BYTES = 32 * 16
-# Values of the rows that are cut at a time, to save the memory of padded rows.
-_ROW_BLOCK_VALUES = 2**17
 # Minimum sides of the padded grid of the inverse on a free boundary, over the domain, and in additional cells, so that
 # opposite borders hardly interact. 1.125 and 1.5, 8 and 32 cells change the products of
 # the default solver by less than 1 % (docs/studies/solver_constants.py).
@@ -56,56 +49,6 @@ _PADDING_FACTOR = 1.25
 _PADDING_CELLS = 16
 # Minimum amplitude that is inverted, over the mean: smaller ones are rounding, or ringing of the kernel.
 _MIN_AMPLITUDE = 1e-6
-# Minimum waves that are multiplied by columns: in float32 that takes 5 % less than three passes on
-# 2048 x 2048 cells, 10 % less on 4096 x 4096 and 4 % more on 1024 x 1024 (docs/studies/scale.py products).
-_MIN_COLUMNWISE_WAVES = 2**21
-
-
-def transform_rows(values: RealArray, length: int) -> Waves:
-    """Return the waves of each row, padded with zeros to `length`, shape (nx, length // 2 + 1)."""
-    waves: Waves = scipy.fft.rfft(values, n=length, axis=1, workers=threads_for(values.size))
-    return waves
-
-
-def multiply_columns(
-    waves: Waves, length: int, multiply: Callable[[Waves, slice], Waves], out: Waves | None = None
-) -> None:
-    """Transform each column, padded with zeros to `length`, multiply it, transform it back and cut it.
-
-    Parameters
-    ----------
-    waves
-        The waves of all rows, shape (nx, ny), or of several fields, (k, nx, ny).
-    length
-        Number of waves of a column.
-    multiply
-        Function of the waves of some columns, shape (length, n) or (k, length, n), which it may overwrite, and of their
-        slice. It returns the product; of several fields, any number.
-    out
-        Where the products go, `waves` by default.
-    """
-    target = waves if out is None else out
-
-    def work(block: slice) -> None:
-        columns: Waves = scipy.fft.fft(waves[..., block], n=length, axis=-2)
-        products = multiply(columns, block)
-        target[..., block] = scipy.fft.ifft(products, axis=-2, overwrite_x=True)[..., : waves.shape[-2], :]
-
-    map_tiles(work, split(waves.shape[-1], _COLUMN_BLOCK_BYTES // waves.itemsize))
-
-
-def transform_rows_back(waves: Waves, length: int, count: int) -> RealArray:
-    """Return the first `count` values of each row of `length` values; the waves may be overwritten."""
-    if count == length:
-        whole = scipy.fft.irfft(waves, n=length, axis=1, overwrite_x=True, workers=threads_for(2 * waves.size))
-        return np.asarray(whole)
-    values = np.empty((waves.shape[0], count), dtype=waves.real.dtype)
-
-    def work(rows: slice) -> None:
-        values[rows] = scipy.fft.irfft(waves[rows], n=length, axis=1, overwrite_x=True)[:, :count]
-
-    map_tiles(work, split(waves.shape[0], max(1, _ROW_BLOCK_VALUES // length)))
-    return values
 
 
 @attrs.frozen(eq=False)
@@ -173,7 +116,7 @@ class InverseConvolution:
         """
         if rows is None:
             return multiply_waves(values, symbol, padded)
-        return _multiply_waves_of_rows(values, rows, symbol, padded)
+        return multiply_waves_of_rows(values, rows, symbol, padded)
 
     def coefficients(self, reach: int, first: int = 0) -> RealArray:
         """Return the pressure at (i, j) cells from a unit displacement of one, shape (reach + 1, reach + 1).
@@ -213,38 +156,6 @@ class InverseConvolution:
                 column = (columns + j) % padded[1]
                 inside = (row < nx) & (column < ny)
                 field[row[inside] * ny + column[inside]] += value * near_amounts[inside]
-
-
-def multiply_waves(values: RealArray, symbol: RealArray, padded: tuple[int, int]) -> RealArray:
-    """Return a field, padded with zeros, with each of its waves multiplied by a real symbol, shape of `values`."""
-    waves = _multiply_columns(transform_rows(values, padded[1]), symbol, padded[0])
-    return transform_rows_back(waves, padded[1], values.shape[1])
-
-
-def _multiply_waves_of_rows(values: RealArray, rows: IntArray, symbol: RealArray, padded: tuple[int, int]) -> RealArray:
-    """Return `multiply_waves` of a field that is zero outside some rows, on these rows; zero elsewhere."""
-    found = transform_rows(values[rows], padded[1])
-    waves: Waves = np.zeros((values.shape[0], found.shape[1]), dtype=found.dtype)
-    waves[rows] = found
-    del found
-    waves = _multiply_columns(waves, symbol, padded[0])
-    product = np.zeros_like(values)
-    product[rows] = transform_rows_back(waves[rows], padded[1], values.shape[1])
-    return product
-
-
-def _multiply_columns(waves: Waves, symbol: RealArray, length: int) -> Waves:
-    """Return waves along y times the symbol of all waves; columns are padded to a length."""
-    if symbol.size >= _MIN_COLUMNWISE_WAVES:
-        multiply_columns(waves, length, lambda columns, block: np.multiply(columns, symbol[:, block], out=columns))
-        return waves
-    # Two one-dimensional transforms are twice as fast as scipy's two-dimensional inverse.
-    rows = waves.shape[0]
-    threads = threads_for(2 * symbol.size)
-    waves = scipy.fft.fft(waves, n=length, axis=0, overwrite_x=True, workers=threads)
-    waves *= symbol
-    back: Waves = scipy.fft.ifft(waves, axis=0, overwrite_x=True, workers=threads)
-    return back[:rows]
 
 
 def approximate_inverse(setup: ConvolutionSetup, dtype: npt.DTypeLike = np.float64) -> InverseConvolution:
@@ -305,52 +216,6 @@ def mixed_spectrum(setup: ConvolutionSetup, padded: tuple[int, int], component: 
     coefficients = setup.kernel.mixed_coefficients(setup.grid, boundary, component, length // 2 + 1)
     odd = odd_axes(component)[free]
     return transform_extended(coefficients, length, odd, axis=free)
-
-
-def transform_extended(values: Array, length: int, odd: bool, axis: int = 0) -> Array:
-    """Return the transform along an axis of the even or odd extension to `length`: its only part."""
-    n = values.shape[axis]
-    shape = list(values.shape)
-    if not odd and length % 2 == 0:
-        # The cosine transform needs half of the extension.
-        shape[axis] = length // 2 + 1
-        half = np.zeros(shape)
-        np.moveaxis(half, axis, 0)[:n] = np.moveaxis(values, axis, 0)
-        found: Array = scipy.fft.dct(half, type=1, axis=axis, overwrite_x=True, workers=threads_for(half.size))
-        return found
-    shape[axis] = length
-    extended = np.zeros(shape)
-    ahead = np.moveaxis(extended, axis, 0)
-    given = np.moveaxis(values, axis, 0)
-    ahead[:n] = given
-    ahead[length - n + 1 :] = -given[:0:-1] if odd else given[:0:-1]
-    waves = scipy.fft.rfft(extended, axis=axis, workers=threads_for(extended.size))
-    return np.ascontiguousarray(waves.imag if odd else waves.real)
-
-
-def list_all_waves(half: RealArray, length: int, odd: bool = False) -> RealArray:
-    """Return the factors of all `length` waves along x, of which those from zero up are given."""
-    rows = np.arange(length)
-    mirrored = rows > length // 2
-    values: RealArray = half[np.where(mirrored, length - rows, rows)]
-    if odd:
-        values[mirrored] *= -1.0
-    return values
-
-
-@guarded
-def padded_shape(grid: Grid, boundary: Boundary) -> tuple[int, int]:
-    """Return the cells of the grid, along free axes at least 2n - 1 of them, as many as are fast for real transforms.
-
-    Examples
-    --------
-    >>> import roughcontact as rc
-    >>> rc.typing.padded_shape(rc.Grid((32, 24), 1e-3), rc.Boundary.FREE_PERIODIC)
-    (64, 24)
-    """
-    sizes = zip(grid.shape, boundary.free_axes, strict=True)
-    mx, my = (scipy.fft.next_fast_len(2 * n - 1, real=True) if free else n for n, free in sizes)
-    return mx, my
 
 
 class Convolver(abc.ABC):

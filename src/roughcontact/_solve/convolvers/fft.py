@@ -16,16 +16,18 @@ from roughcontact._solve.convolvers.base import (
     Convolver,
     PreparedConvolution,
     mixed_spectrum,
-    multiply_columns,
-    multiply_waves,
-    padded_shape,
     require_shear,
-    transform_extended,
-    transform_rows,
-    transform_rows_back,
     wrapped_spectrum,
 )
 from roughcontact._solve.convolvers.shear import ShearConvolution, SymbolShear, periodic_shear_spectrum
+from roughcontact._solve.convolvers.transforms import (
+    multiply_columns,
+    multiply_waves,
+    padded_shape,
+    transform_extended,
+    transform_rows,
+    transform_rows_back,
+)
 
 
 @attrs.frozen

@@ -16,12 +16,8 @@ from roughcontact._base.checks import choice
 from roughcontact._base.units import outlined
 from roughcontact._parts.grid import Grid
 from roughcontact._parts.kernels import BoundKernel, odd_axes
-from roughcontact._solve.convolvers.base import (
-    ConvolutionSetup,
-    multiply_columns,
-    transform_rows,
-    transform_rows_back,
-)
+from roughcontact._solve.convolvers.base import ConvolutionSetup
+from roughcontact._solve.convolvers.transforms import multiply_columns, transform_rows, transform_rows_back
 from roughcontact.errors import InputError
 
 
