@@ -1,6 +1,7 @@
-"""The default solver of roughcontact on tensors of torch: a convolver, and arrays that it shares with the solver."""
+"""The default solver of roughcontact on tensors of torch, and a solver for which no GPU waits for its host."""
 
 from roughcontact_torch.arrays import TensorArray
 from roughcontact_torch.convolver import TorchFFT
+from roughcontact_torch.masked import MaskedConjugateGradient, solve_loads
 
-__all__ = ["TensorArray", "TorchFFT"]
+__all__ = ["MaskedConjugateGradient", "TensorArray", "TorchFFT", "solve_loads"]
