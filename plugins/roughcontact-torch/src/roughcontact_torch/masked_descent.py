@@ -163,9 +163,10 @@ class MaskedDescent:
         return state.gap - self._level(state.gap, self._split(state)[0]).to(torch.float32)
 
     def project_to_load(self, pressure: torch.Tensor, load: torch.Tensor) -> torch.Tensor:
-        """Return pressures within their bounds near the given ones, with a load to about the rounding."""
-        contact = (pressure > 0.0).to(torch.float64)
-        return self._shift_to_load(pressure, torch.where(total(contact) > 0.0, contact, 1.0), load, _LOAD_ROUNDS)
+        """Return pressures of which the elastic part is scaled to the load, as in `rescale_to_load`."""
+        elastic = torch.where(pressure < self.limit, pressure, 0.0)
+        weights = torch.where(total(elastic) > 0.0, elastic, 1.0)
+        return self._shift_to_load(pressure, weights, load, _LOAD_ROUNDS)
 
     def _level(self, gap: torch.Tensor, weights: torch.Tensor) -> torch.Tensor:
         """Return the level of the gap: its weighted mean, or zero if the approach is given."""
@@ -304,9 +305,7 @@ class MaskedDescent:
             torch.where(part > _FULL_STEP_PART, torch.clamp(part, 0.8, 4.0).sqrt(), torch.clamp(part, 0.5, 1.0)),
             torch.clamp(part, 0.25, 4.0),
         )
-        length = torch.clamp(state.length * torch.where(accepted, grown, _CAREFUL_LENGTH), max=_MAX_LENGTH)
-        # A direction that does not fall ends the conjugate ones.
-        state.length = torch.where(usable, length, _CAREFUL_LENGTH)
+        state.length = torch.clamp(state.length * torch.where(accepted, grown, _CAREFUL_LENGTH), max=_MAX_LENGTH)
         moved = before + taken * (trial - before)
         state.pressure = torch.minimum(torch.clamp(moved, min=0.0), self.limit)
         change = taken.to(torch.float32) * change
@@ -328,7 +327,7 @@ class MaskedDescent:
         return torch.minimum(torch.clamp(values - shift * weights, min=0.0), self.limit)
 
     def _restore(self, state: State) -> None:
-        """Set cells near the limit to it if they would rise, and scale the others to the load."""
+        """Set cells near the limit to it if they would rise, and restore the load."""
         pressure = state.pressure
         if self.capped:
             inside = self._is_inside(pressure, torch.zeros_like(self.limit))
@@ -336,12 +335,7 @@ class MaskedDescent:
             level = self._level(state.gap, state.weights).to(torch.float32)
             pressure = torch.where(near & (state.gap < level), self.limit, pressure)
         if self.load is not None:
-            elastic = (pressure > 0.0) & (pressure < self.limit)
-            saturated = total(torch.where(pressure >= self.limit, pressure, 0.0))
-            carried = total(torch.where(elastic, pressure, 0.0))
-            factor = torch.where(carried > 0.0, divide(torch.clamp(self.load - saturated, min=0.0), carried), 1.0)
-            scaled = torch.where(elastic, pressure * factor, pressure)
-            pressure = torch.minimum(scaled, self.limit)
+            pressure = self.project_to_load(pressure, self.load)
         state.pressure = pressure
 
 
