@@ -2,6 +2,6 @@
 
 from roughcontact_torch.arrays import TensorArray
 from roughcontact_torch.convolver import TorchFFT
-from roughcontact_torch.masked import MaskedConjugateGradient, solve_loads
+from roughcontact_torch.masked import MaskedConjugateGradient
 
-__all__ = ["MaskedConjugateGradient", "TensorArray", "TorchFFT", "solve_loads"]
+__all__ = ["MaskedConjugateGradient", "TensorArray", "TorchFFT"]

@@ -1,81 +1,59 @@
-"""The masked solver: nested grids, verification in float64, and many loads at once."""
+"""The masked solver: nested grids, verification in float64, and many contacts at once."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import ClassVar, cast
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
+from typing import Any, ClassVar, NamedTuple, cast
 
 import attrs
+import numpy as np
 import roughcontact as rc
 import torch
-from roughcontact.typing import Array, GridLevel, Load, Outcome, PreparedConvolution, Step, Task, make_task
+from roughcontact.typing import GridLevel, Outcome, PreparedConvolution, Step, Task
 
 from roughcontact_torch.arrays import TensorArray
 from roughcontact_torch.convolver import TensorConvolution
 from roughcontact_torch.masked_descent import MaskedDescent, State
-from roughcontact_torch.masked_grid import Blocks, MaskedGrid
+from roughcontact_torch.masked_grid import nested_grids
 
-# Minimum cells along a halved axis, iterations on the coarsest grid and on each other coarse one, and between two
-# verifications: the host reads a number after so many.
-_MIN_COARSE_CELLS = 32
+# Iterations on a coarse grid, on the coarsest one, and between two readings of the host on average; the maximum at once.
+_COARSE_ITERATIONS = 4
 _COARSEST_ITERATIONS = 8
-_ROUND = 4
-# Verifications that do not halve the error after which the default solver continues.
+_ITERATIONS_OF_READING = 4
+_MAX_ROUND = 12
+# Goal of a round over the tolerance, its minimum factor on the error in float32, and the range of factors of an
+# iteration on the error, from which the length of a round is predicted.
+_GOAL_FRACTION = 0.3
+_FLOAT32_GAIN = 2e-5
+_FASTEST = 0.02
+_SLOWEST = 0.5
+# Changed cells before weights are computed anew, over the active or, if these are fewer, the passive cells plus a
+# fraction of the grid, as in the default solver.
+_MAX_CHANGED_FRACTION = 0.5
+_PASSIVE_ALLOWANCE = 0.02
+# Verifications in turn that do not halve the error after which the default solver continues.
 _MAX_IDLE_ROUNDS = 3
 _TOLERANCE = rc.ProjectedConjugateGradient().tolerance
 
+# Contacts that were solved at once, and are now certified one by one.
+_SOLVED: ContextVar[tuple[tuple[Task, Outcome], ...]] = ContextVar("solved contacts", default=())
 
-@attrs.frozen(eq=False)
-class _Batch:
-    """Contacts on one grid that are solved at once, dimensionless, as `Task`; shapes (contacts, nx, ny) or (contacts, 1, 1)."""
 
-    gap: torch.Tensor
-    limit: torch.Tensor
-    mean: torch.Tensor | None
-    approach: torch.Tensor
-    rms: torch.Tensor
-    capped: bool
+class _Guess(NamedTuple):
+    """Pressures to start from, and the errors at both ends of the last coarse grid; None: there was none."""
 
-    @classmethod
-    def of(cls, tasks: Sequence[Task]) -> _Batch:
-        """Return tasks of one shape and one kind of load."""
-        gap = torch.stack([_tensor(task.initial_gap) for task in tasks])
-        device = gap.device
-
-        def numbers(values: Sequence[float]) -> torch.Tensor:
-            return torch.tensor(values, dtype=torch.float64, device=device).reshape(-1, 1, 1)
-
-        loads = [task.mean_pressure for task in tasks if task.mean_pressure is not None]
-        limits = [float(_tensor(task.pressure_limit)) for task in tasks]
-        spread = [task.rms_gap for task in tasks]
-        rms = gap.std((-2, -1), correction=0, keepdim=True) if None in spread else numbers(cast("list[float]", spread))
-        return cls(
-            gap=gap,
-            limit=numbers(limits),
-            mean=numbers(loads) if loads else None,
-            approach=numbers([task.approach or 0.0 for task in tasks]),
-            rms=rms,
-            capped=any(math.isfinite(limit) for limit in limits),
-        )
-
-    def descent(self, grid: MaskedGrid) -> MaskedDescent:
-        """Return the descent of these contacts on their grid."""
-        load = None if self.mean is None else self.mean * (grid.shape[0] * grid.shape[1])
-        return MaskedDescent(grid, self.limit, load, capped=self.capped)
-
-    def halve(self, shape: tuple[int, int]) -> _Batch:
-        """Return the contacts on a grid with one or both axes halved."""
-        gap = self.gap
-        for axis in (-2, -1):
-            if gap.shape[axis] > shape[axis]:
-                gap = gap.unflatten(axis, (shape[axis], 2)).mean(axis)
-        return attrs.evolve(self, gap=gap)
+    pressure: torch.Tensor
+    levels: tuple[GridLevel, ...]
+    errors: tuple[torch.Tensor, torch.Tensor] | None = None
+    closed: torch.Tensor | None = None
 
 
 @attrs.frozen(eq=False)
 class _Solved:
-    """Pressures, their errors and floors of rounding by contact, and the work."""
+    """Pressures, by verification their errors, floors of rounding, and the work."""
 
     pressure: torch.Tensor
     errors: tuple[tuple[float, ...], ...]
@@ -83,17 +61,15 @@ class _Solved:
     levels: tuple[GridLevel, ...]
 
     def outcome(self, k: int, tolerance: float) -> Outcome:
-        """Return the outcome of one contact."""
+        """Return the outcome of one contact, its pressure on the device."""
         finest = self.levels[-1].shape
         cells = finest[0] * finest[1]
-        cost = sum(
-            (one.double + one.single + one.inverse) * one.shape[0] * one.shape[1] / cells for one in self.levels
-        )
+        cost = sum((one.double + one.single + one.inverse) * math.prod(one.shape) / cells for one in self.levels)
         error = self.errors[-1][k]
         done = error <= max(tolerance, self.floors[k])
         status = rc.Status.CONVERGED.within(self.floors[k], tolerance) if done else rc.Status.STALLED
         return Outcome(
-            pressure=cast(Array, TensorArray(self.pressure[k])),
+            pressure=cast(Any, TensorArray(self.pressure[k])),
             status=status if math.isfinite(error) else rc.Status.NOT_FINITE,
             iterations=self.levels[-1].iterations,
             convolutions=round(cost),
@@ -104,11 +80,11 @@ class _Solved:
 
 @attrs.frozen
 class MaskedConjugateGradient(rc.Solver):
-    """The default solver without a number that the host of a GPU waits for, but for one in four iterations.
+    """The default solver on a GPU whose host waits for a number in one of four iterations, and on each coarse grid.
 
-    Active cells are a mask instead of a list, searches have a fixed number of rounds, steps that are taken in part or
-    not at all are chosen by the device. It solves on the tensors of `TorchFFT` alone. What it does not solve, a limit
-    that differs from cell to cell or an error that no longer falls, is left to the default solver.
+    Active cells are a mask instead of a list, searches have a fixed number of rounds, and the device chooses which part
+    of a step is taken. It solves on the tensors of `TorchFFT` alone. The default solver, on tensors too, solves for a
+    limit that differs from cell to cell, and continues where the error no longer falls.
 
     Parameters
     ----------
@@ -133,14 +109,18 @@ class MaskedConjugateGradient(rc.Solver):
     """
 
     omitted: ClassVar[tuple[str, ...]] = (
-        "lists of active cells: masks have fixed shapes, so that the host waits for no number but one in four iterations",
+        "lists of active cells: masks have fixed shapes, so that the host waits for a number in one of four iterations",
+        "float64 inside the iterations: float32 is enough, and every result is verified in float64",
     )
 
-    tolerance: float = attrs.field(default=_TOLERANCE, converter=lambda value: _check(tolerance=value).tolerance)
-    max_iterations: int = attrs.field(default=80, converter=lambda value: _check(max_iterations=value).max_iterations)
+    tolerance: float = attrs.field(default=_TOLERANCE, converter=lambda value: _checked(tolerance=value).tolerance)
+    max_iterations: int = attrs.field(default=80, converter=lambda value: _checked(max_iterations=value).max_iterations)
 
     def solve(self, convolution: PreparedConvolution, task: Task) -> Outcome:
         """Return the contact pressure; see `Solver.solve`."""
+        for known, outcome in _SOLVED.get():
+            if known.mean_pressure == task.mean_pressure and np.array_equal(known.initial_gap, task.initial_gap):
+                return outcome
         return self.solve_all(convolution, [task])[0]
 
     def solve_all(self, convolution: PreparedConvolution, tasks: Sequence[Task]) -> list[Outcome]:
@@ -158,8 +138,7 @@ class MaskedConjugateGradient(rc.Solver):
         default = rc.ProjectedConjugateGradient(self.tolerance)
         if any(task.pressure_limit.size > 1 for task in tasks):
             return [default.solve(convolution, task) for task in tasks]
-        converted = [task.convert(convolution.from_numpy) for task in tasks]
-        solved = self._solve(convolution, _Batch.of(converted), converted)
+        solved = self._solve(convolution, [task.convert(convolution.from_numpy) for task in tasks])
         outcomes = []
         for k, task in enumerate(tasks):
             outcome = solved.outcome(k, self.tolerance)
@@ -167,117 +146,194 @@ class MaskedConjugateGradient(rc.Solver):
             outcomes.append(outcome if outcome.status.success else _continue(default, convolution, task, outcome))
         return outcomes
 
-    def _solve(self, convolution: TensorConvolution, batch: _Batch, tasks: Sequence[Task]) -> _Solved:
-        grid = MaskedGrid.of(convolution)
-        descent = batch.descent(grid)
-        given = [task.start for task in tasks]
-        levels: tuple[GridLevel, ...] = ()
-        if any(start is None for start in given):
-            pressure, levels = _nest(convolution, batch)
+    def _solve(self, convolution: TensorConvolution, tasks: Sequence[Task]) -> _Solved:
+        descents = _make_descents(convolution, tasks)
+        starts = [task.start for task in tasks if task.start is not None]
+        if len(starts) == len(tasks):
+            guess = _Guess(torch.stack([_tensor(start) for start in starts]), ())
         else:
-            pressure = torch.stack([_tensor(start) for start in given])
-        state = descent.start(pressure, torch.zeros_like(pressure, dtype=torch.float32))
-        blocks = Blocks.of(grid, float(descent.mean_weight(state).mean()))
-        best = torch.full_like(batch.limit, torch.inf)
-        found = state.pressure
-        errors: list[tuple[float, ...]] = []
-        iterations = renewals = idle = 0
-        while True:
-            verified = descent.measure(state, batch.gap, batch.approach, batch.rms)
-            # A contact that is solved keeps its pressure while the others go on.
-            better = (verified.error < best) & (best > self.tolerance)
-            found = torch.where(better, state.pressure, found)
-            best = torch.where(better, verified.error, best)
-            now, floors = torch.stack((best, verified.floor)).flatten(1).tolist()
-            errors.append(tuple(now))
-            idle = idle + 1 if len(errors) > 1 and max(errors[-1]) > 0.5 * max(errors[-2]) else 0
-            for task in tasks[:1]:
+            guess = _nest(descents)
+
+        def report(iterations: int, error: float) -> None:
+            for task in tasks:
                 if task.on_step is not None:
-                    task.on_step(Step(grid.shape, iterations, max(errors[-1])))
-            done = all(one <= max(self.tolerance, floor) for one, floor in zip(errors[-1], floors, strict=True))
-            finite = all(math.isfinite(one) for one in errors[-1])
-            if done or not finite or idle > _MAX_IDLE_ROUNDS or iterations >= self.max_iterations:
-                break
-            renewals += iterations > 0
-            state = _run(descent, state, blocks, _ROUND, renew=iterations > 0)
-            iterations += _ROUND
-        rigid = 0 if batch.mean is not None else 2
-        inverse = 1 + iterations + (renewals if grid.takes_stencil else iterations)
-        single = iterations + rigid * (1 + renewals)
-        level = GridLevel(grid.shape, iterations, len(errors), single, inverse)
-        return _Solved(found, tuple(errors), tuple(floors), (*levels, level))
+                    task.on_step(Step(descents[0].grid.shape, iterations, error))
+
+        return _finish(descents[0], guess, self.tolerance, self.max_iterations, report)
 
 
-def _check(**values: object) -> rc.ProjectedConjugateGradient:
-    """Return the default solver with these parameters, which are checked."""
-    return rc.ProjectedConjugateGradient(**values)  # type: ignore[arg-type]
+def _finish(
+    descent: MaskedDescent,
+    guess: _Guess,
+    tolerance: float,
+    max_iterations: int,
+    report: Callable[[int, float], None],
+) -> _Solved:
+    """Return the solutions on the finest grid from a guess."""
+    grid = descent.grid
+    pressure = guess.pressure if descent.load is None else descent.rescale(guess.pressure)
+    state, verified = descent.start(pressure, grid.displace(pressure))
+    mean = grid.mean_weight(state.weights).amax(keepdim=True).expand_as(verified.error)
+    coarse = guess.errors if guess.errors is not None else (verified.error, verified.error)
+    now, floors, before, after, means = _read(verified.error, verified.floor, *coarse, mean)
+    blocks = grid.blocks(means[0])
+    # On the last coarse grid the error fell as it will here.
+    factors = [_factor(one, other, _COARSE_ITERATIONS) for one, other in zip(before, after, strict=True)]
+    best = verified.error
+    found = state.pressure
+    errors = [tuple(now)]
+    iterations = idle = renewals = 0
+    while True:
+        report(iterations, max(errors[-1]))
+        left = [
+            k
+            for k, (one, floor) in enumerate(zip(errors[-1], floors, strict=True))
+            if math.isfinite(one) and one > max(tolerance, floor)
+        ]
+        if not left or idle > _MAX_IDLE_ROUNDS or iterations >= max_iterations:
+            break
+        count = max(_count_iterations(errors[-1][k], tolerance, factors[k]) for k in left)
+        count = max(count, _ITERATIONS_OF_READING * len(errors) - iterations)
+        for _ in range(count):
+            state = descent.iterate(state, blocks)
+        iterations += count
+        state, verified = descent.verify(state)
+        # A contact that is solved keeps its pressure while the others go on.
+        better = (verified.error < best) & (best > tolerance)
+        found = torch.where(better, state.pressure, found)
+        best = torch.where(better, verified.error, best)
+        now, floors, changed = _read(best, verified.floor, _changed_fraction(descent, state))
+        errors.append(tuple(now))
+        factors = [_factor(errors[0][k], now[k], iterations) for k in range(len(now))]
+        idle = idle + 1 if any(errors[-1][k] > 0.5 * errors[-2][k] for k in left) else 0
+        if max(changed[k] for k in left) > _MAX_CHANGED_FRACTION:
+            state = descent.renew(state)
+            renewals += 1
+    work = _count_work(descent, iterations, 1 + renewals)
+    level = attrs.evolve(work, double=len(errors))
+    return _Solved(found, tuple(errors), tuple(floors), (*guess.levels, level))
 
 
-def _run(descent: MaskedDescent, state: State, blocks: Blocks, iterations: int, *, renew: bool) -> State:
-    """Return the state after some iterations, of which the first may compute weights anew."""
-    for k in range(iterations):
-        state = descent.iterate(state, blocks, renew=renew and k == 0)
-    return state
+def _read(*numbers: torch.Tensor) -> list[list[float]]:
+    """Return numbers of each contact; the host waits for them."""
+    read: list[list[float]] = torch.stack(numbers).flatten(1).tolist()
+    return read
 
 
-def _nest(convolution: TensorConvolution, batch: _Batch) -> tuple[torch.Tensor, tuple[GridLevel, ...]]:
-    """Return pressures to start from, of the next coarser grid or uniform, and the work on coarser grids."""
-    shape = convolution.setup.grid.shape
-    half = tuple(n // 2 if n % 2 == 0 and n // 2 >= _MIN_COARSE_CELLS else n for n in shape)
-    if half == shape:
-        mean = torch.zeros_like(batch.limit) if batch.mean is None else batch.mean
-        return torch.minimum(mean, batch.limit) * torch.ones_like(batch.gap), ()
-    coarse = cast(TensorConvolution, convolution.on(rc.Grid(half, convolution.setup.grid.size)))
-    own = batch.halve(half)
-    pressure, levels = _nest(coarse, own)
-    grid = MaskedGrid.of(coarse)
-    descent = own.descent(grid)
-    gap = grid.displace(pressure.to(torch.float32)) + own.gap.to(torch.float32)
-    state = descent.start(pressure, gap - own.approach.to(torch.float32) if batch.mean is None else gap)
-    blocks = Blocks.of(grid, float(descent.mean_weight(state).mean()))
-    iterations = _ROUND if levels else _COARSEST_ITERATIONS
-    state = _run(descent, state, blocks, iterations, renew=False)
-    rigid = 0 if batch.mean is not None else 2
-    inverse = 1 + iterations + (0 if grid.takes_stencil else iterations)
-    level = GridLevel(half, iterations, 0, 1 + iterations + rigid, inverse)
-    return _refine(descent, state, own, batch), (*levels, level)
+def _factor(before: float, after: float, iterations: int) -> float:
+    """Return the factor of an iteration on the error."""
+    ratio = after / before if before > 0.0 and after > 0.0 else 1.0
+    return min(max(ratio ** (1.0 / iterations), _FASTEST), _SLOWEST)
 
 
-def _refine(descent: MaskedDescent, state: State, coarse: _Batch, fine: _Batch) -> torch.Tensor:
+def _count_iterations(error: float, tolerance: float, factor: float) -> int:
+    """Return after how many iterations the error is worth a verification."""
+    goal = max(_GOAL_FRACTION * tolerance, _FLOAT32_GAIN * error)
+    return min(max(math.ceil(math.log(goal / error) / math.log(factor)), 1), _MAX_ROUND)
+
+
+def _changed_fraction(descent: MaskedDescent, state: State) -> torch.Tensor:
+    """Return the cells that changed since weights were computed by a product, over the fewer of active and passive."""
+    cells = descent.grid.cells
+    active = descent.grid.total(state.active)
+    return state.changed / torch.minimum(active, cells - active + _PASSIVE_ALLOWANCE * cells).clamp(min=1.0)
+
+
+def _count_work(descent: MaskedDescent, iterations: int, renewals: int) -> GridLevel:
+    """Return the work of iterations, and of products for weights."""
+    rigid = 0 if descent.load is not None else 2
+    near = descent.grid.takes_stencil
+    inverse = iterations + renewals + (0 if near else iterations)
+    return GridLevel(descent.grid.shape, iterations, 0, iterations + rigid * renewals, inverse)
+
+
+def _nest(descents: Sequence[MaskedDescent]) -> _Guess:
+    """Return pressures on the finest grid, interpolated from those on the next one, itself solved so."""
+    coarsest = descents[-1]
+    guess = _Guess(torch.zeros_like(coarsest.initial_gap), ())
+    if coarsest.load is not None:
+        mean = torch.minimum(coarsest.load / coarsest.grid.cells, coarsest.limit)
+        guess = _close(coarsest, guess._replace(pressure=guess.pressure + mean))
+    for fine, coarse in zip(descents[-2::-1], descents[:0:-1], strict=True):
+        guess = _approximate(coarse, fine, guess)
+    return guess
+
+
+def _close(descent: MaskedDescent, guess: _Guess) -> _Guess:
+    """Return the pressures that close every gap of a periodic surface where they are within the bounds."""
+    closing = descent.close()
+    if closing is None:
+        return guess
+    grid = descent.grid
+    closed = (grid.lowest(closing) >= 0.0) & (grid.highest(closing) <= descent.limit)
+    level = GridLevel(grid.shape, 0, 0, 0, 1)
+    return guess._replace(
+        pressure=torch.where(closed, closing, guess.pressure), closed=closed, levels=(*guess.levels, level)
+    )
+
+
+def _approximate(coarse: MaskedDescent, fine: MaskedDescent, guess: _Guess) -> _Guess:
+    """Return pressures for the next finer grid after iterations on a coarse one."""
+    grid = coarse.grid
+    pressure = guess.pressure if coarse.load is None else coarse.rescale(guess.pressure)
+    state, verified = coarse.start(pressure, grid.displace(pressure.to(torch.float32)))
+    closed = torch.zeros_like(verified.error) if guess.closed is None else guess.closed.to(torch.float64)
+    means, solved = _read(grid.mean_weight(state.weights), closed)
+    iterations = 0
+    if not all(solved):
+        blocks = grid.blocks(max(means))
+        iterations = _COARSE_ITERATIONS if guess.levels[-1:] else _COARSEST_ITERATIONS
+        for _ in range(iterations):
+            state = coarse.iterate(state, blocks)
+    work = _count_work(coarse, iterations, 1)
+    levels = (*guess.levels, attrs.evolve(work, single=work.single + 1))
+    errors = (verified.error, coarse.estimate(state, verified.scale))
+    finer = _Guess(_refine(coarse, fine, state), levels, errors)
+    return _close(fine, finer) if any(solved) else finer
+
+
+def _refine(coarse: MaskedDescent, fine: MaskedDescent, state: State) -> torch.Tensor:
     """Return pressures on a grid, interpolated where the coarser one is in contact or the gap is negative."""
-    shape = fine.gap.shape[-2:]
-    gap = descent.from_level(state)
-    contact = state.pressure > 0.0
-    displacement = _interpolate(gap - coarse.gap.to(torch.float32), shape)
-    is_open = (displacement + fine.gap.to(torch.float32) >= 0.0) & ~_repeat(contact, shape)
-    pressure = torch.clamp(_interpolate(state.pressure, shape), min=0.0)
+    grid = fine.grid
+    displacement = coarse.from_level(state) - coarse.initial_gap.to(torch.float32)
+    gap = grid.interpolate(displacement) + fine.initial_gap.to(torch.float32)
+    is_open = (gap >= 0.0) & ~grid.repeat(state.pressure > 0.0)
+    pressure = torch.clamp(grid.interpolate(state.pressure), min=0.0)
     pressure = torch.where(is_open, 0.0, pressure)
     if fine.capped:
-        pressure = torch.where(_repeat(state.pressure >= coarse.limit, shape), coarse.limit, pressure)
-        pressure = torch.minimum(pressure, coarse.limit)
-    if fine.mean is None:
-        return pressure
-    load = fine.mean * (shape[0] * shape[1])
-    return descent.project_to_load(pressure, load)
+        pressure = torch.where(grid.repeat(state.pressure >= coarse.limit), fine.limit, pressure)
+        pressure = torch.minimum(pressure, fine.limit)
+    return pressure
 
 
-def _repeat(values: torch.Tensor, shape: Sequence[int]) -> torch.Tensor:
-    for axis in (-2, -1):
-        if shape[axis] > values.shape[axis]:
-            values = values.repeat_interleave(2, axis)
-    return values
+def _make_descents(convolution: TensorConvolution, tasks: Sequence[Task]) -> list[MaskedDescent]:
+    """Return the descents of tasks of one shape and one kind of load, from the finest grid to the coarsest."""
+    gap = torch.stack([_tensor(task.initial_gap) for task in tasks])
+
+    def numbers(values: Sequence[float | None]) -> torch.Tensor:
+        known = [math.nan if value is None else value for value in values]
+        return torch.tensor(known, dtype=torch.float64, device=gap.device).reshape(-1, 1, 1)
+
+    mean = numbers([task.mean_pressure for task in tasks])
+    given = numbers([task.rms_gap for task in tasks])
+    approach = numbers([task.approach for task in tasks])
+    limit = torch.stack([_tensor(task.pressure_limit).reshape(1, 1) for task in tasks])
+    capped = any(task.capped for task in tasks)
+    loaded = tasks[0].mean_pressure is not None
+    descents = []
+    for grid in nested_grids(convolution):
+        gap = grid.average(gap)
+        center = grid.total(gap) / grid.cells
+        own = (grid.total((gap - center) ** 2) / grid.cells).sqrt()
+        rms = torch.where(torch.isnan(given), own, given)
+        load = mean * grid.cells if loaded else None
+        descents.append(MaskedDescent(grid, gap, limit, rms, load, approach, capped))
+    return descents
 
 
-def _interpolate(values: torch.Tensor, shape: Sequence[int]) -> torch.Tensor:
-    """Interpolate by parabolas through three cell centres along the axes that were halved; the values repeat."""
-    for axis in (-2, -1):
-        if shape[axis] > values.shape[axis]:
-            before = values.roll(1, axis)
-            after = values.roll(-1, axis)
-            first = 0.9375 * values + 0.15625 * before - 0.09375 * after
-            second = 0.9375 * values + 0.15625 * after - 0.09375 * before
-            values = torch.stack((first, second), axis if axis == -1 else -2).flatten(axis - 1, axis)
-    return values
+def _checked(**values: object) -> rc.ProjectedConjugateGradient:
+    """Return the default solver with these parameters, which are checked."""
+    return rc.ProjectedConjugateGradient(**cast(Any, values))
 
 
 def _continue(
@@ -296,47 +352,15 @@ def _continue(
     )
 
 
-def solve_loads(problem: rc.ContactProblem, pressures: Sequence[float | str]) -> list[rc.ContactSolution]:
-    """Return the certified solutions of a problem at several mean pressures, which are solved at once.
-
-    Parameters
-    ----------
-    problem
-        A problem on tensors, `TorchFFT`, and with the solver `MaskedConjugateGradient`.
-    pressures
-        Nominal mean pressures, Pa or with a unit.
-
-    Raises
-    ------
-    InputError
-        If the problem has another solver, or its bodies cannot carry a load.
-
-    Examples
-    --------
-    >>> import roughcontact as rc
-    >>> from roughcontact_torch import MaskedConjugateGradient, TorchFFT, solve_loads
-    >>> surface = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.1, shortest=4e-6, longest=32e-6, seed=1)
-    >>> body = rc.Body(surface, rc.Elastic("210GPa", 0.3))
-    >>> tensors = {"convolver": TorchFFT("cpu"), "solver": MaskedConjugateGradient()}
-    >>> problem = rc.ContactProblem(body, grid=rc.Grid((64, 64), 64e-6), boundary="periodic", **tensors)
-    >>> low, high = solve_loads(problem, ["100MPa", "200MPa"])
-    >>> low.area().value < high.area().value
-    True
-    """
-    plan = problem.plan
-    solver = plan.solver
-    if not isinstance(solver, MaskedConjugateGradient):
-        raise rc.InputError(f"Loads are solved at once by the masked solver, but the problem has {solver!r}.")
-    loads = [Load.of(pressure=pressure) for pressure in pressures]
-    tasks = [make_task(plan, plan.initial_gap, load) for load in loads]
-    convolution = problem.convolution
-    outcomes = solver.solve_all(convolution, tasks) if tasks else []
-    unit = plan.modulus * plan.peak_to_valley / plan.grid.spacing[0]
-    return [
-        problem.solve(pressure=load.value, start=outcome.pressure * unit)
-        for load, outcome in zip(loads, outcomes, strict=True)
-    ]
+@contextmanager
+def known_outcomes(outcomes: Sequence[tuple[Task, Outcome]]) -> Iterator[None]:
+    """Let the masked solver return these outcomes for these tasks until the end."""
+    token = _SOLVED.set(tuple(outcomes))
+    try:
+        yield
+    finally:
+        _SOLVED.reset(token)
 
 
-def _tensor(values: object) -> torch.Tensor:
-    return cast(TensorArray, values).tensor
+def _tensor(values: Any) -> torch.Tensor:
+    return cast(torch.Tensor, values.tensor)

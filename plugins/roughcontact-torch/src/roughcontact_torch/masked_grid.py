@@ -1,16 +1,17 @@
-"""The operators of the masked descent on one grid: products, sums, blocks, and the step between grids.
+"""One grid of the masked descent: reductions, products, sums over blocks, and the steps to other grids.
 
-All tensors have a leading axis, one entry for each contact that is solved at once; numbers of contacts keep two axes of
-length one. No function here reads a number of a tensor.
+Fields have a leading axis, one entry for each contact that is solved at once; numbers of contacts keep two axes of
+length one. No method reads a number of a tensor. Whatever needs cells of another place goes through the methods of
+`MaskedGrid` and `Blocks`: a field of which each process holds a part needs other ones of these alone.
 """
 
 from __future__ import annotations
 
-from functools import cached_property
-from typing import cast
+from typing import Any, cast
 
 import attrs
 import numpy as np
+import roughcontact as rc
 import torch
 import torch.nn.functional as functional
 
@@ -25,29 +26,10 @@ _MAX_BLOCK_CELLS = 64
 _MIN_BLOCKS = 8
 # Cells of the stencil to each side of a cell that joins or leaves.
 _STENCIL_REACH = 3
+# Minimum cells along a halved axis.
+_MIN_COARSE_CELLS = 32
 
 Axes = tuple[int, int]
-_FLOAT32 = np.float32
-
-
-def total(values: torch.Tensor) -> torch.Tensor:
-    """Return the sum over the cells of each contact, in float64."""
-    return values.sum((-2, -1), keepdim=True, dtype=torch.float64)
-
-
-def dot(one: torch.Tensor, other: torch.Tensor) -> torch.Tensor:
-    """Return the product of two fields of each contact, in float64."""
-    return total(one * other)
-
-
-def highest(values: torch.Tensor) -> torch.Tensor:
-    """Return the maximum over the cells of each contact."""
-    return values.amax((-2, -1), keepdim=True)
-
-
-def lowest(values: torch.Tensor) -> torch.Tensor:
-    """Return the minimum over the cells of each contact."""
-    return values.amin((-2, -1), keepdim=True)
 
 
 def divide(one: torch.Tensor, other: torch.Tensor) -> torch.Tensor:
@@ -58,38 +40,31 @@ def divide(one: torch.Tensor, other: torch.Tensor) -> torch.Tensor:
 
 def multiply_waves(values: torch.Tensor, symbol: torch.Tensor, padded: Axes) -> torch.Tensor:
     """Return fields, padded with zeros, with each of their waves multiplied by a real symbol."""
-    waves = torch.fft.rfft2(values, s=padded)
-    waves = waves * symbol
+    waves = torch.fft.rfft2(values, s=padded) * symbol
     return torch.fft.irfft2(waves, s=padded)[..., : values.shape[-2], : values.shape[-1]]
 
 
 @attrs.frozen(eq=False)
 class Blocks:
-    """A division of the cells of a padded grid into rectangles of nearly equal size."""
+    """A division of the cells of a padded grid into rectangles of nearly equal size.
+
+    Attributes
+    ----------
+    count
+        Blocks along both axes.
+    size
+        Cells of a block.
+    rows, columns
+        The number of the block of each row and of each column.
+    stiffness
+        The inverse kernel for the waves of the blocks.
+    """
 
     count: Axes
-    padded: Axes
+    size: float
     rows: torch.Tensor
     columns: torch.Tensor
-    far: torch.Tensor
-    mean: float
-
-    @classmethod
-    def of(cls, grid: MaskedGrid, mean: float) -> Blocks:
-        """Return the blocks that resolve the long waves where weights have this mean over the padded grid."""
-        inverse = grid.inverse
-        mx, my = inverse.padded
-        bx, by = (_count_blocks(axis, m, mean) for axis, m in zip(inverse.axes, inverse.padded, strict=True))
-        device = grid.stiffness.device
-        rows, columns = (
-            (torch.arange(n, device=device) * b).div(m, rounding_mode="floor")
-            for n, b, m in zip(grid.shape, (bx, by), (mx, my), strict=True)
-        )
-        half = torch.fft.fftfreq(bx, 1.0 / bx, device=device).to(torch.int64) % mx
-        stiffness = grid.stiffness[half][:, : by // 2 + 1]
-        growth = torch.clamp((stiffness / (_LONG_WAVE_CUT * mean)) ** 2, max=_MAX_EXPONENT)
-        size = mx * my / (bx * by)
-        return cls((bx, by), (mx, my), rows, columns, stiffness * torch.exp(growth) * size, size * mean)
+    stiffness: torch.Tensor
 
     def sums(self, field: torch.Tensor) -> torch.Tensor:
         """Return the sums of fields over each block."""
@@ -104,55 +79,91 @@ class Blocks:
         """Return fields with the value of its block on each cell."""
         return values.index_select(-2, self.rows).index_select(-1, self.columns)
 
-    def approximate(self, values: torch.Tensor) -> torch.Tensor:
-        """Apply the inverse of the far part and the mean weight to values of blocks."""
-        return multiply_waves(values, 1.0 / (self.far + self.mean), self.count)
+    def far_symbol(self, mean: torch.Tensor) -> torch.Tensor:
+        """Return the stiffness of the far part of the kernel on the blocks, where weights have a mean over all cells."""
+        growth = torch.clamp((self.stiffness / (_LONG_WAVE_CUT * mean)) ** 2, max=_MAX_EXPONENT)
+        return self.stiffness * torch.exp(growth) * self.size
 
-
-def _count_blocks(stiffness: object, count: int, mean: float) -> int:
-    """Return the number of blocks along an axis: few, but enough for all long waves."""
-    axis = cast("list[float]", stiffness)
-    size = 1
-    while 2 * size <= _MAX_BLOCK_CELLS and count // (2 * size) >= _MIN_BLOCKS:
-        if float(axis[max(count // (4 * size), 1)]) < _BLOCK_RESOLUTION * _LONG_WAVE_CUT * mean:
-            break
-        size *= 2
-    return max(count // size, 1)
+    def multiply(self, values: torch.Tensor, symbol: torch.Tensor) -> torch.Tensor:
+        """Return values of blocks with each of their waves multiplied by a real symbol."""
+        return multiply_waves(values, symbol, self.count)
 
 
 @attrs.frozen(eq=False)
 class MaskedGrid:
-    """A grid, the convolution on it and its approximate inverse."""
+    """A grid, the convolution on it and its approximate inverse.
+
+    Attributes
+    ----------
+    shape, padded, inverse_padded
+        Cells of the grid, of the convolution and of its inverse.
+    boundary
+        Its boundary.
+    symbol, symbol_float32, stiffness
+        The convolution in both precisions, and its inverse in float32.
+    axes
+        The inverse for waves along both axes, on the host.
+    stencil
+        The inverse near a cell.
+    """
 
     shape: Axes
     padded: Axes
-    free: tuple[bool, bool]
+    inverse_padded: Axes
+    boundary: rc.Boundary
     symbol: torch.Tensor
     symbol_float32: torch.Tensor
     stiffness: torch.Tensor
-    inverse: TensorInverse
+    axes: tuple[Any, Any]
     stencil: torch.Tensor
 
     @classmethod
     def of(cls, convolution: TensorConvolution) -> MaskedGrid:
         """Return what the descent needs of a prepared convolution."""
-        inverse = cast(TensorInverse, convolution.inverse(dtype=_FLOAT32))
+        inverse = cast(TensorInverse, convolution.inverse(dtype=cast(Any, np.float32)))
         stiffness = inverse.stiffness.tensor
         offsets = torch.arange(-_STENCIL_REACH, _STENCIL_REACH + 1, device=stiffness.device)
-        response = torch.fft.irfft2(stiffness, s=inverse.padded)
+        stencil = torch.fft.irfft2(stiffness, s=inverse.padded)
         for axis, count in enumerate(inverse.padded):
-            response = response.index_select(axis, offsets % count)
+            stencil = stencil.index_select(axis, offsets % count)
         setup = convolution.setup
         return cls(
             shape=setup.grid.shape,
             padded=convolution.padded,
-            free=setup.boundary.free_axes,
+            inverse_padded=inverse.padded,
+            boundary=setup.boundary,
             symbol=convolution.symbol,
             symbol_float32=convolution.symbol_float32,
             stiffness=stiffness,
-            inverse=inverse,
-            stencil=response,
+            axes=inverse.axes,
+            stencil=stencil,
         )
+
+    @property
+    def cells(self) -> int:
+        """Number of cells."""
+        return self.shape[0] * self.shape[1]
+
+    @property
+    def takes_stencil(self) -> bool:
+        """Whether the stencil reaches no cell twice."""
+        return min(self.shape) > 2 * _STENCIL_REACH
+
+    def total(self, values: torch.Tensor) -> torch.Tensor:
+        """Return the sum over the cells of each contact, in float64."""
+        return values.sum((-2, -1), keepdim=True, dtype=torch.float64)
+
+    def dot(self, one: torch.Tensor, other: torch.Tensor) -> torch.Tensor:
+        """Return the product of two fields of each contact, in float64: float32 loses products of small numbers."""
+        return self.total(one.to(torch.float64) * other)
+
+    def highest(self, values: torch.Tensor) -> torch.Tensor:
+        """Return the maximum over the cells of each contact."""
+        return values.amax((-2, -1), keepdim=True)
+
+    def lowest(self, values: torch.Tensor) -> torch.Tensor:
+        """Return the minimum over the cells of each contact."""
+        return values.amin((-2, -1), keepdim=True)
 
     def displace(self, pressure: torch.Tensor) -> torch.Tensor:
         """Return the displacement by pressures, in their precision."""
@@ -161,19 +172,88 @@ class MaskedGrid:
 
     def invert(self, displacement: torch.Tensor) -> torch.Tensor:
         """Return approximately the pressures that cause displacements, float32."""
-        return multiply_waves(displacement, self.stiffness, self.inverse.padded)
+        return multiply_waves(displacement, self.stiffness, self.inverse_padded)
+
+    def close(self, initial_gap: torch.Tensor, mean: torch.Tensor) -> torch.Tensor | None:
+        """Return the pressures of a mean, in float64, that close every gap; None if the boundary is not periodic."""
+        if self.boundary is not rc.Boundary.PERIODIC:
+            return None
+        return mean - multiply_waves(initial_gap, divide(torch.ones_like(self.symbol), self.symbol), self.padded)
 
     def invert_near(self, displacement: torch.Tensor) -> torch.Tensor:
         """Return `invert` up to three cells from each displacement."""
         reach = _STENCIL_REACH
-        values = displacement[:, None]
-        before, after = (0 if free else reach for free in self.free)
+        before, after = (0 if free else reach for free in self.boundary.free_axes)
+        values = functional.pad(displacement[:, None], (after, after, before, before), mode="circular")
         # Along a free axis there are zeros beyond the border.
-        values = functional.pad(values, (after, after, before, before), mode="circular")
-        beyond = [reach if free else 0 for free in self.free]
+        beyond = [reach if free else 0 for free in self.boundary.free_axes]
         return functional.conv2d(values, self.stencil[None, None], padding=beyond)[:, 0]
 
-    @cached_property
-    def takes_stencil(self) -> bool:
-        """Whether the stencil reaches no cell twice."""
-        return min(self.shape) > 2 * _STENCIL_REACH
+    def mean_weight(self, weights: torch.Tensor) -> torch.Tensor:
+        """Return the mean of weights over the cells of the padded grid."""
+        return self.total(weights) / (self.inverse_padded[0] * self.inverse_padded[1])
+
+    def blocks(self, mean: float) -> Blocks:
+        """Return the blocks that resolve the long waves where weights have this mean over the padded grid."""
+        bx, by = (_count_blocks(axis, m, mean) for axis, m in zip(self.axes, self.inverse_padded, strict=True))
+        mx, my = self.inverse_padded
+        device = self.stiffness.device
+        rows, columns = (
+            (torch.arange(n, device=device) * b).div(m, rounding_mode="floor")
+            for n, b, m in zip(self.shape, (bx, by), (mx, my), strict=True)
+        )
+        waves = torch.arange(bx, device=device)
+        waves = torch.where(waves < (bx + 1) // 2, waves, waves - bx) % mx
+        stiffness = self.stiffness.index_select(0, waves)[:, : by // 2 + 1]
+        return Blocks((bx, by), mx * my / (bx * by), rows, columns, stiffness)
+
+    def repeat(self, coarse: torch.Tensor) -> torch.Tensor:
+        """Return values of a coarser grid on each of their cells."""
+        for axis in self._halved(coarse):
+            coarse = coarse.repeat_interleave(2, axis)
+        return coarse
+
+    def interpolate(self, coarse: torch.Tensor) -> torch.Tensor:
+        """Interpolate by parabolas through three cell centres along the axes that were halved; the values repeat."""
+        for axis in self._halved(coarse):
+            before = coarse.roll(1, axis)
+            after = coarse.roll(-1, axis)
+            first = 0.9375 * coarse + 0.15625 * before - 0.09375 * after
+            second = 0.9375 * coarse + 0.15625 * after - 0.09375 * before
+            # A new last place, or one before the last axis, lies right behind the halved axis.
+            coarse = torch.stack((first, second), -1 if axis == -1 else -2).flatten(axis - 1, axis)
+        return coarse
+
+    def average(self, fine: torch.Tensor) -> torch.Tensor:
+        """Return the means of the cells of a finer grid on this one."""
+        for axis, count in ((-2, self.shape[0]), (-1, self.shape[1])):
+            if fine.shape[axis] > count:
+                fine = fine.unflatten(axis, (count, 2)).mean(axis)
+        return fine
+
+    def _halved(self, coarse: torch.Tensor) -> list[int]:
+        """Return the axes along which another grid has fewer cells."""
+        return [axis for axis in (-2, -1) if self.shape[axis] > coarse.shape[axis]]
+
+
+def nested_grids(convolution: TensorConvolution) -> tuple[MaskedGrid, ...]:
+    """Return the grid of a convolution and all coarser ones, from fine to coarse: even and long axes are halved."""
+    grids = [MaskedGrid.of(convolution)]
+    size = convolution.setup.grid.size
+    while True:
+        shape = grids[-1].shape
+        half = tuple(n // 2 if n % 2 == 0 and n // 2 >= _MIN_COARSE_CELLS else n for n in shape)
+        if half == shape:
+            return tuple(grids)
+        coarse = convolution.on(rc.Grid(cast(Axes, half), size))
+        grids.append(MaskedGrid.of(cast(TensorConvolution, coarse)))
+
+
+def _count_blocks(stiffness: Any, count: int, mean: float) -> int:
+    """Return the number of blocks along an axis: few, but enough for all long waves."""
+    size = 1
+    while 2 * size <= _MAX_BLOCK_CELLS and count // (2 * size) >= _MIN_BLOCKS:
+        if float(stiffness[max(count // (4 * size), 1)]) < _BLOCK_RESOLUTION * _LONG_WAVE_CUT * mean:
+            break
+        size *= 2
+    return max(count // size, 1)

@@ -1,0 +1,1 @@
+"""Many contacts on one grid that are solved at once."""
