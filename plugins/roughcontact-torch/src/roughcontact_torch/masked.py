@@ -23,13 +23,13 @@ from roughcontact_torch.masked_grid import nested_grids
 _COARSE_ITERATIONS = 4
 _COARSEST_ITERATIONS = 8
 _ITERATIONS_OF_READING = 4
-_MAX_ROUND = 12
+_MAX_ROUND = 8
 # Goal of a round over the tolerance, its minimum factor on the error in float32, and the range of factors of an
 # iteration on the error, from which the length of a round is predicted.
 _GOAL_FRACTION = 0.3
 _FLOAT32_GAIN = 2e-5
 _FASTEST = 0.02
-_SLOWEST = 0.5
+_SLOWEST = 0.3
 # Changed cells before weights are computed anew, over the active or, if these are fewer, the passive cells plus a
 # fraction of the grid, as in the default solver.
 _MAX_CHANGED_FRACTION = 0.5
@@ -279,13 +279,18 @@ def _approximate(coarse: MaskedDescent, fine: MaskedDescent, guess: _Guess) -> _
     state, verified = coarse.start(pressure, grid.displace(pressure.to(torch.float32)))
     closed = torch.zeros_like(verified.error) if guess.closed is None else guess.closed.to(torch.float64)
     means, solved = _read(grid.mean_weight(state.weights), closed)
-    iterations = 0
+    iterations = renewals = 0
     if not all(solved):
         blocks = grid.blocks(max(means))
-        iterations = _COARSE_ITERATIONS if guess.levels[-1:] else _COARSEST_ITERATIONS
-        for _ in range(iterations):
+        coarsest = not any(level.iterations for level in guess.levels)
+        iterations = _COARSEST_ITERATIONS if coarsest else _COARSE_ITERATIONS
+        for k in range(iterations):
+            if coarse.load is None and k and k % (1 if coarsest else 2) == 0:
+                # Far from the given approach the active cells, and with them the rigid motion, change at each step.
+                state = coarse.renew(state)
+                renewals += 1
             state = coarse.iterate(state, blocks)
-    work = _count_work(coarse, iterations, 1)
+    work = _count_work(coarse, iterations, 1 + renewals)
     levels = (*guess.levels, attrs.evolve(work, single=work.single + 1))
     errors = (verified.error, coarse.estimate(state, verified.scale))
     finer = _Guess(_refine(coarse, fine, state), levels, errors)

@@ -35,6 +35,8 @@ _UNIFORM_RANGE = 1e-12
 # Distance from the limit, over it, within which a cell that would rise is saturated: a step that ends just below would
 # shorten all others. It falls with the error.
 _NEAR_LIMIT = 1e-3
+# Maximum of that distance over the one of the mean pressure.
+_NEAR_LIMIT_OF_MEAN = 0.1
 
 
 class State(NamedTuple):
@@ -117,7 +119,7 @@ class MaskedDescent:
         gap, violations = self._measure(pressure, displacement)
         nothing = torch.zeros_like(pressure, dtype=torch.float32)
         one = torch.ones_like(self.limit)
-        active = self._is_inside(pressure, _NEAR_LIMIT * one)
+        active = self._is_inside(pressure, self._near_limit(one))
         if self.load is None:
             # Nothing may be in contact yet.
             active = active | (gap < 0.0)
@@ -132,7 +134,7 @@ class MaskedDescent:
             change=nothing,
             curvature=0.0 * one,
             length=_FIRST_LENGTH * one,
-            near_limit=torch.clamp(_NEAR_LIMIT * violations.error, max=_NEAR_LIMIT),
+            near_limit=self._near_limit(violations.error),
             rigid=torch.zeros((*one.shape[:1], 2, 2), dtype=torch.float64, device=one.device),
         )
         return self.renew(state), violations
@@ -164,8 +166,7 @@ class MaskedDescent:
         """Return the state with its load and its gap in float64, which is rounded, and its violations."""
         pressure = self.restore(state)
         gap, violations = self._measure(pressure, self.grid.displace(pressure))
-        near_limit = torch.clamp(_NEAR_LIMIT * violations.error, max=_NEAR_LIMIT)
-        return state._replace(pressure=pressure, gap=gap, near_limit=near_limit), violations
+        return state._replace(pressure=pressure, gap=gap, near_limit=self._near_limit(violations.error)), violations
 
     def estimate(self, state: State, scale: torch.Tensor) -> torch.Tensor:
         """Return the error of a state by its gap in float32, over a scale."""
@@ -233,6 +234,14 @@ class MaskedDescent:
         """Return the pressure of the cells that are not saturated, zero elsewhere, and which are."""
         saturated = pressure >= self.limit
         return torch.where(saturated, 0.0, pressure), saturated
+
+    def _near_limit(self, error: torch.Tensor) -> torch.Tensor:
+        """Return the distance from the limit, over it, of cells that count as saturated at an error."""
+        near = _NEAR_LIMIT * torch.clamp(error, max=1.0)
+        if self.load is None:
+            return near
+        mean = self.load / self.grid.cells
+        return torch.minimum(near, _NEAR_LIMIT_OF_MEAN * (1.0 - mean / self.limit))
 
     def _is_inside(self, pressure: torch.Tensor, near: torch.Tensor) -> torch.Tensor:
         inside = pressure > 0.0
