@@ -12,16 +12,17 @@ import attrs
 import numpy as np
 import roughcontact as rc
 import torch
-from roughcontact.typing import GridLevel, Outcome, PreparedConvolution, Step, Task
+from roughcontact.typing import Array, GridLevel, Outcome, PreparedConvolution, Step, Task
 
 from roughcontact_torch.arrays import TensorArray
 from roughcontact_torch.convolver import TensorConvolution
 from roughcontact_torch.masked_descent import MaskedDescent, State
 from roughcontact_torch.masked_grid import nested_grids
 
-# Iterations on a coarse grid, on the coarsest one, and between two readings of the host on average; the maximum at once.
-_COARSE_ITERATIONS = 4
-_COARSEST_ITERATIONS = 8
+# Iterations on a coarse grid and on the coarsest one, with those after which, for a given approach, weights and rigid
+# motions are computed anew; iterations between two readings of the host on average, and the maximum at once.
+_COARSE_ITERATIONS = (4, 2)
+_COARSEST_ITERATIONS = (8, 1)
 _ITERATIONS_OF_READING = 4
 _MAX_ROUND = 8
 # Goal of a round over the tolerance, its minimum factor on the error in float32, and the range of factors of an
@@ -36,6 +37,8 @@ _MAX_CHANGED_FRACTION = 0.5
 _PASSIVE_ALLOWANCE = 0.02
 # Verifications in turn that do not halve the error after which the default solver continues.
 _MAX_IDLE_ROUNDS = 3
+# Relative error of a load by rounding.
+_LOAD_ROUNDING = 1e-13
 _TOLERANCE = rc.ProjectedConjugateGradient().tolerance
 
 # Contacts that were solved at once, and are now certified one by one.
@@ -119,7 +122,7 @@ class MaskedConjugateGradient(rc.Solver):
     def solve(self, convolution: PreparedConvolution, task: Task) -> Outcome:
         """Return the contact pressure; see `Solver.solve`."""
         for known, outcome in _SOLVED.get():
-            if known.mean_pressure == task.mean_pressure and np.array_equal(known.initial_gap, task.initial_gap):
+            if _is_same(known, task):
                 return outcome
         return self.solve_all(convolution, [task])[0]
 
@@ -138,7 +141,7 @@ class MaskedConjugateGradient(rc.Solver):
         default = rc.ProjectedConjugateGradient(self.tolerance)
         if any(task.pressure_limit.size > 1 for task in tasks):
             return [default.solve(convolution, task) for task in tasks]
-        solved = self._solve(convolution, [task.convert(convolution.from_numpy) for task in tasks])
+        solved = self._solve(convolution, tasks)
         outcomes = []
         for k, task in enumerate(tasks):
             outcome = solved.outcome(k, self.tolerance)
@@ -150,7 +153,7 @@ class MaskedConjugateGradient(rc.Solver):
         descents = _make_descents(convolution, tasks)
         starts = [task.start for task in tasks if task.start is not None]
         if len(starts) == len(tasks):
-            guess = _Guess(torch.stack([_tensor(start) for start in starts]), ())
+            guess = _Guess(_stack(convolution, starts), ())
         else:
             guess = _nest(descents)
 
@@ -178,7 +181,7 @@ def _finish(
     now, floors, before, after, means = _read(verified.error, verified.floor, *coarse, mean)
     blocks = grid.blocks(means[0])
     # On the last coarse grid the error fell as it will here.
-    factors = [_factor(one, other, _COARSE_ITERATIONS) for one, other in zip(before, after, strict=True)]
+    factors = [_factor(one, other, _COARSE_ITERATIONS[0]) for one, other in zip(before, after, strict=True)]
     best = verified.error
     found = state.pressure
     errors = [tuple(now)]
@@ -252,7 +255,8 @@ def _nest(descents: Sequence[MaskedDescent]) -> _Guess:
     coarsest = descents[-1]
     guess = _Guess(torch.zeros_like(coarsest.initial_gap), ())
     if coarsest.load is not None:
-        mean = torch.minimum(coarsest.load / coarsest.grid.cells, coarsest.limit)
+        mean = coarsest.load / coarsest.grid.cells
+        mean = torch.where(mean < (1.0 - _LOAD_ROUNDING) * coarsest.limit, mean, coarsest.limit)
         guess = _close(coarsest, guess._replace(pressure=guess.pressure + mean))
     for fine, coarse in zip(descents[-2::-1], descents[:0:-1], strict=True):
         guess = _approximate(coarse, fine, guess)
@@ -283,9 +287,9 @@ def _approximate(coarse: MaskedDescent, fine: MaskedDescent, guess: _Guess) -> _
     if not all(solved):
         blocks = grid.blocks(max(means))
         coarsest = not any(level.iterations for level in guess.levels)
-        iterations = _COARSEST_ITERATIONS if coarsest else _COARSE_ITERATIONS
+        iterations, renewed = _COARSEST_ITERATIONS if coarsest else _COARSE_ITERATIONS
         for k in range(iterations):
-            if coarse.load is None and k and k % (1 if coarsest else 2) == 0:
+            if coarse.load is None and k % renewed == 0 and k:
                 # Far from the given approach the active cells, and with them the rigid motion, change at each step.
                 state = coarse.renew(state)
                 renewals += 1
@@ -313,7 +317,7 @@ def _refine(coarse: MaskedDescent, fine: MaskedDescent, state: State) -> torch.T
 
 def _make_descents(convolution: TensorConvolution, tasks: Sequence[Task]) -> list[MaskedDescent]:
     """Return the descents of tasks of one shape and one kind of load, from the finest grid to the coarsest."""
-    gap = torch.stack([_tensor(task.initial_gap) for task in tasks])
+    gap = _stack(convolution, [task.initial_gap for task in tasks])
 
     def numbers(values: Sequence[float | None]) -> torch.Tensor:
         known = [math.nan if value is None else value for value in values]
@@ -322,7 +326,7 @@ def _make_descents(convolution: TensorConvolution, tasks: Sequence[Task]) -> lis
     mean = numbers([task.mean_pressure for task in tasks])
     given = numbers([task.rms_gap for task in tasks])
     approach = numbers([task.approach for task in tasks])
-    limit = torch.stack([_tensor(task.pressure_limit).reshape(1, 1) for task in tasks])
+    limit = numbers([float(task.pressure_limit) for task in tasks])
     capped = any(task.capped for task in tasks)
     loaded = tasks[0].mean_pressure is not None
     descents = []
@@ -367,5 +371,12 @@ def known_outcomes(outcomes: Sequence[tuple[Task, Outcome]]) -> Iterator[None]:
         _SOLVED.reset(token)
 
 
-def _tensor(values: Any) -> torch.Tensor:
-    return cast(torch.Tensor, values.tensor)
+def _is_same(known: Task, task: Task) -> bool:
+    """Return whether two tasks of one convolution, both of a given load, are the same."""
+    pairs = ((known.initial_gap, task.initial_gap), (known.pressure_limit, task.pressure_limit))
+    return known.mean_pressure == task.mean_pressure and all(np.array_equal(*pair) for pair in pairs)
+
+
+def _stack(convolution: TensorConvolution, fields: Sequence[Array]) -> torch.Tensor:
+    """Return fields of numpy on the device, along a leading axis."""
+    return torch.stack([cast(torch.Tensor, cast(Any, convolution.from_numpy(field)).tensor) for field in fields])

@@ -27,11 +27,14 @@ _MIN_DETERMINANT = 1e-6
 # Rounds of the search for released cells that stay and of the shift that restores a load, and steps on the blocks.
 _HELD_ROUNDS = 3
 _LOAD_ROUNDS = 6
+_CAPPED_LOAD_ROUNDS = 12
 _BLOCK_STEPS = 4
 # Rounding of the gap over its largest term, and the range of the displacement over the maximum pressure below which the
 # pressure is uniform, as in `ContactConditions`.
 _GAP_ROUNDING = 16.0 * torch.finfo(torch.float64).eps
 _UNIFORM_RANGE = 1e-12
+# Relative error of a load by rounding.
+_LOAD_ROUNDING = 5e-13
 # Distance from the limit, over it, within which a cell that would rise is saturated: a step that ends just below would
 # shorten all others. It falls with the error.
 _NEAR_LIMIT = 1e-3
@@ -182,10 +185,17 @@ class MaskedDescent:
         return state.gap - self._level(state.gap, self._split(state.pressure)[0]).to(torch.float32)
 
     def rescale(self, pressure: torch.Tensor) -> torch.Tensor:
-        """Return pressures of which the elastic part is scaled to the load, as in `rescale_to_load`."""
+        """Return pressures with the load: the elastic part is scaled, or cells are shifted, as by `rescale_to_load`."""
+        assert self.load is not None
+        total = self.grid.total
         elastic, _ = self._split(pressure)
-        weights = torch.where(self.grid.total(elastic) > 0.0, elastic, 1.0)
-        return self._shift_to_load(pressure, weights)
+        carried = total(pressure) - total(elastic)
+        room = total(torch.where(elastic > 0.0, self.limit, 0.0))
+        scaled = (self.load >= carried) & (self.load < carried + room)
+        contact = pressure > 0.0
+        lowered = self.load < total(torch.where(contact, self.limit, 0.0))
+        ones = torch.where(lowered, contact.to(torch.float64), 1.0)
+        return self._shift_to_load(pressure, torch.where(scaled, elastic, ones))
 
     def _measure(self, pressure: torch.Tensor, displacement: torch.Tensor) -> tuple[torch.Tensor, Violations]:
         """Return the gap in float32, and the violations as by `ContactConditions.measure`."""
@@ -202,6 +212,10 @@ class MaskedDescent:
         scale = torch.where(scale > 0.0, scale, 1.0)
         floor = _GAP_ROUNDING * (torch.maximum(torch.maximum(high, -low), peak) + level.abs()) / scale
         error = torch.maximum(self._error(pressure, gap) / scale, floor)
+        if self.load is not None:
+            # Without its load a pressure is no solution.
+            missing = (grid.total(pressure) / self.load - 1.0).abs()
+            error = torch.where(missing <= _LOAD_ROUNDING, error, torch.clamp(error, min=1.0))
         return gap.to(torch.float32), Violations(error, floor, scale)
 
     def _separating_level(self, pressure: torch.Tensor, gap: torch.Tensor) -> torch.Tensor:
@@ -375,16 +389,29 @@ class MaskedDescent:
         return self._shift_to_load(trial, state.weights.to(torch.float64))
 
     def _shift_to_load(self, values: torch.Tensor, weights: torch.Tensor) -> torch.Tensor:
-        """Return clip(values - shift * weights, 0, limit) with a shift for which the sum is about the load."""
+        """Return clip(values - shift * weights, 0, limit) with a shift for which the sum is about the load.
+
+        With a limit Newton's method needs a bracket, in which it is replaced by bisection where it leaves it.
+        """
         load = self.load
         assert load is not None
         total = self.grid.total
         shift = torch.zeros_like(load)
-        for _ in range(_LOAD_ROUNDS):
+        low = torch.full_like(load, -torch.inf)
+        high = torch.full_like(load, torch.inf)
+        weight = total(weights)
+        for k in range(_CAPPED_LOAD_ROUNDS if self.capped else _LOAD_ROUNDS):
             moved = values - shift * weights
             excess = total(torch.minimum(torch.clamp(moved, min=0.0), self.limit)) - load
             moving = (moved > 0.0) & (moved < self.limit)
-            shift = shift + divide(excess, total(torch.where(moving, weights, 0.0)))
+            slope = total(torch.where(moving, weights, 0.0))
+            trial = shift + divide(excess, slope)
+            if self.capped:
+                low = torch.where(excess > 0.0, shift, low)
+                high = torch.where(excess < 0.0, shift, high)
+                half = torch.where(torch.isfinite(high - low), 0.5 * (low + high), shift + 2.0**k * divide(excess, weight))
+                trial = torch.where((slope > 0.0) & (trial > low) & (trial < high), trial, half)
+            shift = torch.where(excess == 0.0, shift, trial)
         return torch.minimum(torch.clamp(values - shift * weights, min=0.0), self.limit)
 
 
