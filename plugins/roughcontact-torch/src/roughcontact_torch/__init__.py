@@ -1,6 +1,8 @@
-"""The default solver of roughcontact on tensors of torch: a convolver, and arrays that it shares with the solver."""
+"""The default solver of roughcontact on tensors of torch, and a solver for which a GPU hardly waits for its host."""
 
 from roughcontact_torch.arrays import TensorArray
 from roughcontact_torch.convolver import TorchFFT
+from roughcontact_torch.masked import MaskedConjugateGradient
+from roughcontact_torch.together import solve_at_once
 
-__all__ = ["TensorArray", "TorchFFT"]
+__all__ = ["MaskedConjugateGradient", "TensorArray", "TorchFFT", "solve_at_once"]

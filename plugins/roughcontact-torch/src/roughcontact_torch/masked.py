@@ -1,0 +1,382 @@
+"""The masked solver: nested grids, verification in float64, and many contacts at once."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
+from typing import Any, ClassVar, NamedTuple, cast
+
+import attrs
+import numpy as np
+import roughcontact as rc
+import torch
+from roughcontact.typing import Array, GridLevel, Outcome, PreparedConvolution, Step, Task
+
+from roughcontact_torch.arrays import TensorArray
+from roughcontact_torch.convolver import TensorConvolution
+from roughcontact_torch.masked_descent import MaskedDescent, State
+from roughcontact_torch.masked_grid import nested_grids
+
+# Iterations on a coarse grid and on the coarsest one, with those after which, for a given approach, weights and rigid
+# motions are computed anew; iterations between two readings of the host on average, and the maximum at once.
+_COARSE_ITERATIONS = (4, 2)
+_COARSEST_ITERATIONS = (8, 1)
+_ITERATIONS_OF_READING = 4
+_MAX_ROUND = 8
+# Goal of a round over the tolerance, its minimum factor on the error in float32, and the range of factors of an
+# iteration on the error, from which the length of a round is predicted.
+_GOAL_FRACTION = 0.3
+_FLOAT32_GAIN = 2e-5
+_FASTEST = 0.02
+_SLOWEST = 0.3
+# Changed cells before weights are computed anew, over the active or, if these are fewer, the passive cells plus a
+# fraction of the grid, as in the default solver.
+_MAX_CHANGED_FRACTION = 0.5
+_PASSIVE_ALLOWANCE = 0.02
+# Verifications in turn that do not halve the error after which the default solver continues.
+_MAX_IDLE_ROUNDS = 3
+# Relative error of a load by rounding.
+_LOAD_ROUNDING = 1e-13
+_TOLERANCE = rc.ProjectedConjugateGradient().tolerance
+
+# Contacts that were solved at once, and are now certified one by one.
+_SOLVED: ContextVar[tuple[tuple[Task, Outcome], ...]] = ContextVar("solved contacts", default=())
+
+
+class _Guess(NamedTuple):
+    """Pressures to start from, and the errors at both ends of the last coarse grid; None: there was none."""
+
+    pressure: torch.Tensor
+    levels: tuple[GridLevel, ...]
+    errors: tuple[torch.Tensor, torch.Tensor] | None = None
+    closed: torch.Tensor | None = None
+
+
+@attrs.frozen(eq=False)
+class _Solved:
+    """Pressures, by verification their errors, floors of rounding, and the work."""
+
+    pressure: torch.Tensor
+    errors: tuple[tuple[float, ...], ...]
+    floors: tuple[float, ...]
+    levels: tuple[GridLevel, ...]
+
+    def outcome(self, k: int, tolerance: float) -> Outcome:
+        """Return the outcome of one contact, its pressure on the device."""
+        finest = self.levels[-1].shape
+        cells = finest[0] * finest[1]
+        cost = sum((one.double + one.single + one.inverse) * math.prod(one.shape) / cells for one in self.levels)
+        error = self.errors[-1][k]
+        done = error <= max(tolerance, self.floors[k])
+        status = rc.Status.CONVERGED.within(self.floors[k], tolerance) if done else rc.Status.STALLED
+        return Outcome(
+            pressure=cast(Any, TensorArray(self.pressure[k])),
+            status=status if math.isfinite(error) else rc.Status.NOT_FINITE,
+            iterations=self.levels[-1].iterations,
+            convolutions=round(cost),
+            errors=tuple(errors[k] for errors in self.errors),
+            levels=self.levels,
+        )
+
+
+@attrs.frozen
+class MaskedConjugateGradient(rc.Solver):
+    """The default solver on a GPU whose host waits for a number in one of four iterations, and on each coarse grid.
+
+    Active cells are a mask instead of a list, searches have a fixed number of rounds, and the device chooses which part
+    of a step is taken. It solves on the tensors of `TorchFFT` alone. The default solver, on tensors too, solves for a
+    limit that differs from cell to cell, and continues where the error no longer falls.
+
+    Parameters
+    ----------
+    tolerance
+        Error (see `Violation`) to be reached.
+    max_iterations
+        Iterations on the finest grid after which the default solver continues.
+
+    References
+    ----------
+    Polonsky, Keer, Wear 231 (1999) 206-219, https://doi.org/10.1016/S0043-1648(99)00113-1
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> from roughcontact_torch import MaskedConjugateGradient, TorchFFT
+    >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Elastic(young=210e9, poisson=0.3))
+    >>> tensors = {"convolver": TorchFFT("cpu"), "solver": MaskedConjugateGradient()}
+    >>> problem = rc.ContactProblem(ball, grid=rc.Grid((64, 64), 100e-6), **tensors)
+    >>> print(problem.solve(force=1.0).status)
+    converged: the conditions of contact hold within the tolerance
+    """
+
+    omitted: ClassVar[tuple[str, ...]] = (
+        "lists of active cells: masks have fixed shapes, so that the host waits for a number in one of four iterations",
+        "float64 inside the iterations: float32 is enough, and every result is verified in float64",
+    )
+
+    tolerance: float = attrs.field(default=_TOLERANCE, converter=lambda value: _checked(tolerance=value).tolerance)
+    max_iterations: int = attrs.field(default=80, converter=lambda value: _checked(max_iterations=value).max_iterations)
+
+    def solve(self, convolution: PreparedConvolution, task: Task) -> Outcome:
+        """Return the contact pressure; see `Solver.solve`."""
+        for known, outcome in _SOLVED.get():
+            if _is_same(known, task):
+                return outcome
+        return self.solve_all(convolution, [task])[0]
+
+    def solve_all(self, convolution: PreparedConvolution, tasks: Sequence[Task]) -> list[Outcome]:
+        """Return the contact pressures of tasks on one grid, which are solved at once.
+
+        Raises
+        ------
+        InputError
+            If the convolution is not on tensors, or loads and approaches are mixed.
+        """
+        if not isinstance(convolution, TensorConvolution):
+            raise rc.InputError("The masked solver works on tensors: choose convolver='torch'.")
+        if len({task.mean_pressure is None for task in tasks}) > 1:
+            raise rc.InputError("Contacts that are solved at once must all have a load, or all an approach.")
+        default = rc.ProjectedConjugateGradient(self.tolerance)
+        if any(task.pressure_limit.size > 1 for task in tasks):
+            return [default.solve(convolution, task) for task in tasks]
+        solved = self._solve(convolution, tasks)
+        outcomes = []
+        for k, task in enumerate(tasks):
+            outcome = solved.outcome(k, self.tolerance)
+            outcome = attrs.evolve(outcome, pressure=convolution.to_numpy(outcome.pressure))
+            outcomes.append(outcome if outcome.status.success else _continue(default, convolution, task, outcome))
+        return outcomes
+
+    def _solve(self, convolution: TensorConvolution, tasks: Sequence[Task]) -> _Solved:
+        descents = _make_descents(convolution, tasks)
+        starts = [task.start for task in tasks if task.start is not None]
+        if len(starts) == len(tasks):
+            guess = _Guess(_stack(convolution, starts), ())
+        else:
+            guess = _nest(descents)
+
+        def report(iterations: int, error: float) -> None:
+            for task in tasks:
+                if task.on_step is not None:
+                    task.on_step(Step(descents[0].grid.shape, iterations, error))
+
+        return _finish(descents[0], guess, self.tolerance, self.max_iterations, report)
+
+
+def _finish(
+    descent: MaskedDescent,
+    guess: _Guess,
+    tolerance: float,
+    max_iterations: int,
+    report: Callable[[int, float], None],
+) -> _Solved:
+    """Return the solutions on the finest grid from a guess."""
+    grid = descent.grid
+    pressure = guess.pressure if descent.load is None else descent.rescale(guess.pressure)
+    state, verified = descent.start(pressure, grid.displace(pressure))
+    mean = grid.mean_weight(state.weights).amax(keepdim=True).expand_as(verified.error)
+    coarse = guess.errors if guess.errors is not None else (verified.error, verified.error)
+    now, floors, before, after, means = _read(verified.error, verified.floor, *coarse, mean)
+    blocks = grid.blocks(means[0])
+    # On the last coarse grid the error fell as it will here.
+    factors = [_factor(one, other, _COARSE_ITERATIONS[0]) for one, other in zip(before, after, strict=True)]
+    best = verified.error
+    found = state.pressure
+    errors = [tuple(now)]
+    iterations = idle = renewals = 0
+    while True:
+        report(iterations, max(errors[-1]))
+        left = [
+            k
+            for k, (one, floor) in enumerate(zip(errors[-1], floors, strict=True))
+            if math.isfinite(one) and one > max(tolerance, floor)
+        ]
+        if not left or idle > _MAX_IDLE_ROUNDS or iterations >= max_iterations:
+            break
+        count = max(_count_iterations(errors[-1][k], tolerance, factors[k]) for k in left)
+        count = max(count, _ITERATIONS_OF_READING * len(errors) - iterations)
+        for _ in range(count):
+            state = descent.iterate(state, blocks)
+        iterations += count
+        state, verified = descent.verify(state)
+        # A contact that is solved keeps its pressure while the others go on.
+        better = (verified.error < best) & (best > tolerance)
+        found = torch.where(better, state.pressure, found)
+        best = torch.where(better, verified.error, best)
+        now, floors, changed = _read(best, verified.floor, _changed_fraction(descent, state))
+        errors.append(tuple(now))
+        factors = [_factor(errors[0][k], now[k], iterations) for k in range(len(now))]
+        idle = idle + 1 if any(errors[-1][k] > 0.5 * errors[-2][k] for k in left) else 0
+        if max(changed[k] for k in left) > _MAX_CHANGED_FRACTION:
+            state = descent.renew(state)
+            renewals += 1
+    work = _count_work(descent, iterations, 1 + renewals)
+    level = attrs.evolve(work, double=len(errors))
+    return _Solved(found, tuple(errors), tuple(floors), (*guess.levels, level))
+
+
+def _read(*numbers: torch.Tensor) -> list[list[float]]:
+    """Return numbers of each contact; the host waits for them."""
+    read: list[list[float]] = torch.stack(numbers).flatten(1).tolist()
+    return read
+
+
+def _factor(before: float, after: float, iterations: int) -> float:
+    """Return the factor of an iteration on the error."""
+    ratio = after / before if before > 0.0 and after > 0.0 else 1.0
+    return min(max(ratio ** (1.0 / iterations), _FASTEST), _SLOWEST)
+
+
+def _count_iterations(error: float, tolerance: float, factor: float) -> int:
+    """Return after how many iterations the error is worth a verification."""
+    goal = max(_GOAL_FRACTION * tolerance, _FLOAT32_GAIN * error)
+    return min(max(math.ceil(math.log(goal / error) / math.log(factor)), 1), _MAX_ROUND)
+
+
+def _changed_fraction(descent: MaskedDescent, state: State) -> torch.Tensor:
+    """Return the cells that changed since weights were computed by a product, over the fewer of active and passive."""
+    cells = descent.grid.cells
+    active = descent.grid.total(state.active)
+    return state.changed / torch.minimum(active, cells - active + _PASSIVE_ALLOWANCE * cells).clamp(min=1.0)
+
+
+def _count_work(descent: MaskedDescent, iterations: int, renewals: int) -> GridLevel:
+    """Return the work of iterations, and of products for weights."""
+    rigid = 0 if descent.load is not None else 2
+    near = descent.grid.takes_stencil
+    inverse = iterations + renewals + (0 if near else iterations)
+    return GridLevel(descent.grid.shape, iterations, 0, iterations + rigid * renewals, inverse)
+
+
+def _nest(descents: Sequence[MaskedDescent]) -> _Guess:
+    """Return pressures on the finest grid, interpolated from those on the next one, itself solved so."""
+    coarsest = descents[-1]
+    guess = _Guess(torch.zeros_like(coarsest.initial_gap), ())
+    if coarsest.load is not None:
+        mean = coarsest.load / coarsest.grid.cells
+        mean = torch.where(mean < (1.0 - _LOAD_ROUNDING) * coarsest.limit, mean, coarsest.limit)
+        guess = _close(coarsest, guess._replace(pressure=guess.pressure + mean))
+    for fine, coarse in zip(descents[-2::-1], descents[:0:-1], strict=True):
+        guess = _approximate(coarse, fine, guess)
+    return guess
+
+
+def _close(descent: MaskedDescent, guess: _Guess) -> _Guess:
+    """Return the pressures that close every gap of a periodic surface where they are within the bounds."""
+    closing = descent.close()
+    if closing is None:
+        return guess
+    grid = descent.grid
+    closed = (grid.lowest(closing) >= 0.0) & (grid.highest(closing) <= descent.limit)
+    level = GridLevel(grid.shape, 0, 0, 0, 1)
+    return guess._replace(
+        pressure=torch.where(closed, closing, guess.pressure), closed=closed, levels=(*guess.levels, level)
+    )
+
+
+def _approximate(coarse: MaskedDescent, fine: MaskedDescent, guess: _Guess) -> _Guess:
+    """Return pressures for the next finer grid after iterations on a coarse one."""
+    grid = coarse.grid
+    pressure = guess.pressure if coarse.load is None else coarse.rescale(guess.pressure)
+    state, verified = coarse.start(pressure, grid.displace(pressure.to(torch.float32)))
+    closed = torch.zeros_like(verified.error) if guess.closed is None else guess.closed.to(torch.float64)
+    means, solved = _read(grid.mean_weight(state.weights), closed)
+    iterations = renewals = 0
+    if not all(solved):
+        blocks = grid.blocks(max(means))
+        coarsest = not any(level.iterations for level in guess.levels)
+        iterations, renewed = _COARSEST_ITERATIONS if coarsest else _COARSE_ITERATIONS
+        for k in range(iterations):
+            if coarse.load is None and k % renewed == 0 and k:
+                # Far from the given approach the active cells, and with them the rigid motion, change at each step.
+                state = coarse.renew(state)
+                renewals += 1
+            state = coarse.iterate(state, blocks)
+    work = _count_work(coarse, iterations, 1 + renewals)
+    levels = (*guess.levels, attrs.evolve(work, single=work.single + 1))
+    errors = (verified.error, coarse.estimate(state, verified.scale))
+    finer = _Guess(_refine(coarse, fine, state), levels, errors)
+    return _close(fine, finer) if any(solved) else finer
+
+
+def _refine(coarse: MaskedDescent, fine: MaskedDescent, state: State) -> torch.Tensor:
+    """Return pressures on a grid, interpolated where the coarser one is in contact or the gap is negative."""
+    grid = fine.grid
+    displacement = coarse.from_level(state) - coarse.initial_gap.to(torch.float32)
+    gap = grid.interpolate(displacement) + fine.initial_gap.to(torch.float32)
+    is_open = (gap >= 0.0) & ~grid.repeat(state.pressure > 0.0)
+    pressure = torch.clamp(grid.interpolate(state.pressure), min=0.0)
+    pressure = torch.where(is_open, 0.0, pressure)
+    if fine.capped:
+        pressure = torch.where(grid.repeat(state.pressure >= coarse.limit), fine.limit, pressure)
+        pressure = torch.minimum(pressure, fine.limit)
+    return pressure
+
+
+def _make_descents(convolution: TensorConvolution, tasks: Sequence[Task]) -> list[MaskedDescent]:
+    """Return the descents of tasks of one shape and one kind of load, from the finest grid to the coarsest."""
+    gap = _stack(convolution, [task.initial_gap for task in tasks])
+
+    def numbers(values: Sequence[float | None]) -> torch.Tensor:
+        known = [math.nan if value is None else value for value in values]
+        return torch.tensor(known, dtype=torch.float64, device=gap.device).reshape(-1, 1, 1)
+
+    mean = numbers([task.mean_pressure for task in tasks])
+    given = numbers([task.rms_gap for task in tasks])
+    approach = numbers([task.approach for task in tasks])
+    limit = numbers([float(task.pressure_limit) for task in tasks])
+    capped = any(task.capped for task in tasks)
+    loaded = tasks[0].mean_pressure is not None
+    descents = []
+    for grid in nested_grids(convolution):
+        gap = grid.average(gap)
+        center = grid.total(gap) / grid.cells
+        own = (grid.total((gap - center) ** 2) / grid.cells).sqrt()
+        rms = torch.where(torch.isnan(given), own, given)
+        load = mean * grid.cells if loaded else None
+        descents.append(MaskedDescent(grid, gap, limit, rms, load, approach, capped))
+    return descents
+
+
+def _checked(**values: object) -> rc.ProjectedConjugateGradient:
+    """Return the default solver with these parameters, which are checked."""
+    return rc.ProjectedConjugateGradient(**cast(Any, values))
+
+
+def _continue(
+    default: rc.ProjectedConjugateGradient, convolution: TensorConvolution, task: Task, stalled: Outcome
+) -> Outcome:
+    """Return the outcome of the default solver from the pressure of a masked descent that did not end."""
+    start = stalled.pressure if stalled.status is rc.Status.STALLED else None
+    rescue = default.solve(convolution, attrs.evolve(task, start=start))
+    return attrs.evolve(
+        rescue,
+        status=rc.Status.RESCUED if rescue.status is rc.Status.CONVERGED else rescue.status,
+        iterations=stalled.iterations + rescue.iterations,
+        convolutions=stalled.convolutions + rescue.convolutions,
+        errors=stalled.errors + rescue.errors,
+        levels=stalled.levels,
+    )
+
+
+@contextmanager
+def known_outcomes(outcomes: Sequence[tuple[Task, Outcome]]) -> Iterator[None]:
+    """Let the masked solver return these outcomes for these tasks until the end."""
+    token = _SOLVED.set(tuple(outcomes))
+    try:
+        yield
+    finally:
+        _SOLVED.reset(token)
+
+
+def _is_same(known: Task, task: Task) -> bool:
+    """Return whether two tasks of one convolution, both of a given load, are the same."""
+    pairs = ((known.initial_gap, task.initial_gap), (known.pressure_limit, task.pressure_limit))
+    return known.mean_pressure == task.mean_pressure and all(np.array_equal(*pair) for pair in pairs)
+
+
+def _stack(convolution: TensorConvolution, fields: Sequence[Array]) -> torch.Tensor:
+    """Return fields of numpy on the device, along a leading axis."""
+    return torch.stack([cast(torch.Tensor, cast(Any, convolution.from_numpy(field)).tensor) for field in fields])
