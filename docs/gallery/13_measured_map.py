@@ -18,3 +18,8 @@ with rc.plotting.style():
     ):
         surface.plot(panel="map", axes=axes)
         axes.set_title(name)
+
+# %%
+# The roughness alone.
+# sphinx_gallery_thumbnail_number = 2
+parts.roughness.plot(panel="map")
