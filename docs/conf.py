@@ -11,6 +11,7 @@ import importlib.util
 import inspect
 import re
 import sys
+from pathlib import Path
 from typing import Any
 
 import attrs
@@ -60,6 +61,7 @@ sphinx_gallery_conf = {
     "within_subsection_order": "FileNameSortKey",
     "capture_repr": (),
     "download_all_examples": False,
+    "thumbnail_size": (800, 560),
     "write_computation_times": False,
     "show_signature": False,
     "min_reported_time": 3600,
@@ -148,6 +150,25 @@ def on_the_site(app: Sphinx, docname: str, source: list[str]) -> None:
         source[0] = source[0].replace(f"]({up}../{link}", f"]({up}{page}")
 
 
+def list_names(app: Sphinx, docname: str, source: list[str]) -> None:
+    """Add the names of each page of the reference to its index, with the first sentence of each."""
+    if docname != "api/index":
+        return
+    folder = Path(app.srcdir) / "api"
+    for page in re.findall(r"^   (\w+)$", source[0], re.M):
+        text = (folder / f"{page}.rst").read_text(encoding="utf-8")
+        module, names = "roughcontact", []
+        for kind, name in re.findall(r"^\.\. (currentmodule|auto(?:class|function|exception)):: ([\w.]+)$", text, re.M):
+            if kind == "currentmodule":
+                module = name
+            else:
+                names.append(name if name.startswith("roughcontact.") else f"{module}.{name}")
+        title = text.partition("\n")[0]
+        lines = [title, "-" * len(title), "", f":doc:`{page}`", "", ".. autosummary::", "   :nosignatures:", ""]
+        lines += [f"   ~{name}" for name in names]
+        source[0] += "\n" + "\n".join(lines if names else []) + "\n"
+
+
 def setup(app: Sphinx) -> None:
     """Enter the above."""
     name_aliases()
@@ -155,6 +176,7 @@ def setup(app: Sphinx) -> None:
     app.add_html_math_renderer("mathml", (visit_math, None), (visit_math_block, None))
     app.connect("missing-reference", plain_name)
     app.connect("source-read", on_the_site)
+    app.connect("source-read", list_names)
 
 
 html_math_renderer = "mathml"

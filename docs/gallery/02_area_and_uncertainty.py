@@ -23,7 +23,7 @@ for cells in grids:
 # The counted area falls with every finer grid. The default, ``blend``, is right from two cells to the shortest wave
 # on (64 cells a side), within what it states.
 with rc.plotting.style():
-    figure, axes = plt.subplots(layout="constrained")
+    figure, axes = plt.subplots(figsize=(5, 3.5), layout="constrained")
     axes.plot(grids, [100 * area.fraction for area in counted], "s--", color="0.5", label="counted cells")
     values = [100 * area.fraction for area in blend]
     errors = [2 * area.uncertainty / area.value * value for area, value in zip(blend, values, strict=True)]
@@ -31,5 +31,5 @@ with rc.plotting.style():
     axes.set_xscale("log", base=2)
     axes.set_xticks(grids, [str(cells) for cells in grids])
     axes.set_xticks([], minor=True)
-    axes.set(xlabel="cells along a side", ylabel="contact area, % of nominal", ylim=(0, None))
+    axes.set(xlabel="cells along a side", ylabel="contact area, % of nominal", ylim=(0, 4))
     axes.legend()

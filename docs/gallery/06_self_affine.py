@@ -8,6 +8,7 @@ A self-affine surface beside its spectrum, bearing curve and autocorrelation.
 import roughcontact as rc
 
 surface = rc.SelfAffineSurface(hurst=0.8, rms_height=0.2e-6, shortest=2e-6, longest=100e-6, rolloff=20e-6, seed=1)
+# sphinx_gallery_thumbnail_number = 2
 surface.plot(rc.Grid((256, 256), 100e-6))
 
 # %%

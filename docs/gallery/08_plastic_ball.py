@@ -17,7 +17,7 @@ materials = {
     "hardness 6 GPa": rc.ElasticPerfectlyPlastic(young=210e9, poisson=0.3, hardness=hardness),
 }
 with rc.plotting.style():
-    figure, (left, right) = plt.subplots(1, 2, figsize=(9, 4), layout="constrained")
+    figure, (left, right) = plt.subplots(1, 2, figsize=(7.5, 3.4), layout="constrained")
     for (name, material), marker in zip(materials.items(), "os", strict=True):
         problem = rc.ContactProblem(rc.Body(rc.ParaboloidSurface(1e-3), material), grid=grid)
         sweep = problem.sweep(force=np.linspace(10, 200, 8))

@@ -22,8 +22,8 @@ print(maximum)
 # Each contact has its maximum below the surface, at half the radius of the contact or so.
 row = int(np.argmin(np.abs(grid.x[:, 0] - maximum.x)))
 cut = stress.von_mises[:, row] / 1e9
-figure, axes = plt.subplots(figsize=(9, 3), layout="constrained")
+figure, axes = plt.subplots(figsize=(6.5, 3), layout="constrained")
 image = axes.pcolormesh(1e6 * grid.y[0], 1e6 * np.linspace(0, 12e-6, 61), cut, cmap="inferno", shading="gouraud")
-axes.plot(1e6 * maximum.y, 1e6 * maximum.depth, "+", color="white", markersize=12)
+axes.plot(1e6 * maximum.y, 1e6 * maximum.depth, "+", color="black", markersize=12)
 axes.set(xlabel="y, µm", ylabel="depth, µm", ylim=(12, 0))
 figure.colorbar(image, ax=axes, label="von Mises stress, GPa")

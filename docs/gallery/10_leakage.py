@@ -7,6 +7,7 @@ Water through the gap of a rough contact, and the throat that limits it.
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.colors import LogNorm
 
 import roughcontact as rc
 
@@ -19,13 +20,13 @@ print(flow)
 # %%
 # The flow over the width, on a logarithmic scale; the contact is grey.
 speed = np.hypot(*flow.flux)
-shown = np.where(speed > 0, np.log10(np.maximum(speed, 1e-4 * speed.max())), np.nan)
-figure, axes = plt.subplots(layout="constrained")
+shown = 1e12 * np.where(speed > 0, np.maximum(speed, 1e-4 * speed.max()), np.nan)
+figure, axes = plt.subplots(figsize=(5, 4), layout="constrained")
 axes.set_facecolor("0.75")
-image = axes.imshow(shown.T, origin="lower", extent=(-50, 50, -50, 50), cmap="cividis")
+image = axes.imshow(shown.T, origin="lower", extent=(-50, 50, -50, 50), cmap="cividis", norm=LogNorm())
 axes.plot(
     *(1e6 * one for one in flow.throat.place), "o", ms=14, mfc="none", mec="black", mew=2, label="critical throat"
 )
 axes.set(xlabel="x, µm", ylabel="y, µm")
 axes.legend(loc="upper right")
-figure.colorbar(image, ax=axes, label="log10 of the flow over width, m²/s")
+figure.colorbar(image, ax=axes, label="flow over width, µm²/s")

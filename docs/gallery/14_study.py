@@ -32,9 +32,9 @@ print(table[["rolloff", "seed", "load", "area blend", "uncertainty blend"]].head
 table["fraction"] = 100 * table["area blend"] / 64e-6**2
 means = table.groupby(["rolloff", "load"])["fraction"].agg(["mean", "std"])
 with rc.plotting.style():
-    figure, axes = plt.subplots(layout="constrained")
+    figure, axes = plt.subplots(figsize=(5, 3.8), layout="constrained")
     for (rolloff, rows), marker in zip(means.groupby("rolloff"), "os^", strict=True):
         load = rows.index.get_level_values("load") / 1e6
         axes.errorbar(load, rows["mean"], rows["std"], fmt=f"{marker}-", capsize=3, label=f"{1e6 * rolloff:.0f} µm")
     axes.set(xlabel="pressure, MPa", ylabel="contact area, % of nominal", xlim=(0, None), ylim=(0, None))
-    axes.legend(title="roll-off; bars: scatter of seeds")
+    axes.legend(title="roll-off; error bars: scatter of seeds")

@@ -14,7 +14,7 @@ steel = rc.Elastic(young=210e9, poisson=0.3)
 grid = rc.Grid((128, 128), 80e-6)
 ball = rc.Body(rc.ParaboloidSurface(radius=1e-3), steel)
 with rc.plotting.style():
-    figure, axes = plt.subplots(layout="constrained")
+    figure, axes = plt.subplots(figsize=(5, 3.8), layout="constrained")
     for young, style in ((70e9, "--"), (210e9, "-"), (600e9, "-.")):
         kernel = LayeredKernel((Layer(young=young, poisson=0.3, thickness=8e-6),), substrate=steel)
         solution = rc.ContactProblem(ball, grid=grid, kernel=kernel).solve(force=2.0)

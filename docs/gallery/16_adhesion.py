@@ -22,7 +22,7 @@ zero = problem.solve(force=0.0)
 theory = JKR(radius, problem.plan.modulus, work)
 radii = np.linspace(0.1, 1.2, 100) * theory.radius_at_zero_load
 with rc.plotting.style():
-    figure, (left, right) = plt.subplots(1, 2, figsize=(9, 4), layout="constrained")
+    figure, (left, right) = plt.subplots(1, 2, figsize=(7.5, 3.4), layout="constrained")
     cycle.plot(axes=left)
     approach = np.array([theory.approach(a) for a in radii]) + problem.summit
     left.plot(1e9 * approach, [1e9 * theory.force(a) for a in radii], "k--", linewidth=1.0, label="JKR")

@@ -19,8 +19,9 @@ solution = rc.ContactProblem(*bodies, grid=grid, kernel=AnisotropicKernel(fibres
 mean = rc.ContactProblem(*bodies, grid=grid).solve(force=1.0)
 print(solution.area())
 with rc.plotting.style():
-    figure, axes = plt.subplots(layout="constrained")
-    for one, style in ((solution, "-"), (mean, "--")):
-        for line in rc.LevelSet().contours(one):
-            axes.plot(*(1e6 * line.T), style, color="C0")
+    figure, axes = plt.subplots(figsize=(5, 4), layout="constrained")
+    for name, one, style in (("fibres along x", solution, "-"), ("mean modulus", mean, "--")):
+        (line,) = rc.LevelSet().contours(one)
+        axes.plot(*(1e6 * line.T), style, color="C0", label=name)
+    axes.legend(loc="center")
     axes.set(xlabel="x, along the fibres, µm", ylabel="y, µm", aspect="equal")

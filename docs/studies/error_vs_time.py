@@ -87,9 +87,10 @@ def draw(rows: dict[int, dict[str, float]], path: Path) -> None:
         axes.loglog(*_points(alike, name), marker, color=line.get_color(), markerfacecolor="none")
     for cells, row in joined.items():
         place = row["cpu"], row["cell-count"]
-        text = f"N = {cells}" if cells == min(joined) else f"{cells}"
-        axes.annotate(text, place, xytext=(-2, 5), textcoords="offset points", fontsize=8, ha="right")
-    axes.set_xlim(left=0.7 * min(row["cpu"] for row in rows.values()))
+        text, shift = (f"N = {cells}", (5, 4)) if cells == min(joined) else (f"{cells}", (1, -13))
+        axes.annotate(text, place, xytext=shift, textcoords="offset points", fontsize=8)
+    times = [row["cpu"] for row in rows.values()]
+    axes.set_xlim(0.8 * min(times), 1.35 * max(times))
     axes.plot([], [], "o", color=LIGHT.ink, markerfacecolor="none", label="open: whole cells a wave")
     scale_axes(axes, x="CPU time of one solve, s", y="error, %", logarithmic="xy")
     ticks = [0.02, 0.05, 0.1, 0.2]

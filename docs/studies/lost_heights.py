@@ -89,7 +89,7 @@ def draw(axes: Axes, rows: list[list[str]], title: str) -> None:
     axes.set_yticks(ticks, [f"{tick:+d}" if tick else "0" for tick in ticks])
     axes.set_xticks(cells, [str(n) for n in cells])
     axes.minorticks_off()
-    axes.set(title=title, xlabel="cells along a side", ylim=(-40, 250))
+    axes.set(title=title, ylim=(-40, 250))
     axes.grid(True)
 
 
@@ -123,6 +123,8 @@ def main(lines: list[list[str]], folder: Path = FIGURES) -> None:
         draw(axes, [row for row in lines[1:] if row[0] == pair], pair.replace(",", " running in,"))
     for axes in panels[:, 0]:
         axes.set_ylabel("error against the finest map, %")
+    for axes in panels[-1]:
+        axes.set_xlabel("cells along a side")
     figure.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside upper center", ncols=3)
     figure.savefig(folder / "lost_heights.png", dpi=130)
 

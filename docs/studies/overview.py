@@ -10,7 +10,7 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 import roughcontact as rc
-from roughcontact.plotting import LIGHT, add_key, scale_axes, style
+from roughcontact.plotting import LIGHT, scale_axes, style
 
 FIGURES = Path(__file__).parent.parent / "figures"
 # Cells along a side: of the maps, of the errors, and of the reference.
@@ -28,11 +28,11 @@ def press(cells: int) -> rc.ContactSolution:
 def main(drawn: int = DRAWN, reference: int = REFERENCE, folder: Path = FIGURES) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     with style():
-        draw(drawn, reference).savefig(folder / "overview.png", dpi=120)
+        draw(drawn, reference).savefig(folder / "overview.png", dpi=160)
 
 
 def draw(drawn: int, reference: int) -> Figure:
-    figure = Figure(figsize=(13, 4), layout="constrained")
+    figure = Figure(figsize=(10.6, 3.4), layout="constrained")
     heights, pressure, errors = figure.subplots(1, 3)
     solution = press(drawn)
     solution.plot("heights", axes=heights)
@@ -59,19 +59,17 @@ def draw_errors(axes, reference: int) -> None:
     )
     floor = 100 * true.uncertainty / true.value
     axes.plot(grids, counted, "o-", label="counted cells")
-    axes.plot(grids, estimated, "D-", label="blend, the default")
+    axes.plot(grids, estimated, "D-", label="default estimate")
     stated = [100 * solution.area().uncertainty / true.value for solution in solutions]
-    axes.plot(grids, stated, ":", color="C1")
-    axes.annotate("stated", (grids[-1], stated[-1]), xytext=(5, 0), textcoords="offset points", fontsize=8)
+    axes.plot(grids, stated, ":", color="C1", label="its uncertainty")
     axes.axhspan(1e-4, floor, color=LIGHT.open, zorder=0)
-    axes.text(0.9 * grids[0], 0.9 * floor, f"uncertainty of the reference: {floor:.2g} %", va="top", fontsize=8)
+    lowest = 0.3 * min(floor, *estimated)
+    axes.text(0.9 * grids[0], 1.3 * lowest, f"uncertainty of the\nreference: {floor:.2g} %", fontsize=8)
     scale_axes(axes, x="cells along a side", y="error, %", logarithmic="xy")
     axes.set_xticks(grids, [str(cells) for cells in grids], minor=False)
     axes.set_xticks([], minor=True)
-    for cells, error in zip(grids, counted, strict=True):
-        axes.annotate(f"+{error:.2g} %", (cells, error), xytext=(5, 5), textcoords="offset points", fontsize=8)
-    axes.set(xlim=(0.8 * grids[0], 2.0 * grids[-1]), ylim=(0.3 * min(floor, *estimated), 3 * max(counted)))
-    add_key(axes)
+    axes.set(xlim=(0.8 * grids[0], 1.3 * grids[-1]), ylim=(lowest, 20 * max(counted)))
+    axes.legend(loc="upper right", fontsize=8, frameon=False)
 
 
 if __name__ == "__main__":

@@ -149,7 +149,7 @@ def draw_balls(axes: Axes, draws: int) -> None:
     errors, stds = (100 * np.array([getattr(one, name) for one in found]) for name in ("value", "uncertainty"))
     axes.errorbar(radii, errors, 2 * stds, fmt="o", color=LIGHT.lines[0], ms=4, lw=1)
     axes.axhline(0, color="0.5", lw=1)
-    axes.set(xscale="log", xlabel="contact radius, cells", ylabel="error, %", title="ball: error, two deviations")
+    axes.set(xscale="log", xlabel="contact radius, cells", ylabel="error, %", title="ball, ± two standard deviations")
     axes.set_ylim(-3, 3)
     axes.minorticks_off()
     axes.set_xticks([2, 5, 10, 20], ["2", "5", "10", "20"])

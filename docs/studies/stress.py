@@ -231,10 +231,23 @@ def draw(folder: Path = FIGURES) -> None:
     figure.savefig(folder / "stress.png", dpi=110)
 
 
+# The columns of the page.
+SLIDING = ("cells", "friction", "at 0.5, % of p0", "at 2, % of p0", "at 8, % of p0")
+SLIDING += ("first yield: error, %", "stated, %", "its depth, radii")
 TABLES = {
     "stress-balls": DocTable(list_balls, seconds=25, units=2.0, shown=pick(lines=("1.5", "3", "6", "24"))),
-    "stress-sliding": DocTable(list_sliding, seconds=8, units=2.0),
-    "stress-edges": DocTable(list_edges, seconds=60, units=2.0),
+    "stress-sliding": DocTable(
+        list_sliding,
+        seconds=8,
+        units=2.0,
+        shown=pick(SLIDING, [f"{cells}; {friction}" for cells in ("1 : 1", "3 : 1") for friction in ("0.1", "0.5")]),
+    ),
+    "stress-edges": DocTable(
+        list_edges,
+        seconds=60,
+        units=2.0,
+        shown=pick(lines=[*(f"radius: {cells}" for cells in ("1.5", "3", "16")), "shortest wave: 8", "shortest wave: 24"]),
+    ),
     "stress-rough": DocTable(list_rough, seconds=50, units=2.0, shown=pick(lines=("4", "8", "16"))),
     "stress-cost": DocTable(
         list_costs,
