@@ -247,7 +247,7 @@ def test_the_command_line_counts_the_increments_of_a_path(ball, capsys, monkeypa
     @contextlib.contextmanager
     def show(text, quiet=False):
         shown.append(text)
-        yield shown.append
+        yield lambda text, done=None: shown.append(text)
 
     monkeypatch.setattr(friction, "show_progress", show)
     solve(capsys, ball, "--friction", "0.3", "--tangential", "0.1N", "-0.1N", "--substeps", "2", "--csv")

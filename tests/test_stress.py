@@ -84,7 +84,7 @@ def maximum_on_axis(nu):
     return -found.fun, found.x
 
 
-def press_ball(cells, shape, *, sides=(1.0, 1.0), place=(0.0, 0.0), boundary="free", material=STEEL):
+def press_ball(cells, shape, *, sides=(1.0, 1.0), place=(0.0, 0.0), boundary="free", material=STEEL, tolerance=None):
     """Return the contact of a ball with a radius of so many cells, and Hertz's solution."""
     spacing = 4e-6
     modulus, radius = 1.0 / material.compliance, cells * spacing
@@ -92,7 +92,7 @@ def press_ball(cells, shape, *, sides=(1.0, 1.0), place=(0.0, 0.0), boundary="fr
     size = tuple(n * side * spacing for n, side in zip(shape, sides, strict=True))
     ball = rc.ParaboloidSurface(RADIUS, center=tuple(spacing * p for p in place))
     problem = rc.ContactProblem(rc.Body(ball, material), grid=rc.Grid(shape, size), boundary=boundary, threads=1)
-    return problem.solve(force=force), hertz_sphere(force, RADIUS, modulus), problem
+    return problem.solve(force=force, tolerance=tolerance), hertz_sphere(force, RADIUS, modulus), problem
 
 
 def rough(cells, seed, boundary="periodic", load=2e-3, length=1e-3, young=200e9, aspect=1):

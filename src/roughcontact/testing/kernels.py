@@ -8,7 +8,13 @@ import numpy as np
 
 from roughcontact._base.arrays import Array, Pair
 from roughcontact._parts.grid import Boundary
-from roughcontact._parts.kernels import InfluenceKernel, SupportsCoefficients, SupportsRows, SupportsSpectrum
+from roughcontact._parts.kernels import (
+    InfluenceKernel,
+    SupportsCoefficients,
+    SupportsRows,
+    SupportsSpectrum,
+    knows_own_rows,
+)
 from roughcontact.testing.claim import DoesNotApply, claim, require, require_close
 from roughcontact.testing.generic import claim_input_unchanged, claim_powers_of_two, claim_repeatable, require_array
 from roughcontact.testing.problems import displace
@@ -156,8 +162,8 @@ def _independent(kernel: InfluenceKernel, shape: tuple[int, int], spacing: Pair)
 
 @claim("kernel", "rows of coefficients", _cases)
 def _rows(kernel: InfluenceKernel, shape: tuple[int, int], spacing: Pair) -> float:
-    if not isinstance(kernel, SupportsRows):
-        raise DoesNotApply("the kernel has no coefficients_from")
+    if not (isinstance(kernel, SupportsRows) and knows_own_rows(kernel)):
+        raise DoesNotApply("the kernel has no coefficients_from of its own")
     whole = _coefficients(kernel).coefficients((shape[0] + 4, shape[1]), spacing, _COMPLIANCE)
     values = kernel.coefficients_from(4, shape, spacing, _COMPLIANCE)
     require_array(values, shape)

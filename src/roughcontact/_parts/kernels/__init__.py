@@ -8,6 +8,7 @@ from roughcontact._parts.kernels.base import (
     SupportsShear,
     SupportsSpectrum,
     kernels,
+    knows_own_rows,
     odd_axes,
     require_form,
 )
@@ -28,6 +29,7 @@ __all__ = [
     "SupportsStress",
     "SupportsTangential",
     "kernels",
+    "knows_own_rows",
     "list_octaves",
     "odd_axes",
     "require_form",

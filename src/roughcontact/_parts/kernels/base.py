@@ -175,6 +175,16 @@ class SupportsRows(Protocol):
         """
 
 
+def knows_own_rows(kernel: SupportsRows) -> bool:
+    """Return whether `coefficients_from` is that of the kernel, and not of a class whose coefficients it replaces."""
+    for kind in type(kernel).__mro__:
+        if "coefficients_from" in vars(kind):
+            return True
+        if "coefficients" in vars(kind):
+            return False
+    return True
+
+
 @runtime_checkable
 class SupportsSpectrum(Protocol):
     """A kernel known in Fourier space: needed on a periodic boundary."""
@@ -333,7 +343,7 @@ class BoundKernel:
     def coefficients(self, shape: tuple[int, int], spacing: Pair, first: int = 0) -> Array:
         """Return the influence coefficients from a row on, finite, shape (nx, ny); see `SupportsCoefficients`."""
         kernel: Any = require_form(self.kernel, SupportsCoefficients)
-        if first and isinstance(kernel, SupportsRows):
+        if first and isinstance(kernel, SupportsRows) and knows_own_rows(kernel):
             return self._check(kernel.coefficients_from(first, shape, spacing, self.compliance), shape)
         whole = first + shape[0], shape[1]
         return self._check(kernel.coefficients(whole, spacing, self.compliance), whole)[first:]
