@@ -10,7 +10,7 @@ import attrs
 import numpy as np
 from scipy import special
 
-from roughcontact._base.arrays import IntArray
+from roughcontact._base.arrays import Array, IntArray
 from roughcontact._parts.grid import Grid, extend
 from roughcontact._parts.surfaces import FlatSurface, polynomial
 from roughcontact.reference.roughness import Waves, find_lay, transform_waves
@@ -29,6 +29,20 @@ _PATCH_WEIGHT = 3.0
 # Factors of the standard deviation of the area: of the tiles, and of the error of the mean square height.
 _AREA_FACTOR = 0.7
 _DEPENDENCE = 2.0
+# Parts of a square domain along each side, which show whether the roughness changes from place to place: the weight of
+# their mean square slopes, and that of the tiles, which independent places would share.
+_PARTS = 2
+_PART_WEIGHT = 8.0
+_CHANCE = 1.5
+# Mean square pressure over the squared mean of Gaussian surfaces at most, and by how much their area exceeds Persson's
+# at small loads at least; factors of the departures from both.
+_USUAL_SPREAD = 1.65
+_USUAL_EXCESS = 0.25
+_SPREAD_FACTOR = 0.5
+_STEEP_FACTOR = 0.5
+# Factors of the unevenness in the standard deviations of stiffness and maximum pressure.
+_UNEVEN_STIFFNESS = 1.2
+_UNEVEN_PEAK = 1.3
 # Factors of the standard deviation of the stiffness: of the error of the mean square height, and of the tiles.
 _STIFFNESS_FACTORS = (0.65, 1.5)
 # Maximum relative error of the mean square height that counts, and maximum ratio of slopes across and along a lay.
@@ -70,12 +84,15 @@ class PlaceStatistics:
         Sampling error of the mean square height.
     lay
         Ratio of the rms slopes across and along the lay.
+    unevenness
+        Standard deviation of the rms slope in contact beyond that of a Gaussian surface alike everywhere.
     """
 
     tiles: float
     elasticity: float
     height: float
     lay: float
+    unevenness: float
 
 
 def _is_sampled(solution: ContactSolution) -> bool:
@@ -98,7 +115,8 @@ def find_area_sampling(solution: ContactSolution) -> float | None:
     found = solution._place
     if found is None:
         return None
-    return _AREA_FACTOR * found.elasticity * found.tiles * (1.0 + _DEPENDENCE * found.height)
+    even = _AREA_FACTOR * found.tiles * (1.0 + _DEPENDENCE * found.height)
+    return found.elasticity * math.hypot(even, found.unevenness)
 
 
 def find_stiffness_sampling(solution: ContactSolution, stiffness: float) -> float | None:
@@ -108,7 +126,7 @@ def find_stiffness_sampling(solution: ContactSolution, stiffness: float) -> floa
     if found is None or not math.isfinite(stiffness) or free[0] != free[1]:
         return None
     of_height, of_tiles = _STIFFNESS_FACTORS
-    rough = math.hypot(of_height * found.height, of_tiles * found.tiles)
+    rough = math.hypot(of_height * found.height, of_tiles * found.tiles, _UNEVEN_STIFFNESS * found.unevenness)
     if not free[0]:
         return rough
     # A flat punch as large as the domain, or the ellipse in which a ball touches, yields too, everywhere alike.
@@ -122,7 +140,9 @@ def find_peak_sampling(solution: ContactSolution) -> float | None:
     found = solution._place
     if found is None:
         return None
-    return 0.0 if solution.saturated.any() else _vary_maxima(solution, found.lay**_PEAK_LAY_EXPONENT)
+    if solution.saturated.any():
+        return 0.0
+    return math.hypot(_vary_maxima(solution, found.lay**_PEAK_LAY_EXPONENT), _UNEVEN_PEAK * found.unevenness)
 
 
 def find_place_statistics(solution: ContactSolution) -> PlaceStatistics | None:
@@ -137,7 +157,7 @@ def find_place_statistics(solution: ContactSolution) -> PlaceStatistics | None:
     lay = min(find_lay(waves), _MAX_LAY_RATIO)
     elasticity = _find_elasticity(solution.patches.members.size / (window.shape[0] * window.shape[1]))
     tiles = _compare_tiles(solution, window, elasticity) * lay**_TILE_LAY_EXPONENT
-    return PlaceStatistics(tiles, elasticity, height, lay)
+    return PlaceStatistics(tiles, elasticity, height, lay, _find_unevenness(solution, window))
 
 
 @attrs.frozen
@@ -164,18 +184,19 @@ def _find_edges(count: int, cells: int) -> IntArray:
     return np.arange(count + 1) * cells // count
 
 
-def _compare_tiles(solution: ContactSolution, window: _Window, elasticity: float) -> float:
-    r"""Return the standard deviation of the area at a given load, by tiles of a window.
-
-    With loads F and areas A of independent tiles the ratio of the sums, :math:`r = \sum A / \sum F`, has
-
-    .. math:: \left(\frac{s_r}{r}\right)^2 = \frac{\sum (A_i - r F_i)^2}{(\sum A_i)^2}
-    """
+def _count_tiles(window: _Window, per_side: int) -> tuple[int, int]:
+    """Return the numbers of tiles along both axes, of which a square window has `per_side`."""
     ratio = math.sqrt(window.size[0] / window.size[1])
     nx, ny = (
-        max(1, min(round(_TILES * scale), cells))
+        max(1, min(round(per_side * scale), cells))
         for scale, cells in zip((ratio, 1.0 / ratio), window.shape, strict=True)
     )
+    return nx, ny
+
+
+def _share(solution: ContactSolution, window: _Window, per_side: int) -> tuple[Array, Array]:
+    """Return the fractions of the load and of the area of each tile of a window."""
+    nx, ny = _count_tiles(window, per_side)
     rows, columns = (
         np.repeat(np.arange(count), np.diff(_find_edges(count, cells)))
         for count, cells in zip((nx, ny), window.shape, strict=True)
@@ -186,10 +207,72 @@ def _compare_tiles(solution: ContactSolution, window: _Window, elasticity: float
     pressures = solution.pressure.ravel()[members]
     loads = np.bincount(tile, weights=pressures / pressures.sum(), minlength=nx * ny)
     areas = np.bincount(tile, weights=np.full(members.size, 1.0 / members.size), minlength=nx * ny)
+    return loads, areas
+
+
+def _compare_tiles(solution: ContactSolution, window: _Window, elasticity: float) -> float:
+    r"""Return the standard deviation of the area at a given load, by tiles of a window.
+
+    With loads F and areas A of independent tiles the ratio of the sums, :math:`r = \sum A / \sum F`, has
+
+    .. math:: \left(\frac{s_r}{r}\right)^2 = \frac{\sum (A_i - r F_i)^2}{(\sum A_i)^2}
+    """
+    loads, areas = _share(solution, window, _TILES)
     found = float(np.sum((areas - loads) ** 2))
     count = 1.0 / float(np.sum(loads**2))
     usual = (_PATCH_STD * elasticity) ** 2 / solution.patches.count
     return math.sqrt((count * found + _PATCH_WEIGHT * usual) / (count + _PATCH_WEIGHT))
+
+
+def _find_unevenness(solution: ContactSolution, window: _Window) -> float:
+    r"""Return the standard deviation of the rms slope in contact that a surface alike everywhere would not have.
+
+    The mean square slopes of parts and tiles, with standard deviations s and loads F, would have the same
+    :math:`s^2 \sum F^2 / (\sum F)^2` if their places were independent. What the parts have more is that of changes over
+    lengths of the map, less that of the longest waves of a Gaussian surface. A spread of the pressures beyond that of
+    Gaussian surfaces, or an area below theirs, tells of few steep summits.
+    """
+    gap = solution.initial_gap[tuple(slice(at, at + n) for at, n in zip(window.first, window.shape, strict=True))]
+    if _has_form(solution):
+        gap = gap - polynomial(gap, 2, None)
+    squares = _square_slopes(gap, solution.grid.spacing)
+    mean = float(squares.mean())
+    varied = []
+    scales = []
+    for per_side in (_PARTS, _TILES):
+        counts = _count_tiles(window, per_side)
+        first = [_find_edges(count, cells)[:-1] for count, cells in zip(counts, window.shape, strict=True)]
+        cells = np.outer(*(np.diff(_find_edges(count, n)) for count, n in zip(counts, window.shape, strict=True)))
+        slopes = np.add.reduceat(np.add.reduceat(squares, first[0], axis=0), first[1], axis=1) / (cells * mean)
+        loads, _ = _share(solution, window, per_side)
+        varied.append(float(np.var(slopes, ddof=1) * np.sum(loads**2)) if slopes.size > 1 else 0.0)
+        scales.append(slopes.size * float(np.sum(loads**2)))
+    waves = transform_waves(gap, Grid(window.shape, window.size), not solution.boundary.has_free_axis)
+    even = _CHANCE * waves.spread(waves.square) ** 2 / (waves.dependent * waves.sum(waves.square) ** 2)
+    parts, tiles = (
+        max(found - even * scale, 0.0) for found, scale in zip(varied, scales, strict=True)
+    )
+    slopes2 = tiles + _PART_WEIGHT * max(parts - tiles, 0.0)
+    pressures = solution.pressure.ravel()[solution.patches.members]
+    pressures = pressures / pressures.mean()
+    spread = max(math.log(float(np.mean(pressures**2)) / _USUAL_SPREAD), 0.0)
+    fraction = pressures.size / gap.size
+    ratio = solution.force / (solution.modulus * math.sqrt(mean) * window.size[0] * window.size[1])
+    usual = (1.0 + _USUAL_EXCESS * (1.0 - fraction) ** 2) * special.erf(math.sqrt(2.0) * ratio)
+    steep = max(math.log(usual / fraction), 0.0)
+    return math.hypot(0.5 * math.sqrt(slopes2), _SPREAD_FACTOR * spread, _STEEP_FACTOR * steep)
+
+
+def _square_slopes(heights: Array, spacing: tuple[float, float]) -> Array:
+    """Return the squared slopes between neighbouring cells, shape of the heights."""
+    squares = np.zeros(heights.shape)
+    for axis, step in enumerate(spacing):
+        change = np.diff(heights, axis=axis)
+        change /= step
+        change *= change
+        if change.size:
+            squares += np.concatenate((change, np.take(change, [-1], axis=axis)), axis=axis)
+    return squares
 
 
 def _find_elasticity(fraction: float) -> float:
