@@ -69,6 +69,8 @@ class Kind:
         which makes a mosaic of rough and smooth patches.
     scratches
         Scratches along random lines, some along a length of the longer side.
+    grooves
+        Grooves along y on the longer side, of twice the rms height.
     """
 
     hurst: float
@@ -86,6 +88,7 @@ class Kind:
     patch: float = 0.25
     varies: str = "heights"
     scratches: int = 0
+    grooves: int = 0
 
     @property
     def grid(self) -> rc.Grid:
@@ -110,6 +113,9 @@ class Kind:
             heights = filter_noise(power * ~short, seed) + amplitude * filter_noise(power * short, seed)
         if self.scratches:
             heights = heights + self.scratch(grid, seed, 3.0 * heights.std())
+        if self.grooves:
+            turns = np.arange(grid.shape[0]) * grid.spacing[0] / max(self.size) * self.grooves
+            heights = heights + 2.0 * math.sqrt(2.0) * heights.std() * np.sin(2.0 * np.pi * turns)[:, np.newaxis]
         if self.skewed:
             unit = heights.std()
             heights = -0.5 * unit * np.exp(-heights / unit)
@@ -210,6 +216,10 @@ TUNED_UNEVEN = {
     "mosaic over 1/4, short waves": SMALL(0.4, 0.25, modulation=0.3, patch=1 / 4, varies="states"),
     "modulated over 1/4, 8:1": Kind(0.8, 0.125, shape=(256, 32), size=(1.0, 0.125), modulation=0.4, patch=1 / 4),
     "scratches, cut-outs": SMALL(0.6, 0.25, "free", degree=2, scratches=4),
+    "lay, modulated over 1/3": SMALL(0.7, 0.25, "free", peklenik=4.0, lay=0.3, modulation=0.3, patch=1 / 3),
+    "grooves, modulated over 1/3": SMALL(0.7, 0.25, "free", degree=1, grooves=9, modulation=0.3, patch=1 / 3),
+    "worn": SMALL(0.5, 0.25, skewed=True),
+    "worn, cut-outs": SMALL(0.8, 0.25, "free", degree=1, skewed=True),
     "plateaus over 1/3": SMALL(0.7, 0.25, skewed=True, modulation=0.4, patch=1 / 3),
 }
 HELD_OUT_UNEVEN = {

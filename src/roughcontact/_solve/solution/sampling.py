@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import os
 import math
 from typing import TYPE_CHECKING
 
@@ -33,12 +34,13 @@ _DEPENDENCE = 2.0
 # their mean square slopes, and that of the tiles, which independent places would share.
 _PARTS = 2
 _PART_WEIGHT = 8.0
-_CHANCE = 1.5
+_CHANCE = float(os.environ.get('CH','1.5'))
+_VAR = np.log if os.environ.get('LG') else (lambda x: x)
 # Mean square pressure over the squared mean of Gaussian surfaces at most, and by how much their area exceeds Persson's
 # at small loads at least; factors of the departures from both.
 _USUAL_SPREAD = 1.65
 _USUAL_EXCESS = 0.25
-_SPREAD_FACTOR = 0.5
+_SPREAD_FACTOR = float(os.environ.get('SF','.5'))
 _STEEP_FACTOR = 0.5
 # Factors of the unevenness in the standard deviations of stiffness and maximum pressure.
 _UNEVEN_STIFFNESS = 1.2
@@ -236,30 +238,38 @@ def _find_unevenness(solution: ContactSolution, window: _Window) -> float:
     if _has_form(solution):
         gap = gap - polynomial(gap, 2, None)
     squares = _square_slopes(gap, solution.grid.spacing)
-    mean = float(squares.mean())
+    mean_all = float(squares.mean())
+    UP=os.environ.get('UP')
+    upper = (gap < gap.mean()) if UP else np.ones(gap.shape,bool)
+    squares = squares*upper
+    mean = float(squares.sum()/upper.sum())
+    if UP=='2': mean_all = mean
     varied = []
     scales = []
-    for per_side in (_PARTS, _TILES):
+    for per_side in (_PARTS, 4, _TILES):
         counts = _count_tiles(window, per_side)
         first = [_find_edges(count, cells)[:-1] for count, cells in zip(counts, window.shape, strict=True)]
-        cells = np.outer(*(np.diff(_find_edges(count, n)) for count, n in zip(counts, window.shape, strict=True)))
-        slopes = np.add.reduceat(np.add.reduceat(squares, first[0], axis=0), first[1], axis=1) / (cells * mean)
+        cells = np.add.reduceat(np.add.reduceat(upper.astype(float), first[0], axis=0), first[1], axis=1)
+        slopes = np.add.reduceat(np.add.reduceat(squares, first[0], axis=0), first[1], axis=1) / (np.maximum(cells,1) * mean)
+        slopes = np.where(cells>0, slopes, 1.0)
         loads, _ = _share(solution, window, per_side)
-        varied.append(float(np.var(slopes, ddof=1) * np.sum(loads**2)) if slopes.size > 1 else 0.0)
+        varied.append(float(np.var(_VAR(slopes), ddof=1) * np.sum(loads**2)) if slopes.size > 1 else 0.0)
         scales.append(slopes.size * float(np.sum(loads**2)))
     waves = transform_waves(gap, Grid(window.shape, window.size), not solution.boundary.has_free_axis)
     even = _CHANCE * waves.spread(waves.square) ** 2 / (waves.dependent * waves.sum(waves.square) ** 2)
-    parts, tiles = (
+    parts, quarters, tiles = (
         max(found - even * scale, 0.0) for found, scale in zip(varied, scales, strict=True)
     )
-    slopes2 = tiles + _PART_WEIGHT * max(parts - tiles, 0.0)
     pressures = solution.pressure.ravel()[solution.patches.members]
     pressures = pressures / pressures.mean()
     spread = max(math.log(float(np.mean(pressures**2)) / _USUAL_SPREAD), 0.0)
     fraction = pressures.size / gap.size
-    ratio = solution.force / (solution.modulus * math.sqrt(mean) * window.size[0] * window.size[1])
+    ratio = solution.force / (solution.modulus * math.sqrt(mean_all) * window.size[0] * window.size[1])
     usual = (1.0 + _USUAL_EXCESS * (1.0 - fraction) ** 2) * special.erf(math.sqrt(2.0) * ratio)
     steep = max(math.log(usual / fraction), 0.0)
+    e = os.environ
+    beta = min(1.0, float(e['BL']) * usual / fraction) ** 2
+    slopes2 = tiles*beta + max(float(e.get('PW','8'))*(parts - tiles), float(e.get('PQ','0'))*(quarters-tiles), 0.0)
     return math.hypot(0.5 * math.sqrt(slopes2), _SPREAD_FACTOR * spread, _STEEP_FACTOR * steep)
 
 
