@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import os
 import math
 from typing import TYPE_CHECKING
 
@@ -30,21 +29,24 @@ _PATCH_WEIGHT = 3.0
 # Factors of the standard deviation of the area: of the tiles, and of the error of the mean square height.
 _AREA_FACTOR = 0.7
 _DEPENDENCE = 2.0
-# Parts of a square domain along each side, which show whether the roughness changes from place to place: the weight of
-# their mean square slopes, and that of the tiles, which independent places would share.
-_PARTS = 2
-_PART_WEIGHT = 8.0
-_CHANCE = float(os.environ.get('CH','1.5'))
-_VAR = np.log if os.environ.get('LG') else (lambda x: x)
-# Mean square pressure over the squared mean of Gaussian surfaces at most, and by how much their area exceeds Persson's
-# at small loads at least; factors of the departures from both.
+# Parts of a square domain along each side whose slopes show whether the roughness changes from place to place, and their
+# factors: parts of half a side show it best, but four of them by chance too little.
+_PART_FACTORS = {2: 10.0, 4: 20.0}
+# Multiple of the variance of the slopes of a Gaussian surface that passes for chance.
+_CHANCE = 2.5
+# Mean square pressure of Gaussian surfaces over the squared mean, at most; least excess of their area at small loads
+# over Persson's, and multiple of that area beyond which the summits are blunt; factors of the departures.
 _USUAL_SPREAD = 1.65
 _USUAL_EXCESS = 0.25
-_SPREAD_FACTOR = float(os.environ.get('SF','.5'))
+_BLUNT_AREA = 1.5
+_SPREAD_FACTOR = 0.6
 _STEEP_FACTOR = 0.5
 # Factors of the unevenness in the standard deviations of stiffness and maximum pressure.
-_UNEVEN_STIFFNESS = 1.2
-_UNEVEN_PEAK = 1.3
+_STIFFNESS_UNEVENNESS = 1.2
+_PEAK_UNEVENNESS = 1.3
+# Unevenness, and number of summits in contact, from which on the numbers are not relied on.
+_MAX_UNEVENNESS = 0.25
+_MIN_PATCHES = 3
 # Factors of the standard deviation of the stiffness: of the error of the mean square height, and of the tiles.
 _STIFFNESS_FACTORS = (0.65, 1.5)
 # Maximum relative error of the mean square height that counts, and maximum ratio of slopes across and along a lay.
@@ -128,7 +130,7 @@ def find_stiffness_sampling(solution: ContactSolution, stiffness: float) -> floa
     if found is None or not math.isfinite(stiffness) or free[0] != free[1]:
         return None
     of_height, of_tiles = _STIFFNESS_FACTORS
-    rough = math.hypot(of_height * found.height, of_tiles * found.tiles, _UNEVEN_STIFFNESS * found.unevenness)
+    rough = math.hypot(of_height * found.height, of_tiles * found.tiles, _STIFFNESS_UNEVENNESS * found.unevenness)
     if not free[0]:
         return rough
     # A flat punch as large as the domain, or the ellipse in which a ball touches, yields too, everywhere alike.
@@ -144,7 +146,19 @@ def find_peak_sampling(solution: ContactSolution) -> float | None:
         return None
     if solution.saturated.any():
         return 0.0
-    return math.hypot(_vary_maxima(solution, found.lay**_PEAK_LAY_EXPONENT), _UNEVEN_PEAK * found.unevenness)
+    return math.hypot(_vary_maxima(solution, found.lay**_PEAK_LAY_EXPONENT), _PEAK_UNEVENNESS * found.unevenness)
+
+
+def doubt_sampling(solution: ContactSolution) -> str:
+    """Return why other places may differ more than the sampling errors say, empty without a reason."""
+    found = solution._place
+    if found is None:
+        return ""
+    if found.unevenness > _MAX_UNEVENNESS:
+        return "the roughness changes along the map, places far away may differ more"
+    if solution.patches.count < _MIN_PATCHES and not solution.contact.all():
+        return "too few summits touch to tell how much others differ"
+    return ""
 
 
 def find_place_statistics(solution: ContactSolution) -> PlaceStatistics | None:
@@ -227,50 +241,79 @@ def _compare_tiles(solution: ContactSolution, window: _Window, elasticity: float
 
 
 def _find_unevenness(solution: ContactSolution, window: _Window) -> float:
-    r"""Return the standard deviation of the rms slope in contact that a surface alike everywhere would not have.
+    """Return the relative standard deviation of the slopes in contact beyond that of places of one Gaussian surface.
 
-    The mean square slopes of parts and tiles, with standard deviations s and loads F, would have the same
-    :math:`s^2 \sum F^2 / (\sum F)^2` if their places were independent. What the parts have more is that of changes over
-    lengths of the map, less that of the longest waves of a Gaussian surface. A spread of the pressures beyond that of
-    Gaussian surfaces, or an area below theirs, tells of few steep summits.
+    Changes along the map are those of the slopes of its parts. What a map does not show so has two signs: pressures
+    that spread more than those of a Gaussian surface, and a contact smaller than its, on summits that are steeper than
+    the rest.
     """
-    gap = solution.initial_gap[tuple(slice(at, at + n) for at, n in zip(window.first, window.shape, strict=True))]
-    if _has_form(solution):
-        gap = gap - polynomial(gap, 2, None)
-    squares = _square_slopes(gap, solution.grid.spacing)
-    mean_all = float(squares.mean())
-    UP=os.environ.get('UP')
-    upper = (gap < gap.mean()) if UP else np.ones(gap.shape,bool)
-    squares = squares*upper
-    mean = float(squares.sum()/upper.sum())
-    if UP=='2': mean_all = mean
-    varied = []
-    scales = []
-    for per_side in (_PARTS, 4, _TILES):
-        counts = _count_tiles(window, per_side)
-        first = [_find_edges(count, cells)[:-1] for count, cells in zip(counts, window.shape, strict=True)]
-        cells = np.add.reduceat(np.add.reduceat(upper.astype(float), first[0], axis=0), first[1], axis=1)
-        slopes = np.add.reduceat(np.add.reduceat(squares, first[0], axis=0), first[1], axis=1) / (np.maximum(cells,1) * mean)
-        slopes = np.where(cells>0, slopes, 1.0)
-        loads, _ = _share(solution, window, per_side)
-        varied.append(float(np.var(_VAR(slopes), ddof=1) * np.sum(loads**2)) if slopes.size > 1 else 0.0)
-        scales.append(slopes.size * float(np.sum(loads**2)))
-    waves = transform_waves(gap, Grid(window.shape, window.size), not solution.boundary.has_free_axis)
-    even = _CHANCE * waves.spread(waves.square) ** 2 / (waves.dependent * waves.sum(waves.square) ** 2)
-    parts, quarters, tiles = (
-        max(found - even * scale, 0.0) for found, scale in zip(varied, scales, strict=True)
-    )
+    heights = _cut_heights(solution, window)
+    slopes = _square_slopes(heights, solution.grid.spacing)
+    slope = math.sqrt(float(slopes.mean()))
     pressures = solution.pressure.ravel()[solution.patches.members]
-    pressures = pressures / pressures.mean()
-    spread = max(math.log(float(np.mean(pressures**2)) / _USUAL_SPREAD), 0.0)
-    fraction = pressures.size / gap.size
-    ratio = solution.force / (solution.modulus * math.sqrt(mean_all) * window.size[0] * window.size[1])
-    usual = (1.0 + _USUAL_EXCESS * (1.0 - fraction) ** 2) * special.erf(math.sqrt(2.0) * ratio)
+    fraction = pressures.size / heights.size
+    load = float(pressures.sum()) / heights.size
+    usual = (1.0 + _USUAL_EXCESS * (1.0 - fraction) ** 2) * _find_persson_area(load / (solution.modulus * slope))
     steep = max(math.log(usual / fraction), 0.0)
-    e = os.environ
-    beta = min(1.0, float(e['BL']) * usual / fraction) ** 2
-    slopes2 = tiles*beta + max(float(e.get('PW','8'))*(parts - tiles), float(e.get('PQ','0'))*(quarters-tiles), 0.0)
-    return math.hypot(0.5 * math.sqrt(slopes2), _SPREAD_FACTOR * spread, _STEEP_FACTOR * steep)
+    # Slopes of the map tell little of summits that are much blunter.
+    relevance = min(1.0, _BLUNT_AREA * usual / fraction)
+    spread = max(math.log(float(np.mean(pressures**2)) / (_USUAL_SPREAD * float(pressures.mean()) ** 2)), 0.0)
+    changes = _compare_slopes(solution, window, heights, slopes, relevance)
+    return math.hypot(changes, _SPREAD_FACTOR * spread, _STEEP_FACTOR * steep)
+
+
+def _compare_slopes(
+    solution: ContactSolution, window: _Window, heights: Array, slopes: Array, relevance: float
+) -> float:
+    r"""Return the relative standard deviation of the rms slope in contact, by its changes along the map.
+
+    With mean square slopes m of parts, that carry the fractions F of the load, those of the whole in contact,
+    :math:`\sum F m`, vary by
+
+    .. math:: s^2 = \sum F^2 \left(\frac{\operatorname{var} m}{\bar m^2} - n v\right)
+
+    if n parts are independent, less what they vary on a Gaussian surface, v for the whole. Larger parts that vary more
+    show that smaller ones are not independent.
+    """
+    waves = transform_waves(heights, Grid(window.shape, window.size), not solution.boundary.has_free_axis)
+    chance = _CHANCE * (waves.spread(waves.square) / waves.sum(waves.square)) ** 2 / waves.dependent
+    # The contact knows only the upper half.
+    upper = heights < heights.mean()
+    slopes = slopes * upper
+    mean = float(slopes.sum()) / np.count_nonzero(upper)
+
+    def vary(per_side: int) -> float:
+        counts = _count_tiles(window, per_side)
+        if counts == (1, 1):
+            return 0.0
+        cells = _sum_tiles(upper.astype(np.float64), counts)
+        part = np.divide(_sum_tiles(slopes, counts), mean * cells, out=np.ones(counts), where=cells > 0.0)
+        loads, _ = _share(solution, window, per_side)
+        return float(np.sum(loads**2)) * max(float(np.var(part, ddof=1)) - part.size * chance, 0.0)
+
+    tiles = vary(_TILES)
+    long = max(factor * (vary(per_side) - tiles) for per_side, factor in _PART_FACTORS.items())
+    # The slope varies by half of its square.
+    return 0.5 * math.sqrt(relevance**2 * tiles + max(long, 0.0))
+
+
+def _cut_heights(solution: ContactSolution, window: _Window) -> Array:
+    """Return the gap within a window, on a free boundary less its plane or form."""
+    gap = solution.initial_gap[tuple(slice(at, at + n) for at, n in zip(window.first, window.shape, strict=True))]
+    if not solution.boundary.has_free_axis:
+        return gap
+    return np.asarray(gap - polynomial(gap, 2 if _has_form(solution) else 1, None))
+
+
+def _sum_tiles(values: Array, counts: tuple[int, int]) -> Array:
+    """Return the sums of the values of each tile, shape `counts`."""
+    rows, columns = (_find_edges(count, cells)[:-1] for count, cells in zip(counts, values.shape, strict=True))
+    return np.asarray(np.add.reduceat(np.add.reduceat(values, rows, axis=0), columns, axis=1))
+
+
+def _find_persson_area(load: float) -> float:
+    """Return the contact fraction after Persson; `load` is the pressure over modulus and rms slope."""
+    return float(special.erf(math.sqrt(2.0) * load))
 
 
 def _square_slopes(heights: Array, spacing: tuple[float, float]) -> Array:

@@ -15,6 +15,7 @@ from roughcontact._parts.surfaces import HeightMap
 from roughcontact._solve.solution.attraction import average_gap
 from roughcontact._solve.solution.plausibility import exceeds_metals
 from roughcontact._solve.solution.results import Area
+from roughcontact._solve.solution.sampling import doubt_sampling
 from roughcontact.errors.door import guarded
 
 if TYPE_CHECKING:
@@ -48,7 +49,8 @@ def list_answers(solution: ContactSolution) -> dict[str, str]:
     others = {"contact area": _attempt(solution.area, None), "max pressure": peak}
     differences = [f"{name} {text}" for name, one in others.items() if (text := _format_sampling(one))]
     if differences:
-        answers["other places"] = f"{', '.join(differences)} (standard deviation)"
+        doubt = doubt_sampling(solution)
+        answers["other places"] = f"{', '.join(differences)} (standard deviation)" + (f"; {doubt}" if doubt else "")
     return answers
 
 
