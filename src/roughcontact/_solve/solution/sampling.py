@@ -33,7 +33,7 @@ _DEPENDENCE = 2.0
 # factors: parts of half a side show it best, but four of them by chance too little.
 _PART_FACTORS = {2: 10.0, 4: 20.0}
 # Multiple of the variance of the slopes of a Gaussian surface that passes for chance.
-_CHANCE = 2.5
+_CHANCE = 3.0
 # Mean square pressure of Gaussian surfaces over the squared mean, at most; least excess of their area at small loads
 # over Persson's, and multiple of that area beyond which the summits are blunt; factors of the departures.
 _USUAL_SPREAD = 1.65
