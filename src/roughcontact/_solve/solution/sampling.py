@@ -32,6 +32,8 @@ _DEPENDENCE = 2.0
 # Parts of a square domain along each side whose slopes show whether the roughness changes from place to place, and their
 # factors: parts of half a side show it best, but four of them by chance too little.
 _PART_FACTORS = {2: 10.0, 4: 20.0}
+# Cells along a side from which slopes are taken at most.
+_SAMPLED_CELLS = 256
 # Multiple of the variance of the slopes of a Gaussian surface that passes for chance.
 _CHANCE = 3.0
 # Mean square pressure of Gaussian surfaces over the squared mean, at most; least excess of their area at small loads
@@ -173,7 +175,7 @@ def find_place_statistics(solution: ContactSolution) -> PlaceStatistics | None:
     lay = min(find_lay(waves), _MAX_LAY_RATIO)
     elasticity = _find_elasticity(solution.patches.members.size / (window.shape[0] * window.shape[1]))
     tiles = _compare_tiles(solution, window, elasticity) * lay**_TILE_LAY_EXPONENT
-    return PlaceStatistics(tiles, elasticity, height, lay, _find_unevenness(solution, window))
+    return PlaceStatistics(tiles, elasticity, height, lay, _find_unevenness(solution, window, waves))
 
 
 @attrs.frozen
@@ -240,92 +242,95 @@ def _compare_tiles(solution: ContactSolution, window: _Window, elasticity: float
     return math.sqrt((count * found + _PATCH_WEIGHT * usual) / (count + _PATCH_WEIGHT))
 
 
-def _find_unevenness(solution: ContactSolution, window: _Window) -> float:
+def _find_unevenness(solution: ContactSolution, window: _Window, waves: Waves) -> float:
     """Return the relative standard deviation of the slopes in contact beyond that of places of one Gaussian surface.
 
     Changes along the map are those of the slopes of its parts. What a map does not show so has two signs: pressures
     that spread more than those of a Gaussian surface, and a contact smaller than its, on summits that are steeper than
     the rest.
     """
-    heights = _cut_heights(solution, window)
-    slopes = _square_slopes(heights, solution.grid.spacing)
-    slope = math.sqrt(float(slopes.mean()))
+    heights, slopes = _sample_slopes(solution, window)
+    square = float(slopes.mean())
+    cells = window.shape[0] * window.shape[1]
     pressures = solution.pressure.ravel()[solution.patches.members]
-    fraction = pressures.size / heights.size
-    load = float(pressures.sum()) / heights.size
-    usual = (1.0 + _USUAL_EXCESS * (1.0 - fraction) ** 2) * _find_persson_area(load / (solution.modulus * slope))
+    fraction = pressures.size / cells
+    load = float(pressures.sum()) / cells / (solution.modulus * math.sqrt(square))
+    # Persson's area.
+    usual = (1.0 + _USUAL_EXCESS * (1.0 - fraction) ** 2) * math.erf(math.sqrt(2.0) * load)
     steep = max(math.log(usual / fraction), 0.0)
-    # Slopes of the map tell little of summits that are much blunter.
-    relevance = min(1.0, _BLUNT_AREA * usual / fraction)
     spread = max(math.log(float(np.mean(pressures**2)) / (_USUAL_SPREAD * float(pressures.mean()) ** 2)), 0.0)
-    changes = _compare_slopes(solution, window, heights, slopes, relevance)
-    return math.hypot(changes, _SPREAD_FACTOR * spread, _STEEP_FACTOR * steep)
-
-
-def _compare_slopes(
-    solution: ContactSolution, window: _Window, heights: Array, slopes: Array, relevance: float
-) -> float:
-    r"""Return the relative standard deviation of the rms slope in contact, by its changes along the map.
-
-    With mean square slopes m of parts, that carry the fractions F of the load, those of the whole in contact,
-    :math:`\sum F m`, vary by
-
-    .. math:: s^2 = \sum F^2 \left(\frac{\operatorname{var} m}{\bar m^2} - n v\right)
-
-    if n parts are independent, less what they vary on a Gaussian surface, v for the whole. Larger parts that vary more
-    show that smaller ones are not independent.
-    """
-    waves = transform_waves(heights, Grid(window.shape, window.size), not solution.boundary.has_free_axis)
-    chance = _CHANCE * (waves.spread(waves.square) / waves.sum(waves.square)) ** 2 / waves.dependent
+    chance = _CHANCE * _find_chance(solution, window, waves, square)
     # The contact knows only the upper half.
     upper = heights < heights.mean()
-    slopes = slopes * upper
+    slopes *= upper
     mean = float(slopes.sum()) / np.count_nonzero(upper)
 
     def vary(per_side: int) -> float:
         counts = _count_tiles(window, per_side)
         if counts == (1, 1):
             return 0.0
-        cells = _sum_tiles(upper.astype(np.float64), counts)
-        part = np.divide(_sum_tiles(slopes, counts), mean * cells, out=np.ones(counts), where=cells > 0.0)
+        known = _sum_tiles(upper.astype(np.float64), counts)
+        part = np.divide(_sum_tiles(slopes, counts), mean * known, out=np.ones(counts), where=known > 0.0)
         loads, _ = _share(solution, window, per_side)
         return float(np.sum(loads**2)) * max(float(np.var(part, ddof=1)) - part.size * chance, 0.0)
 
     tiles = vary(_TILES)
     long = max(factor * (vary(per_side) - tiles) for per_side, factor in _PART_FACTORS.items())
-    # The slope varies by half of its square.
-    return 0.5 * math.sqrt(relevance**2 * tiles + max(long, 0.0))
+    # Slopes of the map tell little of summits that are much blunter.
+    relevance = min(1.0, _BLUNT_AREA * usual / fraction)
+    changes = 0.5 * math.sqrt(relevance**2 * tiles + max(long, 0.0))
+    return math.hypot(changes, _SPREAD_FACTOR * spread, _STEEP_FACTOR * steep)
 
 
-def _cut_heights(solution: ContactSolution, window: _Window) -> Array:
-    """Return the gap within a window, on a free boundary less its plane or form."""
-    gap = solution.initial_gap[tuple(slice(at, at + n) for at, n in zip(window.first, window.shape, strict=True))]
-    if not solution.boundary.has_free_axis:
-        return gap
-    return np.asarray(gap - polynomial(gap, 2 if _has_form(solution) else 1, None))
+def _sample_slopes(solution: ContactSolution, window: _Window) -> tuple[Array, Array]:
+    """Return gaps within a window and their squared slopes, of every so many cells, on a free boundary less a form."""
+    gap = solution.initial_gap
+    degree = 0 if not solution.boundary.has_free_axis else 2 if _has_form(solution) else 1
+    taken = [
+        at + np.arange(0, cells, math.ceil(cells / _SAMPLED_CELLS))
+        for at, cells in zip(window.first, window.shape, strict=True)
+    ]
+    heights = gap[np.ix_(*taken)]
+    squares = np.zeros(heights.shape)
+    for axis, step in enumerate(solution.grid.spacing):
+        ends = list(taken)
+        last = window.first[axis] + window.shape[axis] - 1
+        ends[axis] = np.minimum(taken[axis] + 1, last)
+        starts = list(taken)
+        starts[axis] = np.maximum(ends[axis] - 1, window.first[axis])
+        slopes = (gap[np.ix_(*ends)] - gap[np.ix_(*starts)]) / step
+        squares += (slopes - polynomial(slopes, degree - 1, None) if degree else slopes) ** 2
+    return (heights - polynomial(heights, degree, None) if degree else heights), squares
+
+
+def _find_chance(solution: ContactSolution, window: _Window, waves: Waves, square: float) -> float:
+    """Return the relative variance of the mean square slope between places of a Gaussian surface of this spectrum.
+
+    Of large windows the middle is taken, and the longest waves.
+    """
+    shape = tuple(min(cells, _SAMPLED_CELLS) for cells in window.shape)
+    first = (at + (cells - n) // 2 for at, cells, n in zip(window.first, window.shape, shape, strict=True))
+    part = solution.initial_gap[tuple(slice(at, at + n) for at, n in zip(first, shape, strict=True))]
+    whole = shape == window.shape
+    repeats = whole and not solution.boundary.has_free_axis
+    if not repeats:
+        part = part - polynomial(part, 2 if _has_form(solution) else 1, None)
+    chance = 0.0
+    if not whole:
+        long = waves.spread(waves.square) * (waves.height / waves.cell) ** 2 / square
+        chance = long**2 / waves.dependent
+    if float(np.ptp(part)) > _FLATNESS * float(np.ptp(solution.initial_gap)):
+        sides = (n * step for n, step in zip(shape, solution.grid.spacing, strict=True))
+        fine = transform_waves(part, Grid(shape, tuple(sides)), repeats)
+        fraction = part.size / (window.shape[0] * window.shape[1])
+        chance += fraction * (fine.spread(fine.square) / fine.sum(fine.square)) ** 2 / fine.dependent
+    return chance
 
 
 def _sum_tiles(values: Array, counts: tuple[int, int]) -> Array:
     """Return the sums of the values of each tile, shape `counts`."""
     rows, columns = (_find_edges(count, cells)[:-1] for count, cells in zip(counts, values.shape, strict=True))
     return np.asarray(np.add.reduceat(np.add.reduceat(values, rows, axis=0), columns, axis=1))
-
-
-def _find_persson_area(load: float) -> float:
-    """Return the contact fraction after Persson; `load` is the pressure over modulus and rms slope."""
-    return float(special.erf(math.sqrt(2.0) * load))
-
-
-def _square_slopes(heights: Array, spacing: tuple[float, float]) -> Array:
-    """Return the squared slopes between neighbouring cells, shape of the heights."""
-    squares = np.zeros(heights.shape)
-    for axis, step in enumerate(spacing):
-        change = np.diff(heights, axis=axis)
-        change /= step
-        change *= change
-        if change.size:
-            squares += np.concatenate((change, np.take(change, [-1], axis=axis)), axis=axis)
-    return squares
 
 
 def _find_elasticity(fraction: float) -> float:
