@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from typing import TYPE_CHECKING
 
@@ -29,11 +28,11 @@ _PATCH_WEIGHT = 3.0
 # Factors of the standard deviation of the area: of the tiles, and of the error of the mean square height.
 _AREA_FACTOR = 0.7
 _DEPENDENCE = 2.0
-# Parts of a square domain along each side whose slopes show whether the roughness changes from place to place, and their
-# factors: parts of half a side show it best, but four of them by chance too little.
+# Parts of a square domain along each side whose slopes show whether the roughness changes from place to place, and
+# factors: the largest parts show it best, but as they are four they may be alike by chance.
 _PART_FACTORS = {2: 10.0, 4: 20.0}
 # Cells along a side from which slopes are taken at most.
-_SAMPLED_CELLS = 256
+_SAMPLED_CELLS = 192
 # Multiple of the variance of the slopes of a Gaussian surface that passes for chance.
 _CHANCE = 3.0
 # Mean square pressure of Gaussian surfaces over the squared mean, at most; least excess of their area at small loads
@@ -225,7 +224,7 @@ def _share(solution: ContactSolution, window: _Window, per_side: int) -> tuple[A
     pressures = solution.pressure.ravel()[members]
     loads = np.bincount(tile, weights=pressures / pressures.sum(), minlength=nx * ny)
     areas = np.bincount(tile, weights=np.full(members.size, 1.0 / members.size), minlength=nx * ny)
-    return loads, areas
+    return np.asarray(loads, dtype=np.float64), np.asarray(areas, dtype=np.float64)
 
 
 def _compare_tiles(solution: ContactSolution, window: _Window, elasticity: float) -> float:
@@ -287,7 +286,7 @@ def _sample_slopes(solution: ContactSolution, window: _Window) -> tuple[Array, A
     gap = solution.initial_gap
     degree = 0 if not solution.boundary.has_free_axis else 2 if _has_form(solution) else 1
     taken = [
-        at + np.arange(0, cells, math.ceil(cells / _SAMPLED_CELLS))
+        np.arange(at, at + cells, math.ceil(cells / _SAMPLED_CELLS))
         for at, cells in zip(window.first, window.shape, strict=True)
     ]
     heights = gap[np.ix_(*taken)]
@@ -300,7 +299,7 @@ def _sample_slopes(solution: ContactSolution, window: _Window) -> tuple[Array, A
         starts[axis] = np.maximum(ends[axis] - 1, window.first[axis])
         slopes = (gap[np.ix_(*ends)] - gap[np.ix_(*starts)]) / step
         squares += (slopes - polynomial(slopes, degree - 1, None) if degree else slopes) ** 2
-    return (heights - polynomial(heights, degree, None) if degree else heights), squares
+    return np.asarray(heights - polynomial(heights, degree, None) if degree else heights), squares
 
 
 def _find_chance(solution: ContactSolution, window: _Window, waves: Waves, square: float) -> float:
@@ -330,7 +329,7 @@ def _find_chance(solution: ContactSolution, window: _Window, waves: Waves, squar
 def _sum_tiles(values: Array, counts: tuple[int, int]) -> Array:
     """Return the sums of the values of each tile, shape `counts`."""
     rows, columns = (_find_edges(count, cells)[:-1] for count, cells in zip(counts, values.shape, strict=True))
-    return np.asarray(np.add.reduceat(np.add.reduceat(values, rows, axis=0), columns, axis=1))
+    return np.asarray(np.add.reduceat(np.add.reduceat(values, columns, axis=1), rows, axis=0))
 
 
 def _find_elasticity(fraction: float) -> float:
@@ -346,9 +345,8 @@ def _find_long_waves(solution: ContactSolution, window: _Window) -> Waves | None
     cells = window.shape
     shape = (min(cells[0], _COARSE_CELLS), min(cells[1], _COARSE_CELLS))
     gap = solution.initial_gap[tuple(slice(at, at + n) for at, n in zip(window.first, cells, strict=True))]
-    rows, columns = (_find_edges(n, full) for n, full in zip(shape, cells, strict=True))
-    narrow = np.array([gap[start:stop].mean(axis=0) for start, stop in itertools.pairwise(rows)])
-    coarse = np.array([narrow[:, start:stop].mean(axis=1) for start, stop in itertools.pairwise(columns)]).T
+    counts = np.outer(*(np.diff(_find_edges(n, full)) for n, full in zip(shape, cells, strict=True)))
+    coarse = _sum_tiles(gap, shape) / counts
     repeats = not solution.boundary.has_free_axis
     if not repeats:
         if min(shape) < _MIN_PLANE_CELLS:
