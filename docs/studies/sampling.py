@@ -352,8 +352,9 @@ def make_rows(split: str = "held-out", folder: str | None = None, named: str = "
         print(" | ".join(cells), flush=True)
     cells = ["all", str(sum(int(row[1]) for row in rows[1:] if "(tuned)" not in row[0]))]
     for quantity in QUANTITIES:
-        parts = np.array(total[quantity]).reshape(-1, 3)
-        cells += ["", ""] + [f"{100.0 * np.average(parts[:, k], weights=parts[:, 2]):.0f}" for k in (0, 1)]
+        parts = np.array([one for one in total[quantity] if one[2]]).reshape(-1, 3)
+        means = [np.average(parts[:, k], weights=parts[:, 2]) for k in (0, 1)] if len(parts) else []
+        cells += ["", "", *(f"{100.0 * mean:.0f}" for mean in means)]
     rows.append(cells)
     print(" | ".join(cells), flush=True)
     return rows

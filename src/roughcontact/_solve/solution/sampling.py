@@ -35,8 +35,8 @@ _PART_FACTORS = {2: 10.0, 4: 20.0}
 _SAMPLED_CELLS = 192
 # Multiple of the variance of the slopes of a Gaussian surface that passes for chance.
 _CHANCE = 3.0
-# Mean square pressure of Gaussian surfaces over the squared mean, at most; least excess of their area at small loads
-# over Persson's, and multiple of that area beyond which the summits are blunt; factors of the departures.
+# Of Gaussian surfaces: maximum of the mean square pressure over the squared mean, minimum excess of the area at small
+# loads over Persson's, and multiple of that area beyond which summits are blunt; factors of the departures.
 _USUAL_SPREAD = 1.65
 _USUAL_EXCESS = 0.25
 _BLUNT_AREA = 1.5
@@ -150,7 +150,7 @@ def find_peak_sampling(solution: ContactSolution) -> float | None:
     return math.hypot(_vary_maxima(solution, found.lay**_PEAK_LAY_EXPONENT), _PEAK_UNEVENNESS * found.unevenness)
 
 
-def doubt_sampling(solution: ContactSolution) -> str:
+def find_sampling_warning(solution: ContactSolution) -> str:
     """Return why other places may differ more than the sampling errors say, empty without a reason."""
     found = solution._place
     if found is None:
@@ -242,11 +242,16 @@ def _compare_tiles(solution: ContactSolution, window: _Window, elasticity: float
 
 
 def _find_unevenness(solution: ContactSolution, window: _Window, waves: Waves) -> float:
-    """Return the relative standard deviation of the slopes in contact beyond that of places of one Gaussian surface.
+    r"""Return the relative standard deviation of the rms slope in contact beyond that of a Gaussian surface.
 
-    Changes along the map are those of the slopes of its parts. What a map does not show so has two signs: pressures
-    that spread more than those of a Gaussian surface, and a contact smaller than its, on summits that are steeper than
-    the rest.
+    With mean square slopes m of n parts, that carry the fractions F of the load, the one in contact,
+    :math:`\sum F m`, would vary by
+
+    .. math:: s_n^2 = \sum F^2 \left(\frac{\operatorname{var} m}{\bar m^2} - n v\right)
+
+    more than on a Gaussian surface, v for the whole, if the parts were independent. They are not where larger parts
+    vary more; those weigh more then, because the whole varies more again. Few steep summits have two other signs:
+    pressures that spread more than those of a Gaussian surface, and a contact smaller than its.
     """
     heights, slopes = _sample_slopes(solution, window)
     square = float(slopes.mean())
