@@ -57,6 +57,64 @@ def test_the_sampling_error_tells_the_scatter_of_places(boundary):
         assert 0.5 < np.median(stated) / values.std(ddof=1) < 2.5
 
 
+def modulate(heights, correlation, seed):
+    """Return heights whose amplitude changes from place to place, over a length in cells."""
+    qx, qy = (np.fft.fftfreq(n) for n in heights.shape)
+    power = np.exp(-((np.pi * correlation * np.hypot(qx[:, None], qy)) ** 2))
+    white = np.random.default_rng(seed).normal(size=heights.shape)
+    field = np.fft.ifft2(np.fft.fft2(white) * np.sqrt(power / power.sum())).real * math.sqrt(heights.size)
+    return heights * np.exp(0.4 * field)
+
+
+def test_the_sampling_error_tells_the_scatter_of_a_roughness_that_changes():
+    heights = [modulate(draw((64, 64), 64e-6, seed, 16e-6, 4e-6), 16.0, seed + 100) for seed in range(10)]
+    places = [press(one, 64e-6) for one in heights]
+    for ask in (rc.ContactSolution.area, rc.ContactSolution.stiffness, rc.ContactSolution.peak_pressure):
+        answers = [ask(place) for place in places]
+        values = np.array([one.value for one in answers])
+        assert np.mean(np.abs(values - values.mean()) < 2.0 * np.array([one.sampling for one in answers])) >= 0.8
+
+
+def test_halves_of_other_roughness_are_said_to_change(rough):
+    heights = draw((64, 64), 64e-6, 1, 16e-6, 4e-6) * np.where(np.arange(64) < 32, 1.0, 2.5)[:, None]
+    uneven = press(heights, 64e-6)
+    assert (relative(uneven) > 1.5 * relative(rough)).all()
+    assert "the roughness changes along the map" in str(uneven)
+    assert "places far away" not in str(rough)
+
+
+def test_two_summits_do_not_tell_how_others_differ():
+    solution = press(draw((64, 64), 64e-6, 1, 64e-6, 16e-6), 64e-6, ratio=1e-4)
+    assert solution.patches.count < 3
+    assert "too few summits" in str(solution)
+
+
+def test_pressures_that_spread_tell_of_steep_summits(rough):
+    steep = (np.arange(64 * 64).reshape(64, 64) % 7 == 0) & rough.contact
+    uneven = attrs.evolve(rough, pressure=np.where(steep, 6.0, 1.0) * rough.pressure)
+    assert uneven._place.unevenness > 0.2
+    assert rough._place.unevenness < 0.05
+
+
+def test_the_slopes_of_places_of_a_gaussian_surface_vary_by_chance():
+    found, expected = [], []
+    for seed in range(40):
+        solution = press(draw((32, 32), 32e-6, seed, 16e-6, 4e-6), 32e-6)
+        window = sampling._find_window(solution)
+        waves = sampling._find_long_waves(solution, window)
+        square = float(sampling._sample_slopes(solution, window)[1].mean())
+        found.append(square)
+        expected.append(sampling._find_chance(solution, window, waves, square))
+    assert np.mean(expected) == pytest.approx(np.var(found, ddof=1) / np.mean(found) ** 2, rel=0.5)
+
+
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+def test_a_large_map_that_is_flat_in_the_middle_has_one(boundary):
+    heights = draw((288, 288), 288e-6, 1, 48e-6, 16e-6)
+    heights[40:248, 40:248] = 0.0
+    assert np.isfinite(relative(press(heights, 288e-6, boundary=boundary))).all()
+
+
 def test_a_larger_map_is_known_better():
     small = relative(press(draw((64, 64), 64e-6, 1, 16e-6, 4e-6), 64e-6))
     large = relative(press(draw((256, 256), 256e-6, 1, 16e-6, 4e-6), 256e-6))
@@ -272,14 +330,18 @@ def test_the_print_and_the_report_tell_it(rough):
     assert line.split(maxsplit=2)[2] == list_answers(rough)["other places"]
 
 
-def test_parts_of_a_measured_map_agree_within_their_sampling_errors(measured_maps):
+@pytest.mark.parametrize(
+    ("name", "side", "step", "pressure"), [("plu-1.plu", 96, 192, 16e6), ("opd-1.opd", 80, 160, 67e6)]
+)
+def test_parts_of_a_measured_map_agree_within_their_sampling_errors(measured_maps, name, side, step, pressure):
     pytest.importorskip("SurfaceTopography")
-    whole = rc.read_surface(measured_maps / "plu-1.plu", non_measured="fill")
-    size = tuple(96 * step for step in whole.grid.spacing)
+    whole = rc.read_surface(measured_maps / name, non_measured="fill")
+    nx, ny = whole.grid.shape
+    size = tuple(side * spacing for spacing in whole.grid.spacing)
     areas = []
-    for i in range(0, 768, 192):
-        for j in range(0, 576, 192):
-            part = rc.HeightMap(whole.values[i : i + 96, j : j + 96], size=size).detrend(2)
-            areas.append(rc.ContactProblem(rc.Body(part, STEEL)).solve(pressure=16e6).area())
+    for i in range(0, nx - step + 1, step):
+        for j in range(0, ny - step + 1, step):
+            part = rc.HeightMap(whole.values[i : i + side, j : j + side], size=size).detrend(2)
+            areas.append(rc.ContactProblem(rc.Body(part, STEEL)).solve(pressure=pressure).area())
     mean = np.mean([one.value for one in areas])
     assert np.mean([abs(one.value - mean) < 2.0 * one.sampling for one in areas]) >= 0.8

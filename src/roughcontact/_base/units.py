@@ -256,7 +256,8 @@ class Estimate(ShownAsPrinted):
         Why the value must not be trusted, in sentences; empty without a reason.
     sampling
         Standard deviation between places of the same rough surface, of this size: the mean of many places should lie
-        within two of them, another place within three. None where there is no such surface, or it is not known.
+        within two of them, another place within three. Changes over lengths beyond the side of the map do not show in
+        it. None where there is no such surface, or it is not known.
 
     Examples
     --------

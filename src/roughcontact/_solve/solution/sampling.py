@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from typing import TYPE_CHECKING
 
@@ -10,7 +9,7 @@ import attrs
 import numpy as np
 from scipy import special
 
-from roughcontact._base.arrays import IntArray
+from roughcontact._base.arrays import Array, IntArray
 from roughcontact._parts.grid import Grid, extend
 from roughcontact._parts.surfaces import FlatSurface, polynomial
 from roughcontact.reference.roughness import Waves, find_lay, transform_waves
@@ -29,6 +28,26 @@ _PATCH_WEIGHT = 3.0
 # Factors of the standard deviation of the area: of the tiles, and of the error of the mean square height.
 _AREA_FACTOR = 0.7
 _DEPENDENCE = 2.0
+# Parts of a square domain along each side whose slopes show whether the roughness changes from place to place, and
+# factors: the largest parts show it best, but as they are four they may be alike by chance.
+_PART_FACTORS = {2: 10.0, 4: 20.0}
+# Cells along a side from which slopes are taken at most.
+_SAMPLED_CELLS = 192
+# Multiple of the variance of the slopes of a Gaussian surface that passes for chance.
+_CHANCE = 3.0
+# Of Gaussian surfaces: maximum of the mean square pressure over the squared mean, minimum excess of the area at small
+# loads over Persson's, and multiple of that area beyond which summits are blunt; factors of the departures.
+_USUAL_SPREAD = 1.65
+_USUAL_EXCESS = 0.25
+_BLUNT_AREA = 1.5
+_SPREAD_FACTOR = 0.6
+_STEEP_FACTOR = 0.5
+# Factors of the unevenness in the standard deviations of stiffness and maximum pressure.
+_STIFFNESS_UNEVENNESS = 1.2
+_PEAK_UNEVENNESS = 1.3
+# Unevenness, and number of summits in contact, from which on the numbers are not relied on.
+_MAX_UNEVENNESS = 0.25
+_MIN_PATCHES = 3
 # Factors of the standard deviation of the stiffness: of the error of the mean square height, and of the tiles.
 _STIFFNESS_FACTORS = (0.65, 1.5)
 # Maximum relative error of the mean square height that counts, and maximum ratio of slopes across and along a lay.
@@ -70,12 +89,15 @@ class PlaceStatistics:
         Sampling error of the mean square height.
     lay
         Ratio of the rms slopes across and along the lay.
+    unevenness
+        Standard deviation of the rms slope in contact beyond that of a Gaussian surface alike everywhere.
     """
 
     tiles: float
     elasticity: float
     height: float
     lay: float
+    unevenness: float
 
 
 def _is_sampled(solution: ContactSolution) -> bool:
@@ -98,7 +120,8 @@ def find_area_sampling(solution: ContactSolution) -> float | None:
     found = solution._place
     if found is None:
         return None
-    return _AREA_FACTOR * found.elasticity * found.tiles * (1.0 + _DEPENDENCE * found.height)
+    even = _AREA_FACTOR * found.tiles * (1.0 + _DEPENDENCE * found.height)
+    return found.elasticity * math.hypot(even, found.unevenness)
 
 
 def find_stiffness_sampling(solution: ContactSolution, stiffness: float) -> float | None:
@@ -108,7 +131,7 @@ def find_stiffness_sampling(solution: ContactSolution, stiffness: float) -> floa
     if found is None or not math.isfinite(stiffness) or free[0] != free[1]:
         return None
     of_height, of_tiles = _STIFFNESS_FACTORS
-    rough = math.hypot(of_height * found.height, of_tiles * found.tiles)
+    rough = math.hypot(of_height * found.height, of_tiles * found.tiles, _STIFFNESS_UNEVENNESS * found.unevenness)
     if not free[0]:
         return rough
     # A flat punch as large as the domain, or the ellipse in which a ball touches, yields too, everywhere alike.
@@ -122,7 +145,21 @@ def find_peak_sampling(solution: ContactSolution) -> float | None:
     found = solution._place
     if found is None:
         return None
-    return 0.0 if solution.saturated.any() else _vary_maxima(solution, found.lay**_PEAK_LAY_EXPONENT)
+    if solution.saturated.any():
+        return 0.0
+    return math.hypot(_vary_maxima(solution, found.lay**_PEAK_LAY_EXPONENT), _PEAK_UNEVENNESS * found.unevenness)
+
+
+def find_sampling_warning(solution: ContactSolution) -> str:
+    """Return why other places may differ more than the sampling errors say, empty without a reason."""
+    found = solution._place
+    if found is None:
+        return ""
+    if found.unevenness > _MAX_UNEVENNESS:
+        return "the roughness changes along the map, places far away may differ more"
+    if solution.patches.count < _MIN_PATCHES and not solution.contact.all():
+        return "too few summits touch to tell how much others differ"
+    return ""
 
 
 def find_place_statistics(solution: ContactSolution) -> PlaceStatistics | None:
@@ -137,7 +174,7 @@ def find_place_statistics(solution: ContactSolution) -> PlaceStatistics | None:
     lay = min(find_lay(waves), _MAX_LAY_RATIO)
     elasticity = _find_elasticity(solution.patches.members.size / (window.shape[0] * window.shape[1]))
     tiles = _compare_tiles(solution, window, elasticity) * lay**_TILE_LAY_EXPONENT
-    return PlaceStatistics(tiles, elasticity, height, lay)
+    return PlaceStatistics(tiles, elasticity, height, lay, _find_unevenness(solution, window, waves))
 
 
 @attrs.frozen
@@ -164,18 +201,19 @@ def _find_edges(count: int, cells: int) -> IntArray:
     return np.arange(count + 1) * cells // count
 
 
-def _compare_tiles(solution: ContactSolution, window: _Window, elasticity: float) -> float:
-    r"""Return the standard deviation of the area at a given load, by tiles of a window.
-
-    With loads F and areas A of independent tiles the ratio of the sums, :math:`r = \sum A / \sum F`, has
-
-    .. math:: \left(\frac{s_r}{r}\right)^2 = \frac{\sum (A_i - r F_i)^2}{(\sum A_i)^2}
-    """
+def _count_tiles(window: _Window, per_side: int) -> tuple[int, int]:
+    """Return the numbers of tiles along both axes, of which a square window has `per_side`."""
     ratio = math.sqrt(window.size[0] / window.size[1])
     nx, ny = (
-        max(1, min(round(_TILES * scale), cells))
+        max(1, min(round(per_side * scale), cells))
         for scale, cells in zip((ratio, 1.0 / ratio), window.shape, strict=True)
     )
+    return nx, ny
+
+
+def _share(solution: ContactSolution, window: _Window, per_side: int) -> tuple[Array, Array]:
+    """Return the fractions of the load and of the area of each tile of a window."""
+    nx, ny = _count_tiles(window, per_side)
     rows, columns = (
         np.repeat(np.arange(count), np.diff(_find_edges(count, cells)))
         for count, cells in zip((nx, ny), window.shape, strict=True)
@@ -186,10 +224,117 @@ def _compare_tiles(solution: ContactSolution, window: _Window, elasticity: float
     pressures = solution.pressure.ravel()[members]
     loads = np.bincount(tile, weights=pressures / pressures.sum(), minlength=nx * ny)
     areas = np.bincount(tile, weights=np.full(members.size, 1.0 / members.size), minlength=nx * ny)
+    return np.asarray(loads, dtype=np.float64), np.asarray(areas, dtype=np.float64)
+
+
+def _compare_tiles(solution: ContactSolution, window: _Window, elasticity: float) -> float:
+    r"""Return the standard deviation of the area at a given load, by tiles of a window.
+
+    With loads F and areas A of independent tiles the ratio of the sums, :math:`r = \sum A / \sum F`, has
+
+    .. math:: \left(\frac{s_r}{r}\right)^2 = \frac{\sum (A_i - r F_i)^2}{(\sum A_i)^2}
+    """
+    loads, areas = _share(solution, window, _TILES)
     found = float(np.sum((areas - loads) ** 2))
     count = 1.0 / float(np.sum(loads**2))
     usual = (_PATCH_STD * elasticity) ** 2 / solution.patches.count
     return math.sqrt((count * found + _PATCH_WEIGHT * usual) / (count + _PATCH_WEIGHT))
+
+
+def _find_unevenness(solution: ContactSolution, window: _Window, waves: Waves) -> float:
+    r"""Return the relative standard deviation of the rms slope in contact beyond that of a Gaussian surface.
+
+    With mean square slopes m of n parts, that carry the fractions F of the load, the one in contact,
+    :math:`\sum F m`, would vary by
+
+    .. math:: s_n^2 = \sum F^2 \left(\frac{\operatorname{var} m}{\bar m^2} - n v\right)
+
+    more than on a Gaussian surface, v for the whole, if the parts were independent. They are not where larger parts
+    vary more; those weigh more then, because the whole varies more again. Few steep summits have two other signs:
+    pressures that spread more than those of a Gaussian surface, and a contact smaller than its.
+    """
+    heights, slopes = _sample_slopes(solution, window)
+    square = float(slopes.mean())
+    cells = window.shape[0] * window.shape[1]
+    pressures = solution.pressure.ravel()[solution.patches.members]
+    fraction = pressures.size / cells
+    load = float(pressures.sum()) / cells / (solution.modulus * math.sqrt(square))
+    # Persson's area.
+    usual = (1.0 + _USUAL_EXCESS * (1.0 - fraction) ** 2) * math.erf(math.sqrt(2.0) * load)
+    steep = max(math.log(usual / fraction), 0.0)
+    spread = max(math.log(float(np.mean(pressures**2)) / (_USUAL_SPREAD * float(pressures.mean()) ** 2)), 0.0)
+    chance = _CHANCE * _find_chance(solution, window, waves, square)
+    # The contact knows only the upper half.
+    upper = heights < heights.mean()
+    slopes *= upper
+    mean = float(slopes.sum()) / np.count_nonzero(upper)
+
+    def vary(per_side: int) -> float:
+        counts = _count_tiles(window, per_side)
+        if counts == (1, 1):
+            return 0.0
+        known = _sum_tiles(upper.astype(np.float64), counts)
+        part = np.divide(_sum_tiles(slopes, counts), mean * known, out=np.ones(counts), where=known > 0.0)
+        loads, _ = _share(solution, window, per_side)
+        return float(np.sum(loads**2)) * max(float(np.var(part, ddof=1)) - part.size * chance, 0.0)
+
+    tiles = vary(_TILES)
+    long = max(factor * (vary(per_side) - tiles) for per_side, factor in _PART_FACTORS.items())
+    # Slopes of the map tell little of summits that are much blunter.
+    relevance = min(1.0, _BLUNT_AREA * usual / fraction)
+    changes = 0.5 * math.sqrt(relevance**2 * tiles + max(long, 0.0))
+    return math.hypot(changes, _SPREAD_FACTOR * spread, _STEEP_FACTOR * steep)
+
+
+def _sample_slopes(solution: ContactSolution, window: _Window) -> tuple[Array, Array]:
+    """Return gaps within a window and their squared slopes, of every so many cells, on a free boundary less a form."""
+    gap = solution.initial_gap
+    degree = 0 if not solution.boundary.has_free_axis else 2 if _has_form(solution) else 1
+    taken = [
+        np.arange(at, at + cells, math.ceil(cells / _SAMPLED_CELLS))
+        for at, cells in zip(window.first, window.shape, strict=True)
+    ]
+    heights = gap[np.ix_(*taken)]
+    squares = np.zeros(heights.shape)
+    for axis, step in enumerate(solution.grid.spacing):
+        ends = list(taken)
+        last = window.first[axis] + window.shape[axis] - 1
+        ends[axis] = np.minimum(taken[axis] + 1, last)
+        starts = list(taken)
+        starts[axis] = np.maximum(ends[axis] - 1, window.first[axis])
+        slopes = (gap[np.ix_(*ends)] - gap[np.ix_(*starts)]) / step
+        squares += (slopes - polynomial(slopes, degree - 1, None) if degree else slopes) ** 2
+    return np.asarray(heights - polynomial(heights, degree, None) if degree else heights), squares
+
+
+def _find_chance(solution: ContactSolution, window: _Window, waves: Waves, square: float) -> float:
+    """Return the relative variance of the mean square slope between places of a Gaussian surface of this spectrum.
+
+    Of large windows the middle is taken, and the longest waves.
+    """
+    shape = tuple(min(cells, _SAMPLED_CELLS) for cells in window.shape)
+    first = (at + (cells - n) // 2 for at, cells, n in zip(window.first, window.shape, shape, strict=True))
+    part = solution.initial_gap[tuple(slice(at, at + n) for at, n in zip(first, shape, strict=True))]
+    whole = shape == window.shape
+    repeats = whole and not solution.boundary.has_free_axis
+    if not repeats:
+        part = part - polynomial(part, 2 if _has_form(solution) else 1, None)
+    chance = 0.0
+    if not whole:
+        long = waves.spread(waves.square) * (waves.height / waves.cell) ** 2 / square
+        chance = long**2 / waves.dependent
+    if float(np.ptp(part)) > _FLATNESS * float(np.ptp(solution.initial_gap)):
+        sides = (n * step for n, step in zip(shape, solution.grid.spacing, strict=True))
+        fine = transform_waves(part, Grid(shape, tuple(sides)), repeats)
+        fraction = part.size / (window.shape[0] * window.shape[1])
+        chance += fraction * (fine.spread(fine.square) / fine.sum(fine.square)) ** 2 / fine.dependent
+    return chance
+
+
+def _sum_tiles(values: Array, counts: tuple[int, int]) -> Array:
+    """Return the sums of the values of each tile, shape `counts`."""
+    rows, columns = (_find_edges(count, cells)[:-1] for count, cells in zip(counts, values.shape, strict=True))
+    return np.asarray(np.add.reduceat(np.add.reduceat(values, columns, axis=1), rows, axis=0))
 
 
 def _find_elasticity(fraction: float) -> float:
@@ -205,9 +350,8 @@ def _find_long_waves(solution: ContactSolution, window: _Window) -> Waves | None
     cells = window.shape
     shape = (min(cells[0], _COARSE_CELLS), min(cells[1], _COARSE_CELLS))
     gap = solution.initial_gap[tuple(slice(at, at + n) for at, n in zip(window.first, cells, strict=True))]
-    rows, columns = (_find_edges(n, full) for n, full in zip(shape, cells, strict=True))
-    narrow = np.array([gap[start:stop].mean(axis=0) for start, stop in itertools.pairwise(rows)])
-    coarse = np.array([narrow[:, start:stop].mean(axis=1) for start, stop in itertools.pairwise(columns)]).T
+    counts = np.outer(*(np.diff(_find_edges(n, full)) for n, full in zip(shape, cells, strict=True)))
+    coarse = _sum_tiles(gap, shape) / counts
     repeats = not solution.boundary.has_free_axis
     if not repeats:
         if min(shape) < _MIN_PLANE_CELLS:

@@ -15,6 +15,7 @@ from roughcontact._parts.surfaces import HeightMap
 from roughcontact._solve.solution.attraction import average_gap
 from roughcontact._solve.solution.plausibility import exceeds_metals
 from roughcontact._solve.solution.results import Area
+from roughcontact._solve.solution.sampling import find_sampling_warning
 from roughcontact.errors.door import guarded
 
 if TYPE_CHECKING:
@@ -48,7 +49,8 @@ def list_answers(solution: ContactSolution) -> dict[str, str]:
     others = {"contact area": _attempt(solution.area, None), "max pressure": peak}
     differences = [f"{name} {text}" for name, one in others.items() if (text := _format_sampling(one))]
     if differences:
-        answers["other places"] = f"{', '.join(differences)} (standard deviation)"
+        warning = find_sampling_warning(solution)
+        answers["other places"] = f"{', '.join(differences)} (standard deviation)" + (f"; {warning}" if warning else "")
     return answers
 
 
