@@ -236,7 +236,7 @@ EDGES = ("radius: 1.5", "radius: 3", "radius: 16", "shortest wave: 8", "shortest
 SLIDING = ("cells", "friction", "at 0.5, % of p0", "at 2, % of p0", "at 8, % of p0")
 SLIDING += ("first yield: error, %", "stated, %", "its depth, radii")
 TABLES = {
-    "stress-balls": DocTable(list_balls, seconds=25, units=2.0, shown=pick(lines=("1.5", "3", "6", "24"))),
+    "stress-balls": DocTable(list_balls, seconds=25, units=2.0, shown=pick(lines=("1.5", "3", "24"))),
     "stress-sliding": DocTable(
         list_sliding,
         seconds=8,
