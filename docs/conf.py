@@ -154,19 +154,20 @@ def list_names(app: Sphinx, docname: str, source: list[str]) -> None:
     """Add the names of each page of the reference to its index, with the first sentence of each."""
     if docname != "api/index":
         return
-    folder = Path(app.srcdir) / "api"
     for page in re.findall(r"^   (\w+)$", source[0], re.M):
-        text = (folder / f"{page}.rst").read_text(encoding="utf-8")
+        text = (Path(app.srcdir) / "api" / f"{page}.rst").read_text(encoding="utf-8")
         module, names = "roughcontact", []
-        for kind, name in re.findall(r"^\.\. (currentmodule|auto(?:class|function|exception)):: ([\w.]+)$", text, re.M):
-            if kind == "currentmodule":
+        for kind, name, members in re.findall(
+            r"^\.\. (currentmodule|auto\w+):: ([\w.]+)$(?:\n   :members: ([\w, ]+)$)?", text, re.M
+        ):
+            if kind in ("currentmodule", "automodule"):
                 module = name
-            else:
+                names += [f"{name}.{member}" for member in members.split(", ") if member]
+            elif kind != "autosummary":
                 names.append(name if name.startswith("roughcontact.") else f"{module}.{name}")
         title = text.partition("\n")[0]
-        lines = [title, "-" * len(title), "", f":doc:`{page}`", "", ".. autosummary::", "   :nosignatures:", ""]
-        lines += [f"   ~{name}" for name in names]
-        source[0] += "\n" + "\n".join(lines if names else []) + "\n"
+        lines = ["", title, "-" * len(title), "", ".. autosummary::", "   :nosignatures:", ""]
+        source[0] += "\n".join([*lines, *(f"   ~{name}" for name in names), ""])
 
 
 def setup(app: Sphinx) -> None:

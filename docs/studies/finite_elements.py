@@ -96,8 +96,6 @@ SHOWN = (
     "KE: area",
     "JG, hard: force",
     "JG, hard: area",
-    "with that H: force",
-    "with that H: area",
 )
 TABLES = {"finite-elements": DocTable(make_rows, seconds=15, units=2, shown=pick(SHOWN, ("2", "20", "110")))}
 

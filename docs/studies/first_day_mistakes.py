@@ -215,8 +215,8 @@ def run(mistake: Mistake, folder: Path) -> tuple[int, str]:
 
 
 def write_row(mistake: Mistake, sentences: tuple[str, ...]) -> str:
-    """Return a row of the table."""
-    said = " ".join(sentences).replace("|", "\\|")
+    """Return a row of the table, with the first of its warnings."""
+    said = sentences[0].replace("|", "\\|")
     return f"| {mistake.name} | {said} |"
 
 

@@ -103,7 +103,7 @@ TABLES = {
     "leakage": DocTable(
         list_errors,
         seconds=400,
-        shown=pick(SHOWN, ("8 to 23; 4", "8 to 23; 8", "26 to 40; 4", "26 to 40; 8", "26 to 40; 16")),
+        shown=pick(SHOWN, ("8 to 23; 4", "8 to 23; 8", "26 to 40; 8", "26 to 40; 16")),
     )
 }
 

@@ -13,7 +13,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from doc_tables import DocTable, write
+from doc_tables import DocTable, pick, write
 from matplotlib.figure import Figure
 
 import roughcontact as rc
@@ -88,7 +88,7 @@ def main(problem: rc.ContactProblem, maps: Path, folder: Path = FIGURES) -> None
     draw(maps, problem, problem.solve(force=FORCES[-1]), folder)
 
 
-TABLES = {"measured-pair": DocTable(make_rows, seconds=100)}
+TABLES = {"measured-pair": DocTable(make_rows, seconds=100, shown=pick(lines=("0.05", "0.4")))}
 
 if __name__ == "__main__":
     pair = make_problem(find_maps())

@@ -111,7 +111,7 @@ def draw(folder: Path = FIGURES, cells: int = 256) -> None:
 
 
 # The lines of the page: one Hurst exponent.
-LINES = ("0.003; 0.8", "0.03; 0.8", "0.1; 0.8", "0.2; 0.8")
+LINES = ("0.003; 0.8", "0.03; 0.8", "0.2; 0.8")
 TABLES = {"persson": DocTable(make_rows, seconds=200, shown=pick(lines=LINES))}
 
 if __name__ == "__main__":

@@ -231,11 +231,12 @@ def draw(folder: Path = FIGURES) -> None:
     figure.savefig(folder / "stress.png", dpi=110)
 
 
-# The columns of the page.
+# What the page shows.
+EDGES = ("radius: 1.5", "radius: 3", "radius: 16", "shortest wave: 8", "shortest wave: 24")
 SLIDING = ("cells", "friction", "at 0.5, % of p0", "at 2, % of p0", "at 8, % of p0")
 SLIDING += ("first yield: error, %", "stated, %", "its depth, radii")
 TABLES = {
-    "stress-balls": DocTable(list_balls, seconds=25, units=2.0, shown=pick(lines=("1.5", "3", "6", "24"))),
+    "stress-balls": DocTable(list_balls, seconds=25, units=2.0, shown=pick(lines=("1.5", "3", "24"))),
     "stress-sliding": DocTable(
         list_sliding,
         seconds=8,
@@ -246,7 +247,7 @@ TABLES = {
         list_edges,
         seconds=60,
         units=2.0,
-        shown=pick(lines=[*(f"radius: {cells}" for cells in ("1.5", "3", "16")), "shortest wave: 8", "shortest wave: 24"]),
+        shown=pick(lines=EDGES),
     ),
     "stress-rough": DocTable(list_rough, seconds=50, units=2.0, shown=pick(lines=("4", "8", "16"))),
     "stress-cost": DocTable(
