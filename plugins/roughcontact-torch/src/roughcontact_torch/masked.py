@@ -37,8 +37,6 @@ _MAX_CHANGED_FRACTION = 0.5
 _PASSIVE_ALLOWANCE = 0.02
 # Verifications in turn that do not halve the error after which the default solver continues.
 _MAX_IDLE_ROUNDS = 3
-# Relative error of a load by rounding.
-_LOAD_ROUNDING = 1e-13
 _TOLERANCE = rc.ProjectedConjugateGradient().tolerance
 
 # Contacts that were solved at once, and are now certified one by one.
@@ -256,8 +254,7 @@ def _nest(descents: Sequence[MaskedDescent]) -> _Guess:
     guess = _Guess(torch.zeros_like(coarsest.initial_gap), ())
     if coarsest.load is not None:
         mean = coarsest.load / coarsest.grid.cells
-        mean = torch.where(mean < (1.0 - _LOAD_ROUNDING) * coarsest.limit, mean, coarsest.limit)
-        guess = _close(coarsest, guess._replace(pressure=guess.pressure + mean))
+        guess = _close(coarsest, guess._replace(pressure=guess.pressure + torch.minimum(mean, coarsest.limit)))
     for fine, coarse in zip(descents[-2::-1], descents[:0:-1], strict=True):
         guess = _approximate(coarse, fine, guess)
     return guess

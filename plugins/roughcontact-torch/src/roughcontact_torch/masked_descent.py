@@ -195,7 +195,9 @@ class MaskedDescent:
         contact = pressure > 0.0
         lowered = self.load < total(torch.where(contact, self.limit, 0.0))
         ones = torch.where(lowered, contact.to(torch.float64), 1.0)
-        return self._shift_to_load(pressure, torch.where(scaled, elastic, ones))
+        shifted = self._shift_to_load(pressure, torch.where(scaled, elastic, ones))
+        full = self.load >= (1.0 - _LOAD_ROUNDING) * self.grid.cells * self.limit
+        return torch.where(full, self.limit, shifted)
 
     def _measure(self, pressure: torch.Tensor, displacement: torch.Tensor) -> tuple[torch.Tensor, Violations]:
         """Return the gap in float32, and the violations as by `ContactConditions.measure`."""
