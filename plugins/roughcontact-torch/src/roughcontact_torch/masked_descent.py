@@ -2,7 +2,7 @@
 
 The mathematics is that of the default solver: conjugate gradients, preconditioned by the inverse kernel on the active
 cells with flat-punch weights and a correction on blocks; the step is guessed, its displacement computed once and its
-length corrected. Lists of active cells are masks, branches are `torch.where`, and searches have a fixed number of rounds.
+length corrected. Lists of active cells are masks, branches are `torch.where`, searches have fixed numbers of rounds.
 """
 
 from __future__ import annotations
@@ -315,7 +315,9 @@ class MaskedDescent:
             return image
         ones = state.active.to(torch.float32)
         sums = torch.cat((grid.dot(state.weights, residual), grid.total(ones * residual)), -2)
-        first, second = (state.rigid @ sums).to(torch.float32).split(1, -2)
+        parts = (state.rigid @ sums).to(torch.float32)
+        first = parts[..., :1, :]
+        second = parts[..., 1:, :]
         fraction = divide(grid.total(image), grid.total(state.weights)).to(torch.float32)
         return image + (first - fraction) * state.weights + second * ones
 
@@ -411,7 +413,9 @@ class MaskedDescent:
             if self.capped:
                 low = torch.where(excess > 0.0, shift, low)
                 high = torch.where(excess < 0.0, shift, high)
-                half = torch.where(torch.isfinite(high - low), 0.5 * (low + high), shift + 2.0**k * divide(excess, weight))
+                half = torch.where(
+                    torch.isfinite(high - low), 0.5 * (low + high), shift + 2.0**k * divide(excess, weight)
+                )
                 trial = torch.where((slope > 0.0) & (trial > low) & (trial < high), trial, half)
             shift = torch.where(excess == 0.0, shift, trial)
         return torch.minimum(torch.clamp(values - shift * weights, min=0.0), self.limit)
