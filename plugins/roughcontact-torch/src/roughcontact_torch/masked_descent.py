@@ -24,9 +24,11 @@ _SHORTENED_STEP_PART = 0.1
 _MIN_CONJUGATE_SLOPE = 0.01
 _MIN_WEIGHT = 1e-3
 _MIN_DETERMINANT = 1e-6
-# Rounds of the search for released cells that stay and of the shift that restores a load, and steps on the blocks.
+# Rounds of the search for released cells that stay and of the shift that restores a load, without a limit, with one in
+# a step, and to rounding; and steps on the blocks.
 _HELD_ROUNDS = 3
 _LOAD_ROUNDS = 6
+_CAPPED_STEP_ROUNDS = 8
 _CAPPED_LOAD_ROUNDS = 12
 _BLOCK_STEPS = 4
 # Rounding of the gap over its largest term, and the range of the displacement over the maximum pressure below which the
@@ -195,7 +197,7 @@ class MaskedDescent:
         contact = pressure > 0.0
         lowered = self.load < total(torch.where(contact, self.limit, 0.0))
         ones = torch.where(lowered, contact.to(torch.float64), 1.0)
-        shifted = self._shift_to_load(pressure, torch.where(scaled, elastic, ones))
+        shifted = self._shift_to_load(pressure, torch.where(scaled, elastic, ones), _CAPPED_LOAD_ROUNDS)
         full = self.load >= (1.0 - _LOAD_ROUNDING) * self.grid.cells * self.limit
         return torch.where(full, self.limit, shifted)
 
@@ -390,9 +392,9 @@ class MaskedDescent:
         """Return pressures near a trial within the bounds and, if it is given, with the load."""
         if self.load is None:
             return torch.minimum(torch.clamp(trial, min=0.0), self.limit)
-        return self._shift_to_load(trial, state.weights.to(torch.float64))
+        return self._shift_to_load(trial, state.weights.to(torch.float64), _CAPPED_STEP_ROUNDS)
 
-    def _shift_to_load(self, values: torch.Tensor, weights: torch.Tensor) -> torch.Tensor:
+    def _shift_to_load(self, values: torch.Tensor, weights: torch.Tensor, capped_rounds: int) -> torch.Tensor:
         """Return clip(values - shift * weights, 0, limit) with a shift for which the sum is about the load.
 
         With a limit Newton's method needs a bracket, in which it is replaced by bisection where it leaves it.
@@ -404,7 +406,7 @@ class MaskedDescent:
         low = torch.full_like(load, -torch.inf)
         high = torch.full_like(load, torch.inf)
         weight = total(weights)
-        for k in range(_CAPPED_LOAD_ROUNDS if self.capped else _LOAD_ROUNDS):
+        for k in range(capped_rounds if self.capped else _LOAD_ROUNDS):
             moved = values - shift * weights
             excess = total(torch.minimum(torch.clamp(moved, min=0.0), self.limit)) - load
             moving = (moved > 0.0) & (moved < self.limit)

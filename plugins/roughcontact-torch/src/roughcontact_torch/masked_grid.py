@@ -34,8 +34,7 @@ Axes = tuple[int, int]
 
 def divide(one: torch.Tensor, other: torch.Tensor) -> torch.Tensor:
     """Return the ratio where the divisor is above zero, zero elsewhere."""
-    positive = other > 0.0
-    return torch.where(positive, one / torch.where(positive, other, 1.0), 0.0)
+    return torch.where(other > 0.0, one / other, 0.0)
 
 
 def multiply_waves(values: torch.Tensor, symbol: torch.Tensor, padded: Axes) -> torch.Tensor:
