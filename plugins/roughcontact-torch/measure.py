@@ -1,6 +1,7 @@
 """The tables of README.md: `python measure.py [CELLS ...]`, on each device that there is.
 
-Times are medians of three solves, by turns on numpy's arrays and on tensors, in one process on one thread.
+Times are medians of three solves, by turns on numpy's arrays and on tensors, in one process on one thread. With
+`masked` first: the work of the default solver on numpy's arrays beside that of the masked one on tensors.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ import roughcontact as rc
 import torch
 from torch.utils._python_dispatch import TorchDispatchMode
 
-from roughcontact_torch import TorchFFT
+from roughcontact_torch import MaskedConjugateGradient, TorchFFT, masked
 
 _REPEATS = 3
 # What makes the host wait for a device: numbers that are read, and lists whose length must be known.
@@ -39,11 +40,14 @@ class Operations(TorchDispatchMode):
         return function(*args, **(kwargs or {}))
 
 
-def rough(n: int, pressure: float) -> tuple[rc.ContactProblem, dict[str, float]]:
-    """Return a rough periodic contact of rms slope 0.1, and its mean pressure over slope times modulus."""
-    surface = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.1, shortest=8.0, longest=float(n), rolloff=n / 8, seed=0)
+def rough(
+    n: int, pressure: float, *, shortest: float = 8.0, boundary: str = "periodic", limit: float | None = None
+) -> tuple[rc.ContactProblem, dict[str, float]]:
+    """Return a rough contact of rms slope 0.1; mean pressure and its limit are over slope times modulus."""
+    surface = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.1, shortest=shortest, longest=float(n), rolloff=n / 8, seed=0)
+    material = ELASTIC if limit is None else rc.ElasticPerfectlyPlastic(1e9, 0.0, 0.1 * limit * ELASTIC.young)
     grid = rc.Grid((n, n), (float(n), float(n)))
-    problem = rc.ContactProblem(rc.Body(surface, ELASTIC), grid=grid, boundary="periodic", threads=1)
+    problem = rc.ContactProblem(rc.Body(surface, material), grid=grid, boundary=boundary, threads=1)
     return problem, {"pressure": 0.1 * pressure * ELASTIC.young}
 
 
@@ -58,6 +62,17 @@ def sphere(n: int) -> tuple[rc.ContactProblem, dict[str, float]]:
 CASES: dict[str, Callable[[int], tuple[rc.ContactProblem, dict[str, float]]]] = {
     "rough, 8 % in contact": lambda n: rough(n, 0.05),
     "rough, 97 %": lambda n: rough(n, 1.0),
+    "sphere, free": sphere,
+}
+
+
+MASKED: dict[str, Callable[[int], tuple[rc.ContactProblem, dict[str, float]]]] = {
+    "periodic, 8 cells, x = 0.05": lambda n: rough(n, 0.05),
+    "periodic, 8 cells, x = 0.2": lambda n: rough(n, 0.2),
+    "periodic, 8 cells, x = 1": lambda n: rough(n, 1.0),
+    "periodic, 2 cells, x = 0.2": lambda n: rough(n, 0.2, shortest=2.0),
+    "periodic, limit 0.3, x = 0.1": lambda n: rough(n, 0.1, limit=0.3),
+    "free, 8 cells, x = 0.05": lambda n: rough(n, 0.05, boundary="free"),
     "sphere, free": sphere,
 }
 
@@ -88,8 +103,32 @@ def measure(name: str, n: int, device: str) -> str:
     return f"| {name} | {n} | {device} | {numpys:.2f} | {tensors:.2f} | {tensors / numpys:.2f} | {counts} |"
 
 
+def compare_masked(name: str, n: int) -> str:
+    """Return the row of a case: iterations and products of both solvers, what the host reads, and operations."""
+    problem, load = MASKED[name](n)
+    ours = attrs.evolve(problem, convolver=TorchFFT(), solver=MaskedConjugateGradient())
+    expected = problem.solve(**load)
+    readings = []
+    read = masked._read
+    masked._read = lambda *numbers: readings.append(len(numbers)) or read(*numbers)
+    with Operations() as operations:
+        found = ours.solve(**load)
+    masked._read = read
+    iterations = sum(level.iterations for level in found.levels)
+    counts = (f"{one.iterations} / {one.convolutions}" for one in (expected, found))
+    cells = np.count_nonzero(found.contact != expected.contact)
+    pressure = np.abs(found.pressure - expected.pressure).max() / expected.pressure.max()
+    work = f"{len(readings)} in {iterations} | {operations.all / iterations:.0f}"
+    return f"| {name} | {n} | {' | '.join(counts)} | {work} | {cells} | {pressure:.0e} |"
+
+
 if __name__ == "__main__":
     torch.set_num_threads(1)
+    if sys.argv[1:2] == ["masked"]:
+        for cells in map(int, sys.argv[2:] or ["256", "512", "1024"]):
+            for case in MASKED:
+                print(compare_masked(case, cells), flush=True)
+        sys.exit()
     for cells in map(int, sys.argv[1:] or ["256", "512", "1024"]):
         for case in CASES:
             for place in ("cpu", "cuda")[: 1 + torch.cuda.is_available()]:

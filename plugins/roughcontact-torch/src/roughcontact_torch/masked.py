@@ -17,7 +17,7 @@ from roughcontact.typing import Array, GridLevel, Outcome, PreparedConvolution, 
 from roughcontact_torch.arrays import TensorArray
 from roughcontact_torch.convolver import TensorConvolution
 from roughcontact_torch.masked_descent import MaskedDescent, State
-from roughcontact_torch.masked_grid import nested_grids
+from roughcontact_torch.masked_grid import Blocks, nested_grids
 
 # Iterations on a coarse grid and on the coarsest one, with those after which, for a given approach, weights and rigid
 # motions are computed anew; iterations between two readings of the host on average, and the maximum at once.
@@ -37,12 +37,18 @@ _MAX_CHANGED_FRACTION = 0.5
 _PASSIVE_ALLOWANCE = 0.02
 # Verifications in turn that do not halve the error after which the default solver continues.
 _MAX_IDLE_ROUNDS = 3
-# Relative error of a load by rounding.
-_LOAD_ROUNDING = 1e-13
-_TOLERANCE = rc.ProjectedConjugateGradient().tolerance
+_DEFAULT = rc.ProjectedConjugateGradient()
 
 # Contacts that were solved at once, and are now certified one by one.
 _SOLVED: ContextVar[tuple[tuple[Task, Outcome], ...]] = ContextVar("solved contacts", default=())
+
+
+def _as_tolerance(value: float) -> float:
+    return attrs.evolve(_DEFAULT, tolerance=value).tolerance
+
+
+def _as_iterations(value: int) -> int:
+    return attrs.evolve(_DEFAULT, max_iterations=value).max_iterations
 
 
 class _Guess(NamedTuple):
@@ -52,6 +58,66 @@ class _Guess(NamedTuple):
     levels: tuple[GridLevel, ...]
     errors: tuple[torch.Tensor, torch.Tensor] | None = None
     closed: torch.Tensor | None = None
+
+
+@attrs.define
+class _Progress:
+    """The errors of contacts by verification, as the host knows them.
+
+    Attributes
+    ----------
+    tolerance
+        Error to be reached.
+    factors
+        Factor of an iteration on the error of each contact.
+    floors
+        Errors by rounding.
+    errors
+        Errors of all contacts by verification.
+    idle
+        Verifications in turn that did not halve the error of each contact.
+    iterations
+        Iterations so far.
+    """
+
+    tolerance: float
+    factors: list[float]
+    floors: list[float]
+    errors: list[tuple[float, ...]]
+    idle: list[int] = attrs.field(init=False)
+    iterations: int = 0
+
+    def __attrs_post_init__(self) -> None:
+        self.idle = [0] * len(self.floors)
+
+    @property
+    def unfinished(self) -> list[int]:
+        """The contacts that are neither solved nor given up."""
+        numbers = enumerate(zip(self.errors[-1], self.floors, self.idle, strict=True))
+        return [
+            k
+            for k, (error, floor, idle) in numbers
+            if max(self.tolerance, floor) < error < math.inf and idle <= _MAX_IDLE_ROUNDS
+        ]
+
+    def count_iterations(self) -> int:
+        """Return after how many iterations the errors are worth a verification; seldom less than four."""
+        needed = [self._predict(self.errors[-1][k], self.factors[k]) for k in self.unfinished]
+        return max(*needed, _ITERATIONS_OF_READING * len(self.errors) - self.iterations)
+
+    def record(self, errors: list[float], floors: list[float], iterations: int) -> None:
+        """Add what a verification has found after further iterations."""
+        self.iterations += iterations
+        halved = [one < 0.5 * other for one, other in zip(errors, self.errors[-1], strict=True)]
+        self.idle = [0 if better else idle + 1 for better, idle in zip(halved, self.idle, strict=True)]
+        self.errors.append(tuple(errors))
+        self.floors = floors
+        first = self.errors[0]
+        self.factors = [_factor(one, other, self.iterations) for one, other in zip(first, errors, strict=True)]
+
+    def _predict(self, error: float, factor: float) -> int:
+        goal = max(_GOAL_FRACTION * self.tolerance, _FLOAT32_GAIN * error)
+        return min(max(math.ceil(math.log(goal / error) / math.log(factor)), 1), _MAX_ROUND)
 
 
 @attrs.frozen(eq=False)
@@ -95,6 +161,9 @@ class MaskedConjugateGradient(rc.Solver):
         Error (see `Violation`) to be reached.
     max_iterations
         Iterations on the finest grid after which the default solver continues.
+    compiled
+        Whether torch first compiles the iteration, once for each grid and kind of problem in a process: for about half
+        a minute each, and of at most eight.
 
     References
     ----------
@@ -116,8 +185,9 @@ class MaskedConjugateGradient(rc.Solver):
         "float64 inside the iterations: float32 is enough, and every result is verified in float64",
     )
 
-    tolerance: float = attrs.field(default=_TOLERANCE, converter=lambda value: _checked(tolerance=value).tolerance)
-    max_iterations: int = attrs.field(default=80, converter=lambda value: _checked(max_iterations=value).max_iterations)
+    tolerance: float = attrs.field(default=_DEFAULT.tolerance, converter=_as_tolerance)
+    max_iterations: int = attrs.field(default=80, converter=_as_iterations)
+    compiled: bool = attrs.field(default=False, kw_only=True, validator=attrs.validators.instance_of(bool))
 
     def solve(self, convolution: PreparedConvolution, task: Task) -> Outcome:
         """Return the contact pressure; see `Solver.solve`."""
@@ -138,7 +208,7 @@ class MaskedConjugateGradient(rc.Solver):
             raise rc.InputError("The masked solver works on tensors: choose convolver='torch'.")
         if len({task.mean_pressure is None for task in tasks}) > 1:
             raise rc.InputError("Contacts that are solved at once must all have a load, or all an approach.")
-        default = rc.ProjectedConjugateGradient(self.tolerance)
+        default = attrs.evolve(_DEFAULT, tolerance=self.tolerance)
         if any(task.pressure_limit.size > 1 for task in tasks):
             return [default.solve(convolution, task) for task in tasks]
         solved = self._solve(convolution, tasks)
@@ -152,69 +222,92 @@ class MaskedConjugateGradient(rc.Solver):
     def _solve(self, convolution: TensorConvolution, tasks: Sequence[Task]) -> _Solved:
         descents = _make_descents(convolution, tasks)
         starts = [task.start for task in tasks if task.start is not None]
-        if len(starts) == len(tasks):
-            guess = _Guess(_stack(convolution, starts), ())
-        else:
-            guess = _nest(descents)
+        given = len(starts) == len(tasks)
+        guess = _Guess(_stack(convolution, starts), ()) if given else self._nest(descents)
 
         def report(iterations: int, error: float) -> None:
             for task in tasks:
                 if task.on_step is not None:
                     task.on_step(Step(descents[0].grid.shape, iterations, error))
 
-        return _finish(descents[0], guess, self.tolerance, self.max_iterations, report)
+        return self._finish(descents[0], guess, report)
 
+    def _nest(self, descents: Sequence[MaskedDescent]) -> _Guess:
+        """Return pressures on the finest grid, interpolated from those on the next one, itself solved so."""
+        coarsest = descents[-1]
+        guess = _Guess(torch.zeros_like(coarsest.initial_gap), ())
+        if coarsest.load is not None:
+            mean = coarsest.load / coarsest.grid.cells
+            guess = _close(coarsest, guess._replace(pressure=guess.pressure + torch.minimum(mean, coarsest.limit)))
+        for fine, coarse in zip(descents[-2::-1], descents[:0:-1], strict=True):
+            guess = self._approximate(coarse, fine, guess)
+        return guess
 
-def _finish(
-    descent: MaskedDescent,
-    guess: _Guess,
-    tolerance: float,
-    max_iterations: int,
-    report: Callable[[int, float], None],
-) -> _Solved:
-    """Return the solutions on the finest grid from a guess."""
-    grid = descent.grid
-    pressure = guess.pressure if descent.load is None else descent.rescale(guess.pressure)
-    state, verified = descent.start(pressure, grid.displace(pressure))
-    mean = grid.mean_weight(state.weights).amax(keepdim=True).expand_as(verified.error)
-    coarse = guess.errors if guess.errors is not None else (verified.error, verified.error)
-    now, floors, before, after, means = _read(verified.error, verified.floor, *coarse, mean)
-    blocks = grid.blocks(means[0])
-    # On the last coarse grid the error fell as it will here.
-    factors = [_factor(one, other, _COARSE_ITERATIONS[0]) for one, other in zip(before, after, strict=True)]
-    best = verified.error
-    found = state.pressure
-    errors = [tuple(now)]
-    iterations = idle = renewals = 0
-    while True:
-        report(iterations, max(errors[-1]))
-        left = [
-            k
-            for k, (one, floor) in enumerate(zip(errors[-1], floors, strict=True))
-            if math.isfinite(one) and one > max(tolerance, floor)
-        ]
-        if not left or idle > _MAX_IDLE_ROUNDS or iterations >= max_iterations:
-            break
-        count = max(_count_iterations(errors[-1][k], tolerance, factors[k]) for k in left)
-        count = max(count, _ITERATIONS_OF_READING * len(errors) - iterations)
-        for _ in range(count):
-            state = descent.iterate(state, blocks)
-        iterations += count
-        state, verified = descent.verify(state)
-        # A contact that is solved keeps its pressure while the others go on.
-        better = (verified.error < best) & (best > tolerance)
-        found = torch.where(better, state.pressure, found)
-        best = torch.where(better, verified.error, best)
-        now, floors, changed = _read(best, verified.floor, _changed_fraction(descent, state))
-        errors.append(tuple(now))
-        factors = [_factor(errors[0][k], now[k], iterations) for k in range(len(now))]
-        idle = idle + 1 if any(errors[-1][k] > 0.5 * errors[-2][k] for k in left) else 0
-        if max(changed[k] for k in left) > _MAX_CHANGED_FRACTION:
-            state = descent.renew(state)
-            renewals += 1
-    work = _count_work(descent, iterations, 1 + renewals)
-    level = attrs.evolve(work, double=len(errors))
-    return _Solved(found, tuple(errors), tuple(floors), (*guess.levels, level))
+    def _approximate(self, coarse: MaskedDescent, fine: MaskedDescent, guess: _Guess) -> _Guess:
+        """Return pressures for the next finer grid after iterations on a coarse one."""
+        grid = coarse.grid
+        pressure = guess.pressure if coarse.load is None else coarse.rescale(guess.pressure)
+        state, verified = coarse.start(pressure, grid.displace(pressure.to(torch.float32)))
+        closed = torch.zeros_like(verified.error) if guess.closed is None else guess.closed.to(torch.float64)
+        means, solved = _read(grid.mean_weight(state.weights), closed)
+        iterations = renewals = 0
+        if not all(solved):
+            blocks = grid.blocks(max(means))
+            iterate = self._iteration(coarse)
+            coarsest = not any(level.iterations for level in guess.levels)
+            iterations, renewed = _COARSEST_ITERATIONS if coarsest else _COARSE_ITERATIONS
+            for k in range(iterations):
+                if coarse.load is None and k % renewed == 0 and k:
+                    # Far from the given approach the active cells, and with them the rigid motion, change at each step.
+                    state = coarse.renew(state)
+                    renewals += 1
+                state = iterate(state, blocks)
+        work = _count_work(coarse, iterations, 1 + renewals)
+        levels = (*guess.levels, attrs.evolve(work, single=work.single + 1))
+        errors = (verified.error, coarse.estimate(state, verified.scale))
+        finer = _Guess(_refine(coarse, fine, state), levels, errors)
+        return _close(fine, finer) if any(solved) else finer
+
+    def _finish(self, descent: MaskedDescent, guess: _Guess, report: Callable[[int, float], None]) -> _Solved:
+        """Return the solutions on the finest grid from a guess."""
+        grid = descent.grid
+        pressure = guess.pressure if descent.load is None else descent.rescale(guess.pressure)
+        state, verified = descent.start(pressure, grid.displace(pressure))
+        mean = grid.mean_weight(state.weights).amax(keepdim=True).expand_as(verified.error)
+        coarse = guess.errors if guess.errors is not None else (verified.error, verified.error)
+        now, floors, before, after, means = _read(verified.error, verified.floor, *coarse, mean)
+        # On the last coarse grid the error fell as it will here.
+        factors = [_factor(one, other, _COARSE_ITERATIONS[0]) for one, other in zip(before, after, strict=True)]
+        progress = _Progress(self.tolerance, factors, floors, [tuple(now)])
+        blocks = grid.blocks(means[0])
+        iterate = self._iteration(descent)
+        best = verified.error
+        found = state.pressure
+        renewals = 0
+        while True:
+            report(progress.iterations, max(progress.errors[-1]))
+            if not progress.unfinished or progress.iterations >= self.max_iterations:
+                break
+            count = progress.count_iterations()
+            for _ in range(count):
+                state = iterate(state, blocks)
+            state, verified = descent.verify(state)
+            # A contact that is solved keeps its pressure while the others go on.
+            better = (verified.error < best) & (best > self.tolerance)
+            found = torch.where(better, state.pressure, found)
+            best = torch.where(better, verified.error, best)
+            now, floors, changed = _read(best, verified.floor, _changed_fraction(descent, state))
+            progress.record(now, floors, count)
+            if any(changed[k] > _MAX_CHANGED_FRACTION for k in progress.unfinished):
+                state = descent.renew(state)
+                renewals += 1
+        work = _count_work(descent, progress.iterations, 1 + renewals)
+        level = attrs.evolve(work, double=len(progress.errors))
+        return _Solved(found, tuple(progress.errors), tuple(progress.floors), (*guess.levels, level))
+
+    def _iteration(self, descent: MaskedDescent) -> Callable[[State, Blocks], State]:
+        iterate: Callable[[State, Blocks], State] = descent.iterate
+        return torch.compile(iterate, dynamic=False) if self.compiled else iterate
 
 
 def _read(*numbers: torch.Tensor) -> list[list[float]]:
@@ -227,12 +320,6 @@ def _factor(before: float, after: float, iterations: int) -> float:
     """Return the factor of an iteration on the error."""
     ratio = after / before if before > 0.0 and after > 0.0 else 1.0
     return min(max(ratio ** (1.0 / iterations), _FASTEST), _SLOWEST)
-
-
-def _count_iterations(error: float, tolerance: float, factor: float) -> int:
-    """Return after how many iterations the error is worth a verification."""
-    goal = max(_GOAL_FRACTION * tolerance, _FLOAT32_GAIN * error)
-    return min(max(math.ceil(math.log(goal / error) / math.log(factor)), 1), _MAX_ROUND)
 
 
 def _changed_fraction(descent: MaskedDescent, state: State) -> torch.Tensor:
@@ -250,19 +337,6 @@ def _count_work(descent: MaskedDescent, iterations: int, renewals: int) -> GridL
     return GridLevel(descent.grid.shape, iterations, 0, iterations + rigid * renewals, inverse)
 
 
-def _nest(descents: Sequence[MaskedDescent]) -> _Guess:
-    """Return pressures on the finest grid, interpolated from those on the next one, itself solved so."""
-    coarsest = descents[-1]
-    guess = _Guess(torch.zeros_like(coarsest.initial_gap), ())
-    if coarsest.load is not None:
-        mean = coarsest.load / coarsest.grid.cells
-        mean = torch.where(mean < (1.0 - _LOAD_ROUNDING) * coarsest.limit, mean, coarsest.limit)
-        guess = _close(coarsest, guess._replace(pressure=guess.pressure + mean))
-    for fine, coarse in zip(descents[-2::-1], descents[:0:-1], strict=True):
-        guess = _approximate(coarse, fine, guess)
-    return guess
-
-
 def _close(descent: MaskedDescent, guess: _Guess) -> _Guess:
     """Return the pressures that close every gap of a periodic surface where they are within the bounds."""
     closing = descent.close()
@@ -274,31 +348,6 @@ def _close(descent: MaskedDescent, guess: _Guess) -> _Guess:
     return guess._replace(
         pressure=torch.where(closed, closing, guess.pressure), closed=closed, levels=(*guess.levels, level)
     )
-
-
-def _approximate(coarse: MaskedDescent, fine: MaskedDescent, guess: _Guess) -> _Guess:
-    """Return pressures for the next finer grid after iterations on a coarse one."""
-    grid = coarse.grid
-    pressure = guess.pressure if coarse.load is None else coarse.rescale(guess.pressure)
-    state, verified = coarse.start(pressure, grid.displace(pressure.to(torch.float32)))
-    closed = torch.zeros_like(verified.error) if guess.closed is None else guess.closed.to(torch.float64)
-    means, solved = _read(grid.mean_weight(state.weights), closed)
-    iterations = renewals = 0
-    if not all(solved):
-        blocks = grid.blocks(max(means))
-        coarsest = not any(level.iterations for level in guess.levels)
-        iterations, renewed = _COARSEST_ITERATIONS if coarsest else _COARSE_ITERATIONS
-        for k in range(iterations):
-            if coarse.load is None and k % renewed == 0 and k:
-                # Far from the given approach the active cells, and with them the rigid motion, change at each step.
-                state = coarse.renew(state)
-                renewals += 1
-            state = coarse.iterate(state, blocks)
-    work = _count_work(coarse, iterations, 1 + renewals)
-    levels = (*guess.levels, attrs.evolve(work, single=work.single + 1))
-    errors = (verified.error, coarse.estimate(state, verified.scale))
-    finer = _Guess(_refine(coarse, fine, state), levels, errors)
-    return _close(fine, finer) if any(solved) else finer
 
 
 def _refine(coarse: MaskedDescent, fine: MaskedDescent, state: State) -> torch.Tensor:
@@ -338,11 +387,6 @@ def _make_descents(convolution: TensorConvolution, tasks: Sequence[Task]) -> lis
         load = mean * grid.cells if loaded else None
         descents.append(MaskedDescent(grid, gap, limit, rms, load, approach, capped))
     return descents
-
-
-def _checked(**values: object) -> rc.ProjectedConjugateGradient:
-    """Return the default solver with these parameters, which are checked."""
-    return rc.ProjectedConjugateGradient(**cast(Any, values))
 
 
 def _continue(

@@ -2,7 +2,7 @@
 
 The mathematics is that of the default solver: conjugate gradients, preconditioned by the inverse kernel on the active
 cells with flat-punch weights and a correction on blocks; the step is guessed, its displacement computed once and its
-length corrected. Lists of active cells are masks, branches are `torch.where`, and searches have a fixed number of rounds.
+length corrected. Lists of active cells are masks, branches are `torch.where`, searches have fixed numbers of rounds.
 """
 
 from __future__ import annotations
@@ -24,9 +24,11 @@ _SHORTENED_STEP_PART = 0.1
 _MIN_CONJUGATE_SLOPE = 0.01
 _MIN_WEIGHT = 1e-3
 _MIN_DETERMINANT = 1e-6
-# Rounds of the search for released cells that stay and of the shift that restores a load, and steps on the blocks.
+# Rounds of the search for released cells that stay and of the shift that restores a load, without a limit, with one in
+# a step, and to rounding; and steps on the blocks.
 _HELD_ROUNDS = 3
 _LOAD_ROUNDS = 6
+_CAPPED_STEP_ROUNDS = 8
 _CAPPED_LOAD_ROUNDS = 12
 _BLOCK_STEPS = 4
 # Rounding of the gap over its largest term, and the range of the displacement over the maximum pressure below which the
@@ -195,7 +197,9 @@ class MaskedDescent:
         contact = pressure > 0.0
         lowered = self.load < total(torch.where(contact, self.limit, 0.0))
         ones = torch.where(lowered, contact.to(torch.float64), 1.0)
-        return self._shift_to_load(pressure, torch.where(scaled, elastic, ones))
+        shifted = self._shift_to_load(pressure, torch.where(scaled, elastic, ones), _CAPPED_LOAD_ROUNDS)
+        full = self.load >= (1.0 - _LOAD_ROUNDING) * self.grid.cells * self.limit
+        return torch.where(full, self.limit, shifted)
 
     def _measure(self, pressure: torch.Tensor, displacement: torch.Tensor) -> tuple[torch.Tensor, Violations]:
         """Return the gap in float32, and the violations as by `ContactConditions.measure`."""
@@ -313,7 +317,9 @@ class MaskedDescent:
             return image
         ones = state.active.to(torch.float32)
         sums = torch.cat((grid.dot(state.weights, residual), grid.total(ones * residual)), -2)
-        first, second = (state.rigid @ sums).to(torch.float32).split(1, -2)
+        parts = (state.rigid @ sums).to(torch.float32)
+        first = parts[..., :1, :]
+        second = parts[..., 1:, :]
         fraction = divide(grid.total(image), grid.total(state.weights)).to(torch.float32)
         return image + (first - fraction) * state.weights + second * ones
 
@@ -386,9 +392,9 @@ class MaskedDescent:
         """Return pressures near a trial within the bounds and, if it is given, with the load."""
         if self.load is None:
             return torch.minimum(torch.clamp(trial, min=0.0), self.limit)
-        return self._shift_to_load(trial, state.weights.to(torch.float64))
+        return self._shift_to_load(trial, state.weights.to(torch.float64), _CAPPED_STEP_ROUNDS)
 
-    def _shift_to_load(self, values: torch.Tensor, weights: torch.Tensor) -> torch.Tensor:
+    def _shift_to_load(self, values: torch.Tensor, weights: torch.Tensor, capped_rounds: int) -> torch.Tensor:
         """Return clip(values - shift * weights, 0, limit) with a shift for which the sum is about the load.
 
         With a limit Newton's method needs a bracket, in which it is replaced by bisection where it leaves it.
@@ -400,7 +406,7 @@ class MaskedDescent:
         low = torch.full_like(load, -torch.inf)
         high = torch.full_like(load, torch.inf)
         weight = total(weights)
-        for k in range(_CAPPED_LOAD_ROUNDS if self.capped else _LOAD_ROUNDS):
+        for k in range(capped_rounds if self.capped else _LOAD_ROUNDS):
             moved = values - shift * weights
             excess = total(torch.minimum(torch.clamp(moved, min=0.0), self.limit)) - load
             moving = (moved > 0.0) & (moved < self.limit)
@@ -409,7 +415,9 @@ class MaskedDescent:
             if self.capped:
                 low = torch.where(excess > 0.0, shift, low)
                 high = torch.where(excess < 0.0, shift, high)
-                half = torch.where(torch.isfinite(high - low), 0.5 * (low + high), shift + 2.0**k * divide(excess, weight))
+                half = torch.where(
+                    torch.isfinite(high - low), 0.5 * (low + high), shift + 2.0**k * divide(excess, weight)
+                )
                 trial = torch.where((slope > 0.0) & (trial > low) & (trial < high), trial, half)
             shift = torch.where(excess == 0.0, shift, trial)
         return torch.minimum(torch.clamp(values - shift * weights, min=0.0), self.limit)

@@ -34,8 +34,7 @@ Axes = tuple[int, int]
 
 def divide(one: torch.Tensor, other: torch.Tensor) -> torch.Tensor:
     """Return the ratio where the divisor is above zero, zero elsewhere."""
-    positive = other > 0.0
-    return torch.where(positive, one / torch.where(positive, other, 1.0), 0.0)
+    return torch.where(other > 0.0, one / other, 0.0)
 
 
 def multiply_waves(values: torch.Tensor, symbol: torch.Tensor, padded: Axes) -> torch.Tensor:
@@ -80,7 +79,7 @@ class Blocks:
         return values.index_select(-2, self.rows).index_select(-1, self.columns)
 
     def far_symbol(self, mean: torch.Tensor) -> torch.Tensor:
-        """Return the stiffness of the far part of the kernel on the blocks, where weights have a mean over all cells."""
+        """Return the stiffness of the far part of the kernel on the blocks, at a mean of the weights over all cells."""
         growth = torch.clamp((self.stiffness / (_LONG_WAVE_CUT * mean)) ** 2, max=_MAX_EXPONENT)
         return self.stiffness * torch.exp(growth) * self.size
 
@@ -121,7 +120,7 @@ class MaskedGrid:
     def of(cls, convolution: TensorConvolution) -> MaskedGrid:
         """Return what the descent needs of a prepared convolution."""
         inverse = cast(TensorInverse, convolution.inverse(dtype=cast(Any, np.float32)))
-        stiffness = inverse.stiffness.tensor
+        stiffness = cast(torch.Tensor, cast(Any, inverse.stiffness).tensor)
         offsets = torch.arange(-_STENCIL_REACH, _STENCIL_REACH + 1, device=stiffness.device)
         stencil = torch.fft.irfft2(stiffness, s=inverse.padded)
         for axis, count in enumerate(inverse.padded):
@@ -226,9 +225,10 @@ class MaskedGrid:
 
     def average(self, fine: torch.Tensor) -> torch.Tensor:
         """Return the means of the cells of a finer grid on this one."""
-        for axis, count in ((-2, self.shape[0]), (-1, self.shape[1])):
-            if fine.shape[axis] > count:
-                fine = fine.unflatten(axis, (count, 2)).mean(axis)
+        if fine.shape[-2] > self.shape[0]:
+            fine = 0.5 * (fine[..., 0::2, :] + fine[..., 1::2, :])
+        if fine.shape[-1] > self.shape[1]:
+            fine = 0.5 * (fine[..., 0::2] + fine[..., 1::2])
         return fine
 
     def _halved(self, coarse: torch.Tensor) -> list[int]:

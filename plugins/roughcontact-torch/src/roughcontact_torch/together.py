@@ -16,7 +16,7 @@ _SAME_SYMBOL = 1e-12
 
 
 def solve_at_once(
-    problems: rc.ContactProblem | Sequence[rc.ContactProblem], pressures: Sequence[float | str]
+    problems: rc.ContactProblem | Sequence[rc.ContactProblem], pressures: Sequence[float]
 ) -> list[rc.ContactSolution]:
     """Return the certified solutions of contacts that are solved at once, one for each mean pressure.
 
@@ -29,7 +29,7 @@ def solve_at_once(
         One problem for all pressures or one for each, on the tensors of `TorchFFT` and with `MaskedConjugateGradient`
         as solver. Grid, boundary, kernel and solver are the same in all; surfaces and materials may differ.
     pressures
-        Nominal mean pressures, Pa or with a unit.
+        Nominal mean pressures, Pa.
 
     Raises
     ------
@@ -46,7 +46,7 @@ def solve_at_once(
     >>> body = rc.Body(surface, rc.Elastic("210GPa", 0.3))
     >>> tensors = {"convolver": TorchFFT("cpu"), "solver": MaskedConjugateGradient()}
     >>> problem = rc.ContactProblem(body, grid=rc.Grid((64, 64), 64e-6), boundary="periodic", **tensors)
-    >>> low, high = solve_at_once(problem, ["100MPa", "200MPa"])
+    >>> low, high = solve_at_once(problem, [100e6, 200e6])
     >>> low.area().value < high.area().value
     True
     """
