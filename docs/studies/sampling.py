@@ -3,7 +3,7 @@
 Writes the table of docs/understand/area.md. With the folder of measured maps, cut-outs of these are judged as well;
 one of them helped to set the constants.
 
-    python docs/studies/sampling.py [tuned | held-out [FOLDER [CLASS]]]     # 10 minutes each
+    python docs/studies/sampling.py [tuned | held-out [FOLDER [CLASS]]]     # 4 minutes each
 """
 
 from __future__ import annotations
@@ -388,7 +388,7 @@ SHOWN = {
     **{f"mean in two of the {quantity}, %": f"mean within two: {quantity}, %" for quantity in QUANTITIES},
 }
 MAPS = os.environ.get("ROUGHCONTACT_MAPS")
-TABLES = {"sampling": DocTable(partial(make_rows, folder=MAPS), 600, shown=gather(GROUPS, SHOWN))}
+TABLES = {"sampling": DocTable(partial(make_rows, folder=MAPS), 240, shown=gather(GROUPS, SHOWN))}
 
 if __name__ == "__main__":
     make_rows(*sys.argv[1:])
