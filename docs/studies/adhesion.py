@@ -272,7 +272,7 @@ TABLES = {
     "adhesion-classes": DocTable(
         make_class_rows, seconds=250, shown=pick(["class", "held-out: error, %", "held-out: within two, %"], CLASSES)
     ),
-    "adhesion-balls": DocTable(make_ball_rows, seconds=30, shown=pick(lines=("0.1", "0.5", "2", "5"))),
+    "adhesion-balls": DocTable(make_ball_rows, seconds=30, shown=pick(lines=("0.1", "0.5", "5"))),
     "adhesion-stiffness": DocTable(
         make_stiffness_rows, seconds=20, shown=pick(lines=[f"{part:g}; 64 x 64" for part in (0.25, 1.0, 2.0)])
     ),

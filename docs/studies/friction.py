@@ -347,7 +347,7 @@ def draw(folder: Path = FIGURES) -> None:
 
 
 TABLES = {
-    "friction-balls": DocTable(make_ball_rows, seconds=8),
+    "friction-balls": DocTable(make_ball_rows, seconds=8, shown=pick(lines=("4", "8", "32"))),
     "friction-increments": DocTable(
         make_increment_rows, seconds=7, shown=pick(lines=("1", "4", "16", "auto", "punch"))
     ),

@@ -67,10 +67,8 @@ UNKIND_CONTACTS = {
     "oblique strips on long cells": ("strips-unkind",),
     "lines": ("lines",),
 }
-COLUMNS = {
-    "class": "contact",
-    **{name: name for name in ("peak pressure", "perimeter", "patches", "approach", "mean gap")},
-}
+# The columns of the page.
+COLUMNS = {"class": "contact", **{name: name for name in ("peak pressure", "perimeter", "approach", "mean gap")}}
 
 
 def join(cells: Sequence[str]) -> str:

@@ -179,11 +179,12 @@ def main(cells: int = 256, draws: int = 24, loads: int = 8, folder: Path = FIGUR
 
 
 # The lines of the page.
-LOADS = ("periodic, 0.01", "periodic, 0.2", "periodic, 0.6", "free, 0.2")
-COSTS = ("periodic, 1024²; 0.01", "periodic, 1024²; 0.2", "periodic, 1024²; 1", "free, 1024²; 0.2")
+RADII = ("3", "6", "12")
+ROUGH = ("periodic, 0.01", "periodic, 0.2", "periodic, 0.6", "free, 0.2")
+COSTS = ("periodic, 1024²; 0.2", "periodic, 1024²; 1", "free, 1024²; 0.2")
 TABLES = {
-    "stiffness-balls": DocTable(make_balls, seconds=12, units=3),
-    "stiffness-rough": DocTable(make_rough, seconds=150, units=3, shown=pick(lines=LOADS)),
+    "stiffness-balls": DocTable(make_balls, seconds=12, units=3, shown=pick(lines=RADII)),
+    "stiffness-rough": DocTable(make_rough, seconds=150, units=3, shown=pick(lines=ROUGH)),
     "stiffness-cost": DocTable(
         make_cost, seconds=150, timed=("solve, s", "area, %", "stiffness, %", "conductance, %"), shown=pick(lines=COSTS)
     ),

@@ -158,10 +158,10 @@ TIMES = ("solve, s", "blend, s")
 SHOWN = ("N", "cell-count, %", "level-set, %", "hertz, %", "blend, %")
 TABLES = {
     "wave-estimators": DocTable(
-        lambda: make_table(measure_wave()), seconds=40, timed=TIMES, units=2, shown=pick(SHOWN, ("100", "256", "1024"))
+        lambda: make_table(measure_wave()), seconds=40, timed=TIMES, units=2, shown=pick(SHOWN, ("100", "1024"))
     ),
     "rough-estimators": DocTable(
-        lambda: make_table(measure_rough()), seconds=30, timed=TIMES, units=2, shown=pick(SHOWN, ("64", "128", "512"))
+        lambda: make_table(measure_rough()), seconds=30, timed=TIMES, units=2, shown=pick(SHOWN, ("64", "512"))
     ),
 }
 
