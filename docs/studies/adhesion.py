@@ -266,7 +266,8 @@ def draw(folder: Path = FIGURES, cells: int = 128) -> None:
     figure.savefig(folder / "adhesion.png", dpi=120)
 
 
-# Classes of the page.
+# What the page shows.
+RANGE = ("cells", "n_c", "pull-off", "stated, %", "area, loading", "area, unloading")
 CLASSES = ("pull-off-free", "pull-off-short-range", "pull-off-rough", "area-free", "area-rough", "gap-rough")
 TABLES = {
     "adhesion-classes": DocTable(
@@ -276,7 +277,7 @@ TABLES = {
     "adhesion-stiffness": DocTable(
         make_stiffness_rows, seconds=20, shown=pick(lines=[f"{part:g}; 64 x 64" for part in (0.25, 1.0, 2.0)])
     ),
-    "adhesion-range": DocTable(make_range_rows, seconds=4),
+    "adhesion-range": DocTable(make_range_rows, seconds=4, shown=pick(RANGE)),
     "adhesion-cost": DocTable(
         make_cost_rows,
         seconds=15,
