@@ -1,5 +1,6 @@
 """The default solver on tensors: certified, and the same contact as on numpy's arrays."""
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -147,10 +148,13 @@ def test_a_solution_is_saved_with_its_convolver(tmp_path):
     assert "cannot be loaded" in missing
 
 
-def test_the_example_of_the_readme_runs(capsys):
+def test_the_examples_of_the_readme_run(capsys):
     text = (Path(__file__).parent.parent / "README.md").read_text(encoding="utf-8")
-    exec(text.partition("```python\n")[2].partition("```")[0], {})
+    names = {}
+    for example in re.findall(r"```python\n(.*?)```", text, re.S):
+        exec(example, names)
     assert "converged" in capsys.readouterr().out
+    assert names["low"].status is names["high"].status is rc.Status.CONVERGED
 
 
 def test_the_explanation_names_the_device():

@@ -82,6 +82,22 @@ def test_nearly_full_full_saturated_and_light_contact(pressure, material):
         assert found.iterations == 0
 
 
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+@pytest.mark.parametrize("part", [1e-3, 1e-9])
+def test_an_approach_that_is_small_beside_the_heights(boundary, part):
+    height = problem().initial_gap.max()
+    found = assert_same_contact({"boundary": boundary}, {"approach": part * height})
+    assert found.contact.any()
+
+
+def test_points_that_were_not_measured_carry_nothing():
+    heights = np.random.default_rng(0).normal(size=(64, 64))
+    heights[10:20, 30:50] = np.nan
+    surface = rc.HeightMap(heights, size=(64.0, 64.0), periodic=True)
+    found = assert_same_contact({"surface": surface}, {"pressure": 1e8})
+    assert not found.contact[10:20, 30:50].any()
+
+
 @given(
     st.integers(0, 10**6),
     st.tuples(st.integers(3, 70), st.integers(3, 70)),

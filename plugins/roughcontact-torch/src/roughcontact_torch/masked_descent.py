@@ -214,8 +214,12 @@ class MaskedDescent:
         small = torch.minimum(self.rms, extent)
         scale = torch.where(small > 0.0, small, torch.maximum(self.rms, extent))
         scale = torch.where(scale > 0.0, scale, 1.0)
+        violation = self._error(pressure, gap)
+        # Even an approach that is small beside the heights needs pressure.
+        unloaded = (peak == 0.0) & (violation > 0.0)
+        scale = torch.where(unloaded, torch.minimum(scale, violation), scale)
         floor = _GAP_ROUNDING * (torch.maximum(torch.maximum(high, -low), peak) + level.abs()) / scale
-        error = torch.maximum(self._error(pressure, gap) / scale, floor)
+        error = torch.maximum(violation / scale, floor)
         if self.load is not None:
             # Without its load a pressure is not a solution.
             missing = (grid.total(pressure) / self.load - 1.0).abs()
@@ -355,14 +359,15 @@ class MaskedDescent:
         before = state.pressure
         trial = before + state.length * direction
         clipped = self._leaves(trial)
-        trial = torch.where(clipped, self._clip(trial, state), trial)
-        step = (trial - before).to(torch.float32)
+        whole_step = torch.where(clipped, self._clip(trial, state), trial) - before
+        del trial
+        step = whole_step.to(torch.float32)
         change = grid.displace(step)
         curvature = grid.dot(step, change)
         slope = grid.dot(residual, step)
         part = divide(slope, curvature)
         usable = (slope > 0.0) & (curvature > 0.0) & torch.isfinite(curvature)
-        leaves = self._leaves(before + part * (trial - before))
+        leaves = self._leaves(before + part * whole_step)
         shortened = torch.where(part > _SHORTENED_STEP_PART, part, 0.0)
         whole = part > _FULL_STEP_PART
         inner = torch.where(leaves, torch.clamp(part, max=1.0), part)
@@ -372,10 +377,9 @@ class MaskedDescent:
         after_clip = torch.where(whole, torch.clamp(part, 0.8, 4.0).sqrt(), torch.clamp(part, 0.5, 1.0))
         grown = torch.where(clipped, after_clip, torch.clamp(part, 0.25, 4.0))
         length = torch.clamp(state.length * torch.where(accepted, grown, _CAREFUL_LENGTH), max=_MAX_LENGTH)
-        moved = before + taken * (trial - before)
         change = taken.to(torch.float32) * change
         return state._replace(
-            pressure=torch.minimum(torch.clamp(moved, min=0.0), self.limit),
+            pressure=self._bound(before + taken * whole_step),
             gap=state.gap + change,
             step=torch.where(accepted, step, state.step),
             change=torch.where(accepted, change, state.change),
@@ -391,8 +395,13 @@ class MaskedDescent:
     def _clip(self, trial: torch.Tensor, state: State) -> torch.Tensor:
         """Return pressures near a trial within the bounds and, if it is given, with the load."""
         if self.load is None:
-            return torch.minimum(torch.clamp(trial, min=0.0), self.limit)
-        return self._shift_to_load(trial, state.weights.to(torch.float64), _CAPPED_STEP_ROUNDS)
+            return self._bound(trial)
+        return self._shift_to_load(trial, state.weights, _CAPPED_STEP_ROUNDS)
+
+    def _bound(self, pressure: torch.Tensor) -> torch.Tensor:
+        """Return pressures cut off at their bounds."""
+        above = torch.clamp(pressure, min=0.0)
+        return torch.minimum(above, self.limit) if self.capped else above
 
     def _shift_to_load(self, values: torch.Tensor, weights: torch.Tensor, capped_rounds: int) -> torch.Tensor:
         """Return clip(values - shift * weights, 0, limit) with a shift for which the sum is about the load.
@@ -408,8 +417,8 @@ class MaskedDescent:
         weight = total(weights)
         for k in range(capped_rounds if self.capped else _LOAD_ROUNDS):
             moved = values - shift * weights
-            excess = total(torch.minimum(torch.clamp(moved, min=0.0), self.limit)) - load
-            moving = (moved > 0.0) & (moved < self.limit)
+            excess = total(self._bound(moved)) - load
+            moving = self._is_inside(moved, torch.zeros_like(load))
             slope = total(torch.where(moving, weights, 0.0))
             trial = shift + divide(excess, slope)
             if self.capped:
@@ -420,7 +429,7 @@ class MaskedDescent:
                 )
                 trial = torch.where((slope > 0.0) & (trial > low) & (trial < high), trial, half)
             shift = torch.where(excess == 0.0, shift, trial)
-        return torch.minimum(torch.clamp(values - shift * weights, min=0.0), self.limit)
+        return self._bound(values - shift * weights)
 
 
 def _solve_on_blocks(blocks: Blocks, diagonal: torch.Tensor, mean: torch.Tensor, right: torch.Tensor) -> torch.Tensor:
