@@ -13,4 +13,6 @@ import roughcontact as rc
 if __name__ == "__main__":
     pyvista.OFF_SCREEN = True
     problem = rc.ContactProblem(rc.Body(SURFACE, STEEL), grid=rc.Grid((512, 512), 100e-6), boundary="periodic")
-    problem.solve(pressure=400e6).plot_3d().screenshot(FIGURES / "plotting_3d.png")
+    view = problem.solve(pressure=400e6).plot_3d()
+    view.camera.zoom(1.25)
+    view.screenshot(FIGURES / "plotting_3d.png", window_size=(1200, 720))
