@@ -1,4 +1,4 @@
-"""The table of a GPU in README.md: `python measure_gpu.py [CELLS ...]`, on a machine with CUDA.
+"""The table of a GPU in README.md: `python measure_gpu.py [masked] [CELLS ...]`, on a machine with CUDA.
 
 Wall times: medians of repeated solves after one that is not counted.
 """
@@ -33,10 +33,10 @@ def median(work: Callable[[], object], repeats: int = _REPEATS) -> float:
     return float(np.median(times[1:]))
 
 
-def measure(name: str, n: int) -> str:
+def measure(name: str, n: int, solver: str) -> str:
     """Return the row of a case."""
     problem, load = CASES[name](n)
-    ours = attrs.evolve(problem, convolver=TorchFFT("cuda"))
+    ours = attrs.evolve(problem, convolver=TorchFFT("cuda"), solver=solver)
     torch.cuda.reset_peak_memory_stats()
     products = ours.solve(**load).convolutions
     memory = torch.cuda.max_memory_allocated() / 2**30
@@ -55,6 +55,8 @@ def measure(name: str, n: int) -> str:
 
 if __name__ == "__main__":
     torch.set_num_threads(1)
-    for cells in map(int, sys.argv[1:] or ["512", "1024", "2048", "4096", "8192"]):
+    words = sys.argv[1:]
+    masked = words[:1] == ["masked"]
+    for cells in map(int, words[masked:] or ["512", "1024", "2048", "4096", "8192"]):
         for case in CASES if cells <= _BOTH else list(CASES)[:1]:
-            print(measure(case, cells), flush=True)
+            print(measure(case, cells, "masked" if masked else "auto"), flush=True)

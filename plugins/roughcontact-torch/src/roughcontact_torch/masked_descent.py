@@ -221,7 +221,7 @@ class MaskedDescent:
         floor = _GAP_ROUNDING * (torch.maximum(torch.maximum(high, -low), peak) + level.abs()) / scale
         error = torch.maximum(violation / scale, floor)
         if self.load is not None:
-            # Without its load a pressure is not a solution.
+            # A pressure without its load does not solve the contact.
             missing = (grid.total(pressure) / self.load - 1.0).abs()
             error = torch.where(missing <= _LOAD_ROUNDING, error, torch.clamp(error, min=1.0))
         return gap.to(torch.float32), Violations(error, floor, scale)

@@ -14,8 +14,9 @@ import numpy as np
 import roughcontact as rc
 import torch
 import torch.nn.functional as functional
+from roughcontact.typing import PreparedConvolution
 
-from roughcontact_torch.convolver import TensorConvolution, TensorInverse
+from roughcontact_torch.convolver import TensorConvolution
 
 # Cut between long and short waves over the wave whose stiffness is the mean weight, the resolution of blocks over it,
 # the maximum exponent in the cut, and the limits of blocks, as in the preconditioner of the default solver.
@@ -119,8 +120,9 @@ class MaskedGrid:
     @classmethod
     def of(cls, convolution: TensorConvolution) -> MaskedGrid:
         """Return what the descent needs of a prepared convolution."""
-        inverse = cast(TensorInverse, convolution.inverse(dtype=cast(Any, np.float32)))
-        stiffness = cast(torch.Tensor, cast(Any, inverse.stiffness).tensor)
+        # Arrays of numpy, which the host need not read back.
+        inverse = PreparedConvolution.inverse(convolution, np.float32)
+        stiffness = cast(Any, convolution.from_numpy(cast(Any, inverse.stiffness))).tensor
         offsets = torch.arange(-_STENCIL_REACH, _STENCIL_REACH + 1, device=stiffness.device)
         stencil = torch.fft.irfft2(stiffness, s=inverse.padded)
         for axis, count in enumerate(inverse.padded):
