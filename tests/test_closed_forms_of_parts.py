@@ -157,9 +157,6 @@ class Springs:
     def weights(self, active):
         return active.gather(1.0 / self.compliance)
 
-    def levels(self, *vectors):
-        return None
-
 
 @pytest.mark.parametrize("limit", [math.inf, 1.2, "varied"])
 @pytest.mark.parametrize("given", ["approach", "load"])

@@ -251,28 +251,6 @@ def test_the_level_between_saturated_and_open_cells():
     assert ApproachControl().level(gap, gap) == ApproachControl().level_between(1.0, 2.0) == 0.0
 
 
-@pytest.mark.parametrize("share", [0.1, 0.7])
-def test_open_cells_beside_contacts_that_overlap_are_released_below_what_a_step_leaves(share):
-    """On listed and on masked cells, on blocks of unequal size: there alone, and by no more than the overlap."""
-    shape = (75, 90)
-    given = wave(shape)
-    pressure = (np.random.default_rng(5).random(shape) < share).astype(float).ravel()
-    active = active_cells(pressure, lambda tile: pressure[tile] > 0.0)
-    preconditioner = Preconditioner(given.convolution.inverse(np.float32), given.convolution, rigid=False)
-    weights = preconditioner.weights(active)
-    gap = np.full(shape, 0.5, dtype=np.float32)
-    gap[:20] = 0.1
-    gap[50:] = 0.8
-    levels = preconditioner.levels(weights, active.gather(gap.ravel()), np.float32(0.5))
-    parts = [levels(slice(start, min(start + 1000, gap.size))) for start in range(0, gap.size, 1000)]
-    found = np.concatenate(parts).reshape(shape)
-    bearing = (pressure > 0.0).reshape(shape)[:10]
-    assert np.ptp(found[:10][bearing]) < 1e-6
-    assert 0.1 < found[:10][bearing].max() < 0.3
-    assert found[35:] == pytest.approx(0.5, abs=1e-6)
-    assert (found <= 0.5 + 1e-6).all()
-
-
 def test_weights_are_computed_again_after_many_changes_alone():
     given = wave((60, 70))
     inverse = given.convolution.inverse(np.float32)
