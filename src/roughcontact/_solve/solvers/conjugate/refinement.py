@@ -26,9 +26,6 @@ _FLOAT32_GAIN = 2e-5
 _EARLY_GOAL_FACTOR = 10.0
 # Goal of the estimated error, over the tolerance of the verification.
 _GOAL_FRACTION = 0.7
-# Maximum error, over the first, at which a coarse grid is left: a ball on 1024 x 1024 cells takes 14 products instead
-# of 18, a rough surface on 2048 x 2048 cells at x = 0.2 25 instead of 30; with 0.2 no rough surface takes fewer.
-_FIRST_ERROR_FRACTION = 0.1
 # A pass whose error has fallen by the first factor ends after three iterations that do not lower it to a third.
 _LATE_ERROR_FRACTION = 3e-3
 _SLOW_ERROR_RATIO = 1.0 / 3.0
@@ -231,8 +228,7 @@ class Refinement:
     def approximate(self, pressure: Array) -> tuple[Array, RealArray]:
         """Return an improved pressure, shape (nx, ny), and its gap, from one pass in float32 alone.
 
-        It starts from a pressure that is changed in place, and aims at the tolerance without verifying it, and at a
-        fraction of the first error: where a grid starts near its tolerance, errors that it leaves would add up.
+        It starts from a pressure that is changed in place, and aims at the tolerance without verifying it.
         """
         if self._openings is not None:
             pressure = self._openings.approximate(_GOAL_FRACTION * self._monitor.tolerance)
@@ -243,7 +239,7 @@ class Refinement:
         self._estimates += 1
         violation, _ = self._monitor.judge(flat.reshape(shape), displacement)
         largest = float(max(displacement.max(), -displacement.min())) / violation.scale
-        goal = _GOAL_FRACTION * min(self._monitor.tolerance, _FIRST_ERROR_FRACTION * violation.error)
+        goal = _GOAL_FRACTION * self._monitor.tolerance
         exact = _FLOAT32_ERROR * max(1.0, largest)
         if goal < exact:
             goal = _EARLY_GOAL_FACTOR * exact
