@@ -131,6 +131,7 @@ GOOD_FOR = {
     "natural_residual": {"shear": np.zeros((2, 8)), "slip": np.zeros((2, 8)), "limit": np.ones(8), "own": 1.0},
     "nearest_pressure": {"values": TASK.initial_gap}, "make_task": {"load": types_of_rc.Load("pressure", 1e8)},
     "rescale_to_load": {"pressure": np.ones((8, 8))},
+    "halve_shape": {"shape": (128, 45)}, "count_blocks": {"stiffness": np.arange(65.0), "count": 128, "mean": 1.0},
     "find_patches": {"contact": SOLUTION.contact, "pressure": SOLUTION.pressure},
     "make_solution": {
         "certificate": types_of_rc.confirm(PLAN, PROBLEM.convolution, TASK, OUTCOME),

@@ -8,7 +8,8 @@ kernels      `SupportsCoefficients`, `SupportsRows`, `SupportsSpectrum`, `Suppor
 convolvers   `BoundKernel`, `ConvolutionSetup`, `PreparedConvolution`, `InverseConvolution`, `ShearConvolution`,
              `WaveMatrix`; the function `padded_shape`
 solvers      `Task`, `Outcome`, `Step`, `GridLevel`, `Monitor`, `ContactConditions`, `Violation`; the functions
-             `starting_pressure`, `nearest_pressure`, `project_to_load`, `rescale_to_load`; for a solve of your own
+             `starting_pressure`, `nearest_pressure`, `project_to_load`, `rescale_to_load`,
+             `halve_shape`, `count_blocks`; for a solve of your own
              `bind_kernel`, `make_task`, `confirm`, `Certificate`, `certify`, `make_solution`; for one that is divided
              among processes `Whole`, `find_patches`, `solve_on_cells`, `LinearSolution`, `require_found`
 materials    the mapping `TYPICAL` of typical ones by name; `PairConstants`, the function `pair_constants`
@@ -109,6 +110,8 @@ from roughcontact._solve.solvers import (
     ShearTask,
     Step,
     Task,
+    count_blocks,
+    halve_shape,
     natural_residual,
     nearest_pressure,
     project_to_load,
@@ -240,10 +243,12 @@ __all__ = [
     "build_response",
     "certify",
     "confirm",
+    "count_blocks",
     "describe_response",
     "exceeds_metals",
     "find_patches",
     "gather_warnings",
+    "halve_shape",
     "limit_address_space",
     "list_quantities",
     "make_solution",

@@ -6,12 +6,11 @@ import pytest
 import roughcontact as rc
 import torch
 from hypothesis import given, settings
-from hypothesis import strategies as st
 from roughcontact.testing import claims
 from roughcontact.typing import Load, make_task
 
 from roughcontact_torch import MaskedConjugateGradient, TorchFFT, masked, solve_at_once
-from test_contact import STEEL, _Waits, problem
+from test_contact import SMALL_PROBLEMS, STEEL, _Waits, assert_same_small_contact, problem
 
 DEVICES = ["cpu", "cuda"] if torch.cuda.is_available() else ["cpu"]
 FREE_PERIODIC = ("free", "periodic")
@@ -98,23 +97,10 @@ def test_points_that_were_not_measured_carry_nothing():
     assert not found.contact[10:20, 30:50].any()
 
 
-@given(
-    st.integers(0, 10**6),
-    st.tuples(st.integers(3, 70), st.integers(3, 70)),
-    st.sampled_from(list(rc.Boundary)),
-    st.floats(-3.0, 0.7),
-    st.booleans(),
-)
+@given(*SMALL_PROBLEMS)
 @settings(max_examples=40, deadline=None)
 def test_any_small_problem(seed, shape, boundary, load, limited):
-    heights = np.random.default_rng(seed).normal(size=shape)
-    material = rc.ElasticPerfectlyPlastic(1.0, 0.0, 1.5 * 10.0**load) if limited else rc.Elastic(1.0, 0.0)
-    body = rc.Body(rc.HeightMap(heights, size=tuple(map(float, shape)), periodic=True), material)
-    problems = (rc.ContactProblem(body, boundary=boundary, **parts) for parts in ({}, tensors()))
-    expected, found = (one.solve(pressure=10.0**load, tolerance=1e-8, throw=False) for one in problems)
-    assert found.status.success == expected.status.success
-    if found.status.success:
-        assert np.abs(found.pressure - expected.pressure).max() < 1e-5 * expected.pressure.max()
+    assert_same_small_contact(seed, shape, boundary, load, limited, **tensors())
 
 
 class _OnTensors(rc.Solver):

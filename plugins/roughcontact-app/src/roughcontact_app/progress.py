@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable
 from typing import Any
@@ -11,8 +10,6 @@ from roughcontact.typing import Step
 
 # Seconds between two messages: an iteration of a small grid takes a millisecond.
 _INTERVAL = 0.1
-# Part of a solve that the coarse grids are counted as.
-_COARSE = 0.1
 
 
 class Progress:
@@ -37,10 +34,7 @@ class Progress:
 
     def step(self, step: Step) -> None:
         """Count an iteration."""
-        if step.shape == self._shape and 0.0 < step.error < math.inf:
-            # Errors fall about as a power of the iterations: digits measure what is done.
-            digits = math.log(min(1.0, step.error)) / math.log(self._tolerance)
-            self._fraction = max(self._fraction, _COARSE + (1.0 - _COARSE) * min(1.0, max(0.0, digits)))
+        self._fraction = max(self._fraction, step.fraction(self._shape, self._tolerance))
         now = time.monotonic()
         if now - self._last < _INTERVAL:
             return

@@ -182,7 +182,7 @@ class MaskedConjugateGradient(rc.Solver):
 
     omitted: ClassVar[tuple[str, ...]] = (
         "lists of active cells: masks have fixed shapes, so that the host waits for a number in one of four iterations",
-        "float64 inside the iterations: float32 is enough, and every result is verified in float64",
+        rc.ProjectedConjugateGradient.omitted[0],
     )
 
     tolerance: float = attrs.field(default=_DEFAULT.tolerance, converter=_as_tolerance)

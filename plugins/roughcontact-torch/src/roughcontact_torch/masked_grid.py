@@ -14,21 +14,16 @@ import numpy as np
 import roughcontact as rc
 import torch
 import torch.nn.functional as functional
-from roughcontact.typing import PreparedConvolution
+from roughcontact.typing import PreparedConvolution, count_blocks, halve_shape
 
 from roughcontact_torch.convolver import TensorConvolution
 
-# Cut between long and short waves over the wave whose stiffness is the mean weight, the resolution of blocks over it,
-# the maximum exponent in the cut, and the limits of blocks, as in the preconditioner of the default solver.
+# Cut between long and short waves over the wave whose stiffness is the mean weight, and the maximum exponent in it, as
+# in the preconditioner of the default solver.
 _LONG_WAVE_CUT = 3.0
-_BLOCK_RESOLUTION = 1.5
 _MAX_EXPONENT = 30.0
-_MAX_BLOCK_CELLS = 64
-_MIN_BLOCKS = 8
 # Cells of the stencil to each side of a cell that joins or leaves.
 _STENCIL_REACH = 3
-# Minimum cells along a halved axis.
-_MIN_COARSE_CELLS = 32
 
 Axes = tuple[int, int]
 
@@ -196,7 +191,7 @@ class MaskedGrid:
 
     def blocks(self, mean: float) -> Blocks:
         """Return the blocks that resolve the long waves where weights have this mean over the padded grid."""
-        bx, by = (_count_blocks(axis, m, mean) for axis, m in zip(self.axes, self.inverse_padded, strict=True))
+        bx, by = (count_blocks(axis, m, mean) for axis, m in zip(self.axes, self.inverse_padded, strict=True))
         mx, my = self.inverse_padded
         device = self.stiffness.device
         rows, columns = (
@@ -244,18 +239,8 @@ def nested_grids(convolution: TensorConvolution) -> tuple[MaskedGrid, ...]:
     size = convolution.setup.grid.size
     while True:
         shape = grids[-1].shape
-        half = tuple(n // 2 if n % 2 == 0 and n // 2 >= _MIN_COARSE_CELLS else n for n in shape)
+        half = halve_shape(shape)
         if half == shape:
             return tuple(grids)
-        coarse = convolution.on(rc.Grid(cast(Axes, half), size))
+        coarse = convolution.on(rc.Grid(half, size))
         grids.append(MaskedGrid.of(cast(TensorConvolution, coarse)))
-
-
-def _count_blocks(stiffness: Any, count: int, mean: float) -> int:
-    """Return the number of blocks along an axis: few, but enough for all long waves."""
-    size = 1
-    while 2 * size <= _MAX_BLOCK_CELLS and count // (2 * size) >= _MIN_BLOCKS:
-        if float(stiffness[max(count // (4 * size), 1)]) < _BLOCK_RESOLUTION * _LONG_WAVE_CUT * mean:
-            break
-        size *= 2
-    return max(count // size, 1)

@@ -14,7 +14,8 @@ from roughcontact._solve.solvers.base import (
 )
 from roughcontact._solve.solvers.conjugate import ProjectedConjugateGradient
 from roughcontact._solve.solvers.conjugate.active import ActiveCells, MaskedCells, active_cells
-from roughcontact._solve.solvers.conjugate.preconditioner import Preconditioner
+from roughcontact._solve.solvers.conjugate.nested_iteration import halve_shape
+from roughcontact._solve.solvers.conjugate.preconditioner import Preconditioner, count_blocks
 from roughcontact._solve.solvers.polonsky_keer import PolonskyKeer
 from roughcontact._solve.solvers.projection import dot, project_to_load, rescale_to_load, total
 from roughcontact._solve.solvers.shear import (
@@ -50,7 +51,9 @@ __all__ = [
     "Step",
     "Task",
     "active_cells",
+    "count_blocks",
     "dot",
+    "halve_shape",
     "natural_residual",
     "nearest_pressure",
     "positive_tolerance",

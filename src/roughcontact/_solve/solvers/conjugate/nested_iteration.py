@@ -12,6 +12,7 @@ from roughcontact._solve.convolvers import PreparedConvolution
 from roughcontact._solve.solution import GridLevel
 from roughcontact._solve.solvers.base import Monitor, Task, starting_pressure
 from roughcontact._solve.solvers.conjugate.refinement import NearlyFull, Refinement
+from roughcontact.errors.door import guarded
 
 # Minimum cells along a halved axis, and maximum cells of the grid that estimates the approach.
 _MIN_COARSE_CELLS = 32
@@ -140,9 +141,23 @@ def _repeat(mask: Mask, fx: int, fy: int) -> Mask:
     return np.repeat(np.repeat(mask, fy, axis=1), fx, axis=0)
 
 
+@guarded
+def halve_shape(shape: tuple[int, int]) -> tuple[int, int]:
+    """Return the cells of the next coarser grid: even axes of at least 64 cells are halved.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> rc.typing.halve_shape((128, 45))
+    (64, 45)
+    """
+    nx, ny = (n // 2 if n % 2 == 0 and n // 2 >= _MIN_COARSE_CELLS else n for n in shape)
+    return nx, ny
+
+
 def coarsen(grid: Grid, task: Task) -> tuple[Grid, Task] | None:
     """Return the grid with all even and long axes halved, and its task; None if there is no such axis."""
-    shape = tuple(n // 2 if n % 2 == 0 and n // 2 >= _MIN_COARSE_CELLS else n for n in grid.shape)
+    shape = halve_shape(grid.shape)
     if shape == grid.shape:
         return None
     half = Grid(shape, grid.size)

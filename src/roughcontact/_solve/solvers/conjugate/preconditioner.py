@@ -13,6 +13,7 @@ from roughcontact._base.arrays import IntArray, Mask, Pair, RealArray, sum_of_pr
 from roughcontact._solve.convolvers import InverseConvolution, PreparedConvolution
 from roughcontact._solve.solvers.conjugate.active import ActiveCells, Partition
 from roughcontact._solve.solvers.projection import dot, total
+from roughcontact.errors.door import guarded
 
 # Maximum changed cells before weights are computed anew, over the active cells or, if these are fewer, the passive ones
 # plus a fraction of the grid: the stencil omits distant effects.
@@ -430,8 +431,26 @@ class RigidCorrection:
         return image + np.float32(parts[0] - fraction) * weights + np.float32(parts[1]) * active.ones
 
 
+@guarded
 def count_blocks(stiffness: RealArray, count: int, mean: float) -> int:
-    """Return the number of blocks along an axis: few, but enough for all long waves."""
+    """Return the number of blocks of the coarse correction along an axis: few, but enough for all long waves.
+
+    Parameters
+    ----------
+    stiffness
+        Stiffness of the waves along the axis, shape (count // 2 + 1,).
+    count
+        Cells along the axis.
+    mean
+        Mean of the flat-punch weights over all cells, in units of the stiffness.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import roughcontact as rc
+    >>> rc.typing.count_blocks(np.arange(65.0), 128, 1.0)
+    16
+    """
     size = 1
     while 2 * size <= _MAX_BLOCK_CELLS and count // (2 * size) >= _MIN_BLOCKS:
         if stiffness[max(count // (4 * size), 1)] < _BLOCK_RESOLUTION * LONG_WAVE_CUT * mean:
