@@ -76,7 +76,7 @@ def as_boundary(value: str | Sequence[str]) -> Boundary:
     return Boundary(choice(word, "The boundary", [str(name) for name in Boundary]))
 
 
-def _shape(value: Sequence[int]) -> tuple[int, int]:
+def grid_shape(value: Sequence[int]) -> tuple[int, int]:
     if not isinstance(value, (tuple, list, np.ndarray)) or len(value) != 2:
         raise InputError.about("The shape of the grid", value, "two whole numbers, (cells in x, cells in y)")
     nx, ny = (integer(n, "A cell count of the grid", at_least=1) for n in value)
@@ -119,7 +119,7 @@ class Grid:
     (0.001, 0.001)
     """
 
-    shape: tuple[int, int] = attrs.field(converter=_shape)
+    shape: tuple[int, int] = attrs.field(converter=grid_shape)
     size: Pair = attrs.field(converter=_size, metadata={"unit": "m"})
 
     @property

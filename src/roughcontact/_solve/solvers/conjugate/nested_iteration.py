@@ -7,7 +7,7 @@ import numpy as np
 
 from roughcontact._base.arrays import Array, IntArray, Mask, RealArray, sum_of_products
 from roughcontact._base.machine import map_tiles, tiles_of
-from roughcontact._parts.grid import Boundary, Grid
+from roughcontact._parts.grid import Boundary, Grid, grid_shape
 from roughcontact._solve.convolvers import PreparedConvolution
 from roughcontact._solve.solution import GridLevel
 from roughcontact._solve.solvers.base import Monitor, Task, starting_pressure
@@ -151,7 +151,7 @@ def halve_shape(shape: tuple[int, int]) -> tuple[int, int]:
     >>> rc.typing.halve_shape((128, 45))
     (64, 45)
     """
-    nx, ny = (n // 2 if n % 2 == 0 and n // 2 >= _MIN_COARSE_CELLS else n for n in shape)
+    nx, ny = (n // 2 if n % 2 == 0 and n // 2 >= _MIN_COARSE_CELLS else n for n in grid_shape(shape))
     return nx, ny
 
 

@@ -10,9 +10,11 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import IntArray, Mask, Pair, RealArray, sum_of_products
+from roughcontact._base.checks import integer, number, numbers
 from roughcontact._solve.convolvers import InverseConvolution, PreparedConvolution
 from roughcontact._solve.solvers.conjugate.active import ActiveCells, Partition
 from roughcontact._solve.solvers.projection import dot, total
+from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 
 # Maximum changed cells before weights are computed anew, over the active cells or, if these are fewer, the passive ones
@@ -451,9 +453,15 @@ def count_blocks(stiffness: RealArray, count: int, mean: float) -> int:
     >>> rc.typing.count_blocks(np.arange(65.0), 128, 1.0)
     16
     """
+    count = integer(count, "count=", at_least=1)
+    mean = number(mean, "mean=", at_least=0.0)
+    allowed = "finite numbers, one for each of the count // 2 + 1 waves along the axis"
+    axis = numbers(stiffness, "stiffness=", allowed)
+    if axis.shape != (count // 2 + 1,) or not np.isfinite(axis).all():
+        raise InputError.about("stiffness=", stiffness, allowed)
     size = 1
     while 2 * size <= _MAX_BLOCK_CELLS and count // (2 * size) >= _MIN_BLOCKS:
-        if stiffness[max(count // (4 * size), 1)] < _BLOCK_RESOLUTION * LONG_WAVE_CUT * mean:
+        if axis[max(count // (4 * size), 1)] < _BLOCK_RESOLUTION * LONG_WAVE_CUT * mean:
             break
         size *= 2
     return max(count // size, 1)
