@@ -16,7 +16,8 @@ import roughcontact as rc
 import torch
 from torch.utils._python_dispatch import TorchDispatchMode
 
-from roughcontact_torch import MaskedConjugateGradient, TorchFFT, masked
+from roughcontact_torch import MaskedConjugateGradient, TorchFFT
+from roughcontact_torch.masked_grid import MaskedGrid
 
 _REPEATS = 3
 # What makes the host wait for a device: numbers that are read, and lists whose length must be known.
@@ -109,11 +110,11 @@ def compare_masked(name: str, n: int) -> str:
     ours = attrs.evolve(problem, convolver=TorchFFT(), solver=MaskedConjugateGradient())
     expected = problem.solve(**load)
     readings = []
-    read = masked._read
-    masked._read = lambda *numbers: readings.append(len(numbers)) or read(*numbers)
+    read = MaskedGrid.read
+    MaskedGrid.read = lambda grid, *numbers: readings.append(len(numbers)) or read(grid, *numbers)
     with Operations() as operations:
         found = ours.solve(**load)
-    masked._read = read
+    MaskedGrid.read = read
     iterations = sum(level.iterations for level in found.levels)
     counts = (f"{one.iterations} / {one.convolutions}" for one in (expected, found))
     cells = np.count_nonzero(found.contact != expected.contact)
