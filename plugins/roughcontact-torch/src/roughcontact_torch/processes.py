@@ -102,7 +102,7 @@ class Processes:
 
     def require(self, shape: tuple[int, int]) -> None:
         """Raise `InputError` unless each process gets rows and columns of a grid."""
-        most = min(_halve_often(shape[0]), shape[1] // 2 + 1)
+        most = min(_halve_often(shape[0]), shape[0] // 2 + 1, shape[1] // 2 + 1)
         if self.count > most:
             raise rc.InputError.about(f"The processes for {shape[0]} x {shape[1]} cells", self.count, f"at most {most}")
 
