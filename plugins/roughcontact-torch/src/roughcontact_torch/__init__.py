@@ -1,4 +1,4 @@
-"""The default solver of roughcontact on tensors of torch, and one whose GPU hardly waits for its host, on several too."""
+"""The default solver of roughcontact on tensors of torch, and one for GPUs that hardly wait for their hosts."""
 
 from roughcontact_torch.arrays import TensorArray
 from roughcontact_torch.convolver import TorchFFT

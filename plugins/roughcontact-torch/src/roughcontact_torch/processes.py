@@ -168,7 +168,7 @@ class Processes:
         found = self.exchange(sent, counts, [height * width if reads else 0 for height in heights])
         if not reads:
             return None
-        parts = found.split([height * width for height in heights])
+        parts = torch.split(found, [height * width for height in heights])
         shape = values.shape
         rows = [part.view(*shape[:-2], height, shape[-1]) for part, height in zip(parts, heights, strict=True)]
         return torch.cat(rows, -2)
@@ -185,17 +185,16 @@ class Processes:
         periodic
             Whether the rows of the last process lie before those of the first one, or zeros.
         """
-        before = (self.rank - 1) % self.count
-        behind = (self.rank + 1) % self.count
+        neighbours = {"before": (self.rank - 1) % self.count, "behind": (self.rank + 1) % self.count}
         first = values[..., :reach, :]
         last = values[..., -reach:, :]
-        # Of two processes each is before and behind the other: their last rows go first.
-        sent = [part for rank in range(self.count) for part, to in ((last, behind), (first, before)) if rank == to]
+        # Of two processes each is before and behind the other: their last rows, which lie before, go first.
+        sent = sorted(((neighbours["behind"], last), (neighbours["before"], first)), key=lambda pair: pair[0])
         size = first.numel()
-        counts = [size * ((rank == behind) + (rank == before)) for rank in range(self.count)]
-        found = self.exchange(torch.cat([part.reshape(-1) for part in sent]), counts, counts).split(size)
-        places = [side for rank in range(self.count) for side, of in (("before", before), ("behind", behind)) if rank == of]
-        rows = {side: part.view(first.shape) for side, part in zip(places, found, strict=True)}
+        counts = [size * list(neighbours.values()).count(rank) for rank in range(self.count)]
+        found = torch.split(self.exchange(torch.cat([part.reshape(-1) for _, part in sent]), counts, counts), size)
+        sides = sorted(neighbours, key=lambda side: neighbours[side])
+        rows = {side: part.view(first.shape) for side, part in zip(sides, found, strict=True)}
         if not periodic and self.rank == 0:
             rows["before"] = torch.zeros_like(first)
         if not periodic and self.rank == self.count - 1:
@@ -245,11 +244,14 @@ def ending_all(processes: Processes) -> Iterator[None]:
     except Exception as error:
         if processes.rank:
             time.sleep(_PRECEDENCE)
-        status = 2
-        if not isinstance(error, RoughContactError):
-            traceback.print_exc()
-        if not isinstance(error, RoughContactError) or isinstance(error, (rc.NotConverged, rc.UnexpectedError)):
+        if isinstance(error, RoughContactError):
+            status = 1 if isinstance(error, (rc.NotConverged, rc.UnexpectedError)) else 2
+        else:
             status = 1
-        print(f"roughcontact_torch: {error} (process {processes.rank} of {processes.count})", file=sys.stderr, flush=True)
+            traceback.print_exc()
+        where = f"process {processes.rank} of {processes.count}"
+        print(f"roughcontact_torch: {error} ({where})", file=sys.stderr, flush=True)
+        if processes.count == 1:
+            sys.exit(status)
         # What other processes wait for would hold up the end of this one.
-        os._exit(status) if processes.count > 1 else sys.exit(status)
+        os._exit(status)

@@ -126,7 +126,7 @@ class SlabTensor(TensorArray):
 
     def all(self) -> TensorArray:
         """Return whether all entries are true."""
-        return TensorArray(~(~self).any().tensor)  # type: ignore[operator]
+        return TensorArray(~(~self).any().tensor)
 
     def _like(self, tensor: torch.Tensor) -> TensorArray:
         return SlabTensor(tensor, self.processes, self.rows) if tensor.ndim else TensorArray(tensor)
@@ -137,4 +137,6 @@ class SlabTensor(TensorArray):
 
 
 def _unknown(name: str) -> rc.InputError:
-    return rc.InputError(f"Fields on slabs have no numpy.{name}: `gather` them first, or take the `tensor` of each process.")
+    return rc.InputError(
+        f"Fields on slabs have no numpy.{name}: gather the solution, or take the `tensor` of a process."
+    )

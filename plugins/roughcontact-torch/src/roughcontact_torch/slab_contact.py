@@ -127,9 +127,7 @@ class SlabSolution:
             errors=self.errors,
             levels=self.levels,
         )
-        found = certify(
-            problem.plan, problem.convolution, problem.initial_gap, task, outcome, seconds=self.seconds
-        )
+        found = certify(problem.plan, problem.convolution, problem.initial_gap, task, outcome, seconds=self.seconds)
         return attrs.evolve(found, origin=Origin(problem.parts, self.load.arguments, source=problem))
 
 
@@ -300,7 +298,7 @@ def make_heights(surface: rc.SelfAffineSurface, grid: rc.Grid, processes: Proces
         If it is another surface, its waves do not fit the grid, or there are more processes than rows.
     """
     if not isinstance(surface, rc.SelfAffineSurface):
-        raise rc.InputError.about("The surface on slabs", surface, "a SelfAffineSurface, or a SlabTensor of its heights")
+        raise rc.InputError.about("The surface on slabs", surface, "a SelfAffineSurface, or its heights a SlabTensor")
     if not isinstance(grid, rc.Grid):
         raise rc.InputError.about("The grid", grid, "an rc.Grid, which has the cells and the size")
     processes = Processes() if processes is None else processes

@@ -49,6 +49,8 @@ class SlabTorchFFT(rc.Convolver):
 
     def require(self, kernel: rc.InfluenceKernel, boundary: rc.Boundary) -> None:
         """Raise `InputError` if it cannot treat the boundary, or the kernel lacks a form that is needed."""
+        if boundary not in self.boundaries:
+            raise rc.InputError.about("The boundary on slabs", str(boundary), "'free' or 'periodic', or a pair of them")
         super().require(kernel, boundary)
         if not isinstance(kernel, SupportsSpectrum):
             raise rc.InputError(f"The kernel {kernel!r} has no spectrum, which a contact on slabs needs.")

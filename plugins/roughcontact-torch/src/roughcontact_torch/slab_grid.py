@@ -39,7 +39,7 @@ class Transpose:
         sent = torch.cat([values[..., start:stop].reshape(-1) for start, stop in itertools.pairwise(self.columns)])
         expected = [k * rows * mine for rows in _differences(self.rows)]
         found = self.processes.exchange(sent, [k * own * width for width in widths], expected)
-        return torch.cat([part.view(k, -1, mine) for part in found.split(expected)], 1)
+        return torch.cat([part.view(k, -1, mine) for part in torch.split(found, expected)], 1)
 
     def back(self, values: torch.Tensor) -> torch.Tensor:
         """Return the rows of this process, shape (k, n, ny), from its columns, shape (k, nx, n)."""
@@ -51,7 +51,7 @@ class Transpose:
         sent = torch.cat([values[:, start:stop].reshape(-1) for start, stop in itertools.pairwise(self.rows)])
         expected = [k * own * width for width in _differences(self.columns)]
         found = self.processes.exchange(sent, [k * rows * mine for rows in heights], expected)
-        return torch.cat([part.view(k, own, -1) for part in found.split(expected)], -1)
+        return torch.cat([part.view(k, own, -1) for part in torch.split(found, expected)], -1)
 
 
 def _differences(bounds: Sequence[int]) -> list[int]:
