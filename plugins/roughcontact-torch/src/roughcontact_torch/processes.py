@@ -70,7 +70,7 @@ class Processes:
         self.device = _choose_device(device)
         started = int(os.environ.get("WORLD_SIZE", "1"))
         if started > 1 and not distributed.is_initialized():
-            _connect("nccl" if self.device.type == "cuda" else "gloo")
+            _connect(self.device)
         connected = distributed.is_initialized()
         self.rank: int = distributed.get_rank() if connected else 0
         self.count: int = distributed.get_world_size() if connected else 1
@@ -210,17 +210,26 @@ def _choose_device(name: str) -> torch.device:
     number = int(os.environ.get("LOCAL_RANK", "0"))
     if number >= torch.cuda.device_count():
         raise rc.InputError(
-            f"This machine has {torch.cuda.device_count()} GPUs, one for each process, but torchrun has started "
-            f"{os.environ['LOCAL_WORLD_SIZE']} processes here."
+            f"Each process needs a GPU of its own, and this machine has {torch.cuda.device_count()}: start as many "
+            "processes here by --nproc-per-node, or choose the device 'cpu'."
         )
     torch.cuda.set_device(number)
     return torch.device("cuda", number)
 
 
-def _connect(backend: str) -> None:
+def _connect(device: torch.device) -> None:
+    """Let this process talk to the others: by NCCL from GPU to GPU, else by gloo."""
     with _talking():
-        distributed.init_process_group(backend)
-    atexit.register(distributed.destroy_process_group)
+        if device.type == "cuda":
+            distributed.init_process_group("nccl", device_id=device)
+        else:
+            distributed.init_process_group("gloo")
+    atexit.register(_disconnect)
+
+
+def _disconnect() -> None:
+    if distributed.is_initialized():
+        distributed.destroy_process_group()
 
 
 @contextlib.contextmanager

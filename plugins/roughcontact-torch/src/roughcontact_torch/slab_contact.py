@@ -111,7 +111,7 @@ class SlabSolution:
     def gather(self) -> rc.ContactSolution | None:
         """Return the whole solution on the first process, certified anew there, with every answer; None on the others.
 
-        It must fit into the memory of the host of that process. All processes must ask.
+        It must fit into the memory of the device of that process and of its host. All processes must ask.
         """
         pressure, gap = (_gather(field) for field in (self.pressure, self.initial_gap))
         if pressure is None or gap is None:
