@@ -7,7 +7,7 @@ length one. No method reads a number of a tensor. Whatever needs cells of anothe
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import attrs
@@ -128,6 +128,22 @@ class MaskedGrid:
     def total(self, values: torch.Tensor) -> torch.Tensor:
         """Return the sum over the cells of each contact, in float64."""
         return values.sum((-2, -1), keepdim=True, dtype=torch.float64)
+
+    def totals(self, values: Iterable[torch.Tensor]) -> tuple[torch.Tensor, ...]:
+        """Return `total` of several fields, by one sum over processes."""
+        return tuple(self.total(one) for one in values)
+
+    def ratio(self, one: torch.Tensor, other: torch.Tensor) -> torch.Tensor:
+        """Return the total of a field over that of another one, zero where this is not above zero."""
+        return divide(*self.totals((one, other)))
+
+    def mean(self, values: torch.Tensor, weights: torch.Tensor) -> torch.Tensor:
+        """Return the weighted mean over the cells of each contact, zero without weights."""
+        return self.ratio(weights.to(torch.float64) * values, weights)
+
+    def dots(self, *pairs: tuple[torch.Tensor, torch.Tensor]) -> tuple[torch.Tensor, ...]:
+        """Return `dot` of several pairs, by one sum over processes."""
+        return self.totals(one.to(torch.float64) * other for one, other in pairs)
 
     def dot(self, one: torch.Tensor, other: torch.Tensor) -> torch.Tensor:
         """Return the product of two fields of each contact, in float64: float32 loses products of small numbers."""
