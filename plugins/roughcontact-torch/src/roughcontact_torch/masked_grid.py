@@ -189,11 +189,10 @@ class MaskedGrid:
     def invert_near(self, displacement: torch.Tensor) -> torch.Tensor:
         """Return `invert` up to three cells from each displacement."""
         reach = STENCIL_REACH
-        periodic = not self.boundary.free_axes[1]
         # Along a free axis there are zeros beyond the border.
-        rows = self.widen(displacement, reach, periodic=not self.boundary.free_axes[0])
-        values = functional.pad(rows[:, None], (reach, reach, 0, 0), mode="circular" if periodic else "constant")
-        return functional.conv2d(values, self.stencil[None, None])[:, 0]
+        x, y = (not free for free in self.boundary.free_axes)
+        values = widen(self.widen(displacement, reach, periodic=x), reach, periodic=y, axis=-1)
+        return functional.conv2d(values[:, None], self.stencil[None, None])[:, 0]
 
     def mean_weight(self, weights: torch.Tensor) -> torch.Tensor:
         """Return the mean of weights over the cells of the padded grid."""
@@ -257,9 +256,12 @@ def interpolate(coarse: torch.Tensor, cells: Axes, widen: Callable[..., torch.Te
     return coarse
 
 
-def widen(values: torch.Tensor, reach: int, *, periodic: bool) -> torch.Tensor:
-    """Return fields with rows before and behind: those of the other end, or zeros."""
-    return functional.pad(values, (0, 0, reach, reach), mode="circular" if periodic else "constant")
+def widen(values: torch.Tensor, reach: int, *, periodic: bool, axis: int = -2) -> torch.Tensor:
+    """Return fields with cells before and behind along an axis: those of the other end, or zeros."""
+    if not periodic:
+        return functional.pad(values, (0, 0) * (-1 - axis) + (reach, reach))
+    before = values.narrow(axis, values.shape[axis] - reach, reach)
+    return torch.cat((before, values, values.narrow(axis, 0, reach)), axis)
 
 
 def _halved(coarse: torch.Tensor, cells: Axes) -> list[int]:
