@@ -50,11 +50,16 @@ class SlabTensor(TensorArray):
             If the rows are not those that `Processes.own_rows` names.
         """
         own = processes.own_rows(count)
-        tensor = torch.as_tensor(part, dtype=torch.float64).to(processes.device, copy=True)
-        if tensor.ndim != 2 or tensor.shape[0] != own.stop - own.start:
-            allowed = f"{own.stop - own.start} rows, {own.start} to {own.stop - 1} of {count}"
-            raise rc.InputError.about(f"The part of process {processes.rank}", tuple(tensor.shape), allowed)
-        return cls(tensor, processes, count)
+        values = part if isinstance(part, torch.Tensor) else np.asarray(part)
+        real = not values.is_complex() if isinstance(values, torch.Tensor) else values.dtype.kind in "fiu"
+        if not real or values.ndim != 2 or values.shape[0] != own.stop - own.start:
+            allowed = (
+                f"an array of real numbers of {own.stop - own.start} rows, {own.start} to {own.stop - 1} of {count}"
+            )
+            raise rc.InputError.about(f"The part of process {processes.rank}", part, allowed)
+        if isinstance(values, torch.Tensor):
+            return cls(values.to(processes.device, torch.float64, copy=True), processes, count)
+        return cls(torch.tensor(values, dtype=torch.float64, device=processes.device), processes, count)
 
     @property
     def shape(self) -> tuple[int, ...]:
