@@ -1,14 +1,19 @@
 """The tables of README.md: `python measure.py [CELLS ...]`, on each device that there is.
 
 Times are medians of three solves, by turns on numpy's arrays and on tensors, in one process on one thread. With
-`masked` first: the work of the default solver on numpy's arrays beside that of the masked one on tensors.
+`masked` first: the work of the default solver on numpy's arrays beside that of the masked one on tensors. With `slabs`
+first: what one, two and three processes on processors send each other, and the memory of each.
 """
 
 from __future__ import annotations
 
+import itertools
+import os
+import subprocess
 import sys
 import time
 from collections.abc import Callable
+from pathlib import Path
 
 import attrs
 import numpy as np
@@ -16,7 +21,9 @@ import roughcontact as rc
 import torch
 from torch.utils._python_dispatch import TorchDispatchMode
 
-from roughcontact_torch import MaskedConjugateGradient, TorchFFT, masked
+from roughcontact_torch import MaskedConjugateGradient, Processes, SlabTensor, TorchFFT, ending_all, solve_on_slabs
+from roughcontact_torch.masked_descent import MaskedDescent
+from roughcontact_torch.masked_grid import MaskedGrid
 
 _REPEATS = 3
 # What makes the host wait for a device: numbers that are read, and lists whose length must be known.
@@ -109,11 +116,11 @@ def compare_masked(name: str, n: int) -> str:
     ours = attrs.evolve(problem, convolver=TorchFFT(), solver=MaskedConjugateGradient())
     expected = problem.solve(**load)
     readings = []
-    read = masked._read
-    masked._read = lambda *numbers: readings.append(len(numbers)) or read(*numbers)
+    read = MaskedGrid.read
+    MaskedGrid.read = lambda grid, *numbers: readings.append(len(numbers)) or read(grid, *numbers)
     with Operations() as operations:
         found = ours.solve(**load)
-    masked._read = read
+    MaskedGrid.read = read
     iterations = sum(level.iterations for level in found.levels)
     counts = (f"{one.iterations} / {one.convolutions}" for one in (expected, found))
     cells = np.count_nonzero(found.contact != expected.contact)
@@ -122,8 +129,84 @@ def compare_masked(name: str, n: int) -> str:
     return f"| {name} | {n} | {' | '.join(counts)} | {work} | {cells} | {pressure:.0e} |"
 
 
+# Contacts on slabs: mean pressure and its limit over slope times modulus, None a given approach; and the boundary.
+SLABS: dict[str, tuple[float | None, float | None, str]] = {
+    "periodic, x = 0.05": (0.05, None, "periodic"),
+    "periodic, x = 1": (1.0, None, "periodic"),
+    "periodic, limit 0.3, x = 0.1": (0.1, 0.3, "periodic"),
+    "periodic, approach": (None, None, "periodic"),
+    "free, x = 0.05": (0.05, None, "free"),
+}
+
+
+def measure_memory(work: Callable[[], object]) -> tuple[object, float]:
+    """Return a result, and the bytes by which the memory of this process has grown at most meanwhile; on Linux."""
+    Path("/proc/self/clear_refs").write_text("5")
+    before = _resident("VmRSS")
+    found = work()
+    return found, _resident("VmHWM") - before
+
+
+def _resident(name: str) -> float:
+    lines = Path("/proc/self/status").read_text().splitlines()
+    return 1024.0 * next(float(line.split()[1]) for line in lines if line.startswith(name))
+
+
+def measure_slabs(name: str, n: int, processes: Processes) -> str:
+    """Return the row of a case on slabs."""
+    x, limit, boundary = SLABS[name]
+    problem, _ = rough(n, 1.0, limit=limit)
+    heights = problem.body.surface.heights(problem.grid)
+    load = {"approach": 0.5 * float(heights.max() - heights.mean())} if x is None else {"pressure": 0.1 * x * 1e9}
+    slab = SlabTensor.field(heights[processes.own_rows(n)], processes, n)
+    counts = []
+    iterate = MaskedDescent.iterate
+
+    def count(descent, *arguments):
+        before = processes.reductions, processes.exchanges
+        found = iterate(descent, *arguments)
+        if descent.grid.shape == (n, n):
+            counts.append((processes.reductions - before[0], processes.exchanges - before[1]))
+        return found
+
+    material = problem.body.material
+    # What torch loads at first does not count.
+    few = heights[:64, :64][processes.own_rows(64)]
+    solve_on_slabs(SlabTensor.field(few, processes, 64), 64.0, material, pressure=1e6, boundary=boundary)
+    del heights
+    processes.reductions = processes.exchanges = processes.sent = 0
+    MaskedDescent.iterate = count
+    found, memory = measure_memory(lambda: solve_on_slabs(slab, problem.grid, material, boundary=boundary, **load))
+    MaskedDescent.iterate = iterate
+    reductions, exchanges = max(counts)
+    all_counts = f"{processes.reductions} | {processes.exchanges} | {processes.sent / 2**20:.1f}"
+    arrays = memory / (8 * n * slab.tensor.shape[0])
+    work = f"{found.iterations} / {found.convolutions} | {found.contact_cells}"
+    row = f"{reductions} | {exchanges} | {all_counts} | {arrays:.0f}"
+    return f"| {name} | {n} | {processes.count} | {work} | {row} |"
+
+
+def start_slabs(cells: list[str]) -> None:
+    """Print the rows of one, two and three processes; what an array leaves goes back to the system at once."""
+    environment = {**os.environ, "OMP_NUM_THREADS": "1", "MALLOC_MMAP_THRESHOLD_": "65536"}
+    for n in cells:
+        for case, count in itertools.product(SLABS, (1, 2, 3)):
+            start = [sys.executable, "-m", "torch.distributed.run", "--standalone", "--nproc-per-node", str(count)]
+            subprocess.run([*start, __file__, "slabs-of", case, n], env=environment, check=True)
+
+
 if __name__ == "__main__":
     torch.set_num_threads(1)
+    if sys.argv[1:2] == ["slabs"]:
+        start_slabs(sys.argv[2:] or ["512", "1024"])
+        sys.exit()
+    if sys.argv[1:2] == ["slabs-of"]:
+        started = Processes("cpu")
+        with ending_all(started):
+            row = measure_slabs(sys.argv[2], int(sys.argv[3]), started)
+            if started.rank == 0:
+                print(row, flush=True)
+        sys.exit()
     if sys.argv[1:2] == ["masked"]:
         for cells in map(int, sys.argv[2:] or ["256", "512", "1024"]):
             for case in MASKED:

@@ -10,6 +10,7 @@ from roughcontact.testing import claims
 from roughcontact.typing import Load, make_task
 
 from roughcontact_torch import MaskedConjugateGradient, TorchFFT, masked, solve_at_once
+from roughcontact_torch.masked_grid import MaskedGrid
 from test_contact import SMALL_PROBLEMS, STEEL, _Waits, assert_same_small_contact, problem
 
 DEVICES = ["cpu", "cuda"] if torch.cuda.is_available() else ["cpu"]
@@ -181,8 +182,10 @@ def test_the_host_reads_once_in_four_iterations_and_once_on_each_grid(parts, mon
     task = make_task(ours.plan, ours.initial_gap, Load.of(pressure=1e7))
     ours.plan.solver.solve(ours.convolution, task)
     readings = []
-    read = masked._read
-    monkeypatch.setattr(masked, "_read", lambda *numbers: readings.append(len(numbers)) or read(*numbers))
+    read = MaskedGrid.read
+    monkeypatch.setattr(
+        MaskedGrid, "read", lambda grid, *numbers: readings.append(len(numbers)) or read(grid, *numbers)
+    )
     with _Waits() as waits:
         solved = ours.plan.solver._solve(ours.convolution, [task])
     assert waits.count == 0

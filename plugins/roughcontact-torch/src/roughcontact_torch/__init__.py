@@ -1,8 +1,22 @@
-"""The default solver of roughcontact on tensors of torch, and a solver for which a GPU hardly waits for its host."""
+"""The default solver of roughcontact on tensors of torch, and one for GPUs that hardly wait for their hosts."""
 
 from roughcontact_torch.arrays import TensorArray
 from roughcontact_torch.convolver import TorchFFT
 from roughcontact_torch.masked import MaskedConjugateGradient
+from roughcontact_torch.processes import Processes, ending_all
+from roughcontact_torch.slab_arrays import SlabTensor
+from roughcontact_torch.slab_contact import SlabSolution, make_heights, solve_on_slabs
 from roughcontact_torch.together import solve_at_once
 
-__all__ = ["MaskedConjugateGradient", "TensorArray", "TorchFFT", "solve_at_once"]
+__all__ = [
+    "MaskedConjugateGradient",
+    "Processes",
+    "SlabSolution",
+    "SlabTensor",
+    "TensorArray",
+    "TorchFFT",
+    "ending_all",
+    "make_heights",
+    "solve_at_once",
+    "solve_on_slabs",
+]

@@ -68,7 +68,7 @@ class TensorArray(NDArrayOperatorsMixin):
         found = ufuncs.carry_out(
             ufunc, method, operands, self.tensor.device, None if target is None else target.tensor, **options
         )
-        return TensorArray(found) if target is None else target
+        return self._like(found) if target is None else target
 
     def __array_function__(self, function: Any, types: Any, args: Any, options: Any) -> Any:
         """Carry a function of numpy out on tensors."""
@@ -79,15 +79,15 @@ class TensorArray(NDArrayOperatorsMixin):
         if out is not None:
             return out
         if isinstance(found, tuple):
-            return tuple(TensorArray(part) for part in found)
-        return TensorArray(found) if isinstance(found, torch.Tensor) else found
+            return tuple(self._like(part) for part in found)
+        return self._like(found) if isinstance(found, torch.Tensor) else found
 
     def __array__(self, dtype: npt.DTypeLike | None = None, copy: bool | None = None) -> NoReturn:
         """Refuse: numpy would go on with a copy in silence."""
         raise TypeError("A tensor becomes an array of numpy by PreparedConvolution.to_numpy alone.")
 
     def __getitem__(self, index: Any) -> TensorArray:
-        return TensorArray(self.tensor[self._tensor_of(index)])
+        return self._like(self.tensor[self._tensor_of(index)])
 
     def __setitem__(self, index: Any, values: Any) -> None:
         values = self._tensor_of(values)
@@ -116,60 +116,65 @@ class TensorArray(NDArrayOperatorsMixin):
 
     def ravel(self) -> TensorArray:
         """Return the entries along one axis, a view if possible."""
-        return TensorArray(self.tensor.reshape(-1))
+        return self._like(self.tensor.reshape(-1))
 
     def reshape(self, *shape: Any) -> TensorArray:
         """Return the entries in another shape, a view if possible."""
-        return TensorArray(self.tensor.reshape(*shape))
+        return self._like(self.tensor.reshape(*shape))
 
     def astype(self, dtype: npt.DTypeLike, copy: bool = True) -> TensorArray:
         """Return the entries in another type."""
-        return TensorArray(self.tensor.to(torch_dtype(dtype), copy=copy))
+        return self._like(self.tensor.to(torch_dtype(dtype), copy=copy))
 
     def copy(self) -> TensorArray:
         """Return a contiguous copy."""
-        return TensorArray(self.tensor.clone(memory_format=torch.contiguous_format))
+        return self._like(self.tensor.clone(memory_format=torch.contiguous_format))
 
     def take(self, places: Any, mode: str = "raise", out: TensorArray | None = None) -> TensorArray:
         """Return the entries at places of the flat array, all of them within it."""
         target = None if out is None else out.tensor
         found = torch.index_select(self.tensor.reshape(-1), 0, self._tensor_of(places), out=target)
-        return TensorArray(found) if out is None else out
+        return self._like(found) if out is None else out
 
     def sum(self) -> TensorArray:
         """Return the sum."""
-        return TensorArray(self.tensor.sum())
+        return self._like(self.tensor.sum())
 
     def mean(self) -> TensorArray:
         """Return the mean."""
-        return TensorArray(self.tensor.mean())
+        return self._like(self.tensor.mean())
 
     def std(self) -> TensorArray:
         """Return the standard deviation of all entries."""
-        return TensorArray(self.tensor.std(correction=0))
+        return self._like(self.tensor.std(correction=0))
 
     def min(self, initial: Any = None) -> TensorArray:
         """Return the minimum."""
-        return TensorArray(ufuncs.reduce(np.minimum, self.tensor, None, initial=self._tensor_of(initial)))
+        return self._like(ufuncs.reduce(np.minimum, self.tensor, None, initial=self._tensor_of(initial)))
 
     def max(self, initial: Any = None) -> TensorArray:
         """Return the maximum."""
-        return TensorArray(ufuncs.reduce(np.maximum, self.tensor, None, initial=self._tensor_of(initial)))
+        return self._like(ufuncs.reduce(np.maximum, self.tensor, None, initial=self._tensor_of(initial)))
 
     def any(self, axis: int | None = None) -> TensorArray:
         """Return whether any entry is true."""
-        return TensorArray(self.tensor.any() if axis is None else self.tensor.any(axis))
+        return self._like(self.tensor.any() if axis is None else self.tensor.any(axis))
 
     def all(self) -> TensorArray:
         """Return whether all entries are true."""
-        return TensorArray(self.tensor.all())
+        return self._like(self.tensor.all())
+
+    def _like(self, tensor: torch.Tensor) -> TensorArray:
+        """Return an array of this kind."""
+        return TensorArray(tensor)
 
     def _tensor_of(self, value: Any) -> Any:
         """Return a value with each array inside as a tensor on this device."""
         if isinstance(value, TensorArray):
             return value.tensor
         if isinstance(value, np.ndarray):
-            return torch.as_tensor(value, device=self.tensor.device)
+            # Torch warns of arrays that cannot be written to.
+            return torch.as_tensor(value if value.flags.writeable else value.copy(), device=self.tensor.device)
         if isinstance(value, (tuple, list)):
             return tuple(self._tensor_of(one) for one in value)
         return value

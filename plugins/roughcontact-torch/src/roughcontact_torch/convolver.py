@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cached_property
-from typing import Any, cast
+from typing import Any, ClassVar, cast
 
 import attrs
 import numpy as np
@@ -20,11 +20,13 @@ from roughcontact.typing import (
     PreparedConvolution,
     RealArray,
     ShearConvolution,
+    halve_shape,
     padded_shape,
 )
 
 from roughcontact_torch.arrays import TensorArray
 from roughcontact_torch.kinds import torch_dtype
+from roughcontact_torch.masked_grid import STENCIL_REACH, MaskedGrid
 
 # Parts in which the columns of a padded grid are transformed: more save little memory.
 _PARTS = 4
@@ -103,19 +105,18 @@ def _even_transform(values: torch.Tensor, padded: tuple[int, int], axes: tuple[i
     Along the other axis, if there is one, they are those of waves.
     """
     for axis in axes:
-        distance = _distances(padded[axis], values.device)
-        beyond = distance >= values.shape[axis]
-        extended = values.index_select(axis, distance.masked_fill(beyond, 0))
-        extended.masked_fill_(beyond if axis else beyond[:, None], 0.0)
-        values = torch.fft.rfft(extended, dim=axis).real
+        values = torch.fft.rfft(extend_evenly(values, padded[axis], axis), dim=axis).real
     # It is even in x too.
-    return values.index_select(0, _distances(padded[0], values.device))
+    return extend_evenly(values, padded[0], 0)
 
 
-def _distances(length: int, device: torch.device) -> torch.Tensor:
-    """Return the distance of each cell from the first one of a row that repeats."""
-    cells = torch.arange(length, device=device)
-    return torch.minimum(cells, length - cells)
+def extend_evenly(values: torch.Tensor, length: int, axis: int) -> torch.Tensor:
+    """Return the even extension along an axis, on which it repeats; zeros beyond the values."""
+    cells = torch.arange(length, device=values.device)
+    distance = torch.minimum(cells, length - cells)
+    beyond = distance >= values.shape[axis]
+    extended = values.index_select(axis, distance.masked_fill(beyond, 0))
+    return extended.masked_fill_(beyond if axis else beyond[:, None], 0.0)
 
 
 def _multiply(values: torch.Tensor, symbol: torch.Tensor, padded: tuple[int, int]) -> torch.Tensor:
@@ -164,6 +165,9 @@ class TensorInverse(InverseConvolution):
 class TensorConvolution(PreparedConvolution):
     """Transform, multiply by the real symbol, transform back, on tensors; numpy's arrays go there and come back."""
 
+    # Whether the default solver can continue on its arrays.
+    serves_default: ClassVar[bool] = True
+
     setup: ConvolutionSetup
     symbol: torch.Tensor
     padded: tuple[int, int]
@@ -184,6 +188,36 @@ class TensorConvolution(PreparedConvolution):
         """Return the approximate inverse on tensors."""
         found = super().inverse(dtype)
         return TensorInverse(self.from_numpy(found.stiffness), found.padded, found.exact)
+
+    def grid(self) -> MaskedGrid:
+        """Return what the masked descent needs of it."""
+        # Arrays of numpy, which the host need not read back.
+        inverse = super().inverse(np.float32)
+        stiffness = _tensor(self.from_numpy(inverse.stiffness))
+        offsets = torch.arange(-STENCIL_REACH, STENCIL_REACH + 1, device=stiffness.device)
+        stencil = torch.fft.irfft2(stiffness, s=inverse.padded)
+        for axis, count in enumerate(inverse.padded):
+            stencil = stencil.index_select(axis, offsets % count)
+        return MaskedGrid(
+            shape=self.setup.grid.shape,
+            padded=self.padded,
+            inverse_padded=inverse.padded,
+            boundary=self.setup.boundary,
+            symbol=self.symbol,
+            symbol_float32=self.symbol_float32,
+            stiffness=stiffness,
+            axes=inverse.axes,
+            stencil=stencil,
+        )
+
+    def nested_grids(self) -> tuple[MaskedGrid, ...]:
+        """Return its grid and all coarser ones, from fine to coarse: even and long axes are halved."""
+        grid = self.setup.grid
+        half = halve_shape(grid.shape)
+        if half == grid.shape:
+            return (self.grid(),)
+        coarse = cast(TensorConvolution, self.on(rc.Grid(half, grid.size)))
+        return (self.grid(), *coarse.nested_grids())
 
     def shear(self) -> ShearConvolution:
         """Return the convolution of shear on the host: the solver of shear works on numpy's arrays."""

@@ -17,7 +17,7 @@ from roughcontact.typing import Array, GridLevel, Outcome, PreparedConvolution, 
 from roughcontact_torch.arrays import TensorArray
 from roughcontact_torch.convolver import TensorConvolution
 from roughcontact_torch.masked_descent import MaskedDescent, State
-from roughcontact_torch.masked_grid import Blocks, nested_grids
+from roughcontact_torch.masked_grid import Blocks
 
 # Iterations on a coarse grid and on the coarsest one, with those after which, for a given approach, weights and rigid
 # motions are computed anew; iterations between two readings of the host on average, and the maximum at once.
@@ -216,7 +216,8 @@ class MaskedConjugateGradient(rc.Solver):
         for k, task in enumerate(tasks):
             outcome = solved.outcome(k, self.tolerance)
             outcome = attrs.evolve(outcome, pressure=convolution.to_numpy(outcome.pressure))
-            outcomes.append(outcome if outcome.status.success else _continue(default, convolution, task, outcome))
+            ended = outcome.status.success or not convolution.serves_default
+            outcomes.append(outcome if ended else _continue(default, convolution, task, outcome))
         return outcomes
 
     def _solve(self, convolution: TensorConvolution, tasks: Sequence[Task]) -> _Solved:
@@ -249,7 +250,7 @@ class MaskedConjugateGradient(rc.Solver):
         pressure = guess.pressure if coarse.load is None else coarse.rescale(guess.pressure)
         state, verified = coarse.start(pressure, grid.displace(pressure.to(torch.float32)))
         closed = torch.zeros_like(verified.error) if guess.closed is None else guess.closed.to(torch.float64)
-        means, solved = _read(grid.mean_weight(state.weights), closed)
+        means, solved = grid.read(grid.mean_weight(state.weights), closed)
         iterations = renewals = 0
         if not all(solved):
             blocks = grid.blocks(max(means))
@@ -275,7 +276,7 @@ class MaskedConjugateGradient(rc.Solver):
         state, verified = descent.start(pressure, grid.displace(pressure))
         mean = grid.mean_weight(state.weights).amax(keepdim=True).expand_as(verified.error)
         coarse = guess.errors if guess.errors is not None else (verified.error, verified.error)
-        now, floors, before, after, means = _read(verified.error, verified.floor, *coarse, mean)
+        now, floors, before, after, means = grid.read(verified.error, verified.floor, *coarse, mean)
         # On the last coarse grid the error fell as it will here.
         factors = [_factor(one, other, _COARSE_ITERATIONS[0]) for one, other in zip(before, after, strict=True)]
         progress = _Progress(self.tolerance, factors, floors, [tuple(now)])
@@ -296,7 +297,7 @@ class MaskedConjugateGradient(rc.Solver):
             better = (verified.error < best) & (best > self.tolerance)
             found = torch.where(better, state.pressure, found)
             best = torch.where(better, verified.error, best)
-            now, floors, changed = _read(best, verified.floor, _changed_fraction(descent, state))
+            now, floors, changed = grid.read(best, verified.floor, _changed_fraction(descent, state))
             progress.record(now, floors, count)
             if any(changed[k] > _MAX_CHANGED_FRACTION for k in progress.unfinished):
                 state = descent.renew(state)
@@ -308,12 +309,6 @@ class MaskedConjugateGradient(rc.Solver):
     def _iteration(self, descent: MaskedDescent) -> Callable[[State, Blocks], State]:
         iterate: Callable[[State, Blocks], State] = descent.iterate
         return torch.compile(iterate, dynamic=False) if self.compiled else iterate
-
-
-def _read(*numbers: torch.Tensor) -> list[list[float]]:
-    """Return numbers of each contact; the host waits for them."""
-    read: list[list[float]] = torch.stack(numbers).flatten(1).tolist()
-    return read
 
 
 def _factor(before: float, after: float, iterations: int) -> float:
@@ -379,7 +374,7 @@ def _make_descents(convolution: TensorConvolution, tasks: Sequence[Task]) -> lis
     capped = any(task.capped for task in tasks)
     loaded = tasks[0].mean_pressure is not None
     descents = []
-    for grid in nested_grids(convolution):
+    for grid in convolution.nested_grids():
         gap = grid.average(gap)
         center = grid.total(gap) / grid.cells
         own = (grid.total((gap - center) ** 2) / grid.cells).sqrt()

@@ -243,14 +243,14 @@ class MaskedDescent:
         if self.capped:
             gap = torch.where(self._split(pressure)[1], torch.clamp(gap, min=0.0), gap)
         grid = self.grid
-        opened = divide(grid.dot(pressure, gap.abs()), grid.total(pressure))
+        opened = grid.mean(gap.abs(), pressure)
         return torch.maximum(opened, -grid.lowest(gap).to(torch.float64))
 
     def _level(self, gap: torch.Tensor, weights: torch.Tensor) -> torch.Tensor:
         """Return the level of the gap: its weighted mean, or zero if the approach is given."""
         if self.load is None:
             return torch.zeros_like(self.limit)
-        return divide(self.grid.dot(weights, gap), self.grid.total(weights))
+        return self.grid.mean(gap, weights)
 
     def _split(self, pressure: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
         """Return the pressure of the cells that are not saturated, zero elsewhere, and which are."""
@@ -291,7 +291,7 @@ class MaskedDescent:
         """Return the state with the weights of its active cells, above zero."""
         ones = state.active.to(torch.float32)
         weights = state.punch * ones
-        mean = divide(self.grid.total(weights), self.grid.total(ones)).to(torch.float32)
+        mean = self.grid.ratio(weights, ones).to(torch.float32)
         weights = torch.where(mean > 0.0, torch.maximum(weights, _MIN_WEIGHT * mean), 1.0)
         return state._replace(weights=weights * ones)
 
@@ -299,7 +299,7 @@ class MaskedDescent:
         """Return the inverse of the stiffness of the flat-punch weights and a uniform pressure."""
         vectors = state.weights, state.active.to(torch.float32)
         images = [self.grid.displace(vector) for vector in vectors]
-        a, b, c = (self.grid.dot(vectors[i], images[j]) for i, j in ((0, 0), (0, 1), (1, 1)))
+        a, b, c = self.grid.dots(*((vectors[i], images[j]) for i, j in ((0, 0), (0, 1), (1, 1))))
         determinant = a * c - b * b
         distinct = determinant > _MIN_DETERMINANT * a * c
         safe = torch.where(distinct, determinant, 1.0)
@@ -320,21 +320,21 @@ class MaskedDescent:
         if self.load is not None:
             return image
         ones = state.active.to(torch.float32)
-        sums = torch.cat((grid.dot(state.weights, residual), grid.total(ones * residual)), -2)
+        sums = torch.cat(grid.dots((state.weights, residual), (ones, residual)), -2)
         parts = (state.rigid @ sums).to(torch.float32)
         first = parts[..., :1, :]
         second = parts[..., 1:, :]
-        fraction = divide(grid.total(image), grid.total(state.weights)).to(torch.float32)
+        fraction = grid.ratio(image, state.weights).to(torch.float32)
         return image + (first - fraction) * state.weights + second * ones
 
     def _find_direction(self, state: State, residual: torch.Tensor, image: torch.Tensor) -> torch.Tensor:
         """Return the conjugate, the preconditioned or the plain gradient, made admissible."""
-        dot = self.grid.dot
-        factor = divide(-dot(image, torch.where(state.active, state.change, 0.0)), state.curvature)
+        grid = self.grid
+        factor = divide(-grid.dot(image, torch.where(state.active, state.change, 0.0)), state.curvature)
         factor = torch.clamp(factor, min=0.0).to(torch.float32)
         conjugate = image + factor * torch.where(state.active, state.step, 0.0)
-        slope = dot(residual, image)
-        steep = dot(residual, conjugate) > _MIN_CONJUGATE_SLOPE * slope
+        slope, conjugate_slope = grid.dots((residual, image), (residual, conjugate))
+        steep = conjugate_slope > _MIN_CONJUGATE_SLOPE * slope
         plain = torch.where(slope > 0.0, image, state.weights * residual)
         return self._admit(state, torch.where(steep & (slope > 0.0), conjugate, plain))
 
@@ -343,12 +343,12 @@ class MaskedDescent:
         low = state.active & (state.pressure <= 0.0)
         high = state.active & (state.pressure >= self.limit)
         if self.load is not None:
-            shift = divide(self.grid.total(direction), self.grid.total(state.weights))
+            shift = self.grid.ratio(direction, state.weights)
             for _ in range(_HELD_ROUNDS):
                 moved = direction - shift.to(torch.float32) * state.weights
                 held = (low & (moved < 0.0)) | (high & (moved > 0.0))
                 free = torch.where(held, 0.0, state.weights)
-                shift = divide(self.grid.total(torch.where(held, 0.0, direction)), self.grid.total(free))
+                shift = self.grid.ratio(torch.where(held, 0.0, direction), free)
             direction = direction - shift.to(torch.float32) * state.weights
         direction = torch.where(low, torch.clamp(direction, min=0.0), direction)
         return torch.where(high, torch.clamp(direction, max=0.0), direction)
@@ -363,8 +363,7 @@ class MaskedDescent:
         del trial
         step = whole_step.to(torch.float32)
         change = grid.displace(step)
-        curvature = grid.dot(step, change)
-        slope = grid.dot(residual, step)
+        curvature, slope = grid.dots((step, change), (residual, step))
         part = divide(slope, curvature)
         usable = (slope > 0.0) & (curvature > 0.0) & torch.isfinite(curvature)
         leaves = self._leaves(before + part * whole_step)
@@ -410,16 +409,16 @@ class MaskedDescent:
         """
         load = self.load
         assert load is not None
-        total = self.grid.total
+        grid = self.grid
         shift = torch.zeros_like(load)
         low = torch.full_like(load, -torch.inf)
         high = torch.full_like(load, torch.inf)
-        weight = total(weights)
+        weight = grid.total(weights)
         for k in range(capped_rounds if self.capped else _LOAD_ROUNDS):
             moved = values - shift * weights
-            excess = total(self._bound(moved)) - load
             moving = self._is_inside(moved, torch.zeros_like(load))
-            slope = total(torch.where(moving, weights, 0.0))
+            carried, slope = grid.totals((self._bound(moved), torch.where(moving, weights, 0.0)))
+            excess = carried - load
             trial = shift + divide(excess, slope)
             if self.capped:
                 low = torch.where(excess > 0.0, shift, low)

@@ -7,23 +7,21 @@ length one. No method reads a number of a tensor. Whatever needs cells of anothe
 
 from __future__ import annotations
 
-from typing import Any, cast
+from collections.abc import Callable, Iterable
+from typing import Any
 
 import attrs
-import numpy as np
 import roughcontact as rc
 import torch
 import torch.nn.functional as functional
-from roughcontact.typing import PreparedConvolution, count_blocks, halve_shape
-
-from roughcontact_torch.convolver import TensorConvolution
+from roughcontact.typing import count_blocks
 
 # Cut between long and short waves over the wave whose stiffness is the mean weight, and the maximum exponent in it, as
 # in the preconditioner of the default solver.
 _LONG_WAVE_CUT = 3.0
 _MAX_EXPONENT = 30.0
 # Cells of the stencil to each side of a cell that joins or leaves.
-_STENCIL_REACH = 3
+STENCIL_REACH = 3
 
 Axes = tuple[int, int]
 
@@ -112,42 +110,40 @@ class MaskedGrid:
     axes: tuple[Any, Any]
     stencil: torch.Tensor
 
-    @classmethod
-    def of(cls, convolution: TensorConvolution) -> MaskedGrid:
-        """Return what the descent needs of a prepared convolution."""
-        # Arrays of numpy, which the host need not read back.
-        inverse = PreparedConvolution.inverse(convolution, np.float32)
-        stiffness = cast(Any, convolution.from_numpy(cast(Any, inverse.stiffness))).tensor
-        offsets = torch.arange(-_STENCIL_REACH, _STENCIL_REACH + 1, device=stiffness.device)
-        stencil = torch.fft.irfft2(stiffness, s=inverse.padded)
-        for axis, count in enumerate(inverse.padded):
-            stencil = stencil.index_select(axis, offsets % count)
-        setup = convolution.setup
-        return cls(
-            shape=setup.grid.shape,
-            padded=convolution.padded,
-            inverse_padded=inverse.padded,
-            boundary=setup.boundary,
-            symbol=convolution.symbol,
-            symbol_float32=convolution.symbol_float32,
-            stiffness=stiffness,
-            axes=inverse.axes,
-            stencil=stencil,
-        )
-
     @property
     def cells(self) -> int:
         """Number of cells."""
         return self.shape[0] * self.shape[1]
 
     @property
+    def part(self) -> Axes:
+        """Cells that fields have here."""
+        return self.shape
+
+    @property
     def takes_stencil(self) -> bool:
         """Whether the stencil reaches no cell twice."""
-        return min(self.shape) > 2 * _STENCIL_REACH
+        return min(self.shape) > 2 * STENCIL_REACH
 
     def total(self, values: torch.Tensor) -> torch.Tensor:
         """Return the sum over the cells of each contact, in float64."""
         return values.sum((-2, -1), keepdim=True, dtype=torch.float64)
+
+    def totals(self, values: Iterable[torch.Tensor]) -> tuple[torch.Tensor, ...]:
+        """Return `total` of several fields, by one sum over processes."""
+        return tuple(self.total(one) for one in values)
+
+    def ratio(self, one: torch.Tensor, other: torch.Tensor) -> torch.Tensor:
+        """Return the total of a field over that of another one, zero where this is not above zero."""
+        return divide(*self.totals((one, other)))
+
+    def mean(self, values: torch.Tensor, weights: torch.Tensor) -> torch.Tensor:
+        """Return the weighted mean over the cells of each contact, zero without weights."""
+        return self.ratio(weights.to(torch.float64) * values, weights)
+
+    def dots(self, *pairs: tuple[torch.Tensor, torch.Tensor]) -> tuple[torch.Tensor, ...]:
+        """Return `dot` of several pairs, by one sum over processes."""
+        return self.totals(one.to(torch.float64) * other for one, other in pairs)
 
     def dot(self, one: torch.Tensor, other: torch.Tensor) -> torch.Tensor:
         """Return the product of two fields of each contact, in float64: float32 loses products of small numbers."""
@@ -161,29 +157,42 @@ class MaskedGrid:
         """Return the minimum over the cells of each contact."""
         return values.amin((-2, -1), keepdim=True)
 
+    def read(self, *numbers: torch.Tensor) -> list[list[float]]:
+        """Return numbers of each contact; the host waits for them."""
+        found: list[list[float]] = torch.stack(numbers).flatten(1).tolist()
+        return found
+
+    def multiply_waves(self, values: torch.Tensor, symbol: torch.Tensor, padded: Axes) -> torch.Tensor:
+        """Return fields, padded with zeros, with each of their waves multiplied by a real symbol."""
+        return multiply_waves(values, symbol, padded)
+
+    def widen(self, values: torch.Tensor, reach: int, *, periodic: bool) -> torch.Tensor:
+        """Return fields with rows before and behind; see the function."""
+        return widen(values, reach, periodic=periodic)
+
     def displace(self, pressure: torch.Tensor) -> torch.Tensor:
         """Return the displacement by pressures, in their precision."""
         symbol = self.symbol_float32 if pressure.dtype == torch.float32 else self.symbol
-        return multiply_waves(pressure, symbol, self.padded)
+        return self.multiply_waves(pressure, symbol, self.padded)
 
     def invert(self, displacement: torch.Tensor) -> torch.Tensor:
         """Return approximately the pressures that cause displacements, float32."""
-        return multiply_waves(displacement, self.stiffness, self.inverse_padded)
+        return self.multiply_waves(displacement, self.stiffness, self.inverse_padded)
 
     def close(self, initial_gap: torch.Tensor, mean: torch.Tensor) -> torch.Tensor | None:
         """Return the pressures of a mean, in float64, that close every gap; None if the boundary is not periodic."""
         if self.boundary is not rc.Boundary.PERIODIC:
             return None
-        return mean - multiply_waves(initial_gap, divide(torch.ones_like(self.symbol), self.symbol), self.padded)
+        inverse = divide(torch.ones_like(self.symbol), self.symbol)
+        return mean - self.multiply_waves(initial_gap, inverse, self.padded)
 
     def invert_near(self, displacement: torch.Tensor) -> torch.Tensor:
         """Return `invert` up to three cells from each displacement."""
-        reach = _STENCIL_REACH
-        before, after = (0 if free else reach for free in self.boundary.free_axes)
-        values = functional.pad(displacement[:, None], (after, after, before, before), mode="circular")
+        reach = STENCIL_REACH
         # Along a free axis there are zeros beyond the border.
-        beyond = [reach if free else 0 for free in self.boundary.free_axes]
-        return functional.conv2d(values, self.stencil[None, None], padding=beyond)[:, 0]
+        x, y = (not free for free in self.boundary.free_axes)
+        values = widen(self.widen(displacement, reach, periodic=x), reach, periodic=y, axis=-1)
+        return functional.conv2d(values[:, None], self.stencil[None, None])[:, 0]
 
     def mean_weight(self, weights: torch.Tensor) -> torch.Tensor:
         """Return the mean of weights over the cells of the padded grid."""
@@ -200,47 +209,61 @@ class MaskedGrid:
         )
         waves = torch.arange(bx, device=device)
         waves = torch.where(waves < (bx + 1) // 2, waves, waves - bx) % mx
-        stiffness = self.stiffness.index_select(0, waves)[:, : by // 2 + 1]
-        return Blocks((bx, by), mx * my / (bx * by), rows, columns, stiffness)
+        return Blocks((bx, by), mx * my / (bx * by), rows, columns, self.long_waves(waves, by // 2 + 1))
+
+    def long_waves(self, waves: torch.Tensor, columns: int) -> torch.Tensor:
+        """Return the inverse for some waves along x and the first ones along y."""
+        return self.stiffness.index_select(0, waves)[:, :columns]
 
     def repeat(self, coarse: torch.Tensor) -> torch.Tensor:
         """Return values of a coarser grid on each of their cells."""
-        for axis in self._halved(coarse):
-            coarse = coarse.repeat_interleave(2, axis)
-        return coarse
+        return repeat(coarse, self.part)
 
     def interpolate(self, coarse: torch.Tensor) -> torch.Tensor:
-        """Interpolate by parabolas through three cell centres along the axes that were halved; the values repeat."""
-        for axis in self._halved(coarse):
-            before = coarse.roll(1, axis)
-            after = coarse.roll(-1, axis)
-            first = 0.9375 * coarse + 0.15625 * before - 0.09375 * after
-            second = 0.9375 * coarse + 0.15625 * after - 0.09375 * before
-            # A new last place, or one before the last axis, lies right behind the halved axis.
-            coarse = torch.stack((first, second), -1 if axis == -1 else -2).flatten(axis - 1, axis)
-        return coarse
+        """Interpolate values of a coarser grid; see the function."""
+        return interpolate(coarse, self.part, self.widen)
 
     def average(self, fine: torch.Tensor) -> torch.Tensor:
         """Return the means of the cells of a finer grid on this one."""
-        if fine.shape[-2] > self.shape[0]:
+        if fine.shape[-2] > self.part[0]:
             fine = 0.5 * (fine[..., 0::2, :] + fine[..., 1::2, :])
-        if fine.shape[-1] > self.shape[1]:
+        if fine.shape[-1] > self.part[1]:
             fine = 0.5 * (fine[..., 0::2] + fine[..., 1::2])
         return fine
 
-    def _halved(self, coarse: torch.Tensor) -> list[int]:
-        """Return the axes along which another grid has fewer cells."""
-        return [axis for axis in (-2, -1) if self.shape[axis] > coarse.shape[axis]]
+
+def repeat(coarse: torch.Tensor, cells: Axes) -> torch.Tensor:
+    """Return values on each of their cells of a finer grid."""
+    for axis in _halved(coarse, cells):
+        coarse = coarse.repeat_interleave(2, axis)
+    return coarse
 
 
-def nested_grids(convolution: TensorConvolution) -> tuple[MaskedGrid, ...]:
-    """Return the grid of a convolution and all coarser ones, from fine to coarse: even and long axes are halved."""
-    grids = [MaskedGrid.of(convolution)]
-    size = convolution.setup.grid.size
-    while True:
-        shape = grids[-1].shape
-        half = halve_shape(shape)
-        if half == shape:
-            return tuple(grids)
-        coarse = convolution.on(rc.Grid(half, size))
-        grids.append(MaskedGrid.of(cast(TensorConvolution, coarse)))
+def interpolate(coarse: torch.Tensor, cells: Axes, widen: Callable[..., torch.Tensor]) -> torch.Tensor:
+    """Interpolate by parabolas through three cell centres along the axes that were halved; the values repeat."""
+    for axis in _halved(coarse, cells):
+        if axis == -1:
+            before = coarse.roll(1, axis)
+            after = coarse.roll(-1, axis)
+        else:
+            wide = widen(coarse, 1, periodic=True)
+            before = wide[..., :-2, :]
+            after = wide[..., 2:, :]
+        first = 0.9375 * coarse + 0.15625 * before - 0.09375 * after
+        second = 0.9375 * coarse + 0.15625 * after - 0.09375 * before
+        # A new last place, or one before the last axis, lies right behind the halved axis.
+        coarse = torch.stack((first, second), -1 if axis == -1 else -2).flatten(axis - 1, axis)
+    return coarse
+
+
+def widen(values: torch.Tensor, reach: int, *, periodic: bool, axis: int = -2) -> torch.Tensor:
+    """Return fields with cells before and behind along an axis: those of the other end, or zeros."""
+    if not periodic:
+        return functional.pad(values, (0, 0) * (-1 - axis) + (reach, reach))
+    before = values.narrow(axis, values.shape[axis] - reach, reach)
+    return torch.cat((before, values, values.narrow(axis, 0, reach)), axis)
+
+
+def _halved(coarse: torch.Tensor, cells: Axes) -> list[int]:
+    """Return the axes along which a grid has fewer cells than another one."""
+    return [axis for axis in (-2, -1) if cells[axis] > coarse.shape[axis]]

@@ -1,0 +1,266 @@
+"""The processes of a solve on several devices, the rows of each, and what they send each other."""
+
+from __future__ import annotations
+
+import atexit
+import contextlib
+import itertools
+import os
+import sys
+import time
+import traceback
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+import roughcontact as rc
+import torch
+import torch.distributed as distributed
+from roughcontact.errors import RoughContactError
+from roughcontact.typing import halve_shape
+
+from roughcontact_torch.convolver import TorchFFT
+
+# Seconds for which the first process goes first, so that an error of all appears once.
+_PRECEDENCE = 1.0
+_OPERATIONS = {
+    "sum": distributed.ReduceOp.SUM,
+    "highest": distributed.ReduceOp.MAX,
+    "lowest": distributed.ReduceOp.MIN,
+}
+
+
+def share(count: int, parts: int) -> tuple[int, ...]:
+    """Return the bounds of nearly equal parts of a number of things."""
+    return tuple(part * count // parts for part in range(parts + 1))
+
+
+def _halve_often(count: int) -> int:
+    """Return the rows of the coarsest grid, for a number of rows of the domain."""
+    while (half := halve_shape((count, 1))[0]) < count:
+        count = half
+    return count
+
+
+class Processes:
+    """The processes that `torchrun` has started, each with a device, which solve one contact.
+
+    Each calls the same functions in the same order, and gets the same numbers. A program without `torchrun` is one.
+
+    Parameters
+    ----------
+    device
+        ``"cpu"``, ``"cuda"``, or ``"auto"``: CUDA where torch finds it. Processes of one machine take its GPUs in turn.
+
+    Raises
+    ------
+    InputError
+        If there are fewer GPUs than processes on this machine, or none.
+
+    Attributes
+    ----------
+    rank, count
+        The number of this process, from zero on, and of all.
+    device
+        The device of this process.
+    reductions, exchanges, sent
+        Reductions and broadcasts, exchanges of parts of fields, and the bytes that these sent to other processes.
+    """
+
+    def __init__(self, device: str = "auto") -> None:
+        self.device = _choose_device(device)
+        started = int(os.environ.get("WORLD_SIZE", "1"))
+        if started > 1 and not distributed.is_initialized():
+            _connect(self.device)
+        connected = distributed.is_initialized()
+        self.rank: int = distributed.get_rank() if connected else 0
+        self.count: int = distributed.get_world_size() if connected else 1
+        self.reductions = 0
+        self.exchanges = 0
+        self.sent = 0
+
+    def rows(self, count: int) -> tuple[int, ...]:
+        """Return the bounds of the rows of all processes, for a number of rows of the domain.
+
+        They are shared on the coarsest grid, so that the rows of a process are those of its rows on the next one.
+        """
+        coarse = _halve_often(count)
+        return tuple(bound * (count // coarse) for bound in share(coarse, self.count))
+
+    def own_rows(self, count: int) -> slice:
+        """Return the rows of this process."""
+        bounds = self.rows(count)
+        return slice(bounds[self.rank], bounds[self.rank + 1])
+
+    def columns(self, count: int) -> tuple[int, ...]:
+        """Return the bounds of the columns of all processes, for a number of columns."""
+        return share(count, self.count)
+
+    def own_columns(self, count: int) -> slice:
+        """Return the columns of this process."""
+        bounds = self.columns(count)
+        return slice(bounds[self.rank], bounds[self.rank + 1])
+
+    def require(self, shape: tuple[int, int]) -> None:
+        """Raise `InputError` unless each process gets rows and columns of a grid."""
+        most = min(_halve_often(shape[0]), shape[0] // 2 + 1, shape[1] // 2 + 1)
+        if self.count > most:
+            raise rc.InputError.about(f"The processes for {shape[0]} x {shape[1]} cells", self.count, f"at most {most}")
+
+    def reduce(self, values: torch.Tensor, operation: str = "sum") -> torch.Tensor:
+        """Return the sum of a tensor over all processes, or its ``"highest"`` or ``"lowest"`` values; it is changed."""
+        self.reductions += 1
+        if self.count > 1:
+            with _talking():
+                distributed.all_reduce(values, _OPERATIONS[operation])
+        return values
+
+    def total(self, values: np.ndarray | float) -> np.ndarray:
+        """Return the sum of a number or an array of numpy over all processes."""
+        return self.reduce(torch.tensor(values, device=self.device)).numpy(force=True)
+
+    def publish(self, values: torch.Tensor) -> torch.Tensor:
+        """Return the tensor of the first process; all have one of this shape, which is changed."""
+        self.reductions += 1
+        if self.count > 1:
+            values = values.contiguous()
+            with _talking():
+                distributed.broadcast(values, 0)
+        return values
+
+    def exchange(self, values: torch.Tensor, counts: Sequence[int], expected: Sequence[int]) -> torch.Tensor:
+        """Return what all processes send to this one, flat, in their order.
+
+        Parameters
+        ----------
+        values
+            What this process sends, flat, in the order of the receivers.
+        counts, expected
+            Entries to and from each process.
+        """
+        self.exchanges += 1
+        if self.count == 1:
+            return values
+        self.sent += values.element_size() * (sum(counts) - counts[self.rank])
+        found = values.new_empty(sum(expected))
+        numbers = torch.view_as_real if values.is_complex() else torch.Tensor.contiguous
+        with _talking():
+            distributed.all_to_all_single(numbers(found), numbers(values), list(expected), list(counts))
+        return found
+
+    def gather_rows(self, values: torch.Tensor, count: int, *, first: bool = False) -> torch.Tensor | None:
+        """Return all rows of fields, shape (..., count, ny), on each process, or on the first one alone.
+
+        Parameters
+        ----------
+        values
+            The rows of this process.
+        count
+            Rows of the domain.
+        first
+            Whether the others get None.
+        """
+        heights = [stop - start for start, stop in itertools.pairwise(self.rows(count))]
+        width = values.numel() // values.shape[-2]
+        readers = 1 if first else self.count
+        reads = self.rank < readers
+        sent = values.reshape(-1).repeat(readers)
+        counts = [values.numel() if rank < readers else 0 for rank in range(self.count)]
+        found = self.exchange(sent, counts, [height * width if reads else 0 for height in heights])
+        if not reads:
+            return None
+        parts = torch.split(found, [height * width for height in heights])
+        shape = values.shape
+        rows = [part.view(*shape[:-2], height, shape[-1]) for part, height in zip(parts, heights, strict=True)]
+        return torch.cat(rows, -2)
+
+    def widen(self, values: torch.Tensor, reach: int, *, periodic: bool) -> torch.Tensor:
+        """Return fields with rows of the neighbours before and behind those of this process.
+
+        Parameters
+        ----------
+        values
+            Shape (..., n, ny).
+        reach
+            Rows on either side, at most those of any process.
+        periodic
+            Whether the rows of the last process lie before those of the first one, or zeros.
+        """
+        neighbours = {"before": (self.rank - 1) % self.count, "behind": (self.rank + 1) % self.count}
+        first = values[..., :reach, :]
+        last = values[..., -reach:, :]
+        # Of two processes each is before and behind the other: their last rows, which lie before, go first.
+        sent = sorted(((neighbours["behind"], last), (neighbours["before"], first)), key=lambda pair: pair[0])
+        size = first.numel()
+        counts = [size * list(neighbours.values()).count(rank) for rank in range(self.count)]
+        found = torch.split(self.exchange(torch.cat([part.reshape(-1) for _, part in sent]), counts, counts), size)
+        sides = sorted(neighbours, key=lambda side: neighbours[side])
+        rows = {side: part.view(first.shape) for side, part in zip(sides, found, strict=True)}
+        if not periodic and self.rank == 0:
+            rows["before"] = torch.zeros_like(first)
+        if not periodic and self.rank == self.count - 1:
+            rows["behind"] = torch.zeros_like(first)
+        return torch.cat((rows["before"], values, rows["behind"]), -2)
+
+
+def _choose_device(name: str) -> torch.device:
+    """Return the device of this process."""
+    place = TorchFFT(name).place
+    if place.type == "cpu":
+        return place
+    number = int(os.environ.get("LOCAL_RANK", "0"))
+    if number >= torch.cuda.device_count():
+        raise rc.InputError(
+            f"Each process needs a GPU of its own, and this machine has {torch.cuda.device_count()}: start as many "
+            "processes here by --nproc-per-node, or choose the device 'cpu'."
+        )
+    torch.cuda.set_device(number)
+    return torch.device("cuda", number)
+
+
+def _connect(device: torch.device) -> None:
+    """Let this process talk to the others: by NCCL from GPU to GPU, else by gloo."""
+    with _talking():
+        if device.type == "cuda":
+            distributed.init_process_group("nccl", device_id=device)
+        else:
+            distributed.init_process_group("gloo")
+    atexit.register(_disconnect)
+
+
+def _disconnect() -> None:
+    if distributed.is_initialized():
+        distributed.destroy_process_group()
+
+
+@contextlib.contextmanager
+def _talking() -> Iterator[None]:
+    """Say what an error of torch means while processes talk to each other."""
+    try:
+        yield
+    except RuntimeError as error:
+        raise rc.UnexpectedError(f"The other processes cannot be reached, or one has ended: {error}") from error
+
+
+@contextlib.contextmanager
+def ending_all(processes: Processes) -> Iterator[None]:
+    """End this process, with one sentence, when it fails inside the context; `torchrun` then ends the others.
+
+    The exit status is 1 if there is no certified answer or the error is not one of the user, else 2; that of `torchrun`
+    is 1.
+    """
+    try:
+        yield
+    except Exception as error:
+        if processes.rank:
+            time.sleep(_PRECEDENCE)
+        if isinstance(error, RoughContactError):
+            status = 1 if isinstance(error, (rc.NotConverged, rc.UnexpectedError)) else 2
+        else:
+            status = 1
+            traceback.print_exc()
+        where = f"process {processes.rank} of {processes.count}"
+        print(f"roughcontact_torch: {error} ({where})", file=sys.stderr, flush=True)
+        if processes.count == 1:
+            sys.exit(status)
+        # What other processes wait for would hold up the end of this one.
+        os._exit(status)
