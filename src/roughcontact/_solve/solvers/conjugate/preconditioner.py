@@ -376,7 +376,8 @@ class CoarseCorrection:
         """Return the level by tiles, lower by a part of the mean overlap where the contacts of a block overlap."""
         loads = np.maximum(self._blocks.sums(weights), _MIN_BLOCK_WEIGHT)
         excess = np.minimum(self._blocks.sums(weights * (gap - level)) / loads, 0.0)
-        return self._blocks.tiles((_RELEASE_PART * excess + level).astype(np.float32))
+        tiles: Callable[[slice], RealArray] = self._blocks.tiles((_RELEASE_PART * excess + level).astype(np.float32))
+        return tiles
 
     def _solve(self, right: RealArray) -> RealArray:
         return solve_on_blocks(
