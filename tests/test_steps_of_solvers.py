@@ -246,6 +246,9 @@ class Diagonal:
     def weights(self, active):
         return active.ones
 
+    def levels(self, *_):
+        return None
+
 
 @pytest.mark.parametrize("kinds", [1, 2, 3])
 def test_conjugate_gradients_end_after_as_many_steps_as_there_are_stiffnesses(kinds):

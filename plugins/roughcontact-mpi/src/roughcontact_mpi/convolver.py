@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any, cast
 
 import attrs
@@ -394,6 +394,14 @@ class _SlabBlocks:
         """Return the vector with the value of its block on each cell."""
         part = np.zeros(0, dtype=values.dtype) if self.local is None else self.local.spread(values[self.rows])
         return SlabArray.list(part, self.processes)
+
+    def tiles(self, values: RealArray) -> Callable[[slice], SlabArray]:
+        """Return the flat field with the value of its block on each cell, as a function of the only tile."""
+        part = np.zeros(0, dtype=values.dtype)
+        if self.local is not None:
+            shape = self.local.partition.shape
+            part = self.local.tiles(values[self.rows])(slice(0, shape[0] * shape[1]))
+        return lambda tile: SlabArray.list(part, self.processes)
 
 
 @attrs.frozen(eq=False)

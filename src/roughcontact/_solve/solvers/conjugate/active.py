@@ -161,6 +161,10 @@ class _ListedBlocks:
         """Return the vector with the value of its block, shape (bx, by), on each cell."""
         return values.ravel().take(self.numbers, mode="wrap")
 
+    def tiles(self, values: RealArray) -> Callable[[slice], RealArray]:
+        """Return the flat field with the value of its block on each cell, as a function of the tile."""
+        return _spread_in_tiles(values, self.partition)
+
 
 @attrs.frozen(eq=False)
 class _MaskedBlocks:
@@ -185,6 +189,22 @@ class _MaskedBlocks:
     def spread(self, values: RealArray) -> RealArray:
         """Return the vector with the value of its block on each cell."""
         return self.active.gather(np.take(values[self.partition.rows], self.partition.columns, axis=1).ravel())
+
+    def tiles(self, values: RealArray) -> Callable[[slice], RealArray]:
+        """Return the flat field with the value of its block on each cell, as a function of the tile."""
+        return _spread_in_tiles(values, self.partition)
+
+
+def _spread_in_tiles(values: RealArray, partition: Partition) -> Callable[[slice], RealArray]:
+    strips = np.take(values, partition.columns, axis=1)
+    length = partition.shape[1]
+
+    def spread(tile: slice) -> RealArray:
+        first = tile.start // length
+        found: RealArray = strips[partition.rows[first : -(-tile.stop // length)]].ravel()
+        return found[tile.start - first * length : tile.stop - first * length]
+
+    return spread
 
 
 def active_cells(field: RealArray, mark: Callable[[slice], Mask]) -> ActiveCells:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Protocol
 
 import attrs
@@ -55,6 +56,9 @@ class SupportsPreconditioning(Protocol):
 
     def apply(self, active: ActiveCells, weights: RealArray, residual: RealArray) -> RealArray:
         """Return the vector of the preconditioned residual."""
+
+    def levels(self, weights: RealArray, gap: RealArray, level: np.float32) -> Callable[[slice], RealArray] | None:
+        """Return the level below which open cells are released, by tiles, from vectors; None if it is the given one."""
 
 
 class Descent:
@@ -143,10 +147,14 @@ class Descent:
         level = np.float32(self._find_level(inside))
         # Without a limit all cells in contact are active: their vector takes less to read than the field.
         bearing = None if self._capped else state.active.scatter(inside)
+        levels = None
+        # With a limit saturated cells are released too, and in between the levels would have to balance.
+        if state.active.count and not self._capped:
+            levels = self._preconditioner.levels(state.weights * inside, state.gap, level)
 
         def mark(tile: slice) -> Mask:
             gap = self.gap[tile]
-            low = gap < level
+            low = gap < (level if levels is None else levels(tile))
             if bearing is not None:
                 low |= bearing[tile]
                 return low

@@ -47,6 +47,12 @@ _MIN_BLOCKS = 8
 # Maximum steps of conjugate gradients on the blocks, and relative residual at which they end.
 _MAX_BLOCK_STEPS = 4
 _BLOCK_RESIDUAL = 0.02
+# Part of the mean overlap of the contacts of a block that a step removes, about its length: open cells that remain
+# without overlap are not released. Otherwise long waves of the gap release many cells that the next steps open again:
+# at x = 0.2 29 instead of 23 products on 2048 x 2048 cells, 52 instead of 26 on 4096 x 4096.
+_RELEASE_PART = 0.7
+# Minimum sum of the weights of a block, to avoid 0 / 0.
+_MIN_BLOCK_WEIGHT = 1e-30
 # Maximum exponent in the cut of the short waves: exp(30) = 1e13 is beyond the resolution of float32.
 _MAX_EXPONENT = 30.0
 # Minimum ratio of the singular values of two distinct rigid pressures; float32 has 1e-7.
@@ -308,6 +314,11 @@ class Preconditioner:
             return image
         return self._rigid_correction.apply(active, image, residual, weights)
 
+    def levels(self, weights: RealArray, gap: RealArray, level: np.float32) -> Callable[[slice], RealArray] | None:
+        """Return the level below which open cells are released; see `SupportsPreconditioning`."""
+        correction = self._coarse_correction
+        return None if correction is None else correction.levels(weights, gap, level)
+
     def _apply_masked(self, active: ActiveCells, vector: RealArray) -> RealArray:
         self._products += 1
         if self._extended is not None:
@@ -360,6 +371,13 @@ class CoarseCorrection:
         solution = self._solve(self._blocks.sums(weights * residual).astype(np.float32))
         spread: RealArray = self._blocks.spread(solution)
         return weights * spread
+
+    def levels(self, weights: RealArray, gap: RealArray, level: np.float32) -> Callable[[slice], RealArray]:
+        """Return the level by tiles, lower by a part of the mean overlap where the contacts of a block overlap."""
+        loads = np.maximum(self._blocks.sums(weights), _MIN_BLOCK_WEIGHT)
+        excess = np.minimum(self._blocks.sums(weights * (gap - level)) / loads, 0.0)
+        tiles: Callable[[slice], RealArray] = self._blocks.tiles((_RELEASE_PART * excess + level).astype(np.float32))
+        return tiles
 
     def _solve(self, right: RealArray) -> RealArray:
         return solve_on_blocks(

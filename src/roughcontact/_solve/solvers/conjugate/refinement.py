@@ -164,6 +164,9 @@ class OpeningPreconditioner:
         self._symbol = 1.0 / (self._inverse.stiffness + np.float32(support))
         return active.ones
 
+    def levels(self, weights: RealArray, gap: RealArray, level: np.float32) -> None:
+        """Return None: the level is the same everywhere."""
+
     def apply(self, active: ActiveCells, weights: RealArray, residual: RealArray) -> RealArray:
         """Return the vector of the preconditioned residual."""
         self._products += 1
