@@ -16,6 +16,7 @@ from roughcontact._base.tables import Table
 from roughcontact._base.units import fit, parse_quantity
 from roughcontact._faces.cli.answers import (
     describe_estimate,
+    describe_rows,
     describe_solution,
     name_written,
     plan_picture,
@@ -24,6 +25,7 @@ from roughcontact._faces.cli.answers import (
     write_csv,
     write_json,
 )
+from roughcontact._faces.cli.inputs import find_path_inputs, find_state_inputs
 from roughcontact._faces.cli.options import name_options
 from roughcontact._faces.cli.problem import make_part, set_tolerance
 from roughcontact._faces.cli.progress import show_progress
@@ -167,6 +169,7 @@ def state_to_json(state: rc.FrictionalSolution) -> str:
         "dissipated": describe_estimate(state.dissipated),
         "residual": state.residuals.error,
         "pair": attrs.asdict(state.pair),
+        "inputs": find_state_inputs(state),
     }
     return write_json(content)
 
@@ -229,8 +232,7 @@ def path_to_csv(path: rc.FrictionalPath) -> str:
 def path_to_json(path: rc.FrictionalPath) -> str:
     """Return one JSON object: the energy lost along a path and in its last loop, and its states."""
     table = path.table()
-    rows = zip(*table.columns.values(), strict=True)
-    states = [{name: _plain(value) for name, value in zip(table.columns, row, strict=True)} for row in rows]
+    states = describe_rows(table)
     for row, state in zip(states, path, strict=True):
         row |= {"status": state.status.name, "residual": state.residuals.error}
     lost = lost_in_loop(path)
@@ -240,12 +242,7 @@ def path_to_json(path: rc.FrictionalPath) -> str:
         "states": states,
         "pair": attrs.asdict(path[0].pair),
         "warnings": list(path.warnings),
+        "inputs": find_path_inputs(path),
         "units": dict(table.units),
     }
     return write_json(content)
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, rc.Estimate):
-        return describe_estimate(value)
-    return value.item() if hasattr(value, "item") else value

@@ -14,6 +14,7 @@ from roughcontact._faces.cli import DOUBTFUL, Command
 from roughcontact._faces.cli.answers import name_written, plan_outputs, to_csv, to_json, to_text, write_outputs
 from roughcontact._faces.cli.cycle import plan_cycle_outputs, refuse_for_cycle, solve_cycle
 from roughcontact._faces.cli.friction import friction_of, plan_friction_outputs, refuse_for_friction, solve_friction
+from roughcontact._faces.cli.inputs import describe_responses, describe_wanted
 from roughcontact._faces.cli.options import add_accuracy, add_problem, whole_number
 from roughcontact._faces.cli.problem import loads_of, problem_of, set_tolerance
 from roughcontact._faces.cli.progress import ChangeProgress, describe_steps, show_progress
@@ -127,11 +128,13 @@ examples:
             if wanted is None:
                 subject, solutions = _solve(options, problem, loads, change)
                 found: dict[str, Any] = {}
+                inputs = describe_responses(asked)
             else:
                 required = solve_wanted(set_tolerance(options, problem), wanted, change)
                 subject = required.solution
                 solutions = (subject,)
                 found = {ANSWER: [required]}
+                inputs = {**describe_responses(asked), **describe_wanted(wanted[0], required)}
         # Solutions and pictures before the responses, of which one may have no answer.
         reports = [path for path in files if path.suffix == ".html"]
         written = write_outputs([path for path in files if path not in reports], subject, solutions)
@@ -147,8 +150,10 @@ examples:
         if options.quiet:
             return _status(solutions, quiet=True)
         done = name_written([*written, *reports])
-        write = to_json if options.json else to_csv if options.csv else to_text
-        print(write(solutions, options.area, answers))
+        if options.json:
+            print(to_json(solutions, options.area, answers, inputs))
+        else:
+            print((to_csv if options.csv else to_text)(solutions, options.area, answers))
         if options.pull_off:
             print(f"pull-off       {problem.pull_off()}", file=sys.stderr if piped else None)
         if done and not piped:
