@@ -142,8 +142,12 @@ examples:
             return _status(solutions, quiet=True)
         answers = found
         try:
-            with show_progress("answering", quiet=options.quiet or not asked) as change:
+            silent = options.quiet or not (asked or options.pull_off)
+            with show_progress("answering", quiet=silent) as change:
                 answers = {**found, **ask(asked, solutions, change)}
+                if options.pull_off:
+                    change("pull-off")
+                    answers |= {"pull-off": [_find_pull_off(set_tolerance(options, problem))] * len(solutions)}
         finally:
             for path in reports:
                 write_report(solutions, path, answers)
@@ -154,8 +158,6 @@ examples:
             print(to_json(solutions, options.area, answers, inputs))
         else:
             print((to_csv if options.csv else to_text)(solutions, options.area, answers))
-        if options.pull_off:
-            print(f"pull-off       {problem.pull_off()}", file=sys.stderr if piped else None)
         if done and not piped:
             print(done)
         return _status(solutions, quiet=options.quiet)
@@ -176,6 +178,14 @@ def _refuse_for_several(options: argparse.Namespace) -> None:
     if len({load.kind for load in options.loads or ()}) > 1:
         kinds = " and ".join(sorted({load.kind for load in options.loads}))
         raise rc.InputError(f"The loads of --loads must be of one kind, but they are of {kinds}.")
+
+
+def _find_pull_off(problem: rc.ContactProblem) -> rc.Estimate:
+    """Return the force of pull-off; `InputError`, with the option, where it cannot be followed."""
+    try:
+        return problem.pull_off()
+    except rc.InputError as error:
+        raise rc.InputError(f"--pull-off: {error}") from error
 
 
 def _solve(
