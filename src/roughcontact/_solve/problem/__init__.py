@@ -1,6 +1,6 @@
 """The contact problem: bodies, initial gap, load, plan, certificate."""
 
-from roughcontact._solve.problem.accuracy import resample_problem
+from roughcontact._solve.problem.accuracy import resample_problem, tolerance_within
 from roughcontact._solve.problem.body import RIGID_FLAT, Body
 from roughcontact._solve.problem.cycle import (
     AdhesionCycle,
@@ -18,6 +18,7 @@ from roughcontact._solve.problem.path import (
     TangentialLoop,
     load_path,
     resolve_friction,
+    run_slide,
     save_path,
 )
 from roughcontact._solve.problem.plan import SolvePlan, require_memory_of_solve
@@ -69,6 +70,8 @@ __all__ = [
     "require_memory_of_solve",
     "resample_problem",
     "resolve_friction",
+    "run_slide",
     "run_sweep",
     "save_path",
+    "tolerance_within",
 ]
