@@ -648,6 +648,7 @@ def test_the_help_of_a_response_has_units_and_defaults(run):
     words = " ".join(out.split())
     assert "viscosity=1mPa.s pressure_drop=100MPa [axis=0]" in words
     assert "yield_stress=100MPa [body=body]" in words
+    assert "conductivity=... (W/(m K) or S/m) [film_resistance=0 (m2 K/W or Ohm m2)]" in words
     assert max(map(len, out.splitlines())) <= 80
 
 

@@ -19,7 +19,7 @@ _OMITTED = ("approach", "mean-gap", "patches", "peak-pressure", "capacitance")
 # Kind of quantity and first unit of the page, by the SI unit.
 _KINDS = {"Pa": ("pressure", "MPa"), "N": ("force", "N"), "m": ("length", "um"), "Pa s": ("viscosity", "mPa s")}
 _LABELS = {
-    "conductivity": "Conductivity of body and counterbody, W/(m K) or S/m",
+    "conductivity": "Conductivity of body and counterbody",
     "friction": "Coefficient of friction",
 }
 
@@ -61,6 +61,7 @@ def _list_tick_boxes() -> dict[str, TickBox]:
             for field in needed:
                 words = field.name.replace("_", " ")
                 label = _LABELS.get(field.name, words.capitalize())
+                label += f", {field.plain_unit}" if field.plain_unit else ""
                 units = _KINDS.get(field.unit or "", ("", ""))
                 fields.append(FormField(field.name, f"{setting}_{field.name}", label, *units, field.is_pair))
             axis = f"{setting}_axis" if any(field.name == "axis" for field in form.fields) else ""
