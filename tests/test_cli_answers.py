@@ -80,6 +80,8 @@ class TestJson:
         assert found["inputs"]["counterbody"] == {"surface": "rc.FlatSurface()", "material": "rc.Rigid()"}
         assert found["inputs"]["solver"] == "rc.ProjectedConjugateGradient()"
         assert found["accuracy"] is None
+        for name, estimate in (("contact area", solution.area()), ("maximum pressure", peak)):
+            assert f"{name} +- {100.0 * estimate.sampling / estimate.value:.2g} %" in found["other_places"]
         assert found["saturated_area"] is None
         assert found["cost"]["convolutions"] == solution.convolutions
         assert found["versions"]["roughcontact"] == rc.__version__

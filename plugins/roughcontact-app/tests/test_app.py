@@ -1558,16 +1558,22 @@ def test_the_page_warns_of_a_tilt_from_the_bound_of_solutions():
     assert PLAUSIBILITY_RULES["tilt"].admissible == preview._ADMISSIBLE_TILT
 
 
-def test_the_answer_at_one_load_tells_how_much_other_places_differ():
+def test_each_answer_tells_how_much_other_places_differ():
     rough = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.1, shortest=8e-6, longest=32e-6)
     body = rc.Body(rough, rc.Elastic(young=210e9, poisson=0.3))
     problem = rc.ContactProblem(body, grid=rc.Grid((32, 32), 64e-6), boundary="periodic")
     solutions = list(problem.sweep(pressure=[50e6, 100e6]))
-
-    def find_text(answers):
-        return next(one["text"] for one in answers[0]["quantities"] if one["name"] == "contact area")
-
-    area = solutions[0].area()
-    percent = 100.0 * area.sampling / area.value
-    assert find_text(describe_solutions(solutions[:1])).endswith(f"; other places ± {percent:.2g} %")
-    assert "other places" not in find_text(describe_solutions(solutions))
+    stiffness = [solution.stiffness() for solution in solutions]
+    found = describe_solutions(solutions, {"stiffness": stiffness})
+    for solution, stiff, answer in zip(solutions, stiffness, found, strict=True):
+        for name, one in {
+            "contact area": solution.area(), "maximum pressure": solution.peak_pressure(), "stiffness": stiff,
+        }.items():  # fmt: skip
+            assert f"{name} ± {100.0 * one.sampling / one.value:.2g} %" in answer["places"]
+        # The sentence of the print, with its reasons.
+        (line,) = (line for line in str(solution).replace("+-", "±").splitlines() if line.startswith("other places"))
+        assert line.split("contact area ")[1].split(",")[0] in answer["places"]
+    plain = rc.ContactProblem(
+        rc.Body(rc.WavySurface(0.5e-6, 25e-6), rc.Elastic(210e9, 0.3)), grid=rc.Grid((32, 32), 50e-6)
+    )
+    assert describe_solutions([plain.solve(force=0.1)])[0]["places"] == ""

@@ -320,6 +320,7 @@ def test_what_is_ticked_is_answered_and_reported(page):
     leakage = solution.leakage(axis=1, viscosity=1e-3, pressure_drop=1e5)
     assert page.value("leakage") == pytest.approx(leakage.value, rel=1e-9)
     assert "±" in page.driver.find_element(By.CSS_SELECTOR, "[data-quantity=stiffness]").text
+    assert not page.find("places").is_displayed()
     assert "What the contact does" in page.download("wavy-20-MPa-report.html").read_text(encoding="utf-8")
     # The address ticks the same boxes.
     page.open(page.driver.current_url)

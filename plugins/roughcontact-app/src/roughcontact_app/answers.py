@@ -13,6 +13,7 @@ import attrs
 from roughcontact import ContactSolution, Estimate, FrictionalPath
 from roughcontact.typing import (
     AdhesionCycle,
+    describe_other_places,
     exceeds_metals,
     gather_warnings,
     list_quantities,
@@ -45,19 +46,18 @@ def describe_solutions(
             of = next(one for one in asked if f"{name} ".startswith(f"{one} ")).replace("-", " ")
             warnings += [said for text in one.warnings if (said := f"{of}: {text}") not in warnings]
     columns = {name: iter(write_column([quantities[name] for quantities, _ in found])) for name in found[0][0]}
+    places = [describe_other_places(solution, found[index][0]) for index, solution in enumerate(solutions)]
     return [
         {
             "load": name_load(solution),
             "status": in_words_of_page(str(solution.status)),
             "certified": solution.status.success,
             "seconds": solution.seconds,
-            "quantities": [
-                _describe(name, one, next(columns[name]) + ("" if len(solutions) > 1 else _tell_other_places(one)))
-                for name, one in quantities.items()
-            ],
+            "quantities": [_describe(name, one, next(columns[name])) for name, one in quantities.items()],
+            "places": f"{place.replace('+-', '±')}." if place else "",
             "warnings": [end_sentence(text) for text in (*_warn_of_hardness(solution), *warnings)],
         }
-        for solution, (quantities, warnings) in zip(solutions, found, strict=True)
+        for solution, (quantities, warnings), place in zip(solutions, found, places, strict=True)
     ]
 
 
@@ -146,12 +146,6 @@ def make_table(answers: list[dict[str, Any]]) -> str:
 def _round(value: float | str | None) -> float | str:
     """Return a number without the digits that rounding errors have made, such as those of 4.999999999999999 N."""
     return float(f"{value:.{_DIGITS}g}") if isinstance(value, float) else value or ""
-
-
-def _tell_other_places(one: Estimate) -> str:
-    """Return how much other places of the surface differ, as the end of a text; empty where it is not known."""
-    sampling = one.sampling
-    return f"; other places ± {100.0 * sampling / abs(one.value):.2g} %" if sampling and one.value else ""
 
 
 def _describe(name: str, one: Estimate, text: str) -> dict[str, Any]:

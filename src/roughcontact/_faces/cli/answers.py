@@ -19,6 +19,7 @@ from roughcontact._faces.panels.figures import save_figure
 from roughcontact._faces.panels.theme import require_matplotlib
 from roughcontact._solve.problem import Sweep, make_table
 from roughcontact._solve.solution import (
+    describe_other_places,
     gather_warnings,
     list_estimates,
     list_quantities,
@@ -63,11 +64,12 @@ def write_json(content: dict[str, Any]) -> str:
 def describe_solution(solution: rc.ContactSolution, estimator: str | None = None) -> dict[str, Any]:
     """Return a solution as data that JSON can hold, with the area of one more estimator if it is named."""
     accuracy = solution.accuracy
+    area = solution.area()
     peak = solution.peak_pressure()
     return {
         "status": solution.status.name,
         "converged": solution.status.success,
-        "area": _area(solution.area()),
+        "area": _area(area),
         **({} if estimator is None else {"other_area": _area(solution.area(estimator))}),
         "peak_pressure": describe_estimate(peak),
         "force": describe_value(solution.force, "N"),
@@ -76,6 +78,7 @@ def describe_solution(solution: rc.ContactSolution, estimator: str | None = None
         **({} if solution.tension is None else {"attractive_area": _area(solution.attractive_area())}),
         "saturated_area": _area(solution.saturated_area()) if solution.capped else None,
         "contact_modulus": describe_value(solution.modulus, "Pa"),
+        "other_places": describe_other_places(solution, {"contact area": area, "maximum pressure": peak}) or None,
         "warnings": list(solution.warnings),
         "accuracy": None if accuracy is None else {"met": accuracy.met, "message": str(accuracy)},
         "residuals": {name: getattr(solution.residuals, name) for name in _RESIDUALS},

@@ -46,12 +46,37 @@ def list_answers(solution: ContactSolution) -> dict[str, str]:
     }
     if solution.capped:
         answers["saturated"] = _format_area(_attempt(solution.saturated_area, None), solution)
-    others = {"contact area": _attempt(solution.area, None), "max pressure": peak}
-    differences = [f"{name} {text}" for name, one in others.items() if (text := _format_sampling(one))]
-    if differences:
-        warning = find_sampling_warning(solution)
-        answers["other places"] = f"{', '.join(differences)} (standard deviation)" + (f"; {warning}" if warning else "")
-    return answers
+    places = describe_other_places(solution, {"contact area": _attempt(solution.area, None), "max pressure": peak})
+    return answers | ({"other places": places} if places else {})
+
+
+@guarded
+def describe_other_places(solution: ContactSolution, estimates: Mapping[str, Area | Estimate | None]) -> str:
+    """Return how much other places of the same surface differ, in words; empty where it is not known.
+
+    Parameters
+    ----------
+    solution
+        The solution.
+    estimates
+        Its answers by name; those that state no sampling error are left out.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> rough = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.1, shortest=4e-6, longest=16e-6, seed=1)
+    >>> problem = rc.ContactProblem(
+    ...     rc.Body(rough, rc.Elastic(210e9, 0.3)), grid=rc.Grid((64, 64), 64e-6), boundary="periodic"
+    ... )
+    >>> solution = problem.solve(pressure=1e9)
+    >>> rc.typing.describe_other_places(solution, {"contact area": solution.area()})
+    'contact area +- ... % (standard deviation)'
+    """
+    differences = [f"{name} {text}" for name, one in estimates.items() if (text := _format_sampling(one))]
+    if not differences:
+        return ""
+    warning = find_sampling_warning(solution)
+    return f"{', '.join(differences)} (standard deviation)" + (f"; {warning}" if warning else "")
 
 
 def list_all_warnings(
