@@ -7,6 +7,7 @@ import csv
 import http.client
 import io
 import json
+import math
 import os
 import re
 import signal
@@ -29,11 +30,12 @@ from roughcontact._solve.solution.summary import list_all_warnings
 from roughcontact.typing import Step, gather_warnings, write_column
 
 from roughcontact_app import AppServer, Session, preview, work
-from roughcontact_app.answers import describe_solutions, list_warnings, make_table
+from roughcontact_app.answers import describe_solutions, list_cycle_states, list_warnings, make_table, tabulate_cycle
 from roughcontact_app.command import _shown
 from roughcontact_app.connections import LIMIT
 from roughcontact_app.process import TaskEnded, Worker
 from roughcontact_app.progress import Progress
+from roughcontact_app.responses import ask_states
 from roughcontact_app.scene import make_loads, make_problem, make_scene
 from roughcontact_app.settings import DEFAULTS, load_values, quantity, read_settings
 from roughcontact_app.uploads import shown_name
@@ -1181,6 +1183,49 @@ def test_a_cycle_that_cannot_be_followed_is_refused_before_it_is_solved(client, 
 
 FRETTING = {"surface": "sphere", "radius": "1", "radius_unit": "mm", "side": "100", "cells": "32", "load": "fretting"}
 FRETTING |= {"counterbody": "deformable", "normal_force": "1", "tangential_force": "200", "tangential_force_unit": "mN"}
+
+
+def test_the_responses_of_a_cycle_are_shown_and_tabulated(client):
+    asked = {"ask_stiffness": "yes", "ask_conductance": "yes", "ask_conductance_conductivity": "50"}
+    state = client.wait(client.post("api/runs", {**CYCLE, **asked})["id"])
+    assert state["phase"] == "done", state
+    settings = read_settings(CYCLE)
+    cycle = make_problem(settings, make_scene(settings, None)).cycle(approach=np.linspace(-0.3e-6, 0.1e-6, 9))
+    found = {one["name"]: one for one in state["answers"][0]["quantities"]}
+    last = cycle.loading[-1]
+    table = client.get(f"runs/{state['id']}/{state['outputs'][0]['file']}").decode("utf-8")
+    rows = list(csv.DictReader(io.StringIO(table)))
+    for name, unit, expected in (
+        ("stiffness", "N/m", last.stiffness()), ("conductance", "W/K", last.conductance(50.0)),
+    ):  # fmt: skip
+        shown = found[f"{name} at the last approach"]
+        assert shown["value"] == pytest.approx(expected.value, rel=1e-4)
+        assert shown["uncertainty"] == pytest.approx(expected.uncertainty, rel=1e-2)
+        # Unloading starts where loading ends.
+        values = [float(row[f"{name} [{unit}]"]) for row in rows]
+        assert values[8] == values[9] == pytest.approx(expected.value, rel=1e-4)
+        assert len(values) == 18
+    assert float(rows[12]["conductance [W/K]"]) == pytest.approx(cycle.unloading[3].conductance(50.0).value, rel=1e-4)
+
+
+def test_a_response_without_an_answer_leaves_the_others_of_a_cycle():
+    settings = read_settings(CYCLE)
+    cycle = make_problem(settings, make_scene(settings, None)).cycle(approach=np.linspace(-0.3e-6, 0.1e-6, 3))
+    states = list_cycle_states(cycle)
+
+    class Picky(rc.Response):
+        with_adhesion = "total pressure"
+
+        def respond(self, solution):
+            if solution is states[0]:
+                raise rc.InputError("nothing touches")
+            return rc.Estimate(1.0, 0.1, "m")
+
+    found, problems = ask_states({"stiffness": Picky()}, states)
+    assert problems == ["Stiffness: 1 of 5 states have no answer: nothing touches."]
+    column = tabulate_cycle(cycle, found).columns["stiffness"]
+    assert [one.value for one in column[1:]] == [1.0] * 5
+    assert math.isnan(column[0].value)
 
 
 def test_a_fretting_cycle_is_planned_solved_drawn_and_tabulated(client, tmp_path):

@@ -644,16 +644,21 @@ def test_a_cycle_of_surfaces_that_attract_each_other(page):
     for name, text in {"adhesion": "exponential", "range": "30", "cycle_from": "-0.3", "cycle_to": "0.1"}.items():
         page.set(name, text)
     page.set("states", "9")
+    page.driver.find_element(By.NAME, "ask_stiffness").click()
     page.until(lambda: "17 states, about" in page.text("plan"))
     page.find("solve").click()
     page.until(lambda: page.text("headline").startswith("Pull-off -1.4"))
     assert "energy lost in the cycle" in page.text("headline")
     assert "approach from -0.3 to 0.1 µm and back" in page.text("run-subject")
     assert "exponential adhesion of 50 mJ/m², range 30 nm" in page.text("run-subject")
+    assert page.text("run-subject").endswith("; with stiffness.")
     assert page.value("jumps") >= 1
+    assert page.value("stiffness at the last approach") > 0.0
     page.until(lambda: page.find("picture").is_displayed())
     table = page.download("sphere-cycle.csv")
-    assert table.read_text(encoding="utf-8").startswith("branch,")
+    head = table.read_text(encoding="utf-8").partition("\n")[0]
+    assert head.startswith("branch,")
+    assert "stiffness [N/m]" in head
     # The link of the settings, opened anew, asks for the same cycle.
     address = page.driver.current_url
     page.open(address)

@@ -110,6 +110,31 @@ def ask(
     return found, problems
 
 
+def ask_states(
+    asked: Mapping[str, Response[Any]], states: Sequence[ContactSolution]
+) -> tuple[dict[str, list[Any]], list[str]]:
+    """Return what each response says of each state of a cycle, None where it has no answer, and in sentences why.
+
+    Unstable states, for instance, have no stiffness.
+    """
+    found = {}
+    problems = []
+    for name, response in asked.items():
+        results: list[Any] = []
+        reasons = []
+        for state in states:
+            try:
+                results.append(state.response(response))
+            except RoughContactError as error:
+                results.append(None)
+                reasons.append(in_words_of_page(str(error)))
+        found[name] = results
+        if reasons:
+            count = "all" if len(reasons) == len(states) else f"{len(reasons)} of {len(states)}"
+            problems.append(end_sentence(f"{TICK_BOXES[name].label}: {count} states have no answer: {reasons[0]}"))
+    return found, problems
+
+
 def finite(value: float) -> float | None:
     """Return a number that JSON has; None for one that it has not."""
     return float(value) if math.isfinite(value) else None

@@ -23,7 +23,7 @@ from roughcontact._faces.cli.answers import (
 from roughcontact._faces.cli.inputs import find_inputs
 from roughcontact._faces.cli.problem import set_tolerance
 from roughcontact._faces.cli.progress import count_done, show_progress
-from roughcontact._solve.problem import AdhesionCycle, make_cycle_table
+from roughcontact._solve.problem import AdhesionCycle
 
 # States on each branch.
 _STATES = 41
@@ -74,12 +74,12 @@ def refuse_for_cycle(options: argparse.Namespace) -> None:
 
 def cycle_to_csv(cycle: AdhesionCycle) -> str:
     """Return a header and a row for each state, in SI units: the columns of `AdhesionCycle.to_csv`."""
-    return write_csv(make_cycle_table(cycle))
+    return write_csv(cycle.table())
 
 
 def cycle_to_json(cycle: AdhesionCycle) -> str:
     """Return one JSON object: the results of a cycle, and its states."""
-    table = make_cycle_table(cycle)
+    table = cycle.table()
     content: dict[str, Any] = {name: describe_estimate(getattr(cycle, name)) for name in ("pull_in", "pull_off")}
     content["dissipated"] = describe_estimate(cycle.dissipated)
     content["jumps"] = [list(jump) for jump in cycle.jumps]

@@ -8,7 +8,6 @@ from roughcontact._solve.problem.cycle import (
     find_stability,
     linearise,
     list_states,
-    make_cycle_table,
 )
 from roughcontact._solve.problem.friction_certificate import require_frictional
 from roughcontact._solve.problem.increments import Increment, StepNumbers, list_targets
@@ -57,7 +56,6 @@ __all__ = [
     "list_targets",
     "load",
     "load_path",
-    "make_cycle_table",
     "make_solution",
     "make_table",
     "make_task",
