@@ -30,7 +30,7 @@ from roughcontact._work.studies import Answers, tabulate_answers
 
 _NONE: Answers = MappingProxyType({})
 # Width of the label of a line, as `print(solution)` has it.
-_LABEL_WIDTH = 15
+_LABEL_WIDTH = 18
 _RESIDUALS = ("complementarity", "penetration", "load", "tension")
 PICTURES = frozenset({".png", ".svg", ".pdf"})
 
