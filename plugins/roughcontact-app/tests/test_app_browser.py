@@ -330,6 +330,19 @@ def test_what_is_ticked_is_answered_and_reported(page):
     assert not page.driver.find_element(By.NAME, "ask_leakage").is_displayed()
 
 
+def test_an_answer_says_how_much_other_places_differ(page):
+    page.open()
+    for name, text in {"surface": "self-affine", "cells": "64", "loads": "50 100"}.items():
+        page.set(name, text)
+    page.until_planned()
+    page.find("solve").click()
+    page.until(lambda: page.text("headline") == "2 loads solved")
+    # Of the last load, in one sentence.
+    assert page.text("places").startswith("Other places of the surface, at 100 MPa: contact area ± ")
+    assert ", maximum pressure ± " in page.text("places")
+    assert "+-" not in page.text("places")
+
+
 def test_an_answer_says_what_it_answers(page):
     page.open()
     for name, text in {"surface": "wavy", "cells": "64", "loads": "20", "hardness": "7"}.items():
