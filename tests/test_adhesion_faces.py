@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import csv
 import html
 import json
+import re
 import runpy
 
 import attrs
@@ -64,6 +66,23 @@ class TestCommand:
         (line,) = (line for line in printed.out.splitlines() if line.startswith("pull-off"))
         assert "-" in line
         assert "nN +-" in line
+
+    def test_pull_off_is_in_json_csv_and_the_report(self, ball, capsys, tmp_path):
+        options = ["--force", "0N", *BODY, "--adhesion", "exponential", "work=50mJ/m2", "range=200nm", "--pull-off"]
+        body = rc.Body(rc.read_surface(ball), rc.Elastic("5MPa", 0.5))
+        expected = rc.ContactProblem(body, adhesion=rc.Exponential("50mJ/m2", "200nm")).pull_off()
+        assert expected.uncertainty > 0.0
+        report = tmp_path / "report.html"
+        found = json.loads(run(capsys, "solve", ball, *options, "--json", "--report", report)[1].out)
+        numbers = {name: getattr(expected, name) for name in ("value", "uncertainty", "unit")}
+        assert found["responses"]["pull-off"] == {**numbers, "warnings": list(expected.warnings)}
+        (row,) = csv.DictReader(run(capsys, "solve", ball, *options, "--csv")[1].out.splitlines())
+        assert float(row["pull-off [N]"]) == expected.value
+        assert float(row["pull-off_uncertainty [N]"]) == expected.uncertainty
+        words = re.sub(r"<[^>]*>", " ", report.read_text(encoding="utf-8"))
+        head, cell = rc.typing.Table({"pull-off": [expected]}).to_text().replace("+-", "±").split("\n")
+        assert re.search(rf"load\s+{re.escape(head.strip())}\s", words)
+        assert cell.strip() in words
 
     def test_pulls_at_several_loads_in_their_order(self, ball, capsys):
         _, printed = run(capsys, "solve", ball, "--loads", "20nN", "0nN", "-20nN", *BODY, *LAW, "--csv")

@@ -22,6 +22,9 @@ import pytest
 import roughcontact as rc
 from roughcontact._base.units import fit
 from roughcontact._faces.cli import commands
+from roughcontact._faces.cli.progress import count_grids
+from roughcontact._solve.problem import find_required_load
+from roughcontact._solve.solvers import Step
 from systems import posix
 
 GRID = rc.Grid((48, 48), 48e-6)
@@ -77,6 +80,8 @@ class TestJson:
         assert found["inputs"]["counterbody"] == {"surface": "rc.FlatSurface()", "material": "rc.Rigid()"}
         assert found["inputs"]["solver"] == "rc.ProjectedConjugateGradient()"
         assert found["accuracy"] is None
+        for name, estimate in (("contact area", solution.area()), ("maximum pressure", peak)):
+            assert f"{name} +- {100.0 * estimate.sampling / estimate.value:.2g} %" in found["other_places"]
         assert found["saturated_area"] is None
         assert found["cost"]["convolutions"] == solution.convolutions
         assert found["versions"]["roughcontact"] == rc.__version__
@@ -597,6 +602,7 @@ class Terminal(io.StringIO):
         return True
 
 
+SLIDE = ["--friction", "0.3", "--slide"]
 STICKY = ["--young", "5MPa", "--poisson", "0.5", "--adhesion", "exponential", "work=50mJ/m2", "range=2um"]
 
 
@@ -604,7 +610,11 @@ STICKY = ["--young", "5MPa", "--poisson", "0.5", "--adhesion", "exponential", "w
     ("arguments", "words"),
     [
         (["solve", "rough.npz", "--loads", "10mN", "12mN", "14mN", *STEEL], "load 3 of 3, force 10 mN: 48 x 48 cells"),
-        (["solve", "rough.npz", "--solve-for", "area=10%", *STEEL], "load 2, "),
+        (["solve", "rough.npz", "--solve-for", "area=10%", *STEEL], "load 2 of about "),
+        (["solve", "wave.npz", "--pressure", "50MPa", "--refine", "2", *STEEL], "solving: 96 x 96 cells"),
+        (["solve", "rough.npz", "--pressure", "50MPa", "--area-within", "5%", *STEEL], "solving: 48 x 48 cells"),
+        (["solve", "wave.npz", "--pressure", "50MPa", "--area-within", "0.1%", *STEEL], "solving: 320 x 320 cells"),
+        (["solve", "rough.npz", "--pressure", "50MPa", *SLIDE, *STEEL], "sliding: 48 x 48 cells, iteration 2"),
         (["law", "wave.npz", "--loads", "1MPa..2MPa", *STEEL], "load 3 of 3"),
         (["solve", "rough.npz", "--cycle", "-2um", "1um", "--states", "3", *STICKY], "state 5 of 5"),
         (["solve", "rough.npz", "--force", "10mN", "--stiffness", "--peak-pressure", *STEEL], "answer 2 of 2"),
@@ -632,8 +642,7 @@ def test_progress_says_what_is_solved_and_how_long_it_takes(run, monkeypatch, ar
     monkeypatch.setattr(progress._Line, "change", change)
     run(*arguments)
     assert any(words in text for text in drawn), drawn
-    if "--solve-for" not in arguments:
-        assert any(re.match(r", about \d+ (s|min) left  ", text) for text in drawn)
+    assert any(re.match(r", about \d+ (s|min) left  ", text) for text in drawn)
 
 
 def test_the_help_of_a_response_has_units_and_defaults(run):
@@ -641,4 +650,42 @@ def test_the_help_of_a_response_has_units_and_defaults(run):
     words = " ".join(out.split())
     assert "viscosity=1mPa.s pressure_drop=100MPa [axis=0]" in words
     assert "yield_stress=100MPa [body=body]" in words
+    assert "conductivity=... (W/(m K) or S/m) [film_resistance=0 (m2 K/W or Ohm m2)]" in words
     assert max(map(len, out.splitlines())) <= 80
+
+
+class TestFractions:
+    """The fraction of all work that is done, from which the time left follows."""
+
+    @staticmethod
+    def follow(find_fraction, *shapes):
+        """Return the fractions along solves on some grids, at an error that has fallen half way, and at the end."""
+        return [find_fraction(Step((n, n), 3, error)) for n in shapes for error in (1e-2, 1e-4)]
+
+    def test_known_grids_count_by_their_cells(self):
+        found = self.follow(count_grids((8, 8), 1e-4, doublings=1), 4, 8, 16)
+        assert found == sorted(found)
+        assert found[:2] == [0.0, 0.0]
+        assert found[3] == pytest.approx(64 / 320)
+        assert found[5] == pytest.approx(1.0)
+
+    def test_of_unknown_grids_each_may_be_the_last_but_the_first(self):
+        found = self.follow(count_grids((8, 8), 1e-4, doublings=None), 8, 12, 24)
+        assert found[:2] == [None, None]
+        assert 64 / 208 < found[2] < found[3] == 1.0
+        assert 208 / 784 < found[4] < found[5] == 1.0
+        assert self.follow(count_grids((8, 8), 1e-4, doublings=None, refined=False), 8)[1] == 1.0
+
+    def test_the_solves_of_a_search_are_foreseen(self):
+        grid = rc.Grid((48, 48), 48e-6)
+        body = rc.Body(rc.read_surface("rough.npz"), rc.Elastic(210e9, 0.3))
+        problem = rc.ContactProblem(body, grid=grid)
+        left = []
+        found = find_required_load(
+            problem, lambda load, start: problem.solve(**load.arguments, start=start),
+            rc.responses.create("stiffness"), "1MN/m", {}, left.append,
+        )  # fmt: skip
+        # One call after each solve but the last, and never more than twice the solves that came.
+        assert len(left) >= found.solves - 2 > 0
+        assert all(count >= 1 for count in left)
+        assert left[0] <= 2 * found.solves

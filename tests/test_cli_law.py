@@ -71,7 +71,7 @@ class TestSolveFor:
     def test_text_csv_and_files(self, run):
         call = ["solve", "map.npz", "--boundary", "periodic", *STEEL, "--solve-for", "area=10%"]
         _, output, _ = run(*call, "-o", "contact.npz", "--stiffness")
-        assert "required-load  area of 307.2 µm2 at " in output
+        assert "required-load     area of 307.2 µm2 at " in output
         assert "stiffness " in output
         saved = rc.ContactSolution.load("contact.npz")
         _, output, _ = run(*call, "--csv")

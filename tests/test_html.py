@@ -88,7 +88,7 @@ class TestPage:
         assert float(value) == pytest.approx(100.0 * area.fraction, abs=float(std))
         assert float(std) == pytest.approx(100.0 * area.uncertainty / solution.grid.area, rel=0.06)
         assert float(re.search(r"([\d.]+) µm²", words)[1]) == pytest.approx(1e12 * area.value, rel=1e-3)
-        value, std = re.search(r"Max pressure \(([\d.]+) ± ([\d.]+)\) GPa", words).groups()
+        value, std = re.search(r"Maximum pressure \(([\d.]+) ± ([\d.]+)\) GPa", words).groups()
         assert float(value) == pytest.approx(1e-9 * peak.value, abs=float(std))
         assert float(std) == pytest.approx(1e-9 * peak.uncertainty, rel=0.06)
         plan = rc.ContactProblem(**solution.origin.problem).explain()

@@ -102,7 +102,7 @@ def test_contact_at_a_free_border_is_found():
 def test_heights_in_micrometres_are_too_steep():
     report = rc.stability(rough(slope=2.0), pressure=5e10)
     assert report["slope"].verdict is FAIL
-    assert report["peak pressure"].verdict is FAIL
+    assert report["maximum pressure"].verdict is FAIL
 
 
 class FourLogs(rc.InfluenceKernel):

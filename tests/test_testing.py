@@ -8,6 +8,7 @@ import re
 import subprocess
 import sys
 import tomllib
+from importlib.metadata import entry_points
 from pathlib import Path
 
 import attrs
@@ -17,6 +18,7 @@ import pytest
 import roughcontact as rc
 import roughcontact.testing as kit
 from roughcontact.__main__ import main
+from roughcontact._base.archive.plain import describe
 from roughcontact._solve.solvers import shear_solvers
 from roughcontact.typing import Outcome, PreparedConvolution, RawMap, ShearConvolution, ShearSolver
 
@@ -717,6 +719,32 @@ class TestCommand:
 
 
 SOURCES = sorted(path for path in (EXAMPLE / "src" / "roughcontact_example").glob("*.py") if path.name != "__init__.py")
+
+
+class TestInstalledPlugIn:
+    """Parts that an entry point of an installed distribution registers."""
+
+    @pytest.fixture(autouse=True)
+    def installed(self):
+        found = entry_points(group="roughcontact.areas", name="between")
+        if not found:
+            pytest.skip("roughcontact-example is not installed")
+
+    def test_the_command_knows_it_as_registered(self, run):
+        status, out, _ = run("check", "between")
+        assert status == 0
+        assert re.search(r"^holds +can be saved", out, re.M)
+        assert "not registered" not in out
+
+    def test_a_file_names_each_part(self):
+        groups = tomllib.loads((EXAMPLE / "pyproject.toml").read_text(encoding="utf-8"))["project"]["entry-points"]
+        names = {"between", "springs", "signal", "capacitance", "springback", "accelerated-gradient"}
+        for registry in (rc.areas, rc.kernels, rc.convolvers, rc.responses, rc.flattening_models, rc.solvers):
+            for name in names & set(groups[registry.group]):
+                described = describe(registry.create(name), {})
+                assert (described["kind"], described["name"]) == (registry.kind, name)
+                names.remove(name)
+        assert not names
 
 
 def test_the_page_includes_every_file_of_the_example_plug_in():

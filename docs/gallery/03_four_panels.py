@@ -12,9 +12,17 @@ steel = rc.ElasticPerfectlyPlastic(young=210e9, poisson=0.3, hardness=6e9)
 problem = rc.ContactProblem(rc.Body(surface, steel), grid=rc.Grid((256, 256), 100e-6), boundary="periodic")
 solution = problem.solve(pressure=200e6)
 
+
+def draw(dark=False):
+    """Draw a small figure, in which letters are large."""
+    figure = solution.plot(dark=dark)
+    figure.set_size_inches(5.8, 5.3)
+    figure.suptitle(figure.get_suptitle().replace(" at ", "\nat "))
+
+
 # sphinx_gallery_thumbnail_number = 1
-solution.plot()
+draw()
 
 # %%
 # The same for a dark page.
-solution.plot(dark=True)
+draw(dark=True)

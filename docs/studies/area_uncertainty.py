@@ -26,11 +26,39 @@ from roughcontact.plotting import LIGHT, style
 # Groups of classes, by panels of the figure.
 PANELS = {
     "waves, balls, ellipses": ("wave", "ball", "ellipse"),
-    "rough": ("rough",),
-    "lay": ("lay",),
+    "rough surfaces": ("rough",),
+    "rough surfaces with a lay": ("lay",),
     "strips, cones": ("strips", "cone", "cubic"),
-    "pressure limit, run in": ("capped", "run-in"),
+    "limited pressure, running in": ("capped", "run-in"),
     "borders, measured maps": ("border", "holes", "map"),
+}
+# The classes in words.
+WORDS = {
+    "wave-whole": "wave of whole cells",
+    "wave-random": "wave at any place",
+    "wave-other": "other waves",
+    "ball-centred": "ball at the centre",
+    "ball-random": "ball at any place",
+    "ellipse-centred": "ellipse at the centre",
+    "ellipse-random": "ellipse at any place",
+    **{f"rough-{load}": f"{load} load" for load in area_classes.BANDS},
+    **{f"lay-{load}": f"along the grid, {load} load" for load in area_classes.BANDS},
+    **{f"lay-turned-{load}": f"turned, {load} load" for load in area_classes.BANDS},
+    "strips-axis": "strips along the grid",
+    "strips-45": "strips at 45°",
+    "strips-1:2": "strips at a slope of 1 : 2",
+    "cone": "cone",
+    "cubic": "cubic tip",
+    "capped-rough": "rough, with a hardness",
+    "capped-ball": "ball, with a hardness",
+    "capped-punch": "flat punch, with a hardness",
+    "run-in-half": "run in, at half the load",
+    "run-in-own": "run in, at the same load",
+    "border": "cut by a free border",
+    "holes-kept": "non-measured points kept",
+    "holes-filled": "non-measured points filled",
+    "map-blurred": "blurred map",
+    "map-upsampled": "interpolated map",
 }
 
 
@@ -79,7 +107,7 @@ def draw(folder: str | None = None) -> None:
             errors = np.array(judge(name, folder))
             found = np.abs(errors[:, 0]) / np.maximum(errors[:, 1], np.finfo(float).tiny)
             dashes = "-" if place < len(LIGHT.lines) else "-."
-            axes.plot(z, np.mean(found[:, np.newaxis] <= z, axis=0), dashes, lw=1.4, label=name)
+            axes.plot(z, np.mean(found[:, np.newaxis] <= z, axis=0), dashes, lw=1.4, label=WORDS[name])
         axes.axvline(2.0, color="0.7", lw=0.8)
         axes.set(title=title, xlim=(0.0, 3.0), ylim=(0.0, 1.02))
         axes.legend(fontsize=7, loc="lower right", frameon=True)

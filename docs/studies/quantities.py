@@ -68,7 +68,11 @@ UNKIND_CONTACTS = {
     "lines": ("lines",),
 }
 # The columns of the page.
-COLUMNS = {"class": "contact", **{name: name for name in ("peak pressure", "perimeter", "approach", "mean gap")}}
+COLUMNS = {
+    "class": "contact",
+    "peak pressure": "maximum pressure",
+    **{name: name for name in ("perimeter", "approach", "mean gap")},
+}
 
 
 def join(cells: Sequence[str]) -> str:

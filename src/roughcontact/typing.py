@@ -16,8 +16,8 @@ materials    the mapping `TYPICAL` of typical ones by name; `PairConstants`, the
 readers      `RawMap`; the function `read_raw`
 commands     `Table`; the functions `quantity`, `replacing`, `si`, `binary`, `write_column`, `available_memory`,
              `available_threads`, `limit_address_space`, `require_memory_of_solve`, `run_sweep`, `name_load`,
-             `list_quantities`, `gather_warnings`, `exceeds_metals`, `build_part`, `build_problem`,
-             `describe_response`, `build_response`, `tabulate_answers`, `write_report`
+             `list_quantities`, `describe_other_places`, `gather_warnings`, `exceeds_metals`, `build_part`,
+             `build_problem`, `describe_response`, `build_response`, `tabulate_answers`, `write_report`
 results      `ContactFields`, `Accuracy`, `Trial`, `Residuals`, `ContactPatches`, `Load`, `Origin`, `SolvePlan`,
              `Sweep`, `RequiredLoad`, `Ladder`, `BeyondResolution`, `RunIn`, `Cycle`, `StudyResult`, `Record`,
              `ErrorReport`, `KnownAnswer`, `ReportRow`, `Timing`, `StabilityReport`, `Check`, `Verdict`,
@@ -96,6 +96,7 @@ from roughcontact._solve.solution import (
     Trial,
     Violation,
     Whole,
+    describe_other_places,
     exceeds_metals,
     find_patches,
     gather_warnings,
@@ -244,6 +245,7 @@ __all__ = [
     "certify",
     "confirm",
     "count_blocks",
+    "describe_other_places",
     "describe_response",
     "exceeds_metals",
     "find_patches",

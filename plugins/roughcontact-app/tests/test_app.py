@@ -7,6 +7,7 @@ import csv
 import http.client
 import io
 import json
+import math
 import os
 import re
 import signal
@@ -29,11 +30,12 @@ from roughcontact._solve.solution.summary import list_all_warnings
 from roughcontact.typing import Step, gather_warnings, write_column
 
 from roughcontact_app import AppServer, Session, preview, work
-from roughcontact_app.answers import describe_solutions, list_warnings, make_table
+from roughcontact_app.answers import describe_solutions, list_cycle_states, list_warnings, make_table, tabulate_cycle
 from roughcontact_app.command import _shown
 from roughcontact_app.connections import LIMIT
 from roughcontact_app.process import TaskEnded, Worker
 from roughcontact_app.progress import Progress
+from roughcontact_app.responses import ask_states
 from roughcontact_app.scene import make_loads, make_problem, make_scene
 from roughcontact_app.settings import DEFAULTS, load_values, quantity, read_settings
 from roughcontact_app.uploads import shown_name
@@ -1183,6 +1185,49 @@ FRETTING = {"surface": "sphere", "radius": "1", "radius_unit": "mm", "side": "10
 FRETTING |= {"counterbody": "deformable", "normal_force": "1", "tangential_force": "200", "tangential_force_unit": "mN"}
 
 
+def test_the_responses_of_a_cycle_are_shown_and_tabulated(client):
+    asked = {"ask_stiffness": "yes", "ask_conductance": "yes", "ask_conductance_conductivity": "50"}
+    state = client.wait(client.post("api/runs", {**CYCLE, **asked})["id"])
+    assert state["phase"] == "done", state
+    settings = read_settings(CYCLE)
+    cycle = make_problem(settings, make_scene(settings, None)).cycle(approach=np.linspace(-0.3e-6, 0.1e-6, 9))
+    found = {one["name"]: one for one in state["answers"][0]["quantities"]}
+    last = cycle.loading[-1]
+    table = client.get(f"runs/{state['id']}/{state['outputs'][0]['file']}").decode("utf-8")
+    rows = list(csv.DictReader(io.StringIO(table)))
+    for name, unit, expected in (
+        ("stiffness", "N/m", last.stiffness()), ("conductance", "W/K", last.conductance(50.0)),
+    ):  # fmt: skip
+        shown = found[f"{name} at the last approach"]
+        assert shown["value"] == pytest.approx(expected.value, rel=1e-4)
+        assert shown["uncertainty"] == pytest.approx(expected.uncertainty, rel=1e-2)
+        # Unloading starts where loading ends.
+        values = [float(row[f"{name} [{unit}]"]) for row in rows]
+        assert values[8] == values[9] == pytest.approx(expected.value, rel=1e-4)
+        assert len(values) == 18
+    assert float(rows[12]["conductance [W/K]"]) == pytest.approx(cycle.unloading[3].conductance(50.0).value, rel=1e-4)
+
+
+def test_a_response_without_an_answer_leaves_the_others_of_a_cycle():
+    settings = read_settings(CYCLE)
+    cycle = make_problem(settings, make_scene(settings, None)).cycle(approach=np.linspace(-0.3e-6, 0.1e-6, 3))
+    states = list_cycle_states(cycle)
+
+    class Picky(rc.Response):
+        with_adhesion = "total pressure"
+
+        def respond(self, solution):
+            if solution is states[0]:
+                raise rc.InputError("nothing touches")
+            return rc.Estimate(1.0, 0.1, "m")
+
+    found, problems = ask_states({"stiffness": Picky()}, states)
+    assert problems == ["Stiffness: 1 of 5 states have no answer: nothing touches."]
+    column = tabulate_cycle(cycle, found).columns["stiffness"]
+    assert [one.value for one in column[1:]] == [1.0] * 5
+    assert math.isnan(column[0].value)
+
+
 def test_a_fretting_cycle_is_planned_solved_drawn_and_tabulated(client, tmp_path):
     plan = client.post("api/plan", FRETTING)
     assert (len(plan["loads"]), plan["solves"]) == (1, 3)
@@ -1558,16 +1603,22 @@ def test_the_page_warns_of_a_tilt_from_the_bound_of_solutions():
     assert PLAUSIBILITY_RULES["tilt"].admissible == preview._ADMISSIBLE_TILT
 
 
-def test_the_answer_at_one_load_tells_how_much_other_places_differ():
+def test_each_answer_tells_how_much_other_places_differ():
     rough = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.1, shortest=8e-6, longest=32e-6)
     body = rc.Body(rough, rc.Elastic(young=210e9, poisson=0.3))
     problem = rc.ContactProblem(body, grid=rc.Grid((32, 32), 64e-6), boundary="periodic")
     solutions = list(problem.sweep(pressure=[50e6, 100e6]))
-
-    def find_text(answers):
-        return next(one["text"] for one in answers[0]["quantities"] if one["name"] == "contact area")
-
-    area = solutions[0].area()
-    percent = 100.0 * area.sampling / area.value
-    assert find_text(describe_solutions(solutions[:1])).endswith(f"; other places ± {percent:.2g} %")
-    assert "other places" not in find_text(describe_solutions(solutions))
+    stiffness = [solution.stiffness() for solution in solutions]
+    found = describe_solutions(solutions, {"stiffness": stiffness})
+    for solution, stiff, answer in zip(solutions, stiffness, found, strict=True):
+        for name, one in {
+            "contact area": solution.area(), "maximum pressure": solution.peak_pressure(), "stiffness": stiff,
+        }.items():  # fmt: skip
+            assert f"{name} ± {100.0 * one.sampling / one.value:.2g} %" in answer["places"]
+        # The sentence of the print, with its reasons.
+        (line,) = (line for line in str(solution).replace("+-", "±").splitlines() if line.startswith("other places"))
+        assert line.split("contact area ")[1].split(",")[0] in answer["places"]
+    plain = rc.ContactProblem(
+        rc.Body(rc.WavySurface(0.5e-6, 25e-6), rc.Elastic(210e9, 0.3)), grid=rc.Grid((32, 32), 50e-6)
+    )
+    assert describe_solutions([plain.solve(force=0.1)])[0]["places"] == ""

@@ -320,6 +320,7 @@ def test_what_is_ticked_is_answered_and_reported(page):
     leakage = solution.leakage(axis=1, viscosity=1e-3, pressure_drop=1e5)
     assert page.value("leakage") == pytest.approx(leakage.value, rel=1e-9)
     assert "±" in page.driver.find_element(By.CSS_SELECTOR, "[data-quantity=stiffness]").text
+    assert not page.find("places").is_displayed()
     assert "What the contact does" in page.download("wavy-20-MPa-report.html").read_text(encoding="utf-8")
     # The address ticks the same boxes.
     page.open(page.driver.current_url)
@@ -327,6 +328,19 @@ def test_what_is_ticked_is_answered_and_reported(page):
     assert page.setting("ask_leakage_axis") == "y"
     page.set("load", "fretting")
     assert not page.driver.find_element(By.NAME, "ask_leakage").is_displayed()
+
+
+def test_an_answer_says_how_much_other_places_differ(page):
+    page.open()
+    for name, text in {"surface": "self-affine", "cells": "64", "loads": "50 100"}.items():
+        page.set(name, text)
+    page.until_planned()
+    page.find("solve").click()
+    page.until(lambda: page.text("headline") == "2 loads solved")
+    # Of the last load, in one sentence.
+    assert page.text("places").startswith("Other places of the surface, at 100 MPa: contact area ± ")
+    assert ", maximum pressure ± " in page.text("places")
+    assert "+-" not in page.text("places")
 
 
 def test_an_answer_says_what_it_answers(page):
@@ -643,16 +657,21 @@ def test_a_cycle_of_surfaces_that_attract_each_other(page):
     for name, text in {"adhesion": "exponential", "range": "30", "cycle_from": "-0.3", "cycle_to": "0.1"}.items():
         page.set(name, text)
     page.set("states", "9")
+    page.driver.find_element(By.NAME, "ask_stiffness").click()
     page.until(lambda: "17 states, about" in page.text("plan"))
     page.find("solve").click()
     page.until(lambda: page.text("headline").startswith("Pull-off -1.4"))
     assert "energy lost in the cycle" in page.text("headline")
     assert "approach from -0.3 to 0.1 µm and back" in page.text("run-subject")
     assert "exponential adhesion of 50 mJ/m², range 30 nm" in page.text("run-subject")
+    assert page.text("run-subject").endswith("; with stiffness.")
     assert page.value("jumps") >= 1
+    assert page.value("stiffness at the last approach") > 0.0
     page.until(lambda: page.find("picture").is_displayed())
     table = page.download("sphere-cycle.csv")
-    assert table.read_text(encoding="utf-8").startswith("branch,")
+    head = table.read_text(encoding="utf-8").partition("\n")[0]
+    assert head.startswith("branch,")
+    assert "stiffness [N/m]" in head
     # The link of the settings, opened anew, asks for the same cycle.
     address = page.driver.current_url
     page.open(address)

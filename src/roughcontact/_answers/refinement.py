@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from statistics import NormalDist
 
 import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array
-from roughcontact._base.checks import integer, number
+from roughcontact._base.checks import callback, integer, number
 from roughcontact._base.units import ShownAsPrinted, si
 from roughcontact._parts.grid import Grid, Load
 from roughcontact._parts.surfaces import Continuation, bilinear, cells_for, find_maps, rms_slope
 from roughcontact._solve.problem import Body, ContactProblem, require_memory_of_solve, resample_problem
 from roughcontact._solve.solution import DEFAULT_AREA, Area, AreaEstimator, ContactSolution, areas
+from roughcontact._solve.solvers import Step
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 from roughcontact.extrapolation import Extrapolation, exponential
@@ -131,6 +132,7 @@ def extrapolate(
     levels: int = 3,
     estimator: str | AreaEstimator = DEFAULT_AREA,
     interpolation: str | None = None,
+    on_step: Callable[[Step], None] | None = None,
 ) -> Ladder:
     """Return the solutions on the problem's grid and on grids with twice, four times, ... as many cells a side.
 
@@ -149,6 +151,8 @@ def extrapolate(
         Registered name or instance of the area estimator.
     interpolation
         How height maps are interpolated between their points, as in `on_grid`.
+    on_step
+        Called with a `Step` after each iteration.
 
     Raises
     ------
@@ -166,6 +170,7 @@ def extrapolate(
     (689.257 +- 0.017) µm2, (6.89257 +- 0.00017) % of nominal [blend]
     """
     levels = integer(levels, "The number of grids", at_least=2)
+    on_step = callback(on_step, "on_step=", "step")
     areas.resolve(estimator)
     nx, ny = require_problem(problem).plan.grid.shape
     load = Load.of(pressure=pressure, force=force, approach=approach)
@@ -175,11 +180,14 @@ def extrapolate(
         Grid((nx << finest, ny << finest), problem.plan.grid.size), problem.boundary, problem.memory_limit
     )
     rungs = [problem, *(on_grid(problem, (nx << level, ny << level), interpolation) for level in range(1, levels))]
-    return solve_ladder(rungs, load, estimator)
+    return solve_ladder(rungs, load, estimator, on_step)
 
 
 def solve_ladder(
-    problems: Sequence[ContactProblem], load: Load, estimator: str | AreaEstimator = DEFAULT_AREA
+    problems: Sequence[ContactProblem],
+    load: Load,
+    estimator: str | AreaEstimator = DEFAULT_AREA,
+    on_step: Callable[[Step], None] | None = None,
 ) -> Ladder:
     """Return the solutions of a problem on ever finer grids, each starting from the pressure of the one before."""
     solutions: list[ContactSolution] = []
@@ -188,7 +196,7 @@ def solve_ladder(
         if solutions:
             free_x, free_y = problem.boundary.free_axes
             start = bilinear(solutions[-1].pressure, problem.plan.grid.shape, periodic=(not free_x, not free_y))
-        solutions.append(problem.solve(**load.arguments, start=start))
+        solutions.append(problem.solve(**load.arguments, start=start, on_step=on_step))
     return Ladder(tuple(solutions), estimator)
 
 

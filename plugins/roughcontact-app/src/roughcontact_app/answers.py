@@ -13,6 +13,8 @@ import attrs
 from roughcontact import ContactSolution, Estimate, FrictionalPath
 from roughcontact.typing import (
     AdhesionCycle,
+    Table,
+    describe_other_places,
     exceeds_metals,
     gather_warnings,
     list_quantities,
@@ -38,32 +40,52 @@ def describe_solutions(
     """
     found = [list_quantities(solution) for solution in solutions]
     for name, column in tabulate_answers(asked).items():
-        words = re.sub("[-_]", " ", name).replace("von mises", "von Mises")
+        words = _in_words(name)
         for (quantities, warnings), one in zip(found, column, strict=True):
             # A name that a response shares with a quantity hides none.
             quantities[f"{words} (asked)" if words in quantities else words] = one
             of = next(one for one in asked if f"{name} ".startswith(f"{one} ")).replace("-", " ")
             warnings += [said for text in one.warnings if (said := f"{of}: {text}") not in warnings]
     columns = {name: iter(write_column([quantities[name] for quantities, _ in found])) for name in found[0][0]}
+    places = [describe_other_places(solution, found[index][0]) for index, solution in enumerate(solutions)]
     return [
         {
             "load": name_load(solution),
             "status": in_words_of_page(str(solution.status)),
             "certified": solution.status.success,
             "seconds": solution.seconds,
-            "quantities": [
-                _describe(name, one, next(columns[name]) + ("" if len(solutions) > 1 else _tell_other_places(one)))
-                for name, one in quantities.items()
-            ],
+            "quantities": [_describe(name, one, next(columns[name])) for name, one in quantities.items()],
+            "places": f"{place.replace('+-', '±')}." if place else "",
             "warnings": [end_sentence(text) for text in (*_warn_of_hardness(solution), *warnings)],
         }
-        for solution, (quantities, warnings) in zip(solutions, found, strict=True)
+        for solution, (quantities, warnings), place in zip(solutions, found, places, strict=True)
     ]
 
 
-def describe_cycle(cycle: AdhesionCycle) -> dict[str, Any]:
-    """Return the answer of a cycle, in the form of the answer at a load."""
-    states = (*cycle.loading, *cycle.unloading[1:])
+def _in_words(column: str) -> str:
+    """Return the name of a number of a response as words."""
+    return re.sub("[-_]", " ", column).replace("von mises", "von Mises")
+
+
+def list_cycle_states(cycle: AdhesionCycle) -> tuple[ContactSolution, ...]:
+    """Return the states of a cycle, each once: unloading starts where loading ends."""
+    return (*cycle.loading, *cycle.unloading[1:])
+
+
+def tabulate_cycle(cycle: AdhesionCycle, asked: Mapping[str, Sequence[Any]]) -> Table:
+    """Return the table of a cycle, with what responses have answered for `list_cycle_states`."""
+    table = cycle.table()
+    last = len(cycle.loading)
+    columns = {name: [*column[:last], *column[last - 1 :]] for name, column in tabulate_answers(asked).items()}
+    return Table({**table.columns, **columns}, table.units, table.left)
+
+
+def describe_cycle(cycle: AdhesionCycle, asked: Mapping[str, Sequence[Any]] = MappingProxyType({})) -> dict[str, Any]:
+    """Return the answer of a cycle, in the form of the answer at a load.
+
+    `asked` is what responses have answered for each of `list_cycle_states`; shown is the answer at the last approach.
+    """
+    states = list_cycle_states(cycle)
     shared = dict.fromkeys((*cycle.pull_off.warnings, *cycle.pull_in.warnings))
     # Both branches have a state at each approach.
     others: dict[str, list[str]] = {}
@@ -71,6 +93,8 @@ def describe_cycle(cycle: AdhesionCycle) -> dict[str, Any]:
         known = others.setdefault(name_load(state), [])
         known += [text for text in state.warnings if text not in (*shared, *known)]
     found = {"pull-off": cycle.pull_off, "pull-in": cycle.pull_in, "energy lost": cycle.dissipated}
+    for name, column in tabulate_answers(asked).items():
+        found[f"{_in_words(name)} at the last approach"] = column[len(cycle.loading) - 1]
     quantities = [_describe(name, one, write_column([one])[0]) for name, one in found.items()]
     places = "; ".join(f"{si(first, 'm', 3)} to {si(last, 'm', 3)}" for first, last in cycle.jumps)
     count = Estimate(float(len(cycle.jumps)), 0.0, "")
@@ -146,12 +170,6 @@ def make_table(answers: list[dict[str, Any]]) -> str:
 def _round(value: float | str | None) -> float | str:
     """Return a number without the digits that rounding errors have made, such as those of 4.999999999999999 N."""
     return float(f"{value:.{_DIGITS}g}") if isinstance(value, float) else value or ""
-
-
-def _tell_other_places(one: Estimate) -> str:
-    """Return how much other places of the surface differ, as the end of a text; empty where it is not known."""
-    sampling = one.sampling
-    return f"; other places ± {100.0 * sampling / abs(one.value):.2g} %" if sampling and one.value else ""
 
 
 def _describe(name: str, one: Estimate, text: str) -> dict[str, Any]:

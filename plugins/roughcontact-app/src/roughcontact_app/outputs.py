@@ -14,7 +14,7 @@ from roughcontact.errors import RoughContactError
 from roughcontact.plotting import panels
 from roughcontact.typing import AdhesionCycle, Sweep, replacing, write_report
 
-from roughcontact_app.answers import make_table
+from roughcontact_app.answers import make_table, tabulate_cycle
 
 # Dots beside those of a figure: a picture, 430 dots wide, is shown 750 pixels wide.
 _SHARPNESS = 3
@@ -90,11 +90,14 @@ class CycleOutputs:
     ----------
     cycle
         The cycle.
+    asked
+        What responses have answered for each of `list_cycle_states`, by their names.
     folder, dark
         As of `Outputs`.
     """
 
     cycle: AdhesionCycle
+    asked: Mapping[str, Sequence[Any]]
     folder: Path
     dark: bool
 
@@ -104,7 +107,7 @@ class CycleOutputs:
         yield self._draw
 
     def _write_table(self) -> dict[str, Any]:
-        self.cycle.to_csv(self.folder / "cycle.csv")
+        tabulate_cycle(self.cycle, self.asked).to_csv(self.folder / "cycle.csv")
         return {"role": "table", "file": "cycle.csv"}
 
     def _draw(self) -> dict[str, Any]:

@@ -19,7 +19,7 @@ _OMITTED = ("approach", "mean-gap", "patches", "peak-pressure", "capacitance")
 # Kind of quantity and first unit of the page, by the SI unit.
 _KINDS = {"Pa": ("pressure", "MPa"), "N": ("force", "N"), "m": ("length", "um"), "Pa s": ("viscosity", "mPa s")}
 _LABELS = {
-    "conductivity": "Conductivity of body and counterbody, W/(m K) or S/m",
+    "conductivity": "Conductivity of body and counterbody",
     "friction": "Coefficient of friction",
 }
 
@@ -61,6 +61,7 @@ def _list_tick_boxes() -> dict[str, TickBox]:
             for field in needed:
                 words = field.name.replace("_", " ")
                 label = _LABELS.get(field.name, words.capitalize())
+                label += f", {field.plain_unit}" if field.plain_unit else ""
                 units = _KINDS.get(field.unit or "", ("", ""))
                 fields.append(FormField(field.name, f"{setting}_{field.name}", label, *units, field.is_pair))
             axis = f"{setting}_axis" if any(field.name == "axis" for field in form.fields) else ""
@@ -106,6 +107,31 @@ def ask(
             found[name] = [solution.response(response) for solution in solutions]
         except RoughContactError as error:
             problems.append(end_sentence(f"{TICK_BOXES[name].label}: {in_words_of_page(str(error))}"))
+    return found, problems
+
+
+def ask_states(
+    asked: Mapping[str, Response[Any]], states: Sequence[ContactSolution]
+) -> tuple[dict[str, list[Any]], list[str]]:
+    """Return what each response says of each state of a cycle, None where it has no answer, and in sentences why.
+
+    Unstable states, for instance, have no stiffness.
+    """
+    found = {}
+    problems = []
+    for name, response in asked.items():
+        results: list[Any] = []
+        reasons = []
+        for state in states:
+            try:
+                results.append(state.response(response))
+            except RoughContactError as error:
+                results.append(None)
+                reasons.append(in_words_of_page(str(error)))
+        found[name] = results
+        if reasons:
+            count = "all" if len(reasons) == len(states) else f"{len(reasons)} of {len(states)}"
+            problems.append(end_sentence(f"{TICK_BOXES[name].label}: {count} states have no answer: {reasons[0]}"))
     return found, problems
 
 

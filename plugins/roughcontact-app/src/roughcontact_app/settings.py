@@ -277,8 +277,8 @@ def fretting_values(settings: Settings) -> tuple[float, float, float]:
 
 
 def asked_responses(settings: Settings) -> dict[str, Response[Any]]:
-    """Return the responses that are ticked, by name; none of a cycle, which has no single state."""
-    if settings["load"] in ("cycle", "fretting"):
+    """Return the responses that are ticked, by name; none of a fretting cycle, whose states have friction."""
+    if settings["load"] == "fretting":
         return {}
     ticked = {name: box for name, box in TICK_BOXES.items() if settings[box.setting] == "yes"}
     found = {}

@@ -13,11 +13,17 @@ from roughcontact import ContactProblem, ContactSolution, FrictionalPath, Projec
 from roughcontact.errors import InputError, RoughContactError
 from roughcontact.typing import AdhesionCycle, Array, Increment, Load, Sweep, binary, pair_constants, run_sweep, si
 
-from roughcontact_app.answers import describe_cycle, describe_fretting, describe_solutions, list_warnings
+from roughcontact_app.answers import (
+    describe_cycle,
+    describe_fretting,
+    describe_solutions,
+    list_cycle_states,
+    list_warnings,
+)
 from roughcontact_app.outputs import CycleOutputs, FrettingOutputs, Outputs, draw
 from roughcontact_app.preview import describe
 from roughcontact_app.progress import Progress
-from roughcontact_app.responses import ask
+from roughcontact_app.responses import ask, ask_states
 from roughcontact_app.roughness import describe_roughness
 from roughcontact_app.scene import Scene, ShownSurface, Upload, inspect_file, make_loads, make_problem, make_scene
 from roughcontact_app.settings import Settings, WrongSetting, asked_responses, fretting_values, read_settings
@@ -166,8 +172,9 @@ def _solve(settings: Settings, uploads: Uploads, folder: Path, send: Send) -> di
     outputs: Outputs | CycleOutputs | FrettingOutputs
     problems: list[str] = []
     if isinstance(result, AdhesionCycle):
-        answers = [describe_cycle(result)]
-        outputs = CycleOutputs(result, folder, dark)
+        asked, problems = ask_states(asked_responses(settings), list_cycle_states(result))
+        answers = [describe_cycle(result, asked)]
+        outputs = CycleOutputs(result, asked, folder, dark)
     elif isinstance(result, FrictionalPath):
         answers = [describe_fretting(result)]
         outputs = FrettingOutputs(result, folder, dark)

@@ -36,15 +36,18 @@ _HALVINGS = 24
 _MAX_RADII = 200
 # Maximum resistance of a film, m2 K/W or Ohm m2: that of a perfect insulator.
 _MAX_FILM_RESISTANCE = 1e20
+# Units of heat or of current, of which a text may state neither.
+_CONDUCTIVITY_UNIT = "W/(m K) or S/m"
+_FILM_UNIT = "m2 K/W or Ohm m2"
 
 
 def _conductivity(value: float | Sequence[float]) -> Pair:
-    return pair(value, "The conductivity of the bodies", "W/(m K) or S/m", above=0.0)
+    return pair(value, "The conductivity of the bodies", _CONDUCTIVITY_UNIT, above=0.0)
 
 
 def _film(value: float) -> float:
     # More would leave the range of float32, in which the flow is found.
-    return number(value, "The film resistance", "m2 K/W or Ohm m2", at_least=0.0, at_most=_MAX_FILM_RESISTANCE)
+    return number(value, "The film resistance", _FILM_UNIT, at_least=0.0, at_most=_MAX_FILM_RESISTANCE)
 
 
 @attrs.frozen(eq=False)
@@ -139,8 +142,8 @@ class ContactConductance(Response[Conductance]):
 
     with_adhesion = "contact pressure"
 
-    conductivity: Pair = attrs.field(converter=_conductivity)
-    film_resistance: float = attrs.field(default=0.0, converter=_film)
+    conductivity: Pair = attrs.field(converter=_conductivity, metadata={"plain_unit": _CONDUCTIVITY_UNIT})
+    film_resistance: float = attrs.field(default=0.0, converter=_film, metadata={"plain_unit": _FILM_UNIT})
 
     def respond(self, solution: ContactSolution) -> Conductance:
         """Return the conductance; see `Response.respond`."""

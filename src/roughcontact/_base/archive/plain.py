@@ -313,8 +313,9 @@ def _fields_of(value: object) -> dict[str, object]:
 
 def _kind_and_name(cls: type) -> dict[str, str]:
     """Return the kind of a class, and its name in a description."""
-    found = (registry for registry in registries().values() if issubclass(cls, registry.base))
-    registry = next((registry for registry in found if registry.base is not object), parts)
+    found = [registry for registry in registries().values() if issubclass(cls, registry.base)]
+    # An area estimator is a response too: of several bases the one derived from the others counts.
+    registry = max(found, key=lambda one: len(one.base.__mro__))
     path = f"{_PACKAGE}:{cls.__name__}" if public_class(cls.__name__) is cls else path_of(cls)
     name = registry.name_of(cls) or path
     return {"kind": registry.kind, "name": name}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -14,12 +14,12 @@ import roughcontact as rc
 from roughcontact._base import checks
 from roughcontact._base.tables import Table
 from roughcontact._base.units import fit, kind_of, si
-from roughcontact._faces.html.inputs import describe_part, find_problem
+from roughcontact._faces.cli.inputs import describe_grid, describe_value, find_inputs
 from roughcontact._faces.panels.figures import save_figure
 from roughcontact._faces.panels.theme import require_matplotlib
 from roughcontact._solve.problem import Sweep, make_table
 from roughcontact._solve.solution import (
-    find_load,
+    describe_other_places,
     gather_warnings,
     list_estimates,
     list_quantities,
@@ -30,17 +30,26 @@ from roughcontact._work.studies import Answers, tabulate_answers
 
 _NONE: Answers = MappingProxyType({})
 # Width of the label of a line, as `print(solution)` has it.
-_LABEL_WIDTH = 15
+_LABEL_WIDTH = 18
 _RESIDUALS = ("complementarity", "penetration", "load", "tension")
 PICTURES = frozenset({".png", ".svg", ".pdf"})
 
 
-def to_json(solutions: Sequence[rc.ContactSolution], estimator: str | None = None, answers: Answers = _NONE) -> str:
+def to_json(
+    solutions: Sequence[rc.ContactSolution],
+    estimator: str | None = None,
+    answers: Answers = _NONE,
+    asked: Mapping[str, Any] = _NONE,
+) -> str:
     """Return one JSON object: the description of the only solution, or a list of them under ``solutions``.
 
-    `estimator` is the name of an area estimator whose area is given besides the default, `answers` what responses say.
+    `estimator` is the name of an area estimator whose area is given besides the default, `answers` what responses say,
+    `asked` what was asked for, for the inputs.
     """
     described = [describe_solution(solution, estimator) for solution in solutions]
+    for one in described:
+        if one["inputs"] is not None:
+            one["inputs"] |= asked
     if answers:
         for position, one in enumerate(described):
             one["responses"] = {name: _describe_result(found[position]) for name, found in answers.items()}
@@ -55,49 +64,29 @@ def write_json(content: dict[str, Any]) -> str:
 def describe_solution(solution: rc.ContactSolution, estimator: str | None = None) -> dict[str, Any]:
     """Return a solution as data that JSON can hold, with the area of one more estimator if it is named."""
     accuracy = solution.accuracy
+    area = solution.area()
     peak = solution.peak_pressure()
     return {
         "status": solution.status.name,
         "converged": solution.status.success,
-        "area": _area(solution.area()),
+        "area": _area(area),
         **({} if estimator is None else {"other_area": _area(solution.area(estimator))}),
         "peak_pressure": describe_estimate(peak),
-        "force": _value(solution.force, "N"),
-        "mean_pressure": _value(solution.mean_pressure, "Pa"),
-        "approach": _value(solution.approach, "m"),
+        "force": describe_value(solution.force, "N"),
+        "mean_pressure": describe_value(solution.mean_pressure, "Pa"),
+        "approach": describe_value(solution.approach, "m"),
         **({} if solution.tension is None else {"attractive_area": _area(solution.attractive_area())}),
         "saturated_area": _area(solution.saturated_area()) if solution.capped else None,
-        "contact_modulus": _value(solution.modulus, "Pa"),
+        "contact_modulus": describe_value(solution.modulus, "Pa"),
+        "other_places": describe_other_places(solution, {"contact area": area, "maximum pressure": peak}) or None,
         "warnings": list(solution.warnings),
         "accuracy": None if accuracy is None else {"met": accuracy.met, "message": str(accuracy)},
         "residuals": {name: getattr(solution.residuals, name) for name in _RESIDUALS},
-        "inputs": _describe_inputs(solution),
-        "grid": {"shape": list(solution.grid.shape), "size": _value(list(solution.grid.size), "m")},
+        "inputs": find_inputs([solution]),
+        "grid": describe_grid(solution.grid),
         "boundary": str(solution.boundary),
         "cost": {name: getattr(solution, name) for name in ("iterations", "convolutions", "seconds")},
     }
-
-
-def _describe_inputs(solution: rc.ContactSolution) -> dict[str, Any] | None:
-    """Return the parts of the problem as expressions of a script, and the load; None if they are not known."""
-    problem, _ = find_problem(solution)
-    load = find_load(solution)
-    if problem is None or load is None:
-        return None
-    plan = problem.plan
-    parts: dict[str, Any] = {name: describe_part(getattr(plan, name)) for name in ("kernel", "convolver", "solver")}
-    if problem.adhesion is not None:
-        parts["adhesion"] = describe_part(problem.adhesion)
-    for name in ("body", "counterbody"):
-        body = getattr(problem, name)
-        parts[name] = {"surface": describe_part(body.surface), "material": describe_part(body.material)}
-        if body.surface.provenance:
-            parts[name]["provenance"] = list(body.surface.provenance)
-    return {**parts, "load": {"kind": load.kind, **_value(load.value, load.unit)}}
-
-
-def _value(value: Any, unit: str) -> dict[str, Any]:
-    return {"value": value, "unit": unit}
 
 
 def describe_estimate(found: rc.Estimate) -> dict[str, Any]:
@@ -110,6 +99,18 @@ def describe_estimate(found: rc.Estimate) -> dict[str, Any]:
         "unit": found.unit,
         "warnings": list(found.warnings),
     }
+
+
+def describe_rows(table: Table) -> list[dict[str, Any]]:
+    """Return the rows of a table as data that JSON can hold."""
+    columns = [[_plain(value) for value in column] for column in table.columns.values()]
+    return [dict(zip(table.columns, row, strict=True)) for row in zip(*columns, strict=True)]
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, rc.Estimate):
+        return describe_estimate(value)
+    return value.item() if hasattr(value, "item") else value
 
 
 def _area(area: rc.Area) -> dict[str, Any]:

@@ -12,6 +12,7 @@ import roughcontact as rc
 from roughcontact._base.units import si
 from roughcontact._faces.cli.answers import (
     describe_estimate,
+    describe_rows,
     name_written,
     plan_picture,
     plan_report,
@@ -19,9 +20,10 @@ from roughcontact._faces.cli.answers import (
     write_json,
     write_outputs,
 )
+from roughcontact._faces.cli.inputs import find_inputs
 from roughcontact._faces.cli.problem import set_tolerance
 from roughcontact._faces.cli.progress import count_done, show_progress
-from roughcontact._solve.problem import AdhesionCycle, make_cycle_table
+from roughcontact._solve.problem import AdhesionCycle
 
 # States on each branch.
 _STATES = 41
@@ -72,15 +74,16 @@ def refuse_for_cycle(options: argparse.Namespace) -> None:
 
 def cycle_to_csv(cycle: AdhesionCycle) -> str:
     """Return a header and a row for each state, in SI units: the columns of `AdhesionCycle.to_csv`."""
-    return write_csv(make_cycle_table(cycle))
+    return write_csv(cycle.table())
 
 
 def cycle_to_json(cycle: AdhesionCycle) -> str:
     """Return one JSON object: the results of a cycle, and its states."""
-    table = make_cycle_table(cycle)
-    columns = [np.asarray(column).tolist() for column in table.columns.values()]
+    table = cycle.table()
     content: dict[str, Any] = {name: describe_estimate(getattr(cycle, name)) for name in ("pull_in", "pull_off")}
     content["dissipated"] = describe_estimate(cycle.dissipated)
     content["jumps"] = [list(jump) for jump in cycle.jumps]
-    content["states"] = [dict(zip(table.columns, row, strict=True)) for row in zip(*columns, strict=True)]
+    content["states"] = describe_rows(table)
+    # Both branches have the same approaches.
+    content["inputs"] = find_inputs(cycle.loading.solutions)
     return write_json({**content, "units": dict(table.units)})

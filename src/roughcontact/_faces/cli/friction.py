@@ -16,6 +16,7 @@ from roughcontact._base.tables import Table
 from roughcontact._base.units import fit, parse_quantity
 from roughcontact._faces.cli.answers import (
     describe_estimate,
+    describe_rows,
     describe_solution,
     name_written,
     plan_picture,
@@ -24,12 +25,14 @@ from roughcontact._faces.cli.answers import (
     write_csv,
     write_json,
 )
+from roughcontact._faces.cli.inputs import find_path_inputs, find_state_inputs
 from roughcontact._faces.cli.options import name_options
 from roughcontact._faces.cli.problem import make_part, set_tolerance
-from roughcontact._faces.cli.progress import show_progress
+from roughcontact._faces.cli.progress import ChangeProgress, count_solves, describe_steps, show_progress
 from roughcontact._faces.panels.figures import save_figure
 from roughcontact._parts.grid import Load
-from roughcontact._solve.problem import Increment
+from roughcontact._parts.materials import pair_constants
+from roughcontact._solve.problem import Increment, run_slide
 
 # Options of a solve that say nothing of a contact with friction.
 _OF_SOLVES = ("cycle", "refine", "area", "area_within", "peak_within", "pull_off")
@@ -105,8 +108,8 @@ def solve_friction(
         path = _solve_path(options, problem, law, loads)
         _write_outputs(options, path, path.plot, files, (path_to_text, path_to_json, path_to_csv))
         return bool(path.warnings)
-    with show_progress("solving", quiet=options.quiet):
-        state = problem.slide(**loads[0].arguments, friction=law, direction=math.degrees(options.slide))
+    with show_progress("pressing", quiet=options.quiet) as change:
+        state = _slide(options, problem, law, loads[0], change)
     _write_outputs(options, state, state.contact.plot, files, (state_to_text, state_to_json, state_to_csv))
     return bool(state.contact.warnings)
 
@@ -128,6 +131,18 @@ def _solve_path(
             return problem.path(**{loads[0].kind: values}, **along, friction=law, substeps=substeps, on_increment=tell)
         except rc.InputError as error:
             raise rc.InputError(str(error).replace(*_SLIDING)) from error
+
+
+def _slide(
+    options: argparse.Namespace, problem: rc.ContactProblem, law: rc.FrictionLaw, load: Load, change: ChangeProgress
+) -> rc.FrictionalSolution:
+    shape = problem.plan.grid.shape
+    tolerance = problem.plan.solver.tolerance
+    # Of unlike bodies pressure and traction are found in turn, which takes about as long as pressing.
+    unlike = pair_constants(problem.body.material, problem.counterbody.material).beta != 0.0
+    press = describe_steps(change, "pressing", count_solves(shape, tolerance, (0, 2 if unlike else 1)))
+    slide = describe_steps(change, "sliding", count_solves(shape, tolerance, (1, 2)))
+    return run_slide(problem, load.arguments, law, math.degrees(options.slide), press, slide)
 
 
 def _write_outputs(
@@ -167,6 +182,7 @@ def state_to_json(state: rc.FrictionalSolution) -> str:
         "dissipated": describe_estimate(state.dissipated),
         "residual": state.residuals.error,
         "pair": attrs.asdict(state.pair),
+        "inputs": find_state_inputs(state),
     }
     return write_json(content)
 
@@ -229,8 +245,7 @@ def path_to_csv(path: rc.FrictionalPath) -> str:
 def path_to_json(path: rc.FrictionalPath) -> str:
     """Return one JSON object: the energy lost along a path and in its last loop, and its states."""
     table = path.table()
-    rows = zip(*table.columns.values(), strict=True)
-    states = [{name: _plain(value) for name, value in zip(table.columns, row, strict=True)} for row in rows]
+    states = describe_rows(table)
     for row, state in zip(states, path, strict=True):
         row |= {"status": state.status.name, "residual": state.residuals.error}
     lost = lost_in_loop(path)
@@ -240,12 +255,7 @@ def path_to_json(path: rc.FrictionalPath) -> str:
         "states": states,
         "pair": attrs.asdict(path[0].pair),
         "warnings": list(path.warnings),
+        "inputs": find_path_inputs(path),
         "units": dict(table.units),
     }
     return write_json(content)
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, rc.Estimate):
-        return describe_estimate(value)
-    return value.item() if hasattr(value, "item") else value

@@ -14,12 +14,14 @@ from roughcontact._base.archive import replacing
 from roughcontact._base.units import fit
 from roughcontact._faces.cli import DOUBTFUL, Command
 from roughcontact._faces.cli.answers import PICTURES, describe_estimate, require_place, write_csv, write_json
+from roughcontact._faces.cli.inputs import describe_inputs, describe_responses
 from roughcontact._faces.cli.options import add_interface
 from roughcontact._faces.cli.problem import problem_of
 from roughcontact._faces.cli.progress import count_done, show_progress
 from roughcontact._faces.cli.responses import add_responses, responses_of
 from roughcontact._faces.panels.figures import save_figure
 from roughcontact._faces.panels.theme import require_matplotlib
+from roughcontact._parts.grid import Load
 
 # Width of the picture of a column, and height of the figure, inches.
 _PANEL_SIZE = (4.2, 3.6)
@@ -65,7 +67,7 @@ examples:
     def run(self, options: argparse.Namespace) -> int:
         """Write the files and print the law; return 0, or 3 if it has warnings."""
         maps = [checks.path(name, "The map") for name in (options.surface, options.counterbody) if name is not None]
-        writers = _plan_writers(options, maps)
+        writers = _plan_writers(options, maps, lambda law: {**describe_law(law), "inputs": inputs})
         asked = {"stiffness": rc.responses.create("stiffness"), **responses_of(options)}
         for name in ("ansys", "moose"):
             if getattr(options, name) is not None and "conductance" not in asked:
@@ -73,12 +75,14 @@ examples:
         with show_progress("reading the maps", quiet=options.quiet):
             problem = problem_of(options)
         pressures = [value for several in options.loads for value in several]
+        loads = [Load("pressure", value) for value in sorted(pressures)]
+        inputs = {**describe_inputs(problem, loads), **describe_responses(asked)}
         with show_progress("solving", quiet=options.quiet) as change:
             law = rc.interface_law(problem, pressures, asked, on_load=count_done(change, len(pressures), "load"))
         for write, path in writers:
             write(law, path)
         if options.json:
-            print(write_json(describe_law(law)))
+            print(write_json({**describe_law(law), "inputs": inputs}))
         elif options.csv:
             print(write_csv(law._table))
         elif not options.quiet:
@@ -89,9 +93,12 @@ examples:
 
 
 def _plan_writers(
-    options: argparse.Namespace, maps: list[Path]
+    options: argparse.Namespace, maps: list[Path], describe: Callable[[InterfaceLaw], dict[str, Any]]
 ) -> list[tuple[Callable[[InterfaceLaw, Path], None], Path]]:
-    """Return what will be written, with its files; `InputError` before anything is solved."""
+    """Return what will be written, with its files; `InputError` before anything is solved.
+
+    `describe` gives the content of JSON.
+    """
     units = options.units
     planned: list[tuple[Callable[[InterfaceLaw, Path], None], str]] = []
     for text in options.output:
@@ -100,7 +107,8 @@ def _plan_writers(
             raise rc.InputError.about("The output", text, f"a file that ends in {', '.join(_ENDINGS)}")
         if ending in PICTURES:
             require_matplotlib()
-        planned.append(({".csv": _write_csv, ".json": _write_json}.get(ending, _draw), text))
+        known = {".csv": _write_csv, ".json": lambda law, path: _write_json(describe(law), path)}
+        planned.append((known.get(ending, _draw), text))
     if options.abaqus is not None:
         planned.append((lambda law, path: law.to_abaqus(path, name=options.name, units=units), options.abaqus))
     if options.ansys is not None:
@@ -145,9 +153,9 @@ def _write_csv(law: InterfaceLaw, path: Path) -> None:
     law.to_csv(path)
 
 
-def _write_json(law: InterfaceLaw, path: Path) -> None:
+def _write_json(content: dict[str, Any], path: Path) -> None:
     with replacing(path) as partial:
-        partial.write_text(f"{write_json(describe_law(law))}\n", encoding="utf-8")
+        partial.write_text(f"{write_json(content)}\n", encoding="utf-8")
 
 
 def _draw(law: InterfaceLaw, path: Path) -> None:

@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import argparse
+from typing import Any
 
 import roughcontact as rc
 from roughcontact._base import checks
 from roughcontact._base.archive import replacing
 from roughcontact._base.units import fit
 from roughcontact._faces.cli import Command
+from roughcontact._faces.cli.answers import describe_rows, write_json
+from roughcontact._faces.cli.inputs import describe_inputs, describe_value
 from roughcontact._faces.cli.options import NUMBER, whole_number
 from roughcontact._faces.cli.problem import Scene, add_scenes, read_scenes
 from roughcontact._faces.cli.progress import show_progress
 from roughcontact._faces.panels.theme import require_matplotlib
+from roughcontact._parts.grid import Load
 from roughcontact._solve.solution import DEFAULT_AREA
-from roughcontact._work.reports.error import ErrorReport
+from roughcontact._work.reports.error import UNITS, ErrorReport
 from roughcontact._work.reports.stability import Verdict
 
 
@@ -52,23 +56,45 @@ examples:
         compared.add_argument("--repeats", type=whole_number, default=3, metavar="R", help="timed solves per case (3)")
         folder = "contact-report"
         parser.add_argument("-o", "--output", default=folder, metavar="FOLDER", help=f"output folder ({folder})")
+        parser.add_argument("--json", action="store_true", help="print one JSON object: inputs, reference and cases")
 
     def run(self, options: argparse.Namespace) -> int:
         """Solve all cases, print the table and the advice, write CSV, Markdown and picture; return 0."""
         require_matplotlib()
         output = checks.path(options.output, "The output folder")
+        described = []
         for scene in read_scenes(options):
             folder = output / scene.name
             folder.mkdir(parents=True, exist_ok=True)
             report = _compare(options, scene)
             advice = report.advice()
-            print(f"{_heading(scene)}{fit(advice)}\n\n{report}")
+            described.append({**({"name": scene.name} if scene.name else {}), **_describe(report, scene)})
+            if not options.json:
+                print(f"{_heading(scene)}{fit(advice)}\n\n{report}")
             report.to_csv(folder / "report.csv")
             with replacing(folder / "report.md") as partial:
                 partial.write_text(f"{report.to_markdown()}\n{advice}\n", encoding="utf-8")
             report.draw(folder / "report.png")
-            print(fit(f"\nWritten to {folder}: report.csv, report.md, report.png"))
+            if not options.json:
+                print(fit(f"\nWritten to {folder}: report.csv, report.md, report.png"))
+        if options.json:
+            print(write_json(described[0] if len(described) == 1 else {"reports": described}))
         return 0
+
+
+def _describe(report: ErrorReport, scene: Scene) -> dict[str, Any]:
+    """Return a report as data that JSON can hold; its cases have the columns of report.csv."""
+    known = report.reference
+    quantities = {
+        name: {**describe_value(getattr(known, name), UNITS[name]), "error_bound": getattr(known, f"{name}_error")}
+        for name in known.quantities
+    }
+    return {
+        "inputs": describe_inputs(scene.problem, [Load.signed(**scene.load)]),
+        "advice": report.advice(),
+        "reference": {"source": known.source, **quantities},
+        "cases": describe_rows(report._make_records()),
+    }
 
 
 def _heading(scene: Scene) -> str:

@@ -9,7 +9,7 @@ from typing import Any
 import roughcontact as rc
 from roughcontact._base.arrays import Array
 from roughcontact._faces.cli.problem import make_part
-from roughcontact._faces.cli.progress import ChangeProgress, describe_steps
+from roughcontact._faces.cli.progress import ChangeProgress, count_solves, describe_steps
 from roughcontact._parts.grid import Load
 from roughcontact._solve.problem import RequiredLoad, find_required_load
 from roughcontact._solve.solution import DEFAULT_AREA
@@ -52,15 +52,24 @@ def solve_wanted(
 ) -> RequiredLoad:
     """Return the load at which the contact has what is wanted; `InputError`, with the option, where there is none."""
     response, value = wanted
+    plan = problem.plan
     tried = 0
+    expected: int | None = None
 
     def solve(load: Load, start: Array | None) -> rc.ContactSolution:
         nonlocal tried
+        what = f"load {tried + 1}{f' of about {expected}' if expected else ''}, {load}"
+        part = (tried, max(expected or 0, tried + 1))
+        # The first answer tells how many solves there will be.
+        fraction = count_solves(plan.grid.shape, plan.solver.tolerance, part) if expected else lambda step: None
         tried += 1
-        steps = describe_steps(change, f"load {tried}, {load}", problem.plan.grid.shape, None)
-        return problem.solve(**load.arguments, start=start, on_step=steps)
+        return problem.solve(**load.arguments, start=start, on_step=describe_steps(change, what, fraction))
+
+    def foresee(left: int) -> None:
+        nonlocal expected
+        expected = tried + left
 
     try:
-        return find_required_load(problem, solve, response, value, {})
+        return find_required_load(problem, solve, response, value, {}, foresee)
     except rc.InputError as error:
         raise rc.InputError(f"{_OPTION}: {error}") from error

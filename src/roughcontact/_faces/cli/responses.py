@@ -36,15 +36,21 @@ def add_responses(parser: argparse.ArgumentParser) -> None:
 
 
 def _write_example(field: ResponseField) -> str:
-    """Return an example of the value of a field, with its unit; dots where it has none."""
-    return EXAMPLES[field.unit] if field.unit and field.unit in EXAMPLES else "..."
+    """Return an example of the value of a field, with its unit; dots where it has none, or none that is stated."""
+    example = EXAMPLES[field.unit] if field.unit and field.unit in EXAMPLES else "..."
+    return f"{example}{_write_plain_unit(field)}"
+
+
+def _write_plain_unit(field: ResponseField) -> str:
+    return f" ({field.plain_unit})" if field.plain_unit else ""
 
 
 def _write_default(name: str, field: ResponseField) -> str:
     """Return the default of a field of a response; dots where it is nothing that one can write."""
     cls: Any = rc.responses[name]
     default = attrs.fields_dict(cls)[field.name].default
-    return f"{default:g}" if isinstance(default, float) else str(default) if isinstance(default, (int, str)) else "..."
+    shown = f"{default:g}" if isinstance(default, float) else str(default) if isinstance(default, (int, str)) else "..."
+    return f"{shown}{_write_plain_unit(field)}"
 
 
 def responses_of(options: argparse.Namespace) -> dict[str, rc.Response[Any]]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import multiprocessing
 import os
+import sys
 import threading
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
@@ -13,6 +14,8 @@ from pathlib import Path
 
 from roughcontact._base.units import counted, fit, kind_of
 from roughcontact._faces.cli import DOUBTFUL, Command
+from roughcontact._faces.cli.answers import describe_rows, write_json
+from roughcontact._faces.cli.inputs import describe_study
 from roughcontact._faces.cli.options import whole_number
 from roughcontact._faces.cli.progress import show_progress
 from roughcontact._work.studies import Record, Share, StudyResult
@@ -36,12 +39,17 @@ examples:
         share = "solve only the k-th of n shares, as a job of an array: 3/64 (all)"
         parser.add_argument("--share", metavar="K/N", help=share)
         parser.add_argument("-o", "--output", metavar="FOLDER", help="output folder (the name of the study)")
+        parser.add_argument(
+            "--json", action="store_true", help="print one JSON object, in SI units: inputs and records"
+        )
 
     def run(self, options: argparse.Namespace) -> int:
         """Return 0, 1 if a solve has no certified solution, or 3 if a solution has warnings."""
         from roughcontact._work.studies.toml import read_study
 
         share = None if options.share is None else Share.of(options.share)
+        if options.dry_run and options.json:
+            raise InputError("--dry-run prints the plan, which is text: omit --json.")
         study = read_study(options.study)
         tasks = len(study.problems) * max(1, len(study.seeds))
         own = tasks if share is None else share.size(tasks)
@@ -50,8 +58,11 @@ examples:
             print(fit(study.explain()))
         if share is not None:
             there = f"{counted(tasks, 'task')}, each a problem with a seed"
-            print(fit(f"Share {share} has {own} of {there}: {counted(total, 'solve') if own else 'nothing to do'}."))
+            what = f"Share {share} has {own} of {there}: {counted(total, 'solve') if own else 'nothing to do'}."
+            print(fit(what), file=sys.stderr if options.json else None)
         if options.dry_run or own == 0:
+            if options.json:
+                print(write_json({"inputs": describe_study(study), "records": []}))
             return 0
         if options.workers < 1:
             raise InputError.about("The number of workers", options.workers, "a whole number of at least 1")
@@ -67,13 +78,23 @@ examples:
         # Shares would overwrite each other's table.
         if share is None:
             result.to_csv(folder / "records.csv")
-        print(fit(str(result)))
-        for record in result.failed:
-            print(fit(f"  {record.problem}, seed {record.seed}, {record.control} {record.load:g}: {record.message}"))
-        for text in list_warnings(result):
-            print(fit(text))
+        if options.json:
+            table = result._table
+            content = {"inputs": describe_study(study), "records": describe_rows(table), "units": dict(table.units)}
+            print(write_json(content))
+        else:
+            print(_to_text(result))
         doubtful = DOUBTFUL if any(record.doubtful for record in result) else 0
         return 1 if result.failed else doubtful
+
+
+def _to_text(result: StudyResult) -> str:
+    """Return the answers of a study, why solves failed, and the warnings, in lines of at most 80 columns."""
+    failed = [
+        f"  {record.problem}, seed {record.seed}, {record.control} {record.load:g}: {record.message}"
+        for record in result.failed
+    ]
+    return "\n".join(map(fit, [str(result), *failed, *list_warnings(result)]))
 
 
 def list_warnings(result: StudyResult) -> list[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import functools
 import sys
 from typing import Any
 
@@ -14,14 +15,21 @@ from roughcontact._faces.cli import DOUBTFUL, Command
 from roughcontact._faces.cli.answers import name_written, plan_outputs, to_csv, to_json, to_text, write_outputs
 from roughcontact._faces.cli.cycle import plan_cycle_outputs, refuse_for_cycle, solve_cycle
 from roughcontact._faces.cli.friction import friction_of, plan_friction_outputs, refuse_for_friction, solve_friction
+from roughcontact._faces.cli.inputs import describe_responses, describe_wanted
 from roughcontact._faces.cli.options import add_accuracy, add_problem, whole_number
 from roughcontact._faces.cli.problem import loads_of, problem_of, set_tolerance
-from roughcontact._faces.cli.progress import ChangeProgress, describe_steps, show_progress
+from roughcontact._faces.cli.progress import (
+    ChangeProgress,
+    count_grids,
+    count_solves,
+    describe_steps,
+    show_progress,
+)
 from roughcontact._faces.cli.required_load import ANSWER, refuse_for_wanted, solve_wanted, wanted_of
 from roughcontact._faces.cli.responses import add_responses, ask, responses_of
 from roughcontact._parts.grid import Load
 from roughcontact._parts.surfaces import find_maps
-from roughcontact._solve.problem import run_sweep
+from roughcontact._solve.problem import run_sweep, tolerance_within
 from roughcontact._work.studies import write_report
 
 
@@ -127,11 +135,13 @@ examples:
             if wanted is None:
                 subject, solutions = _solve(options, problem, loads, change)
                 found: dict[str, Any] = {}
+                inputs = describe_responses(asked)
             else:
                 required = solve_wanted(set_tolerance(options, problem), wanted, change)
                 subject = required.solution
                 solutions = (subject,)
                 found = {ANSWER: [required]}
+                inputs = {**describe_responses(asked), **describe_wanted(wanted[0], required)}
         # Solutions and pictures before the responses, of which one may have no answer.
         reports = [path for path in files if path.suffix == ".html"]
         written = write_outputs([path for path in files if path not in reports], subject, solutions)
@@ -139,18 +149,22 @@ examples:
             return _status(solutions, quiet=True)
         answers = found
         try:
-            with show_progress("answering", quiet=options.quiet or not asked) as change:
+            silent = options.quiet or not (asked or options.pull_off)
+            with show_progress("answering", quiet=silent) as change:
                 answers = {**found, **ask(asked, solutions, change)}
+                if options.pull_off:
+                    change("pull-off")
+                    answers |= {"pull-off": [_find_pull_off(set_tolerance(options, problem))] * len(solutions)}
         finally:
             for path in reports:
                 write_report(solutions, path, answers)
         if options.quiet:
             return _status(solutions, quiet=True)
         done = name_written([*written, *reports])
-        write = to_json if options.json else to_csv if options.csv else to_text
-        print(write(solutions, options.area, answers))
-        if options.pull_off:
-            print(f"pull-off       {problem.pull_off()}", file=sys.stderr if piped else None)
+        if options.json:
+            print(to_json(solutions, options.area, answers, inputs))
+        else:
+            print((to_csv if options.csv else to_text)(solutions, options.area, answers))
         if done and not piped:
             print(done)
         return _status(solutions, quiet=options.quiet)
@@ -173,22 +187,34 @@ def _refuse_for_several(options: argparse.Namespace) -> None:
         raise rc.InputError(f"The loads of --loads must be of one kind, but they are of {kinds}.")
 
 
+def _find_pull_off(problem: rc.ContactProblem) -> rc.Estimate:
+    """Return the force of pull-off; `InputError`, with the option, where it cannot be followed."""
+    try:
+        return problem.pull_off()
+    except rc.InputError as error:
+        raise rc.InputError(f"--pull-off: {error}") from error
+
+
 def _solve(
     options: argparse.Namespace, problem: rc.ContactProblem, loads: tuple[Load, ...], change: ChangeProgress
 ) -> tuple[Any, tuple[rc.ContactSolution, ...]]:
     """Return the solution or sweep to be drawn, and the solutions at all loads."""
     if options.refine is None and options.loads is None:
         asked = {name: getattr(options, name) for name in ("area_within", "peak_within", "tolerance")}
-        # An accuracy is reached on grids that are not known yet.
-        on_one_grid = options.area_within is None and options.peak_within is None
-        tolerance = (options.tolerance or problem.plan.solver.tolerance) if on_one_grid else None
-        steps = describe_steps(change, "solving", problem.plan.grid.shape, tolerance)
+        tolerance = options.tolerance or tolerance_within(problem, options.area_within, options.peak_within)
+        count: Any = count_solves
+        if options.area_within is not None or options.peak_within is not None:
+            # Nobody knows on which grid an accuracy is reached; measured maps have one.
+            count = functools.partial(count_grids, doublings=None, refined=not _is_measured(problem))
+        steps = describe_steps(change, "solving", count(problem.plan.grid.shape, tolerance))
         solution = problem.solve(**loads[0].arguments, **asked, throw=False, on_step=steps)
         return solution, (solution,)
     problem = set_tolerance(options, problem)
     if options.refine is not None:
         _refuse_measured(problem)
-        ladder = rc.extrapolate(problem, **loads[0].arguments, levels=options.refine)
+        fraction = count_grids(problem.plan.grid.shape, problem.plan.solver.tolerance, options.refine - 1)
+        steps = describe_steps(change, "solving", fraction)
+        ladder = rc.extrapolate(problem, **loads[0].arguments, levels=options.refine, on_step=steps)
         if not options.quiet:
             print(f"{ladder}\n", file=sys.stderr if options.json or options.csv else None)
         return ladder.solutions[-1], ladder.solutions[-1:]
@@ -203,7 +229,8 @@ def _solve(
     def solve(load: Load, start: Array | None) -> rc.ContactSolution:
         nonlocal done
         what = f"load {done + 1} of {len(loads)}, {load}"
-        steps = describe_steps(change, what, plan.grid.shape, plan.solver.tolerance, (done, len(loads)))
+        fraction = count_solves(plan.grid.shape, plan.solver.tolerance, (done, len(loads)))
+        steps = describe_steps(change, what, fraction)
         done += 1
         return problem.solve(**load.arguments, start=start, throw=False, on_step=steps)
 
@@ -211,9 +238,14 @@ def _solve(
     return sweep, sweep.solutions
 
 
-def _refuse_measured(problem: rc.ContactProblem) -> None:
+def _is_measured(problem: rc.ContactProblem) -> bool:
+    """Return whether the problem has a map that is not known between its points."""
     sides = problem.body.surface, problem.counterbody.surface
-    if any(not found.periodic for surface in sides for found in find_maps(surface)):
+    return any(not found.periodic for surface in sides for found in find_maps(surface))
+
+
+def _refuse_measured(problem: rc.ContactProblem) -> None:
+    if _is_measured(problem):
         raise rc.InputError(
             "--refine solves on finer grids, which add no heights to a map that is not periodic. Its "
             "area is stated with an uncertainty without it; 'roughcontact report' compares coarser grids."

@@ -6,13 +6,20 @@ import argparse
 import ast
 import inspect
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+import attrs
 
 import roughcontact as rc
 from roughcontact._base.registry import Registry
 from roughcontact._base.units import fit
 from roughcontact._faces.cli import Command, commands
+from roughcontact._faces.cli.answers import write_json
+from roughcontact._faces.html.inputs import describe_part
 from roughcontact.errors import InputError
+
+if TYPE_CHECKING:
+    from roughcontact.testing import Report
 
 
 class Check(Command):
@@ -38,6 +45,7 @@ examples:
             metavar="FIELD=VALUE",
             help="its fields, in SI units, such as young=200e9 poisson=0.3",
         )
+        parser.add_argument("--json", action="store_true", help="print one JSON object: the part and its claims")
 
     def run(self, options: argparse.Namespace) -> int:
         """Return 0, or 1 if a claim does not hold."""
@@ -49,10 +57,20 @@ examples:
             what = KINDS[options.kind].kind if options.kind else "part"
             raise InputError.unknown(what, options.name, set().union(*candidates.values()))
         fields = dict(_field(text) for text in options.fields)
-        reports = [check(_create(KINDS[kind], options.name, fields), kind) for kind in kinds]
-        for report in reports:
-            print(fit(str(report)))
+        parts = [_create(KINDS[kind], options.name, fields) for kind in kinds]
+        reports = [check(part, kind) for part, kind in zip(parts, kinds, strict=True)]
+        if options.json:
+            described = [_describe(part, report) for part, report in zip(parts, reports, strict=True)]
+            print(write_json(described[0] if len(described) == 1 else {"reports": described}))
+        else:
+            print("\n".join(fit(str(report)) for report in reports))
         return 0 if all(report.passed for report in reports) else 1
+
+
+def _describe(part: object, report: Report) -> dict[str, Any]:
+    """Return what was found of a part as data that JSON can hold."""
+    claims = [attrs.asdict(one) for one in report.findings]
+    return {"inputs": {report.kind: describe_part(part)}, "passed": report.passed, "claims": claims}
 
 
 def _create(registry: Registry[Any], name: str, fields: dict[str, Any]) -> Any:

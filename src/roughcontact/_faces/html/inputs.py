@@ -15,6 +15,7 @@ import numpy as np
 from roughcontact._base.archive import digest_of
 from roughcontact._base.archive.plain import public_class
 from roughcontact._base.arrays import Array
+from roughcontact._base.registry import registries
 from roughcontact._base.units import counted, si
 from roughcontact._faces.html.elements import element, escape, quantity
 from roughcontact._parts.grid import Load
@@ -167,7 +168,10 @@ class _Writer:
         if not attrs.has(type(value)):
             raise _NotInAScript
         fields = ((field, getattr(value, field.name)) for field in attrs.fields(type(value)) if field.init)
-        given = (f"{field.alias}={self.write(item)}" for field, item in fields if not _is_default(field, item))
+        given = [f"{field.alias}={self.write(item)}" for field, item in fields if not _is_default(field, item)]
+        made = _write_by_name(type(value))
+        if made:
+            return f"{made[0]}({', '.join([made[1], *given])})"
         return f"{self._write_class(type(value))}({', '.join(given)})"
 
     def _write_class(self, cls: type) -> str:
@@ -178,6 +182,17 @@ class _Writer:
             raise _NotInAScript
         self.modules.add(module)
         return f"{module}.{cls.__name__}"
+
+
+def _write_by_name(cls: type) -> tuple[str, str] | None:
+    """Return the function that makes a shipped part that is public by its registered name alone, and that name."""
+    if public_class(cls.__name__) is cls or cls.__module__.partition(".")[0] != "roughcontact":
+        return None
+    for registry in registries().values():
+        name = registry.name_of(cls) if issubclass(cls, registry.base) else None
+        if name is not None:
+            return f"{registry.group.replace('roughcontact', 'rc')}.create", repr(name)
+    return None
 
 
 def _write_number(value: float) -> str:

@@ -263,7 +263,7 @@ def _make_answer(solution: ContactSolution) -> str:
         answers["Contact area"] += f"<br>{element('span', escape(describe_maps(maps)), class_='note')}"
     materials = () if solution.origin is None else solution.origin.materials.values()
     if exceeds_metals(solution, materials):
-        answers["Max pressure"] += f"<br>{element('span', escape(MORE_THAN_METALS), class_='note')}"
+        answers["Maximum pressure"] += f"<br>{element('span', escape(MORE_THAN_METALS), class_='note')}"
     return table(answers, "The answer", class_="answer")
 
 
@@ -271,7 +271,7 @@ def _make_figures(solution: ContactSolution) -> str:
     if not can_draw():
         return section("Figures", note(_NO_FIGURES))
     answers = list_answers(solution)
-    answer = f"Contact area {answers['contact area']}; max pressure {answers['max pressure']}."
+    answer = f"Contact area {answers['contact area']}; maximum pressure {answers['maximum pressure']}."
     return make_figures("Figures", draw_panels("solution", solution), answer)
 
 

@@ -1,6 +1,6 @@
 """The contact problem: bodies, initial gap, load, plan, certificate."""
 
-from roughcontact._solve.problem.accuracy import resample_problem
+from roughcontact._solve.problem.accuracy import resample_problem, tolerance_within
 from roughcontact._solve.problem.body import RIGID_FLAT, Body
 from roughcontact._solve.problem.cycle import (
     AdhesionCycle,
@@ -8,7 +8,6 @@ from roughcontact._solve.problem.cycle import (
     find_stability,
     linearise,
     list_states,
-    make_cycle_table,
 )
 from roughcontact._solve.problem.friction_certificate import require_frictional
 from roughcontact._solve.problem.increments import Increment, StepNumbers, list_targets
@@ -18,6 +17,7 @@ from roughcontact._solve.problem.path import (
     TangentialLoop,
     load_path,
     resolve_friction,
+    run_slide,
     save_path,
 )
 from roughcontact._solve.problem.plan import SolvePlan, require_memory_of_solve
@@ -56,7 +56,6 @@ __all__ = [
     "list_targets",
     "load",
     "load_path",
-    "make_cycle_table",
     "make_solution",
     "make_table",
     "make_task",
@@ -69,6 +68,8 @@ __all__ = [
     "require_memory_of_solve",
     "resample_problem",
     "resolve_friction",
+    "run_slide",
     "run_sweep",
     "save_path",
+    "tolerance_within",
 ]

@@ -178,6 +178,12 @@ def with_tolerance(problem: ContactProblem, tolerance: float) -> ContactProblem:
     return changed
 
 
+def tolerance_within(problem: ContactProblem, area_within: float | None, peak_within: float | None) -> float:
+    """Return the tolerance of the solver with which `ContactProblem.solve` reaches an accuracy."""
+    target = Target.of(area_within, peak_within)
+    return (problem if target is None else _choose_tolerance(problem, target)).plan.solver.tolerance
+
+
 def _choose_tolerance(problem: ContactProblem, target: Target) -> ContactProblem:
     """Return the problem with the tolerance that the target allows; a solver that was given keeps its own."""
     if not isinstance(problem.solver, str):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Callable
 
 import attrs
 import numpy as np
@@ -31,7 +32,7 @@ from roughcontact._solve.solution import (
     Status,
     TangentialLoad,
 )
-from roughcontact._solve.solvers import ProjectedShearCG, ShearOutcome, ShearTask, project_to_discs
+from roughcontact._solve.solvers import ProjectedShearCG, ShearOutcome, ShearTask, Step, project_to_discs
 from roughcontact.errors import InputError, NotConverged
 
 # Alternations of normal and tangential solves after which a coupled solve is given up.
@@ -57,14 +58,21 @@ _PROBED_GROWTH = 1.25
 
 @attrs.frozen(eq=False)
 class CoupledSolve(FrictionalContact):
-    """The solves of a path."""
+    """The solves of a path.
 
+    Attributes
+    ----------
+    on_step
+        Called after each iteration of `press`.
+    """
+
+    on_step: Callable[[Step], None] | None = None
     _known: dict[Load, ContactSolution] = attrs.field(factory=dict, init=False)
 
     def press(self, load: Load) -> ContactSolution:
         """Return the frictionless contact: that of `ContactProblem.solve`; the last one is kept."""
         if load not in self._known:
-            found = self.problem.solve(**load.arguments)
+            found = self.problem.solve(**load.arguments, on_step=self.on_step)
             self._known.clear()
             self._known[load] = found
         return self._known[load]
@@ -91,13 +99,17 @@ class CoupledSolve(FrictionalContact):
             solution, fields = self._certify(load, tangential, found, before, start, started)
         return _require_success(solution), fields
 
-    def slide(self, load: Load, direction: Pair) -> FrictionalSolution:
+    def slide(self, load: Load, direction: Pair, on_pass: Callable[[Step], None] | None = None) -> FrictionalSolution:
         """Return the contact of bodies that slide steadily: the traction is the shear strength, in one direction."""
         started = time.perf_counter()
         tangential = TangentialLoad("direction", direction)
         before = FrictionalState.unloaded(self.problem.plan.grid.shape)
         with computing(self.problem):
-            found = self._slide_coupled(load, direction) if self.shear.coupled else self._slide_like(load, direction)
+            found = (
+                self._slide_coupled(load, direction, on_pass)
+                if self.shear.coupled
+                else self._slide_like(load, direction)
+            )
             solution, _ = self._certify(load, tangential, found, before, self.fields_of(before), started)
         return _require_success(solution)
 
@@ -153,7 +165,7 @@ class CoupledSolve(FrictionalContact):
         status = Status.CONVERGED if error <= self.tolerance else Status.MAXIMUM_ITERATIONS
         return FoundTractions(contact, shear, np.array(outcome.displacement), status, passes, iterations)
 
-    def _slide_coupled(self, load: Load, direction: Pair) -> FoundTractions:
+    def _slide_coupled(self, load: Load, direction: Pair, on_pass: Callable[[Step], None] | None) -> FoundTractions:
         """Alternate as for a step, with combinations of earlier passes: what is left is linear on a fixed contact."""
         contact = self.press(load)
         _, coupling = self._find_limit(contact)
@@ -167,6 +179,8 @@ class CoupledSolve(FrictionalContact):
             shear = stack_along(self._find_limit(contact)[0], direction)
             found = self.shear.apply(shear, to="z")[0]
             error = self._normal_error(contact, load, found)
+            if on_pass is not None:
+                on_pass(Step(self.problem.plan.grid.shape, passes, error))
             if error <= self.tolerance:
                 break
             lifted = mixing.combine(lifted, found - lifted, 1.0 / (1.0 + coupling**2))

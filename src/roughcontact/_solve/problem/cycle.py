@@ -148,6 +148,17 @@ class AdhesionCycle:
             found.append(np.asarray((lost > allowed) & (lost + back[::-1] > 0.5 * lost)))
         return found[0], found[1]
 
+    def table(self) -> Table:
+        """Return a row for each state, with the columns of `to_pandas`; see `roughcontact.typing.Table`."""
+        branches = {"loading": self.loading, "unloading": self.unloading}
+        tables = [make_table(sweep) for sweep in branches.values()]
+        columns: dict[str, Any] = {"branch": [name for name, sweep in branches.items() for _ in sweep]}
+        for name in _COLUMNS:
+            columns[name] = np.concatenate([table.columns[name] for table in tables])
+        columns["lost"] = np.concatenate([np.append(0.0, lost) for lost in self.losses])
+        columns["jump"] = [bool(jump) for jumps in self.jump_steps for jump in (False, *jumps)]
+        return Table(columns, {**{name: tables[0].units[name] for name in _COLUMNS}, "lost": "J"}, left=("branch",))
+
     def to_pandas(self) -> Any:
         """Return the states as a `pandas.DataFrame`, those of loading first (extra ``table``).
 
@@ -155,11 +166,11 @@ class AdhesionCycle:
         ``area_fraction``, in the units of ``frame.attrs["units"]``, and of the step that leads to a state ``lost``, its
         energy lost, J, and ``jump``, whether it is one.
         """
-        return make_cycle_table(self).to_pandas()
+        return self.table().to_pandas()
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write the columns of `to_pandas` to a CSV file in SI units, with all digits; an existing file is replaced."""
-        make_cycle_table(self).to_csv(path)
+        self.table().to_csv(path)
 
     @overload
     def to_html(self, path: None = None) -> str: ...
@@ -220,18 +231,6 @@ def list_states(cycle: AdhesionCycle) -> Table:
         columns["area, %"] += (100.0 * sweep.area / sweep[0].grid.area).tolist()
         columns[""] += ["", *("jump" if jump else "" for jump in jumps)]
     return Table(columns, {"approach": "m", "force": "N"}, left=("branch", ""))
-
-
-def make_cycle_table(cycle: AdhesionCycle) -> Table:
-    """Return a row for each state; see `AdhesionCycle.to_pandas`."""
-    branches = {"loading": cycle.loading, "unloading": cycle.unloading}
-    tables = [make_table(sweep) for sweep in branches.values()]
-    columns: dict[str, Any] = {"branch": [name for name, sweep in branches.items() for _ in sweep]}
-    for name in _COLUMNS:
-        columns[name] = np.concatenate([table.columns[name] for table in tables])
-    columns["lost"] = np.concatenate([np.append(0.0, lost) for lost in cycle.losses])
-    columns["jump"] = [bool(jump) for jumps in cycle.jump_steps for jump in (False, *jumps)]
-    return Table(columns, {**{name: tables[0].units[name] for name in _COLUMNS}, "lost": "J"}, left=("branch",))
 
 
 def _require_resolved(plan: SolvePlan) -> None:

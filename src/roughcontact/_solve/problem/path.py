@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
@@ -32,7 +32,9 @@ from roughcontact._solve.problem.increments import (
 from roughcontact._solve.problem.plan import require_memory_of_friction
 from roughcontact._solve.problem.task import limit_load
 from roughcontact._solve.solution import FrictionalSolution, page_or_file, read_estimate, read_path, write_path, writers
+from roughcontact._solve.solvers import Step
 from roughcontact.errors import InputError
+from roughcontact.errors.door import guarded
 
 if TYPE_CHECKING:
     from roughcontact._solve.problem.problem import ContactProblem
@@ -340,10 +342,20 @@ def run_path(
     )
 
 
+@guarded
 def run_slide(
-    problem: ContactProblem, normal: Mapping[str, object], friction: object, direction: object
+    problem: ContactProblem,
+    normal: Mapping[str, object],
+    friction: object,
+    direction: object,
+    on_step: Callable[[Step], None] | None = None,
+    on_pass: Callable[[Step], None] | None = None,
 ) -> FrictionalSolution:
-    """Return the contact in steady sliding; see `ContactProblem.slide`."""
+    """Return the contact in steady sliding; see `ContactProblem.slide`.
+
+    `on_step` is called after each iteration of the frictionless contact, from which the bodies slide, and `on_pass`
+    after each alternation of pressure and traction of unlike bodies.
+    """
     law = resolve_friction(friction)
     angle = math.radians(checks.number(direction, "The direction of sliding", "degrees"))
     require_frictional(problem)
@@ -351,4 +363,4 @@ def run_slide(
     limit_load(problem.plan, problem.initial_gap, load)
     # Exactly along an axis.
     x, y = (round(value, 15) for value in (math.cos(angle), math.sin(angle)))
-    return CoupledSolve(problem, law).slide(load, (x, y))
+    return CoupledSolve(problem, law, on_step=on_step).slide(load, (x, y), on_pass)

@@ -60,6 +60,9 @@ _PROBING_FACTOR = 2.0
 _MIN_SLOPE_WIDTH = 0.02
 # Steps from one load to the next, over that between the two before, up to which the pressure is extrapolated.
 _MAX_EXTRAPOLATION = 3.0
+# Factor by which the digits of the answer grow from try to try, about, by the secant rule; error from which on they do.
+_ORDER = 1.6
+_MAX_FORECAST_ERROR = 0.5
 # Standard deviations by which an answer must fall and rise again to be called so.
 _SIGNIFICANT_STD = 2.0
 
@@ -128,13 +131,21 @@ class _Point:
 
 @guarded
 def find_required_load(
-    problem: ContactProblem, solve: Solve, answer: object, value: object, asked: Mapping[str, object]
+    problem: ContactProblem,
+    solve: Solve,
+    answer: object,
+    value: object,
+    asked: Mapping[str, object],
+    on_answer: Callable[[int], None] | None = None,
 ) -> RequiredLoad:
-    """Return the load that an answer requires; see `ContactProblem.solve_for`."""
+    """Return the load that an answer requires; see `ContactProblem.solve_for`.
+
+    `on_answer` is called with the number of solves that are still to come, about, after each of them.
+    """
     if problem.adhesion is not None:
         raise InputError("With adhesion one answer may belong to several loads: sweep the loads instead.")
     response, name, target = _resolve(answer, value, asked)
-    return _Search(problem, solve, response, name, target).run()
+    return _Search(problem, solve, response, name, target).run(on_answer)
 
 
 def find_load_of_area(
@@ -246,7 +257,7 @@ class _Search:
             raise InputError.about(what, text, f"a plain number, {unit}") from error
         return number(value, what, unit, above=0.0)
 
-    def run(self) -> RequiredLoad:
+    def run(self, on_answer: Callable[[int], None] | None = None) -> RequiredLoad:
         """Return the load; `InputError` if none has the wanted answer."""
         fraction = _FIRST_FRACTION
         if isinstance(self._response, AreaEstimator):
@@ -256,6 +267,8 @@ class _Search:
             point = self._try(x)
             if abs(point.off) <= self._tolerance(point.answer):
                 return self._report(point)
+            if on_answer is not None:
+                on_answer(self._forecast())
             bracket = self._find_bracket()
             if bracket is not None and bracket[1].x - bracket[0].x <= _JUMP_WIDTH:
                 nearest = min(bracket, key=lambda one: abs(one.off))
@@ -287,6 +300,12 @@ class _Search:
             one: found for one, found in self._solutions.items() if one in (*kept, *(end.x for end in bracket))
         }
         return point
+
+    def _forecast(self) -> int:
+        """Return how many tries are still to come, about."""
+        nearest = min(self._points, key=lambda one: abs(one.off))
+        digits = -math.log(min(abs(nearest.off), _MAX_FORECAST_ERROR)) / -math.log(self._tolerance(nearest.answer))
+        return max(1, math.ceil(-math.log(digits) / math.log(_ORDER)))
 
     def _pressure_at(self, x: float) -> float:
         return min(self._typical * math.exp(x), self._maximum)

@@ -37,6 +37,7 @@ from roughcontact._solve.solution.storage import read, read_figures, require_net
 from roughcontact._solve.solution.summary import (
     MORE_THAN_METALS,
     describe_maps,
+    describe_other_places,
     describe_work,
     find_load,
     gather_warnings,
@@ -85,6 +86,7 @@ __all__ = [
     "areas",
     "count_patch_cells",
     "describe_maps",
+    "describe_other_places",
     "describe_range",
     "describe_work",
     "exceeds_metals",

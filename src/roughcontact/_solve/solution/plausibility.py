@@ -114,7 +114,7 @@ PLAUSIBILITY_RULES = {
         "a half-space neglects the square of the slope: 4 % at 0.2, a quarter at 0.5",
         "A half-space is a model for small slopes: check that heights and sizes are in metres; filter noise.",
     ),
-    "peak pressure": Rule(
+    "maximum pressure": Rule(
         0.1,
         0.3,
         "strains are about a third of p / E* (Tabor); linear elasticity holds up to strains of a tenth",
@@ -123,7 +123,7 @@ PLAUSIBILITY_RULES = {
     "approach": Rule(
         0.1,
         0.3,
-        "as for the peak pressure: the mean strain of the domain is about approach over side",
+        "as for the maximum pressure: the mean strain of the domain is about approach over side",
         "Linear elasticity holds up to about a tenth: check modulus, load and size.",
     ),
     "theory": Rule(
@@ -173,7 +173,7 @@ def find_scene(initial_gap: Array, grid: Grid, boundary: Boundary, materials: It
 
 def find_contact(solution: ContactSolution, materials: Iterable[Material]) -> list[Finding]:
     """Return the findings on half-space, domain and grid of a solved contact."""
-    names = ("isotropy", "edge contact", "tilt", "cells per contact", "slope", "peak pressure", "approach", "theory")
+    names = ("isotropy", "edge contact", "tilt", "cells per contact", "slope", "maximum pressure", "approach", "theory")
     if not solution.contact.any():
         return [Finding(name, math.nan, "there is no contact") for name in names]
     peak = float(solution.pressure.max()) / solution.modulus
@@ -185,7 +185,7 @@ def find_contact(solution: ContactSolution, materials: Iterable[Material]) -> li
         _find_tilt(solution, edge),
         _find_single_cells(solution),
         _find_slope(solution),
-        Finding("peak pressure", peak, f"the maximum pressure is {peak:.3g} times the contact modulus E*"),
+        Finding("maximum pressure", peak, f"the maximum pressure is {peak:.3g} times the contact modulus E*"),
         Finding("approach", approach, f"the approach is {approach:.3g} times the shorter side of the domain"),
         _find_departure(solution),
     ]
@@ -197,7 +197,7 @@ def list_warnings(solution: ContactSolution, materials: Iterable[Material]) -> t
     findings = find_scene(solution.initial_gap, solution.grid, solution.boundary, materials)
     explained: set[str] = set()
     if findings[0].warning:
-        explained |= {"slope", "peak pressure", "approach"}
+        explained |= {"slope", "maximum pressure", "approach"}
     if solution.status.success:
         findings += find_contact(solution, materials)
         if any(finding.rule == "tilt" and finding.warning for finding in findings):

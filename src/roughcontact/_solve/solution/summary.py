@@ -27,7 +27,7 @@ _UNKNOWN = "not determined"
 # Note below a maximum pressure that no metal bears.
 MORE_THAN_METALS = "more than metals bear: unless it is meant, give a hardness"
 # Characters of the labels of a printed solution.
-_LABEL_WIDTH = 15
+_LABEL_WIDTH = 18
 # Maximum cells for which `repr` estimates the area: 0.1 s.
 _MAX_REPR_CELLS = 2**20
 # Maximum loads that are named if a warning concerns all of them.
@@ -41,17 +41,42 @@ def list_answers(solution: ContactSolution) -> dict[str, str]:
         "contact area": _format_area(_attempt(solution.area, None), solution),
         "force": si(solution.force, "N", 6),
         "mean pressure": si(solution.mean_pressure, "Pa", 6),
-        "max pressure": _UNKNOWN if peak is None else _format_estimate(peak),
+        "maximum pressure": _UNKNOWN if peak is None else _format_estimate(peak),
         "approach": si(solution.approach, "m", 6),
     }
     if solution.capped:
         answers["saturated"] = _format_area(_attempt(solution.saturated_area, None), solution)
-    others = {"contact area": _attempt(solution.area, None), "max pressure": peak}
-    differences = [f"{name} {text}" for name, one in others.items() if (text := _format_sampling(one))]
-    if differences:
-        warning = find_sampling_warning(solution)
-        answers["other places"] = f"{', '.join(differences)} (standard deviation)" + (f"; {warning}" if warning else "")
-    return answers
+    places = describe_other_places(solution, {"contact area": _attempt(solution.area, None), "maximum pressure": peak})
+    return answers | ({"other places": places} if places else {})
+
+
+@guarded
+def describe_other_places(solution: ContactSolution, estimates: Mapping[str, Area | Estimate | None]) -> str:
+    """Return how much other places of the same surface differ, in words; empty where it is not known.
+
+    Parameters
+    ----------
+    solution
+        The solution.
+    estimates
+        Its answers by name; those that state no sampling error are omitted.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> rough = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.1, shortest=4e-6, longest=16e-6, seed=1)
+    >>> problem = rc.ContactProblem(
+    ...     rc.Body(rough, rc.Elastic(210e9, 0.3)), grid=rc.Grid((64, 64), 64e-6), boundary="periodic"
+    ... )
+    >>> solution = problem.solve(pressure=1e9)
+    >>> rc.typing.describe_other_places(solution, {"contact area": solution.area()})
+    'contact area +- ... % (standard deviation)'
+    """
+    differences = [f"{name} {text}" for name, one in estimates.items() if (text := _format_sampling(one))]
+    if not differences:
+        return ""
+    warning = find_sampling_warning(solution)
+    return f"{', '.join(differences)} (standard deviation)" + (f"; {warning}" if warning else "")
 
 
 def list_all_warnings(
@@ -99,7 +124,7 @@ def summarize(solution: ContactSolution, maps: Sequence[HeightMap], materials: M
     status = ("status", str(solution.status))
     rows = [*list_answers(solution).items()]
     if exceeds_metals(solution, materials.values()):
-        rows.insert([label for label, _ in rows].index("max pressure") + 1, ("", MORE_THAN_METALS))
+        rows.insert([label for label, _ in rows].index("maximum pressure") + 1, ("", MORE_THAN_METALS))
     if maps:
         rows.insert(1, ("", describe_maps(maps)))
     rows.insert(len(rows) if solution.status.success else 0, status)

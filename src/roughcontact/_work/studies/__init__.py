@@ -1,5 +1,6 @@
 """Studies: many problems, many loads, on any executor, and on disk as they go."""
 
+from roughcontact._work.studies.answers import name_of
 from roughcontact._work.studies.asking import (
     Answers,
     ResponseField,
@@ -29,6 +30,7 @@ __all__ = [
     "build_problem",
     "build_response",
     "describe_response",
+    "name_of",
     "tabulate_answers",
     "write_report",
 ]

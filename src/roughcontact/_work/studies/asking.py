@@ -45,12 +45,16 @@ class ResponseField:
         Whether it is one number or two.
     is_needed
         Whether it has no default.
+    plain_unit
+        Unit of a number that a text may not state, such as ``"W/(m K) or S/m"``: the ``plain_unit`` in the metadata of
+        the field; empty without one.
     """
 
     name: str
     unit: str | None
     is_pair: bool
     is_needed: bool
+    plain_unit: str = ""
 
 
 @attrs.frozen
@@ -89,7 +93,7 @@ def describe_response(name: str) -> ResponseForm:
     for field, found in list_fields(cls).items() if attrs.has(cls) else ():
         plain = "" if found.kind in (float, Pair) else None
         unit = plain if found.unit is None else found.unit
-        fields.append(ResponseField(field, unit, found.kind == Pair, found.required))
+        fields.append(ResponseField(field, unit, found.kind == Pair, found.required, found.plain_unit))
     is_array = get_type_hints(cls.respond).get("return") == Array
     return ResponseForm(line[:1].lower() + line[1:], tuple(fields), is_array)
 

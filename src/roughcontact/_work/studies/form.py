@@ -281,11 +281,12 @@ def _registry_of(kind: type) -> Registry[Any] | None:
 
 @attrs.frozen
 class Field:
-    """Annotation and unit of an argument, and whether it is required."""
+    """Annotation and unit of an argument, whether it is required, and the unit of a number that texts do not state."""
 
     kind: Any
     unit: str | None
     required: bool
+    plain_unit: str = ""
 
 
 def list_fields(cls: type) -> dict[str, Field]:
@@ -299,7 +300,12 @@ def list_fields(cls: type) -> dict[str, Field]:
     except NameError:
         hints = {}
     return {
-        str(field.alias): Field(hints.get(field.name, Any), field.metadata.get("unit"), field.default is attrs.NOTHING)
+        str(field.alias): Field(
+            hints.get(field.name, Any),
+            field.metadata.get("unit"),
+            field.default is attrs.NOTHING,
+            field.metadata.get("plain_unit", ""),
+        )
         for field in attrs.fields(cls)
         if field.init
     }

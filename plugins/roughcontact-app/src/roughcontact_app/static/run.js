@@ -88,6 +88,8 @@ function renderAnswer(state) {
   const statuses = [...new Set((failed.length ? failed : state.answers).map((answer) => answer.status))];
   byId("verdict").textContent = `${statuses.join("; ")}. The value after ± is one standard deviation.`;
   byId("verdict").className = failed.length ? "alert" : "";
+  const { load: place, places } = state.answers.at(-1);
+  say("places", places && `Other places of the surface${many ? `, at ${place}` : ""}: ${places}`);
   showList(byId("warnings"), state.warnings);
   byId("answer-table").replaceChildren(...(many ? curveRows(state) : singleRows(first)));
   byId("h-answer").focus({ preventScroll: true });

@@ -16,7 +16,7 @@ const UNITS = {
 UNITS.cycle = UNITS.fretting = UNITS.pressure;
 // At first for each kind of load: a value and its unit.
 const FIRST_LOADS = { pressure: ["100", "MPa"], force: ["1", "N"], approach: ["0.1", "um"], cycle: ["100", "MPa"], fretting: ["100", "MPa"] };
-const NO_RESPONSES = { cycle: true, fretting: true };
+const NO_RESPONSES = { fretting: true };
 const FORMS = { plane: "its plane", quadratic: "its form of second degree", sphere: "its sphere" };
 let defaults = {};
 // Young's modulus, GPa, Poisson's ratio and hardness, GPa, of typical materials by name.

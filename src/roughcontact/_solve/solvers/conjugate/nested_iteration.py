@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import attrs
 import numpy as np
 
@@ -10,7 +12,7 @@ from roughcontact._base.machine import map_tiles, tiles_of
 from roughcontact._parts.grid import Boundary, Grid, grid_shape
 from roughcontact._solve.convolvers import PreparedConvolution
 from roughcontact._solve.solution import GridLevel
-from roughcontact._solve.solvers.base import Monitor, Task, starting_pressure
+from roughcontact._solve.solvers.base import Monitor, Step, Task, starting_pressure
 from roughcontact._solve.solvers.conjugate.refinement import NearlyFull, Refinement
 from roughcontact.errors.door import guarded
 
@@ -274,7 +276,17 @@ class Window:
             mean_pressure=None if mean is None else mean * (task.initial_gap.size / inside.size),
             pressure_limit=limit if limit.size == 1 else self.restrict(limit),
             start=None if task.start is None else self.restrict(task.start),
+            on_step=self._report_to(task, inside.shape),
         )
+
+    @staticmethod
+    def _report_to(task: Task, inside: tuple[int, int]) -> Callable[[Step], None] | None:
+        """Return a function for the steps inside, which reports them as steps of the whole grid."""
+        tell = task.on_step
+        if tell is None:
+            return None
+        whole = task.initial_gap.shape
+        return lambda step: tell(attrs.evolve(step, shape=whole) if step.shape == inside else step)
 
     def convolution(self, convolution: PreparedConvolution) -> PreparedConvolution:
         """Return the convolution of the cells inside."""

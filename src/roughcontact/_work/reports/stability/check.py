@@ -27,7 +27,7 @@ RULES = {
     "complementarity": Rule(
         2e-5,
         1e-3,
-        "twice the solvers' tolerance of 1e-5; 1e-3 moves areas and peak pressures by 0.1 %",
+        "twice the solvers' tolerance of 1e-5; 1e-3 moves areas and maximum pressures by 0.1 %",
         _TOLERANCE,
     ),
     "penetration": Rule(2e-5, 1e-3, "as for complementarity", _TOLERANCE),
@@ -41,13 +41,13 @@ RULES = {
     "float32 iterations": Rule(
         1e-5,
         1e-3,
-        "at a tolerance of 1e-8 two solvers differ by up to 1e-6 of the peak pressure",
+        "at a tolerance of 1e-8 two solvers differ by up to 1e-6 of the maximum pressure",
         "Use the solver spectral-gradient, which works in float64 throughout.",
     ),
     "coarser grid: area": Rule(
         0.05, 0.2, "at second order a change of 5 % leaves an error of less than 2 % on the finer grid", _GRID
     ),
-    "coarser grid: peak pressure": Rule(
+    "coarser grid: maximum pressure": Rule(
         0.15, 0.5, "peaks are local: a change by half leaves about a tenth on the finer grid", _GRID
     ),
     "coarser grid: approach or load": Rule(0.05, 0.2, "as for the area", _GRID),
@@ -57,10 +57,10 @@ RULES = {
         "the position of the grid is arbitrary; the change is an uncertainty of about that size",
         _GRID,
     ),
-    "shifted grid: peak pressure": Rule(0.05, 0.2, "as for the area; a peak between cell centres is missed", _GRID),
+    "shifted grid: maximum pressure": Rule(0.05, 0.2, "as for the area; a peak between cell centres is missed", _GRID),
     "shifted grid: approach or load": Rule(0.02, 0.1, "as for the area", _GRID),
     "tighter tolerance: area": Rule(1e-4, 1e-2, "at 1e-5 only cells at the contact edge may still change", _TOLERANCE),
-    "tighter tolerance: peak pressure": Rule(1e-4, 1e-2, "as for the area", _TOLERANCE),
+    "tighter tolerance: maximum pressure": Rule(1e-4, 1e-2, "as for the area", _TOLERANCE),
     "tighter tolerance: approach or load": Rule(1e-4, 1e-2, "as for the area", _TOLERANCE),
     "area: uncertainty": Rule(
         0.05, 0.3, "one standard deviation over the area; above 30 % only its order of magnitude is known", _GRID

@@ -235,7 +235,7 @@ def check_precision(solved: SolvedProblem) -> Check:
 
 
 def check_variants(solved: SolvedProblem) -> list[Check]:
-    """Return the changes of area, peak pressure and approach or load on other grids and to a tighter tolerance."""
+    """Return the changes of area, maximum pressure and approach or load on other grids and to a tighter tolerance."""
     variants: dict[str, Callable[[], tuple[ContactProblem, ContactSolution]]] = {
         "coarser grid": lambda: _solve_changed(solved, change_cells),
         "shifted grid": lambda: _solve_changed(solved, shift_half_cell),
@@ -243,7 +243,7 @@ def check_variants(solved: SolvedProblem) -> list[Check]:
     }
     checks = []
     for variant, solve in variants.items():
-        names = [f"{variant}: {quantity}" for quantity in ("area", "peak pressure", "approach or load")]
+        names = [f"{variant}: {quantity}" for quantity in ("area", "maximum pressure", "approach or load")]
         try:
             problem, solution = solve()
         except InputError as error:
@@ -311,7 +311,7 @@ def _solve_changed(
 
 
 def _answers(solved: SolvedProblem, solution: ContactSolution, summit: float) -> list[tuple[float, str]]:
-    """Return area, peak pressure, and approach or load, with their units."""
+    """Return area, maximum pressure, and approach or load, with their units."""
     # Where the sampled summits are lower the bodies touch later: one datum for both approaches.
     approach = solution.approach + (solved.problem.summit - summit)
     response = (solution.force, "N") if solved.load.kind == "approach" else (approach, "m")
