@@ -15,11 +15,13 @@ import torch
 from roughcontact_torch.masked_grid import Blocks, MaskedGrid, divide
 
 # Lengths of steps in units of the direction, parts of steps that are taken, the minimum slope of a conjugate direction,
-# the minimum weight and the minimum ratio of the singular values of rigid pressures, as in the default solver.
+# the minimum weight and the minimum ratio of the singular values of rigid pressures, as in the default solver; with a
+# limit more steps are taken in full, because cells that a shortened step leaves just below it shorten the next ones.
 _FIRST_LENGTH = 0.65
 _MAX_LENGTH = 1.5
 _CAREFUL_LENGTH = 0.3
 _FULL_STEP_PART = 0.75
+_FULL_STEP_PART_WITH_LIMIT = 0.65
 _SHORTENED_STEP_PART = 0.1
 _MIN_CONJUGATE_SLOPE = 0.01
 _MIN_WEIGHT = 1e-3
@@ -152,7 +154,7 @@ class MaskedDescent:
 
     def iterate(self, state: State, blocks: Blocks) -> State:
         """Return the state after one step."""
-        state = self._activate(state)
+        state = self._activate(state, blocks)
         residual = torch.where(state.active, self._level(state.gap, state.weights).to(torch.float32) - state.gap, 0.0)
         image = self._precondition(state, blocks, residual)
         return self._move(state, residual, self._find_direction(state, residual, image))
@@ -269,7 +271,7 @@ class MaskedDescent:
         inside = pressure > 0.0
         return inside & (pressure < self.limit * (1.0 - near)) if self.capped else inside
 
-    def _activate(self, state: State) -> State:
+    def _activate(self, state: State, blocks: Blocks) -> State:
         """Return the state with its active cells: those inside the bounds, and those released by their gap."""
         inside = self._is_inside(state.pressure, state.near_limit)
         weights = state.weights * inside
@@ -282,8 +284,10 @@ class MaskedDescent:
         active = torch.where(contact, inside | (state.gap > level), low) if self.capped else inside | low
         joined = active.to(torch.float32) - state.active.to(torch.float32)
         grid = self.grid
-        near = grid.takes_stencil
-        punch = state.punch + grid.invert_near(joined) if near else grid.invert(active.to(torch.float32))
+        if grid.takes_stencil:
+            punch = state.punch + grid.invert_near(joined) + blocks.invert_far(joined)
+        else:
+            punch = grid.invert(active.to(torch.float32))
         changed = state.changed + grid.total(joined.abs())
         return self._weigh(state._replace(active=active, punch=punch, changed=changed))
 
@@ -369,7 +373,7 @@ class MaskedDescent:
         usable = (slope > 0.0) & (curvature > 0.0) & torch.isfinite(curvature)
         leaves = self._leaves(before + part * whole_step)
         shortened = torch.where(part > _SHORTENED_STEP_PART, part, 0.0)
-        whole = part > _FULL_STEP_PART
+        whole = part > (_FULL_STEP_PART_WITH_LIMIT if self.capped else _FULL_STEP_PART)
         inner = torch.where(leaves, torch.clamp(part, max=1.0), part)
         taken = torch.where(clipped, torch.where(whole, 1.0, shortened), inner)
         taken = torch.where(usable, taken, 0.0)
