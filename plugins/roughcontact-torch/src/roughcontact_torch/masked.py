@@ -25,9 +25,10 @@ _COARSE_ITERATIONS = (4, 2)
 _COARSEST_ITERATIONS = (8, 1)
 _ITERATIONS_OF_READING = 4
 _MAX_ROUND = 8
-# Goal of a round over the tolerance, its minimum factor on the error in float32, and the range of factors of an
-# iteration on the error, from which the length of a round is predicted.
-_GOAL_FRACTION = 0.3
+# Goals of the first round and of later ones, over the tolerance, their minimum factor on the error in float32, and the
+# range of factors of an iteration on the error, from which the length of a round is predicted.
+_FIRST_GOAL_FRACTION = 0.3
+_GOAL_FRACTION = 0.7
 _FLOAT32_GAIN = 2e-5
 _FASTEST = 0.02
 _SLOWEST = 0.3
@@ -116,7 +117,8 @@ class _Progress:
         self.factors = [_factor(one, other, self.iterations) for one, other in zip(first, errors, strict=True)]
 
     def _predict(self, error: float, factor: float) -> int:
-        goal = max(_GOAL_FRACTION * self.tolerance, _FLOAT32_GAIN * error)
+        fraction = _GOAL_FRACTION if self.iterations else _FIRST_GOAL_FRACTION
+        goal = max(fraction * self.tolerance, _FLOAT32_GAIN * error)
         return min(max(math.ceil(math.log(goal / error) / math.log(factor)), 1), _MAX_ROUND)
 
 
@@ -197,7 +199,12 @@ class MaskedConjugateGradient(rc.Solver):
         return self.solve_all(convolution, [task])[0]
 
     def solve_all(self, convolution: PreparedConvolution, tasks: Sequence[Task]) -> list[Outcome]:
-        """Return the contact pressures of tasks on one grid, which are solved at once.
+        """Return the contact pressures of tasks on one grid, which are solved at once; see `solve_on_device`."""
+        outcomes = self.solve_on_device(convolution, tasks)
+        return [attrs.evolve(one, pressure=convolution.to_numpy(one.pressure)) for one in outcomes]
+
+    def solve_on_device(self, convolution: PreparedConvolution, tasks: Sequence[Task]) -> list[Outcome]:
+        """Return the contact pressures of tasks on one grid, which are solved at once, as arrays of tensors.
 
         Raises
         ------
@@ -210,14 +217,15 @@ class MaskedConjugateGradient(rc.Solver):
             raise rc.InputError("Contacts that are solved at once must all have a load, or all an approach.")
         default = attrs.evolve(_DEFAULT, tolerance=self.tolerance)
         if any(task.pressure_limit.size > 1 for task in tasks):
-            return [default.solve(convolution, task) for task in tasks]
-        solved = self._solve(convolution, tasks)
-        outcomes = []
-        for k, task in enumerate(tasks):
-            outcome = solved.outcome(k, self.tolerance)
-            outcome = attrs.evolve(outcome, pressure=convolution.to_numpy(outcome.pressure))
-            outcomes.append(outcome if outcome.status.success else _continue(default, convolution, task, outcome))
-        return outcomes
+            outcomes = [default.solve(convolution, task) for task in tasks]
+        else:
+            solved = self._solve(convolution, tasks)
+            outcomes = [solved.outcome(k, self.tolerance) for k in range(len(tasks))]
+            outcomes = [
+                one if one.status.success else _continue(default, convolution, task, one)
+                for task, one in zip(tasks, outcomes, strict=True)
+            ]
+        return [attrs.evolve(one, pressure=convolution.from_numpy(one.pressure)) for one in outcomes]
 
     def _solve(self, convolution: TensorConvolution, tasks: Sequence[Task]) -> _Solved:
         descents = _make_descents(convolution, tasks)
