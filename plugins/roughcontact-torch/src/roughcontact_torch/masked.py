@@ -36,6 +36,9 @@ _SLOWEST = 0.3
 # fraction of the grid, as in the default solver.
 _MAX_CHANGED_FRACTION = 0.5
 _PASSIVE_ALLOWANCE = 0.02
+# Peak memory of a solve in float64 arrays of the grid, periodic and with a free axis, measured on a processor; see
+# tests/test_memory.py.
+_ARRAYS = {False: 19.0, True: 23.6}
 # Verifications in turn that do not halve the error after which the default solver continues.
 _MAX_IDLE_ROUNDS = 3
 _DEFAULT = rc.ProjectedConjugateGradient()
@@ -191,6 +194,10 @@ class MaskedConjugateGradient(rc.Solver):
     max_iterations: int = attrs.field(default=80, converter=_as_iterations)
     compiled: bool = attrs.field(default=False, kw_only=True, validator=attrs.validators.instance_of(bool))
 
+    def memory_arrays(self, boundary: rc.Boundary) -> float:
+        """Return the peak memory of a solve, on the device, in float64 arrays of the grid."""
+        return _ARRAYS[boundary.has_free_axis]
+
     def solve(self, convolution: PreparedConvolution, task: Task) -> Outcome:
         """Return the contact pressure; see `Solver.solve`."""
         for known, outcome in _SOLVED.get():
@@ -229,26 +236,30 @@ class MaskedConjugateGradient(rc.Solver):
 
     def _solve(self, convolution: TensorConvolution, tasks: Sequence[Task]) -> _Solved:
         descents = _make_descents(convolution, tasks)
+        shape = descents[0].grid.shape
         starts = [task.start for task in tasks if task.start is not None]
-        given = len(starts) == len(tasks)
-        guess = _Guess(_stack(convolution, starts), ()) if given else self._nest(descents)
 
         def report(iterations: int, error: float) -> None:
             for task in tasks:
                 if task.on_step is not None:
-                    task.on_step(Step(descents[0].grid.shape, iterations, error))
+                    task.on_step(Step(shape, iterations, error))
 
-        return self._finish(descents[0], guess, report)
+        if len(starts) == len(tasks):
+            return self._finish(descents[0], _Guess(_stack(convolution, starts), ()), report)
+        return self._finish(descents[0], self._nest(descents), report)
 
-    def _nest(self, descents: Sequence[MaskedDescent]) -> _Guess:
-        """Return pressures on the finest grid, interpolated from those on the next one, itself solved so."""
+    def _nest(self, descents: list[MaskedDescent]) -> _Guess:
+        """Return pressures on the finest grid, interpolated from those on the next one, itself solved so.
+
+        Only the finest descent is left: the others take memory.
+        """
         coarsest = descents[-1]
         guess = _Guess(torch.zeros_like(coarsest.initial_gap), ())
         if coarsest.load is not None:
             mean = coarsest.load / coarsest.grid.cells
             guess = _close(coarsest, guess._replace(pressure=guess.pressure + torch.minimum(mean, coarsest.limit)))
-        for fine, coarse in zip(descents[-2::-1], descents[:0:-1], strict=True):
-            guess = self._approximate(coarse, fine, guess)
+        while len(descents) > 1:
+            guess = self._approximate(descents.pop(), descents[-1], guess)
         return guess
 
     def _approximate(self, coarse: MaskedDescent, fine: MaskedDescent, guess: _Guess) -> _Guess:
@@ -280,9 +291,14 @@ class MaskedConjugateGradient(rc.Solver):
         """Return the solutions on the finest grid from a guess."""
         grid = descent.grid
         pressure = guess.pressure if descent.load is None else descent.rescale(guess.pressure)
+        levels = guess.levels
+        estimates = guess.errors
+        # Fields that are no longer needed take memory.
+        del guess
         state, verified = descent.start(pressure, grid.displace(pressure))
+        del pressure
         mean = grid.mean_weight(state.weights).amax(keepdim=True).expand_as(verified.error)
-        coarse = guess.errors if guess.errors is not None else (verified.error, verified.error)
+        coarse = estimates if estimates is not None else (verified.error, verified.error)
         now, floors, before, after, means = _read(verified.error, verified.floor, *coarse, mean)
         # On the last coarse grid the error fell as it will here.
         factors = [_factor(one, other, _COARSE_ITERATIONS[0]) for one, other in zip(before, after, strict=True)]
@@ -311,7 +327,7 @@ class MaskedConjugateGradient(rc.Solver):
                 renewals += 1
         work = _count_work(descent, progress.iterations, 1 + renewals)
         level = attrs.evolve(work, double=len(progress.errors))
-        return _Solved(found, tuple(progress.errors), tuple(progress.floors), (*guess.levels, level))
+        return _Solved(found, tuple(progress.errors), tuple(progress.floors), (*levels, level))
 
     def _iteration(self, descent: MaskedDescent) -> Callable[[State, Blocks], State]:
         iterate: Callable[[State, Blocks], State] = descent.iterate

@@ -36,7 +36,8 @@ def divide(one: torch.Tensor, other: torch.Tensor) -> torch.Tensor:
 
 def multiply_waves(values: torch.Tensor, symbol: torch.Tensor, padded: Axes) -> torch.Tensor:
     """Return fields, padded with zeros, with each of their waves multiplied by a real symbol."""
-    waves = torch.fft.rfft2(values, s=padded) * symbol
+    waves = torch.fft.rfft2(values, s=padded)
+    waves *= symbol
     return torch.fft.irfft2(waves, s=padded)[..., : values.shape[-2], : values.shape[-1]]
 
 
