@@ -34,7 +34,9 @@ def test_the_certificate_is_that_of_the_host(device, boundary, material, control
         assert one == pytest.approx(other, rel=1e-11, abs=1e-13)
     assert expected.residuals.complementarity > 1e-4
     assert found.approach == pytest.approx(expected.approach, rel=1e-13)
-    for one, other in zip((found.pressure, found.displacement), (expected.pressure, expected.displacement), strict=True):
+    for one, other in zip(
+        (found.pressure, found.displacement), (expected.pressure, expected.displacement), strict=True
+    ):
         assert np.abs(ours.to_numpy(one) - other).max() <= 1e-13 * np.abs(other).max()
     assert np.array_equal(ours.to_numpy(found.pressure) == 8e7, expected.pressure == 8e7)
 

@@ -103,9 +103,9 @@ class TensorSolution:
 def solve_on_device(
     problem: rc.ContactProblem,
     *,
-    pressure: float | str | None = None,
-    force: float | str | None = None,
-    approach: float | str | None = None,
+    pressure: float | None = None,
+    force: float | None = None,
+    approach: float | None = None,
     throw: bool = True,
 ) -> TensorSolution:
     """Solve a contact by the masked solver and certify it, both on the device of its convolver.

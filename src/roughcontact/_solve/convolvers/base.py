@@ -36,8 +36,8 @@ from roughcontact._parts.kernels import (
     odd_axes,
     require_form,
 )
-from roughcontact._solve.convolvers.transforms import multiply_waves, multiply_waves_of_rows, transform_extended
 from roughcontact._parts.surfaces import Surface
+from roughcontact._solve.convolvers.transforms import multiply_waves, multiply_waves_of_rows, transform_extended
 from roughcontact.errors import InputError
 
 if TYPE_CHECKING:
