@@ -3,6 +3,7 @@
 from roughcontact_torch.arrays import TensorArray
 from roughcontact_torch.convolver import TorchFFT
 from roughcontact_torch.masked import MaskedConjugateGradient
+from roughcontact_torch.on_device import TensorSolution, solve_on_device
 from roughcontact_torch.processes import Processes, ending_all
 from roughcontact_torch.slab_arrays import SlabTensor
 from roughcontact_torch.slab_contact import SlabSolution, make_heights, solve_on_slabs
@@ -14,9 +15,11 @@ __all__ = [
     "SlabSolution",
     "SlabTensor",
     "TensorArray",
+    "TensorSolution",
     "TorchFFT",
     "ending_all",
     "make_heights",
     "solve_at_once",
+    "solve_on_device",
     "solve_on_slabs",
 ]

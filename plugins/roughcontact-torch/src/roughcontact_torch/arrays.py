@@ -173,7 +173,7 @@ class TensorArray(NDArrayOperatorsMixin):
         if isinstance(value, TensorArray):
             return value.tensor
         if isinstance(value, np.ndarray):
-            # Torch warns of arrays that cannot be written to.
+            # Torch warns of arrays that are read-only.
             return torch.as_tensor(value if value.flags.writeable else value.copy(), device=self.tensor.device)
         if isinstance(value, (tuple, list)):
             return tuple(self._tensor_of(one) for one in value)

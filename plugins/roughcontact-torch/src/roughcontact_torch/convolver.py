@@ -82,6 +82,15 @@ class TorchFFT(rc.Convolver):
         """Return the cells of the padded grid; see `roughcontact.typing.padded_shape`."""
         return padded_shape(grid, boundary)
 
+    def heights(self, surface: rc.Surface, grid: rc.Grid) -> Array:
+        """Return the heights of a surface, m; those of `SelfAffineSurface` are transformed on the device."""
+        if type(surface) is not rc.SelfAffineSurface:
+            return surface.heights(grid)
+        nx, ny = grid.shape
+        waves = surface.half_spectrum(grid, slice(0, ny // 2 + 1), lambda _, value: value)
+        heights = torch.fft.irfft2(torch.tensor(waves, device=self.place), s=(nx, ny), norm="forward")
+        return cast(Array, heights.numpy(force=True))
+
     def prepare(self, kernel: BoundKernel, grid: rc.Grid, boundary: rc.Boundary) -> PreparedConvolution:
         """Return the convolution on tensors."""
         setup = ConvolutionSetup(self, kernel, grid, boundary)
@@ -236,7 +245,9 @@ class TensorConvolution(PreparedConvolution):
             torch.set_num_threads(before)
 
     def from_numpy(self, values: Array) -> Array:
-        """Return a copy on the device."""
+        """Return a copy on the device; tensors as they are."""
+        if isinstance(values, TensorArray):
+            return _array(values.tensor)
         return _array(torch.tensor(values, dtype=torch_dtype(values.dtype), device=self.symbol.device))
 
     def to_numpy(self, values: Array) -> Array:

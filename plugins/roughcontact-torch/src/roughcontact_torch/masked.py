@@ -25,9 +25,10 @@ _COARSE_ITERATIONS = (4, 2)
 _COARSEST_ITERATIONS = (8, 1)
 _ITERATIONS_OF_READING = 4
 _MAX_ROUND = 8
-# Goal of a round over the tolerance, its minimum factor on the error in float32, and the range of factors of an
-# iteration on the error, from which the length of a round is predicted.
-_GOAL_FRACTION = 0.3
+# Goals of the first round and of later ones, over the tolerance, their minimum factor on the error in float32, and the
+# range of factors of an iteration on the error, from which the length of a round is predicted.
+_FIRST_GOAL_FRACTION = 0.3
+_GOAL_FRACTION = 0.7
 _FLOAT32_GAIN = 2e-5
 _FASTEST = 0.02
 _SLOWEST = 0.3
@@ -35,6 +36,9 @@ _SLOWEST = 0.3
 # fraction of the grid, as in the default solver.
 _MAX_CHANGED_FRACTION = 0.5
 _PASSIVE_ALLOWANCE = 0.02
+# Peak memory of a solve in float64 arrays of the grid, periodic and with a free axis, measured on a processor; see
+# tests/test_memory.py.
+_ARRAYS = {False: 19.0, True: 23.6}
 # Verifications in turn that do not halve the error after which the default solver continues.
 _MAX_IDLE_ROUNDS = 3
 _DEFAULT = rc.ProjectedConjugateGradient()
@@ -116,7 +120,8 @@ class _Progress:
         self.factors = [_factor(one, other, self.iterations) for one, other in zip(first, errors, strict=True)]
 
     def _predict(self, error: float, factor: float) -> int:
-        goal = max(_GOAL_FRACTION * self.tolerance, _FLOAT32_GAIN * error)
+        fraction = _GOAL_FRACTION if self.iterations else _FIRST_GOAL_FRACTION
+        goal = max(fraction * self.tolerance, _FLOAT32_GAIN * error)
         return min(max(math.ceil(math.log(goal / error) / math.log(factor)), 1), _MAX_ROUND)
 
 
@@ -189,6 +194,10 @@ class MaskedConjugateGradient(rc.Solver):
     max_iterations: int = attrs.field(default=80, converter=_as_iterations)
     compiled: bool = attrs.field(default=False, kw_only=True, validator=attrs.validators.instance_of(bool))
 
+    def memory_arrays(self, boundary: rc.Boundary) -> float:
+        """Return the peak memory of a solve, on the device, in float64 arrays of the grid."""
+        return _ARRAYS[boundary.has_free_axis]
+
     def solve(self, convolution: PreparedConvolution, task: Task) -> Outcome:
         """Return the contact pressure; see `Solver.solve`."""
         for known, outcome in _SOLVED.get():
@@ -197,7 +206,12 @@ class MaskedConjugateGradient(rc.Solver):
         return self.solve_all(convolution, [task])[0]
 
     def solve_all(self, convolution: PreparedConvolution, tasks: Sequence[Task]) -> list[Outcome]:
-        """Return the contact pressures of tasks on one grid, which are solved at once.
+        """Return the contact pressures of tasks on one grid, which are solved at once; see `solve_on_device`."""
+        outcomes = self.solve_on_device(convolution, tasks)
+        return [attrs.evolve(one, pressure=convolution.to_numpy(one.pressure)) for one in outcomes]
+
+    def solve_on_device(self, convolution: PreparedConvolution, tasks: Sequence[Task]) -> list[Outcome]:
+        """Return the contact pressures of tasks on one grid, which are solved at once, as arrays of tensors.
 
         Raises
         ------
@@ -210,38 +224,42 @@ class MaskedConjugateGradient(rc.Solver):
             raise rc.InputError("Contacts that are solved at once must all have a load, or all an approach.")
         default = attrs.evolve(_DEFAULT, tolerance=self.tolerance)
         if any(task.pressure_limit.size > 1 for task in tasks):
-            return [default.solve(convolution, task) for task in tasks]
-        solved = self._solve(convolution, tasks)
-        outcomes = []
-        for k, task in enumerate(tasks):
-            outcome = solved.outcome(k, self.tolerance)
-            outcome = attrs.evolve(outcome, pressure=convolution.to_numpy(outcome.pressure))
-            ended = outcome.status.success or not convolution.serves_default
-            outcomes.append(outcome if ended else _continue(default, convolution, task, outcome))
-        return outcomes
+            outcomes = [default.solve(convolution, task) for task in tasks]
+        else:
+            solved = self._solve(convolution, tasks)
+            outcomes = []
+            for k, task in enumerate(tasks):
+                outcome = solved.outcome(k, self.tolerance)
+                ended = outcome.status.success or not convolution.serves_default
+                outcomes.append(outcome if ended else _continue(default, convolution, task, outcome))
+        return [attrs.evolve(one, pressure=convolution.from_numpy(one.pressure)) for one in outcomes]
 
     def _solve(self, convolution: TensorConvolution, tasks: Sequence[Task]) -> _Solved:
         descents = _make_descents(convolution, tasks)
+        shape = descents[0].grid.shape
         starts = [task.start for task in tasks if task.start is not None]
-        given = len(starts) == len(tasks)
-        guess = _Guess(_stack(convolution, starts), ()) if given else self._nest(descents)
 
         def report(iterations: int, error: float) -> None:
             for task in tasks:
                 if task.on_step is not None:
-                    task.on_step(Step(descents[0].grid.shape, iterations, error))
+                    task.on_step(Step(shape, iterations, error))
 
-        return self._finish(descents[0], guess, report)
+        if len(starts) == len(tasks):
+            return self._finish(descents[0], _Guess(_stack(convolution, starts), ()), report)
+        return self._finish(descents[0], self._nest(descents), report)
 
-    def _nest(self, descents: Sequence[MaskedDescent]) -> _Guess:
-        """Return pressures on the finest grid, interpolated from those on the next one, itself solved so."""
+    def _nest(self, descents: list[MaskedDescent]) -> _Guess:
+        """Return pressures on the finest grid, interpolated from those on the next one, itself solved so.
+
+        Only the finest descent is left: the others take memory.
+        """
         coarsest = descents[-1]
         guess = _Guess(torch.zeros_like(coarsest.initial_gap), ())
         if coarsest.load is not None:
             mean = coarsest.load / coarsest.grid.cells
             guess = _close(coarsest, guess._replace(pressure=guess.pressure + torch.minimum(mean, coarsest.limit)))
-        for fine, coarse in zip(descents[-2::-1], descents[:0:-1], strict=True):
-            guess = self._approximate(coarse, fine, guess)
+        while len(descents) > 1:
+            guess = self._approximate(descents.pop(), descents[-1], guess)
         return guess
 
     def _approximate(self, coarse: MaskedDescent, fine: MaskedDescent, guess: _Guess) -> _Guess:
@@ -273,9 +291,14 @@ class MaskedConjugateGradient(rc.Solver):
         """Return the solutions on the finest grid from a guess."""
         grid = descent.grid
         pressure = guess.pressure if descent.load is None else descent.rescale(guess.pressure)
+        levels = guess.levels
+        estimates = guess.errors
+        # Fields that are no longer needed take memory.
+        del guess
         state, verified = descent.start(pressure, grid.displace(pressure))
+        del pressure
         mean = grid.mean_weight(state.weights).amax(keepdim=True).expand_as(verified.error)
-        coarse = guess.errors if guess.errors is not None else (verified.error, verified.error)
+        coarse = estimates if estimates is not None else (verified.error, verified.error)
         now, floors, before, after, means = grid.read(verified.error, verified.floor, *coarse, mean)
         # On the last coarse grid the error fell as it will here.
         factors = [_factor(one, other, _COARSE_ITERATIONS[0]) for one, other in zip(before, after, strict=True)]
@@ -304,7 +327,7 @@ class MaskedConjugateGradient(rc.Solver):
                 renewals += 1
         work = _count_work(descent, progress.iterations, 1 + renewals)
         level = attrs.evolve(work, double=len(progress.errors))
-        return _Solved(found, tuple(progress.errors), tuple(progress.floors), (*guess.levels, level))
+        return _Solved(found, tuple(progress.errors), tuple(progress.floors), (*levels, level))
 
     def _iteration(self, descent: MaskedDescent) -> Callable[[State, Blocks], State]:
         iterate: Callable[[State, Blocks], State] = descent.iterate

@@ -15,11 +15,13 @@ import torch
 from roughcontact_torch.masked_grid import Blocks, MaskedGrid, divide
 
 # Lengths of steps in units of the direction, parts of steps that are taken, the minimum slope of a conjugate direction,
-# the minimum weight and the minimum ratio of the singular values of rigid pressures, as in the default solver.
+# the minimum weight and the minimum ratio of the singular values of rigid pressures, as in the default solver; with a
+# limit more steps are taken in full, because cells that a shortened step leaves just below it shorten the next ones.
 _FIRST_LENGTH = 0.65
 _MAX_LENGTH = 1.5
 _CAREFUL_LENGTH = 0.3
 _FULL_STEP_PART = 0.75
+_FULL_STEP_PART_WITH_LIMIT = 0.65
 _SHORTENED_STEP_PART = 0.1
 _MIN_CONJUGATE_SLOPE = 0.01
 _MIN_WEIGHT = 1e-3
@@ -31,6 +33,8 @@ _LOAD_ROUNDS = 6
 _CAPPED_STEP_ROUNDS = 8
 _CAPPED_LOAD_ROUNDS = 12
 _BLOCK_STEPS = 4
+# Part of the mean overlap of the contacts of a block that a step removes, as in the default solver.
+_RELEASE_PART = 0.7
 # Rounding of the gap over its largest term, and the range of the displacement over the maximum pressure below which the
 # pressure is uniform, as in `ContactConditions`.
 _GAP_ROUNDING = 16.0 * torch.finfo(torch.float64).eps
@@ -152,7 +156,7 @@ class MaskedDescent:
 
     def iterate(self, state: State, blocks: Blocks) -> State:
         """Return the state after one step."""
-        state = self._activate(state)
+        state = self._activate(state, blocks)
         residual = torch.where(state.active, self._level(state.gap, state.weights).to(torch.float32) - state.gap, 0.0)
         image = self._precondition(state, blocks, residual)
         return self._move(state, residual, self._find_direction(state, residual, image))
@@ -269,7 +273,7 @@ class MaskedDescent:
         inside = pressure > 0.0
         return inside & (pressure < self.limit * (1.0 - near)) if self.capped else inside
 
-    def _activate(self, state: State) -> State:
+    def _activate(self, state: State, blocks: Blocks) -> State:
         """Return the state with its active cells: those inside the bounds, and those released by their gap."""
         inside = self._is_inside(state.pressure, state.near_limit)
         weights = state.weights * inside
@@ -278,14 +282,23 @@ class MaskedDescent:
             # Without an elastic cell the level is that of the saturated ones.
             weights = torch.where(self.grid.total(weights) > 0.0, weights, contact.to(torch.float32))
         level = self._level(state.gap, weights).to(torch.float32)
-        low = state.gap < level
+        low = state.gap < (level if self.capped else self._release_level(state.gap, weights, level, blocks))
         active = torch.where(contact, inside | (state.gap > level), low) if self.capped else inside | low
         joined = active.to(torch.float32) - state.active.to(torch.float32)
         grid = self.grid
-        near = grid.takes_stencil
-        punch = state.punch + grid.invert_near(joined) if near else grid.invert(active.to(torch.float32))
+        if grid.takes_stencil:
+            punch = state.punch + grid.invert_near(joined) + blocks.invert_far(joined)
+        else:
+            punch = grid.invert(active.to(torch.float32))
         changed = state.changed + grid.total(joined.abs())
         return self._weigh(state._replace(active=active, punch=punch, changed=changed))
+
+    def _release_level(
+        self, gap: torch.Tensor, weights: torch.Tensor, level: torch.Tensor, blocks: Blocks
+    ) -> torch.Tensor:
+        """Return the gap below which open cells join: lower where the contacts of a block overlap on the mean."""
+        loads, excess = blocks.sums(torch.stack((weights, weights * (gap - level))))
+        return level + blocks.spread(_RELEASE_PART * torch.clamp(divide(excess, loads), max=0.0))
 
     def _weigh(self, state: State) -> State:
         """Return the state with the weights of its active cells, above zero."""
@@ -368,7 +381,7 @@ class MaskedDescent:
         usable = (slope > 0.0) & (curvature > 0.0) & torch.isfinite(curvature)
         leaves = self._leaves(before + part * whole_step)
         shortened = torch.where(part > _SHORTENED_STEP_PART, part, 0.0)
-        whole = part > _FULL_STEP_PART
+        whole = part > (_FULL_STEP_PART_WITH_LIMIT if self.capped else _FULL_STEP_PART)
         inner = torch.where(leaves, torch.clamp(part, max=1.0), part)
         taken = torch.where(clipped, torch.where(whole, 1.0, shortened), inner)
         taken = torch.where(usable, taken, 0.0)

@@ -7,6 +7,7 @@ length one. No method reads a number of a tensor. Whatever needs cells of anothe
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable
 from typing import Any
 
@@ -33,7 +34,8 @@ def divide(one: torch.Tensor, other: torch.Tensor) -> torch.Tensor:
 
 def multiply_waves(values: torch.Tensor, symbol: torch.Tensor, padded: Axes) -> torch.Tensor:
     """Return fields, padded with zeros, with each of their waves multiplied by a real symbol."""
-    waves = torch.fft.rfft2(values, s=padded) * symbol
+    waves = torch.fft.rfft2(values, s=padded)
+    waves *= symbol
     return torch.fft.irfft2(waves, s=padded)[..., : values.shape[-2], : values.shape[-1]]
 
 
@@ -51,6 +53,8 @@ class Blocks:
         The number of the block of each row and of each column.
     stiffness
         The inverse kernel for the waves of the blocks.
+    beyond
+        The part of it beyond the stencil.
     """
 
     count: Axes
@@ -58,6 +62,7 @@ class Blocks:
     rows: torch.Tensor
     columns: torch.Tensor
     stiffness: torch.Tensor
+    beyond: torch.Tensor
 
     def sums(self, field: torch.Tensor) -> torch.Tensor:
         """Return the sums of fields over each block."""
@@ -76,6 +81,10 @@ class Blocks:
         """Return the stiffness of the far part of the kernel on the blocks, at a mean of the weights over all cells."""
         growth = torch.clamp((self.stiffness / (_LONG_WAVE_CUT * mean)) ** 2, max=_MAX_EXPONENT)
         return self.stiffness * torch.exp(growth) * self.size
+
+    def invert_far(self, displacement: torch.Tensor) -> torch.Tensor:
+        """Return what `MaskedGrid.invert` adds to `MaskedGrid.invert_near`, about: constant on each block."""
+        return self.spread(self.multiply(self.sums(displacement) / self.size, self.beyond))
 
     def multiply(self, values: torch.Tensor, symbol: torch.Tensor) -> torch.Tensor:
         """Return values of blocks with each of their waves multiplied by a real symbol."""
@@ -209,11 +218,26 @@ class MaskedGrid:
         )
         waves = torch.arange(bx, device=device)
         waves = torch.where(waves < (bx + 1) // 2, waves, waves - bx) % mx
-        return Blocks((bx, by), mx * my / (bx * by), rows, columns, self.long_waves(waves, by // 2 + 1))
+        stiffness = self.long_waves(waves, by // 2 + 1)
+        beyond = stiffness - self._stencil_waves(waves, by // 2 + 1)
+        return Blocks((bx, by), mx * my / (bx * by), rows, columns, stiffness, beyond)
 
     def long_waves(self, waves: torch.Tensor, columns: int) -> torch.Tensor:
         """Return the inverse for some waves along x and the first ones along y."""
         return self.stiffness.index_select(0, waves)[:, :columns]
+
+    def _stencil_waves(self, waves: torch.Tensor, columns: int) -> torch.Tensor:
+        """Return the stencil for some waves along x and the first ones along y, float32."""
+        device = waves.device
+        offsets = torch.arange(-STENCIL_REACH, STENCIL_REACH + 1, device=device)
+        numbers = (waves, torch.arange(columns, device=device))
+        x, y = (
+            (k[:, None] * offsets).to(torch.float64) * (2.0 * math.pi / count)
+            for k, count in zip(numbers, self.inverse_padded, strict=True)
+        )
+        stencil = self.stencil.to(torch.float64)
+        even = x.cos() @ stencil @ y.cos().mT
+        return (even - x.sin() @ stencil @ y.sin().mT).to(torch.float32)
 
     def repeat(self, coarse: torch.Tensor) -> torch.Tensor:
         """Return values of a coarser grid on each of their cells."""

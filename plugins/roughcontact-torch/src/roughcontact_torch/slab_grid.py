@@ -155,7 +155,7 @@ class SlabGrid(MaskedGrid):
         """Return the blocks that resolve the long waves where weights have this mean over the padded grid."""
         whole = super().blocks(mean)
         rows = whole.rows[self.processes.own_rows(self.shape[0])]
-        return SlabBlocks(whole.count, whole.size, rows, whole.columns, whole.stiffness, self.processes)
+        return SlabBlocks(whole.count, whole.size, rows, whole.columns, whole.stiffness, whole.beyond, self.processes)
 
     def long_waves(self, waves: torch.Tensor, columns: int) -> torch.Tensor:
         """Return the inverse for some waves along x and the first ones along y, on each process."""

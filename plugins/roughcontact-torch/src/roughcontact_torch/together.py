@@ -57,7 +57,7 @@ def solve_at_once(
             f"Contacts that are solved at once need a pressure each, but got {len(contacts)} problems "
             f"and {len(loads)} pressures."
         )
-    solver, convolution = _shared_parts(contacts)
+    solver, convolution = shared_parts(contacts)
     tasks = [
         make_task(one.plan, one.initial_gap, one.require_load(pressure=load))
         for one, load in zip(contacts, loads, strict=True)
@@ -68,14 +68,14 @@ def solve_at_once(
         return [one.solve(pressure=load) for one, load in zip(contacts, loads, strict=True)]
 
 
-def _shared_parts(contacts: Sequence[rc.ContactProblem]) -> tuple[MaskedConjugateGradient, TensorConvolution]:
+def shared_parts(contacts: Sequence[rc.ContactProblem]) -> tuple[MaskedConjugateGradient, TensorConvolution]:
     """Return the solver and the convolution of problems; `InputError` if they differ."""
     first = contacts[0]
     solver = first.plan.solver
     convolution = first.convolution
     if not (isinstance(solver, MaskedConjugateGradient) and isinstance(convolution, TensorConvolution)):
         raise rc.InputError(
-            "Contacts are solved at once by the masked solver on tensors: give the problem convolver='torch' and "
+            "Contacts on a device are solved by the masked solver on tensors: give the problem convolver='torch' and "
             f"solver='masked', not {first.plan.convolver!r} and {solver!r}."
         )
     for one in contacts[1:]:

@@ -36,6 +36,7 @@ from roughcontact._parts.kernels import (
     odd_axes,
     require_form,
 )
+from roughcontact._parts.surfaces import Surface
 from roughcontact._solve.convolvers.transforms import multiply_waves, multiply_waves_of_rows, transform_extended
 from roughcontact.errors import InputError
 
@@ -268,6 +269,10 @@ class Convolver(abc.ABC):
     def transform_shape(self, grid: Grid, boundary: Boundary) -> tuple[int, int]:
         """Return the number of cells (x, y) of its transforms, padding included; by default those of the grid."""
         return grid.shape
+
+    def heights(self, surface: Surface, grid: Grid) -> Array:
+        """Return the heights of a surface, shape `grid.shape`, m; it may transform their waves where it transforms."""
+        return surface.heights(grid)
 
 
 convolvers = Registry(Convolver, "convolver", "roughcontact.convolvers")

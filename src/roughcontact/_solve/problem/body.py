@@ -11,6 +11,7 @@ from roughcontact._base.units import outlined
 from roughcontact._parts.grid import Grid
 from roughcontact._parts.materials import Material, Rigid, resolve_material
 from roughcontact._parts.surfaces import FlatSurface, Surface
+from roughcontact._solve.convolvers import Convolver, convolvers
 from roughcontact.errors import InputError
 
 
@@ -49,17 +50,7 @@ class Body:
         InputError
             If the surface does not give finite real heights of that shape.
         """
-        heights = np.asarray(self.surface.heights(grid))
-        name = type(self.surface).__name__
-        if heights.shape != grid.shape or heights.dtype.kind != "f":
-            raise InputError(
-                f"The surface {name} must give real heights of shape {grid.shape}, "
-                f"but gave an array of shape {heights.shape} and type {heights.dtype}."
-            )
-        # This needs no temporary of the grid's size, and NaN fails both comparisons.
-        if not (heights.min() >= -MAX_MAGNITUDE and heights.max() <= MAX_MAGNITUDE):
-            raise InputError(f"The surface {name} gave heights that are not finite, or above {MAX_MAGNITUDE:g} m.")
-        return heights
+        return _check_heights(self.surface, grid, self.surface.heights(grid))
 
     def non_measured(self, grid: Grid) -> Mask | None:
         """Return which cells are non-measured points, shape `grid.shape`; None if all were measured."""
@@ -116,12 +107,33 @@ class InitialGap:
         return attrs.evolve(self, values=frozen_array(np.where(np.asarray(self.non_measured), depth, self.values)))
 
 
-def find_initial_gap(body: Body, counterbody: Body, grid: Grid) -> InitialGap:
-    """Return the initial gap between two bodies on a grid.
+def _check_heights(surface: Surface, grid: Grid, values: Array) -> Array:
+    """Return the heights that a surface gave; `InputError` unless they are finite and real, of the grid's shape."""
+    heights = np.asarray(values)
+    name = type(surface).__name__
+    if heights.shape != grid.shape or heights.dtype.kind != "f":
+        raise InputError(
+            f"The surface {name} must give real heights of shape {grid.shape}, "
+            f"but gave an array of shape {heights.shape} and type {heights.dtype}."
+        )
+    # This needs no temporary of the grid's size, and NaN fails both comparisons.
+    if not (heights.min() >= -MAX_MAGNITUDE and heights.max() <= MAX_MAGNITUDE):
+        raise InputError(f"The surface {name} gave heights that are not finite, or above {MAX_MAGNITUDE:g} m.")
+    return heights
+
+
+def find_initial_gap(body: Body, counterbody: Body, grid: Grid, convolver: str | Convolver = "auto") -> InitialGap:
+    """Return the initial gap between two bodies on a grid, whose heights the convolver makes if it is given.
 
     `InputError` if a surface does not give heights on the grid, or no point was measured on both.
     """
-    total = body.heights(grid) + counterbody.heights(grid)
+    maker = None if convolver == "auto" else convolvers.resolve(convolver)
+
+    def make(surface: Surface) -> Array:
+        heights = surface.heights(grid) if maker is None else maker.heights(surface, grid)
+        return _check_heights(surface, grid, heights)
+
+    total = make(body.surface) + make(counterbody.surface)
     masks = [mask for mask in (body.non_measured(grid), counterbody.non_measured(grid)) if mask is not None]
     if not masks:
         summit = float(total.max())

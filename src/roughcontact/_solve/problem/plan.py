@@ -179,6 +179,9 @@ class SolvePlan:
             Fraction of the cells that are in contact below the pressure limit, 0 to 1.
         """
         contact_fraction = number(contact_fraction, "The contact fraction", at_least=0.0, at_most=1.0)
+        own = self.solver.memory_arrays(self.boundary)
+        if own is not None:
+            return int(8 * self.grid.cells * own)
         memory = memory_of_solve(self.grid, self.boundary, contact_fraction)
         restricted = isinstance(self.solver, ProjectedConjugateGradient) and not isinstance(self.convolver, Direct)
         return memory if restricted else max(memory, int(8 * self.grid.cells * _UNRESTRICTED_ARRAYS))

@@ -144,7 +144,7 @@ class ContactProblem:
     def _gap(self) -> InitialGap:
         # The heights come after the check of the memory.
         require_memory_of_solve(self._grid, self.boundary, self.memory_limit)
-        return find_initial_gap(self.body, self.counterbody, self._grid)
+        return find_initial_gap(self.body, self.counterbody, self._grid, self.convolver)
 
     @cached_property
     def _grid(self) -> Grid:

@@ -75,6 +75,10 @@ class Certificate:
     status: Status
     residuals: Residuals
 
+    def convert(self, convert: Callable[[Array], Array]) -> Certificate:
+        """Return the same certificate with its fields converted."""
+        return attrs.evolve(self, pressure=convert(self.pressure), displacement=convert(self.displacement))
+
 
 @guarded
 def certify(
@@ -106,8 +110,11 @@ def certify(
         raise InputError(f"The solver {plan.solver!r} must return an Outcome with a pressure of the grid's shape.")
     if task.interaction is not None:
         return _certify_adhesive(plan, convolution, initial_gap, task, task.interaction, outcome, seconds)
-    certificate = confirm(plan, convolution, task, outcome)
-    return make_solution(plan, initial_gap, outcome, certificate, seconds)
+    # The fields are measured where the arrays of the convolution are.
+    place = convolution.from_numpy
+    placed = attrs.evolve(outcome, pressure=place(outcome.pressure))
+    certificate = confirm(plan, convolution, attrs.evolve(task, start=None).convert(place), placed)
+    return make_solution(plan, initial_gap, outcome, certificate.convert(convolution.to_numpy), seconds)
 
 
 @guarded

@@ -14,6 +14,7 @@ import numpy as np
 from roughcontact._base.arrays import Array
 from roughcontact._base.checks import integer, number
 from roughcontact._base.registry import Registry
+from roughcontact._parts.grid import Boundary
 from roughcontact._parts.interactions import BoundInteraction
 from roughcontact._solve.convolvers import PreparedConvolution
 from roughcontact._solve.solution import ContactConditions, GridLevel, Status, Violation
@@ -173,6 +174,10 @@ class Solver(abc.ABC):
     def require(self, *, capped: bool = False, approach: bool = False) -> None:
         """Raise `InputError` if this solver cannot treat a pressure limit, or a given approach; by default it can."""
         return
+
+    def memory_arrays(self, boundary: Boundary) -> float | None:
+        """Return the peak memory of a solve in float64 arrays of the grid; None, the default: that of the plan."""
+        return None
 
     def with_tolerance(self, tolerance: float) -> Solver:
         """Return the same solver with another tolerance; override it if that is not a field of an attrs class."""
