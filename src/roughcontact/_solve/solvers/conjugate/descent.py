@@ -98,6 +98,7 @@ class Descent:
         self.gap = gap
         self._level = 0.0
         self._minimum = None
+        self.met_limit |= self._capped and bool((pressure >= self._limit).any())
         active = active_cells(pressure, lambda tile: self._inside(pressure[tile], self._limits(tile)))
         weights = self._preconditioner.weights(active) if active.count else active.ones
         self._state = ActiveState(active, active.gather(pressure), active.gather(gap), weights)
@@ -148,8 +149,9 @@ class Descent:
         # Without a limit all cells in contact are active: their vector takes less to read than the field.
         bearing = None if self._capped else state.active.scatter(inside)
         levels = None
-        # With a limit saturated cells are released too, and in between the levels would have to balance.
-        if state.active.count and not self._capped:
+        # Saturated cells are released too, and levels that are lower in some blocks would release more of them than of
+        # open ones.
+        if state.active.count and not self.met_limit:
             levels = self._preconditioner.levels(state.weights * inside, state.gap, level)
 
         def mark(tile: slice) -> Mask:
