@@ -1622,3 +1622,12 @@ def test_each_answer_tells_how_much_other_places_differ():
         rc.Body(rc.WavySurface(0.5e-6, 25e-6), rc.Elastic(210e9, 0.3)), grid=rc.Grid((32, 32), 50e-6)
     )
     assert describe_solutions([plain.solve(force=0.1)])[0]["places"] == ""
+
+
+def test_the_help_of_the_command_line_loads_no_session():
+    script = "import sys; from roughcontact.__main__ import main\ntry: main(['--help'])\nexcept SystemExit: pass\n"
+    script += "print('roughcontact_app.session' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    *text, loaded = done.stdout.splitlines()
+    assert any(line.startswith("  app ") for line in text)
+    assert loaded == "False"
