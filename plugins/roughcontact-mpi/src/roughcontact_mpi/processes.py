@@ -22,6 +22,8 @@ _MIN_COARSE_CELLS = 32
 _STARTED = ("PMI_SIZE", "OMPI_COMM_WORLD_SIZE")
 # Seconds for which the first process goes first, so that an error of all appears once.
 _PRECEDENCE = 1.0
+# Seconds from the sentence to the end of the job: mpiexec loses what it has not passed on by then.
+_DELIVERY = 0.3
 
 
 def share(count: int, parts: int) -> tuple[int, ...]:
@@ -232,4 +234,5 @@ def ending_all(processes: Processes) -> Iterator[None]:
             status = 1
             traceback.print_exc()
         print(f"roughcontact_mpi: {error} (process {processes.rank} of {processes.count})", file=sys.stderr, flush=True)
+        time.sleep(_DELIVERY)
         processes.communicator.Abort(status)
