@@ -245,7 +245,7 @@ def test_the_level_between_saturated_and_open_cells():
     springs = Springs()
     descent = Descent(springs, (2, 2), springs, LoadControl(4.0), np.array([2.0]))
     descent.start(pressure, gap)
-    assert descent._find_level(np.zeros(2, dtype=bool)) == pytest.approx(0.6)
+    assert descent._find_level(np.zeros(2, dtype=bool), np.zeros(2)) == pytest.approx(0.6)
     assert LoadControl(1.0).level(gap, np.array([1.0, 3.0, 0.0, 0.0], dtype=np.float32)) == pytest.approx(0.15)
     assert LoadControl(1.0).level(gap, np.zeros(4, dtype=np.float32)) == 0.0
     assert ApproachControl().level(gap, gap) == ApproachControl().level_between(1.0, 2.0) == 0.0

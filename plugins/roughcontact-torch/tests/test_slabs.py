@@ -238,3 +238,9 @@ def test_reductions_are_those_of_numpy():
     assert field.tensor.dtype is torch.float64
     assert len(field) == 32
     assert field.size == 1024
+
+
+def test_a_single_row_is_shared_as_it_is():
+    """The rows are those of the coarsest grid, which a row of one cell has too."""
+    assert Processes("cpu").rows(1) == (0, 1)
+    assert Processes("cpu").own_rows(96) == slice(0, 96)

@@ -13,11 +13,8 @@ from typing import Any
 import numpy as np
 import roughcontact as rc
 from roughcontact.errors import RoughContactError
-from roughcontact.typing import RealArray
+from roughcontact.typing import RealArray, halve_shape
 
-# Minimum cells along an axis that the default solver halves: rows are shared on the coarsest grid, so that the rows of
-# a process on a grid are those of its rows on the next coarser one.
-_MIN_COARSE_CELLS = 32
 # Where the mpiexec of MPICH and of Open MPI states the number of processes.
 _STARTED = ("PMI_SIZE", "OMPI_COMM_WORLD_SIZE")
 # Seconds for which the first process goes first, so that an error of all appears once.
@@ -70,10 +67,13 @@ class Processes:
         self.reductions = 0
 
     def rows(self, count: int) -> tuple[int, ...]:
-        """Return the bounds of the rows of all processes, for a number of rows of the domain."""
+        """Return the bounds of the rows of all processes, for a number of rows of the domain.
+
+        They are shared on the coarsest grid, so that the rows of a process are those of its rows on the next one.
+        """
         coarse = count
-        while coarse % 2 == 0 and coarse // 2 >= _MIN_COARSE_CELLS:
-            coarse //= 2
+        while (half := halve_shape((coarse, 2))[0]) < coarse:
+            coarse = half
         return tuple(bound * (count // coarse) for bound in share(coarse, self.count))
 
     def own_rows(self, count: int) -> slice:

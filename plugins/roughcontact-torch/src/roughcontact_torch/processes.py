@@ -36,7 +36,7 @@ def share(count: int, parts: int) -> tuple[int, ...]:
 
 def _halve_often(count: int) -> int:
     """Return the rows of the coarsest grid, for a number of rows of the domain."""
-    while (half := halve_shape((count, 1))[0]) < count:
+    while (half := halve_shape((count, 2))[0]) < count:
         count = half
     return count
 

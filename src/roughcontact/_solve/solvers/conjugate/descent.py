@@ -145,14 +145,15 @@ class Descent:
         """Return the cells inside the bounds, and the cells released from a bound by the sign of their gap."""
         state = self._state
         inside = self._inside(state.pressure, state.active.limits(self._limit))
-        level = np.float32(self._find_level(inside))
+        weights = state.weights * inside
+        level = np.float32(self._find_level(inside, weights))
         # Without a limit all cells in contact are active: their vector takes less to read than the field.
         bearing = None if self._capped else state.active.scatter(inside)
         levels = None
         # Saturated cells are released too, and levels that are lower in some blocks would release more of them than of
         # open ones.
         if state.active.count and not self.met_limit:
-            levels = self._preconditioner.levels(state.weights * inside, state.gap, level)
+            levels = self._preconditioner.levels(weights, state.gap, level)
 
         def mark(tile: slice) -> Mask:
             gap = self.gap[tile]
@@ -179,7 +180,7 @@ class Descent:
         """Return the pressure limits of a tile, one entry or a flat field."""
         return self._limit if self._limit.size == 1 else self._limit[tile]
 
-    def _find_level(self, inside: Mask) -> float:
+    def _find_level(self, inside: Mask, weights: RealArray) -> float:
         """Return the gap below which open cells, and above which saturated cells, are released."""
         if self._capped and not inside.any():
             contact = self.pressure > 0.0
@@ -188,7 +189,7 @@ class Descent:
                 saturated = self.gap[contact].max()
                 opened = self.gap[~contact].min()
                 return self._control.level_between(float(saturated), float(opened))
-        return self._control.level(self._state.gap, self._state.weights * inside)
+        return self._control.level(self._state.gap, weights)
 
     def _inside(self, pressure: Array, limit: Array) -> Mask:
         """Return the mask of the pressures strictly inside the bounds."""
