@@ -40,7 +40,7 @@ extensions = [
     "sphinx_design",
     "sphinx_gallery.gen_gallery",
 ]
-exclude_patterns = ["_build", "gallery", "auto_gallery/*.ipynb"]
+exclude_patterns = ["_build", "_contents", "gallery", "auto_gallery/*.ipynb"]
 source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
 
 html_theme = "furo"
@@ -67,6 +67,20 @@ sphinx_gallery_conf = {
     "min_reported_time": 3600,
     "remove_config_comments": True,
 }
+# Beside wheels of this project, which `.ci/run` builds first, each script gets a button that runs it in the browser. Only
+# that page fetches something: Pyodide, when it is opened.
+wheels = Path(__file__).parent / "_build" / "wheels"
+if wheels.is_dir():
+    sys.path.insert(0, str(Path(__file__).parent))
+    extensions.append("jupyterlite_sphinx")
+    sphinx_gallery_conf["jupyterlite"] = {
+        "use_jupyter_lab": False,
+        "jupyterlite_contents": "_build/gallery",
+        "notebook_modification_function": "in_browser.install_first",
+    }
+    jupyterlite_dir = str(wheels.parent)
+    jupyterlite_content_dir = "_build/gallery"
+    jupyterlite_build_command_options = {"piplite-wheels": str(wheels), "LiteBuildConfig.no_sourcemaps": "True"}
 
 myst_enable_extensions = ["dollarmath", "linkify"]
 myst_linkify_fuzzy_links = False
