@@ -67,8 +67,8 @@ sphinx_gallery_conf = {
     "min_reported_time": 3600,
     "remove_config_comments": True,
 }
-# Beside wheels of this project, which `.ci/run` builds first, each script gets a button that runs it in the browser. Only
-# that page fetches something: Pyodide, when it is opened.
+# Beside wheels of this project, which `.ci/run` builds first, each script gets a button that runs it in the browser.
+# Only that page fetches something: Pyodide, when it is opened.
 wheels = Path(__file__).parent / "_build" / "wheels"
 if wheels.is_dir():
     sys.path.insert(0, str(Path(__file__).parent))
@@ -184,12 +184,18 @@ def list_names(app: Sphinx, docname: str, source: list[str]) -> None:
         source[0] += "\n".join([*lines, *(f"   ~{name}" for name in names), ""])
 
 
+def fetch_nothing(app: Sphinx, pagename: str, templatename: str, context: dict[str, Any], doctree: Any) -> None:
+    """Leave out the letters that jupyterlite_sphinx has every page fetch for an iframe, which no page has."""
+    context["css_files"] = [file for file in context["css_files"] if not str(file.filename).startswith("https:")]
+
+
 def setup(app: Sphinx) -> None:
     """Enter the above."""
     name_aliases()
     show_cached_properties()
     app.add_html_math_renderer("mathml", (visit_math, None), (visit_math_block, None))
     app.connect("missing-reference", plain_name)
+    app.connect("html-page-context", fetch_nothing)
     app.connect("source-read", on_the_site)
     app.connect("source-read", list_names)
 
