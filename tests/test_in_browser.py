@@ -41,6 +41,7 @@ for name in ("fork", "link", "sched_getaffinity"):
         delattr(os, name)
 """
 LACKING = ("import resource", "import threading; threading.Thread().start()", "import os; os.fork()")
+NOT_ON_WINDOWS = pytest.mark.skipif(sys.platform == "win32", reason="Python itself needs _multiprocessing there")
 RUN = """
 import runpy, sys
 for script in sys.argv[1:]:
@@ -79,6 +80,7 @@ def test_what_pyodide_lacks_is_refused(tmp_path, line):
     assert run(script).returncode != 0
 
 
+@NOT_ON_WINDOWS
 def test_solve_and_study_run_without_threads_and_processes():
     pytest.importorskip("pandas")
     done = run(GALLERY / "01_first_contact.py", GALLERY / "14_study.py")
@@ -86,6 +88,7 @@ def test_solve_and_study_run_without_threads_and_processes():
     assert "Hertz" in done.stdout
 
 
+@NOT_ON_WINDOWS
 @pytest.mark.slow
 def test_every_script_runs_without_threads_and_processes():
     for package in ("pandas", "roughcontact_layered"):
