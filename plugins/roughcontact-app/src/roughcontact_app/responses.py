@@ -26,7 +26,10 @@ _LABELS = {
 
 @attrs.frozen
 class FormField:
-    """A field of a response on the page: its setting, its label, the kind of its quantity, and its first unit."""
+    """A field of a response on the page: its setting, its label, the kind of its quantity, and its first unit.
+
+    ``has_unit``: its text may state a unit.
+    """
 
     name: str
     setting: str
@@ -34,6 +37,7 @@ class FormField:
     kind: str = ""
     unit: str = ""
     is_pair: bool = False
+    has_unit: bool = False
 
 
 @attrs.frozen
@@ -63,7 +67,7 @@ def _list_tick_boxes() -> dict[str, TickBox]:
                 label = _LABELS.get(field.name, words.capitalize())
                 label += f", {field.plain_unit}" if field.plain_unit else ""
                 units = _KINDS.get(field.unit or "", ("", ""))
-                fields.append(FormField(field.name, f"{setting}_{field.name}", label, *units, field.is_pair))
+                fields.append(FormField(field.name, f"{setting}_{field.name}", label, *units, field.is_pair, bool(field.plain_unit)))
             axis = f"{setting}_axis" if any(field.name == "axis" for field in form.fields) else ""
             found[name] = TickBox(setting, name.replace("-", " "), form.summary, tuple(fields), axis)
     return found
@@ -93,7 +97,7 @@ def build_asked(name: str, fields: Mapping[str, Any]) -> Response[Any]:
     try:
         return build_response(name, fields)
     except InputError as error:
-        raise InputError(f"{TICK_BOXES[name].label.capitalize()}: {str(error).removeprefix(f'{name}: ')}") from error
+        raise InputError(f"{TICK_BOXES[name].label.capitalize()}: {str(error).removeprefix(name).lstrip(': ')}") from error
 
 
 def ask(

@@ -36,9 +36,9 @@ def add_responses(parser: argparse.ArgumentParser) -> None:
 
 
 def _write_example(field: ResponseField) -> str:
-    """Return an example of the value of a field, with its unit; dots where it has none, or none that is stated."""
-    example = EXAMPLES[field.unit] if field.unit and field.unit in EXAMPLES else "..."
-    return f"{example}{_write_plain_unit(field)}"
+    """Return an example of the value of a field, with its unit; dots where it has none."""
+    unit = field.unit or field.plain_unit
+    return f"{EXAMPLES[unit] if unit and unit in EXAMPLES else '...'}{_write_plain_unit(field)}"
 
 
 def _write_plain_unit(field: ResponseField) -> str:

@@ -46,7 +46,7 @@ class ResponseField:
     is_needed
         Whether it has no default.
     plain_unit
-        Unit of a number that a text may not state, such as ``"W/(m K) or S/m"``: the ``plain_unit`` in the metadata of
+        Unit of a number that a text may omit, such as ``"W/(m K) or S/m"``: the ``plain_unit`` in the metadata of
         the field; empty without one.
     """
 
