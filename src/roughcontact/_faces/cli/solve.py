@@ -14,7 +14,13 @@ from roughcontact._base.units import fit, si
 from roughcontact._faces.cli import DOUBTFUL, Command
 from roughcontact._faces.cli.answers import name_written, plan_outputs, to_csv, to_json, to_text, write_outputs
 from roughcontact._faces.cli.cycle import plan_cycle_outputs, refuse_for_cycle, solve_cycle
-from roughcontact._faces.cli.friction import friction_of, plan_friction_outputs, refuse_for_friction, solve_friction
+from roughcontact._faces.cli.friction import (
+    friction_of,
+    plan_friction_outputs,
+    refuse_for_friction,
+    refuse_responses_of_pressure,
+    solve_friction,
+)
 from roughcontact._faces.cli.inputs import describe_responses, describe_wanted
 from roughcontact._faces.cli.options import add_accuracy, add_problem, whole_number
 from roughcontact._faces.cli.problem import loads_of, problem_of, set_tolerance
@@ -104,9 +110,8 @@ examples:
         wanted = None if options.solve_for is None else wanted_of(options.solve_for)
         law = None if options.friction is None else friction_of(options)
         asked = responses_of(options)
-        if asked and (law is not None or options.cycle is not None):
-            other = "--cycle" if law is None else "--friction"
-            raise rc.InputError(f"--{min(asked)} is for loads without {other}: omit one of them.")
+        if law is not None:
+            refuse_responses_of_pressure(asked)
         maps = [name for name in (options.surface, options.counterbody) if name is not None]
         paths = [checks.path(name, "The map") for name in maps]
         if law is not None:
@@ -126,10 +131,10 @@ examples:
         if options.dry_run:
             return 0
         if options.cycle is not None:
-            cycle = solve_cycle(options, problem, files)
+            cycle = solve_cycle(options, problem, asked, files)
             return _status((*cycle.loading, *cycle.unloading), quiet=options.quiet)
         if law is not None:
-            doubtful = solve_friction(options, problem, law, loads, files)
+            doubtful = solve_friction(options, problem, law, loads, asked, files)
             return _report_warnings(doubtful, quiet=options.quiet)
         with show_progress("solving", quiet=options.quiet) as change:
             if wanted is None:
