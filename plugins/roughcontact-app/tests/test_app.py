@@ -1228,6 +1228,29 @@ def test_a_response_without_an_answer_leaves_the_others_of_a_cycle():
     assert math.isnan(column[0].value)
 
 
+def test_the_responses_of_a_fretting_cycle_are_shown_and_tabulated(client):
+    asked = {"ask_stiffness": "yes", "ask_stress": "yes", "ask_conductance": "yes"}
+    asked |= {"ask_conductance_conductivity": "50 W/(m K) 20W/m/K"}
+    asked |= {"ask_first_yield": "yes", "ask_first_yield_yield_stress": "500"}
+    state = client.wait(client.post("api/runs", {**FRETTING, **asked})["id"])
+    assert state["phase"] == "done", state
+    settings = read_settings(FRETTING)
+    problem = make_problem(settings, make_scene(settings, None))
+    path = problem.path(force=1.0, tangential_force=[(0.2, 0.0), (-0.2, 0.0), (0.2, 0.0)], friction=0.3)
+    found = {one["name"]: one for one in state["answers"][0]["quantities"]}
+    contact = path[-1].contact
+    assert found["stiffness at the end"]["value"] == pytest.approx(contact.stiffness().value, rel=1e-6)
+    assert found["conductance at the end"]["value"] == pytest.approx(contact.conductance((50.0, 20.0)).value, rel=1e-6)
+    # Under pressure and traction.
+    stress = path[-1].stress().maximum.value
+    assert found["stress von Mises at the end"]["value"] == pytest.approx(stress, rel=1e-4)
+    said = "First yield: no state has an answer: first yield is that of pressure alone"
+    assert any(text.startswith(said) for text in state["warnings"]), state["warnings"]
+    (table,) = (one["file"] for one in state["outputs"] if one["role"] == "table")
+    rows = list(csv.DictReader(io.StringIO(client.get(f"runs/{state['id']}/{table}").decode("utf-8"))))
+    assert [float(row["stiffness [N/m]"]) for row in rows] == pytest.approx([path[0].contact.stiffness().value] * 3, rel=1e-4)
+
+
 def test_a_fretting_cycle_is_planned_solved_drawn_and_tabulated(client, tmp_path):
     plan = client.post("api/plan", FRETTING)
     assert (len(plan["loads"]), plan["solves"]) == (1, 3)

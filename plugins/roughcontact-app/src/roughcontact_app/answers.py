@@ -109,8 +109,11 @@ def describe_cycle(cycle: AdhesionCycle, asked: Mapping[str, Sequence[Any]] = Ma
     }
 
 
-def describe_fretting(path: FrictionalPath) -> dict[str, Any]:
-    """Return the answer of a fretting cycle, in the form of the answer at a load: a way there, back and there again."""
+def describe_fretting(path: FrictionalPath, asked: Mapping[str, Sequence[Any]]) -> dict[str, Any]:
+    """Return the answer of a fretting cycle, in the form of the answer at a load: a way there, back and there again.
+
+    `asked` is what responses have answered for each state; shown is the answer of the last one.
+    """
     _, back, there = path.numbers
     parts = back.dissipated, there.dissipated
     lost = Estimate(sum(part.value for part in parts), sum(part.uncertainty for part in parts), "J")
@@ -125,6 +128,10 @@ def describe_fretting(path: FrictionalPath) -> dict[str, Any]:
         "contact area": path[-1].contact.area(),
         "approach": Estimate(path[-1].approach, 0.0, "m"),
     }
+    said = []
+    for name, column in tabulate_answers(asked).items():
+        found[f"{_in_words(name)} at the end"] = column[-1]
+        said += [f"{_in_words(name)}: {text}" for text in column[-1].warnings]
     hard = _warn_of_hardness(path[-1].contact)
     return {
         "load": "fretting",
@@ -134,7 +141,7 @@ def describe_fretting(path: FrictionalPath) -> dict[str, Any]:
         "quantities": [
             _describe(name, attrs.evolve(one, warnings=()), write_column([one])[0]) for name, one in found.items()
         ],
-        "warnings": [end_sentence(in_words_of_page(text)) for text in (*hard, *path.warnings)],
+        "warnings": [end_sentence(in_words_of_page(text)) for text in (*hard, *path.warnings, *said)],
     }
 
 

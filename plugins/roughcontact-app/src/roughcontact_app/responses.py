@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import attrs
-from roughcontact import ContactSolution, Response, responses
+from roughcontact import ContactSolution, FrictionalSolution, Response, responses, typing
 from roughcontact.errors import InputError, RoughContactError
 from roughcontact.typing import build_response, describe_response
 
@@ -115,28 +115,13 @@ def ask(
 
 
 def ask_states(
-    asked: Mapping[str, Response[Any]], states: Sequence[ContactSolution]
+    asked: Mapping[str, Response[Any]], states: Sequence[ContactSolution] | Sequence[FrictionalSolution]
 ) -> tuple[dict[str, list[Any]], list[str]]:
-    """Return what each response says of each state of a cycle, None where it has no answer, and in sentences why.
-
-    Unstable states, for instance, have no stiffness.
-    """
-    found = {}
-    problems = []
-    for name, response in asked.items():
-        results: list[Any] = []
-        reasons = []
-        for state in states:
-            try:
-                results.append(state.response(response))
-            except RoughContactError as error:
-                results.append(None)
-                reasons.append(in_words_of_page(str(error)))
-        found[name] = results
-        if reasons:
-            count = "all" if len(reasons) == len(states) else f"{len(reasons)} of {len(states)}"
-            problems.append(end_sentence(f"{TICK_BOXES[name].label}: {count} states have no answer: {reasons[0]}"))
-    return found, problems
+    """Return what each response says of each state of a cycle, None where it has no answer, and in sentences why."""
+    found, reasons = typing.ask_states(asked, states)
+    return found, [
+        end_sentence(f"{TICK_BOXES[name].label}: {in_words_of_page(reason)}") for name, reason in reasons.items()
+    ]
 
 
 def finite(value: float) -> float | None:

@@ -279,9 +279,7 @@ def fretting_values(settings: Settings) -> tuple[float, float, float]:
 
 
 def asked_responses(settings: Settings) -> dict[str, Response[Any]]:
-    """Return the responses that are ticked, by name; none of a fretting cycle, whose states have friction."""
-    if settings["load"] == "fretting":
-        return {}
+    """Return the responses that are ticked, by name."""
     ticked = {name: box for name, box in TICK_BOXES.items() if settings[box.setting] == "yes"}
     found = {}
     for name, box in ticked.items():

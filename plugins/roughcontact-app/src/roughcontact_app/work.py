@@ -176,8 +176,9 @@ def _solve(settings: Settings, uploads: Uploads, folder: Path, send: Send) -> di
         answers = [describe_cycle(result, asked)]
         outputs = CycleOutputs(result, asked, folder, dark)
     elif isinstance(result, FrictionalPath):
-        answers = [describe_fretting(result)]
-        outputs = FrettingOutputs(result, folder, dark)
+        asked, problems = ask_states(asked_responses(settings), result.states)
+        answers = [describe_fretting(result, asked)]
+        outputs = FrettingOutputs(result, asked, folder, dark)
         # Its cost depends on the answer: it says nothing of the time of other runs.
         ratio = None
     else:

@@ -275,8 +275,9 @@ def path_to_text(path: rc.FrictionalPath, asked: Asked) -> str:
     if asked.answers:
         table = path.table()
         along = [name for name in ("tangential_x", "tangential_y") if any(table.columns[name])]
-        heads = Table({name: table.columns[name] for name in ("force", *along)}, table.units)
-        names = [f"state {number}" for number in range(1, len(path) + 1)]
+        numbers = range(1, len(path) + 1)
+        heads = Table({"state": numbers, **{name: table.columns[name] for name in along}}, table.units)
+        names = [f"state {number}" for number in numbers]
         lines += ["", *write_rows_of_answers(heads, names, asked.answers, asked.reasons)]
     return fit("\n".join(lines))
 

@@ -252,8 +252,9 @@ def ask_states(
                 missing.append(str(error))
         found[name] = [results[id(state)] for state in states]
         if missing:
-            count = "no state has" if len(missing) == len(different) else f"{len(missing)} of {len(different)} have no"
-            reasons[name] = f"{count}{' an' if count.startswith('no') else ''} answer: {missing[0]}"
+            has_none = len(missing) == len(different)
+            count = "no state has an" if has_none else f"{len(missing)} of {len(different)} states have no"
+            reasons[name] = f"{count} answer: {missing[0]}"
     return found, reasons
 
 
