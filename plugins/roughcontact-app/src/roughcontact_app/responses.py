@@ -67,7 +67,11 @@ def _list_tick_boxes() -> dict[str, TickBox]:
                 label = _LABELS.get(field.name, words.capitalize())
                 label += f", {field.plain_unit}" if field.plain_unit else ""
                 units = _KINDS.get(field.unit or "", ("", ""))
-                fields.append(FormField(field.name, f"{setting}_{field.name}", label, *units, field.is_pair, bool(field.plain_unit)))
+                fields.append(
+                    FormField(
+                        field.name, f"{setting}_{field.name}", label, *units, field.is_pair, bool(field.plain_unit)
+                    )
+                )
             axis = f"{setting}_axis" if any(field.name == "axis" for field in form.fields) else ""
             found[name] = TickBox(setting, name.replace("-", " "), form.summary, tuple(fields), axis)
     return found
@@ -97,7 +101,9 @@ def build_asked(name: str, fields: Mapping[str, Any]) -> Response[Any]:
     try:
         return build_response(name, fields)
     except InputError as error:
-        raise InputError(f"{TICK_BOXES[name].label.capitalize()}: {str(error).removeprefix(name).lstrip(': ')}") from error
+        raise InputError(
+            f"{TICK_BOXES[name].label.capitalize()}: {str(error).removeprefix(name).lstrip(': ')}"
+        ) from error
 
 
 def ask(

@@ -181,7 +181,7 @@ def write_answers_of_one(answers: Answers) -> list[str]:
 
 
 def write_rows_of_answers(
-    states: Table, names: Sequence[str], answers: Answers, reasons: Mapping[str, str] = _NONE
+    states: Table, names: Sequence[str], answers: Answers, reasons: Mapping[str, str] = MappingProxyType({})
 ) -> list[str]:
     """Return the lines of a table of states, with answers, of what has no number, of warnings and missing answers.
 

@@ -102,7 +102,9 @@ def cycle_to_text(cycle: AdhesionCycle, answers: Answers, reasons: Mapping[str, 
         return str(cycle)
     states = list_states(cycle)
     heads = Table({name: states.columns[name] for name in ("branch", "approach")}, {"approach": "m"}, ("branch",))
-    names = [f"at {si(float(approach), 'm', 3)}, {branch}" for branch, approach in zip(*heads.columns.values(), strict=True)]
+    names = [
+        f"at {si(float(approach), 'm', 3)}, {branch}" for branch, approach in zip(*heads.columns.values(), strict=True)
+    ]
     return fit("\n".join([str(cycle), "", *write_rows_of_answers(heads, names, answers, reasons)]))
 
 

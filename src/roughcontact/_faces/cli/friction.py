@@ -48,6 +48,26 @@ _SLIDING = (
 )
 
 
+@attrs.frozen
+class Asked:
+    """Responses that were asked for, their answers for each state, and why some have none."""
+
+    responses: Mapping[str, rc.Response[Any]] = attrs.Factory(dict)
+    answers: Answers = attrs.Factory(dict)
+    reasons: Mapping[str, str] = attrs.Factory(dict)
+
+    def add_inputs(self, inputs: dict[str, Any] | None) -> dict[str, Any] | None:
+        """Return the inputs with the responses."""
+        return None if inputs is None else inputs | describe_responses(self.responses)
+
+    def describe_reasons(self) -> dict[str, Any]:
+        """Return why answers are missing as data that JSON can hold; empty if none is."""
+        return {"without_answer": dict(self.reasons)} if self.reasons else {}
+
+
+_NOTHING = Asked()
+
+
 def refuse_for_friction(options: argparse.Namespace) -> None:
     """Refuse what does not fit a contact with friction, before anything is read."""
     if options.substeps is not None and options.tangential is None:
@@ -191,31 +211,14 @@ def _write_outputs(
         print(name_written(files))
 
 
-@attrs.frozen
-class Asked:
-    """Responses that were asked for, their answers for each state, and why some have none."""
-
-    responses: Mapping[str, rc.Response[Any]]
-    answers: Answers = attrs.Factory(dict)
-    reasons: Mapping[str, str] = attrs.Factory(dict)
-
-    def add_inputs(self, inputs: dict[str, Any] | None) -> dict[str, Any] | None:
-        """Return the inputs with the responses."""
-        return None if inputs is None else inputs | describe_responses(self.responses)
-
-    def describe_reasons(self) -> dict[str, Any]:
-        """Return why answers are missing as data that JSON can hold; empty if none is."""
-        return {"without_answer": dict(self.reasons)} if self.reasons else {}
-
-
-def state_to_text(state: rc.FrictionalSolution, asked: Asked) -> str:
+def state_to_text(state: rc.FrictionalSolution, asked: Asked = _NOTHING) -> str:
     """Return a state of a path, or of steady sliding, for people, with its warnings, in lines of at most 80 columns."""
     warnings = (f"{'warning':18} {text}" for text in state.contact.warnings)
     answers = ["", *write_answers_of_one(asked.answers)] if asked.answers else []
     return fit("\n".join([str(state), *warnings, *answers]))
 
 
-def state_to_json(state: rc.FrictionalSolution, asked: Asked) -> str:
+def state_to_json(state: rc.FrictionalSolution, asked: Asked = _NOTHING) -> str:
     """Return one JSON object: the normal contact, the tangential force and the energy lost."""
     content = describe_solution(state.contact) | {
         "tangential_force": {"value": list(state.tangential_force), "unit": "N"},
@@ -229,7 +232,7 @@ def state_to_json(state: rc.FrictionalSolution, asked: Asked) -> str:
     return write_json(content)
 
 
-def state_to_csv(state: rc.FrictionalSolution, asked: Asked) -> str:
+def state_to_csv(state: rc.FrictionalSolution, asked: Asked = _NOTHING) -> str:
     """Return a header and a row, in SI units."""
     contact = state.contact
     along = zip("xy", state.tangential_force, strict=True)
@@ -263,7 +266,7 @@ def _normal_load(state: rc.FrictionalSolution) -> Any:
     return None if state.contact.origin is None else state.contact.origin.load
 
 
-def path_to_text(path: rc.FrictionalPath, asked: Asked) -> str:
+def path_to_text(path: rc.FrictionalPath, asked: Asked = _NOTHING) -> str:
     """Return a path for people: its states, the energy lost and its warnings, in lines of at most 80 columns."""
     lines = [path.table().to_text(), f"energy lost  {_without_warnings(path.dissipated)}"]
     lost = lost_in_loop(path)
@@ -286,12 +289,12 @@ def _without_warnings(found: rc.Estimate) -> rc.Estimate:
     return attrs.evolve(found, warnings=())
 
 
-def path_to_csv(path: rc.FrictionalPath, asked: Asked) -> str:
+def path_to_csv(path: rc.FrictionalPath, asked: Asked = _NOTHING) -> str:
     """Return a header and a row for each state, in SI units: the columns of `FrictionalPath.table`, and answers."""
     return write_csv(add_answers(path.table(), asked.answers))
 
 
-def path_to_json(path: rc.FrictionalPath, asked: Asked) -> str:
+def path_to_json(path: rc.FrictionalPath, asked: Asked = _NOTHING) -> str:
     """Return one JSON object: the energy lost along a path and in its last loop, and its states."""
     table = add_answers(path.table(), asked.answers)
     states = describe_rows(table)

@@ -198,7 +198,9 @@ class HtmlWriter(SolutionWriter):
             [
                 _make_head(last, problem, loads_of([last])),
                 make_verdict(path.states),
-                _make_states(add_answers(path.table(), answers), results, (*path.warnings, *list_answer_warnings(answers)), path),
+                _make_states(
+                    add_answers(path.table(), answers), results, (*path.warnings, *list_answer_warnings(answers)), path
+                ),
                 section("The last state", _make_answer(last)),
                 _make_figures(last),
                 *_make_details(last, problem, missing, script, path.explain()),

@@ -347,9 +347,7 @@ class _ToldStates:
         self.left = left
         self.count = 0
 
-    def __call__(
-        self, load: Load, start: Array | None = None, *, start_gap: Array | None = None
-    ) -> ContactSolution:
+    def __call__(self, load: Load, start: Array | None = None, *, start_gap: Array | None = None) -> ContactSolution:
         state = self.solve(load, start, start_gap=start_gap)
         self.count += 1
         if self.left is not None:

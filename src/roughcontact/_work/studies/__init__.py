@@ -37,8 +37,8 @@ __all__ = [
     "build_problem",
     "build_response",
     "describe_response",
-    "name_of",
     "list_answer_warnings",
+    "name_of",
     "tabulate_answers",
     "write_report",
 ]

@@ -198,7 +198,9 @@ def add_answers(table: Table, answers: Answers) -> Table:
 def list_answer_warnings(answers: Answers) -> list[str]:
     """Return a sentence for the warnings of a rule, whatever numbers they have, and for all numbers that have it."""
     columns = tabulate_answers(answers)
-    found = {kind_of(text): f"{name}: {text}" for name, column in columns.items() for one in column for text in one.warnings}
+    found = {
+        kind_of(text): f"{name}: {text}" for name, column in columns.items() for one in column for text in one.warnings
+    }
     return list(found.values())
 
 
@@ -263,9 +265,10 @@ def _ask_state(name: str, response: Response[Any], state: ContactSolution | Fric
         return state.response(response)
     if name in WITHOUT_TRACTION:
         raise InputError(WITHOUT_TRACTION[name])
-    if attrs.has(type(response)) and "traction" in attrs.fields_dict(type(response)):
-        response = attrs.evolve(response, traction=state.shear)
-    return state.contact.response(response)
+    asked: Any = response
+    if attrs.has(type(asked)) and "traction" in attrs.fields_dict(type(asked)):
+        asked = attrs.evolve(asked, traction=state.shear)
+    return state.contact.response(asked)
 
 
 @guarded

@@ -281,7 +281,7 @@ def _registry_of(kind: type) -> Registry[Any] | None:
 
 @attrs.frozen
 class Field:
-    """Annotation and unit of an argument, whether it is required, and the unit of plain numbers, which texts may omit."""
+    """Annotation and unit of an argument, whether it is required, and the unit that texts may omit."""
 
     kind: Any
     unit: str | None
