@@ -110,12 +110,13 @@ def describe_cycle(cycle: AdhesionCycle, asked: Mapping[str, Sequence[Any]] = Ma
 
 
 def describe_fretting(path: FrictionalPath, asked: Mapping[str, Sequence[Any]]) -> dict[str, Any]:
-    """Return the answer of a fretting cycle, in the form of the answer at a load: a way there, back and there again.
+    """Return the answer of a fretting cycle, in the form of the answer at a load: to a turn, back and there again.
 
     `asked` is what responses have answered for each state; shown is the answer of the last one.
     """
-    _, back, there = path.numbers
-    parts = back.dissipated, there.dissipated
+    along = [state.tangential_force[0] for state in path]
+    back, there = path.numbers[along.index(min(along))], path.numbers[-1]
+    parts = [one.dissipated for one in path.numbers[along.index(max(along[: along.index(min(along))])) + 1 :]]
     lost = Estimate(sum(part.value for part in parts), sum(part.uncertainty for part in parts), "J")
     # The increments shift both turning points alike, not independently.
     ends = there.displacement[0], back.displacement[0]
