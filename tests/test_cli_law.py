@@ -82,6 +82,7 @@ class TestSolveFor:
     @pytest.mark.parametrize(
         ("asked", "words"),
         [
+            (["--mirror"], "--mirror-borders repeats maps that do not repeat"),
             (["area"], "NAME=VALUE"),
             (["wear=3"], "no answer named 'wear'"),
             (["area=10%", "axis=1"], "estimator=NAME"),

@@ -236,7 +236,7 @@ def ask_states(
     >>> solution = rc.ContactProblem(ball, grid=rc.Grid((32, 32), 100e-6)).solve(force=1.0)
     >>> answers, reasons = ask_states({"perimeter": rc.responses.create("perimeter")}, [solution])
     >>> print(*answers["perimeter"], reasons)
-    180.21 µm +- 0.41 % {}
+    93.067 µm +- 0.3 % {}
     """
     found: dict[str, list[Any]] = {}
     reasons: dict[str, str] = {}
