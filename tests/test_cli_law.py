@@ -82,7 +82,6 @@ class TestSolveFor:
     @pytest.mark.parametrize(
         ("asked", "words"),
         [
-            (["--mirror"], "--mirror-borders repeats maps that do not repeat"),
             (["area"], "NAME=VALUE"),
             (["wear=3"], "no answer named 'wear'"),
             (["area=10%", "axis=1"], "estimator=NAME"),
@@ -181,6 +180,7 @@ class TestLaw:
             (["--loads", "4MPa", "--stress"], "not a number with an uncertainty"),
             (["--loads", "4MPa", "--comsol", "map.npz", "--conductance", "45"], "a height map that is read"),
             (["--loads", "4MPa", "--abaqus", "a.inp", "--name", "1 2"], "The name"),
+            (["--loads", "4MPa", "--mirror"], "--mirror-borders repeats maps that do not repeat"),
         ],
     )
     def test_bad_input_gets_a_sentence(self, run, change, words):
