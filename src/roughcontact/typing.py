@@ -17,7 +17,7 @@ readers      `RawMap`; the function `read_raw`
 commands     `Table`; the functions `quantity`, `replacing`, `si`, `binary`, `write_column`, `available_memory`,
              `available_threads`, `limit_address_space`, `require_memory_of_solve`, `run_sweep`, `name_load`,
              `list_quantities`, `describe_other_places`, `gather_warnings`, `exceeds_metals`, `build_part`,
-             `build_problem`, `describe_response`, `build_response`, `tabulate_answers`, `write_report`
+             `build_problem`, `describe_response`, `build_response`, `ask_states`, `tabulate_answers`, `write_report`
 results      `ContactFields`, `Accuracy`, `Trial`, `Residuals`, `ContactPatches`, `Load`, `Origin`, `SolvePlan`,
              `Sweep`, `RequiredLoad`, `Ladder`, `BeyondResolution`, `RunIn`, `Cycle`, `StudyResult`, `Record`,
              `ErrorReport`, `KnownAnswer`, `ReportRow`, `Timing`, `StabilityReport`, `Check`, `Verdict`,
@@ -127,6 +127,7 @@ from roughcontact._work.studies import (
     ResponseField,
     ResponseForm,
     StudyResult,
+    ask_states,
     build_part,
     build_problem,
     build_response,
@@ -235,6 +236,7 @@ __all__ = [
     "WaveMatrix",
     "Whole",
     "YieldPoint",
+    "ask_states",
     "available_memory",
     "available_threads",
     "binary",

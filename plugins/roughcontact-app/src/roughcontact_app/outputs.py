@@ -12,7 +12,7 @@ import attrs
 from roughcontact import ContactSolution, FrictionalPath
 from roughcontact.errors import RoughContactError
 from roughcontact.plotting import panels
-from roughcontact.typing import AdhesionCycle, Sweep, replacing, write_report
+from roughcontact.typing import AdhesionCycle, Sweep, Table, replacing, tabulate_answers, write_report
 
 from roughcontact_app.answers import make_table, tabulate_cycle
 
@@ -123,11 +123,14 @@ class FrettingOutputs:
     ----------
     path
         The cycle.
+    asked
+        What responses have answered for each state, by their names.
     folder, dark
         As of `Outputs`.
     """
 
     path: FrictionalPath
+    asked: Mapping[str, Sequence[Any]]
     folder: Path
     dark: bool
 
@@ -138,7 +141,9 @@ class FrettingOutputs:
         yield self._write_path
 
     def _write_table(self) -> dict[str, Any]:
-        self.path.table().to_csv(self.folder / "loop.csv")
+        table = self.path.table()
+        columns = {**table.columns, **tabulate_answers(self.asked)}
+        Table(columns, table.units).to_csv(self.folder / "loop.csv")
         return {"role": "table", "file": "loop.csv"}
 
     def _draw(self) -> dict[str, Any]:

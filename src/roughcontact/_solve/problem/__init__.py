@@ -5,7 +5,9 @@ from roughcontact._solve.problem.body import RIGID_FLAT, Body
 from roughcontact._solve.problem.cycle import (
     AdhesionCycle,
     describe_cycle,
+    find_pull_off,
     find_stability,
+    follow_loads,
     linearise,
     list_states,
 )
@@ -48,9 +50,11 @@ __all__ = [
     "computing",
     "confirm",
     "describe_cycle",
+    "find_pull_off",
     "find_required_load",
     "find_saved_kind",
     "find_stability",
+    "follow_loads",
     "linearise",
     "list_states",
     "list_targets",
