@@ -27,7 +27,7 @@ _OPERATIONS = {
     "highest": distributed.ReduceOp.MAX,
     "lowest": distributed.ReduceOp.MIN,
 }
-_NAMES = {np.add: "sum", np.maximum: "highest", np.minimum: "lowest"}
+_NAMES: dict[np.ufunc, str] = {np.add: "sum", np.maximum: "highest", np.minimum: "lowest"}
 
 
 def share(count: int, parts: int) -> tuple[int, ...]:
