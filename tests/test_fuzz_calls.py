@@ -65,7 +65,7 @@ BOUND = types_of_rc.BoundKernel(rc.Love())
 INNER = ("Love", "FourierHalfSpace", "DCFFT", "CircularFFT", "Direct", "project_to_load", "rescale_to_load")
 INNER += ("nearest_pressure", "starting_pressure", "PolonskyKeer.solve", "ProjectedConjugateGradient.solve")
 INNER += ("SpectralGradient.solve", "natural_residual", "make_task", "confirm", "certify", "make_solution")
-INNER += ("find_patches", "solve_on_cells", "require_found")
+INNER += ("find_patches", "solve_on_cells", "require_found", "require_certified")
 
 # A good value for each argument that has no default, by its name; the loads are given as pressures.
 GOOD = {

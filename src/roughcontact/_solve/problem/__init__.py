@@ -25,7 +25,7 @@ from roughcontact._solve.problem.path import (
 from roughcontact._solve.problem.plan import SolvePlan, require_memory_of_solve
 from roughcontact._solve.problem.problem import ContactProblem, problem_of
 from roughcontact._solve.problem.required_load import RequiredLoad, find_required_load
-from roughcontact._solve.problem.run import Certificate, certify, computing, confirm, make_solution
+from roughcontact._solve.problem.run import Certificate, certify, computing, confirm, make_solution, require_certified
 from roughcontact._solve.problem.saved import find_saved_kind, load
 from roughcontact._solve.problem.sweep import Sweep, make_table, order_of_solving, predict_pressure, run_sweep
 from roughcontact._solve.problem.task import LOAD_TOLERANCE, bind_kernel, make_task, maximum_pressure, pressure_unit
@@ -68,6 +68,7 @@ __all__ = [
     "predict_pressure",
     "pressure_unit",
     "problem_of",
+    "require_certified",
     "require_frictional",
     "require_memory_of_solve",
     "resample_problem",
