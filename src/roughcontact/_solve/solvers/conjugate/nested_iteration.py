@@ -217,36 +217,31 @@ def _average(values: Array, shape: tuple[int, int]) -> Array:
 def interpolate(values: RealArray, fx: int, fy: int) -> RealArray:
     """Interpolate by parabolas through three cell centres along the axes that were halved; the values repeat."""
     # The second axis, whose steps are not contiguous, comes first, while there are fewer rows.
-    for axis in (1, 0):
-        if (fx, fy)[axis] == 2:
-            values = _double(values, axis)
+    if fy == 2:
+        coarse = values
+        fine = np.empty((values.shape[0], 2 * values.shape[1]), dtype=values.dtype, like=values)
+        map_tiles(lambda rows: _double(coarse[rows], fine[rows], 1), tiles_of(coarse))
+        values = fine
+    if fx == 2:
+        rough = values
+        smooth = np.empty((2 * values.shape[0], values.shape[1]), dtype=values.dtype, like=values)
+        map_tiles(lambda columns: _double(rough[:, columns], smooth[:, columns], 0), tiles_of(rough.T))
+        values = smooth
     return values
 
 
-def _double(coarse: RealArray, axis: int) -> RealArray:
+def _double(coarse: RealArray, fine: RealArray, axis: int) -> None:
     """Interpolate along an axis, a quarter of a coarse cell to both sides of its centre."""
-    shape = [n * (1 + (k == axis)) for k, n in enumerate(coarse.shape)]
-    fine = np.empty(shape, dtype=coarse.dtype, like=coarse)
-
-    def fill(rows: slice) -> None:
-        if axis == 0:
-            numbers = np.arange(rows.start - 1, rows.stop + 1) % len(coarse)
-            _place_quarters(coarse[numbers], fine[2 * rows.start : 2 * rows.stop])
-        else:
-            part = coarse[rows]
-            _place_quarters(np.concatenate((part[:, -1:], part, part[:, :1]), axis=1).T, fine[rows].T)
-
-    map_tiles(fill, tiles_of(coarse))
-    return fine
-
-
-def _place_quarters(coarse: RealArray, fine: RealArray) -> None:
-    """Set the fine values along the first axis from coarse ones, of which one more is given on either side."""
-    middle = 0.9375 * coarse[1:-1]
+    middle = 0.9375 * coarse
     near = 0.15625 * coarse
     far = 0.09375 * coarse
-    np.subtract(middle + near[:-2], far[2:], out=fine[0::2])
-    np.subtract(middle + near[2:], far[:-2], out=fine[1::2])
+    for first, step in ((0, 1), (1, -1)):
+        values = middle + np.roll(near, step, axis=axis)
+        values -= np.roll(far, -step, axis=axis)
+        if axis == 0:
+            fine[first::2] = values
+        else:
+            fine[:, first::2] = values
 
 
 @attrs.frozen(eq=False)
