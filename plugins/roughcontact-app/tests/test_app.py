@@ -22,6 +22,7 @@ import urllib.request
 from contextlib import contextmanager
 from pathlib import Path
 
+import attrs
 import numpy as np
 import pytest
 import roughcontact as rc
@@ -33,6 +34,7 @@ from roughcontact_app import AppServer, Session, preview, work
 from roughcontact_app.answers import describe_solutions, list_cycle_states, list_warnings, make_table, tabulate_cycle
 from roughcontact_app.command import _shown
 from roughcontact_app.connections import LIMIT
+from roughcontact_app.outputs import make_law
 from roughcontact_app.process import TaskEnded, Worker
 from roughcontact_app.progress import Progress
 from roughcontact_app.responses import ask_states
@@ -950,9 +952,24 @@ def test_responses_are_those_of_the_library_in_answers_table_and_report(client):
     assert "Stability: Without adhesion each state is stable: there is no jump." in state["warnings"]
     table = client.get(f"runs/{state['id']}/answers.csv").decode("utf-8-sig")
     assert '"stiffness, N/m","uncertainty of stiffness, N/m"' in table
+    pictures = {one["panel"]: one["file"] for one in state["outputs"] if one["role"] == "picture"}
+    assert client.get(f"runs/{state['id']}/{pictures['stiffness-load']}")[:4] == b"\x89PNG"
+    assert not any(panel.startswith("stability") for panel in pictures)
     report = client.get(f"runs/{state['id']}/report.html").decode()
     assert "What the contact does" in report
     assert "tiffness, MN/m" in report
+
+
+def test_numbers_of_responses_are_drawn_over_positive_loads(sweep):
+    stiffness = [rc.Estimate(value, 1.0, "N/m") for value in (6.0, 8.0)]
+    absent = [rc.Estimate(np.inf, 0.0, "W/K"), rc.Estimate(8.0, 1.0, "W/K")]
+    law = make_law(
+        attrs.evolve(sweep, solutions=sweep.solutions[::-1]), {"stiffness": stiffness, "conductance": absent}
+    )
+    assert list(law.columns) == ["stiffness"]
+    assert law.pressures == pytest.approx([60e6, 100e6], rel=1e-9)
+    assert list(law["stiffness"].values) == [8.0, 6.0]
+    assert not make_law(attrs.evolve(sweep, solutions=sweep.solutions[:1]), {"stiffness": stiffness[:1]}).columns
 
 
 def test_an_infinite_answer_is_sent_as_json_can():
