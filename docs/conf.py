@@ -40,7 +40,7 @@ extensions = [
     "sphinx_design",
     "sphinx_gallery.gen_gallery",
 ]
-exclude_patterns = ["_build", "gallery", "auto_gallery/*.ipynb"]
+exclude_patterns = ["_build", "_contents", "gallery", "auto_gallery/*.ipynb"]
 source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
 
 html_theme = "furo"
@@ -67,6 +67,20 @@ sphinx_gallery_conf = {
     "min_reported_time": 3600,
     "remove_config_comments": True,
 }
+# Beside wheels of this project, which `.ci/run` builds first, each script gets a button that runs it in the browser.
+# Only that page fetches something: Pyodide, when it is opened.
+wheels = Path(__file__).parent / "_build" / "wheels"
+if wheels.is_dir():
+    sys.path.insert(0, str(Path(__file__).parent))
+    extensions.append("jupyterlite_sphinx")
+    sphinx_gallery_conf["jupyterlite"] = {
+        "use_jupyter_lab": False,
+        "jupyterlite_contents": "_build/gallery",
+        "notebook_modification_function": "in_browser.install_first",
+    }
+    jupyterlite_dir = str(wheels.parent)
+    jupyterlite_content_dir = "_build/gallery"
+    jupyterlite_build_command_options = {"piplite-wheels": str(wheels), "LiteBuildConfig.no_sourcemaps": "True"}
 
 myst_enable_extensions = ["dollarmath", "linkify"]
 myst_linkify_fuzzy_links = False
@@ -170,12 +184,18 @@ def list_names(app: Sphinx, docname: str, source: list[str]) -> None:
         source[0] += "\n".join([*lines, *(f"   ~{name}" for name in names), ""])
 
 
+def fetch_nothing(app: Sphinx, pagename: str, templatename: str, context: dict[str, Any], doctree: Any) -> None:
+    """Leave out the letters that jupyterlite_sphinx has every page fetch for an iframe, which no page has."""
+    context["css_files"] = [file for file in context["css_files"] if not str(file.filename).startswith("https:")]
+
+
 def setup(app: Sphinx) -> None:
     """Enter the above."""
     name_aliases()
     show_cached_properties()
     app.add_html_math_renderer("mathml", (visit_math, None), (visit_math_block, None))
     app.connect("missing-reference", plain_name)
+    app.connect("html-page-context", fetch_nothing)
     app.connect("source-read", on_the_site)
     app.connect("source-read", list_names)
 

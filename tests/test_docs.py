@@ -6,6 +6,7 @@ import doctest
 import importlib
 import importlib.util
 import inspect
+import json
 import pkgutil
 import re
 import shutil
@@ -37,6 +38,8 @@ WITH_EXAMPLES = {
     "roughcontact._base.registry",
     "roughcontact.testing.claim",
 }
+# Built by `.ci/run docs` and `.ci/run site`.
+WHEELS = DOCS / "_build" / "wheels"
 SITE = (
     "docutils",
     "furo",
@@ -129,6 +132,8 @@ def build(builder, folder):
         for name in ("README.md", "CONTRIBUTING.md", "CHANGELOG.md"):
             shutil.copy(ROOT / name, source.parent)
         (source.parent / "plugins").symlink_to(ROOT / "plugins")
+        if WHEELS.is_dir():
+            shutil.copytree(WHEELS, source / "_build" / "wheels")
     command = (sys.executable, "-m", "sphinx", "-n", "-W", "-q", "-b", builder, "-d", folder / "doctrees")
     done = subprocess.run((*command, source, folder / builder), capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
@@ -163,13 +168,44 @@ def test_gallery_has_a_picture_of_each_script(site):
         assert f"sphx_glr_{name}_001" in page
 
 
+def own_pages(html):
+    """All but the notebooks' application, which is others' and fetches Pyodide when it is opened."""
+    return {page for page in html.rglob("*.html") if page.relative_to(html).parts[0] != "lite"}
+
+
+def test_each_script_of_the_gallery_is_a_notebook_in_the_browser(site):
+    if not WHEELS.is_dir():
+        pytest.skip("no wheels in docs/_build/wheels: .ci/run docs builds them")
+    lite = site / "html" / "lite"
+    index = json.loads((lite / "pypi" / "all.json").read_text(encoding="utf-8"))
+    for wheels in index.values():
+        for files in wheels["releases"].values():
+            assert all((lite / "pypi" / one["url"]).is_file() for one in files)
+    pages = set((site / "html" / "auto_gallery").glob("[0-9]*.html"))
+    assert len(pages) >= 14
+    for page in pages:
+        name = f"auto_gallery/{page.stem}.ipynb"
+        assert f'href="../lite/notebooks/index.html?path={name}"' in page.read_text(encoding="utf-8")
+        first, *others = json.loads((lite / "files" / name).read_text(encoding="utf-8"))["cells"]
+        command = first["source"][-1].split()
+        assert command[:3] == ["%pip", "install", "-q"]
+        assert set(command[3:]) <= {*index, "matplotlib", "pandas"}
+        text = "".join("".join(cell["source"]) for cell in others)
+        for word, package in (
+            ("rc.", "roughcontact"),
+            ("roughcontact_layered", "roughcontact-layered"),
+            ("to_pandas", "pandas"),
+        ):
+            assert package in command[3:] or word not in text, page.stem
+
+
 def test_links_and_images_of_the_site_exist(site):
     html = site / "html"
     ids = {}
-    for page in html.rglob("*.html"):
+    for page in own_pages(html):
         ids[page.resolve()] = set(re.findall(r'\sid="([^"]+)"', page.read_text(encoding="utf-8")))
     # A page of source links back to where a name is documented, by the module that it was taken from.
-    for page in set(html.rglob("*.html")) - set((html / "_modules").rglob("*.html")):
+    for page in own_pages(html) - set((html / "_modules").rglob("*.html")):
         for target in re.findall(r'(?:href|src)="([^"]*)"', page.read_text(encoding="utf-8")):
             if re.match(r"[a-z]+:", target):
                 continue
@@ -181,7 +217,7 @@ def test_links_and_images_of_the_site_exist(site):
 
 
 def test_site_needs_no_network(site):
-    for page in (site / "html").rglob("*.html"):
+    for page in own_pages(site / "html"):
         text = page.read_text(encoding="utf-8")
         assert not re.findall(r'<(?:script|img)[^>]*\ssrc="(?:https?:)?//', text), page.name
         assert not re.findall(r'<link[^>]*rel="(?:stylesheet|preload)"[^>]*href="(?:https?:)?//', text), page.name

@@ -18,7 +18,7 @@ yaml = pytest.importorskip("yaml")
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 CI = (ROOT / ".ci" / "run").read_text(encoding="utf-8")
-HELPERS = {"bounded", "environment", "newest_python", "page", "python_in"}
+HELPERS = {"bounded", "environment", "newest_python", "page", "python_in", "wheels_of_the_site"}
 STAGES = set(re.findall(r"^(\w+)\(\) \{", CI, re.M)) - HELPERS
 DEFAULT = set(re.search(r"set -- ([\w ]+)", CI)[1].split())
 WORKFLOWS = {path.stem: path for path in (ROOT / ".github" / "workflows").glob("*.yml")}
