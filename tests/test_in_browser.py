@@ -1,4 +1,4 @@
-"""The gallery in the browser: its scripts run with what Pyodide has, which is no thread, no process and not all of Python."""
+"""The gallery in the browser: its scripts run with what Pyodide has: no threads, no processes, not all of Python."""
 
 from __future__ import annotations
 
@@ -20,7 +20,8 @@ THERE = {"attrs", "matplotlib", "numpy", "pandas", "roughcontact", "roughcontact
 LIKE_PYODIDE = """
 import os, subprocess, sys, threading
 MISSING = {
-    "_multiprocessing", "_posixshmem", "curses", "dbm", "ensurepip", "grp", "pwd", "readline", "resource", "syslog", "tkinter", "venv",
+    "_multiprocessing", "_posixshmem", "curses", "dbm", "ensurepip", "grp", "pwd", "readline", "resource", "syslog",
+    "tkinter", "venv",
 }
 class Refuse:
     def find_spec(self, name, path=None, target=None):
