@@ -617,6 +617,8 @@ STICKY = ["--young", "5MPa", "--poisson", "0.5", "--adhesion", "exponential", "w
         (["solve", "rough.npz", "--pressure", "50MPa", *SLIDE, *STEEL], "sliding: 48 x 48 cells, iteration 2"),
         (["law", "wave.npz", "--loads", "1MPa..2MPa", *STEEL], "load 3 of 3"),
         (["solve", "rough.npz", "--cycle", "-2um", "1um", "--states", "3", *STICKY], "state 5 of 5"),
+        (["solve", "rough.npz", "--loads", "20uN", "0N", "-20uN", *STICKY], "load 3 of 3, force -20 µN: 48 x 48 cells"),
+        (["solve", "ball.npz", "--force", "0N", "--pull-off", *STICKY], "pull-off, state 19 of about 19, force -"),
         (["solve", "rough.npz", "--force", "10mN", "--stiffness", "--peak-pressure", *STEEL], "answer 2 of 2"),
     ],
 )
@@ -650,7 +652,7 @@ def test_the_help_of_a_response_has_units_and_defaults(run):
     words = " ".join(out.split())
     assert "viscosity=1mPa.s pressure_drop=100MPa [axis=0]" in words
     assert "yield_stress=100MPa [body=body]" in words
-    assert "conductivity=... (W/(m K) or S/m) [film_resistance=0 (m2 K/W or Ohm m2)]" in words
+    assert "conductivity=45W/m/K (W/(m K) or S/m) [film_resistance=0 (m2 K/W or Ohm m2)]" in words
     assert max(map(len, out.splitlines())) <= 80
 
 

@@ -180,6 +180,7 @@ class TestLaw:
             (["--loads", "4MPa", "--stress"], "not a number with an uncertainty"),
             (["--loads", "4MPa", "--comsol", "map.npz", "--conductance", "45"], "a height map that is read"),
             (["--loads", "4MPa", "--abaqus", "a.inp", "--name", "1 2"], "The name"),
+            (["--loads", "4MPa", "--mirror"], "--mirror-borders repeats maps that do not repeat"),
         ],
     )
     def test_bad_input_gets_a_sentence(self, run, change, words):

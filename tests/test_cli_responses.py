@@ -123,7 +123,8 @@ def test_a_response_of_a_plug_in_has_its_option(run, monkeypatch):
         (["--leakage", "viscosity=1mPa.s", "pressure_drop=-1bar"], "The pressure drop must be"),
         (["--stress", "depth=1um"], "--stress: unknown field 'depth' (did you mean 'depths'?)"),
         (["--stiffness", "3"], "A field of --stiffness must be FIELD=VALUE, but got '3'."),
-        (["--stiffness", "--friction", "0.3", "--tangential", "1mN"], "--stiffness is for loads without --friction"),
+        (["--first-yield", "1GPa", "--friction", "0.3", "--tangential", "1mN"], "--first-yield with friction: "),
+        (["--partial-slip", "tangential_force=1mN", "friction=0.3", "--friction", "0.3", "--slide"], "their own"),
     ],
 )
 def test_what_is_wrong_is_a_sentence(run, asked, words):
@@ -133,11 +134,73 @@ def test_what_is_wrong_is_a_sentence(run, asked, words):
     assert out == ""
 
 
-def test_a_cycle_has_no_responses(run):
-    law = ["--adhesion", "exponential", "work=50mJ/m2", "range=2um", "--cycle", "0um", "0.1um"]
-    status, _, err = run(*LOADED, *law, "--stiffness")
-    assert status == 2
-    assert "--stiffness is for loads without --cycle" in err
+STICKY = ["--adhesion", "exponential", "work=50mJ/m2", "range=2um"]
+
+
+def test_responses_along_a_cycle(run):
+    pytest.importorskip("matplotlib")
+    law = rc.Exponential(work=50e-3, range=2e-6)
+    body = rc.Body(rc.read_surface("map.npz"), rc.Elastic(210e9, 0.3))
+    problem = rc.ContactProblem(body, boundary="periodic", adhesion=law)
+    cycle = problem.cycle(approach=[-0.5e-6, 0.1e-6])
+    arguments = [*LOADED, *STICKY, "--cycle", "-0.5um", "0.1um", "--states", "2"]
+    _, out, _ = run(*arguments, "--stiffness", "--stability", "--json")
+    found = json.loads(out)
+    rows = found["states"]
+    assert [row["branch"] for row in rows] == ["loading", "loading", "unloading", "unloading"]
+    assert rows[1]["stiffness"] == rows[2]["stiffness"]
+    assert rows[1]["stiffness"]["value"] == pytest.approx(cycle.loading[-1].stiffness().value, rel=1e-6)
+    assert set(found["inputs"]["responses"]) == {"stiffness", "stability"}
+    _, out, _ = run(*arguments, "--stiffness", "--csv")
+    assert [float(row["stiffness [N/m]"]) for row in csv.DictReader(io.StringIO(out))] == pytest.approx(
+        [row["stiffness"]["value"] for row in rows], rel=1e-9
+    )
+    _, out, _ = run(*arguments, "--stiffness", "--report", "r.html")
+    assert re.search(r"branch +approach +stiffness, \w*N/m\n(?:(?:un)?loading .*\n){4}", out)
+    assert "stiffness, " in words_of("r.html")
+
+
+def test_states_without_an_answer_are_counted(run, monkeypatch):
+    monkeypatch.setitem(rc.responses._classes, "pressed", Pressed)
+    arguments = [*LOADED, *STICKY, "--cycle", "-0.5um", "0.1um", "--states", "2"]
+    _, out, _ = run(*arguments, "--pressed")
+    assert "pressed: 2 of 3 states have no answer: Nothing presses." in out
+    _, out, _ = run(*arguments, "--pressed", "--json")
+    found = json.loads(out)
+    assert found["without_answer"] == {"pressed": "2 of 3 states have no answer: Nothing presses."}
+    assert found["states"][0]["pressed"]["value"] is None
+
+
+class Pressed(rc.Response):
+    with_adhesion = "total pressure"
+
+    def respond(self, solution):
+        if solution.force < 0.0:
+            raise rc.InputError("Nothing presses.")
+        return rc.Estimate(1.0, 0.1, "m")
+
+
+def test_responses_along_a_path(run):
+    pytest.importorskip("matplotlib")
+    steel = rc.Body(rc.read_surface("map.npz"), rc.Elastic(210e9, 0.3))
+    problem = rc.ContactProblem(steel, rc.Body(rc.FlatSurface(), rc.Elastic(210e9, 0.3)), boundary="periodic")
+    path = problem.path(force=20e-3, tangential_force=[(3e-3, 0.0), (-3e-3, 0.0)], friction=0.3)
+    arguments = [*LOADED, "--force", "20mN", "--counterbody-young", "210GPa", "--friction", "0.3"]
+    moved = ["--tangential", "3mN", "-3mN"]
+    _, out, _ = run(*arguments, *moved, "--stiffness", "--stress", "--json")
+    found = json.loads(out)
+    for row, state in zip(found["states"], path, strict=True):
+        assert row["stiffness"]["value"] == pytest.approx(state.contact.stiffness().value, rel=1e-6)
+        # Under pressure and traction.
+        assert row["stress von_mises"]["value"] == pytest.approx(state.stress().maximum.value, rel=1e-4)
+    assert set(found["inputs"]["responses"]) == {"stiffness", "stress"}
+    _, out, _ = run(*arguments, *moved, "--stiffness", "--report", "r.html")
+    assert re.search(r"state +tangential_x +stiffness, \w*N/m\n", out)
+    assert "stiffness, " in words_of("r.html")
+    _, out, _ = run(*arguments, *moved, "--stiffness", "--csv")
+    assert "stiffness_uncertainty [N/m]" in out.splitlines()[0]
+    _, out, _ = run(*arguments, "--slide", "--stiffness", "--json")
+    assert json.loads(out)["responses"]["stiffness"]["unit"] == "N/m"
 
 
 def test_the_numbers_of_the_area_have_the_estimator_that_is_named(run):

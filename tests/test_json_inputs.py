@@ -55,6 +55,19 @@ def test_a_solve(ask):
     assert made == rc.responses.create("conductance", conductivity=45.0)
 
 
+def test_stability(ask, run):
+    assert ask("stability", *BODY, "--force", "1N") == {**PROBLEM, "load": FORCE}
+    _, out, _ = run("stability", *BODY, "--force", "1N", "--json")
+    found = json.loads(out)
+    _, text, _ = run("stability", *BODY, "--force", "1N")
+    assert text.startswith(f"overall: {found['verdict']} (")
+    checks = {one["name"]: one for one in found["checks"]}
+    assert checks["convergence"]["verdict"] == "pass"
+    # JSON has no nan.
+    assert all(one["value"] is None for one in checks.values() if one["verdict"] == "skipped")
+    assert found["solution"]["force"] == {"value": pytest.approx(1.0, rel=1e-12), "unit": "N"}
+
+
 def test_a_load_that_is_asked_for(ask):
     found = ask("solve", *BODY, "--solve-for", "area=10%", "estimator=cell-count")
     assert found["solve_for"]["answer"] == "rc.CellCount()"

@@ -242,6 +242,7 @@ class TestTables:
         axes = law.plot()
         assert axes.get_ylabel() == "stiffness, Pa/m"
         same = law.plot("area", axes=axes)
+        assert sum(law.plot(dark=True).get_facecolor()[:3]) < 1.0 < sum(axes.get_facecolor()[:3])
         assert same is axes
         assert len(axes.collections) == 2
         with pytest.raises(rc.InputError, match="The axes"):

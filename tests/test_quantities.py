@@ -45,6 +45,18 @@ GOOD = {
         "1 bar": 1e5,
     },
     "rad": {"180deg": math.pi, "180°": math.pi, "5 mrad": 5e-3},
+    "W/(m K) or S/m": {
+        "45": 45.0,
+        "45 W/(m K)": 45.0,
+        "45W/m/K": 45.0,
+        "45 W m-1 K-1": 45.0,
+        "45 W·m⁻¹·K⁻¹": 45.0,
+        "45 W*m^-1*K^-1": 45.0,
+        "0.45 W/(cm·K)": 45.0,
+        "58 MS/m": 58e6,
+    },
+    "m2 K/W or Ohm m2": {"1e-6 m2 K/W": 1e-6, "2 (mm2 K)/W": 2e-6, "3e-12 Ω m²": 3e-12, "3 mOhm*mm2": 3e-9},
+    "W/K or S": {"5mW/K": 5e-3, "5mS": 5e-3},
     "": {"0.3": 0.3, "3e-1": 0.3, "30%": 0.3, "30 %": 0.3, "-1": -1.0},
 }
 # A decimal comma, groups of digits, arithmetic, two quantities, no number, no unit, a wrong or unknown unit, what
@@ -60,6 +72,8 @@ BAD = {
     "m": ("1,5mm", "1.5 mm mm", "1 5mm", "1um2", "1 m2", "5 deg"),
     "Pa": ("5 MPa 3", "210", "5 mpa", "1 MPa^2", "5 kg", "1e5 degC"),
     "rad": ("30", "0.5", "30 %", "1,5rad"),
+    # Millikelvins, one quantity for another, brackets that do not close, and those that divide twice.
+    "W/(m K) or S/m": ("45 W/mK", "45 W/K", "45%", "45 Pa", "45 W/(m K", "45 W/((m K))", "45 W/(m/K)", "45,5", "(45)"),
     "": ("0,3", ",3", "0.3.1", "1/3", "30 deg", "0.3 m", "nan", "inf", "1e999", "0x1", "1_0"),
 }
 

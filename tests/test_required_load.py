@@ -223,7 +223,7 @@ BAD = {
     "all of it": (lambda p: p.solve_for(area="100%"), "below the nominal area"),
     "a wrong unit": (lambda p: p.solve_for(stiffness="5nm"), "not a quantity in units of N/m"),
     "a wrong unit of an area": (lambda p: p.solve_for(area="5nm"), "The wanted area"),
-    "a unit without texts": (lambda p: p.solve_for(conductance="5W/K", conductivity=50.0), "a plain number, W/K"),
+    "a wrong unit of two": (lambda p: p.solve_for(conductance="5W/m", conductivity=50.0), "in units of W/K or S"),
     "more flow than the open gap has": (lambda p: p.solve_for(leakage=1.0, **FLOW), "No load gives a leakage"),
     "a wider gap than at first touch": (lambda p: p.solve_for(mean_gap="1mm"), "No load gives a mean-gap"),
     "more than the maximum": (lambda p: p.solve_for(Turning(), value=1.5), "the nearest is"),

@@ -9,15 +9,16 @@ convolvers   `BoundKernel`, `ConvolutionSetup`, `PreparedConvolution`, `InverseC
              `WaveMatrix`; the function `padded_shape`
 solvers      `Task`, `Outcome`, `Step`, `GridLevel`, `Monitor`, `ContactConditions`, `Violation`; the functions
              `starting_pressure`, `nearest_pressure`, `project_to_load`, `rescale_to_load`,
-             `halve_shape`, `count_blocks`; for a solve of your own
-             `bind_kernel`, `make_task`, `confirm`, `Certificate`, `certify`, `make_solution`; for one that is divided
-             among processes `Whole`, `find_patches`, `solve_on_cells`, `LinearSolution`, `require_found`
+             `halve_shape`, `count_blocks`, the numbers `LONG_WAVE_CUT` and `MAX_CUT_EXPONENT`; for a solve of your own
+             `bind_kernel`, `make_task`, `confirm`, `Certificate`, `certify`, `make_solution`, `require_certified`; for
+             one that is divided among processes `Whole`, `find_patches`, `solve_on_cells`, `LinearSolution`,
+             `require_found`
 materials    the mapping `TYPICAL` of typical ones by name; `PairConstants`, the function `pair_constants`
 readers      `RawMap`; the function `read_raw`
 commands     `Table`; the functions `quantity`, `replacing`, `si`, `binary`, `write_column`, `available_memory`,
              `available_threads`, `limit_address_space`, `require_memory_of_solve`, `run_sweep`, `name_load`,
              `list_quantities`, `describe_other_places`, `gather_warnings`, `exceeds_metals`, `build_part`,
-             `build_problem`, `describe_response`, `build_response`, `tabulate_answers`, `write_report`
+             `build_problem`, `describe_response`, `build_response`, `ask_states`, `tabulate_answers`, `write_report`
 results      `ContactFields`, `Accuracy`, `Trial`, `Residuals`, `ContactPatches`, `Load`, `Origin`, `SolvePlan`,
              `Sweep`, `RequiredLoad`, `Ladder`, `BeyondResolution`, `RunIn`, `Cycle`, `StudyResult`, `Record`,
              `ErrorReport`, `KnownAnswer`, `ReportRow`, `Timing`, `StabilityReport`, `Check`, `Verdict`,
@@ -77,6 +78,7 @@ from roughcontact._solve.problem import (
     confirm,
     make_solution,
     make_task,
+    require_certified,
     require_memory_of_solve,
     run_sweep,
 )
@@ -104,6 +106,8 @@ from roughcontact._solve.solution import (
     name_load,
 )
 from roughcontact._solve.solvers import (
+    LONG_WAVE_CUT,
+    MAX_CUT_EXPONENT,
     Monitor,
     Outcome,
     ShearOutcome,
@@ -127,6 +131,7 @@ from roughcontact._work.studies import (
     ResponseField,
     ResponseForm,
     StudyResult,
+    ask_states,
     build_part,
     build_problem,
     build_response,
@@ -148,6 +153,8 @@ from roughcontact.responses import (
 )
 
 __all__ = [
+    "LONG_WAVE_CUT",
+    "MAX_CUT_EXPONENT",
     "TYPICAL",
     "Accuracy",
     "AdhesionCycle",
@@ -235,6 +242,7 @@ __all__ = [
     "WaveMatrix",
     "Whole",
     "YieldPoint",
+    "ask_states",
     "available_memory",
     "available_threads",
     "binary",
@@ -264,6 +272,7 @@ __all__ = [
     "quantity",
     "read_raw",
     "replacing",
+    "require_certified",
     "require_found",
     "require_memory_of_solve",
     "rescale_to_load",

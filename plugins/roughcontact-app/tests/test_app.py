@@ -22,6 +22,7 @@ import urllib.request
 from contextlib import contextmanager
 from pathlib import Path
 
+import attrs
 import numpy as np
 import pytest
 import roughcontact as rc
@@ -33,6 +34,7 @@ from roughcontact_app import AppServer, Session, preview, work
 from roughcontact_app.answers import describe_solutions, list_cycle_states, list_warnings, make_table, tabulate_cycle
 from roughcontact_app.command import _shown
 from roughcontact_app.connections import LIMIT
+from roughcontact_app.outputs import make_law
 from roughcontact_app.process import TaskEnded, Worker
 from roughcontact_app.progress import Progress
 from roughcontact_app.responses import ask_states
@@ -950,9 +952,24 @@ def test_responses_are_those_of_the_library_in_answers_table_and_report(client):
     assert "Stability: Without adhesion each state is stable: there is no jump." in state["warnings"]
     table = client.get(f"runs/{state['id']}/answers.csv").decode("utf-8-sig")
     assert '"stiffness, N/m","uncertainty of stiffness, N/m"' in table
+    pictures = {one["panel"]: one["file"] for one in state["outputs"] if one["role"] == "picture"}
+    assert client.get(f"runs/{state['id']}/{pictures['stiffness-load']}")[:4] == b"\x89PNG"
+    assert not any(panel.startswith("stability") for panel in pictures)
     report = client.get(f"runs/{state['id']}/report.html").decode()
     assert "What the contact does" in report
     assert "tiffness, MN/m" in report
+
+
+def test_numbers_of_responses_are_drawn_over_positive_loads(sweep):
+    stiffness = [rc.Estimate(value, 1.0, "N/m") for value in (6.0, 8.0)]
+    absent = [rc.Estimate(np.inf, 0.0, "W/K"), rc.Estimate(8.0, 1.0, "W/K")]
+    law = make_law(
+        attrs.evolve(sweep, solutions=sweep.solutions[::-1]), {"stiffness": stiffness, "conductance": absent}
+    )
+    assert list(law.columns) == ["stiffness"]
+    assert law.pressures == pytest.approx([60e6, 100e6], rel=1e-9)
+    assert list(law["stiffness"].values) == [8.0, 6.0]
+    assert not make_law(attrs.evolve(sweep, solutions=sweep.solutions[:1]), {"stiffness": stiffness[:1]}).columns
 
 
 def test_an_infinite_answer_is_sent_as_json_can():
@@ -1228,27 +1245,58 @@ def test_a_response_without_an_answer_leaves_the_others_of_a_cycle():
     assert math.isnan(column[0].value)
 
 
+def test_the_responses_of_a_fretting_cycle_are_shown_and_tabulated(client):
+    asked = {"ask_stiffness": "yes", "ask_stress": "yes", "ask_conductance": "yes"}
+    asked |= {"ask_conductance_conductivity": "50 W/(m K) 20W/m/K"}
+    asked |= {"ask_first_yield": "yes", "ask_first_yield_yield_stress": "500"}
+    state = client.wait(client.post("api/runs", {**FRETTING, **asked})["id"])
+    assert state["phase"] == "done", state
+    settings = read_settings(FRETTING)
+    problem = make_problem(settings, make_scene(settings, None))
+    path = problem.path(force=1.0, tangential_force=work.list_forces(problem, 0.2), friction=0.3)
+    found = {one["name"]: one for one in state["answers"][0]["quantities"]}
+    contact = path[-1].contact
+    assert found["stiffness at the end"]["value"] == pytest.approx(contact.stiffness().value, rel=1e-6)
+    assert found["conductance at the end"]["value"] == pytest.approx(contact.conductance((50.0, 20.0)).value, rel=1e-6)
+    # Under pressure and traction.
+    stress = path[-1].stress().maximum.value
+    assert found["stress von Mises at the end"]["value"] == pytest.approx(stress, rel=1e-4)
+    said = "First yield: no state has an answer: first yield is that of pressure alone"
+    assert any(text.startswith(said) for text in state["warnings"]), state["warnings"]
+    (table,) = (one["file"] for one in state["outputs"] if one["role"] == "table")
+    rows = list(csv.DictReader(io.StringIO(client.get(f"runs/{state['id']}/{table}").decode("utf-8"))))
+    assert [float(row["stiffness [N/m]"]) for row in rows] == pytest.approx(
+        [path[0].contact.stiffness().value] * 20, rel=1e-4
+    )
+
+
 def test_a_fretting_cycle_is_planned_solved_drawn_and_tabulated(client, tmp_path):
     plan = client.post("api/plan", FRETTING)
-    assert (len(plan["loads"]), plan["solves"]) == (1, 3)
+    # To the first turn, back, and there again.
+    assert (len(plan["loads"]), plan["solves"]) == (1, 4 + 8 + 8)
     state = client.wait(client.post("api/runs", FRETTING)["id"])
     assert state["phase"] == "done", state
     settings = read_settings(FRETTING)
     problem = make_problem(settings, make_scene(settings, None))
-    expected = problem.path(force=1.0, tangential_force=[(0.2, 0.0), (-0.2, 0.0), (0.2, 0.0)], friction=0.3)
+    expected = problem.path(force=1.0, tangential_force=work.list_forces(problem, 0.2), friction=0.3)
     (answer,) = state["answers"]
     assert answer["certified"]
     found = {one["name"]: one["value"] for one in answer["quantities"]}
-    _, back, there = expected.numbers
-    assert found["energy lost in a cycle"] == pytest.approx(back.dissipated.value + there.dissipated.value, rel=1e-6)
-    ends = expected.loop.displacement[2:, 0]
-    assert found["displacement from turn to turn"] == pytest.approx(ends[1] - ends[0], rel=1e-6)
-    assert found["area that sticks at the first turn"] == back.stick_area.value
+    lost = sum(one.dissipated.value for one in expected.numbers[4:])
+    assert found["energy lost in a cycle"] == pytest.approx(lost, rel=1e-6)
+    # The states between the turns change nothing of the cycle.
+    turns = problem.path(force=1.0, tangential_force=[(0.2, 0.0), (-0.2, 0.0), (0.2, 0.0)], friction=0.3)
+    assert lost == pytest.approx(sum(one.dissipated.value for one in turns.numbers[1:]), rel=1e-3)
+    ends = turns.loop.displacement[2:, 0]
+    assert found["displacement from turn to turn"] == pytest.approx(ends[1] - ends[0], rel=1e-3)
+    assert found["area that sticks at the first turn"] == turns.numbers[1].stick_area.value
+    # The loop is open: there is another displacement at the same force on the way back.
+    assert expected.loop.displacement[8, 0] > 0.05 * ends[1] > -0.05 * ends[1] > expected.loop.displacement[16, 0]
     files = {one["role"]: one["file"] for one in state["outputs"]}
     assert client.get(f"runs/{state['id']}/{files['picture']}")[:4] == b"\x89PNG"
     table = client.get(f"runs/{state['id']}/{files['table']}").decode("utf-8")
     forces = [float(row["tangential_x [N]"]) for row in csv.DictReader(io.StringIO(table))]
-    assert forces == pytest.approx([0.2, -0.2, 0.2], rel=1e-6)
+    assert forces == pytest.approx([force for force, _ in work.list_forces(problem, 0.2)], rel=1e-6, abs=1e-9)
     saved = tmp_path / "path.npz"
     saved.write_bytes(client.get(f"runs/{state['id']}/{files['solution']}"))
     assert rc.FrictionalPath.load(saved).dissipated.value == pytest.approx(expected.dissipated.value, rel=1e-6)
@@ -1280,9 +1328,9 @@ def test_the_progress_of_a_fretting_cycle_only_grows(tmp_path, counterbody):
     assert fractions == sorted(fractions)
     assert 0.0 == fractions[0] < fractions[-1] <= 1.0
     assert solving[1]["text"].startswith("pressing, increment 1 of 1")
-    assert solving[-1]["text"].startswith("step 3 of 3, increment ")
+    assert solving[-1]["text"].startswith(f"step {20 if counterbody == 'deformable' else 3} of ")
     # Of like materials the number of increments is known.
-    assert counterbody == "rigid" or fractions[1:] == [0.25, 0.5, 0.75, 1.0]
+    assert counterbody == "rigid" or fractions[1:] == pytest.approx([step / 21 for step in range(1, 22)])
 
 
 def test_unlike_materials_that_yield_are_refused_in_words_of_the_page(client):

@@ -327,7 +327,7 @@ def test_what_is_ticked_is_answered_and_reported(page):
     assert page.driver.find_element(By.NAME, "ask_leakage").is_selected()
     assert page.setting("ask_leakage_axis") == "y"
     page.set("load", "fretting")
-    assert not page.driver.find_element(By.NAME, "ask_leakage").is_displayed()
+    assert page.driver.find_element(By.NAME, "ask_leakage").is_displayed()
 
 
 def test_an_answer_says_how_much_other_places_differ(page):
@@ -689,7 +689,7 @@ def test_a_fretting_cycle(page):
     page.until(lambda: "must be below the coefficient of friction times" in page.text("refusal") + page.text("plan"))
     page.set("tangential_force", "200")
     # The time is said before anything is solved.
-    page.until(lambda: "3 states, about" in page.text("plan"))
+    page.until(lambda: "20 states, about" in page.text("plan"))
     page.find("solve").click()
     page.until(lambda: page.text("headline").startswith("Energy lost in a cycle"))
     assert "normal force 1 N, tangential force ±200 mN, friction 0.3" in page.text("run-subject")
@@ -699,12 +699,12 @@ def test_a_fretting_cycle(page):
         force=1.0, tangential_force=[(0.2, 0.0), (-0.2, 0.0), (0.2, 0.0)], friction=0.3
     )
     lost = path.numbers[1].dissipated.value + path.numbers[2].dissipated.value
-    assert page.value("energy lost in a cycle") == pytest.approx(lost, rel=1e-6)
+    assert page.value("energy lost in a cycle") == pytest.approx(lost, rel=1e-3)
     page.until(lambda: page.find("picture").is_displayed())
     table = page.download("sphere-loop.csv")
-    assert len(table.read_text(encoding="utf-8").splitlines()) == 4
+    assert len(table.read_text(encoding="utf-8").splitlines()) == 21
     saved = page.download("sphere-path.npz")
-    assert rc.FrictionalPath.load(saved).dissipated.value == pytest.approx(path.dissipated.value, rel=1e-6)
+    assert rc.FrictionalPath.load(saved).dissipated.value == pytest.approx(path.dissipated.value, rel=1e-3)
     # The link of the settings, opened anew, asks for the same cycle.
     page.open(page.driver.current_url)
     assert (page.setting("load"), page.setting("tangential_force"), page.setting("friction")) == (

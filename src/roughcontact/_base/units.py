@@ -29,6 +29,9 @@ _NUMBER_WITH_PREFIX = re.compile(r"\d[\d.]*(?:e[+-]?\d+)?(?: [fpnµmkMGT]?(?=Pa|
 # An example of each kind of quantity, by its SI unit; the empty one is that of plain numbers.
 EXAMPLES = {"Pa": "100MPa", "m": "250um", "N": "2.5N", "rad": "30deg", "": "0.3", "J/m2": "50mJ/m2", "Pa s": "1mPa.s"}
 EXAMPLES |= {"m2": "0.1mm2", "N/m": "1GN/m", "m3/s": "2mm3/s"}
+# Of heat or of current, which a plain number leaves open.
+EXAMPLES |= {"W/(m K) or S/m": "45W/m/K", "m2 K/W or Ohm m2": "1e-6m2*K/W", "W/K or S": "0.5W/K"}
+# Units without which a number says too little.
 _USUAL_UNITS = {
     "Pa": "Pa, MPa or GPa",
     "m": "mm, um or nm",
@@ -42,30 +45,36 @@ _USUAL_UNITS = {
 }
 # Characters of a wrong text that are shown.
 _MAX_QUOTED_CHARACTERS = 80
-# A number with a decimal point, its exponent of at most three digits (float64 ends at 1e308), and a unit such as N or
-# N/mm^2, of names of at most 30 letters.
-_UNIT_NAME = r"[^\W\d_²³]{1,30}(?:(?:\^|\*\*)?[1-4]|[²³])?"
+# A number with a decimal point, its exponent of at most three digits (float64 ends at 1e308), and a unit such as N,
+# N/mm^2 or W m-1 K-1, of names of at most 30 letters.
+_UNIT_NAME = r"[^\W\d_¹²³]{1,30}(?:(?:\^|\*\*)?-?[1-4]|⁻?[¹²³])?"
 _QUANTITY = re.compile(
     r"\s*([-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]{1,3})?)\s*"
     rf"({_UNIT_NAME}(?:[*/.· ]{_UNIT_NAME}){{0,5}}|[%°]|)\s*"
 )
-_UNIT_FACTOR = re.compile(r"([*/.· ]?)([^\W\d_²³]+|[%°])(?:\^|\*\*)?([1-4²³]?)")
+_UNIT_FACTOR = re.compile(r"([*/.· ]?)([^\W\d_¹²³]+|[%°])(?:\^|\*\*)?([-⁻]?)([1-4¹²³]?)")
+# Factors in brackets, such as those of W/(m K).
+_BRACKET = re.compile(r"(/?)\s*\(([^()/\d][^()/]*)\)")
 # What a power in the name of a unit means.
-_POWERS = {"": 1, "²": 2, "³": 3}
+_POWERS = {"": 1, "¹": 1, "²": 2, "³": 3}
 # Powers of ten of the prefixes of SI; two letters look like mu.
 _POWERS_OF_PREFIXES = {"f": -15, "p": -12, "n": -9, "u": -6, "µ": -6, "μ": -6, "m": -3, "c": -2, "d": -1}
 _POWERS_OF_PREFIXES |= {"": 0, "h": 2, "k": 3, "M": 6, "G": 9, "T": 12}
-Dimension: TypeAlias = tuple[int, int, int, int]
-# Powers of metre, kilogram, second and radian.
-_LENGTH = (1, 0, 0, 0)
-_MASS = (0, 1, 0, 0)
-_TIME = (0, 0, 1, 0)
-_ANGLE = (0, 0, 0, 1)
+Dimension: TypeAlias = tuple[int, int, int, int, int, int]
+# Powers of metre, kilogram, second, radian, kelvin and ampere.
+_LENGTH = (1, 0, 0, 0, 0, 0)
+_MASS = (0, 1, 0, 0, 0, 0)
+_TIME = (0, 0, 1, 0, 0, 0)
+_ANGLE = (0, 0, 0, 1, 0, 0)
+_TEMPERATURE = (0, 0, 0, 0, 1, 0)
 # The same of forces, of pressures and of numbers.
-_FORCE = (1, 1, -2, 0)
-_ENERGY = (2, 1, -2, 0)
-_PRESSURE = (-1, 1, -2, 0)
-_NO_DIMENSION = (0, 0, 0, 0)
+_FORCE = (1, 1, -2, 0, 0, 0)
+_ENERGY = (2, 1, -2, 0, 0, 0)
+_POWER = (2, 1, -3, 0, 0, 0)
+_PRESSURE = (-1, 1, -2, 0, 0, 0)
+_RESISTANCE = (2, 1, -3, 0, 0, -2)
+_CONDUCTANCE = (-2, -1, 3, 0, 0, 2)
+_NO_DIMENSION = (0, 0, 0, 0, 0, 0)
 # Units that take a prefix: their power of ten in SI units.
 _METRIC_UNITS: dict[str, tuple[int, Dimension]] = {
     "m": (0, _LENGTH),
@@ -76,6 +85,13 @@ _METRIC_UNITS: dict[str, tuple[int, Dimension]] = {
     "Pa": (0, _PRESSURE),
     "bar": (5, _PRESSURE),
     "rad": (0, _ANGLE),
+    "W": (0, _POWER),
+    "K": (0, _TEMPERATURE),
+    "S": (0, _CONDUCTANCE),
+    "Ohm": (0, _RESISTANCE),
+    "ohm": (0, _RESISTANCE),
+    "Ω": (0, _RESISTANCE),
+    "\N{OHM SIGN}": (0, _RESISTANCE),
 }
 # Units that take none: their value in SI units (NIST SP 811, appendix B).
 _POUND = 4.4482216152605
@@ -321,18 +337,19 @@ def _write(one: Estimate, factor: float) -> str:
 def parse_quantity(text: str, unit: str) -> float:
     """Return a text such as ``100MPa``, one number and one unit, as a number in an SI unit of `EXAMPLES`.
 
-    A number without a unit is accepted only where the quantity has no dimension: 210 may be Pa or GPa. `ValueError` if
-    it is something else, or of another dimension; its text says why, without a full stop.
+    A number without a unit is accepted where the quantity has no dimension, or is one of heat or of current, such as
+    ``"W/(m K) or S/m"``; nowhere else: 210 may be Pa or GPa. `ValueError` if it is something else, or of another
+    dimension; its text says why, without a full stop.
     """
-    found = _QUANTITY.fullmatch(text)
+    found = _QUANTITY.fullmatch(_without_brackets(text))
     if found is None:
         raise _refusal(text, f"is not one number with a decimal point{' and one unit' if unit else ''}", unit)
-    if unit and not found[2]:
+    if unit in _USUAL_UNITS and not found[2]:
         raise _refusal(text, f"has no unit ({_USUAL_UNITS[unit]}?)", unit)
     value = math.nan
     with contextlib.suppress(KeyError, ArithmeticError):
         factor, ten, dimension = _unit_of(found[2])
-        if dimension == _unit_of(unit)[2]:
+        if not found[2] or dimension in [_unit_of(_without_brackets(one))[2] for one in unit.split(" or ")]:
             # The float64 nearest to the decimal number: 250 um are 250e-6 m to the last bit.
             value = factor * float(f"{Decimal(found[1]).scaleb(ten)}")
     if not math.isfinite(value):
@@ -371,21 +388,30 @@ def quantity(unit: str) -> Callable[[str], float]:
 
 
 def _refusal(text: str, reason: str, unit: str) -> ValueError:
-    return ValueError(f"{text[:_MAX_QUOTED_CHARACTERS]!r} {reason}; write it like {EXAMPLES[unit]}")
+    # A plug-in may name a unit of its own.
+    example = EXAMPLES.get(unit, EXAMPLES[""])
+    return ValueError(f"{text[:_MAX_QUOTED_CHARACTERS]!r} {reason}; write it like {example}")
+
+
+def _without_brackets(text: str) -> str:
+    """Return a text with ``W/m/K`` for ``W/(m K)``."""
+    return _BRACKET.sub(
+        lambda found: found[1] + (re.sub(r"[*.· ]+", "/", found[2].strip()) if found[1] else found[2]), text
+    )
 
 
 def _unit_of(name: str) -> tuple[float, int, Dimension]:
     """Return factor, power of ten and dimension of a unit in SI units; `KeyError` if it is not known."""
     factor = 1.0
     ten = 0
-    total = [0, 0, 0, 0]
-    for sign, one, power in _UNIT_FACTOR.findall(name):
-        exponent = (-1 if sign == "/" else 1) * (_POWERS.get(power) or int(power))
+    total = [0] * len(_NO_DIMENSION)
+    for sign, one, inverse, power in _UNIT_FACTOR.findall(name):
+        exponent = (-1 if (sign == "/") != bool(inverse) else 1) * (_POWERS.get(power) or int(power))
         value, prefix, dimension = _one_unit(one)
         factor = factor * value**exponent
         ten = ten + exponent * prefix
         total = [before + exponent * more for before, more in zip(total, dimension, strict=True)]
-    return factor, ten, (total[0], total[1], total[2], total[3])
+    return factor, ten, (total[0], total[1], total[2], total[3], total[4], total[5])
 
 
 def _one_unit(name: str) -> tuple[float, int, Dimension]:

@@ -109,10 +109,14 @@ def describe_cycle(cycle: AdhesionCycle, asked: Mapping[str, Sequence[Any]] = Ma
     }
 
 
-def describe_fretting(path: FrictionalPath) -> dict[str, Any]:
-    """Return the answer of a fretting cycle, in the form of the answer at a load: a way there, back and there again."""
-    _, back, there = path.numbers
-    parts = back.dissipated, there.dissipated
+def describe_fretting(path: FrictionalPath, asked: Mapping[str, Sequence[Any]]) -> dict[str, Any]:
+    """Return the answer of a fretting cycle, in the form of the answer at a load: to a turn, back and there again.
+
+    `asked` is what responses have answered for each state; shown is the answer of the last one.
+    """
+    along = [state.tangential_force[0] for state in path]
+    back, there = path.numbers[along.index(min(along))], path.numbers[-1]
+    parts = [one.dissipated for one in path.numbers[along.index(max(along[: along.index(min(along))])) + 1 :]]
     lost = Estimate(sum(part.value for part in parts), sum(part.uncertainty for part in parts), "J")
     # The increments shift both turning points alike, not independently.
     ends = there.displacement[0], back.displacement[0]
@@ -125,6 +129,10 @@ def describe_fretting(path: FrictionalPath) -> dict[str, Any]:
         "contact area": path[-1].contact.area(),
         "approach": Estimate(path[-1].approach, 0.0, "m"),
     }
+    said = []
+    for name, column in tabulate_answers(asked).items():
+        found[f"{_in_words(name)} at the end"] = column[-1]
+        said += [f"{_in_words(name)}: {text}" for text in column[-1].warnings]
     hard = _warn_of_hardness(path[-1].contact)
     return {
         "load": "fretting",
@@ -134,7 +142,7 @@ def describe_fretting(path: FrictionalPath) -> dict[str, Any]:
         "quantities": [
             _describe(name, attrs.evolve(one, warnings=()), write_column([one])[0]) for name, one in found.items()
         ],
-        "warnings": [end_sentence(in_words_of_page(text)) for text in (*hard, *path.warnings)],
+        "warnings": [end_sentence(in_words_of_page(text)) for text in (*hard, *path.warnings, *said)],
     }
 
 

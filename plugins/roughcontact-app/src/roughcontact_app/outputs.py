@@ -9,10 +9,20 @@ from pathlib import Path
 from typing import Any
 
 import attrs
+import numpy as np
 from roughcontact import ContactSolution, FrictionalPath
 from roughcontact.errors import RoughContactError
 from roughcontact.plotting import panels
-from roughcontact.typing import AdhesionCycle, Sweep, replacing, write_report
+from roughcontact.typing import (
+    AdhesionCycle,
+    InterfaceLaw,
+    LawColumn,
+    Sweep,
+    Table,
+    replacing,
+    tabulate_answers,
+    write_report,
+)
 
 from roughcontact_app.answers import make_table, tabulate_cycle
 
@@ -59,6 +69,9 @@ class Outputs:
         first, *others = drawn + [(largest, name) for name in _panels_of("solution", largest)]
         yield partial(self._draw, *first)
         yield self._write_report
+        law = make_law(self.sweep, self.asked)
+        for name in law.columns:
+            yield partial(self._draw_law, law, name)
         for subject, name in others:
             yield partial(self._draw, subject, name)
 
@@ -80,6 +93,11 @@ class Outputs:
     def _draw(self, subject: Sweep | ContactSolution, name: str) -> dict[str, Any]:
         draw(lambda: subject.plot(name, dark=self.dark), self.folder / f"{name}.png")
         return {"role": "picture", "file": f"{name}.png", "panel": name}
+
+    def _draw_law(self, law: InterfaceLaw, name: str) -> dict[str, Any]:
+        panel = f"{name.replace(' ', '-')}-load"
+        draw(lambda: law.plot(name, dark=self.dark), self.folder / f"{panel}.png")
+        return {"role": "picture", "file": f"{panel}.png", "panel": panel}
 
 
 @attrs.frozen(eq=False)
@@ -123,11 +141,14 @@ class FrettingOutputs:
     ----------
     path
         The cycle.
+    asked
+        What responses have answered for each state, by their names.
     folder, dark
         As of `Outputs`.
     """
 
     path: FrictionalPath
+    asked: Mapping[str, Sequence[Any]]
     folder: Path
     dark: bool
 
@@ -138,7 +159,9 @@ class FrettingOutputs:
         yield self._write_path
 
     def _write_table(self) -> dict[str, Any]:
-        self.path.table().to_csv(self.folder / "loop.csv")
+        table = self.path.table()
+        columns = {**table.columns, **tabulate_answers(self.asked)}
+        Table(columns, table.units).to_csv(self.folder / "loop.csv")
         return {"role": "table", "file": "loop.csv"}
 
     def _draw(self) -> dict[str, Any]:
@@ -175,6 +198,21 @@ def draw(plot: Callable[[], Any], path: Path) -> None:
             figure.savefig(unfinished, format="png", bbox_inches="tight", dpi=_SHARPNESS * figure.dpi)
     finally:
         pyplot.close(figure)
+
+
+def make_law(sweep: Sweep, asked: Mapping[str, Sequence[Any]]) -> InterfaceLaw:
+    """Return the numbers of responses over the load; without columns where they cannot be drawn over its logarithm."""
+    order = np.argsort(sweep.mean_pressure)
+    pressures = sweep.mean_pressure[order]
+    columns = {}
+    for name, row in tabulate_answers(asked).items():
+        values, uncertainties = (
+            np.array([getattr(one, part) for one in row])[order] for part in ("value", "uncertainty")
+        )
+        drawn = np.isfinite(values) & (values > 0.0)
+        if pressures[0] > 0.0 and np.count_nonzero(drawn) > 1:
+            columns[name] = LawColumn(name, row[0].unit, values, uncertainties)
+    return InterfaceLaw(pressures, columns, (), ())
 
 
 def _panels_of(subject: str, solution: ContactSolution) -> list[str]:

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import attrs
-from roughcontact import ContactSolution, Response, responses
+from roughcontact import ContactSolution, FrictionalSolution, Response, responses, typing
 from roughcontact.errors import InputError, RoughContactError
 from roughcontact.typing import build_response, describe_response
 
@@ -26,7 +26,10 @@ _LABELS = {
 
 @attrs.frozen
 class FormField:
-    """A field of a response on the page: its setting, its label, the kind of its quantity, and its first unit."""
+    """A field of a response on the page: its setting, its label, the kind of its quantity, and its first unit.
+
+    ``has_unit``: its text may state a unit.
+    """
 
     name: str
     setting: str
@@ -34,6 +37,7 @@ class FormField:
     kind: str = ""
     unit: str = ""
     is_pair: bool = False
+    has_unit: bool = False
 
 
 @attrs.frozen
@@ -63,7 +67,11 @@ def _list_tick_boxes() -> dict[str, TickBox]:
                 label = _LABELS.get(field.name, words.capitalize())
                 label += f", {field.plain_unit}" if field.plain_unit else ""
                 units = _KINDS.get(field.unit or "", ("", ""))
-                fields.append(FormField(field.name, f"{setting}_{field.name}", label, *units, field.is_pair))
+                fields.append(
+                    FormField(
+                        field.name, f"{setting}_{field.name}", label, *units, field.is_pair, bool(field.plain_unit)
+                    )
+                )
             axis = f"{setting}_axis" if any(field.name == "axis" for field in form.fields) else ""
             found[name] = TickBox(setting, name.replace("-", " "), form.summary, tuple(fields), axis)
     return found
@@ -93,7 +101,9 @@ def build_asked(name: str, fields: Mapping[str, Any]) -> Response[Any]:
     try:
         return build_response(name, fields)
     except InputError as error:
-        raise InputError(f"{TICK_BOXES[name].label.capitalize()}: {str(error).removeprefix(f'{name}: ')}") from error
+        raise InputError(
+            f"{TICK_BOXES[name].label.capitalize()}: {str(error).removeprefix(name).lstrip(': ')}"
+        ) from error
 
 
 def ask(
@@ -111,28 +121,13 @@ def ask(
 
 
 def ask_states(
-    asked: Mapping[str, Response[Any]], states: Sequence[ContactSolution]
+    asked: Mapping[str, Response[Any]], states: Sequence[ContactSolution] | Sequence[FrictionalSolution]
 ) -> tuple[dict[str, list[Any]], list[str]]:
-    """Return what each response says of each state of a cycle, None where it has no answer, and in sentences why.
-
-    Unstable states, for instance, have no stiffness.
-    """
-    found = {}
-    problems = []
-    for name, response in asked.items():
-        results: list[Any] = []
-        reasons = []
-        for state in states:
-            try:
-                results.append(state.response(response))
-            except RoughContactError as error:
-                results.append(None)
-                reasons.append(in_words_of_page(str(error)))
-        found[name] = results
-        if reasons:
-            count = "all" if len(reasons) == len(states) else f"{len(reasons)} of {len(states)}"
-            problems.append(end_sentence(f"{TICK_BOXES[name].label}: {count} states have no answer: {reasons[0]}"))
-    return found, problems
+    """Return what each response says of each state of a cycle, None where it has no answer, and in sentences why."""
+    found, reasons = typing.ask_states(asked, states)
+    return found, [
+        end_sentence(f"{TICK_BOXES[name].label}: {in_words_of_page(reason)}") for name, reason in reasons.items()
+    ]
 
 
 def finite(value: float) -> float | None:

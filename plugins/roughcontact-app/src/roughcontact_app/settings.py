@@ -137,6 +137,8 @@ _CHOICES = {
 # Characters of one setting; and the digits of a number and of its exponent, more than float64 can tell apart.
 _LONGEST = 300
 _NUMBER = re.compile(r"[-+]?(?:[0-9]{1,40}\.?[0-9]{0,40}|\.[0-9]{1,40})(?:[eE][-+]?[0-9]{1,4})?")
+_WITH_UNIT = re.compile(rf"{_NUMBER.pattern}\s*[^\W\d_].*")
+_BETWEEN_NUMBERS = re.compile(r"[;\s]+(?=[-+.\d])")
 _WHOLE = re.compile(r"[0-9]{1,9}")
 # Loads of one run: a curve has no more points that can be told apart.
 _MOST_LOADS = 40
@@ -277,9 +279,7 @@ def fretting_values(settings: Settings) -> tuple[float, float, float]:
 
 
 def asked_responses(settings: Settings) -> dict[str, Response[Any]]:
-    """Return the responses that are ticked, by name; none of a fretting cycle, whose states have friction."""
-    if settings["load"] == "fretting":
-        return {}
+    """Return the responses that are ticked, by name."""
     ticked = {name: box for name, box in TICK_BOXES.items() if settings[box.setting] == "yes"}
     found = {}
     for name, box in ticked.items():
@@ -295,12 +295,16 @@ def _fields_of(settings: Settings, box: TickBox) -> dict[str, Any]:
         if field.kind:
             found[field.name] = quantity(settings, field.setting, label, field.kind)
             continue
-        # Of a pair one number is for both.
-        texts = re.split(r"[;\s]+", settings[field.setting]) if field.is_pair else [settings[field.setting]]
+        # Of a pair one number is for both; a blank before a letter belongs to a unit.
+        texts = _BETWEEN_NUMBERS.split(settings[field.setting]) if field.is_pair else [settings[field.setting]]
         with reading(field.setting):
             if len(texts) > _PAIR:
                 raise InputError(f"{label} has {len(texts)} numbers: give one, or one for each of both bodies.")
-            numbers = [float(_decimal(text, label)) for text in texts]
+            # A text with a unit is read as on the command line.
+            numbers = [
+                text if field.has_unit and _WITH_UNIT.fullmatch(text) else float(_decimal(text, label))
+                for text in texts
+            ]
         found[field.name] = numbers if len(numbers) > 1 else numbers[0]
     return found
 

@@ -45,9 +45,11 @@ _CORRECTED = (
 # over what more a solve takes. Measured on balls and rough surfaces of 64 to 512 cells along a side.
 _MINIMUM_OF_SOLVE = 0.1
 _COST_UNLIKE = (2.0, 450.0)
-_COST_LIKE = (0.1, 30.0)
+_COST_LIKE = (0.4, 70.0)
 # Increments of a step that a path takes at most.
 _MOST_INCREMENTS = 16
+# States of a fretting cycle of like materials on the way to the first turn: half of those from turn to turn.
+_STATES_TO_TURN = 4
 
 Send = Callable[[dict[str, Any]], None]
 # The files of the body and of the counterbody.
@@ -144,7 +146,7 @@ def _plan(settings: Settings, uploads: Uploads, calibration: float) -> dict[str,
     plan = problem.plan
     return {
         "loads": [str(load) for load in loads],
-        "solves": _count_solves(settings, loads),
+        "solves": _count_solves(settings, problem, loads),
         "seconds": calibration * _estimate_seconds(settings, problem, loads),
         "memory": f"{binary(plan.memory_at(0.0))} at light contact, at most {binary(plan.memory)}",
         "basis": _BASIS if calibration == 1.0 else _CORRECTED,
@@ -176,8 +178,9 @@ def _solve(settings: Settings, uploads: Uploads, folder: Path, send: Send) -> di
         answers = [describe_cycle(result, asked)]
         outputs = CycleOutputs(result, asked, folder, dark)
     elif isinstance(result, FrictionalPath):
-        answers = [describe_fretting(result)]
-        outputs = FrettingOutputs(result, folder, dark)
+        asked, problems = ask_states(asked_responses(settings), result.states)
+        answers = [describe_fretting(result, asked)]
+        outputs = FrettingOutputs(result, asked, folder, dark)
         # Its cost depends on the answer: it says nothing of the time of other runs.
         ratio = None
     else:
@@ -189,14 +192,27 @@ def _solve(settings: Settings, uploads: Uploads, folder: Path, send: Send) -> di
     return {"notes": _write_all(outputs, send)}
 
 
-def _count_solves(settings: Settings, loads: tuple[Load, ...]) -> int:
-    """Return the number of states: unloading passes all states of loading but the last; fretting has three."""
-    return {"cycle": 2 * len(loads) - 1, "fretting": 3}.get(settings["load"], len(loads))
+def _count_solves(settings: Settings, problem: ContactProblem, loads: tuple[Load, ...]) -> int:
+    """Return the number of states: unloading passes all states of loading but the last."""
+    if settings["load"] == "fretting":
+        return len(list_forces(problem, 1.0))
+    return 2 * len(loads) - 1 if settings["load"] == "cycle" else len(loads)
+
+
+def list_forces(problem: ContactProblem, most: float) -> list[tuple[float, float]]:
+    """Return the tangential forces of a fretting cycle, N: to a turn, back and there again.
+
+    Of like materials there are states between the turns, whose loop is a curve; of unlike ones each takes minutes.
+    """
+    if _are_unlike(problem):
+        return [(most, 0.0), (-most, 0.0), (most, 0.0)]
+    there = [most * step / _STATES_TO_TURN for step in range(-_STATES_TO_TURN + 1, _STATES_TO_TURN + 1)]
+    return [(force, 0.0) for force in (*there[_STATES_TO_TURN:], *(-force for force in there), *there)]
 
 
 def _estimate_seconds(settings: Settings, problem: ContactProblem, loads: tuple[Load, ...]) -> float:
     if settings["load"] != "fretting":
-        return _count_solves(settings, loads) * problem.plan.seconds
+        return _count_solves(settings, problem, loads) * problem.plan.seconds
     minimum, ratio = _COST_UNLIKE if _are_unlike(problem) else _COST_LIKE
     return minimum + ratio * max(problem.plan.seconds - _MINIMUM_OF_SOLVE, 0.0)
 
@@ -248,7 +264,7 @@ def _run_cycle(problem: ContactProblem, loads: tuple[Load, ...], send: Send) -> 
 
 def _run_fretting(problem: ContactProblem, settings: Settings, send: Send) -> FrictionalPath:
     normal, most, friction = fretting_values(settings)
-    forces = [(most, 0.0), (-most, 0.0), (most, 0.0)]
+    forces = list_forces(problem, most)
     send({"phase": "solving", "fraction": 0.0, "text": "The bodies are pressed together."})
     total = _MOST_INCREMENTS if _are_unlike(problem) else 1
 

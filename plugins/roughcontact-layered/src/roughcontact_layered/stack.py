@@ -19,6 +19,7 @@ _THIN = 1.0
 _SERIES = 9
 # Waves at a time: their 2 x 2 matrices, 0.5 MiB each, stay in the cache.
 _BLOCK = 1 << 14
+_CONDUCTIVITY_UNIT = "W/(m K) or S/m"
 
 
 def _thickness(value: float) -> float:
@@ -26,7 +27,7 @@ def _thickness(value: float) -> float:
 
 
 def _conductivity(value: float | None) -> float | None:
-    return None if value is None else _positive(value, "The conductivity of a layer", "W/(m K) or S/m")
+    return None if value is None else _positive(value, "The conductivity of a layer", _CONDUCTIVITY_UNIT)
 
 
 def _positive(value: float, what: str, unit: str) -> float:
@@ -71,7 +72,9 @@ class Layer:
     young: float = attrs.field(converter=_young, metadata={"unit": "Pa"})
     poisson: float = attrs.field(converter=_poisson)
     thickness: float = attrs.field(converter=_thickness, metadata={"unit": "m"})
-    conductivity: float | None = attrs.field(default=None, converter=_conductivity)
+    conductivity: float | None = attrs.field(
+        default=None, converter=_conductivity, metadata={"plain_unit": _CONDUCTIVITY_UNIT}
+    )
 
     @property
     def compliance(self) -> float:

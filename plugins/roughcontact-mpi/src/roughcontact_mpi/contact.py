@@ -22,6 +22,7 @@ from roughcontact.typing import (
     confirm,
     make_task,
     replacing,
+    require_certified,
     require_memory_of_solve,
     si,
 )
@@ -326,9 +327,8 @@ def solve(
         levels=outcome.levels,
         seconds=time.perf_counter() - started,
     )
-    if throw and not solution.status.success:
-        reason = f"The contact is {solution.status} ({solution.iterations} iterations; {solution.residuals})."
-        raise rc.NotConverged(reason, cast(Any, solution))
+    if throw:
+        require_certified(solution)
     return solution
 
 

@@ -35,8 +35,6 @@ _TILES = 4
 # Values that a process sends to another at a time, from which on an exchange is divided, and the most parts.
 _EXCHANGED_VALUES = 2**10
 _MAX_EXCHANGES = 8
-# Minimum amplitude that is inverted, over the mean, as in the inverse of arrays of numpy.
-_MIN_AMPLITUDE = 1e-6
 
 
 @attrs.frozen(eq=False)
@@ -65,21 +63,12 @@ class SlabFFT(rc.Convolver):
         setup = ConvolutionSetup(self, kernel, grid, boundary)
         padded = self.transform_shape(grid, boundary)
         if boundary is rc.Boundary.PERIODIC:
-            symbol = _spectrum_of_columns(setup, padded, self.processes)
+            symbol = setup.spectrum_of_columns(padded, self.processes.own_columns(padded[1] // 2 + 1))
         elif boundary.mixed:
             symbol = _mixed_symbol_of_columns(setup, padded, self.processes)
         else:
             symbol = _symbol_of_columns(setup, padded, self.processes)
         return SlabConvolution(setup, symbol, padded, self.processes)
-
-
-def _spectrum_of_columns(setup: ConvolutionSetup, shape: tuple[int, int], processes: Processes) -> Array:
-    """Return the kernel's spectrum at the waves of a periodic grid that this process multiplies, shape (nx, n)."""
-    dx, dy = setup.grid.spacing
-    own = processes.own_columns(shape[1] // 2 + 1)
-    qx = 2 * np.pi / dx * scipy.fft.fftfreq(shape[0])[:, np.newaxis]
-    qy = 2 * np.pi / dy * scipy.fft.rfftfreq(shape[1])[np.newaxis, own]
-    return setup.kernel.spectrum(qx, qy, setup.grid.spacing) if qy.size else np.zeros((shape[0], 0))
 
 
 def _symbol_of_columns(setup: ConvolutionSetup, padded: tuple[int, int], processes: Processes) -> Array:
@@ -432,28 +421,17 @@ class SlabConvolution(PreparedConvolution):
     def inverse(self, dtype: type[np.float32] | type[np.float64] = np.float64) -> InverseConvolution:
         """Return the approximate inverse on slabs."""
         setup = self.setup
-        mx, my = shape = setup.inverse_shape
+        mx, my = setup.inverse_shape
         processes = self.processes
         own = processes.own_columns(my // 2 + 1)
         if not isinstance(setup.kernel.kernel, SupportsSpectrum):
             raise rc.InputError(f"The kernel {setup.kernel.kernel!r} has no spectrum, which a contact on slabs needs.")
-        response = _spectrum_of_columns(setup, shape, processes)
-        is_mean = np.zeros(response.shape, dtype=bool)
-        is_mean[:1, : own.start == 0] = True
-        response[is_mean] = 0.0
-        floor = _MIN_AMPLITUDE * float(processes.total(np.abs(response).sum())) / (mx * (my // 2 + 1))
-        small = int(processes.total(int(((response <= floor) & ~is_mean).sum())))
-        response = np.abs(response)
-        stiffness = np.zeros_like(response)
-        np.divide(1.0, np.maximum(response, floor), out=stiffness, where=response > 0.0)
-        stiffness[is_mean] = 0.0
-        stiffness = stiffness.astype(dtype, copy=False)
+        stiffness, exact = setup.stiffness_of_columns(own, dtype, processes.across)
         first = stiffness[: mx // 2 + 1, 0] if own.start == 0 < own.stop else np.zeros(mx // 2 + 1, dtype=dtype)
         top = np.zeros(my // 2 + 1, dtype=dtype)
         top[own] = stiffness[0]
         ends = processes.total_blocks(np.ascontiguousarray(first)), processes.total_blocks(top)
-        exact = setup.boundary is rc.Boundary.PERIODIC and small == 0
-        return SlabInverse(stiffness, shape, exact, processes=processes, ends=ends)
+        return SlabInverse(stiffness, setup.inverse_shape, exact, processes=processes, ends=ends)
 
     def from_numpy(self, values: Array) -> Array:
         """Return the rows of this process of a field, or a single value, as an array in slabs."""

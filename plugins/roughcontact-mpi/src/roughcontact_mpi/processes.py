@@ -105,6 +105,10 @@ class Processes:
         # MPI recommends, but does not require, that its own sums have the same bits on all processes.
         return np.add.reduce(self.collect(value), axis=0)
 
+    def across(self, ufunc: np.ufunc, value: float) -> float:
+        """Return the sum, the minimum or the maximum of a number over all processes."""
+        return float(ufunc.reduce(self.collect(value)))
+
     def total_blocks(self, values: RealArray) -> RealArray:
         """Return the sum of an array over all processes, of the same bits on each."""
         self.reductions += 1

@@ -38,7 +38,7 @@ def make_heights(surface: rc.SelfAffineSurface, grid: rc.Grid, processes: Proces
     nx, ny = grid.shape
     own = processes.own_rows(nx)
     columns = processes.own_columns(ny // 2 + 1)
-    half = surface.half_spectrum(grid, columns, lambda ufunc, value: float(ufunc.reduce(processes.collect(value))))
+    half = surface.half_spectrum(grid, columns, processes.across)
     for tile in list_tiles(slice(0, half.shape[1]), 2 * nx):
         half[:, tile] = scipy.fft.ifft(half[:, tile], axis=0, norm="forward", overwrite_x=True)
     waves = np.empty((own.stop - own.start, ny // 2 + 1), dtype=half.dtype)

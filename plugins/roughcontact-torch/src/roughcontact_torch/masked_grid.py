@@ -15,12 +15,8 @@ import attrs
 import roughcontact as rc
 import torch
 import torch.nn.functional as functional
-from roughcontact.typing import count_blocks
+from roughcontact.typing import LONG_WAVE_CUT, MAX_CUT_EXPONENT, count_blocks
 
-# Cut between long and short waves over the wave whose stiffness is the mean weight, and the maximum exponent in it, as
-# in the preconditioner of the default solver.
-_LONG_WAVE_CUT = 3.0
-_MAX_EXPONENT = 30.0
 # Cells of the stencil to each side of a cell that joins or leaves.
 STENCIL_REACH = 3
 
@@ -79,7 +75,7 @@ class Blocks:
 
     def far_symbol(self, mean: torch.Tensor) -> torch.Tensor:
         """Return the stiffness of the far part of the kernel on the blocks, at a mean of the weights over all cells."""
-        growth = torch.clamp((self.stiffness / (_LONG_WAVE_CUT * mean)) ** 2, max=_MAX_EXPONENT)
+        growth = torch.clamp((self.stiffness / (LONG_WAVE_CUT * mean)) ** 2, max=MAX_CUT_EXPONENT)
         return self.stiffness * torch.exp(growth) * self.size
 
     def invert_far(self, displacement: torch.Tensor) -> torch.Tensor:

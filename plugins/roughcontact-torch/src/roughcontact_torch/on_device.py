@@ -19,6 +19,7 @@ from roughcontact.typing import (
     confirm,
     make_solution,
     make_task,
+    require_certified,
 )
 
 from roughcontact_torch.together import shared_parts
@@ -166,9 +167,8 @@ def solve_on_device(
         levels=outcome.levels,
         seconds=time.perf_counter() - started,
     )
-    if throw and not solution.status.success:
-        reason = f"The contact is {solution.status} ({solution.iterations} iterations; {solution.residuals})."
-        raise rc.NotConverged(reason, cast(Any, solution))
+    if throw:
+        require_certified(solution)
     return solution
 
 

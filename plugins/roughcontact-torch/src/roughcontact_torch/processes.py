@@ -27,6 +27,7 @@ _OPERATIONS = {
     "highest": distributed.ReduceOp.MAX,
     "lowest": distributed.ReduceOp.MIN,
 }
+_NAMES: dict[np.ufunc, str] = {np.add: "sum", np.maximum: "highest", np.minimum: "lowest"}
 
 
 def share(count: int, parts: int) -> tuple[int, ...]:
@@ -117,6 +118,11 @@ class Processes:
     def total(self, values: np.ndarray | float) -> np.ndarray:
         """Return the sum of a number or an array of numpy over all processes."""
         return self.reduce(torch.tensor(values, device=self.device)).numpy(force=True)
+
+    def across(self, ufunc: np.ufunc, value: float) -> float:
+        """Return the sum, the minimum or the maximum of a number over all processes."""
+        own = torch.tensor(value, dtype=torch.float64, device=self.device)
+        return float(self.reduce(own, _NAMES[ufunc]))
 
     def publish(self, values: torch.Tensor) -> torch.Tensor:
         """Return the tensor of the first process; all have one of this shape, which is changed."""

@@ -22,6 +22,7 @@ from roughcontact.typing import (
     certify,
     confirm,
     make_task,
+    require_certified,
 )
 
 from roughcontact_torch.masked import MaskedConjugateGradient
@@ -226,9 +227,8 @@ def solve_on_slabs(
         levels=outcome.levels,
         seconds=time.perf_counter() - started,
     )
-    if throw and not solution.status.success:
-        reason = f"The contact is {solution.status} ({solution.iterations} iterations; {solution.residuals})."
-        raise rc.NotConverged(reason, cast(Any, solution))
+    if throw:
+        require_certified(solution)
     return solution
 
 
@@ -305,12 +305,7 @@ def make_heights(surface: rc.SelfAffineSurface, grid: rc.Grid, processes: Proces
     processes.require(grid.shape)
     nx, ny = grid.shape
     columns = processes.own_columns(ny // 2 + 1)
-
-    def across(ufunc: np.ufunc, value: float) -> float:
-        own = torch.tensor(value, dtype=torch.float64, device=processes.device)
-        return float(processes.reduce(own, "sum" if ufunc is np.add else "highest"))
-
-    half = torch.tensor(surface.half_spectrum(grid, columns, across), device=processes.device)
+    half = torch.tensor(surface.half_spectrum(grid, columns, processes.across), device=processes.device)
     transpose = Transpose(processes, processes.rows(nx), processes.columns(ny // 2 + 1))
     waves = transpose.back(torch.fft.ifft(half, dim=0, norm="forward")[None])
     return SlabTensor.field(torch.fft.irfft(waves[0], n=ny, dim=-1, norm="forward"), processes, nx)

@@ -7,7 +7,6 @@ from typing import Any, ClassVar, cast
 import attrs
 import numpy as np
 import roughcontact as rc
-import scipy.fft
 import torch
 from roughcontact.typing import (
     Array,
@@ -29,8 +28,6 @@ from roughcontact_torch.slab_grid import SlabGrid, Transpose, WholeGrid, multipl
 
 # Cells below which each process has the whole of a coarse grid.
 _WHOLE_CELLS = 256**2
-# Minimum amplitude that is inverted, over the mean, as in the inverse of arrays of numpy.
-_MIN_AMPLITUDE = 1e-6
 
 
 @attrs.frozen(eq=False)
@@ -64,21 +61,13 @@ class SlabTorchFFT(rc.Convolver):
         setup = ConvolutionSetup(self, kernel, grid, boundary)
         padded = self.transform_shape(grid, boundary)
         if boundary is rc.Boundary.PERIODIC:
-            symbol = torch.tensor(_spectrum_of_columns(setup, padded, self.processes), device=self.processes.device)
+            waves = setup.spectrum_of_columns(padded, self.processes.own_columns(padded[1] // 2 + 1))
+            symbol = torch.tensor(waves, device=self.processes.device)
         elif boundary.mixed:
             symbol = _mixed_symbol_of_columns(setup, padded, self.processes)
         else:
             symbol = _free_symbol_of_columns(setup, padded, self.processes)
         return SlabConvolution(setup, symbol, padded, self.processes)
-
-
-def _spectrum_of_columns(setup: ConvolutionSetup, shape: tuple[int, int], processes: Processes) -> Array:
-    """Return the kernel's spectrum at the waves of a periodic grid that this process multiplies, shape (mx, n)."""
-    dx, dy = setup.grid.spacing
-    own = processes.own_columns(shape[1] // 2 + 1)
-    qx = 2 * np.pi / dx * scipy.fft.fftfreq(shape[0])[:, np.newaxis]
-    qy = 2 * np.pi / dy * scipy.fft.rfftfreq(shape[1])[np.newaxis, own]
-    return setup.kernel.spectrum(qx, qy, setup.grid.spacing)
 
 
 def _free_symbol_of_columns(setup: ConvolutionSetup, padded: tuple[int, int], processes: Processes) -> torch.Tensor:
@@ -143,16 +132,9 @@ class SlabConvolution(TensorConvolution):
 
     def inverse(self, dtype: type[np.float32] | type[np.float64] = np.float64) -> InverseConvolution:
         """Return the columns of this process of the approximate inverse, an array of numpy."""
-        mx, my = shape = self.setup.inverse_shape
-        own = self.processes.own_columns(my // 2 + 1)
-        response = _spectrum_of_columns(self.setup, shape, self.processes)
-        if own.start == 0:
-            response[0, 0] = 0.0
-        response = np.abs(response)
-        floor = _MIN_AMPLITUDE * float(self.processes.total(float(response.sum()))) / (mx * (my // 2 + 1))
-        stiffness = np.zeros_like(response)
-        np.divide(1.0, np.maximum(response, floor), out=stiffness, where=response > 0.0)
-        return InverseConvolution(stiffness.astype(dtype), shape)
+        shape = self.setup.inverse_shape
+        own = self.processes.own_columns(shape[1] // 2 + 1)
+        return InverseConvolution(self.setup.stiffness_of_columns(own, dtype, self.processes.across)[0], shape)
 
     def grid(self) -> MaskedGrid:
         """Return what the masked descent needs of it."""

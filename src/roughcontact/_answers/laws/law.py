@@ -319,7 +319,7 @@ class InterfaceLaw:
         _write(target, table)
         _write(target.with_suffix(".i"), blocks)
 
-    def plot(self, column: str = "stiffness", axes: Any = None) -> Any:
+    def plot(self, column: str = "stiffness", axes: Any = None, *, dark: bool = False) -> Any:
         """Draw a column over the pressure with a band of two standard deviations, and its power law (extra ``plot``).
 
         Parameters
@@ -328,6 +328,8 @@ class InterfaceLaw:
             Name of the column.
         axes
             Matplotlib's axes to draw on; None: new ones.
+        dark
+            Whether new axes are for a dark page.
 
         Returns
         -------
@@ -336,7 +338,7 @@ class InterfaceLaw:
         """
         from roughcontact.plotting import draw_column
 
-        return draw_column(self.pressures, self[column], self.fit(column), axes)
+        return draw_column(self.pressures, self[column], self.fit(column), axes, checks.flag(dark, "dark="))
 
 
 def interpolation_warning(pressures: Array, largest: float) -> tuple[str, ...]:

@@ -36,7 +36,7 @@ _HALVINGS = 24
 _MAX_RADII = 200
 # Maximum resistance of a film, m2 K/W or Ohm m2: that of a perfect insulator.
 _MAX_FILM_RESISTANCE = 1e20
-# Units of heat or of current, of which a text may state neither.
+# Units of heat or of current, which a text may omit.
 _CONDUCTIVITY_UNIT = "W/(m K) or S/m"
 _FILM_UNIT = "m2 K/W or Ohm m2"
 

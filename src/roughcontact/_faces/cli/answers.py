@@ -13,7 +13,7 @@ from typing import Any
 import roughcontact as rc
 from roughcontact._base import checks
 from roughcontact._base.tables import Table
-from roughcontact._base.units import fit, kind_of, si
+from roughcontact._base.units import fit, si
 from roughcontact._faces.cli.inputs import describe_grid, describe_value, find_inputs
 from roughcontact._faces.panels.figures import save_figure
 from roughcontact._faces.panels.theme import require_matplotlib
@@ -26,7 +26,7 @@ from roughcontact._solve.solution import (
     require_netcdf,
     versions,
 )
-from roughcontact._work.studies import Answers, tabulate_answers
+from roughcontact._work.studies import Answers, add_answers, list_answer_warnings, tabulate_answers
 
 _NONE: Answers = MappingProxyType({})
 # Width of the label of a line, as `print(solution)` has it.
@@ -52,7 +52,7 @@ def to_json(
             one["inputs"] |= asked
     if answers:
         for position, one in enumerate(described):
-            one["responses"] = {name: _describe_result(found[position]) for name, found in answers.items()}
+            one["responses"] = {name: describe_result(found[position]) for name, found in answers.items()}
     return write_json(described[0] if len(described) == 1 else {"solutions": described})
 
 
@@ -170,19 +170,30 @@ def to_text(solutions: Sequence[rc.ContactSolution], estimator: str | None = Non
 def _write_answers(solutions: Sequence[rc.ContactSolution], answers: Answers) -> list[str]:
     """Return the lines of the answers of one solution; of several those of a table, and of what has no number."""
     if len(solutions) == 1:
-        return [line for name, found in answers.items() for line in _label(name, str(found[0]))]
+        return write_answers_of_one(answers)
     forces = [rc.Estimate(solution.force, 0.0, "N") for solution in solutions]
-    columns = tabulate_answers(answers)
-    lines = Table({"force": forces, **columns}).to_text().split("\n")
+    return write_rows_of_answers(Table({"force": forces}), [f"at {si(one.value, 'N')}" for one in forces], answers)
+
+
+def write_answers_of_one(answers: Answers) -> list[str]:
+    """Return the lines of the answers of one state."""
+    return [line for name, found in answers.items() for line in _label(name, str(found[0]))]
+
+
+def write_rows_of_answers(
+    states: Table, names: Sequence[str], answers: Answers, reasons: Mapping[str, str] = MappingProxyType({})
+) -> list[str]:
+    """Return the lines of a table of states, with answers, of what has no number, of warnings and missing answers.
+
+    `names` says where each state is, such as ``"at 5 N"``, `reasons` why a response has no answer.
+    """
+    lines = add_answers(states, answers).to_text().split("\n")
     for name, found in answers.items():
-        for force, result in zip(forces, found, strict=True):
-            if not list_estimates(result):
-                lines += _label(name, f"at {si(force.value, 'N')}: {result}")
-    # One sentence for the warnings of a rule, whatever numbers they have, and for all numbers that have it.
-    warnings = {
-        kind_of(text): (name, text) for name, column in columns.items() for one in column for text in one.warnings
-    }
-    return [*lines, *(f"warning  {name}: {text}" for name, text in warnings.values())]
+        for where, result in zip(names, found, strict=True):
+            if result is not None and not list_estimates(result):
+                lines += _label(name, f"{where}: {result}")
+    lines += [f"warning  {text}" for text in list_answer_warnings(answers)]
+    return [*lines, *(f"{name}: {text}" for name, text in reasons.items())]
 
 
 def _label(name: str, text: str) -> list[str]:
@@ -190,7 +201,8 @@ def _label(name: str, text: str) -> list[str]:
     return [f"{name:{_LABEL_WIDTH - 1}} {first}", *(f"{'':{_LABEL_WIDTH}}{line}" for line in others)]
 
 
-def _describe_result(result: Any) -> dict[str, Any]:
+def describe_result(result: Any) -> dict[str, Any]:
+    """Return what a response has returned as data that JSON can hold."""
     if isinstance(result, rc.Estimate):
         return describe_estimate(result)
     return {name: describe_estimate(one) for name, one in list_estimates(result).items()} or {"text": str(result)}

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 import roughcontact as rc
-from roughcontact._base.units import si
+from roughcontact._base.tables import Table
+from roughcontact._base.units import fit, si
 from roughcontact._faces.cli.answers import (
     describe_estimate,
     describe_rows,
@@ -19,11 +21,14 @@ from roughcontact._faces.cli.answers import (
     write_csv,
     write_json,
     write_outputs,
+    write_rows_of_answers,
 )
-from roughcontact._faces.cli.inputs import find_inputs
+from roughcontact._faces.cli.inputs import describe_responses, find_inputs
 from roughcontact._faces.cli.problem import set_tolerance
 from roughcontact._faces.cli.progress import count_done, show_progress
-from roughcontact._solve.problem import AdhesionCycle
+from roughcontact._faces.cli.responses import ask_all_states
+from roughcontact._solve.problem import AdhesionCycle, list_states
+from roughcontact._work.studies import Answers, add_answers, write_report
 
 # States on each branch.
 _STATES = 41
@@ -36,19 +41,38 @@ def plan_cycle_outputs(options: argparse.Namespace, maps: list[Path]) -> list[Pa
     return [*(plan_picture(name) for name in options.output), *plan_report(options.report, maps)]
 
 
-def solve_cycle(options: argparse.Namespace, problem: rc.ContactProblem, files: list[Path]) -> AdhesionCycle:
-    """Return the cycle that the options describe, after writing its pictures and its report."""
+def solve_cycle(
+    options: argparse.Namespace,
+    problem: rc.ContactProblem,
+    asked: Mapping[str, rc.Response[Any]],
+    files: list[Path],
+) -> AdhesionCycle:
+    """Return the cycle that the options describe, after asking its states and writing its pictures and its report."""
     problem = set_tolerance(options, problem)
     low, high = options.cycle
     states = _STATES if options.states is None else options.states
     total = 2 * states - 1
     with show_progress("solving", quiet=options.quiet) as change:
         cycle = problem.cycle(approach=np.linspace(low, high, states), on_state=count_done(change, total, "state"))
-    done = name_written(write_outputs(files, cycle, ()))
-    if not options.quiet:
-        write = cycle_to_json if options.json else cycle_to_csv if options.csv else str
-        print(write(cycle))
-        if done and write is str:
+    reports = [path for path in files if path.suffix == ".html"]
+    # Pictures before the responses, of which one may have no answer.
+    written = write_outputs([path for path in files if path not in reports], cycle, ())
+    answers: Answers = {}
+    reasons: dict[str, str] = {}
+    try:
+        if asked and not (options.quiet and not reports):
+            with show_progress("answering", quiet=options.quiet) as change:
+                answers, reasons = ask_all_states(asked, (*cycle.loading, *cycle.unloading), change)
+    finally:
+        for path in reports:
+            write_report(cycle, path, answers)
+    if options.json:
+        print(cycle_to_json(cycle, asked, answers, reasons))
+    elif options.csv:
+        print(write_csv(add_answers(cycle.table(), answers)))
+    elif not options.quiet:
+        print(cycle_to_text(cycle, answers, reasons))
+        if done := name_written([*written, *reports]):
             print(done)
     return cycle
 
@@ -72,18 +96,30 @@ def refuse_for_cycle(options: argparse.Namespace) -> None:
         raise rc.InputError(f"--cycle needs its lower approach first, but got {si(low, 'm')} and {si(high, 'm')}.")
 
 
-def cycle_to_csv(cycle: AdhesionCycle) -> str:
-    """Return a header and a row for each state, in SI units: the columns of `AdhesionCycle.to_csv`."""
-    return write_csv(cycle.table())
+def cycle_to_text(cycle: AdhesionCycle, answers: Answers, reasons: Mapping[str, str]) -> str:
+    """Return a cycle for people, and below it what responses say of its states."""
+    if not answers:
+        return str(cycle)
+    states = list_states(cycle)
+    heads = Table({name: states.columns[name] for name in ("branch", "approach")}, {"approach": "m"}, ("branch",))
+    names = [
+        f"at {si(float(approach), 'm', 3)}, {branch}" for branch, approach in zip(*heads.columns.values(), strict=True)
+    ]
+    return fit("\n".join([str(cycle), "", *write_rows_of_answers(heads, names, answers, reasons)]))
 
 
-def cycle_to_json(cycle: AdhesionCycle) -> str:
-    """Return one JSON object: the results of a cycle, and its states."""
-    table = cycle.table()
+def cycle_to_json(
+    cycle: AdhesionCycle, asked: Mapping[str, rc.Response[Any]], answers: Answers, reasons: Mapping[str, str]
+) -> str:
+    """Return one JSON object: the results of a cycle, and its states, with what responses say of them."""
+    table = add_answers(cycle.table(), answers)
     content: dict[str, Any] = {name: describe_estimate(getattr(cycle, name)) for name in ("pull_in", "pull_off")}
     content["dissipated"] = describe_estimate(cycle.dissipated)
     content["jumps"] = [list(jump) for jump in cycle.jumps]
     content["states"] = describe_rows(table)
     # Both branches have the same approaches.
-    content["inputs"] = find_inputs(cycle.loading.solutions)
+    inputs = find_inputs(cycle.loading.solutions)
+    content["inputs"] = None if inputs is None else inputs | describe_responses(asked)
+    if reasons:
+        content["without_answer"] = dict(reasons)
     return write_json({**content, "units": dict(table.units)})

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -16,23 +16,28 @@ from roughcontact._base.tables import Table
 from roughcontact._base.units import fit, parse_quantity
 from roughcontact._faces.cli.answers import (
     describe_estimate,
+    describe_result,
     describe_rows,
     describe_solution,
     name_written,
     plan_picture,
     plan_report,
     require_place,
+    write_answers_of_one,
     write_csv,
     write_json,
+    write_rows_of_answers,
 )
-from roughcontact._faces.cli.inputs import find_path_inputs, find_state_inputs
+from roughcontact._faces.cli.inputs import describe_responses, find_path_inputs, find_state_inputs
 from roughcontact._faces.cli.options import name_options
 from roughcontact._faces.cli.problem import make_part, set_tolerance
 from roughcontact._faces.cli.progress import ChangeProgress, count_solves, describe_steps, show_progress
+from roughcontact._faces.cli.responses import ask_all_states
 from roughcontact._faces.panels.figures import save_figure
 from roughcontact._parts.grid import Load
 from roughcontact._parts.materials import pair_constants
 from roughcontact._solve.problem import Increment, run_slide
+from roughcontact._work.studies import WITHOUT_TRACTION, Answers, add_answers, write_report
 
 # Options of a solve that say nothing of a contact with friction.
 _OF_SOLVES = ("cycle", "refine", "area", "area_within", "peak_within", "pull_off")
@@ -41,6 +46,26 @@ _SLIDING = (
     "Give displacement= instead, or call problem.slide(...).",
     "Give displacements to --tangential instead, or --slide.",
 )
+
+
+@attrs.frozen
+class Asked:
+    """Responses that were asked for, their answers for each state, and why some have none."""
+
+    responses: Mapping[str, rc.Response[Any]] = attrs.Factory(dict)
+    answers: Answers = attrs.Factory(dict)
+    reasons: Mapping[str, str] = attrs.Factory(dict)
+
+    def add_inputs(self, inputs: dict[str, Any] | None) -> dict[str, Any] | None:
+        """Return the inputs with the responses."""
+        return None if inputs is None else inputs | describe_responses(self.responses)
+
+    def describe_reasons(self) -> dict[str, Any]:
+        """Return why answers are missing as data that JSON can hold; empty if none is."""
+        return {"without_answer": dict(self.reasons)} if self.reasons else {}
+
+
+_NOTHING = Asked()
 
 
 def refuse_for_friction(options: argparse.Namespace) -> None:
@@ -69,6 +94,13 @@ def refuse_for_friction(options: argparse.Namespace) -> None:
     kinds = {kind for kind, _ in options.tangential}
     if len(kinds) > 1:
         raise rc.InputError("--tangential needs loads of one kind, but got forces and displacements.")
+
+
+def refuse_responses_of_pressure(asked: Mapping[str, rc.Response[Any]]) -> None:
+    """Refuse responses that say nothing of a state with friction."""
+    for name in asked:
+        if name in WITHOUT_TRACTION:
+            raise rc.InputError(f"--{name} with friction: {WITHOUT_TRACTION[name]}.")
 
 
 def friction_of(options: argparse.Namespace) -> rc.FrictionLaw:
@@ -100,17 +132,18 @@ def solve_friction(
     problem: rc.ContactProblem,
     law: rc.FrictionLaw,
     loads: tuple[Load, ...],
+    asked: Mapping[str, rc.Response[Any]],
     files: list[Path],
 ) -> bool:
     """Solve a contact with friction, print it and write its files; return whether it has warnings."""
     problem = set_tolerance(options, problem)
     if options.slide is None:
         path = _solve_path(options, problem, law, loads)
-        _write_outputs(options, path, path.plot, files, (path_to_text, path_to_json, path_to_csv))
+        _write_outputs(options, path, path.plot, files, asked, (path_to_text, path_to_json, path_to_csv))
         return bool(path.warnings)
     with show_progress("pressing", quiet=options.quiet) as change:
         state = _slide(options, problem, law, loads[0], change)
-    _write_outputs(options, state, state.contact.plot, files, (state_to_text, state_to_json, state_to_csv))
+    _write_outputs(options, state, state.contact.plot, files, asked, (state_to_text, state_to_json, state_to_csv))
     return bool(state.contact.warnings)
 
 
@@ -150,44 +183,56 @@ def _write_outputs(
     subject: Any,
     plot: Callable[[], Any],
     files: list[Path],
-    writers: tuple[Callable[[Any], str], ...],
+    asked: Mapping[str, rc.Response[Any]],
+    writers: tuple[Callable[[Any, Asked], str], ...],
 ) -> None:
-    """Print a path or a state by the writer of text, JSON or CSV, and write its files."""
+    """Print a path or a state, with what is asked of it, by the writer of text, JSON or CSV, and write its files."""
+    reports = [file for file in files if file.suffix == ".html"]
     for file in files:
         if file.suffix == ".npz":
             subject.save(file)
-        elif file.suffix == ".html":
-            subject.to_html(file)
-        else:
+        elif file not in reports:
             save_figure(plot(), file)
+    found = Asked(asked)
+    try:
+        if asked and not (options.quiet and not reports):
+            states = [subject] if isinstance(subject, rc.FrictionalSolution) else subject.states
+            with show_progress("answering", quiet=options.quiet) as change:
+                found = Asked(asked, *ask_all_states(asked, states, change))
+    finally:
+        for file in reports:
+            write_report(subject, file, found.answers)
     if options.quiet:
         return
     to_text, to_json, to_csv = writers
     write = to_json if options.json else to_csv if options.csv else to_text
-    print(write(subject))
+    print(write(subject, found))
     if files and write is to_text:
         print(name_written(files))
 
 
-def state_to_text(state: rc.FrictionalSolution) -> str:
+def state_to_text(state: rc.FrictionalSolution, asked: Asked = _NOTHING) -> str:
     """Return a state of a path, or of steady sliding, for people, with its warnings, in lines of at most 80 columns."""
     warnings = (f"{'warning':18} {text}" for text in state.contact.warnings)
-    return fit("\n".join([str(state), *warnings]))
+    answers = ["", *write_answers_of_one(asked.answers)] if asked.answers else []
+    return fit("\n".join([str(state), *warnings, *answers]))
 
 
-def state_to_json(state: rc.FrictionalSolution) -> str:
+def state_to_json(state: rc.FrictionalSolution, asked: Asked = _NOTHING) -> str:
     """Return one JSON object: the normal contact, the tangential force and the energy lost."""
     content = describe_solution(state.contact) | {
         "tangential_force": {"value": list(state.tangential_force), "unit": "N"},
         "dissipated": describe_estimate(state.dissipated),
         "residual": state.residuals.error,
         "pair": attrs.asdict(state.pair),
-        "inputs": find_state_inputs(state),
+        "inputs": asked.add_inputs(find_state_inputs(state)),
     }
+    if asked.answers:
+        content["responses"] = {name: describe_result(found[0]) for name, found in asked.answers.items()}
     return write_json(content)
 
 
-def state_to_csv(state: rc.FrictionalSolution) -> str:
+def state_to_csv(state: rc.FrictionalSolution, asked: Asked = _NOTHING) -> str:
     """Return a header and a row, in SI units."""
     contact = state.contact
     along = zip("xy", state.tangential_force, strict=True)
@@ -200,7 +245,7 @@ def state_to_csv(state: rc.FrictionalSolution) -> str:
         "approach": state.approach,
     }
     units = {"force": "N", "tangential_x": "N", "tangential_y": "N", "approach": "m"}
-    return write_csv(Table({name: [value] for name, value in row.items()}, units))
+    return write_csv(add_answers(Table({name: [value] for name, value in row.items()}, units), asked.answers))
 
 
 def lost_in_loop(path: rc.FrictionalPath) -> rc.Estimate | None:
@@ -221,7 +266,7 @@ def _normal_load(state: rc.FrictionalSolution) -> Any:
     return None if state.contact.origin is None else state.contact.origin.load
 
 
-def path_to_text(path: rc.FrictionalPath) -> str:
+def path_to_text(path: rc.FrictionalPath, asked: Asked = _NOTHING) -> str:
     """Return a path for people: its states, the energy lost and its warnings, in lines of at most 80 columns."""
     lines = [path.table().to_text(), f"energy lost  {_without_warnings(path.dissipated)}"]
     lost = lost_in_loop(path)
@@ -230,6 +275,13 @@ def path_to_text(path: rc.FrictionalPath) -> str:
     statuses = dict.fromkeys(str(state.status) for state in path)
     lines += [f"status       {'; '.join(statuses)}"]
     lines += [f"warning      {name_options(text, ('substeps',))}" for text in path.warnings]
+    if asked.answers:
+        table = path.table()
+        along = [name for name in ("tangential_x", "tangential_y") if any(table.columns[name])]
+        numbers = range(1, len(path) + 1)
+        heads = Table({"state": numbers, **{name: table.columns[name] for name in along}}, table.units)
+        names = [f"state {number}" for number in numbers]
+        lines += ["", *write_rows_of_answers(heads, names, asked.answers, asked.reasons)]
     return fit("\n".join(lines))
 
 
@@ -237,14 +289,14 @@ def _without_warnings(found: rc.Estimate) -> rc.Estimate:
     return attrs.evolve(found, warnings=())
 
 
-def path_to_csv(path: rc.FrictionalPath) -> str:
-    """Return a header and a row for each state, in SI units: the columns of `FrictionalPath.table`."""
-    return write_csv(path.table())
+def path_to_csv(path: rc.FrictionalPath, asked: Asked = _NOTHING) -> str:
+    """Return a header and a row for each state, in SI units: the columns of `FrictionalPath.table`, and answers."""
+    return write_csv(add_answers(path.table(), asked.answers))
 
 
-def path_to_json(path: rc.FrictionalPath) -> str:
+def path_to_json(path: rc.FrictionalPath, asked: Asked = _NOTHING) -> str:
     """Return one JSON object: the energy lost along a path and in its last loop, and its states."""
-    table = path.table()
+    table = add_answers(path.table(), asked.answers)
     states = describe_rows(table)
     for row, state in zip(states, path, strict=True):
         row |= {"status": state.status.name, "residual": state.residuals.error}
@@ -255,7 +307,8 @@ def path_to_json(path: rc.FrictionalPath) -> str:
         "states": states,
         "pair": attrs.asdict(path[0].pair),
         "warnings": list(path.warnings),
-        "inputs": find_path_inputs(path),
+        **asked.describe_reasons(),
+        "inputs": asked.add_inputs(find_path_inputs(path)),
         "units": dict(table.units),
     }
     return write_json(content)

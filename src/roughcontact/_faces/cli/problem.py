@@ -87,6 +87,8 @@ def _surfaces(options: argparse.Namespace) -> tuple[rc.Surface, rc.Surface, dict
         for name in ("match", "counterbody_size", "counterbody_unit", "counterbody_detrend"):
             _refuse(options, name, "is for the second of two height maps: give its file too, or omit the option.")
     if options.match is None:
+        if options.mirror and getattr(options, "mirror_borders", None) is not None and options.counterbody is None:
+            raise rc.InputError("--mirror turns a second map over; --mirror-borders repeats maps that do not repeat.")
         for name in ("offset", "rotation", "domain", "mirror"):
             _refuse(options, name, "is for two maps that are interpolated: give both, and --match bilinear.")
     body = read_map(options)

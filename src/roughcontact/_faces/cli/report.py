@@ -5,12 +5,14 @@ from __future__ import annotations
 import argparse
 from typing import Any
 
+import attrs
+
 import roughcontact as rc
 from roughcontact._base import checks
 from roughcontact._base.archive import replacing
 from roughcontact._base.units import fit
 from roughcontact._faces.cli import Command
-from roughcontact._faces.cli.answers import describe_rows, write_json
+from roughcontact._faces.cli.answers import describe_rows, describe_solution, write_json
 from roughcontact._faces.cli.inputs import describe_inputs, describe_value
 from roughcontact._faces.cli.options import NUMBER, whole_number
 from roughcontact._faces.cli.problem import Scene, add_scenes, read_scenes
@@ -19,7 +21,7 @@ from roughcontact._faces.panels.theme import require_matplotlib
 from roughcontact._parts.grid import Load
 from roughcontact._solve.solution import DEFAULT_AREA
 from roughcontact._work.reports.error import UNITS, ErrorReport
-from roughcontact._work.reports.stability import Verdict
+from roughcontact._work.reports.stability import StabilityReport, Verdict
 
 
 class Report(Command):
@@ -68,7 +70,7 @@ examples:
             folder.mkdir(parents=True, exist_ok=True)
             report = _compare(options, scene)
             advice = report.advice()
-            described.append({**({"name": scene.name} if scene.name else {}), **_describe(report, scene)})
+            described.append({**_name(scene), **_describe(report, scene)})
             if not options.json:
                 print(f"{_heading(scene)}{fit(advice)}\n\n{report}")
             report.to_csv(folder / "report.csv")
@@ -95,6 +97,11 @@ def _describe(report: ErrorReport, scene: Scene) -> dict[str, Any]:
         "reference": {"source": known.source, **quantities},
         "cases": describe_rows(report._make_records()),
     }
+
+
+def _name(scene: Scene) -> dict[str, str]:
+    """Return the name of a scene as data; nothing of the only one."""
+    return {"name": scene.name} if scene.name else {}
 
 
 def _heading(scene: Scene) -> str:
@@ -129,16 +136,35 @@ examples:
     def declare(self, parser: argparse.ArgumentParser) -> None:
         add_scenes(parser)
         parser.add_argument("--area", metavar="NAME", help="area estimator to report besides the default")
+        parser.add_argument("--json", action="store_true", help="print one JSON object: inputs, verdict and checks")
 
     def run(self, options: argparse.Namespace) -> int:
         """Return 0, or 1 if a check of any contact fails."""
         estimator = None if options.area is None else rc.areas.resolve(options.area)
         status = 0
+        described = []
         for scene in read_scenes(options):
             with show_progress("solving"):
                 report = rc.stability(scene.problem, **scene.load)
+            status = max(status, int(report.verdict is Verdict.FAIL))
+            if options.json:
+                described.append({**_name(scene), **_describe_checks(report, scene, options.area)})
+                continue
             print(f"{_heading(scene)}{report}")
             if estimator is not None:
                 print(fit(f"area: {report.solution.area(estimator)}"))
-            status = max(status, int(report.verdict is Verdict.FAIL))
+        if options.json:
+            print(write_json(described[0] if len(described) == 1 else {"reports": described}))
         return status
+
+
+def _describe_checks(report: StabilityReport, scene: Scene, estimator: str | None) -> dict[str, Any]:
+    """Return the checks of a contact, in the order in which they were made, and its solution, as data for JSON."""
+    solution = describe_solution(report.solution, estimator)
+    del solution["inputs"]
+    return {
+        "inputs": describe_inputs(scene.problem, [Load.signed(**scene.load)]),
+        "verdict": str(report.verdict),
+        "checks": [{**attrs.asdict(check), "verdict": str(check.verdict)} for check in report.checks],
+        "solution": solution,
+    }

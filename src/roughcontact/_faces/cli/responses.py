@@ -13,7 +13,7 @@ import roughcontact as rc
 from roughcontact._base.units import EXAMPLES
 from roughcontact._faces.cli.problem import make_part
 from roughcontact._faces.cli.progress import ChangeProgress
-from roughcontact._work.studies import Answers, ResponseField, describe_response
+from roughcontact._work.studies import Answers, ResponseField, ask_states, describe_response
 
 
 def add_responses(parser: argparse.ArgumentParser) -> None:
@@ -36,9 +36,9 @@ def add_responses(parser: argparse.ArgumentParser) -> None:
 
 
 def _write_example(field: ResponseField) -> str:
-    """Return an example of the value of a field, with its unit; dots where it has none, or none that is stated."""
-    example = EXAMPLES[field.unit] if field.unit and field.unit in EXAMPLES else "..."
-    return f"{example}{_write_plain_unit(field)}"
+    """Return an example of the value of a field, with its unit; dots where it has none."""
+    unit = field.unit or field.plain_unit
+    return f"{EXAMPLES[unit] if unit and unit in EXAMPLES else '...'}{_write_plain_unit(field)}"
 
 
 def _write_plain_unit(field: ResponseField) -> str:
@@ -64,6 +64,30 @@ def responses_of(options: argparse.Namespace) -> dict[str, rc.Response[Any]]:
             named = [f"{needed[0]}={text}" if len(needed) == 1 and "=" not in text else text for text in texts]
             asked[name] = make_part(rc.responses, f"--{name}", name, named)
     return asked
+
+
+def ask_all_states(
+    asked: Mapping[str, rc.Response[Any]],
+    states: Sequence[rc.ContactSolution] | Sequence[rc.FrictionalSolution],
+    change: ChangeProgress,
+) -> tuple[Answers, dict[str, str]]:
+    """Return what each response says of each state, None where it has no answer, and in sentences why.
+
+    `InputError`, with its option, of one that has no answer at all.
+    """
+    total = len(asked) * len({id(state) for state in states})
+    done = 0
+
+    def tell(name: str) -> None:
+        nonlocal done
+        change(f"{name}, answer {done + 1} of {total}", done / total)
+        done += 1
+
+    answers, reasons = ask_states(asked, states, tell)
+    for name, reason in reasons.items():
+        if not any(result is not None for result in answers[name]):
+            raise rc.InputError(f"--{name}: {reason}")
+    return answers, reasons
 
 
 def ask(

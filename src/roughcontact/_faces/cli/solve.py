@@ -10,11 +10,17 @@ from typing import Any
 import roughcontact as rc
 from roughcontact._base import checks
 from roughcontact._base.arrays import Array
-from roughcontact._base.units import fit
+from roughcontact._base.units import fit, si
 from roughcontact._faces.cli import DOUBTFUL, Command
 from roughcontact._faces.cli.answers import name_written, plan_outputs, to_csv, to_json, to_text, write_outputs
 from roughcontact._faces.cli.cycle import plan_cycle_outputs, refuse_for_cycle, solve_cycle
-from roughcontact._faces.cli.friction import friction_of, plan_friction_outputs, refuse_for_friction, solve_friction
+from roughcontact._faces.cli.friction import (
+    friction_of,
+    plan_friction_outputs,
+    refuse_for_friction,
+    refuse_responses_of_pressure,
+    solve_friction,
+)
 from roughcontact._faces.cli.inputs import describe_responses, describe_wanted
 from roughcontact._faces.cli.options import add_accuracy, add_problem, whole_number
 from roughcontact._faces.cli.problem import loads_of, problem_of, set_tolerance
@@ -29,7 +35,7 @@ from roughcontact._faces.cli.required_load import ANSWER, refuse_for_wanted, sol
 from roughcontact._faces.cli.responses import add_responses, ask, responses_of
 from roughcontact._parts.grid import Load
 from roughcontact._parts.surfaces import find_maps
-from roughcontact._solve.problem import run_sweep, tolerance_within
+from roughcontact._solve.problem import find_pull_off, follow_loads, run_sweep, tolerance_within
 from roughcontact._work.studies import write_report
 
 
@@ -104,9 +110,8 @@ examples:
         wanted = None if options.solve_for is None else wanted_of(options.solve_for)
         law = None if options.friction is None else friction_of(options)
         asked = responses_of(options)
-        if asked and (law is not None or options.cycle is not None):
-            other = "--cycle" if law is None else "--friction"
-            raise rc.InputError(f"--{min(asked)} is for loads without {other}: omit one of them.")
+        if law is not None:
+            refuse_responses_of_pressure(asked)
         maps = [name for name in (options.surface, options.counterbody) if name is not None]
         paths = [checks.path(name, "The map") for name in maps]
         if law is not None:
@@ -126,10 +131,10 @@ examples:
         if options.dry_run:
             return 0
         if options.cycle is not None:
-            cycle = solve_cycle(options, problem, files)
+            cycle = solve_cycle(options, problem, asked, files)
             return _status((*cycle.loading, *cycle.unloading), quiet=options.quiet)
         if law is not None:
-            doubtful = solve_friction(options, problem, law, loads, files)
+            doubtful = solve_friction(options, problem, law, loads, asked, files)
             return _report_warnings(doubtful, quiet=options.quiet)
         with show_progress("solving", quiet=options.quiet) as change:
             if wanted is None:
@@ -153,8 +158,7 @@ examples:
             with show_progress("answering", quiet=silent) as change:
                 answers = {**found, **ask(asked, solutions, change)}
                 if options.pull_off:
-                    change("pull-off")
-                    answers |= {"pull-off": [_find_pull_off(set_tolerance(options, problem))] * len(solutions)}
+                    answers |= {"pull-off": [_find_pull_off(set_tolerance(options, problem), change)] * len(solutions)}
         finally:
             for path in reports:
                 write_report(solutions, path, answers)
@@ -187,10 +191,20 @@ def _refuse_for_several(options: argparse.Namespace) -> None:
         raise rc.InputError(f"The loads of --loads must be of one kind, but they are of {kinds}.")
 
 
-def _find_pull_off(problem: rc.ContactProblem) -> rc.Estimate:
+def _find_pull_off(problem: rc.ContactProblem, change: ChangeProgress) -> rc.Estimate:
     """Return the force of pull-off; `InputError`, with the option, where it cannot be followed."""
+    count = 0
+    change("pull-off, state 1")
+
+    def tell(state: rc.ContactSolution, left: int | None) -> None:
+        nonlocal count
+        count += 1
+        total = None if left is None else count + left
+        text = f"pull-off, state {count}{f' of about {total}' if total else ''}, force {si(state.force, 'N', 3)}"
+        change(text, count / total if total else None)
+
     try:
-        return problem.pull_off()
+        return find_pull_off(problem, tell)
     except rc.InputError as error:
         raise rc.InputError(f"--pull-off: {error}") from error
 
@@ -219,22 +233,19 @@ def _solve(
             print(f"{ladder}\n", file=sys.stderr if options.json or options.csv else None)
         return ladder.solutions[-1], ladder.solutions[-1:]
 
-    if problem.adhesion is not None:
-        sweep = problem.sweep(**{loads[0].kind: [load.value for load in loads]})
-        return sweep, sweep.solutions
-
     plan = problem.plan
     done = 0
 
-    def solve(load: Load, start: Array | None) -> rc.ContactSolution:
+    def solve(load: Load, start: Array | None = None, *, start_gap: Array | None = None) -> rc.ContactSolution:
         nonlocal done
         what = f"load {done + 1} of {len(loads)}, {load}"
         fraction = count_solves(plan.grid.shape, plan.solver.tolerance, (done, len(loads)))
         steps = describe_steps(change, what, fraction)
         done += 1
-        return problem.solve(**load.arguments, start=start, throw=False, on_step=steps)
+        return problem._solve(load, start, throw=False, on_step=steps, start_gap=start_gap)
 
-    sweep = run_sweep(solve, loads)
+    # The state of surfaces that attract each other depends on the loads before.
+    sweep = run_sweep(solve, loads) if problem.adhesion is None else follow_loads(solve, loads)
     return sweep, sweep.solutions
 
 

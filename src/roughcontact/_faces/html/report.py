@@ -64,7 +64,7 @@ from roughcontact._solve.solution import (
     note_loads,
     versions,
 )
-from roughcontact._work.studies import Answers
+from roughcontact._work.studies import Answers, add_answers, list_answer_warnings
 
 # As in CITATION.cff (tests/test_html.py compares them); the year as in the licence.
 TITLE = "roughcontact"
@@ -187,26 +187,28 @@ class HtmlWriter(SolutionWriter):
             ],
         )
 
-    def path_text(self, path: FrictionalPath) -> str:
-        """Return the page of a path with friction: its states, then the last in detail."""
+    def path_text(self, path: FrictionalPath, answers: Answers = _NO_ANSWERS) -> str:
+        """Return the page of a path with friction: its states, with answers of responses, then the last in detail."""
         last = path[-1].contact
         problem, missing = find_problem(last)
-        answers = {"energy lost": str(attrs.evolve(path.dissipated, warnings=())), "friction": repr(path[0].friction)}
+        results = {"energy lost": str(attrs.evolve(path.dissipated, warnings=())), "friction": repr(path[0].friction)}
         script = "" if problem is None else write_path_script(problem, path)
         return _make_page(
             counted(len(path), "state"),
             [
                 _make_head(last, problem, loads_of([last])),
                 make_verdict(path.states),
-                _make_states(path.table(), answers, path.warnings, path),
+                _make_states(
+                    add_answers(path.table(), answers), results, (*path.warnings, *list_answer_warnings(answers)), path
+                ),
                 section("The last state", _make_answer(last)),
                 _make_figures(last),
                 *_make_details(last, problem, missing, script, path.explain()),
             ],
         )
 
-    def cycle_text(self, cycle: AdhesionCycle) -> str:
-        """Return the page of a cycle with adhesion: its states, then the largest load in detail."""
+    def cycle_text(self, cycle: AdhesionCycle, answers: Answers = _NO_ANSWERS) -> str:
+        """Return the page of a cycle: its states, with answers of responses, then the largest load in detail."""
         states = (*cycle.loading, *cycle.unloading)
         largest = max(states, key=lambda state: state.force)
         problem, missing = find_problem(largest)
@@ -216,7 +218,12 @@ class HtmlWriter(SolutionWriter):
             [
                 _make_head(largest, problem, loads_of(cycle.loading)),
                 make_verdict(states),
-                _make_states(list_states(cycle), describe_cycle(cycle), cycle.warnings, cycle),
+                _make_states(
+                    add_answers(list_states(cycle), answers),
+                    describe_cycle(cycle),
+                    (*cycle.warnings, *list_answer_warnings(answers)),
+                    cycle,
+                ),
                 section(f"The largest load, {name_load(largest)}", _make_answer(largest)),
                 _make_figures(largest),
                 *_make_details(largest, problem, missing, script),

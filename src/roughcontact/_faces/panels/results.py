@@ -259,9 +259,9 @@ def _own_axes(axes: Any, dark: bool) -> Any:
     return axes
 
 
-def draw_column(pressures: Array, column: LawColumn, fit: PowerFit | None, axes: Any) -> Any:
+def draw_column(pressures: Array, column: LawColumn, fit: PowerFit | None, axes: Any, dark: bool) -> Any:
     """Draw a column over the pressure; see `InterfaceLaw.plot`."""
-    axes = _own_axes(axes, dark=False)
+    axes = _own_axes(axes, dark)
     values = column.values
     theme = theme_of(axes)
     shown = np.isfinite(values) & (values > 0.0)

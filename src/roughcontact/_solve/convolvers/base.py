@@ -5,6 +5,7 @@ from __future__ import annotations
 import abc
 import itertools
 import math
+from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -168,10 +169,41 @@ def approximate_inverse(setup: ConvolutionSetup, dtype: npt.DTypeLike = np.float
         known = isinstance(setup.kernel.kernel, SupportsSpectrum)
         spectrum = periodic_spectrum if known else wrapped_spectrum
         response = spectrum(setup.kernel, shape, setup.grid.spacing)
+    stiffness, raised = invert_response(response, dtype, response.size)
+    return InverseConvolution(stiffness, shape, setup.boundary is Boundary.PERIODIC and not raised)
+
+
+def invert_response(
+    response: RealArray,
+    dtype: npt.DTypeLike,
+    size: int,
+    across: Callable[[np.ufunc, float], float] = lambda _, value: value,
+    *,
+    has_mean: bool = True,
+) -> tuple[RealArray, bool]:
+    """Return the stiffness of waves from their response, zero for the mean, and whether a response was too small.
+
+    Parameters
+    ----------
+    response
+        The response of all waves, or of those of a part that has some of the columns.
+    dtype
+        Type of the stiffness.
+    size
+        Number of waves of all parts.
+    across
+        Function of a ufunc and a number of this part that returns the sum or the minimum over all parts.
+    has_mean
+        Whether the first wave is the mean.
+    """
     tiles = tiles_of(response)
-    sums, minima = zip(*map_tiles(lambda rows: _measure_response(response[rows], rows.start), tiles), strict=True)
-    floor = _MIN_AMPLITUDE * (math.fsum(sums) / response.size)
-    exact = setup.boundary is Boundary.PERIODIC and min(minima) > floor
+
+    def measure(rows: slice) -> tuple[float, float]:
+        return _measure_response(response[rows], is_first=has_mean and rows.start == 0)
+
+    sums, minima = zip(*map_tiles(measure, tiles), strict=True)
+    floor = _MIN_AMPLITUDE * (across(np.add, math.fsum(sums)) / size)
+    raised = not across(np.minimum, min(minima)) > floor
     stiffness = np.empty(response.shape, dtype=dtype)
 
     def invert(rows: slice) -> None:
@@ -181,21 +213,24 @@ def approximate_inverse(setup: ConvolutionSetup, dtype: npt.DTypeLike = np.float
         stiffness[rows][vanishing] = 0.0
 
     map_tiles(invert, tiles)
-    stiffness[0, 0] = 0.0
-    return InverseConvolution(stiffness, shape, exact)
+    if has_mean:
+        stiffness[0, 0] = 0.0
+    return stiffness, raised
 
 
-def _measure_response(rows: RealArray, first: int) -> tuple[float, float]:
-    """Return the sum of the amplitudes in rows from the first one on, and the minimum, without the mean wave."""
-    values = rows.ravel()[0 if first else 1 :]
+def _measure_response(rows: RealArray, *, is_first: bool) -> tuple[float, float]:
+    """Return the sum of the amplitudes in rows, and the minimum, without the mean wave, which is the first of all."""
+    values = rows.ravel()[1 if is_first else 0 :]
     return float(np.abs(values).sum()), float(values.min(initial=math.inf))
 
 
-def periodic_spectrum(kernel: BoundKernel, shape: tuple[int, int], spacing: Pair) -> Array:
-    """Return the kernel's spectrum at the waves of a periodic grid, shape (nx, ny // 2 + 1)."""
+def periodic_spectrum(
+    kernel: BoundKernel, shape: tuple[int, int], spacing: Pair, columns: slice = slice(None)
+) -> Array:
+    """Return the kernel's spectrum at the waves of a periodic grid, shape (nx, ny // 2 + 1), or columns of it."""
     qx = 2 * np.pi / spacing[0] * scipy.fft.fftfreq(shape[0])[:, np.newaxis]
-    qy = 2 * np.pi / spacing[1] * scipy.fft.rfftfreq(shape[1])[np.newaxis, :]
-    return kernel.spectrum(qx, qy, spacing)
+    qy = 2 * np.pi / spacing[1] * scipy.fft.rfftfreq(shape[1])[np.newaxis, columns]
+    return kernel.spectrum(qx, qy, spacing) if qy.size else np.zeros((shape[0], 0))
 
 
 def wrapped_spectrum(kernel: BoundKernel, shape: tuple[int, int], spacing: Pair) -> Array:
@@ -300,6 +335,24 @@ class ConvolutionSetup:
     def spectrum(self) -> Array:
         """The kernel's spectrum at the waves of the periodic grid, shape (nx, ny // 2 + 1), read-only."""
         return frozen_array(periodic_spectrum(self.kernel, self.grid.shape, self.grid.spacing))
+
+    def spectrum_of_columns(self, shape: tuple[int, int], columns: slice) -> Array:
+        """Return columns of the kernel's spectrum at the waves of a periodic grid of cells as here, shape (mx, n)."""
+        return periodic_spectrum(self.kernel, shape, self.grid.spacing, columns)
+
+    def stiffness_of_columns(
+        self, columns: slice, dtype: npt.DTypeLike, across: Callable[[np.ufunc, float], float]
+    ) -> tuple[RealArray, bool]:
+        """Return columns of the stiffness of the approximate inverse, shape (mx, n), and whether it is exact.
+
+        `across` is a function of a ufunc, `np.add` or `np.minimum`, and a number of these columns that returns the sum
+        or the minimum over all parts, which together have each of the my // 2 + 1 columns once.
+        """
+        mx, my = self.inverse_shape
+        response = self.spectrum_of_columns(self.inverse_shape, columns)
+        has_mean = columns.start == 0 < columns.stop
+        stiffness, raised = invert_response(response, dtype, mx * (my // 2 + 1), across, has_mean=has_mean)
+        return stiffness, self.boundary is Boundary.PERIODIC and not raised
 
     @property
     def inverse_shape(self) -> tuple[int, int]:

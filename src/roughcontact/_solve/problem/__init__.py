@@ -5,7 +5,9 @@ from roughcontact._solve.problem.body import RIGID_FLAT, Body
 from roughcontact._solve.problem.cycle import (
     AdhesionCycle,
     describe_cycle,
+    find_pull_off,
     find_stability,
+    follow_loads,
     linearise,
     list_states,
 )
@@ -23,7 +25,7 @@ from roughcontact._solve.problem.path import (
 from roughcontact._solve.problem.plan import SolvePlan, require_memory_of_solve
 from roughcontact._solve.problem.problem import ContactProblem, problem_of
 from roughcontact._solve.problem.required_load import RequiredLoad, find_required_load
-from roughcontact._solve.problem.run import Certificate, certify, computing, confirm, make_solution
+from roughcontact._solve.problem.run import Certificate, certify, computing, confirm, make_solution, require_certified
 from roughcontact._solve.problem.saved import find_saved_kind, load
 from roughcontact._solve.problem.sweep import Sweep, make_table, order_of_solving, predict_pressure, run_sweep
 from roughcontact._solve.problem.task import LOAD_TOLERANCE, bind_kernel, make_task, maximum_pressure, pressure_unit
@@ -48,9 +50,11 @@ __all__ = [
     "computing",
     "confirm",
     "describe_cycle",
+    "find_pull_off",
     "find_required_load",
     "find_saved_kind",
     "find_stability",
+    "follow_loads",
     "linearise",
     "list_states",
     "list_targets",
@@ -64,6 +68,7 @@ __all__ = [
     "predict_pressure",
     "pressure_unit",
     "problem_of",
+    "require_certified",
     "require_frictional",
     "require_memory_of_solve",
     "resample_problem",

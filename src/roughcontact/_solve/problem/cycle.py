@@ -8,7 +8,7 @@ import textwrap
 from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, Protocol, overload
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, overload
 
 import attrs
 import numpy as np
@@ -43,6 +43,7 @@ _MAX_STEPS = 200
 _RISEN = 0.2
 # Rounds that halve the steps around the lowest force.
 _REFINEMENTS = 4
+_STATES_OF_REFINEMENT = 4
 # Relative standard deviation of the lowest force, set on 400 balls and 100 rough surfaces in random places
 # (benchmarks/adhesion_classes.py): because the edge of the contact sticks to the cells, by exp(-cells) of the cohesive
 # length over the root of the cells of a patch; because a patch has few cells, and its maximum; and by the path.
@@ -315,19 +316,51 @@ def run_cycle(
     return AdhesionCycle(loading, follow_loads(solve_and_report, loads[::-1], loading[-1]))
 
 
-def find_pull_off(problem: ContactProblem) -> Estimate:
+# Called with each state on the way to pull-off, and how many are to come; None while nobody knows.
+OnStateToPullOff: TypeAlias = Callable[[ContactSolution, int | None], object]
+
+
+def find_pull_off(problem: ContactProblem, on_state: OnStateToPullOff | None = None) -> Estimate:
     """Return the minimum of the force on unloading from zero load; see `ContactProblem.pull_off`."""
     _require_resolved(problem.plan)
-    found = _follow_to_pull_off(problem._solve, problem.plan)
-    if not isinstance(problem.adhesion, ShortRange):
+    tell: OnStateToPullOff = on_state or (lambda state, left: None)
+    is_limit = isinstance(problem.adhesion, ShortRange)
+    first = _ToldStates(problem._solve, tell, paths=2 if is_limit else 1)
+    found = _follow_to_pull_off(first, problem.plan)
+    if not is_limit:
         return found
     law = problem.plan.interaction
     assert isinstance(law, Exponential)
     longer = attrs.evolve(problem, adhesion=Exponential(law.work, _LONGER * law.range))
-    return _extrapolate_range(found, _follow_to_pull_off(longer._solve, longer.plan), problem.initial_gap)
+    # By a longer range the way is about as long.
+    second = _ToldStates(longer._solve, tell, left=first.count)
+    return _extrapolate_range(found, _follow_to_pull_off(second, longer.plan), problem.initial_gap)
 
 
-def _follow_to_pull_off(solve: Solve, plan: SolvePlan) -> Estimate:
+class _ToldStates:
+    """A solve that tells each state, and how many are to come on this path and on others like it."""
+
+    def __init__(self, solve: Solve, tell: OnStateToPullOff, paths: int = 1, left: int | None = None) -> None:
+        self.solve = solve
+        self.tell = tell
+        self.paths = paths
+        self.left = left
+        self.count = 0
+
+    def __call__(self, load: Load, start: Array | None = None, *, start_gap: Array | None = None) -> ContactSolution:
+        state = self.solve(load, start, start_gap=start_gap)
+        self.count += 1
+        if self.left is not None:
+            self.left = max(self.left - 1, 0)
+        self.tell(state, self.left)
+        return state
+
+    def expect(self, left: int) -> None:
+        """Take it that so many states are to come on this path."""
+        self.left = left + (self.paths - 1) * (self.count + left)
+
+
+def _follow_to_pull_off(solve: _ToldStates, plan: SolvePlan) -> Estimate:
     states = [solve(Load("pressure", 0.0))]
     step = _first_step(plan, states[0])
     for _ in range(_MAX_STEPS):
@@ -340,6 +373,7 @@ def _follow_to_pull_off(solve: Solve, plan: SolvePlan) -> Estimate:
         if force[-2] - force[-1] < 0.1 * abs(force.min()):
             step *= 1.5
     path = states
+    solve.expect(_REFINEMENTS * _STATES_OF_REFINEMENT)
     for _ in range(_REFINEMENTS):
         path = _refine(solve, path)
     sweep = Sweep(tuple(path))

@@ -249,10 +249,12 @@ class _Search:
         """Return a wanted answer that is given as a text, in the unit of the answers."""
         what = f"The wanted {self._name}"
         text = str(self._given)
+        # A conductance has the units of a thermal one, but may be an electrical one.
+        unit_of_text = "W/K or S" if unit == "W/K" else unit
         try:
-            value = parse_quantity(text, unit if unit in EXAMPLES else "")
+            value = parse_quantity(text, unit_of_text if unit_of_text in EXAMPLES else "")
         except ValueError as error:
-            if unit in EXAMPLES:
+            if unit_of_text in EXAMPLES:
                 raise InputError(f"{what}: {error}.") from error
             raise InputError.about(what, text, f"a plain number, {unit}") from error
         return number(value, what, unit, above=0.0)

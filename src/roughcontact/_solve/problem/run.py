@@ -6,7 +6,7 @@ import contextlib
 import math
 import time
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import attrs
 import numpy as np
@@ -392,11 +392,23 @@ def _solve(
     return solution
 
 
-def require_success(solution: ContactSolution) -> ContactSolution:
-    """Return the solution, or raise `NotConverged` if it is not certified or not as accurate as requested."""
+@guarded
+def require_certified(solution: Any) -> None:
+    """Raise `NotConverged` if a solution, whose fields may be of any kind, is not certified.
+
+    Parameters
+    ----------
+    solution
+        Has the status, iterations, residuals and, if it has any, warnings of a `ContactSolution`.
+    """
     if not solution.status.success:
         status = f"The contact is {solution.status} ({solution.iterations} iterations; {solution.residuals})."
-        raise NotConverged(" ".join((status, *solution.warnings)), solution)
+        raise NotConverged(" ".join((status, *getattr(solution, "warnings", ()))), solution)
+
+
+def require_success(solution: ContactSolution) -> ContactSolution:
+    """Return the solution, or raise `NotConverged` if it is not certified or not as accurate as requested."""
+    require_certified(solution)
     if solution.accuracy is not None and not solution.accuracy.met:
         raise NotConverged(solution.accuracy.explain(), solution)
     return solution

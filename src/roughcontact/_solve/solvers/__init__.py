@@ -15,7 +15,12 @@ from roughcontact._solve.solvers.base import (
 from roughcontact._solve.solvers.conjugate import ProjectedConjugateGradient
 from roughcontact._solve.solvers.conjugate.active import ActiveCells, MaskedCells, active_cells
 from roughcontact._solve.solvers.conjugate.nested_iteration import halve_shape
-from roughcontact._solve.solvers.conjugate.preconditioner import Preconditioner, count_blocks
+from roughcontact._solve.solvers.conjugate.preconditioner import (
+    LONG_WAVE_CUT,
+    MAX_CUT_EXPONENT,
+    Preconditioner,
+    count_blocks,
+)
 from roughcontact._solve.solvers.polonsky_keer import PolonskyKeer
 from roughcontact._solve.solvers.projection import dot, project_to_load, rescale_to_load, total
 from roughcontact._solve.solvers.shear import (
@@ -31,6 +36,8 @@ from roughcontact._solve.solvers.shear import (
 from roughcontact._solve.solvers.spectral_gradient import SpectralGradient
 
 __all__ = [
+    "LONG_WAVE_CUT",
+    "MAX_CUT_EXPONENT",
     "ActiveCells",
     "GapDescent",
     "LinearisedGap",

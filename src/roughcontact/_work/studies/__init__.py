@@ -2,12 +2,16 @@
 
 from roughcontact._work.studies.answers import name_of
 from roughcontact._work.studies.asking import (
+    WITHOUT_TRACTION,
     Answers,
     ResponseField,
     ResponseForm,
+    add_answers,
+    ask_states,
     build_part,
     build_response,
     describe_response,
+    list_answer_warnings,
     tabulate_answers,
     write_report,
 )
@@ -18,6 +22,7 @@ from roughcontact._work.studies.shares import Share
 from roughcontact._work.studies.study import Study
 
 __all__ = [
+    "WITHOUT_TRACTION",
     "Answers",
     "Form",
     "Record",
@@ -26,10 +31,13 @@ __all__ = [
     "Share",
     "Study",
     "StudyResult",
+    "add_answers",
+    "ask_states",
     "build_part",
     "build_problem",
     "build_response",
     "describe_response",
+    "list_answer_warnings",
     "name_of",
     "tabulate_answers",
     "write_report",

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, TypeAlias, get_type_hints
@@ -12,10 +12,12 @@ import attrs
 
 from roughcontact._base.arrays import Array, Pair
 from roughcontact._base.registry import Registry
-from roughcontact._base.units import Estimate
-from roughcontact._solve.problem import Sweep
+from roughcontact._base.tables import Table
+from roughcontact._base.units import Estimate, kind_of
+from roughcontact._solve.problem import AdhesionCycle, FrictionalPath, Sweep
 from roughcontact._solve.solution import (
     ContactSolution,
+    FrictionalSolution,
     Response,
     list_estimates,
     page_or_file,
@@ -23,12 +25,17 @@ from roughcontact._solve.solution import (
     writers,
 )
 from roughcontact._work.studies.form import Form, list_fields
-from roughcontact.errors import InputError
+from roughcontact.errors import InputError, RoughContactError
 from roughcontact.errors.door import guarded
 
 # What each response that was asked for says of each solution, by the name of the response.
 Answers: TypeAlias = Mapping[str, Sequence[Any]]
 _NO_ANSWERS: Answers = MappingProxyType({})
+# Why a response says nothing of a state with friction.
+WITHOUT_TRACTION: Mapping[str, str] = {
+    "first-yield": "first yield is that of pressure alone: ask for the stress, which counts the traction",
+    "partial-slip": "partial slip is under one tangential force: the states of a path have their own stick and slip",
+}
 
 
 @attrs.frozen
@@ -46,7 +53,7 @@ class ResponseField:
     is_needed
         Whether it has no default.
     plain_unit
-        Unit of a number that a text may not state, such as ``"W/(m K) or S/m"``: the ``plain_unit`` in the metadata of
+        Unit of a number that a text may omit, such as ``"W/(m K) or S/m"``: the ``plain_unit`` in the metadata of
         the field; empty without one.
     """
 
@@ -183,20 +190,107 @@ def tabulate_answers(answers: Answers) -> dict[str, list[Estimate]]:
     return columns
 
 
+def add_answers(table: Table, answers: Answers) -> Table:
+    """Return a table of states with a column for each number that responses have answered, a result for each row."""
+    return Table({**table.columns, **tabulate_answers(answers)}, table.units, table.left)
+
+
+def list_answer_warnings(answers: Answers) -> list[str]:
+    """Return a sentence for the warnings of a rule, whatever numbers they have, and for all numbers that have it."""
+    columns = tabulate_answers(answers)
+    found = {
+        kind_of(text): f"{name}: {text}" for name, column in columns.items() for one in column for text in one.warnings
+    }
+    return list(found.values())
+
+
 @guarded
-def write_report(solutions: Sequence[ContactSolution], path: Path, answers: Answers = _NO_ANSWERS) -> None:
-    """Write the report of one load or several, with what responses have answered.
+def ask_states(
+    asked: Mapping[str, Response[Any]],
+    states: Sequence[ContactSolution] | Sequence[FrictionalSolution],
+    on_answer: Callable[[str], object] = lambda name: None,
+) -> tuple[dict[str, list[Any]], dict[str, str]]:
+    """Return what responses say of the states of a cycle or a path: some, such as unstable ones, have no answer.
+
+    Parameters
+    ----------
+    asked
+        The responses by their names.
+    states
+        The states; one that is there twice is asked once. Of a state with friction the stress is that under pressure
+        and traction, the others are those of its normal contact.
+    on_answer
+        Called with the name of the response before each answer.
+
+    Returns
+    -------
+    tuple
+        The results of each response, one for each state, None without one; and by the name of the response how many
+        have none, and why.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> from roughcontact.typing import ask_states
+    >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Elastic(young=210e9, poisson=0.3))
+    >>> solution = rc.ContactProblem(ball, grid=rc.Grid((32, 32), 100e-6)).solve(force=1.0)
+    >>> answers, reasons = ask_states({"perimeter": rc.responses.create("perimeter")}, [solution])
+    >>> print(*answers["perimeter"], reasons)
+    93.067 µm +- 0.3 % {}
+    """
+    found: dict[str, list[Any]] = {}
+    reasons: dict[str, str] = {}
+    # By their identity, while they live.
+    different = {id(state): state for state in states}
+    for name, response in asked.items():
+        results: dict[int, Any] = {}
+        missing = []
+        for key, state in different.items():
+            on_answer(name)
+            try:
+                results[key] = _ask_state(name, response, state)
+            except RoughContactError as error:
+                results[key] = None
+                missing.append(str(error))
+        found[name] = [results[id(state)] for state in states]
+        if missing:
+            has_none = len(missing) == len(different)
+            count = "no state has an" if has_none else f"{len(missing)} of {len(different)} states have no"
+            reasons[name] = f"{count} answer: {missing[0]}"
+    return found, reasons
+
+
+def _ask_state(name: str, response: Response[Any], state: ContactSolution | FrictionalSolution) -> Any:
+    if isinstance(state, ContactSolution):
+        return state.response(response)
+    if name in WITHOUT_TRACTION:
+        raise InputError(WITHOUT_TRACTION[name])
+    asked: Any = response
+    if attrs.has(type(asked)) and "traction" in attrs.fields_dict(type(asked)):
+        asked = attrs.evolve(asked, traction=state.shear)
+    return state.contact.response(asked)
+
+
+@guarded
+def write_report(
+    solutions: Sequence[ContactSolution] | AdhesionCycle | FrictionalPath, path: Path, answers: Answers = _NO_ANSWERS
+) -> None:
+    """Write the report of one load or several, of a cycle or a path, with what responses have answered.
 
     Parameters
     ----------
     solutions
-        The solutions.
+        The solutions, cycle or path.
     path
         The HTML file.
     answers
-        The results of each response, one for each solution, by the name of the response.
+        The results of each response by its name, one for each solution or row of the table.
     """
     writer: Any = writers.create("html")
+    if isinstance(solutions, (AdhesionCycle, FrictionalPath)):
+        write = writer.cycle_text if isinstance(solutions, AdhesionCycle) else writer.path_text
+        page_or_file(lambda: write(solutions, answers), path)
+        return
     several = len(solutions) > 1
     subject: Any = Sweep(tuple(solutions)) if several else solutions[0]
     page_or_file(lambda: (writer.sweep_text if several else writer.text)(subject, answers), path)

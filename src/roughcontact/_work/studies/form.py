@@ -152,7 +152,7 @@ class Form:
             if field.required and name not in table:
                 self.faults.append((place, InputError(f"required field {name!r} is missing")))
         values = {
-            name: self.read(field.kind, table[name], join(place, name), field.unit)
+            name: self.read(field.kind, table[name], join(place, name), field.text_unit)
             for name, field in known.items()
             if name in table
         }
@@ -281,12 +281,17 @@ def _registry_of(kind: type) -> Registry[Any] | None:
 
 @attrs.frozen
 class Field:
-    """Annotation and unit of an argument, whether it is required, and the unit of a number that texts do not state."""
+    """Annotation and unit of an argument, whether it is required, and the unit that texts may omit."""
 
     kind: Any
     unit: str | None
     required: bool
     plain_unit: str = ""
+
+    @property
+    def text_unit(self) -> str | None:
+        """Unit of texts that stand for numbers; None if texts do not."""
+        return self.plain_unit or None if self.unit is None else self.unit
 
 
 def list_fields(cls: type) -> dict[str, Field]:

@@ -16,7 +16,6 @@ const UNITS = {
 UNITS.cycle = UNITS.fretting = UNITS.pressure;
 // At first for each kind of load: a value and its unit.
 const FIRST_LOADS = { pressure: ["100", "MPa"], force: ["1", "N"], approach: ["0.1", "um"], cycle: ["100", "MPa"], fretting: ["100", "MPa"] };
-const NO_RESPONSES = { fretting: true };
 const FORMS = { plane: "its plane", quadratic: "its form of second degree", sphere: "its sphere" };
 let defaults = {};
 // Young's modulus, GPa, Poisson's ratio and hardness, GPa, of typical materials by name.
@@ -260,7 +259,7 @@ export function describe(values) {
   if (values.counterbody === "deformable") parts.push(`counterbody ${material("counterbody_")}`);
   if (values.adhesion !== "none") parts.push(`${values.adhesion.replaceAll("-", " ")} adhesion of ${of("work").replace("m2", "m²")}`);
   if (["exponential", "van-der-waals"].includes(values.adhesion)) parts.push(`range ${of("range")}`);
-  const ticked = [...form.querySelectorAll("[type=checkbox]")].filter(({ name }) => values[name] === "yes" && !(values.load in NO_RESPONSES));
+  const ticked = [...form.querySelectorAll("[type=checkbox]")].filter(({ name }) => values[name] === "yes");
   const asked = ticked.map(({ name }) => name.replace(/^ask_/, "").replaceAll("_", " "));
   return [...parts, values.boundary].join(", ") + (asked.length ? `; with ${asked.join(", ")}` : "");
 }

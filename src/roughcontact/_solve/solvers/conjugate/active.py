@@ -177,10 +177,11 @@ class _MaskedBlocks:
         """Return the sum over each block, shape (bx, by)."""
         numbers = (self.partition.rows, self.partition.columns)
         rows, columns = (np.flatnonzero(np.diff(axis, prepend=-1)) for axis in numbers)
-        # Sums along the first axis are fast; for the second axis the array is transposed.
-        parts = np.split(vector.reshape(self.partition.shape), rows[1:])
-        strips = np.stack([np.add.reduce(part, axis=0) for part in parts], axis=1)
-        found = np.add.reduceat(strips, columns, axis=0).T
+        field = vector.reshape(self.partition.shape)
+        ends = [*rows[1:], len(field)]
+        # Sums of whole rows are fast: the second axis has few values left.
+        strips = np.stack([np.add.reduce(field[i:j], axis=0) for i, j in zip(rows, ends, strict=True)])
+        found = np.add.reduceat(strips, columns, axis=1)
         # A padded domain has blocks beyond the last cell, which stay empty.
         sums = np.zeros(self.partition.blocks, dtype=vector.dtype, like=vector)
         sums[: rows.size, : columns.size] = found

@@ -54,7 +54,7 @@ _RELEASE_PART = 0.7
 # Minimum sum of the weights of a block, to avoid 0 / 0.
 _MIN_BLOCK_WEIGHT = 1e-30
 # Maximum exponent in the cut of the short waves: exp(30) = 1e13 is beyond the resolution of float32.
-_MAX_EXPONENT = 30.0
+MAX_CUT_EXPONENT = 30.0
 # Minimum ratio of the singular values of two distinct rigid pressures; float32 has 1e-7.
 _MIN_SINGULAR_RATIO = 1e-6
 
@@ -361,7 +361,7 @@ class CoarseCorrection:
         half = np.fft.fftfreq(bx, 1 / bx).astype(int)
         stiffness = inverse.long_waves(half, by // 2 + 1)
         size = mx * my / (bx * by)
-        growth = np.minimum((stiffness / (LONG_WAVE_CUT * mean)) ** 2, _MAX_EXPONENT)
+        growth = np.minimum((stiffness / (LONG_WAVE_CUT * mean)) ** 2, MAX_CUT_EXPONENT)
         far = stiffness * np.exp(growth) * np.float32(size)
         self._mean = np.float32(size * mean)
         self._approximate = 1.0 / (far + self._mean)

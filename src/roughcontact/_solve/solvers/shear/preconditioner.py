@@ -10,7 +10,13 @@ import numpy as np
 
 from roughcontact._base.arrays import Array, Mask, RealArray
 from roughcontact._solve.convolvers import WaveMatrix
-from roughcontact._solve.solvers.conjugate.preconditioner import LONG_WAVE_CUT, count_blocks, divide, solve_on_blocks
+from roughcontact._solve.solvers.conjugate.preconditioner import (
+    LONG_WAVE_CUT,
+    MAX_CUT_EXPONENT,
+    count_blocks,
+    divide,
+    solve_on_blocks,
+)
 from roughcontact._solve.solvers.shear.base import ShearSystem
 from roughcontact._solve.solvers.shear.discs import dot
 
@@ -24,8 +30,6 @@ _MIN_WEIGHT = 0.02
 _FULL_CONTACT_WEIGHT = 0.008
 # Minimum mean weight of a cell, far below that of one.
 _MIN_MEAN = 1e-15
-# Maximum exponent in the cut of the short waves.
-_MAX_EXPONENT = 30.0
 
 
 @attrs.frozen(eq=False)
@@ -131,7 +135,7 @@ class CoarseCorrection:
         diagonal = [self._blocks.sums(one).astype(np.float32) for one in (weights.xx, weights.xy, weights.yy)]
         size = mx * my / (bx * by)
         half = np.s_[: bx // 2 + 1, : by // 2 + 1]
-        growth = np.minimum((stiffness[half] / (LONG_WAVE_CUT * mean)) ** 2, _MAX_EXPONENT)
+        growth = np.minimum((stiffness[half] / (LONG_WAVE_CUT * mean)) ** 2, MAX_CUT_EXPONENT)
         far = np.exp(growth) * np.float32(size)
         means = [np.float32(one.mean()) for one in (diagonal[0], diagonal[2])]
         xx, yy = (
