@@ -185,7 +185,7 @@ def list_names(app: Sphinx, docname: str, source: list[str]) -> None:
 
 
 def fetch_nothing(app: Sphinx, pagename: str, templatename: str, context: dict[str, Any], doctree: Any) -> None:
-    """Leave out the web fonts that jupyterlite_sphinx has every page fetch for an iframe, which no page has."""
+    """Drop the web fonts that jupyterlite_sphinx has every page fetch for an iframe, which no page has."""
     context["css_files"] = [file for file in context["css_files"] if not str(file.filename).startswith("https:")]
 
 
