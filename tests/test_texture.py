@@ -68,6 +68,54 @@ class TestWave:
         assert wave["Std"] == 90.0
 
 
+@pytest.mark.parametrize("shape", [(64, 48), (48, 64), (45, 75), (256, 32), (32, 256), (97, 61)])
+@pytest.mark.parametrize("size", [SIZE, (8e-3, 1e-3), (1e-6, 3e-6)])
+@pytest.mark.parametrize("phase", [0.0, 0.3])
+def test_sums_of_cosines_have_exact_moments(shape, size, phase):
+    """Of a cos u + b cos 2u + c cos v: the means of products of waves below half of the shortest are exact on cells.
+
+    Such surfaces are those of Todhunter et al., Surf. Topogr. 8 (2020) 015010, https://doi.org/10.1088/2051-672X/ab7367.
+    """
+    grid = rc.Grid(shape, size)
+    a, b, c = 1e-6, 0.6e-6, 0.3e-6
+    q, k = (2 * np.pi * waves / side for waves, side in zip((3, 5), size, strict=True))
+    u = q * grid.x + phase
+    heights = a * np.cos(u) + b * np.cos(2 * u) + c * np.cos(k * grid.y)
+    square = (a**2 + b**2 + c**2) / 2
+    fourth = 3 * (a**4 + b**4 + c**4) / 8 + 3 * a**2 * b**2 / 2 + 3 * (a**2 + b**2) * c**2 / 2
+    exact = {
+        "Sq": np.sqrt(square),
+        "Ssk": 0.75 * a**2 * b / square**1.5,
+        "Sku": fourth / square**2,
+        "Sdq": np.sqrt(((a * q) ** 2 + (2 * b * q) ** 2 + (c * k) ** 2) / 2),
+    }
+    found = rc.reference.texture(heights, grid)
+    for name, value in exact.items():
+        assert getattr(found, name).value == pytest.approx(value, rel=1e-9), name
+
+
+@pytest.mark.parametrize(
+    ("name", "exact", "order"),
+    [
+        ("Sa", 2 / np.pi, 2),
+        ("Sv", 1.0, 2),
+        ("Sz", 2.0, 2),
+        ("Vmp", integrate_cosine(0, 0.1) - 0.1 * np.cos(0.1 * np.pi), 1),
+        ("Vvv", 0.2 * np.cos(0.8 * np.pi) - integrate_cosine(0.8, 1), 1),
+        ("Sxp", np.cos(0.025 * np.pi), 1),
+    ],
+)
+def test_numbers_of_sampled_heights_converge(name, exact, order):
+    """What is no mean of products has an error by the cells: of second order, or first where heights are counted."""
+    errors = []
+    for cells in (257, 4097):
+        grid = rc.Grid((cells, 4), SIZE)
+        heights = rc.WavySurface((2e-6, 0.0), SIZE[0] / 4).heights(grid)
+        errors.append(abs(getattr(rc.reference.texture(heights, grid), name).value / 2e-6 - exact))
+    assert errors[1] < 2.0 * errors[0] / 16.0**order
+    assert order == 1 or errors[1] < 1e-6
+
+
 def test_a_lay_at_an_angle_is_found():
     """Its decay is cos(q x cos(angle)) in every direction: the lay stands across the wave vector."""
     grid = rc.Grid((128, 96), SIZE)
