@@ -17,8 +17,9 @@ from selenium.webdriver.support.ui import WebDriverWait
 from roughcontact_app import AppServer, Session
 
 FIGURE = Path(__file__).parents[1] / "figures" / "app.png"
-# Seconds.
+# Seconds, and pixels.
 PATIENCE = 180
+BORDER = 150
 
 
 def draw(address, profile):
@@ -34,6 +35,8 @@ def draw(address, profile):
         driver.find_element(By.ID, "solve").click()
         wait.until(lambda page: page.find_element(By.CSS_SELECTOR, "#picture img").size["height"] > 100)
         wait.until(lambda page: not page.find_element(By.ID, "progress").is_displayed())
+        # The window shows the whole page, and some for its own border.
+        driver.set_window_size(1280, driver.execute_script("return document.documentElement.scrollHeight") + BORDER)
         driver.execute_script("scrollTo(0, 0)")
         FIGURE.write_bytes(driver.get_screenshot_as_png())
     finally:
