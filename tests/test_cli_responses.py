@@ -112,9 +112,17 @@ def test_a_response_of_a_plug_in_has_its_option(run, monkeypatch):
     assert same(found, OpenVolume(10e-9).respond(solve(force=20e-3)))
 
 
+def test_commas_separate_fields_too(run):
+    fields = ["viscosity=1mPa.s", "pressure_drop=1bar"]
+    printed = [run(*LOADED, "--force", "20mN", "--json", "--leakage", *form) for form in (fields, [",".join(fields)])]
+    apart, joined = (json.loads(out)["responses"]["leakage"] for _, out, _ in printed)
+    assert apart == joined
+
+
 @pytest.mark.parametrize(
     ("asked", "words"),
     [
+        (["--leakage", "viscosity=1mPa.s,drop=1bar"], "--leakage: unknown field 'drop' (known: axis, viscosity,"),
         (["--stability"], "--stability: Without adhesion each state is stable"),
         (["--conductance"], "expected at least one argument"),
         (["--conductance", "film_resistance=1"], "--conductance: required field 'conductivity' is missing"),

@@ -73,7 +73,8 @@ def make_part(registry: Registry[Any], option: str, name: str, texts: Sequence[s
     """Return the part with a registered name, its fields from texts such as ``work=50mJ/m2`` or ``depths=1um,2um``."""
     what = option if option == f"--{name}" else f"{option} {name}"
     fields: dict[str, Any] = {}
-    for text in texts:
+    # A comma separates fields too, but not the values of one.
+    for text in (part for several in texts for part in re.split(r",(?=\w+=)", several)):
         field, equals, value = text.partition("=")
         if not equals:
             raise rc.InputError.about(f"A field of {what}", text, "FIELD=VALUE")
