@@ -51,7 +51,8 @@ def _non_measured(value: npt.ArrayLike | None) -> Mask | None:
     except ValueError:
         raise InputError(f"{what} must be a rectangular array, but their rows differ.") from None
     if mask.dtype.kind != "b" or mask.ndim != 2:
-        raise InputError.about(what, mask, "an array of booleans of the map's shape")
+        hint = "The method fill() takes heights filled from their neighbours as measured." if mask.ndim == 0 else ""
+        raise InputError.about(what, mask if mask.ndim else value, "an array of booleans of the map's shape", hint)
     if mask.all():
         raise InputError("No point of the height map was measured: at least one is needed.")
     mask.flags.writeable = False
