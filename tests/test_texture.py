@@ -106,7 +106,7 @@ def test_sums_of_cosines_have_exact_moments(shape, size, phase):
     ],
 )
 def test_numbers_of_sampled_heights_converge(name, exact, order):
-    """What is no mean of products has an error by the cells: of second order, or first where heights are counted."""
+    """Means of other functions have an error of second order in the cell, or of first where heights are counted."""
     errors = []
     for cells in (257, 4097):
         grid = rc.Grid((cells, 4), SIZE)

@@ -83,6 +83,7 @@ def test_reductions(seed, dtype):
         yield np.einsum("ij,ij->", a, b)
         yield np.einsum("i,i->", a.ravel(), b.ravel(), dtype=np.float64, casting="same_kind")
         yield np.add.reduceat(a, starts, axis=0)
+        yield np.add.reduceat(a.T, starts, axis=1)
         yield np.where(mask, a, 0.0)
         yield np.repeat(mask, 2, axis=1)
         yield np.take(a, starts, axis=1) if starts.max() < 6 else a[starts]

@@ -138,11 +138,11 @@ def _prepare(
 
 
 def _add_ranges(values: torch.Tensor, starts: torch.Tensor, axis: int = 0) -> torch.Tensor:
-    """Return the sums over ranges of the first axis from each start, the first zero, to the next one."""
-    if axis != 0:
-        raise TypeError("Tensors have numpy.add.reduceat along the first axis only.")
-    lengths = torch.diff(starts, append=starts.new_tensor([values.shape[0]]))
-    return torch.segment_reduce(values, "sum", lengths=lengths, axis=0)
+    """Return the sums over ranges of an axis from each start, the first zero, to the next one."""
+    ranges = values.movedim(axis, 0)
+    lengths = torch.diff(starts, append=starts.new_tensor([ranges.shape[0]]))
+    # Ranges are summed along the first axis only, and over memory in order.
+    return torch.segment_reduce(ranges.contiguous(), "sum", lengths=lengths, axis=0).movedim(0, axis)
 
 
 def _put(values: torch.Tensor, out: torch.Tensor | None) -> torch.Tensor:
