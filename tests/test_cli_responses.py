@@ -69,12 +69,23 @@ def test_the_object_has_the_answers_of_a_script(run):
 
 
 def test_the_text_ends_with_what_a_script_prints(run):
+    """Each warning is said once, and other places of the map after the answers that know of them."""
     status, out, _ = run(*LOADED, "--force", "20mN", "--stiffness", "--stress", "depths=1um")
     assert status in (0, 3)
     solution = solve(force=20e-3)
     words = " ".join(out.split())
-    assert f"stiffness {' '.join(str(solution.stiffness()).split())} stress stress at 1 depth" in words
-    assert " ".join(str(solution.stress([1e-6]).maximum).split()) in words
+    stiffness = solution.stiffness()
+    number, *_ = str(stiffness).split("; uncertain")
+    assert f"stiffness {number} stress stress at 1 depth" in words
+    stress = solution.stress([1e-6]).maximum
+    number, *reasons = " ".join(str(stress).split()).split("; uncertain: ")
+    assert number in words
+    assert reasons == list(stress.warnings) != []
+    for text in (*reasons, *stiffness.warnings, *solution.area().warnings):
+        assert words.count(text) == 1
+    assert words.endswith(
+        f"other places stiffness +- {100 * stiffness.sampling / stiffness.value:.0f} % (standard deviation)"
+    )
     assert max(map(len, out.splitlines())) <= 80
 
 
@@ -92,6 +103,7 @@ def test_several_loads_are_rows(run):
     words = " ".join(out.split())
     assert "force, mN stiffness," in words
     assert "first-yield mean_pressure" in words
+    assert re.search(r"other places stiffness \+- \d+ % at 20 mN, \+- \d+ % at 40 mN \(standard deviation\)", words)
     assert max(map(len, out.splitlines())) <= 80
 
 

@@ -267,6 +267,7 @@ SKIPPED |= {"si", "binary", "write_column", "available_memory", "available_threa
 SKIPPED |= {"require_memory_of_solve", "run_sweep", "name_load", "list_quantities", "gather_warnings", "exceeds_metals"}
 SKIPPED |= {"describe_other_places"}
 SKIPPED |= {"describe_response", "build_part", "build_response", "ask_states", "tabulate_answers", "write_report"}
+SKIPPED |= {"list_answer_warnings"}
 # Rows and columns for which convolvers and processes ask.
 SKIPPED |= {"SelfAffineSurface.half_spectrum", "Love.coefficients_from"}
 # Views by pyvista, which takes 560 MB: tests/test_bridges.py has them.

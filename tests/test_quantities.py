@@ -209,3 +209,8 @@ def test_the_size_and_unit_of_a_map_in_a_study_may_have_units(tmp_path):
     assert found.values.max() == 1e-6
     with pytest.raises(rc.InputError, match="The unit of a map: '1 Pa' is not a quantity in units of m"):
         write("40um", "1 Pa")
+
+
+def test_a_share_has_two_digits_and_no_exponent():
+    texts = [str(rc.Estimate(1.0, spread, "N")).split("+- ")[1] for spread in (0.0123, 0.994, 0.996, 12.3, np.inf)]
+    assert texts == ["1.2 %", "99 %", "100 %", "1230 %", "inf %"]

@@ -18,7 +18,8 @@ readers      `RawMap`; the function `read_raw`
 commands     `Table`; the functions `quantity`, `replacing`, `si`, `binary`, `write_column`, `available_memory`,
              `available_threads`, `limit_address_space`, `require_memory_of_solve`, `run_sweep`, `name_load`,
              `list_quantities`, `describe_other_places`, `gather_warnings`, `exceeds_metals`, `build_part`,
-             `build_problem`, `describe_response`, `build_response`, `ask_states`, `tabulate_answers`, `write_report`
+             `build_problem`, `describe_response`, `build_response`, `ask_states`, `tabulate_answers`,
+             `list_answer_warnings`, `write_report`
 results      `ContactFields`, `Accuracy`, `Trial`, `Residuals`, `ContactPatches`, `Load`, `Origin`, `SolvePlan`,
              `Sweep`, `RequiredLoad`, `Ladder`, `BeyondResolution`, `RunIn`, `Cycle`, `StudyResult`, `Record`,
              `ErrorReport`, `KnownAnswer`, `ReportRow`, `Timing`, `StabilityReport`, `Check`, `Verdict`,
@@ -136,6 +137,7 @@ from roughcontact._work.studies import (
     build_problem,
     build_response,
     describe_response,
+    list_answer_warnings,
     tabulate_answers,
     write_report,
 )
@@ -260,6 +262,7 @@ __all__ = [
     "gather_warnings",
     "halve_shape",
     "limit_address_space",
+    "list_answer_warnings",
     "list_quantities",
     "make_solution",
     "make_task",

@@ -6,7 +6,7 @@ import contextlib
 import math
 import re
 import textwrap
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from decimal import Decimal
 from typing import Any, TypeAlias
 
@@ -134,6 +134,11 @@ def si(value: float, unit: str, digits: int = 4) -> str:
         return f"{value:.{digits}g} {unit}"
     rounded = float(f"{value / 10.0 ** (order * power):.{digits}g}")
     return f"{rounded:.{max(digits, 3 * order)}g} {_PREFIXES[power]}{unit}"
+
+
+def percent(fraction: float) -> str:
+    """Return a fraction in percent to two digits, such as ``1.6 %``, from 100 on to all of them: no ``1e+02 %``."""
+    return f"{100.0 * fraction:{'.0f' if 0.995 <= abs(fraction) < math.inf else '.2g'}} %"
 
 
 def has_power(unit: str) -> bool:
@@ -305,8 +310,15 @@ class Estimate(ShownAsPrinted):
             return f"{self.value:.6g} +- {self.uncertainty:.2g}{self._reasons}"
         if math.isinf(self.value):
             return f"{si(self.value, self.unit)}{self._reasons}"
-        spread = f"{100 * self.uncertainty / abs(self.value):.2g} %" if self.value else si(self.uncertainty, self.unit)
+        spread = percent(self.uncertainty / abs(self.value)) if self.value else si(self.uncertainty, self.unit)
         return f"{si(self.value, self.unit, 5)} +- {spread}{self._reasons}"
+
+
+def without_reasons(text: str, estimates: Iterable[Estimate]) -> str:
+    """Return a text that holds estimates without their warnings, which are said elsewhere."""
+    for one in estimates:
+        text = text.replace(one._reasons, "")
+    return text
 
 
 @guarded

@@ -17,6 +17,7 @@ from roughcontact.typing import (
     describe_other_places,
     exceeds_metals,
     gather_warnings,
+    list_answer_warnings,
     list_quantities,
     name_load,
     si,
@@ -41,11 +42,11 @@ def describe_solutions(
     found = [list_quantities(solution) for solution in solutions]
     for name, column in tabulate_answers(asked).items():
         words = _in_words(name)
-        for (quantities, warnings), one in zip(found, column, strict=True):
+        for (quantities, _), one in zip(found, column, strict=True):
             # A name that a response shares with a quantity hides none.
             quantities[f"{words} (asked)" if words in quantities else words] = one
-            of = next(one for one in asked if f"{name} ".startswith(f"{one} ")).replace("-", " ")
-            warnings += [said for text in one.warnings if (said := f"{of}: {text}") not in warnings]
+    for index, (_, warnings) in enumerate(found):
+        warnings += list_answer_warnings({name: [column[index]] for name, column in asked.items()}, [solutions[index]])
     columns = {name: iter(write_column([quantities[name] for quantities, _ in found])) for name in found[0][0]}
     places = [describe_other_places(solution, found[index][0]) for index, solution in enumerate(solutions)]
     return [
@@ -129,11 +130,10 @@ def describe_fretting(path: FrictionalPath, asked: Mapping[str, Sequence[Any]]) 
         "contact area": path[-1].contact.area(),
         "approach": Estimate(path[-1].approach, 0.0, "m"),
     }
-    said = []
     for name, column in tabulate_answers(asked).items():
         found[f"{_in_words(name)} at the end"] = column[-1]
-        said += [f"{_in_words(name)}: {text}" for text in column[-1].warnings]
     hard = _warn_of_hardness(path[-1].contact)
+    said = list_answer_warnings({name: column[-1:] for name, column in asked.items()}, [path[-1].contact])
     return {
         "load": "fretting",
         "status": in_words_of_page(str(path[-1].status)),

@@ -18,7 +18,7 @@ from roughcontact._answers.flow.network import (
 from roughcontact._base import checks
 from roughcontact._base.arrays import Array, Mask, Pair, RealArray, read_only
 from roughcontact._base.checks import number
-from roughcontact._base.units import ContactWarning, Estimate, ShownAsPrinted, si
+from roughcontact._base.units import ContactWarning, Estimate, ShownAsPrinted, percent, si
 from roughcontact._parts.grid import Grid
 from roughcontact._solve.solution import ContactSolution, Response, responses
 from roughcontact.errors import InputError, NotConverged
@@ -64,7 +64,7 @@ class Throat(ShownAsPrinted):
         x, y = (si(value, "m", 3) for value in self.place)
         return (
             f"throat at ({x}, {y}), gap {si(self.gap, 'm', 3)}, {self.cells:.3g} cells across, "
-            f"{100 * self.fraction:.2g} % of the loss"
+            f"{percent(self.fraction)} of the loss"
         )
 
 
@@ -222,7 +222,7 @@ class Leakage(Estimate):
         axis = "xy"[self.axis]
         if not self.connected:
             return f"no flow along {axis}: no open path joins the two sides{self._reasons}"
-        spread = f"{100 * self.uncertainty / self.value:.2g} %" if self.value > 0.0 else si(self.uncertainty, "m3/s", 2)
+        spread = percent(self.uncertainty / self.value) if self.value > 0.0 else si(self.uncertainty, "m3/s", 2)
         return (
             f"{si(self.value, 'm3/s', 5)} +- {spread} along {axis}, flow factor {self.flow_factor:.4g}; "
             f"{self.throat}{self._reasons}"

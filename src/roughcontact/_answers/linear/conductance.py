@@ -20,7 +20,7 @@ from roughcontact._answers.linear.stiffness import (
 from roughcontact._answers.linear.tangent import Tangent
 from roughcontact._base.arrays import Array, Pair, read_only
 from roughcontact._base.checks import number, pair
-from roughcontact._base.units import Estimate, outlined, si
+from roughcontact._base.units import Estimate, outlined, percent, si
 from roughcontact._parts.kernels import BoundKernel, SupportsConduction
 from roughcontact._solve.problem import ContactProblem, problem_of
 from roughcontact._solve.solution import Area, ContactSolution, Response, responses
@@ -97,7 +97,7 @@ class Conductance(Estimate):
     def __str__(self) -> str:
         if math.isinf(self.value):
             return f"infinite conductance{self._reasons}"
-        relative = f"{100 * self.uncertainty / self.value:.2g} %" if self.value > 0.0 else "0 %"
+        relative = percent(self.uncertainty / self.value) if self.value > 0.0 else "0 %"
         heat = si(self.value, "W/K", 5)
         heat_per_area = si(self.per_area, "W/(m2 K)", 5)
         # The same number, with the same prefix, is an electrical conductance.

@@ -10,7 +10,7 @@ import numpy as np
 
 from roughcontact._answers.subsurface.field import StressField, maximum_shear, shear_invariant, von_mises
 from roughcontact._base.arrays import Array, RealArray
-from roughcontact._base.units import ContactWarning, Estimate, si
+from roughcontact._base.units import ContactWarning, Estimate, percent, si
 from roughcontact._parts.grid import Boundary
 from roughcontact._solve.solution import ContactSolution
 
@@ -63,9 +63,9 @@ class StressMaximum(Estimate):
     warnings: tuple[str, ...] = ()
 
     def __str__(self) -> str:
-        relative = 100.0 * self.uncertainty / self.value if self.value > 0.0 else 0.0
+        relative = self.uncertainty / self.value if self.value > 0.0 else 0.0
         place = f"x = {si(self.x, 'm')}, y = {si(self.y, 'm')}, depth {si(self.depth, 'm')}"
-        return f"{si(self.value, 'Pa', 5)} +- {relative:.2g} % at {place}{self._reasons}"
+        return f"{si(self.value, 'Pa', 5)} +- {percent(relative)} at {place}{self._reasons}"
 
 
 @attrs.frozen

@@ -13,7 +13,7 @@ from typing import Any
 import roughcontact as rc
 from roughcontact._base import checks
 from roughcontact._base.tables import Table
-from roughcontact._base.units import fit, si
+from roughcontact._base.units import fit, si, without_reasons
 from roughcontact._faces.cli.inputs import describe_grid, describe_value, find_inputs
 from roughcontact._faces.panels.figures import save_figure
 from roughcontact._faces.panels.theme import require_matplotlib
@@ -26,7 +26,13 @@ from roughcontact._solve.solution import (
     require_netcdf,
     versions,
 )
-from roughcontact._work.studies import Answers, add_answers, list_answer_warnings, tabulate_answers
+from roughcontact._work.studies import (
+    Answers,
+    add_answers,
+    describe_answers_elsewhere,
+    list_answer_warnings,
+    tabulate_answers,
+)
 
 _NONE: Answers = MappingProxyType({})
 # Width of the label of a line, as `print(solution)` has it.
@@ -170,29 +176,42 @@ def to_text(solutions: Sequence[rc.ContactSolution], estimator: str | None = Non
 def _write_answers(solutions: Sequence[rc.ContactSolution], answers: Answers) -> list[str]:
     """Return the lines of the answers of one solution; of several those of a table, and of what has no number."""
     if len(solutions) == 1:
-        return write_answers_of_one(answers)
+        return write_answers_of_one(answers, solutions)
     forces = [rc.Estimate(solution.force, 0.0, "N") for solution in solutions]
-    return write_rows_of_answers(Table({"force": forces}), [f"at {si(one.value, 'N')}" for one in forces], answers)
+    loads = [si(one.value, "N") for one in forces]
+    lines = write_rows_of_answers(Table({"force": forces}), [f"at {load}" for load in loads], answers, {}, solutions)
+    places = describe_answers_elsewhere(answers, loads)
+    return lines + ([f"other places  {places}"] if places else [])
 
 
-def write_answers_of_one(answers: Answers) -> list[str]:
-    """Return the lines of the answers of one state."""
-    return [line for name, found in answers.items() for line in _label(name, str(found[0]))]
+def write_answers_of_one(answers: Answers, solutions: Sequence[rc.ContactSolution]) -> list[str]:
+    """Return the lines of the answers of one state, of warnings that its area does not have, and of other places."""
+    lines = []
+    for name, found in answers.items():
+        lines += _label(name, without_reasons(str(found[0]), list_estimates(found[0]).values()))
+    lines += [line for text in list_answer_warnings(answers, solutions) for line in _label("warning", text)]
+    places = describe_answers_elsewhere(answers, [""])
+    return lines + (_label("other places", places) if places else [])
 
 
 def write_rows_of_answers(
-    states: Table, names: Sequence[str], answers: Answers, reasons: Mapping[str, str] = MappingProxyType({})
+    states: Table,
+    names: Sequence[str],
+    answers: Answers,
+    reasons: Mapping[str, str] = MappingProxyType({}),
+    solutions: Sequence[rc.ContactSolution] = (),
 ) -> list[str]:
     """Return the lines of a table of states, with answers, of what has no number, of warnings and missing answers.
 
-    `names` says where each state is, such as ``"at 5 N"``, `reasons` why a response has no answer.
+    `names` says where each state is, such as ``"at 5 N"``, `reasons` why a response has no answer. What the solutions
+    themselves are warned of is omitted.
     """
     lines = add_answers(states, answers).to_text().split("\n")
     for name, found in answers.items():
         for where, result in zip(names, found, strict=True):
             if result is not None and not list_estimates(result):
                 lines += _label(name, f"{where}: {result}")
-    lines += [f"warning  {text}" for text in list_answer_warnings(answers)]
+    lines += [f"warning  {text}" for text in list_answer_warnings(answers, solutions)]
     return [*lines, *(f"{name}: {text}" for name, text in reasons.items())]
 
 

@@ -214,7 +214,7 @@ def _write_outputs(
 def state_to_text(state: rc.FrictionalSolution, asked: Asked = _NOTHING) -> str:
     """Return a state of a path, or of steady sliding, for people, with its warnings, in lines of at most 80 columns."""
     warnings = (f"{'warning':18} {text}" for text in state.contact.warnings)
-    answers = ["", *write_answers_of_one(asked.answers)] if asked.answers else []
+    answers = ["", *write_answers_of_one(asked.answers, [state.contact])] if asked.answers else []
     return fit("\n".join([str(state), *warnings, *answers]))
 
 

@@ -26,7 +26,7 @@ from roughcontact._solve.solution import (
     list_quantities,
     name_load,
 )
-from roughcontact._work.studies import Answers, tabulate_answers
+from roughcontact._work.studies import Answers, describe_answers_elsewhere, list_answer_warnings, tabulate_answers
 from roughcontact.plotting import panels
 
 # Panels that ship, in the order of the page; the panels of plug-ins come last.
@@ -171,8 +171,9 @@ def make_responses(answers: Answers, solutions: Sequence[ContactSolution]) -> st
         return ""
     shown = grid(*Table(columns).to_cells(), "What the contact does, a row for each load") if len(columns) > 1 else ""
     shown += items(texts) if texts else ""
-    estimates = [(name, one) for name, found in columns.items() if name != "load" for one in found]
-    warnings = dict.fromkeys(f"{name}: {text}" for name, one in estimates for text in one.warnings)
+    places = describe_answers_elsewhere(answers, columns["load"])
+    shown += note(f"Other places: {places}.") if places else ""
+    warnings = list_answer_warnings(answers, solutions)
     return section("What the contact does", shown, items(warnings) if warnings else "")
 
 

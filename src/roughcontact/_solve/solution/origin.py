@@ -21,7 +21,7 @@ from roughcontact._base.archive.plain import (
     rebuild_fields,
 )
 from roughcontact._base.arrays import RealArray, as_shape
-from roughcontact._base.units import ShownAsPrinted
+from roughcontact._base.units import ShownAsPrinted, percent
 from roughcontact._parts.grid import Grid
 from roughcontact._parts.materials import Material
 from roughcontact._parts.surfaces import HeightMap, SelfAffineSurface, Surface, find_maps
@@ -65,7 +65,7 @@ class Trial(ShownAsPrinted):
         return area, peak
 
     def __str__(self) -> str:
-        spreads = " and ".join(f"{100 * spread:.2g} %" for spread in self.spreads if not math.isnan(spread))
+        spreads = " and ".join(percent(spread) for spread in self.spreads if not math.isnan(spread))
         return f"{self.shape[0]} x {self.shape[1]} ({spreads})"
 
 

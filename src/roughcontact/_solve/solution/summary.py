@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from types import MappingProxyType
 from typing import TYPE_CHECKING, TypeVar
 
-from roughcontact._base.units import WIDTH, Estimate, counted, kind_of, prefixed, si, warn_about, with_spread
+from roughcontact._base.units import WIDTH, Estimate, counted, kind_of, percent, prefixed, si, warn_about, with_spread
 from roughcontact._parts.grid import FIRST_LOADING, Load
 from roughcontact._parts.materials import Material
 from roughcontact._parts.surfaces import HeightMap
@@ -72,7 +72,7 @@ def describe_other_places(solution: ContactSolution, estimates: Mapping[str, Are
     >>> rc.typing.describe_other_places(solution, {"contact area": solution.area()})
     'contact area +- ... % (standard deviation)'
     """
-    differences = [f"{name} {text}" for name, one in estimates.items() if (text := _format_sampling(one))]
+    differences = [f"{name} {text}" for name, one in estimates.items() if (text := format_sampling(one))]
     if not differences:
         return ""
     warning = find_sampling_warning(solution)
@@ -165,9 +165,10 @@ def _format_estimate(one: Estimate) -> str:
     return f"{with_spread(one.value * factor, one.uncertainty * factor)} {unit}"
 
 
-def _format_sampling(one: Area | Estimate | None) -> str:
+def format_sampling(one: Area | Estimate | None) -> str:
+    """Return how much other places differ, such as ``+- 12 %``; empty where it is not known."""
     sampling = None if one is None else one.sampling
-    return f"+- {100.0 * sampling / abs(one.value):.2g} %" if one is not None and one.value and sampling else ""
+    return f"+- {percent(sampling / abs(one.value))}" if one is not None and one.value and sampling else ""
 
 
 def _format_area(area: Area | None, solution: ContactSolution) -> str:

@@ -19,6 +19,7 @@ from roughcontact._solve.solution import (
     ContactSolution,
     FrictionalSolution,
     Response,
+    format_sampling,
     list_estimates,
     page_or_file,
     responses,
@@ -195,13 +196,49 @@ def add_answers(table: Table, answers: Answers) -> Table:
     return Table({**table.columns, **tabulate_answers(answers)}, table.units, table.left)
 
 
-def list_answer_warnings(answers: Answers) -> list[str]:
-    """Return a sentence for the warnings of a rule, whatever numbers they have, and for all numbers that have it."""
-    columns = tabulate_answers(answers)
-    found = {
-        kind_of(text): f"{name}: {text}" for name, column in columns.items() for one in column for text in one.warnings
-    }
-    return list(found.values())
+@guarded
+def list_answer_warnings(answers: Answers, solutions: Sequence[ContactSolution] = ()) -> list[str]:
+    """Return a sentence for the warnings of each rule, with the names of the numbers that it concerns.
+
+    Parameters
+    ----------
+    answers
+        The results of each response, one for each solution, by the name of the response.
+    solutions
+        What area and maximum pressure of these are warned of is omitted: it is said there.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> from roughcontact.typing import list_answer_warnings
+    >>> found = rc.Estimate(2e6, 1e6, "N/m", warnings=("the grid is coarse",))
+    >>> list_answer_warnings({"stiffness": [found], "conductance": [found]})
+    ['stiffness, conductance: the grid is coarse']
+    """
+    estimates = [one for solution in solutions for one in (solution.area(), solution.peak_pressure())]
+    said = {kind_of(text) for one in estimates for text in one.warnings}
+    names: dict[str, dict[str, None]] = {}
+    texts: dict[str, str] = {}
+    for name, column in tabulate_answers(answers).items():
+        for kind, text in ((kind_of(text), text) for one in column for text in one.warnings):
+            if kind not in said:
+                names.setdefault(kind, {})[_in_words(name)] = None
+                texts[kind] = text
+    return [f"{', '.join(names[kind])}: {text}" for kind, text in texts.items()]
+
+
+def _in_words(name: str) -> str:
+    return name.replace("_", " ").replace("-", " ")
+
+
+def describe_answers_elsewhere(answers: Answers, loads: Sequence[str]) -> str:
+    """Return how much the answers at each load differ at other places, in words; empty where it is not known."""
+    found = []
+    for name, column in tabulate_answers(answers).items():
+        differences = zip(map(format_sampling, column), loads, strict=True)
+        texts = [f"{text} at {load}" if len(loads) > 1 else text for text, load in differences if text]
+        found += [f"{_in_words(name)} {', '.join(texts)}"] if texts else []
+    return f"{'; '.join(found)} (standard deviation)" if found else ""
 
 
 @guarded
