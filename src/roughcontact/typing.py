@@ -11,8 +11,8 @@ solvers      `Task`, `Outcome`, `Step`, `GridLevel`, `Monitor`, `ContactConditio
              `starting_pressure`, `nearest_pressure`, `project_to_load`, `rescale_to_load`,
              `halve_shape`, `count_blocks`, the numbers `LONG_WAVE_CUT` and `MAX_CUT_EXPONENT`; for a solve of your own
              `bind_kernel`, `make_task`, `confirm`, `Certificate`, `certify`, `make_solution`, `require_certified`; for
-             one that is divided among processes `Whole`, `find_patches`, `solve_on_cells`, `LinearSolution`,
-             `require_found`
+             one that is divided among processes `SlabProcesses`, `plan_slabs`, `solve_slabs`, `SlabSolution`,
+             `SolveRecord`, `ending_all`, `Whole`, `find_patches`, `solve_on_cells`, `LinearSolution`, `require_found`
 materials    the mapping `TYPICAL` of typical ones by name; `PairConstants`, the function `pair_constants`
 readers      `RawMap`; the function `read_raw`
 commands     `Table`; the functions `quantity`, `replacing`, `si`, `binary`, `write_column`, `available_memory`,
@@ -70,18 +70,24 @@ from roughcontact._solve.problem import (
     Certificate,
     Increment,
     RequiredLoad,
+    SlabProcesses,
+    SlabSolution,
     SolvePlan,
+    SolveRecord,
     StepNumbers,
     Sweep,
     TangentialLoop,
     bind_kernel,
     certify,
     confirm,
+    ending_all,
     make_solution,
     make_task,
+    plan_slabs,
     require_certified,
     require_memory_of_solve,
     run_sweep,
+    solve_slabs,
 )
 from roughcontact._solve.solution import (
     Accuracy,
@@ -214,7 +220,10 @@ __all__ = [
     "ShearOutcome",
     "ShearSolver",
     "ShearTask",
+    "SlabProcesses",
+    "SlabSolution",
     "SolvePlan",
+    "SolveRecord",
     "StabilityReport",
     "Step",
     "StepNumbers",
@@ -257,6 +266,7 @@ __all__ = [
     "count_blocks",
     "describe_other_places",
     "describe_response",
+    "ending_all",
     "exceeds_metals",
     "find_patches",
     "gather_warnings",
@@ -271,6 +281,7 @@ __all__ = [
     "nearest_pressure",
     "padded_shape",
     "pair_constants",
+    "plan_slabs",
     "project_to_load",
     "quantity",
     "read_raw",
@@ -282,6 +293,7 @@ __all__ = [
     "run_sweep",
     "si",
     "solve_on_cells",
+    "solve_slabs",
     "starting_pressure",
     "tabulate_answers",
     "write_column",

@@ -56,7 +56,9 @@ numbers.json.
 
     def run(self, options: argparse.Namespace) -> int:
         """Solve as one of the processes; the first prints the numbers. Return 0."""
-        from roughcontact_mpi.processes import Processes, ending_all
+        from roughcontact.typing import ending_all
+
+        from roughcontact_mpi.processes import Processes
 
         processes = Processes()
         with ending_all(processes):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import time
 from collections.abc import Callable, Sequence
 from functools import cached_property
 from pathlib import Path
@@ -12,19 +11,14 @@ from typing import Any, cast
 import attrs
 import roughcontact as rc
 from roughcontact.typing import (
-    GridLevel,
     Load,
-    PreparedConvolution,
-    Residuals,
     SolvePlan,
     Step,
-    bind_kernel,
-    confirm,
-    make_task,
+    plan_slabs,
     replacing,
-    require_certified,
     require_memory_of_solve,
     si,
+    solve_slabs,
 )
 
 from roughcontact_mpi.arrays import SlabArray
@@ -34,83 +28,17 @@ from roughcontact_mpi.patches import SlabPatches
 from roughcontact_mpi.processes import Processes
 from roughcontact_mpi.store import SUFFIX, require_place, write_store
 from roughcontact_mpi.surfaces import make_heights
-from roughcontact_mpi.windows import WindowSolution, gather, open_window
+from roughcontact_mpi.windows import WindowSolution, gather_rows, open_window
 
-# Cells along the sides of the small grid on which materials, kernel and boundary are checked.
-_SCENE_CELLS = 8
 # The area estimators whose text asks the other processes.
 _ESTIMATORS = ("blend", "cell-count", "hertz", "level-set", "level-set-richardson", "perimeter")
 
 
 @attrs.frozen(eq=False, kw_only=True)
-class SlabSolution:
-    """The solution of a contact: its numbers on each process, and its fields by slab.
+class SlabSolution(rc.typing.SlabSolution):
+    """The solution of a contact: its numbers on each process, and its fields, `SlabArray`, by slab."""
 
-    Attributes
-    ----------
-    grid, boundary
-        The domain.
-    modulus
-        Contact modulus E*, Pa.
-    pressure_limit
-        Maximum pressure, Pa; `inf` without a hardness.
-    pressure
-        Contact pressure, shape (nx, ny), Pa.
-    displacement
-        Displacement that it causes, shape (nx, ny), m.
-    initial_gap
-        Gap before deformation, shape (nx, ny), m.
-    scene, plan, load, convolution
-        The problem on a small grid, its plan, the load, and the convolution that solved it.
-    approach
-        Approach since first touch, m.
-    status, residuals
-        The certificate, recomputed in float64 from the pressure alone.
-    iterations, convolutions
-        Iterations, and convolutions on the finest grid or work of the same cost.
-    errors
-        The solver's error before each iteration.
-    levels
-        The work on each grid.
-    seconds
-        Wall time, s.
-    """
-
-    grid: rc.Grid
-    boundary: rc.Boundary
-    modulus: float
-    pressure_limit: float
-    pressure: SlabArray = attrs.field(repr=False)
-    displacement: SlabArray = attrs.field(repr=False)
-    initial_gap: SlabArray = attrs.field(repr=False)
-    scene: rc.ContactProblem = attrs.field(repr=False)
-    plan: SolvePlan = attrs.field(repr=False)
-    load: Load
-    convolution: PreparedConvolution = attrs.field(repr=False)
-    approach: float
-    status: rc.Status
-    residuals: Residuals
-    iterations: int
-    convolutions: int
-    errors: tuple[float, ...] = attrs.field(repr=False)
-    levels: tuple[GridLevel, ...] = attrs.field(repr=False)
-    seconds: float
     _found: dict[str, rc.Estimate] = attrs.field(factory=dict, init=False, repr=False)
-
-    @property
-    def gap(self) -> SlabArray:
-        """Gap after deformation, shape (nx, ny), m."""
-        return cast(SlabArray, self.displacement + self.initial_gap - self.approach)
-
-    @property
-    def force(self) -> float:
-        """Normal force, N; all processes must ask."""
-        return float(self.pressure.sum()) * self.grid.cell_area
-
-    @property
-    def mean_pressure(self) -> float:
-        """Nominal mean pressure, Pa; all processes must ask."""
-        return float(self.pressure.mean())
 
     @cached_property
     def _window(self) -> WindowSolution:
@@ -148,7 +76,7 @@ class SlabSolution:
 
         It must fit into the memory of that process. All processes must ask.
         """
-        return gather(self)
+        return self.certify_whole(*(gather_rows(field) for field in (self.pressure, self.initial_gap)))
 
     @property
     def numbers(self) -> dict[str, Any]:
@@ -286,87 +214,32 @@ def solve(
     NotConverged
         If the solution is not certified and `throw` is true.
     """
-    started = time.perf_counter()
     load = Load.of(pressure=pressure, force=force, approach=approach)
     if isinstance(heights, rc.Surface):
         heights = make_heights(heights, cast(rc.Grid, size))
     if not isinstance(heights, SlabArray) or not heights.is_divided or heights.ndim != 2:
         raise rc.InputError.about("The heights", heights, "an array in slabs, as read_heights returns it")
-    grid = size if isinstance(size, rc.Grid) else rc.Grid(cast(tuple[int, int], heights.shape), cast(Any, size))
-    if grid.shape != heights.shape:
-        raise rc.InputError.about("The grid", grid.shape, f"of the shape of the heights, {heights.shape}")
-    solver = rc.ProjectedConjugateGradient() if tolerance is None else rc.ProjectedConjugateGradient(tolerance)
-    scene, plan = _plan(heights, grid, material, counterbody, boundary, kernel, solver)
-    # The plan has the gap, and the heights may go; arrays in slabs follow numpy's protocols.
-    del heights
-    gap: Any = plan.initial_gap
-    convolver = cast(SlabFFT, plan.convolver)
-    convolution = convolver.prepare(bind_kernel(plan), grid, plan.boundary)
-    task = attrs.evolve(make_task(plan, gap, load), on_step=on_step)
-    outcome = solver.solve(convolution, task)
-    certificate = confirm(plan, convolution, task, outcome)
-    fields: Any = certificate
-    solution = SlabSolution(
-        grid=grid,
-        boundary=plan.boundary,
-        modulus=plan.modulus,
-        pressure_limit=float(plan.pressure_limit),
-        pressure=fields.pressure,
-        displacement=fields.displacement,
-        initial_gap=gap,
-        scene=scene,
-        plan=plan,
-        load=load,
-        convolution=convolution,
-        approach=certificate.approach,
-        status=certificate.status,
-        residuals=certificate.residuals,
-        iterations=outcome.iterations,
-        convolutions=outcome.convolutions + 1,
-        errors=outcome.errors,
-        levels=outcome.levels,
-        seconds=time.perf_counter() - started,
-    )
-    if throw:
-        require_certified(solution)
-    return solution
-
-
-def _plan(
-    heights: SlabArray,
-    grid: rc.Grid,
-    material: rc.Material | str,
-    counterbody: rc.Material | str | None,
-    boundary: str | Sequence[str],
-    kernel: str | rc.InfluenceKernel,
-    solver: rc.Solver,
-) -> tuple[rc.ContactProblem, SolvePlan]:
-    """Return the problem on a few cells, on which materials, kernel and boundary are checked, and the plan of all."""
     processes = heights.processes
-    few = rc.Grid((_SCENE_CELLS, _SCENE_CELLS), tuple(_SCENE_CELLS * step for step in grid.spacing))
-    flat = rc.FlatSurface()
-    problem = rc.ContactProblem(
-        rc.Body(rc.SphereSurface(max(few.size)), material),
-        rc.RIGID_FLAT if counterbody is None else rc.Body(flat, counterbody),
-        grid=few,
+    convolver = SlabFFT(processes, gathers=False)
+
+    def require(plan: SolvePlan, grid: rc.Grid) -> None:
+        convolver.require(plan.kernel, plan.boundary)
+        _require_memory(processes, grid, plan.boundary)
+
+    scene, plan = plan_slabs(
+        heights,
+        size,
+        material,
+        counterbody,
         boundary=boundary,
         kernel=kernel,
-        solver=solver,
+        tolerance=tolerance,
+        convolver=convolver,
+        require=require,
     )
-    scene = problem.plan
-    convolver = SlabFFT(processes, gathers=False)
-    convolver.require(scene.kernel, scene.boundary)
-    if scene.pressure_limit.ndim:
-        raise rc.InputError("On slabs the hardness must be one number for all cells.")
-    _require_memory(processes, grid, scene.boundary)
-    summit = float(heights.max())
-    gap = summit - heights
-    height = float(gap.max())
-    if not height > 0.0:
-        raise rc.InputError("The heights are all the same: of flat bodies there is nothing to solve.")
-    return problem, attrs.evolve(
-        scene, grid=grid, initial_gap=cast(Any, gap), peak_to_valley=height, convolver=convolver
-    )
+    # The plan has the gap.
+    del heights
+    return solve_slabs(SlabSolution, scene, plan, load, on_step=on_step, throw=throw)
 
 
 def _require_memory(processes: Processes, grid: rc.Grid, boundary: rc.Boundary) -> None:

@@ -24,7 +24,7 @@ from roughcontact.typing import (
 
 from roughcontact_mpi.arrays import SlabArray
 from roughcontact_mpi.functions import gather, unknown
-from roughcontact_mpi.processes import Processes, share
+from roughcontact_mpi.processes import Processes
 
 # Columns that are transformed at a time: few enough for the cache.
 _COLUMNS = 32
@@ -177,7 +177,7 @@ class Transpose:
 
     def _columns(self, rank: int, block: int, first: int | None = None) -> slice:
         start, stop = self.processes.columns(self.columns)[rank : rank + 2]
-        bounds = share(stop - start, self.blocks)
+        bounds = self.processes.share(stop - start, self.blocks)
         origin = start if first is None else first
         return slice(origin + bounds[block], origin + bounds[block + 1])
 

@@ -2,33 +2,22 @@
 
 from __future__ import annotations
 
-import contextlib
 import os
-import sys
 import time
-import traceback
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import roughcontact as rc
-from roughcontact.errors import RoughContactError
-from roughcontact.typing import RealArray, halve_shape
+from roughcontact.typing import RealArray, SlabProcesses
 
 # Where the mpiexec of MPICH and of Open MPI states the number of processes.
 _STARTED = ("PMI_SIZE", "OMPI_COMM_WORLD_SIZE")
-# Seconds for which the first process goes first, so that an error of all appears once.
-_PRECEDENCE = 1.0
 # Seconds from the sentence to the end of the job: mpiexec loses what it has not passed on by then.
 _DELIVERY = 0.3
 
 
-def share(count: int, parts: int) -> tuple[int, ...]:
-    """Return the bounds of nearly equal parts of a number of things."""
-    return tuple(part * count // parts for part in range(parts + 1))
-
-
-class Processes:
+class Processes(SlabProcesses):
     """The processes of an MPI communicator that solve one contact.
 
     Each calls the same functions in the same order, and gets the same numbers.
@@ -43,6 +32,8 @@ class Processes:
     InputError
         If there is no MPI, or not the one of `mpiexec`.
     """
+
+    name = "roughcontact_mpi"
 
     def __init__(self, communicator: Any = None) -> None:
         if communicator is None:
@@ -60,35 +51,11 @@ class Processes:
                     "use the mpiexec of that MPI, or install only one."
                 )
         self.communicator = communicator
-        self.rank: int = communicator.Get_rank()
-        self.count: int = communicator.Get_size()
+        self.rank = communicator.Get_rank()
+        self.count = communicator.Get_size()
         # Bytes sent to other processes, and reductions.
         self.sent = 0
         self.reductions = 0
-
-    def rows(self, count: int) -> tuple[int, ...]:
-        """Return the bounds of the rows of all processes, for a number of rows of the domain.
-
-        They are shared on the coarsest grid, so that the rows of a process are those of its rows on the next one.
-        """
-        coarse = count
-        while (half := halve_shape((coarse, 2))[0]) < coarse:
-            coarse = half
-        return tuple(bound * (count // coarse) for bound in share(coarse, self.count))
-
-    def own_rows(self, count: int) -> slice:
-        """Return the rows of this process."""
-        bounds = self.rows(count)
-        return slice(bounds[self.rank], bounds[self.rank + 1])
-
-    def columns(self, count: int) -> tuple[int, ...]:
-        """Return the bounds of the columns of all processes, for a number of columns."""
-        return share(count, self.count)
-
-    def own_columns(self, count: int) -> slice:
-        """Return the columns of this process."""
-        bounds = self.columns(count)
-        return slice(bounds[self.rank], bounds[self.rank + 1])
 
     def collect(self, value: Any) -> RealArray:
         """Return a number or an array of each process, of one shape on all, shape (count, ...)."""
@@ -118,6 +85,11 @@ class Processes:
         self.communicator.Reduce(values, found if self.rank == 0 else None, root=0)
         self.communicator.Bcast(found, root=0)
         return found
+
+    def end(self, status: int) -> None:
+        """End all processes with an exit status."""
+        time.sleep(_DELIVERY)
+        self.communicator.Abort(status)
 
     def rows_of_machine(self, own: int) -> int:
         """Return the rows of all processes on this machine, from those of each."""
@@ -217,26 +189,3 @@ def _places(values: RealArray, counts: Sequence[int]) -> list[Any]:
     """Return an array with the entries of each process in it, as MPI takes them."""
     starts = np.concatenate(([0], np.cumsum(counts)[:-1])).tolist()
     return [values, (list(counts), starts)]
-
-
-@contextlib.contextmanager
-def ending_all(processes: Processes) -> Iterator[None]:
-    """End all processes, with one sentence, when one of them fails inside the context: the others would wait forever.
-
-    The exit status is 1 if there is no certified answer or the error is not one of the user, else 2.
-    """
-    try:
-        yield
-    except KeyboardInterrupt:
-        processes.communicator.Abort(130)
-    except Exception as error:
-        if processes.rank:
-            time.sleep(_PRECEDENCE)
-        if isinstance(error, RoughContactError):
-            status = 1 if isinstance(error, (rc.NotConverged, rc.UnexpectedError)) else 2
-        else:
-            status = 1
-            traceback.print_exc()
-        print(f"roughcontact_mpi: {error} (process {processes.rank} of {processes.count})", file=sys.stderr, flush=True)
-        time.sleep(_DELIVERY)
-        processes.communicator.Abort(status)

@@ -30,11 +30,8 @@ def make_heights(surface: rc.SelfAffineSurface, grid: rc.Grid, processes: Proces
     InputError
         If it is another surface, or its waves do not fit the grid.
     """
-    if not isinstance(surface, rc.SelfAffineSurface):
-        raise rc.InputError.about("The surface on slabs", surface, "a SelfAffineSurface, or heights of read_heights")
-    if not isinstance(grid, rc.Grid):
-        raise rc.InputError.about("The grid", grid, "an rc.Grid, which has the cells and the size")
     processes = Processes() if processes is None else processes
+    processes.require_random(surface, grid)
     nx, ny = grid.shape
     own = processes.own_rows(nx)
     columns = processes.own_columns(ny // 2 + 1)

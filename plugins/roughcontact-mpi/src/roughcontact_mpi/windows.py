@@ -7,16 +7,7 @@ from typing import TYPE_CHECKING
 import attrs
 import numpy as np
 import roughcontact as rc
-from roughcontact.typing import (
-    Array,
-    Certificate,
-    Origin,
-    Outcome,
-    PreparedConvolution,
-    certify,
-    make_solution,
-    make_task,
-)
+from roughcontact.typing import Array, PreparedConvolution, make_solution
 
 from roughcontact_mpi.arrays import SlabArray
 from roughcontact_mpi.parts import Part
@@ -49,48 +40,13 @@ def open_window(solution: SlabSolution) -> WindowSolution:
     )
     labels, touching, count = label_slabs(part, solution.pressure, plan.grid, plan.boundary)
     patches = window_patches(part, labels, touching, count, pressure, plan.grid, plan.boundary)
-    certificate = Certificate(
-        pressure=pressure,
-        displacement=displacement,
-        approach=solution.approach,
-        status=solution.status,
-        residuals=solution.residuals,
-    )
-    base = make_solution(plan, initial_gap, _outcome(solution, pressure), certificate, solution.seconds)
+    certificate = solution.certificate(pressure, displacement)
+    base = make_solution(plan, initial_gap, solution.outcome(pressure), certificate, solution.seconds)
     fields = attrs.asdict(base, recurse=False)
     return WindowSolution(**fields, parts=part, patches=patches, convolution=solution.convolution)
 
 
-def gather(solution: SlabSolution) -> rc.ContactSolution | None:
-    """Return the whole solution on the first process, certified anew, and None on the others."""
-    pressure, gap = (_gather_rows(field) for field in (solution.pressure, solution.initial_gap))
-    if pressure is None or gap is None:
-        return None
-    scene = solution.scene
-    surface = rc.HeightMap(-gap, solution.grid.size)
-    body = rc.Body(surface, scene.body.material)
-    problem = attrs.evolve(scene, body=body, grid=None)
-    plan = problem.plan
-    task = make_task(plan, problem.initial_gap, solution.load, pressure)
-    start = np.zeros(gap.shape) if task.start is None else task.start
-    found = certify(
-        plan, problem.convolution, problem.initial_gap, task, _outcome(solution, start), seconds=solution.seconds
-    )
-    return attrs.evolve(found, origin=Origin(problem.parts, solution.load.arguments, source=problem))
-
-
-def _outcome(solution: SlabSolution, pressure: Array) -> Outcome:
-    return Outcome(
-        pressure=pressure,
-        status=solution.status,
-        iterations=solution.iterations,
-        convolutions=solution.convolutions - 1,
-        errors=solution.errors,
-        levels=solution.levels,
-    )
-
-
-def _gather_rows(field: SlabArray) -> Array | None:
+def gather_rows(field: SlabArray) -> Array | None:
     """Return all rows of a field on the first process."""
     processes = field.processes
     counts = [field.shape[1] * rows if processes.rank == 0 else 0 for rows in np.diff(processes.rows(field.shape[0]))]

@@ -8,61 +8,28 @@ from typing import Any, cast
 import attrs
 import roughcontact as rc
 import torch
-from roughcontact.typing import (
-    Array,
-    Certificate,
-    GridLevel,
-    Load,
-    Origin,
-    Outcome,
-    Residuals,
-    confirm,
-    make_solution,
-    make_task,
-    require_certified,
-)
+from roughcontact.typing import Array, Origin, SolveRecord, confirm, make_solution, make_task, require_certified
 
 from roughcontact_torch.together import shared_parts
 
 
 @attrs.frozen(eq=False, kw_only=True)
-class TensorSolution:
+class TensorSolution(SolveRecord):
     """A solved contact: its numbers on the host, its fields on the device.
 
     Attributes
     ----------
-    problem, load
-        The problem and its load.
+    problem
+        The problem.
     pressure, displacement, initial_gap
         Contact pressure, Pa, the displacement that it causes and the gap before deformation, m, shape (nx, ny), in
         float64 on the device.
-    approach
-        Approach since first touch, m.
-    status, residuals
-        The certificate, computed on the device in float64 from the pressure alone.
-    iterations, convolutions
-        Iterations, and convolutions on the finest grid or work of the same cost.
-    errors
-        The solver's error at each verification.
-    levels
-        The work on each grid.
-    seconds
-        Wall time, s.
     """
 
     problem: rc.ContactProblem = attrs.field(repr=False)
-    load: Load
     pressure: torch.Tensor = attrs.field(repr=False)
     displacement: torch.Tensor = attrs.field(repr=False)
     initial_gap: torch.Tensor = attrs.field(repr=False)
-    approach: float
-    status: rc.Status
-    residuals: Residuals
-    iterations: int
-    convolutions: int
-    errors: tuple[float, ...] = attrs.field(repr=False)
-    levels: tuple[GridLevel, ...] = attrs.field(repr=False)
-    seconds: float
 
     @property
     def gap(self) -> torch.Tensor:
@@ -82,21 +49,9 @@ class TensorSolution:
     def to_host(self) -> rc.ContactSolution:
         """Return the solution with numpy's arrays and every answer; its certificate is not computed again."""
         plan = self.problem.plan
-        certificate = Certificate(
-            pressure=self.pressure.numpy(force=True),
-            displacement=self.displacement.numpy(force=True),
-            approach=self.approach,
-            status=self.status,
-            residuals=self.residuals,
-        )
-        outcome = Outcome(
-            pressure=certificate.pressure,
-            status=self.status,
-            iterations=self.iterations,
-            convolutions=self.convolutions - 1,
-            errors=self.errors,
-            levels=self.levels,
-        )
+        pressure, displacement = (field.numpy(force=True) for field in (self.pressure, self.displacement))
+        certificate = self.certificate(pressure, displacement)
+        outcome = self.outcome(pressure)
         found = make_solution(plan, self.problem.initial_gap, outcome, certificate, self.seconds)
         return attrs.evolve(found, origin=Origin(self.problem.parts, self.load.arguments, source=self.problem))
 
@@ -153,19 +108,11 @@ def solve_on_device(
         (outcome,) = solver.solve_on_device(convolution, [task])
         certificate = confirm(plan, convolution, task, outcome)
     solution = TensorSolution(
+        **SolveRecord.numbers_of(load, outcome, certificate, started),
         problem=problem,
-        load=load,
         pressure=_tensor(certificate.pressure),
         displacement=_tensor(certificate.displacement),
         initial_gap=_tensor(task.initial_gap) * plan.peak_to_valley,
-        approach=certificate.approach,
-        status=certificate.status,
-        residuals=certificate.residuals,
-        iterations=outcome.iterations,
-        convolutions=outcome.convolutions + 1,
-        errors=outcome.errors,
-        levels=outcome.levels,
-        seconds=time.perf_counter() - started,
     )
     if throw:
         require_certified(solution)

@@ -6,22 +6,16 @@ import atexit
 import contextlib
 import itertools
 import os
-import sys
-import time
-import traceback
 from collections.abc import Iterator, Sequence
 
 import numpy as np
 import roughcontact as rc
 import torch
 import torch.distributed as distributed
-from roughcontact.errors import RoughContactError
-from roughcontact.typing import halve_shape
+from roughcontact.typing import SlabProcesses
 
 from roughcontact_torch.convolver import TorchFFT
 
-# Seconds for which the first process goes first, so that an error of all appears once.
-_PRECEDENCE = 1.0
 _OPERATIONS = {
     "sum": distributed.ReduceOp.SUM,
     "highest": distributed.ReduceOp.MAX,
@@ -30,19 +24,7 @@ _OPERATIONS = {
 _NAMES: dict[np.ufunc, str] = {np.add: "sum", np.maximum: "highest", np.minimum: "lowest"}
 
 
-def share(count: int, parts: int) -> tuple[int, ...]:
-    """Return the bounds of nearly equal parts of a number of things."""
-    return tuple(part * count // parts for part in range(parts + 1))
-
-
-def _halve_often(count: int) -> int:
-    """Return the rows of the coarsest grid, for a number of rows of the domain."""
-    while (half := halve_shape((count, 2))[0]) < count:
-        count = half
-    return count
-
-
-class Processes:
+class Processes(SlabProcesses):
     """The processes that `torchrun` has started, each with a device, which solve one contact.
 
     Each calls the same functions in the same order, and gets the same numbers. A program without `torchrun` is one.
@@ -67,45 +49,32 @@ class Processes:
         Reductions and broadcasts, exchanges of parts of fields, and the bytes that these sent to other processes.
     """
 
+    name = "roughcontact_torch"
+
     def __init__(self, device: str = "auto") -> None:
         self.device = _choose_device(device)
         started = int(os.environ.get("WORLD_SIZE", "1"))
         if started > 1 and not distributed.is_initialized():
             _connect(self.device)
         connected = distributed.is_initialized()
-        self.rank: int = distributed.get_rank() if connected else 0
-        self.count: int = distributed.get_world_size() if connected else 1
+        self.rank = distributed.get_rank() if connected else 0
+        self.count = distributed.get_world_size() if connected else 1
         self.reductions = 0
         self.exchanges = 0
         self.sent = 0
 
-    def rows(self, count: int) -> tuple[int, ...]:
-        """Return the bounds of the rows of all processes, for a number of rows of the domain.
-
-        They are shared on the coarsest grid, so that the rows of a process are those of its rows on the next one.
-        """
-        coarse = _halve_often(count)
-        return tuple(bound * (count // coarse) for bound in share(coarse, self.count))
-
-    def own_rows(self, count: int) -> slice:
-        """Return the rows of this process."""
-        bounds = self.rows(count)
-        return slice(bounds[self.rank], bounds[self.rank + 1])
-
-    def columns(self, count: int) -> tuple[int, ...]:
-        """Return the bounds of the columns of all processes, for a number of columns."""
-        return share(count, self.count)
-
-    def own_columns(self, count: int) -> slice:
-        """Return the columns of this process."""
-        bounds = self.columns(count)
-        return slice(bounds[self.rank], bounds[self.rank + 1])
-
     def require(self, shape: tuple[int, int]) -> None:
         """Raise `InputError` unless each process gets rows and columns of a grid."""
-        most = min(_halve_often(shape[0]), shape[0] // 2 + 1, shape[1] // 2 + 1)
+        most = min(self.coarsest_rows(shape[0]), shape[0] // 2 + 1, shape[1] // 2 + 1)
         if self.count > most:
             raise rc.InputError.about(f"The processes for {shape[0]} x {shape[1]} cells", self.count, f"at most {most}")
+
+    def end(self, status: int) -> None:
+        """End this process with an exit status, the others by `torchrun`, whose status is then 1."""
+        if self.count == 1:
+            super().end(status)
+        # What other processes wait for would hold up the end of this one.
+        os._exit(status)
 
     def reduce(self, values: torch.Tensor, operation: str = "sum") -> torch.Tensor:
         """Return the sum of a tensor over all processes, or its ``"highest"`` or ``"lowest"`` values; it is changed."""
@@ -245,28 +214,3 @@ def _talking() -> Iterator[None]:
         yield
     except RuntimeError as error:
         raise rc.UnexpectedError(f"The other processes cannot be reached, or one has ended: {error}") from error
-
-
-@contextlib.contextmanager
-def ending_all(processes: Processes) -> Iterator[None]:
-    """End this process, with one sentence, when it fails inside the context; `torchrun` then ends the others.
-
-    The exit status is 1 if there is no certified answer or the error is not one of the user, else 2; that of `torchrun`
-    is 1.
-    """
-    try:
-        yield
-    except Exception as error:
-        if processes.rank:
-            time.sleep(_PRECEDENCE)
-        if isinstance(error, RoughContactError):
-            status = 1 if isinstance(error, (rc.NotConverged, rc.UnexpectedError)) else 2
-        else:
-            status = 1
-            traceback.print_exc()
-        where = f"process {processes.rank} of {processes.count}"
-        print(f"roughcontact_torch: {error} ({where})", file=sys.stderr, flush=True)
-        if processes.count == 1:
-            sys.exit(status)
-        # What other processes wait for would hold up the end of this one.
-        os._exit(status)

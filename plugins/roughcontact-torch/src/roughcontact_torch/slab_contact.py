@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Sequence
 from typing import Any, cast
 
@@ -10,20 +9,7 @@ import attrs
 import numpy as np
 import roughcontact as rc
 import torch
-from roughcontact.typing import (
-    GridLevel,
-    Load,
-    Origin,
-    Outcome,
-    Residuals,
-    SolvePlan,
-    Step,
-    bind_kernel,
-    certify,
-    confirm,
-    make_task,
-    require_certified,
-)
+from roughcontact.typing import Load, SolvePlan, Step, plan_slabs, solve_slabs
 
 from roughcontact_torch.masked import MaskedConjugateGradient
 from roughcontact_torch.processes import Processes
@@ -31,77 +17,13 @@ from roughcontact_torch.slab_arrays import SlabTensor
 from roughcontact_torch.slab_convolver import SlabTorchFFT
 from roughcontact_torch.slab_grid import Transpose
 
-# Cells along the sides of the small grid on which materials, kernel and boundary are checked.
-_SCENE_CELLS = 8
-
 
 @attrs.frozen(eq=False, kw_only=True)
-class SlabSolution:
-    """The solution of a contact: its numbers on each process, and its fields by slab.
+class SlabSolution(rc.typing.SlabSolution):
+    """The solution of a contact: its numbers on each process, and its fields, `SlabTensor`, by slab.
 
-    Attributes
-    ----------
-    grid, boundary
-        The domain.
-    modulus
-        Contact modulus E*, Pa.
-    pressure_limit
-        Maximum pressure, Pa; `inf` without a hardness.
-    pressure
-        Contact pressure, shape (nx, ny), Pa; `tensor` has the rows of this process, on its device.
-    displacement
-        Displacement that it causes, shape (nx, ny), m.
-    initial_gap
-        Gap before deformation, shape (nx, ny), m.
-    scene, plan, load
-        The problem on a small grid, its plan, and the load.
-    approach
-        Approach since first touch, m.
-    status, residuals
-        The certificate, recomputed in float64 from the pressure alone, by sums over all processes.
-    iterations, convolutions
-        Iterations, and convolutions on the finest grid or work of the same cost.
-    errors
-        The solver's errors by verification.
-    levels
-        The work on each grid.
-    seconds
-        Wall time, s.
+    The `tensor` of a field has the rows of this process, on its device.
     """
-
-    grid: rc.Grid
-    boundary: rc.Boundary
-    modulus: float
-    pressure_limit: float
-    pressure: SlabTensor = attrs.field(repr=False)
-    displacement: SlabTensor = attrs.field(repr=False)
-    initial_gap: SlabTensor = attrs.field(repr=False)
-    scene: rc.ContactProblem = attrs.field(repr=False)
-    plan: SolvePlan = attrs.field(repr=False)
-    load: Load
-    approach: float
-    status: rc.Status
-    residuals: Residuals
-    iterations: int
-    convolutions: int
-    errors: tuple[float, ...] = attrs.field(repr=False)
-    levels: tuple[GridLevel, ...] = attrs.field(repr=False)
-    seconds: float
-
-    @property
-    def gap(self) -> SlabTensor:
-        """Gap after deformation, shape (nx, ny), m."""
-        return cast(SlabTensor, self.displacement + self.initial_gap - self.approach)
-
-    @property
-    def mean_pressure(self) -> float:
-        """Nominal mean pressure, Pa; all processes must ask."""
-        return float(self.pressure.mean())
-
-    @property
-    def force(self) -> float:
-        """Normal force, N; all processes must ask."""
-        return float(self.pressure.sum()) * self.grid.cell_area
 
     @property
     def contact_cells(self) -> int:
@@ -114,22 +36,7 @@ class SlabSolution:
 
         It must fit into the memory of the device of that process and of its host. All processes must ask.
         """
-        pressure, gap = (_gather(field) for field in (self.pressure, self.initial_gap))
-        if pressure is None or gap is None:
-            return None
-        body = rc.Body(rc.HeightMap(-gap, self.grid.size), self.scene.body.material)
-        problem = attrs.evolve(self.scene, body=body, grid=None)
-        task = make_task(problem.plan, problem.initial_gap, self.load, pressure)
-        outcome = Outcome(
-            pressure=np.zeros(gap.shape) if task.start is None else task.start,
-            status=self.status,
-            iterations=self.iterations,
-            convolutions=self.convolutions - 1,
-            errors=self.errors,
-            levels=self.levels,
-        )
-        found = certify(problem.plan, problem.convolution, problem.initial_gap, task, outcome, seconds=self.seconds)
-        return attrs.evolve(found, origin=Origin(problem.parts, self.load.arguments, source=problem))
+        return self.certify_whole(*(_gather(field) for field in (self.pressure, self.initial_gap)))
 
 
 def _gather(field: SlabTensor) -> np.ndarray | None:
@@ -188,94 +95,33 @@ def solve_on_slabs(
         If the solution is not certified and `throw` is true: the default solver, which continues elsewhere, does not
         work on slabs.
     """
-    started = time.perf_counter()
     load = Load.of(pressure=pressure, force=force, approach=approach)
     if isinstance(heights, rc.Surface):
         heights = make_heights(heights, cast(rc.Grid, size), processes)
     if not isinstance(heights, SlabTensor) or heights.ndim != 2:
         raise rc.InputError.about("The heights", heights, "a SlabTensor, or a SelfAffineSurface")
-    shape = cast(tuple[int, int], heights.shape)
-    grid = size if isinstance(size, rc.Grid) else rc.Grid(shape, cast(Any, size))
-    if grid.shape != shape:
-        raise rc.InputError.about("The grid", grid.shape, f"of the shape of the heights, {shape}")
-    scene, plan = _plan(heights, grid, material, counterbody, boundary, kernel, tolerance)
-    # The plan has the gap, and the heights may go.
-    del heights
-    gap: Any = plan.initial_gap
-    convolution = plan.convolver.prepare(bind_kernel(plan), grid, plan.boundary)
-    task = attrs.evolve(make_task(plan, gap, load), on_step=on_step)
-    outcome = plan.solver.solve(convolution, task)
-    certificate = confirm(plan, convolution, task, outcome)
-    fields: Any = certificate
-    solution = SlabSolution(
-        grid=grid,
-        boundary=plan.boundary,
-        modulus=plan.modulus,
-        pressure_limit=float(plan.pressure_limit),
-        pressure=fields.pressure,
-        displacement=fields.displacement,
-        initial_gap=gap,
-        scene=scene,
-        plan=plan,
-        load=load,
-        approach=certificate.approach,
-        status=certificate.status,
-        residuals=certificate.residuals,
-        iterations=outcome.iterations,
-        convolutions=outcome.convolutions + 1,
-        errors=outcome.errors,
-        levels=outcome.levels,
-        seconds=time.perf_counter() - started,
-    )
-    if throw:
-        require_certified(solution)
-    return solution
+    own = heights.processes
+    convolver = SlabTorchFFT(own)
 
+    def require(plan: SolvePlan, grid: rc.Grid) -> None:
+        convolver.require(plan.kernel, plan.boundary)
+        own.require(grid.shape)
 
-def _plan(
-    heights: SlabTensor,
-    grid: rc.Grid,
-    material: rc.Material | str,
-    counterbody: rc.Material | str | None,
-    boundary: str | Sequence[str],
-    kernel: str | rc.InfluenceKernel,
-    tolerance: float | None,
-) -> tuple[rc.ContactProblem, SolvePlan]:
-    """Return the problem on a few cells, on which materials, kernel and boundary are checked, and the plan of all."""
-    processes = heights.processes
-    few = rc.Grid((_SCENE_CELLS, _SCENE_CELLS), tuple(_SCENE_CELLS * step for step in grid.spacing))
-    default = rc.ProjectedConjugateGradient()
-    default = default if tolerance is None else attrs.evolve(default, tolerance=tolerance)
-    problem = rc.ContactProblem(
-        rc.Body(rc.SphereSurface(max(few.size)), material),
-        rc.RIGID_FLAT if counterbody is None else rc.Body(rc.FlatSurface(), counterbody),
-        grid=few,
+    scene, plan = plan_slabs(
+        heights,
+        size,
+        material,
+        counterbody,
         boundary=boundary,
         kernel=kernel,
-        solver=default,
-    )
-    scene = problem.plan
-    convolver = SlabTorchFFT(processes)
-    convolver.require(scene.kernel, scene.boundary)
-    processes.require(grid.shape)
-    if scene.pressure_limit.ndim:
-        raise rc.InputError("On slabs the hardness must be one number for all cells.")
-    finite: Any = np.isfinite(cast(Any, heights))
-    if not finite.all():
-        raise rc.InputError("The heights are not all finite: on slabs points that were not measured must be filled.")
-    highest = float(heights.max())
-    gap: Any = highest - heights
-    height = float(gap.max())
-    if not height > 0.0:
-        raise rc.InputError("The heights are all the same: of flat bodies there is nothing to solve.")
-    return problem, attrs.evolve(
-        scene,
-        grid=grid,
-        initial_gap=gap,
-        peak_to_valley=height,
+        tolerance=tolerance,
         convolver=convolver,
-        solver=MaskedConjugateGradient(tolerance=scene.solver.tolerance),
+        require=require,
+        solver=MaskedConjugateGradient,
     )
+    # The plan has the gap.
+    del heights
+    return solve_slabs(SlabSolution, scene, plan, load, on_step=on_step, throw=throw)
 
 
 def make_heights(surface: rc.SelfAffineSurface, grid: rc.Grid, processes: Processes | None = None) -> SlabTensor:
@@ -297,11 +143,8 @@ def make_heights(surface: rc.SelfAffineSurface, grid: rc.Grid, processes: Proces
     InputError
         If it is another surface, its waves do not fit the grid, or there are more processes than rows.
     """
-    if not isinstance(surface, rc.SelfAffineSurface):
-        raise rc.InputError.about("The surface on slabs", surface, "a SelfAffineSurface, or its heights a SlabTensor")
-    if not isinstance(grid, rc.Grid):
-        raise rc.InputError.about("The grid", grid, "an rc.Grid, which has the cells and the size")
     processes = Processes() if processes is None else processes
+    processes.require_random(surface, grid)
     processes.require(grid.shape)
     nx, ny = grid.shape
     columns = processes.own_columns(ny // 2 + 1)

@@ -27,6 +27,14 @@ from roughcontact._solve.problem.problem import ContactProblem, problem_of
 from roughcontact._solve.problem.required_load import RequiredLoad, find_required_load
 from roughcontact._solve.problem.run import Certificate, certify, computing, confirm, make_solution, require_certified
 from roughcontact._solve.problem.saved import find_saved_kind, load
+from roughcontact._solve.problem.slabs import (
+    SlabProcesses,
+    SlabSolution,
+    SolveRecord,
+    ending_all,
+    plan_slabs,
+    solve_slabs,
+)
 from roughcontact._solve.problem.sweep import Sweep, make_table, order_of_solving, predict_pressure, run_sweep
 from roughcontact._solve.problem.task import LOAD_TOLERANCE, bind_kernel, make_task, maximum_pressure, pressure_unit
 
@@ -41,7 +49,10 @@ __all__ = [
     "FrictionalPath",
     "Increment",
     "RequiredLoad",
+    "SlabProcesses",
+    "SlabSolution",
     "SolvePlan",
+    "SolveRecord",
     "StepNumbers",
     "Sweep",
     "TangentialLoop",
@@ -50,6 +61,7 @@ __all__ = [
     "computing",
     "confirm",
     "describe_cycle",
+    "ending_all",
     "find_pull_off",
     "find_required_load",
     "find_saved_kind",
@@ -65,6 +77,7 @@ __all__ = [
     "make_task",
     "maximum_pressure",
     "order_of_solving",
+    "plan_slabs",
     "predict_pressure",
     "pressure_unit",
     "problem_of",
@@ -76,5 +89,6 @@ __all__ = [
     "run_slide",
     "run_sweep",
     "save_path",
+    "solve_slabs",
     "tolerance_within",
 ]
