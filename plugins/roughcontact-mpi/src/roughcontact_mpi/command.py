@@ -42,7 +42,7 @@ numbers.json.
         load.add_argument("--approach", type=_METRE, metavar="D", help="approach since first contact, such as 50nm")
         body = parser.add_mutually_exclusive_group(required=True)
         body.add_argument("--young", type=_PASCAL, metavar="E", help="Young's modulus, such as 210GPa")
-        body.add_argument("--material", metavar="NAME", help="a typical material, such as steel")
+        body.add_argument("--material", metavar="NAME", help="a typical material, such as 'bearing steel'")
         parser.add_argument("--poisson", type=_NUMBER, metavar="NU", help="Poisson's ratio (0.3)")
         parser.add_argument("--hardness", type=_PASCAL, metavar="H", help="maximum contact pressure (none)")
         boundaries = [str(one) for one in rc.Boundary if one is not rc.Boundary.WRAPPED]

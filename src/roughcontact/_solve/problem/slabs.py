@@ -357,7 +357,7 @@ def solve_slabs(
     >>> from roughcontact.typing import Load, SlabSolution, plan_slabs, solve_slabs
     >>> heights = rc.WavySurface(1e-6, 50e-6).heights(rc.Grid((64, 64), 100e-6))
     >>> options = {"boundary": "periodic", "kernel": "love", "tolerance": None, "convolver": rc.CircularFFT()}
-    >>> scene, plan = plan_slabs(heights, 100e-6, "steel", require=lambda plan, grid: None, **options)
+    >>> scene, plan = plan_slabs(heights, 100e-6, "glass", require=lambda plan, grid: None, **options)
     >>> solution = solve_slabs(SlabSolution, scene, plan, Load.of(pressure=50e6))
     >>> solution.status.success, round(solution.mean_pressure)
     (True, 50000000)
