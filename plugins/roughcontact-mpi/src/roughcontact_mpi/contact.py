@@ -292,6 +292,7 @@ def solve(
         heights = make_heights(heights, cast(rc.Grid, size))
     if not isinstance(heights, SlabArray) or not heights.is_divided or heights.ndim != 2:
         raise rc.InputError.about("The heights", heights, "an array in slabs, as read_heights returns it")
+    heights.processes.meet("solve")
     grid = size if isinstance(size, rc.Grid) else rc.Grid(cast(tuple[int, int], heights.shape), cast(Any, size))
     if grid.shape != heights.shape:
         raise rc.InputError.about("The grid", grid.shape, f"of the shape of the heights, {heights.shape}")

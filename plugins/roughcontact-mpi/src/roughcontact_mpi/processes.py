@@ -17,6 +17,8 @@ from roughcontact.typing import RealArray, halve_shape
 
 # Where the mpiexec of MPICH and of Open MPI states the number of processes.
 _STARTED = ("PMI_SIZE", "OMPI_COMM_WORLD_SIZE")
+# Seconds between two looks for the other processes.
+_LOOK = 0.005
 # Seconds for which the first process goes first, so that an error of all appears once.
 _PRECEDENCE = 1.0
 # Seconds from the sentence to the end of the job: mpiexec loses what it has not passed on by then.
@@ -37,6 +39,8 @@ class Processes:
     ----------
     communicator
         A communicator of mpi4py; None: all processes that `mpiexec` has started.
+    patience
+        Seconds for which a process waits at `meet` until all others have come.
 
     Raises
     ------
@@ -44,7 +48,7 @@ class Processes:
         If there is no MPI, or not the one of `mpiexec`.
     """
 
-    def __init__(self, communicator: Any = None) -> None:
+    def __init__(self, communicator: Any = None, patience: float = 600.0) -> None:
         if communicator is None:
             try:
                 from mpi4py import MPI
@@ -60,11 +64,24 @@ class Processes:
                     "use the mpiexec of that MPI, or install only one."
                 )
         self.communicator = communicator
+        self.patience = patience
         self.rank: int = communicator.Get_rank()
         self.count: int = communicator.Get_size()
         # Bytes sent to other processes, and reductions.
         self.sent = 0
         self.reductions = 0
+
+    def meet(self, call: str) -> None:
+        """Wait until all processes have made a call; `InputError` if one does not, for which the others would wait."""
+        arrival = self.communicator.Ibarrier()
+        end = time.monotonic() + self.patience
+        while not arrival.Test():
+            if time.monotonic() > end:
+                raise rc.InputError(
+                    f"Only some of {self.count} processes have called {call} within {self.patience:g} s: all must make "
+                    "the same calls in the same order; if some come later, choose a longer patience=."
+                )
+            time.sleep(_LOOK)
 
     def rows(self, count: int) -> tuple[int, ...]:
         """Return the bounds of the rows of all processes, for a number of rows of the domain.

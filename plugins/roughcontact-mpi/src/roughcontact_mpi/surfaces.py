@@ -35,6 +35,7 @@ def make_heights(surface: rc.SelfAffineSurface, grid: rc.Grid, processes: Proces
     if not isinstance(grid, rc.Grid):
         raise rc.InputError.about("The grid", grid, "an rc.Grid, which has the cells and the size")
     processes = Processes() if processes is None else processes
+    processes.meet("make_heights")
     nx, ny = grid.shape
     own = processes.own_rows(nx)
     columns = processes.own_columns(ny // 2 + 1)
