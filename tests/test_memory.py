@@ -68,7 +68,9 @@ def test_a_grid_may_have_more_cells_than_this_machine_can_take(monkeypatch):
     grid = rc.Grid((2**17, 2**17), 1e-2)
     assert grid.cells == 2**34
     assert grid.x.shape == (2**17, 1)
-    with pytest.raises(rc.InputError, match=r"131072 x 131072 cells, boundary free, needs 1.4\d+ TiB of memory, but this"):
+    with pytest.raises(
+        rc.InputError, match=r"131072 x 131072 cells, boundary free, needs 1.4\d+ TiB of memory, but this"
+    ):
         rc.ContactProblem(rc.Body(WAVY, STEEL), grid=grid)
     with pytest.raises(rc.InputError, match=r"A row of 1099511627776 cells needs 24 TiB of memory"):
         assert rc.Grid((2**40, 1), 1.0).x.size

@@ -129,7 +129,7 @@ def test_the_failure_of_one_ends_all():
 
 @pytest.mark.parametrize(("count", "rank"), [(2, 0), (2, 1), (3, 2)])
 def test_a_killed_process_ends_all(count, rank):
-    """The launcher ends them at once, in its own words: MPICH has "Killed (signal 9)", Open MPI "exited on signal 9"."""
+    """The launcher ends them, in its own words: MPICH has "Killed (signal 9)", Open MPI "exited on signal 9"."""
     kill = f"processes.rank == {rank} and os.kill(os.getpid(), signal.SIGKILL)"
     done = mpi.run(count, "-c", SOLVES.format(step=kill, before=""), timeout=60)
     assert done.returncode != 0

@@ -16,7 +16,7 @@ from roughcontact._base.machine import require_memory
 from roughcontact._base.units import si
 from roughcontact.errors import InputError
 
-# Maximum cells of a grid: one field takes 8 TiB. The memory is compared where fields are made: a process may have a slab.
+# Maximum cells of a grid: a field takes 8 TiB. Memory is asked for where fields are made: a process may have a slab.
 _MAX_CELLS = 2**40
 _LOAD_KINDS = {"pressure": ("The mean pressure", "Pa"), "force": ("The force", "N"), "approach": ("The approach", "m")}
 # Note on several loads where the pressure has a limit.
