@@ -5,6 +5,7 @@ from __future__ import annotations
 import atexit
 import contextlib
 import itertools
+import math
 import os
 import sys
 import time
@@ -16,7 +17,7 @@ import roughcontact as rc
 import torch
 import torch.distributed as distributed
 from roughcontact.errors import RoughContactError
-from roughcontact.typing import halve_shape
+from roughcontact.typing import available_memory, halve_shape
 
 from roughcontact_torch.convolver import TorchFFT
 
@@ -106,6 +107,13 @@ class Processes:
         most = min(_halve_often(shape[0]), shape[0] // 2 + 1, shape[1] // 2 + 1)
         if self.count > most:
             raise rc.InputError.about(f"The processes for {shape[0]} x {shape[1]} cells", self.count, f"at most {most}")
+
+    def memory_left(self) -> float:
+        """Return the memory left for this process on its device, bytes; of processors that of the machine is shared."""
+        if self.device.type == "cuda":
+            return float(torch.cuda.mem_get_info(self.device)[0])
+        left = available_memory()
+        return math.inf if left is None else left / int(os.environ.get("LOCAL_WORLD_SIZE", "1"))
 
     def reduce(self, values: torch.Tensor, operation: str = "sum") -> torch.Tensor:
         """Return the sum of a tensor over all processes, or its ``"highest"`` or ``"lowest"`` values; it is changed."""

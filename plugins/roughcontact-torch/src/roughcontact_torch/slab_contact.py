@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import time
 from collections.abc import Callable, Sequence
 from typing import Any, cast
@@ -10,6 +11,7 @@ import attrs
 import numpy as np
 import roughcontact as rc
 import torch
+from roughcontact.errors import NotEnoughMemory
 from roughcontact.typing import (
     GridLevel,
     Load,
@@ -18,11 +20,14 @@ from roughcontact.typing import (
     Residuals,
     SolvePlan,
     Step,
+    Task,
+    binary,
     bind_kernel,
     certify,
     confirm,
     make_task,
     require_certified,
+    require_memory_of_solve,
 )
 
 from roughcontact_torch.masked import MaskedConjugateGradient
@@ -185,8 +190,8 @@ def solve_on_slabs(
     InputError
         If something does not fit together, or the bodies cannot carry the load.
     NotConverged
-        If the solution is not certified and `throw` is true: the default solver, which continues elsewhere, does not
-        work on slabs.
+        If the solution is not certified and `throw` is true. Where the error no longer falls, the default solver
+        continues on the processor of the first process, if its memory suffices.
     """
     started = time.perf_counter()
     load = Load.of(pressure=pressure, force=force, approach=approach)
@@ -205,6 +210,8 @@ def solve_on_slabs(
     convolution = plan.convolver.prepare(bind_kernel(plan), grid, plan.boundary)
     task = attrs.evolve(make_task(plan, gap, load), on_step=on_step)
     outcome = plan.solver.solve(convolution, task)
+    if not outcome.status.success:
+        outcome = _continue_on_one(scene.plan, plan, task, outcome)
     certificate = confirm(plan, convolution, task, outcome)
     fields: Any = certificate
     solution = SlabSolution(
@@ -230,6 +237,62 @@ def solve_on_slabs(
     if throw:
         require_certified(solution)
     return solution
+
+
+def _continue_on_one(scene: SolvePlan, plan: SolvePlan, task: Task, stalled: Outcome) -> Outcome:
+    """Return the outcome of the default solver on the first process, from a descent that did not end, on slabs.
+
+    If it does not fit into the memory there, that of the descent is returned.
+    """
+    field = cast(SlabTensor, cast(Any, stalled.pressure))
+    processes = field.processes
+    fits = 1
+    if processes.rank == 0:
+        try:
+            require_memory_of_solve(plan.grid, plan.boundary)
+        except NotEnoughMemory:
+            fits = 0
+    if processes.total(fits) != processes.count:
+        return stalled
+    gap, start = (_gather(cast(SlabTensor, cast(Any, one))) for one in (task.initial_gap, stalled.pressure))
+    found = stalled
+    sent = field.tensor.new_empty(0)
+    if gap is not None:
+        given = start if stalled.status is rc.Status.STALLED else None
+        convolution = scene.convolver.prepare(bind_kernel(plan), plan.grid, plan.boundary)
+        found = scene.solver.solve(convolution, attrs.evolve(task, initial_gap=gap, start=given))
+        sent = torch.tensor(found.pressure, dtype=field.tensor.dtype, device=processes.device).reshape(-1)
+    first = processes.rank == 0
+    nx, ny = plan.grid.shape
+    counts = [ny * (stop - start) if first else 0 for start, stop in itertools.pairwise(processes.rows(nx))]
+    rows = processes.exchange(sent, counts, [0 if other else field.tensor.numel() for other in range(processes.count)])
+    statuses = list(rc.Status)
+    own = (statuses.index(found.status), found.iterations, found.convolutions, len(found.errors))
+    number, iterations, convolutions, length = (int(one) for one in processes.total(np.array(own) * first))
+    errors = processes.total(np.array(found.errors) if first else np.zeros(length))
+    status = statuses[number]
+    return attrs.evolve(
+        stalled,
+        pressure=cast(Any, SlabTensor.field(rows.reshape(field.tensor.shape), processes, nx)),
+        status=rc.Status.RESCUED if status is rc.Status.CONVERGED else status,
+        iterations=stalled.iterations + iterations,
+        convolutions=stalled.convolutions + convolutions,
+        errors=stalled.errors + tuple(float(one) for one in errors),
+    )
+
+
+def _require_memory(processes: Processes, grid: rc.Grid, boundary: rc.Boundary) -> None:
+    """Refuse a contact of which the slab of a process does not fit on its device, on all processes."""
+    own = processes.own_rows(grid.shape[0])
+    arrays = MaskedConjugateGradient().memory_arrays(boundary)
+    needed = processes.across(np.maximum, 8.0 * arrays * (own.stop - own.start) * grid.shape[1])
+    left = processes.across(np.minimum, processes.memory_left())
+    if needed > left:
+        raise NotEnoughMemory(
+            f"A solve on {' x '.join(map(str, grid.shape))} cells, boundary {boundary}, needs {binary(needed)} of "
+            f"memory for the slab of a process, but a device has only {binary(left)} left: start more processes, each "
+            "with a device, or choose fewer cells."
+        )
 
 
 def _plan(
@@ -258,6 +321,7 @@ def _plan(
     convolver = SlabTorchFFT(processes)
     convolver.require(scene.kernel, scene.boundary)
     processes.require(grid.shape)
+    _require_memory(processes, grid, scene.boundary)
     if scene.pressure_limit.ndim:
         raise rc.InputError("On slabs the hardness must be one number for all cells.")
     finite: Any = np.isfinite(cast(Any, heights))
