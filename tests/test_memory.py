@@ -54,10 +54,28 @@ def limited(root, folder, name, used, limit, stat=""):
     (group / "memory.stat").write_text(stat)
 
 
-def test_nothing_is_known_of_an_unknown_machine(tmp_path, monkeypatch):
+def test_of_an_unknown_machine_a_size_is_assumed(tmp_path, monkeypatch):
     assert available_memory(tmp_path) is None
     monkeypatch.setattr("roughcontact._base.machine.available_memory", lambda: None)
-    require_memory(1e30, "A solve", "choose fewer cells")
+    require_memory(36 * 2**30, "A solve", "choose fewer cells")
+    with pytest.raises(rc.InputError, match=r"what this machine has is not known, and 36 GiB is assumed"):
+        require_memory(37 * 2**30, "A solve", "choose fewer cells")
+
+
+def test_a_grid_may_have_more_cells_than_this_machine_can_take(monkeypatch):
+    """It is the fields that need memory, and of a grid on a cluster each process has a slab."""
+    monkeypatch.setattr("roughcontact._base.machine.available_memory", lambda: 2**33)
+    grid = rc.Grid((2**17, 2**17), 1e-2)
+    assert grid.cells == 2**34
+    assert grid.x.shape == (2**17, 1)
+    with pytest.raises(
+        rc.InputError, match=r"131072 x 131072 cells, boundary free, needs 1.4\d+ TiB of memory, but this"
+    ):
+        rc.ContactProblem(rc.Body(WAVY, STEEL), grid=grid)
+    with pytest.raises(rc.InputError, match=r"A row of 1099511627776 cells needs 24 TiB of memory"):
+        assert rc.Grid((2**40, 1), 1.0).x.size
+    with pytest.raises(rc.InputError, match=r"of at most 2\^40 cells, of which a field takes 8 TiB"):
+        rc.Grid((2**20, 2**20 + 1), 1.0)
 
 
 def test_the_memory_of_the_machine(tmp_path):

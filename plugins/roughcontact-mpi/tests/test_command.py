@@ -20,6 +20,20 @@ with ending_all(processes):
     processes.total(1.0)
 """
 
+SOLVES = """
+import os, signal, time
+import roughcontact as rc
+from roughcontact_mpi import Processes, ending_all, make_heights, solve
+processes = Processes(patience=1.0)
+with ending_all(processes):
+    surface = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.1, shortest=4.0, longest=64.0, seed=1)
+    heights = make_heights(surface, rc.Grid((64, 64), 64.0), processes)
+    def on_step(step):
+        {step}
+    {before}
+    solve(heights, 64.0, rc.Elastic(1e9, 0.0), pressure=1e7, boundary="periodic", on_step=on_step)
+"""
+
 
 @pytest.fixture(scope="module")
 def heights(tmp_path_factory):
@@ -111,3 +125,19 @@ def test_the_failure_of_one_ends_all():
     done = mpi.run(3, "-c", ONE_FAILS, timeout=60)
     assert done.returncode != 0
     assert "This one has failed. (process 1 of 3)" in done.stderr
+
+
+@pytest.mark.parametrize(("count", "rank"), [(2, 0), (2, 1), (3, 2)])
+def test_a_killed_process_ends_all(count, rank):
+    """The launcher ends them, in its own words: MPICH has "Killed (signal 9)", Open MPI "exited on signal 9"."""
+    kill = f"processes.rank == {rank} and os.kill(os.getpid(), signal.SIGKILL)"
+    done = mpi.run(count, "-c", SOLVES.format(step=kill, before=""), timeout=60)
+    assert done.returncode != 0
+    assert "signal 9" in done.stdout + done.stderr
+
+
+@pytest.mark.parametrize("instead", ["processes.total(1.0)", "time.sleep(1000)", "raise SystemExit(0)"])
+def test_who_waits_for_a_process_in_vain_says_so(instead):
+    done = mpi.run(2, "-c", SOLVES.format(step="pass", before=f"if processes.rank: {instead}"), timeout=60)
+    assert done.returncode != 0
+    assert "Only some of 2 processes have called solve within 1 s: all must make the same calls" in done.stderr

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import roughcontact as rc
 import torch
+from roughcontact.errors import NotEnoughMemory
 
 import torchrun
 from roughcontact_torch import (
@@ -189,8 +190,52 @@ def test_a_hardness_that_varies_and_too_many_processes_are_refused_in_words(monk
         make_heights(surface, rc.Grid((32, 32), 32.0), many)
 
 
+def test_the_default_solver_continues_on_the_first_process(tmp_path):
+    heights, grid, material, given = make_case("square_periodic_hard_0")
+    alone = rc.ContactProblem(rc.Body(rc.HeightMap(heights, grid.size), material), boundary=given.pop("boundary"))
+    expected = alone.solve(**given, tolerance=1e-10).contact_pressure
+    script = tmp_path / "continued.py"
+    script.write_text(CONTINUED.format(tests=str(SCRIPT.parent), place=str(tmp_path)))
+    done = torchrun.run(2, script)
+    assert done.returncode == 0, done.stderr
+    numbers = [json.loads((tmp_path / f"{rank}.json").read_text()) for rank in range(2)]
+    assert numbers[0] == numbers[1]
+    assert numbers[0]["status"] == "RESCUED"
+    assert numbers[0]["errors"] > 1
+    assert max(numbers[0]["residuals"]) <= 1e-10
+    pressure = np.concatenate([np.load(tmp_path / f"{rank}.npy") for rank in range(2)])
+    assert np.abs(pressure - expected).max() < 1e-8 * expected.max()
+
+
+CONTINUED = """
+import functools, json, sys
+from pathlib import Path
+sys.path.insert(0, {tests!r})
+import numpy as np
+from roughcontact_torch import MaskedConjugateGradient, Processes, SlabTensor, ending_all, slab_contact
+from slab_cases import make_case
+
+slab_contact.MaskedConjugateGradient = functools.partial(MaskedConjugateGradient, max_iterations=1)
+processes = Processes("cpu")
+with ending_all(processes):
+    heights, grid, material, given = make_case("square_periodic_hard_0")
+    part = SlabTensor.field(heights[processes.own_rows(64)], processes, 64)
+    found = slab_contact.solve_on_slabs(part, grid, material, tolerance=1e-10, **given)
+    residuals = found.residuals
+    numbers = {{"status": found.status.name, "iterations": found.iterations, "errors": len(found.errors)}}
+    numbers["residuals"] = [residuals.complementarity, residuals.penetration, residuals.load]
+    Path({place!r}, f"{{processes.rank}}.json").write_text(json.dumps(numbers))
+    np.save(Path({place!r}, f"{{processes.rank}}.npy"), found.pressure.tensor.numpy())
+"""
+
+
 def test_what_is_not_certified_is_raised_or_returned(monkeypatch):
-    """The default solver, which does not work on slabs, is not asked to continue."""
+    """Where the default solver does not fit into memory it does not continue."""
+
+    def refuse(grid, boundary):
+        raise NotEnoughMemory("That is too much.")
+
+    monkeypatch.setattr(slab_contact, "require_memory_of_solve", refuse)
     hasty = functools.partial(MaskedConjugateGradient, max_iterations=1)
     monkeypatch.setattr(slab_contact, "MaskedConjugateGradient", hasty)
     heights, grid, material, given = make_case("square_periodic_hard_0")
@@ -199,6 +244,12 @@ def test_what_is_not_certified_is_raised_or_returned(monkeypatch):
     assert caught.value.solution.pressure.shape == (64, 64)
     found = solve_on_slabs(slab(heights), grid, material, tolerance=1e-10, throw=False, **given)
     assert found.status is rc.Status.STALLED
+
+
+def test_a_slab_that_does_not_fit_on_its_device_is_refused(monkeypatch):
+    monkeypatch.setattr("roughcontact_torch.processes.available_memory", lambda: 2**16)
+    with pytest.raises(rc.InputError, match=r"32 x 32 cells, boundary free, needs .* KiB of memory for the slab"):
+        solve_on_slabs(slab(ROUGH), 32.0, STEEL, pressure=1e7)
 
 
 @pytest.mark.parametrize("call", [np.fft.rfft2, np.cumsum, np.diff, np.std, lambda values: values[3], lambda x: x.T])

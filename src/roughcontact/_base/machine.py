@@ -27,6 +27,9 @@ S = TypeVar("S")
 T = TypeVar("T")
 # Bytes up to which the available memory is not looked up: that costs up to a millisecond.
 _UNCHECKED_BYTES = 2**24
+# Bytes that suffice where the available memory is not known: those of a solve on 16384 x 16384 cells near full contact
+# (docs/studies/memory.py).
+_ASSUMED_BYTES = 36 * 2**30
 # Address space that threads and libraries reserve without taking memory.
 _RESERVED_BYTES = 2**31
 # A number of bytes in words, and the bytes of each unit.
@@ -81,7 +84,7 @@ def limit_of_memory(value: float | str | None) -> int | None:
 
 
 def require_memory(needed: float, what: str, advice: str | Callable[[int], str], limit: int | None = None) -> None:
-    """Raise `NotEnoughMemory` if `needed` exceeds the memory available to this process, as far as known, or `limit`.
+    """Raise `NotEnoughMemory` if `needed` exceeds the memory available to this process, 36 GiB if unknown, or `limit`.
 
     Parameters
     ----------
@@ -94,10 +97,17 @@ def require_memory(needed: float, what: str, advice: str | Callable[[int], str],
     limit
         Limit set by the user, bytes; None: no limit.
     """
-    available = limit if limit is not None or needed <= _UNCHECKED_BYTES else available_memory()
-    if available is not None and needed > available:
-        process = f"this process may take only {binary(available)} more"
-        there = process if limit is None else f"memory_limit= allows only {binary(limit)}"
+    if limit is None and needed <= _UNCHECKED_BYTES:
+        return
+    known = available_memory() if limit is None else limit
+    available = _ASSUMED_BYTES if known is None else known
+    if needed > available:
+        if limit is not None:
+            there = f"memory_limit= allows only {binary(limit)}"
+        elif known is None:
+            there = f"what this machine has is not known, and {binary(available)} is assumed"
+        else:
+            there = f"this process may take only {binary(available)} more"
         hint = advice if isinstance(advice, str) else advice(available)
         error = NotEnoughMemory(f"{what} needs {binary(needed)} of memory, but {there}: {hint}.")
         error.available = there

@@ -12,11 +12,12 @@ import numpy.typing as npt
 
 from roughcontact._base.arrays import Array, Mask, Pair
 from roughcontact._base.checks import choice, integer, number, pair
+from roughcontact._base.machine import require_memory
 from roughcontact._base.units import si
 from roughcontact.errors import InputError
 
-# Maximum cells of a grid: a solve keeps up to 18 arrays in float64, 36 GiB at this size (docs/studies/memory.py).
-_MAX_CELLS = 2**28
+# Maximum cells of a grid: a field takes 8 TiB. Memory is asked for where fields are made: a process may have a slab.
+_MAX_CELLS = 2**40
 _LOAD_KINDS = {"pressure": ("The mean pressure", "Pa"), "force": ("The force", "N"), "approach": ("The approach", "m")}
 # Note on several loads where the pressure has a limit.
 FIRST_LOADING = "Each load is a first loading, of surfaces not flattened yet (see running in)."
@@ -83,7 +84,7 @@ def grid_shape(value: Sequence[int]) -> tuple[int, int]:
     if nx * ny < 2:
         raise InputError.about("The grid", (nx, ny), "of at least two cells")
     if nx * ny > _MAX_CELLS:
-        raise InputError.about("The grid", (nx, ny), "of at most 2^28 cells, so that a solve fits into memory")
+        raise InputError.about("The grid", (nx, ny), "of at most 2^40 cells, of which a field takes 8 TiB")
     return nx, ny
 
 
@@ -163,6 +164,8 @@ class Grid:
 
 
 def _centres(count: int, size: float) -> Array:
+    # Three arrays while they are computed.
+    require_memory(24.0 * count, f"A row of {count} cells", "choose fewer cells")
     # Twice the offset is an integer, so that mirror images are exact.
     return np.asarray((2 * np.arange(count) + 1 - count) * (0.5 * size / count), dtype=np.float64)
 

@@ -220,6 +220,7 @@ def solve(
     if not isinstance(heights, SlabArray) or not heights.is_divided or heights.ndim != 2:
         raise rc.InputError.about("The heights", heights, "an array in slabs, as read_heights returns it")
     processes = heights.processes
+    processes.meet("solve")
     convolver = SlabFFT(processes, gathers=False)
 
     def require(plan: SolvePlan, grid: rc.Grid) -> None:

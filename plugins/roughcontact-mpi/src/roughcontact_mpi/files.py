@@ -42,6 +42,7 @@ def read_heights(path: str | Path, processes: Processes | None = None, *, unit: 
     part = stored[processes.own_rows(stored.shape[0])].astype(np.float64)
     part *= unit
     heights = SlabArray.field(part, processes, stored.shape[0])
+    processes.meet("read_heights")
     if not np.isfinite(heights).all():
         raise rc.InputError(f"{path} has heights that are not finite: points that were not measured must be filled.")
     return heights

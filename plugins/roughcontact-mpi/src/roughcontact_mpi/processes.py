@@ -13,6 +13,8 @@ from roughcontact.typing import RealArray, SlabProcesses
 
 # Where the mpiexec of MPICH and of Open MPI states the number of processes.
 _STARTED = ("PMI_SIZE", "OMPI_COMM_WORLD_SIZE")
+# Seconds between two looks for the other processes.
+_LOOK = 0.005
 # Seconds from the sentence to the end of the job: mpiexec loses what it has not passed on by then.
 _DELIVERY = 0.3
 
@@ -26,6 +28,8 @@ class Processes(SlabProcesses):
     ----------
     communicator
         A communicator of mpi4py; None: all processes that `mpiexec` has started.
+    patience
+        Seconds for which a process waits at `meet` until all others have come.
 
     Raises
     ------
@@ -35,7 +39,7 @@ class Processes(SlabProcesses):
 
     name = "roughcontact_mpi"
 
-    def __init__(self, communicator: Any = None) -> None:
+    def __init__(self, communicator: Any = None, patience: float = 600.0) -> None:
         if communicator is None:
             try:
                 from mpi4py import MPI
@@ -51,11 +55,24 @@ class Processes(SlabProcesses):
                     "use the mpiexec of that MPI, or install only one."
                 )
         self.communicator = communicator
+        self.patience = patience
         self.rank = communicator.Get_rank()
         self.count = communicator.Get_size()
         # Bytes sent to other processes, and reductions.
         self.sent = 0
         self.reductions = 0
+
+    def meet(self, call: str) -> None:
+        """Wait until all processes have made a call; `InputError` if one does not, for which the others would wait."""
+        arrival = self.communicator.Ibarrier()
+        end = time.monotonic() + self.patience
+        while not arrival.Test():
+            if time.monotonic() > end:
+                raise rc.InputError(
+                    f"Only some of {self.count} processes have called {call} within {self.patience:g} s: all must make "
+                    "the same calls in the same order; if some come later, choose a longer patience=."
+                )
+            time.sleep(_LOOK)
 
     def collect(self, value: Any) -> RealArray:
         """Return a number or an array of each process, of one shape on all, shape (count, ...)."""

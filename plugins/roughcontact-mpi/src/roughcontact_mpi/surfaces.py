@@ -32,6 +32,7 @@ def make_heights(surface: rc.SelfAffineSurface, grid: rc.Grid, processes: Proces
     """
     processes = Processes() if processes is None else processes
     processes.require_random(surface, grid)
+    processes.meet("make_heights")
     nx, ny = grid.shape
     own = processes.own_rows(nx)
     columns = processes.own_columns(ny // 2 + 1)

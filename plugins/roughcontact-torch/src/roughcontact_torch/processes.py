@@ -5,6 +5,7 @@ from __future__ import annotations
 import atexit
 import contextlib
 import itertools
+import math
 import os
 from collections.abc import Iterator, Sequence
 
@@ -12,7 +13,7 @@ import numpy as np
 import roughcontact as rc
 import torch
 import torch.distributed as distributed
-from roughcontact.typing import SlabProcesses
+from roughcontact.typing import SlabProcesses, available_memory
 
 from roughcontact_torch.convolver import TorchFFT
 
@@ -75,6 +76,13 @@ class Processes(SlabProcesses):
             super().end(status)
         # What other processes wait for would hold up the end of this one.
         os._exit(status)
+
+    def memory_left(self) -> float:
+        """Return the memory left for this process on its device, bytes; of processors that of the machine is shared."""
+        if self.device.type == "cuda":
+            return float(torch.cuda.mem_get_info(self.device)[0])
+        left = available_memory()
+        return math.inf if left is None else left / int(os.environ.get("LOCAL_WORLD_SIZE", "1"))
 
     def reduce(self, values: torch.Tensor, operation: str = "sum") -> torch.Tensor:
         """Return the sum of a tensor over all processes, or its ``"highest"`` or ``"lowest"`` values; it is changed."""

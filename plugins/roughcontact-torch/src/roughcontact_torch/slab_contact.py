@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Sequence
 from typing import Any, cast
 
@@ -9,7 +10,19 @@ import attrs
 import numpy as np
 import roughcontact as rc
 import torch
-from roughcontact.typing import Load, SolvePlan, Step, plan_slabs, solve_slabs
+from roughcontact.errors import NotEnoughMemory
+from roughcontact.typing import (
+    Load,
+    Outcome,
+    SolvePlan,
+    Step,
+    Task,
+    binary,
+    bind_kernel,
+    plan_slabs,
+    require_memory_of_solve,
+    solve_slabs,
+)
 
 from roughcontact_torch.masked import MaskedConjugateGradient
 from roughcontact_torch.processes import Processes
@@ -92,8 +105,8 @@ def solve_on_slabs(
     InputError
         If something does not fit together, or the bodies cannot carry the load.
     NotConverged
-        If the solution is not certified and `throw` is true: the default solver, which continues elsewhere, does not
-        work on slabs.
+        If the solution is not certified and `throw` is true. Where the error no longer falls, the default solver
+        continues on the processor of the first process, if its memory suffices.
     """
     load = Load.of(pressure=pressure, force=force, approach=approach)
     if isinstance(heights, rc.Surface):
@@ -106,6 +119,7 @@ def solve_on_slabs(
     def require(plan: SolvePlan, grid: rc.Grid) -> None:
         convolver.require(plan.kernel, plan.boundary)
         own.require(grid.shape)
+        _require_memory(own, grid, plan.boundary)
 
     scene, plan = plan_slabs(
         heights,
@@ -121,7 +135,63 @@ def solve_on_slabs(
     )
     # The plan has the gap.
     del heights
-    return solve_slabs(SlabSolution, scene, plan, load, on_step=on_step, throw=throw)
+    return solve_slabs(SlabSolution, scene, plan, load, on_step=on_step, throw=throw, rescue=_continue_on_one)
+
+
+def _continue_on_one(scene: rc.ContactProblem, plan: SolvePlan, task: Task, stalled: Outcome) -> Outcome:
+    """Return the outcome of the default solver on the first process, from a descent that did not end, on slabs.
+
+    If it does not fit into the memory there, that of the descent is returned.
+    """
+    field = cast(SlabTensor, cast(Any, stalled.pressure))
+    processes = field.processes
+    fits = 1
+    if processes.rank == 0:
+        try:
+            require_memory_of_solve(plan.grid, plan.boundary)
+        except NotEnoughMemory:
+            fits = 0
+    if processes.total(fits) != processes.count:
+        return stalled
+    gap, start = (_gather(cast(SlabTensor, cast(Any, one))) for one in (task.initial_gap, stalled.pressure))
+    found = stalled
+    sent = field.tensor.new_empty(0)
+    if gap is not None:
+        given = start if stalled.status is rc.Status.STALLED else None
+        convolution = scene.plan.convolver.prepare(bind_kernel(plan), plan.grid, plan.boundary)
+        found = scene.plan.solver.solve(convolution, attrs.evolve(task, initial_gap=gap, start=given))
+        sent = torch.tensor(found.pressure, dtype=field.tensor.dtype, device=processes.device).reshape(-1)
+    first = processes.rank == 0
+    nx, ny = plan.grid.shape
+    counts = [ny * (stop - start) if first else 0 for start, stop in itertools.pairwise(processes.rows(nx))]
+    rows = processes.exchange(sent, counts, [0 if other else field.tensor.numel() for other in range(processes.count)])
+    statuses = list(rc.Status)
+    own = (statuses.index(found.status), found.iterations, found.convolutions, len(found.errors))
+    number, iterations, convolutions, length = (int(one) for one in processes.total(np.array(own) * first))
+    errors = processes.total(np.array(found.errors) if first else np.zeros(length))
+    status = statuses[number]
+    return attrs.evolve(
+        stalled,
+        pressure=cast(Any, SlabTensor.field(rows.reshape(field.tensor.shape), processes, nx)),
+        status=rc.Status.RESCUED if status is rc.Status.CONVERGED else status,
+        iterations=stalled.iterations + iterations,
+        convolutions=stalled.convolutions + convolutions,
+        errors=stalled.errors + tuple(float(one) for one in errors),
+    )
+
+
+def _require_memory(processes: Processes, grid: rc.Grid, boundary: rc.Boundary) -> None:
+    """Refuse a contact of which the slab of a process does not fit on its device, on all processes."""
+    own = processes.own_rows(grid.shape[0])
+    arrays = MaskedConjugateGradient().memory_arrays(boundary)
+    needed = processes.across(np.maximum, 8.0 * arrays * (own.stop - own.start) * grid.shape[1])
+    left = processes.across(np.minimum, processes.memory_left())
+    if needed > left:
+        raise NotEnoughMemory(
+            f"A solve on {' x '.join(map(str, grid.shape))} cells, boundary {boundary}, needs {binary(needed)} of "
+            f"memory for the slab of a process, but a device has only {binary(left)} left: start more processes, each "
+            "with a device, or choose fewer cells."
+        )
 
 
 def make_heights(surface: rc.SelfAffineSurface, grid: rc.Grid, processes: Processes | None = None) -> SlabTensor:

@@ -24,7 +24,7 @@ from roughcontact._solve.problem.problem import ContactProblem
 from roughcontact._solve.problem.run import Certificate, certify, confirm, require_certified
 from roughcontact._solve.problem.task import bind_kernel, make_task
 from roughcontact._solve.solution import ContactSolution, GridLevel, Origin, Residuals, Status
-from roughcontact._solve.solvers import Outcome, ProjectedConjugateGradient, Solver, Step, halve_shape
+from roughcontact._solve.solvers import Outcome, ProjectedConjugateGradient, Solver, Step, Task, halve_shape
 from roughcontact.errors import InputError, NotConverged, RoughContactError, UnexpectedError
 from roughcontact.errors.door import guarded
 
@@ -330,6 +330,7 @@ def solve_slabs(
     *,
     on_step: Callable[[Step], None] | None = None,
     throw: bool = True,
+    rescue: Callable[[ContactProblem, SolvePlan, Task, Outcome], Outcome] | None = None,
 ) -> Any:
     """Return the certified solution of a plan of heights in slabs; all processes must call it.
 
@@ -341,6 +342,9 @@ def solve_slabs(
         The problem; see `plan_slabs`.
     load, on_step, throw
         As of `ContactProblem.solve`.
+    rescue
+        Called where the solver did not succeed, with the problem, the dimensionless task and what was found; returns
+        what is to be certified instead.
 
     Raises
     ------
@@ -366,6 +370,8 @@ def solve_slabs(
     convolution = plan.convolver.prepare(bind_kernel(plan), plan.grid, plan.boundary)
     task = attrs.evolve(make_task(plan, plan.initial_gap, load), on_step=on_step)
     outcome = plan.solver.solve(convolution, task)
+    if rescue is not None and not outcome.status.success:
+        outcome = rescue(scene, plan, task, outcome)
     certificate = confirm(plan, convolution, task, outcome)
     solution = kind(
         **SolveRecord.numbers_of(load, outcome, certificate, started),
