@@ -6,6 +6,7 @@ import pytest
 import roughcontact as rc
 import torch
 from hypothesis import given, settings
+from hypothesis import strategies as st
 from roughcontact.testing import claims
 from roughcontact.typing import Load, make_task
 
@@ -217,6 +218,47 @@ def test_surfaces_that_are_solved_at_once():
         expected = ours.solve(pressure=1e7)
         assert np.abs(one.pressure - expected.pressure).max() < 1e-3 * expected.pressure.max()
         ours.verify(one)
+
+
+GEOMETRIES = [
+    ((128, 16), (128.0, 16.0)),
+    ((16, 128), (16.0, 128.0)),
+    ((40, 40), (40.0, 120.0)),
+    ((40, 40), (120.0, 40.0)),
+    ((37, 37), (37.0, 37.0)),
+    ((45, 63), (63.0, 45.0)),
+]
+
+
+@given(
+    st.integers(0, 10**6),
+    st.sampled_from(GEOMETRIES),
+    st.sampled_from([*rc.Boundary]),
+    st.lists(st.floats(-3.0, 0.3), min_size=2, max_size=4),
+    st.booleans(),
+)
+@settings(max_examples=30, deadline=None)
+def test_contacts_that_are_solved_at_once_on_any_domain(seed, geometry, boundary, loads, own_surfaces):
+    shape, size = geometry
+    random = np.random.default_rng(seed)
+    body = rc.Body(rc.HeightMap(random.normal(size=shape), size=size, periodic=True), rc.Elastic(1.0, 0.0))
+    parts = {"boundary": boundary, **tensors(tolerance=1e-8)}
+    first = rc.ContactProblem(body, **parts)
+    problems = [first] * len(loads)
+    if own_surfaces:
+        maps = (rc.HeightMap(random.normal(size=shape), size=size, periodic=True) for _ in loads)
+        problems = [rc.ContactProblem(rc.Body(one, rc.Elastic(1.0, 0.0)), **parts) for one in maps]
+    pressures = [10.0**load for load in loads]
+    singles = [one.solve(pressure=load) for one, load in zip(problems, pressures, strict=True)]
+    found = solve_at_once(problems if own_surfaces else first, pressures)
+    for expected, one in zip(singles, found, strict=True):
+        assert one.status.success
+        assert abs(np.count_nonzero(one.contact) - np.count_nonzero(expected.contact)) <= 1
+        assert np.abs(one.pressure - expected.pressure).max() < 1e-5 * expected.pressure.max()
+    if all(one.status is rc.Status.CONVERGED for one in (*singles, *found)):
+        # All go on until the last one is solved.
+        assert {one.iterations for one in found} == {found[0].iterations}
+        assert abs(found[0].iterations - max(one.iterations for one in singles)) <= 4
 
 
 def test_what_cannot_be_solved_at_once_is_refused_in_words():
