@@ -197,6 +197,7 @@ HELD_OUT = {
     "cut-outs, roll-off at 1": Kind(0.7, 1.0, "free", degree=2),
     "cut-outs, roll-off at 1/4": Kind(0.5, 0.25, "free", degree=1),
     "cut-outs with a lay": Kind(0.8, 0.25, "free", degree=2, peklenik=3.0, lay=0.3),
+    "cut-outs with a lay, roll-off at 2": Kind(0.8, 2.0, "free", degree=2, peklenik=4.0, lay=1.4),
     "cut-outs, roll-off at 4": Kind(0.8, 4.0, "free", degree=2),
 }
 TUNED |= {
@@ -219,6 +220,10 @@ TUNED_UNEVEN = {
     "scratches, cut-outs": SMALL(0.6, 0.25, "free", degree=2, scratches=4),
     "lay, modulated over 1/3": SMALL(0.7, 0.25, "free", peklenik=4.0, lay=0.3, modulation=0.3, patch=1 / 3),
     "grooves, modulated over 1/3": SMALL(0.7, 0.25, "free", degree=1, grooves=9, modulation=0.3, patch=1 / 3),
+    "marks over 1/6, oblique": SMALL(
+        0.6, 0.25, "free", degree=1, peklenik=8.0, lay=0.4, modulation=0.35, patch=1 / 6
+    ),
+    "marks over 1/4": SMALL(0.8, 0.25, peklenik=6.0, lay=math.pi / 2, modulation=0.35, patch=1 / 4),
     "worn": SMALL(0.5, 0.25, skewed=True),
     "worn, cut-outs": SMALL(0.8, 0.25, "free", degree=1, skewed=True),
     "plateaus over 1/3": SMALL(0.7, 0.25, skewed=True, modulation=0.4, patch=1 / 3),
@@ -237,6 +242,16 @@ HELD_OUT_UNEVEN = {
         0.7, 0.25, "free", shape=(80, 160), size=(1.0, 2 / 3), modulation=0.3, patch=1 / 4
     ),
     "lay, modulated over 1/4": SMALL(0.7, 0.125, "free", peklenik=3.0, modulation=0.3, patch=1 / 4),
+    "marks over 1/5, cut-outs": SMALL(
+        0.7, 0.25, "free", degree=2, peklenik=10.0, lay=1.5, modulation=0.4, patch=1 / 5
+    ),
+    "marks over 1/3, oblique": SMALL(0.6, 0.25, "free", peklenik=6.0, lay=0.9, modulation=0.3, patch=1 / 3),
+    "marks over 1/5, cells 1:3": Kind(
+        0.6, 0.25, shape=(81, 161), size=(1.0, 2 / 3), peklenik=8.0, lay=math.pi / 2, modulation=0.4, patch=1 / 5
+    ),
+    "marks over 1/8, 1:8": Kind(
+        0.6, 0.125, "free", shape=(32, 256), size=(0.125, 1.0), peklenik=6.0, modulation=0.4, patch=1 / 8
+    ),
     "plateaus and scratches, cut-outs": SMALL(
         0.7, 0.25, "free", degree=2, skewed=True, modulation=0.3, patch=1 / 2, scratches=3
     ),
