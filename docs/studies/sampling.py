@@ -220,9 +220,7 @@ TUNED_UNEVEN = {
     "scratches, cut-outs": SMALL(0.6, 0.25, "free", degree=2, scratches=4),
     "lay, modulated over 1/3": SMALL(0.7, 0.25, "free", peklenik=4.0, lay=0.3, modulation=0.3, patch=1 / 3),
     "grooves, modulated over 1/3": SMALL(0.7, 0.25, "free", degree=1, grooves=9, modulation=0.3, patch=1 / 3),
-    "marks over 1/6, oblique": SMALL(
-        0.6, 0.25, "free", degree=1, peklenik=8.0, lay=0.4, modulation=0.35, patch=1 / 6
-    ),
+    "marks over 1/6, oblique": SMALL(0.6, 0.25, "free", degree=1, peklenik=8.0, lay=0.4, modulation=0.35, patch=1 / 6),
     "marks over 1/4": SMALL(0.8, 0.25, peklenik=6.0, lay=math.pi / 2, modulation=0.35, patch=1 / 4),
     "worn": SMALL(0.5, 0.25, skewed=True),
     "worn, cut-outs": SMALL(0.8, 0.25, "free", degree=1, skewed=True),
@@ -242,9 +240,7 @@ HELD_OUT_UNEVEN = {
         0.7, 0.25, "free", shape=(80, 160), size=(1.0, 2 / 3), modulation=0.3, patch=1 / 4
     ),
     "lay, modulated over 1/4": SMALL(0.7, 0.125, "free", peklenik=3.0, modulation=0.3, patch=1 / 4),
-    "marks over 1/5, cut-outs": SMALL(
-        0.7, 0.25, "free", degree=2, peklenik=10.0, lay=1.5, modulation=0.4, patch=1 / 5
-    ),
+    "marks over 1/5, cut-outs": SMALL(0.7, 0.25, "free", degree=2, peklenik=10.0, lay=1.5, modulation=0.4, patch=1 / 5),
     "marks over 1/3, oblique": SMALL(0.6, 0.25, "free", peklenik=6.0, lay=0.9, modulation=0.3, patch=1 / 3),
     "marks over 1/5, cells 1:3": Kind(
         0.6, 0.25, shape=(81, 161), size=(1.0, 2 / 3), peklenik=8.0, lay=math.pi / 2, modulation=0.4, patch=1 / 5
@@ -384,8 +380,9 @@ GROUPS = {
     "below a ball": [name for name, kind in HELD_OUT.items() if kind.ball],
     "scratches": ["scratches"],
     "changing over up to a third of a side": [
-        name for name, kind in HELD_OUT_UNEVEN.items() if kind.modulation and kind.patch < 0.4
+        name for name, kind in HELD_OUT_UNEVEN.items() if kind.modulation and kind.patch < 0.4 and kind.peklenik == 1.0
     ],
+    "changing across a lay": [name for name, kind in HELD_OUT_UNEVEN.items() if kind.peklenik > 1.0],
     "changing over a half to a side": [
         name for name, kind in HELD_OUT_UNEVEN.items() if kind.modulation and 0.4 < kind.patch < 1.5
     ],
