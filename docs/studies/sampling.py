@@ -1,7 +1,7 @@
 """Whether the sampling errors hold: answers at many places of rough surfaces, beside what each place states.
 
 Writes the table of docs/understand/area.md. With the folder of measured maps, cut-outs of these are judged as well;
-one of them helped to set the constants.
+the third helped to set the constants, the second led to the strips along a lay, whose numbers were set without it.
 
     python docs/studies/sampling.py [tuned | held-out [FOLDER [CLASS]]]     # 4 minutes each
 """
@@ -373,10 +373,10 @@ def make_rows(split: str = "held-out", folder: str | None = None, named: str = "
 
 GROUPS = {
     "periodic": [name for name, kind in HELD_OUT.items() if kind.boundary == "periodic"],
-    "free along one axis or both": [
+    "free": [
         name for name, kind in HELD_OUT.items() if kind.boundary != "periodic" and kind.degree is None and not kind.ball
     ],
-    "cut-outs of a larger surface": [name for name, kind in HELD_OUT.items() if kind.degree is not None],
+    "cut-outs": [name for name, kind in HELD_OUT.items() if kind.degree is not None],
     "below a ball": [name for name, kind in HELD_OUT.items() if kind.ball],
     "scratches": ["scratches"],
     "changing over up to a third of a side": [
@@ -388,7 +388,7 @@ GROUPS = {
     ],
     "changing over two sides": [name for name, kind in HELD_OUT_UNEVEN.items() if kind.patch > 1.5],
     **{
-        f"cut-outs of a measured map, {label}": [f"cut-outs of a measured map, {label}, {side} cells" for side in sides]
+        f"measured map, {label}": [f"cut-outs of a measured map, {label}, {side} cells" for side in sides]
         for label, (_, sides) in MEASURED.items()
     },
     "all but the tuned": ["all"],
