@@ -13,6 +13,7 @@ from scipy import special
 
 import roughcontact as rc
 from roughcontact._solve.solution import list_answers, sampling
+from roughcontact.reference.roughness import transform_waves
 
 STEEL = rc.Elastic(young=210e9, poisson=0.3)
 SLOPE = 0.1
@@ -87,6 +88,38 @@ def test_two_summits_do_not_tell_how_others_differ():
     solution = press(draw((64, 64), 64e-6, 1, 64e-6, 16e-6), 64e-6, ratio=1e-4)
     assert solution.patches.count < 3
     assert "too few summits" in str(solution)
+
+
+def vary_across(rough, direction, slopes):
+    """Return the variance told by strips, at a pressure that is alike everywhere, of a lay across a direction."""
+    x, y = rough.grid.x / rough.grid.size[0], rough.grid.y / rough.grid.size[1]
+    lay = transform_waves(np.cos(6.0 * np.pi * (direction[0] * x + direction[1] * y)), rough.grid)
+    even = attrs.evolve(rough, pressure=np.ones(rough.grid.shape))
+    window = sampling._find_window(even)
+    return sampling._vary_across_lay(even, window, lay, slopes, np.ones(slopes.shape, dtype=bool), 0.0)
+
+
+@pytest.mark.parametrize("steps", [np.arange(1.0, 9.0), np.array([1.0, 8.0, 2.0, 7.0, 1.0, 9.0, 1.0, 8.0])])
+def test_slopes_of_strips_along_a_lay_tell_the_variance_across_it(rough, steps):
+    means = [steps.reshape(count, -1).mean(axis=1) for count in (2, 4, 8)]
+    expected = max(np.var(one, ddof=1) / one.size for one in means) / steps.mean() ** 2
+    slopes = np.broadcast_to(np.repeat(steps, 8)[:, None], (64, 64))
+    assert vary_across(rough, (1, 0), slopes) == pytest.approx(expected, rel=1e-6)
+    assert vary_across(rough, (0, 1), slopes.T) == pytest.approx(expected, rel=1e-6)
+    assert vary_across(rough, (0, 1), slopes) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_strips_follow_an_oblique_lay(rough):
+    i, j = np.indices((64, 64))
+    slopes = 1.0 + (i + j) // 16
+    assert vary_across(rough, (1, 1), slopes) > 20.0 * vary_across(rough, (1, -1), slopes)
+
+
+def test_few_marks_of_a_lay_are_said(rough):
+    marks = 8e-7 * np.cos(6.0 * np.pi * np.arange(64) / 64)[:, None]
+    solution = press(draw((64, 64), 64e-6, 1, 16e-6, 4e-6) + marks, 64e-6)
+    assert "few marks of the lay" in " ".join(str(solution).split())
+    assert "few marks" not in str(rough)
 
 
 def test_pressures_that_spread_tell_of_steep_summits(rough):

@@ -309,9 +309,13 @@ def find_shape(heights: Array) -> tuple[float, float]:
     return third / second**1.5, fourth / second**2
 
 
-def find_lay(waves: Waves) -> float:
-    """Return the ratio of the larger to the smaller rms slope along two perpendicular directions; 1 if isotropic."""
+def find_lay(waves: Waves) -> tuple[float, float]:
+    """Return the ratio of the larger to the smaller rms slope along two perpendicular directions, 1 if isotropic.
+
+    And the direction of the larger one, from x, rad.
+    """
     xx, yy, xy = (waves.sum(weight) for weight in (waves.qx**2, waves.qy**2, waves.qx * waves.qy))
     middle = 0.5 * (xx + yy)
     half = math.hypot(0.5 * (xx - yy), xy)
-    return math.sqrt((middle + half) / max(middle - half, 1e-12 * middle))
+    ratio = math.sqrt((middle + half) / max(middle - half, 1e-12 * middle))
+    return ratio, 0.5 * math.atan2(2.0 * xy, xx - yy)

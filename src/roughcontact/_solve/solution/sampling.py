@@ -9,7 +9,7 @@ import attrs
 import numpy as np
 from scipy import special
 
-from roughcontact._base.arrays import Array, IntArray
+from roughcontact._base.arrays import Array, IntArray, Mask
 from roughcontact._parts.grid import Grid, extend
 from roughcontact._parts.surfaces import FlatSurface, polynomial
 from roughcontact.reference.roughness import Waves, find_lay, transform_waves
@@ -31,6 +31,8 @@ _DEPENDENCE = 2.0
 # Parts of a square domain along each side whose slopes show whether the roughness changes from place to place, and
 # factors: the largest parts show it best, but as they are four they may be alike by chance.
 _PART_FACTORS = {2: 10.0, 4: 20.0}
+# Numbers of strips along a lay whose slopes show whether the roughness changes across it.
+_STRIPS = (2, 4, 8)
 # Cells along a side from which slopes are taken at most.
 _SAMPLED_CELLS = 192
 # Multiple of the variance of the slopes of a Gaussian surface that passes for chance.
@@ -48,6 +50,9 @@ _PEAK_UNEVENNESS = 1.3
 # Unevenness, and number of summits in contact, from which on the numbers are not relied on.
 _MAX_UNEVENNESS = 0.25
 _MIN_PATCHES = 3
+# Error of the mean square height, and ratio of slopes across and along a lay, from which on few of its marks are known.
+_FEW_WAVES = 0.4
+_MIN_LAY_RATIO = 1.5
 # Factors of the standard deviation of the stiffness: of the error of the mean square height, and of the tiles.
 _STIFFNESS_FACTORS = (0.65, 1.5)
 # Maximum relative error of the mean square height that counts, and maximum ratio of slopes across and along a lay.
@@ -157,6 +162,8 @@ def find_sampling_warning(solution: ContactSolution) -> str:
         return ""
     if found.unevenness > _MAX_UNEVENNESS:
         return "the roughness changes along the map, places far away may differ more"
+    if found.height > _FEW_WAVES and found.lay > _MIN_LAY_RATIO:
+        return "few marks of the lay cross the map, so that places far away may be rougher or smoother"
     if solution.patches.count < _MIN_PATCHES and not solution.contact.all():
         return "too few summits touch to tell how much others differ"
     return ""
@@ -171,7 +178,7 @@ def find_place_statistics(solution: ContactSolution) -> PlaceStatistics | None:
     if waves is None:
         return None
     height = min(waves.spread(1.0) / waves.sum(1.0), _MAX_HEIGHT_ERROR)
-    lay = min(find_lay(waves), _MAX_LAY_RATIO)
+    lay = min(find_lay(waves)[0], _MAX_LAY_RATIO)
     elasticity = _find_elasticity(solution.patches.members.size / (window.shape[0] * window.shape[1]))
     tiles = _compare_tiles(solution, window, elasticity) * lay**_TILE_LAY_EXPONENT
     return PlaceStatistics(tiles, elasticity, height, lay, _find_unevenness(solution, window, waves))
@@ -250,8 +257,9 @@ def _find_unevenness(solution: ContactSolution, window: _Window, waves: Waves) -
     .. math:: s_n^2 = \sum F^2 \left(\frac{\operatorname{var} m}{\bar m^2} - n v\right)
 
     more than on a Gaussian surface, v for the whole, if the parts were independent. They are not where larger parts
-    vary more; those weigh more then, because the whole varies more again. Few steep summits have two other signs:
-    pressures that spread more than those of a Gaussian surface, and a contact smaller than its.
+    vary more; those weigh more then, because the whole varies more again. Along a lay they are not either: there the
+    parts are strips. Few steep summits have two other signs: pressures that spread more than those of a Gaussian
+    surface, and a contact smaller than its.
     """
     heights, slopes = _sample_slopes(solution, window)
     square = float(slopes.mean())
@@ -263,7 +271,7 @@ def _find_unevenness(solution: ContactSolution, window: _Window, waves: Waves) -
     usual = (1.0 + _USUAL_EXCESS * (1.0 - fraction) ** 2) * math.erf(math.sqrt(2.0) * load)
     steep = max(math.log(usual / fraction), 0.0)
     spread = max(math.log(float(np.mean(pressures**2)) / (_USUAL_SPREAD * float(pressures.mean()) ** 2)), 0.0)
-    chance = _CHANCE * _find_chance(solution, window, waves, square)
+    chance = _find_chance(solution, window, waves, square)
     # The contact knows only the upper half.
     upper = heights < heights.mean()
     slopes *= upper
@@ -276,14 +284,55 @@ def _find_unevenness(solution: ContactSolution, window: _Window, waves: Waves) -
         known = _sum_tiles(upper.astype(np.float64), counts)
         part = np.divide(_sum_tiles(slopes, counts), mean * known, out=np.ones(counts), where=known > 0.0)
         loads, _ = _share(solution, window, per_side)
-        return float(np.sum(loads**2)) * max(float(np.var(part, ddof=1)) - part.size * chance, 0.0)
+        return _find_excess(loads, part, _CHANCE * chance)
 
     tiles = vary(_TILES)
     long = max(factor * (vary(per_side) - tiles) for per_side, factor in _PART_FACTORS.items())
     # Slopes of the map tell little of summits that are much blunter.
     relevance = min(1.0, _BLUNT_AREA * usual / fraction)
-    changes = 0.5 * math.sqrt(relevance**2 * tiles + max(long, 0.0))
+    across = _vary_across_lay(solution, window, waves, slopes, upper, chance)
+    changes = 0.5 * math.sqrt(max(relevance**2 * tiles + max(long, 0.0), across))
     return math.hypot(changes, _SPREAD_FACTOR * spread, _STEEP_FACTOR * steep)
+
+
+def _find_excess(loads: Array, part: Array, chance: float) -> float:
+    """Return the variance of the mean square slope in contact, by parts and their loads, beyond that by chance."""
+    return float(np.sum(loads**2)) * max(float(np.var(part, ddof=1)) - part.size * chance, 0.0)
+
+
+def _vary_across_lay(
+    solution: ContactSolution, window: _Window, waves: Waves, slopes: Array, upper: Mask, chance: float
+) -> float:
+    """Return the variance of the mean square slope in contact by strips along the lay, beyond that by chance.
+
+    `slopes` are those of the `upper` cells, of every so many of the window; without a lay there is none.
+    """
+    across, direction = find_lay(waves)
+    unit = (math.cos(direction), math.sin(direction))
+    start = sum(min(part, 0.0) * side for part, side in zip(unit, window.size, strict=True))
+    width = sum(abs(part) * side for part, side in zip(unit, window.size, strict=True))
+
+    def number(i: IntArray, j: IntArray, count: int) -> IntArray:
+        """Return in which of the strips cells of the window lie."""
+        x, y = ((k + 0.5) / n * side for k, n, side in zip((i, j), window.shape, window.size, strict=True))
+        place = (unit[0] * x + unit[1] * y - start) / width
+        return np.minimum((place * count).astype(np.intp), count - 1)
+
+    rows, columns = (np.arange(0, n, math.ceil(n / _SAMPLED_CELLS)) for n in window.shape)
+    members = solution.patches.members
+    i, j = np.divmod(members, solution.grid.shape[1])
+    pressures = solution.pressure.ravel()[members]
+    mean = float(slopes.sum()) / np.count_nonzero(upper)
+    found = []
+    for count in _STRIPS:
+        strip = number(rows[:, np.newaxis], columns, count).ravel()
+        known = np.bincount(strip, weights=upper.ravel(), minlength=count)
+        sums = np.bincount(strip, weights=slopes.ravel(), minlength=count)
+        part = np.divide(sums, mean * known, out=np.ones(count), where=known > 0.0)
+        touching = number(i - window.first[0], j - window.first[1], count)
+        loads = np.bincount(touching, weights=pressures / pressures.sum(), minlength=count)
+        found.append(_find_excess(loads, part, chance))
+    return (1.0 - across**-2) * max(found)
 
 
 def _sample_slopes(solution: ContactSolution, window: _Window) -> tuple[Array, Array]:

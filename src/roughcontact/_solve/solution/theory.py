@@ -173,4 +173,4 @@ def _is_resolved(waves: Waves, grid: Grid) -> bool:
     cell = max(grid.spacing) / grid.spacing[0]
     short = waves.sum(np.where(square > (0.5 * np.pi / cell) ** 2 * (1.0 + 1e-9), square, 0.0))
     few = waves.spread(1.0) > _MAX_HEIGHT_ERROR * waves.sum(1.0) or waves.spread(square) > _MAX_SLOPE_ERROR * slope
-    return not few and short <= _MAX_UNRESOLVED_FRACTION * slope and find_lay(waves) <= _MAX_LAY_RATIO
+    return not few and short <= _MAX_UNRESOLVED_FRACTION * slope and find_lay(waves)[0] <= _MAX_LAY_RATIO
