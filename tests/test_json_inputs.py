@@ -16,6 +16,7 @@ PROBLEM = {
     "kernel": "rc.Love()",
     "convolver": "rc.DCFFT()",
     "solver": "rc.ProjectedConjugateGradient()",
+    "tolerance": 1e-5,
     "body": {
         "surface": "<HeightMap 24 x 24 cells on 100 µm x 100 µm>",
         "material": "rc.Elastic(young=210e9, poisson=0.3)",

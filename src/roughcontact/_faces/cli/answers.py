@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import io
-import json
-import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
@@ -12,14 +10,20 @@ from typing import Any
 
 import roughcontact as rc
 from roughcontact._base import checks
+from roughcontact._base.archive import replacing
 from roughcontact._base.tables import Table
 from roughcontact._base.units import fit, si, without_reasons
-from roughcontact._faces.cli.inputs import describe_grid, describe_value, find_inputs
 from roughcontact._faces.panels.figures import save_figure
 from roughcontact._faces.panels.theme import require_matplotlib
-from roughcontact._solve.problem import Sweep, make_table
+from roughcontact._solve.problem import (
+    Sweep,
+    describe_estimate,
+    describe_solution,
+    find_versions,
+    format_json,
+    make_table,
+)
 from roughcontact._solve.solution import (
-    describe_other_places,
     gather_warnings,
     list_estimates,
     list_quantities,
@@ -32,13 +36,15 @@ from roughcontact._work.studies import (
     describe_answers_elsewhere,
     list_answer_warnings,
     tabulate_answers,
+    write_report,
 )
 
 _NONE: Answers = MappingProxyType({})
 # Width of the label of a line, as `print(solution)` has it.
 _LABEL_WIDTH = 18
-_RESIDUALS = ("complementarity", "penetration", "load", "tension")
 PICTURES = frozenset({".png", ".svg", ".pdf"})
+# Endings of files that hold answers of responses too.
+LATE = frozenset({".html", ".json"})
 
 
 def to_json(
@@ -59,52 +65,14 @@ def to_json(
     if answers:
         for position, one in enumerate(described):
             one["responses"] = {name: describe_result(found[position]) for name, found in answers.items()}
-    return write_json(described[0] if len(described) == 1 else {"solutions": described})
+    if len(described) == 1:
+        return format_json({**described[0], "versions": find_versions(solutions[0])})
+    return write_json({"solutions": described})
 
 
 def write_json(content: dict[str, Any]) -> str:
     """Return data as one JSON object, with the versions of the packages; null for numbers that JSON does not have."""
-    return json.dumps(_finite({**content, "versions": versions()}), indent=2, allow_nan=False, ensure_ascii=False)
-
-
-def describe_solution(solution: rc.ContactSolution, estimator: str | None = None) -> dict[str, Any]:
-    """Return a solution as data that JSON can hold, with the area of one more estimator if it is named."""
-    accuracy = solution.accuracy
-    area = solution.area()
-    peak = solution.peak_pressure()
-    return {
-        "status": solution.status.name,
-        "converged": solution.status.success,
-        "area": _area(area),
-        **({} if estimator is None else {"other_area": _area(solution.area(estimator))}),
-        "peak_pressure": describe_estimate(peak),
-        "force": describe_value(solution.force, "N"),
-        "mean_pressure": describe_value(solution.mean_pressure, "Pa"),
-        "approach": describe_value(solution.approach, "m"),
-        **({} if solution.tension is None else {"attractive_area": _area(solution.attractive_area())}),
-        "saturated_area": _area(solution.saturated_area()) if solution.capped else None,
-        "contact_modulus": describe_value(solution.modulus, "Pa"),
-        "other_places": describe_other_places(solution, {"contact area": area, "maximum pressure": peak}) or None,
-        "warnings": list(solution.warnings),
-        "accuracy": None if accuracy is None else {"met": accuracy.met, "message": str(accuracy)},
-        "residuals": {name: getattr(solution.residuals, name) for name in _RESIDUALS},
-        "inputs": find_inputs([solution]),
-        "grid": describe_grid(solution.grid),
-        "boundary": str(solution.boundary),
-        "cost": {name: getattr(solution, name) for name in ("iterations", "convolutions", "seconds")},
-    }
-
-
-def describe_estimate(found: rc.Estimate) -> dict[str, Any]:
-    """Return an estimate as data that JSON can hold."""
-    sampling = found.sampling
-    return {
-        "value": float(found.value),
-        "uncertainty": float(found.uncertainty),
-        **({} if sampling is None else {"sampling": float(sampling)}),
-        "unit": found.unit,
-        "warnings": list(found.warnings),
-    }
+    return format_json({**content, "versions": versions()})
 
 
 def describe_rows(table: Table) -> list[dict[str, Any]]:
@@ -117,19 +85,6 @@ def _plain(value: Any) -> Any:
     if isinstance(value, rc.Estimate):
         return describe_estimate(value)
     return value.item() if hasattr(value, "item") else value
-
-
-def _area(area: rc.Area) -> dict[str, Any]:
-    return {**describe_estimate(area), "fraction": float(area.fraction), "estimator": area.estimator}
-
-
-def _finite(value: Any) -> Any:
-    """Return data with None for numbers that JSON does not have."""
-    if isinstance(value, dict):
-        return {name: _finite(item) for name, item in value.items()}
-    if isinstance(value, list):
-        return [_finite(item) for item in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def to_csv(solutions: Sequence[rc.ContactSolution], estimator: str | None = None, answers: Answers = _NONE) -> str:
@@ -295,15 +250,28 @@ def plan_picture(text: str, others: Sequence[str] = ()) -> Path:
     return path
 
 
+def write_late(
+    files: Sequence[Path],
+    solutions: Sequence[rc.ContactSolution],
+    estimator: str | None,
+    answers: Answers,
+    asked: Mapping[str, Any],
+) -> None:
+    """Write the files that hold answers of responses too: reports, and what ``--json`` prints."""
+    for path in files:
+        if path.suffix == ".html":
+            write_report(solutions, path, answers)
+            continue
+        with replacing(path) as partial:
+            partial.write_text(f"{to_json(solutions, estimator, answers, asked)}\n", encoding="utf-8")
+
+
 def write_outputs(files: Sequence[Path], subject: Any, solutions: Sequence[rc.ContactSolution]) -> list[Path]:
-    """Return the files that were written: solutions (several with their numbers), pictures and reports."""
+    """Return the files that were written: solutions (several with their numbers) and pictures."""
     written = []
     for path in files:
-        if path.suffix in PICTURES or path.suffix == ".html":
-            if path.suffix == ".html":
-                subject.to_html(path)
-            else:
-                save_figure(subject.plot(), path)
+        if path.suffix in PICTURES:
+            save_figure(subject.plot(), path)
             written.append(path)
             continue
         for target, solution in zip(_numbered(path, len(solutions)), solutions, strict=True):

@@ -13,7 +13,6 @@ import roughcontact as rc
 from roughcontact._base.tables import Table
 from roughcontact._base.units import fit, si
 from roughcontact._faces.cli.answers import (
-    describe_estimate,
     describe_rows,
     name_written,
     plan_picture,
@@ -23,11 +22,11 @@ from roughcontact._faces.cli.answers import (
     write_outputs,
     write_rows_of_answers,
 )
-from roughcontact._faces.cli.inputs import describe_responses, find_inputs
+from roughcontact._faces.cli.inputs import describe_responses
 from roughcontact._faces.cli.problem import set_tolerance
 from roughcontact._faces.cli.progress import count_done, show_progress
 from roughcontact._faces.cli.responses import ask_all_states
-from roughcontact._solve.problem import AdhesionCycle, list_states
+from roughcontact._solve.problem import AdhesionCycle, describe_estimate, find_inputs, list_states
 from roughcontact._work.studies import Answers, add_answers, write_report
 
 # States on each branch.

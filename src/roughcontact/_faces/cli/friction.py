@@ -15,10 +15,8 @@ from roughcontact._base import checks
 from roughcontact._base.tables import Table
 from roughcontact._base.units import fit, parse_quantity
 from roughcontact._faces.cli.answers import (
-    describe_estimate,
     describe_result,
     describe_rows,
-    describe_solution,
     name_written,
     plan_picture,
     plan_report,
@@ -28,7 +26,7 @@ from roughcontact._faces.cli.answers import (
     write_json,
     write_rows_of_answers,
 )
-from roughcontact._faces.cli.inputs import describe_responses, find_path_inputs, find_state_inputs
+from roughcontact._faces.cli.inputs import describe_responses
 from roughcontact._faces.cli.options import name_options
 from roughcontact._faces.cli.problem import make_part, set_tolerance
 from roughcontact._faces.cli.progress import ChangeProgress, count_solves, describe_steps, show_progress
@@ -36,7 +34,15 @@ from roughcontact._faces.cli.responses import ask_all_states
 from roughcontact._faces.panels.figures import save_figure
 from roughcontact._parts.grid import Load
 from roughcontact._parts.materials import pair_constants
-from roughcontact._solve.problem import Increment, run_slide
+from roughcontact._solve.problem import (
+    Increment,
+    describe_estimate,
+    describe_state,
+    find_path_inputs,
+    find_versions,
+    format_json,
+    run_slide,
+)
 from roughcontact._work.studies import WITHOUT_TRACTION, Answers, add_answers, write_report
 
 # Options of a solve that say nothing of a contact with friction.
@@ -220,16 +226,11 @@ def state_to_text(state: rc.FrictionalSolution, asked: Asked = _NOTHING) -> str:
 
 def state_to_json(state: rc.FrictionalSolution, asked: Asked = _NOTHING) -> str:
     """Return one JSON object: the normal contact, the tangential force and the energy lost."""
-    content = describe_solution(state.contact) | {
-        "tangential_force": {"value": list(state.tangential_force), "unit": "N"},
-        "dissipated": describe_estimate(state.dissipated),
-        "residual": state.residuals.error,
-        "pair": attrs.asdict(state.pair),
-        "inputs": asked.add_inputs(find_state_inputs(state)),
-    }
+    content = describe_state(state)
+    content["inputs"] = asked.add_inputs(content["inputs"])
     if asked.answers:
         content["responses"] = {name: describe_result(found[0]) for name, found in asked.answers.items()}
-    return write_json(content)
+    return format_json({**content, "versions": find_versions(state.contact)})
 
 
 def state_to_csv(state: rc.FrictionalSolution, asked: Asked = _NOTHING) -> str:

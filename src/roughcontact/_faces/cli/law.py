@@ -13,8 +13,8 @@ from roughcontact._base import checks
 from roughcontact._base.archive import replacing
 from roughcontact._base.units import fit
 from roughcontact._faces.cli import DOUBTFUL, Command
-from roughcontact._faces.cli.answers import PICTURES, describe_estimate, require_place, write_csv, write_json
-from roughcontact._faces.cli.inputs import describe_inputs, describe_responses
+from roughcontact._faces.cli.answers import PICTURES, require_place, write_csv, write_json
+from roughcontact._faces.cli.inputs import describe_responses
 from roughcontact._faces.cli.options import add_interface
 from roughcontact._faces.cli.problem import problem_of
 from roughcontact._faces.cli.progress import count_done, show_progress
@@ -22,6 +22,7 @@ from roughcontact._faces.cli.responses import add_responses, responses_of
 from roughcontact._faces.panels.figures import save_figure
 from roughcontact._faces.panels.theme import require_matplotlib
 from roughcontact._parts.grid import Load
+from roughcontact._solve.problem import describe_estimate, describe_inputs
 
 # Width of the picture of a column, and height of the figure, inches.
 _PANEL_SIZE = (4.2, 3.6)

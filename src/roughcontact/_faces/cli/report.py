@@ -12,13 +12,13 @@ from roughcontact._base import checks
 from roughcontact._base.archive import replacing
 from roughcontact._base.units import fit
 from roughcontact._faces.cli import Command
-from roughcontact._faces.cli.answers import describe_rows, describe_solution, write_json
-from roughcontact._faces.cli.inputs import describe_inputs, describe_value
+from roughcontact._faces.cli.answers import describe_rows, write_json
 from roughcontact._faces.cli.options import NUMBER, whole_number
 from roughcontact._faces.cli.problem import Scene, add_scenes, read_scenes
 from roughcontact._faces.cli.progress import show_progress
 from roughcontact._faces.panels.theme import require_matplotlib
 from roughcontact._parts.grid import Load
+from roughcontact._solve.problem import describe_inputs, describe_solution, describe_value
 from roughcontact._solve.solution import DEFAULT_AREA
 from roughcontact._work.reports.error import UNITS, ErrorReport
 from roughcontact._work.reports.stability import StabilityReport, Verdict

@@ -12,7 +12,16 @@ from roughcontact._base import checks
 from roughcontact._base.arrays import Array
 from roughcontact._base.units import fit, si
 from roughcontact._faces.cli import DOUBTFUL, Command
-from roughcontact._faces.cli.answers import name_written, plan_outputs, to_csv, to_json, to_text, write_outputs
+from roughcontact._faces.cli.answers import (
+    LATE,
+    name_written,
+    plan_outputs,
+    to_csv,
+    to_json,
+    to_text,
+    write_late,
+    write_outputs,
+)
 from roughcontact._faces.cli.cycle import plan_cycle_outputs, refuse_for_cycle, solve_cycle
 from roughcontact._faces.cli.friction import (
     friction_of,
@@ -36,7 +45,6 @@ from roughcontact._faces.cli.responses import add_responses, ask, responses_of
 from roughcontact._parts.grid import Load
 from roughcontact._parts.surfaces import find_maps
 from roughcontact._solve.problem import find_pull_off, follow_loads, run_sweep, tolerance_within
-from roughcontact._work.studies import write_report
 
 
 class Solve(Command):
@@ -91,7 +99,7 @@ examples:
             action="append",
             default=[],
             metavar="FILE",
-            help="file to write, of the kind that its ending says: .npz, .nc, .html, .png, ...; or a folder for "
+            help="file to write, of the kind that its ending says: .npz, .nc, .json, .html, .png, ...; or a folder for "
             "solution.npz and solution.png; may be repeated",
         )
         output.add_argument("--report", metavar="FILE", help="report to write, one page of HTML")
@@ -148,9 +156,9 @@ examples:
                 found = {ANSWER: [required]}
                 inputs = {**describe_responses(asked), **describe_wanted(wanted[0], required)}
         # Solutions and pictures before the responses, of which one may have no answer.
-        reports = [path for path in files if path.suffix == ".html"]
-        written = write_outputs([path for path in files if path not in reports], subject, solutions)
-        if options.quiet and not reports:
+        late = [path for path in files if path.suffix in LATE]
+        written = write_outputs([path for path in files if path not in late], subject, solutions)
+        if options.quiet and not late:
             return _status(solutions, quiet=True)
         answers = found
         try:
@@ -160,11 +168,10 @@ examples:
                 if options.pull_off:
                     answers |= {"pull-off": [_find_pull_off(set_tolerance(options, problem), change)] * len(solutions)}
         finally:
-            for path in reports:
-                write_report(solutions, path, answers)
+            write_late(late, solutions, options.area, answers, inputs)
         if options.quiet:
             return _status(solutions, quiet=True)
-        done = name_written([*written, *reports])
+        done = name_written([*written, *late])
         if options.json:
             print(to_json(solutions, options.area, answers, inputs))
         else:

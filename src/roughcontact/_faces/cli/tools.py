@@ -15,7 +15,7 @@ from roughcontact._base.registry import Registry
 from roughcontact._base.units import fit
 from roughcontact._faces.cli import Command, commands
 from roughcontact._faces.cli.answers import write_json
-from roughcontact._faces.html.inputs import describe_part
+from roughcontact._solve.problem import describe_part
 from roughcontact.errors import InputError
 
 if TYPE_CHECKING:

@@ -4,18 +4,13 @@ from __future__ import annotations
 
 import hashlib
 import re
-import sys
 from collections.abc import Iterable, Mapping, Sequence
-from enum import Enum
-from typing import Any, final
 
 import attrs
 import numpy as np
 
 from roughcontact._base.archive import digest_of
-from roughcontact._base.archive.plain import public_class
 from roughcontact._base.arrays import Array
-from roughcontact._base.registry import registries
 from roughcontact._base.units import counted, si
 from roughcontact._faces.html.elements import element, escape, quantity
 from roughcontact._parts.grid import Load
@@ -26,11 +21,13 @@ from roughcontact._solve.problem import (
     AdhesionCycle,
     Body,
     ContactProblem,
+    ExpressionWriter,
     FrictionalPath,
-    problem_of,
+    NotInAScript,
+    describe_part,
+    write_number,
 )
 from roughcontact._solve.solution import ContactSolution, describe_work, find_load, key_of_origin, versions
-from roughcontact.errors import RoughContactError
 
 _READ = 'rc.ContactSolution.load("solution.npz")'
 _FROM_FILE = """\
@@ -59,7 +56,7 @@ def hash_pressure(solution: ContactSolution) -> str:
 
 def write_script(solution: ContactSolution, problem: ContactProblem, load: Mapping[str, float]) -> str:
     """Return a Python script that solves a contact again, made of the parts of its problem or from its npz file."""
-    given = ", ".join(f"{kind}={_write_number(value)}" for kind, value in load.items())
+    given = ", ".join(f"{kind}={write_number(value)}" for kind, value in load.items())
     return (
         f"{_write_problem(problem, _OF_SOLUTION, 'hashlib')}\nsolution = problem.solve({given})\nprint(solution)\n"
         "print(hashlib.sha256(solution.pressure.tobytes()).hexdigest())  # of the report:\n"
@@ -69,16 +66,16 @@ def write_script(solution: ContactSolution, problem: ContactProblem, load: Mappi
 
 def write_path_script(problem: ContactProblem, path: FrictionalPath) -> str:
     """Return a Python script that follows a path with friction again; empty if no line makes its law."""
-    writer = _Writer()
+    writer = ExpressionWriter()
     try:
         law = writer.write(path[0].friction)
-    except _NotInAScript:
+    except NotInAScript:
         return ""
     loads = _loads_of(state.contact for state in path)
     kind = loads[0].kind
     # Under one load the bodies are pressed first, and then moved.
-    normal = _write_number(loads[0].value) if path.pressed is not None else _write_numbers(one.value for one in loads)
-    pairs = ", ".join(f"({', '.join(map(_write_number, state.given.values))})" for state in path)
+    normal = write_number(loads[0].value) if path.pressed is not None else _write_numbers(one.value for one in loads)
+    pairs = ", ".join(f"({', '.join(map(write_number, state.given.values))})" for state in path)
     given = [f"{kind}={normal}", f"{path[0].given.kind}=[{pairs}]", f"friction={law}"]
     if AS_GIVEN in path.reasons:
         given.append(f"substeps={path.increments[path.reasons.index(AS_GIVEN)]}")
@@ -95,12 +92,12 @@ def write_cycle_script(problem: ContactProblem, cycle: AdhesionCycle) -> str:
 
 def _write_problem(problem: ContactProblem, file: tuple[str, str], *modules: str) -> str:
     """Return the lines that import modules and make a problem, of its parts or from a file."""
-    writer = _Writer()
+    writer = ExpressionWriter()
     try:
         made = writer.write_problem(problem)
-    except _NotInAScript:
+    except NotInAScript:
         made = _FROM_FILE.format(written=file[0], read=file[1])
-        writer = _Writer()
+        writer = ExpressionWriter()
     imports = "".join(f"import {name}\n" for name in sorted({*modules, *writer.modules}))
     separator = "\n" if imports else ""
     return f"{imports}{separator}import roughcontact as rc\n\n{made}"
@@ -112,105 +109,7 @@ def _loads_of(solutions: Iterable[ContactSolution]) -> list[Load]:
 
 
 def _write_numbers(values: Iterable[float]) -> str:
-    return f"[{', '.join(map(_write_number, values))}]"
-
-
-def describe_part(part: object) -> str:
-    """Return a part of a problem as an expression of a script, or else its repr."""
-    try:
-        return _Writer().write(part)
-    except _NotInAScript:
-        return repr(part)
-
-
-class _NotInAScript(Exception):
-    """A value that no line of a script makes: measured heights, or a part whose class a notebook defines."""
-
-
-@final
-@attrs.frozen
-class _Writer:
-    """Values as Python that makes equal ones, and the modules that it needs beside ``roughcontact as rc``."""
-
-    modules: set[str] = attrs.field(factory=set)
-
-    def write_problem(self, problem: ContactProblem) -> str:
-        """Return the lines that make a problem."""
-        defaults = {field.name: field for field in attrs.fields(ContactProblem)}
-        given = {name: part for name, part in problem.parts.items() if not _is_default(defaults[name], part)}
-        lines = "".join(f"    {name}={self._write_lines(part)},\n" for name, part in given.items())
-        return f"problem = rc.ContactProblem(\n{lines})"
-
-    def _write_lines(self, part: Any) -> str:
-        if not isinstance(part, Body):
-            return self.write(part)
-        return f"rc.Body(\n        {self.write(part.surface)},\n        {self.write(part.material)},\n    )"
-
-    def write(self, value: Any) -> str:
-        """Return a value as an expression."""
-        if isinstance(value, np.generic):
-            value = value.item()
-        if isinstance(value, Enum):
-            return self.write(value.value)
-        if isinstance(value, float):
-            return _write_number(value)
-        if isinstance(value, (bool, int, str, type(None))):
-            return repr(value)
-        if isinstance(value, tuple):
-            return f"({', '.join(map(self.write, value))}{',' if len(value) == 1 else ''})"
-        if isinstance(value, SurfaceSum):
-            return " + ".join(
-                f"({self.write(part)})" if isinstance(part, SurfaceSum) else self.write(part) for part in value.parts
-            )
-        return self._write_call(value)
-
-    def _write_call(self, value: Any) -> str:
-        if not attrs.has(type(value)):
-            raise _NotInAScript
-        fields = ((field, getattr(value, field.name)) for field in attrs.fields(type(value)) if field.init)
-        given = [f"{field.alias}={self.write(item)}" for field, item in fields if not _is_default(field, item)]
-        made = _write_by_name(type(value))
-        if made:
-            return f"{made[0]}({', '.join([made[1], *given])})"
-        return f"{self._write_class(type(value))}({', '.join(given)})"
-
-    def _write_class(self, cls: type) -> str:
-        if public_class(cls.__name__) is cls:
-            return f"rc.{cls.__name__}"
-        module = cls.__module__
-        if module == "__main__" or getattr(sys.modules.get(module), cls.__name__, None) is not cls:
-            raise _NotInAScript
-        self.modules.add(module)
-        return f"{module}.{cls.__name__}"
-
-
-def _write_by_name(cls: type) -> tuple[str, str] | None:
-    """Return the function that makes a shipped part that is public by its registered name alone, and that name."""
-    if public_class(cls.__name__) is cls or cls.__module__.partition(".")[0] != "roughcontact":
-        return None
-    for registry in registries().values():
-        name = registry.name_of(cls) if issubclass(cls, registry.base) else None
-        if name is not None:
-            return f"{registry.group.replace('roughcontact', 'rc')}.create", repr(name)
-    return None
-
-
-def _write_number(value: float) -> str:
-    """Return a text from which Python reads exactly the number; exponents are multiples of three."""
-    if not np.isfinite(value):
-        return f'float("{float(value)}")'
-    plain = repr(float(value))
-    if value == 0.0:
-        return plain
-    power = 3 * int(np.floor(np.log10(abs(value)) / 3.0))
-    short = f"{value / 10.0**power:.15g}e{power}"
-    needed = "e" in plain or len(short) < len(plain)
-    return short if needed and float(short) == value else plain
-
-
-def _is_default(field: Any, value: object) -> bool:
-    """Return whether a field has its default; False for arrays, which do not compare."""
-    return type(field.default) is type(value) and not isinstance(value, np.ndarray) and bool(field.default == value)
+    return f"[{', '.join(map(write_number, values))}]"
 
 
 def describe_scene(solution: ContactSolution, problem: ContactProblem | None, loads: Sequence[Load]) -> str:
@@ -258,14 +157,6 @@ def _name_surface(surface: Surface) -> str:
 
 def _in_words(part: object) -> str:
     return _WORD_BORDER.sub(" ", type(part).__name__).lower()
-
-
-def find_problem(solution: ContactSolution) -> tuple[ContactProblem | None, str]:
-    """Return the problem that a solution solves, or None and the reason in a sentence."""
-    try:
-        return problem_of(solution), ""
-    except RoughContactError as error:
-        return None, str(error)
 
 
 def list_inputs(solution: ContactSolution, problem: ContactProblem | None) -> dict[str, str]:

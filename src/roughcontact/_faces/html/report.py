@@ -18,7 +18,6 @@ from roughcontact._base.units import counted
 from roughcontact._faces.html.elements import CSS, element, escape, grid, items, quantity, section, table, tag
 from roughcontact._faces.html.inputs import (
     describe_scene,
-    find_problem,
     list_certificate,
     list_inputs,
     list_versions,
@@ -48,6 +47,7 @@ from roughcontact._solve.problem import (
     FrictionalPath,
     Sweep,
     describe_cycle,
+    find_problem,
     list_states,
 )
 from roughcontact._solve.solution import (

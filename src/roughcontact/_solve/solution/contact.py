@@ -35,7 +35,7 @@ from roughcontact._solve.solution.results import (
 from roughcontact._solve.solution.sampling import PlaceStatistics, find_area_sampling, find_place_statistics
 from roughcontact._solve.solution.summary import abbreviate, summarize
 from roughcontact._solve.solution.theory import Stickiness, TheoryBeside, compare_with_theory, find_stickiness
-from roughcontact._solve.solution.writers import page_or_file, to_pyvista, write_solution, writers
+from roughcontact._solve.solution.writers import describe_as_data, page_or_file, to_pyvista, write_solution, writers
 from roughcontact.errors import InputError
 
 if TYPE_CHECKING:
@@ -386,7 +386,7 @@ class ContactSolution(ContactFields):
             netCDF with units (extra ``store``), can be loaded again: they hold the fields, shape (nx, ny), under
             their own names, the force, approach and area, the versions of the packages, and the problem: each part by
             its registered name and fields. A warning names parts whose class is not registered. ``.html`` is the
-            report, ``.vti`` image data for ParaView.
+            report, ``.vti`` image data for ParaView, ``.json`` what `to_dict` returns.
 
         Raises
         ------
@@ -465,6 +465,13 @@ class ContactSolution(ContactFields):
         if checks.flag(verify, "verify="):
             storage.verify(file, solution)
         return solution
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return answers with uncertainty and unit, certificate, warnings and inputs as plain data, in SI units.
+
+        Its types are those of JSON; what is not known is None. ``roughcontact solve --json`` prints the same.
+        """
+        return describe_as_data(self)
 
     def to_xarray(self) -> Any:
         """Return the solution as an `xarray.Dataset` over x and y, m, with units (extra ``store``)."""

@@ -21,6 +21,7 @@ from roughcontact._solve.solution.contact import ContactSolution
 from roughcontact._solve.solution.frictional_files import read_frictional, write_frictional
 from roughcontact._solve.solution.frictional_state import FrictionalResiduals, FrictionalState, TangentialLoad
 from roughcontact._solve.solution.results import Status, responses
+from roughcontact._solve.solution.writers import describe_as_data
 from roughcontact.errors import InputError
 
 if TYPE_CHECKING:
@@ -236,6 +237,10 @@ class FrictionalSolution(ShownAsPrinted):
         the steps of a path can be put in a row.
         """
         write_frictional(checks.path(path, "The file"), self)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return answers, certificate and inputs as plain data; see `ContactSolution.to_dict`."""
+        return describe_as_data(self)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str], *, verify: bool = True) -> FrictionalSolution:

@@ -90,6 +90,14 @@ def write_solution(solution: ContactSolution, path: Path) -> None:
     raise InputError.about("The name of a solution's file", path.name, f"one ending in {', '.join(sorted(known))}")
 
 
+def describe_as_data(solution: Any) -> dict[str, Any]:
+    """Return a solution, or a state with friction, as plain data; see `ContactSolution.to_dict`."""
+    # The problem, which it states, stands above the solution.
+    writer: Any = writers.create("json")
+    described: dict[str, Any] = writer.describe(solution)
+    return described
+
+
 def page_or_file(make: Callable[[], Any], path: str | os.PathLike[str] | None) -> str | None:
     """Return the text of a page, or write it to a file and return None."""
     target = None if path is None else checks.path(path, "The report")

@@ -1,0 +1,233 @@
+"""Solutions and their inputs as data that JSON can hold: parts as expressions of a script, numbers with their units."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, TypeVar, final
+
+import attrs
+import numpy as np
+
+from roughcontact._base.archive import replacing
+from roughcontact._parts.grid import Grid, Load
+from roughcontact._solve.problem.expressions import describe_part
+from roughcontact._solve.problem.path import AS_GIVEN, FrictionalPath
+from roughcontact._solve.problem.problem import ContactProblem, problem_of
+from roughcontact._solve.solution import (
+    Area,
+    ContactSolution,
+    Estimate,
+    FrictionalSolution,
+    SolutionWriter,
+    TangentialLoad,
+    describe_other_places,
+    find_load,
+    versions,
+)
+from roughcontact.errors import RoughContactError
+
+E = TypeVar("E", bound=Estimate | Area)
+_METHOD = ("kernel", "convolver", "solver")
+_RESIDUALS = ("complementarity", "penetration", "load", "tension")
+_COST = ("iterations", "convolutions", "seconds")
+
+
+@final
+@attrs.frozen
+class JsonWriter(SolutionWriter):
+    """Inputs, answers and certificate for other programs, without fields: what ``roughcontact solve --json`` prints."""
+
+    @property
+    def suffixes(self) -> frozenset[str]:
+        """The ending of a JSON file."""
+        return frozenset({".json"})
+
+    def write(self, solution: ContactSolution, path: Path) -> None:
+        """Write the file."""
+        with replacing(path) as partial:
+            partial.write_text(f"{format_json(self.describe(solution))}\n", encoding="utf-8")
+
+    def describe(self, solution: ContactSolution | FrictionalSolution) -> dict[str, Any]:
+        """Return the content of the file; of a state with friction the tangential force and the energy lost as well."""
+        if isinstance(solution, FrictionalSolution):
+            found = {**describe_state(solution), "versions": find_versions(solution.contact)}
+        else:
+            found = {**describe_solution(solution), "versions": find_versions(solution)}
+        plain: dict[str, Any] = to_plain(found)
+        return plain
+
+
+def describe_solution(solution: ContactSolution, estimator: str | None = None) -> dict[str, Any]:
+    """Return answers, certificate and inputs of a solution, with the area of one more estimator if it is named."""
+    accuracy = solution.accuracy
+    area = _ask(solution, solution.area)
+    peak = _ask(solution, solution.peak_pressure)
+    places = describe_other_places(solution, {"contact area": area, "maximum pressure": peak})
+    return {
+        "status": solution.status.name,
+        "converged": solution.status.success,
+        "area": _describe_area(area),
+        **({} if estimator is None else {"other_area": _describe_area(solution.area(estimator))}),
+        "peak_pressure": None if peak is None else describe_estimate(peak),
+        "force": describe_value(solution.force, "N"),
+        "mean_pressure": describe_value(solution.mean_pressure, "Pa"),
+        "approach": describe_value(solution.approach, "m"),
+        **_describe_attractive_area(solution),
+        "saturated_area": _describe_area(_ask(solution, solution.saturated_area)) if solution.capped else None,
+        "contact_modulus": describe_value(solution.modulus, "Pa"),
+        "other_places": places or None,
+        "warnings": list(solution.warnings),
+        "accuracy": None if accuracy is None else {"met": accuracy.met, "message": str(accuracy)},
+        "residuals": {name: getattr(solution.residuals, name) for name in _RESIDUALS},
+        "inputs": find_inputs([solution]),
+        "grid": describe_grid(solution.grid),
+        "boundary": str(solution.boundary),
+        "cost": {name: getattr(solution, name) for name in _COST},
+    }
+
+
+def describe_state(state: FrictionalSolution) -> dict[str, Any]:
+    """Return the normal contact of a state with friction, the tangential force, the energy lost and the inputs."""
+    return describe_solution(state.contact) | {
+        "tangential_force": describe_value(list(state.tangential_force), "N"),
+        "dissipated": describe_estimate(state.dissipated),
+        "residual": state.residuals.error,
+        "pair": attrs.asdict(state.pair),
+        "inputs": find_state_inputs(state),
+    }
+
+
+def _ask(solution: ContactSolution, ask: Callable[[], E]) -> E | None:
+    """Return an answer; None if a solution that did not converge has none."""
+    try:
+        return ask()
+    # Estimators are plug-ins.
+    except Exception:
+        if solution.status.success:
+            raise
+        return None
+
+
+def describe_estimate(found: Estimate | Area) -> dict[str, Any]:
+    """Return an estimate with its uncertainty, unit and warnings."""
+    sampling = found.sampling
+    return {
+        "value": float(found.value),
+        "uncertainty": float(found.uncertainty),
+        **({} if sampling is None else {"sampling": float(sampling)}),
+        "unit": found.unit,
+        "warnings": list(found.warnings),
+    }
+
+
+def _describe_area(area: Area | None) -> dict[str, Any] | None:
+    if area is None:
+        return None
+    return {**describe_estimate(area), "fraction": float(area.fraction), "estimator": area.estimator}
+
+
+def _describe_attractive_area(solution: ContactSolution) -> dict[str, Any]:
+    if solution.tension is None:
+        return {}
+    return {"attractive_area": _describe_area(_ask(solution, solution.attractive_area))}
+
+
+def describe_value(value: Any, unit: str) -> dict[str, Any]:
+    """Return a number, or a list of numbers, with its unit."""
+    return {"value": value, "unit": unit}
+
+
+def describe_grid(grid: Grid) -> dict[str, Any]:
+    """Return the cells and the size of a grid."""
+    return {"shape": list(grid.shape), "size": describe_value(list(grid.size), "m")}
+
+
+def describe_problem(problem: ContactProblem) -> dict[str, Any]:
+    """Return method, bodies, adhesion, grid and boundary of a problem."""
+    plan = problem.plan
+    parts: dict[str, Any] = {name: describe_part(getattr(plan, name)) for name in _METHOD}
+    parts["tolerance"] = plan.solver.tolerance
+    if problem.adhesion is not None:
+        parts["adhesion"] = describe_part(problem.adhesion)
+    for name in ("body", "counterbody"):
+        body = getattr(problem, name)
+        parts[name] = {"surface": describe_part(body.surface), "material": describe_part(body.material)}
+        if body.surface.provenance:
+            parts[name]["provenance"] = list(body.surface.provenance)
+    return {**parts, "grid": describe_grid(plan.grid), "boundary": str(problem.boundary)}
+
+
+def describe_loads(loads: Sequence[Load] | Sequence[TangentialLoad]) -> dict[str, Any]:
+    """Return loads of one kind: a value, of several a list of values."""
+    values = [one.value if isinstance(one, Load) else list(one.values) for one in loads]
+    return {"kind": loads[0].kind, **describe_value(values[0] if len(values) == 1 else values, loads[0].unit)}
+
+
+def describe_inputs(problem: ContactProblem, loads: Sequence[Load]) -> dict[str, Any]:
+    """Return the parts of a problem and its loads."""
+    return {**describe_problem(problem), "load": describe_loads(loads)}
+
+
+def find_problem(solution: ContactSolution) -> tuple[ContactProblem | None, str]:
+    """Return the problem that a solution solves, or None and the reason in a sentence."""
+    try:
+        return problem_of(solution), ""
+    except RoughContactError as error:
+        return None, str(error)
+
+
+def find_inputs(solutions: Sequence[ContactSolution]) -> dict[str, Any] | None:
+    """Return the problem of solutions, and their loads; None if they are not known."""
+    problem, _ = find_problem(solutions[0])
+    loads = [load for load in map(find_load, solutions) if load is not None]
+    return None if problem is None or len(loads) < len(solutions) else describe_inputs(problem, loads)
+
+
+def find_state_inputs(state: FrictionalSolution) -> dict[str, Any] | None:
+    """Return the problem of a state with friction, its loads and the law; None if they are not known."""
+    return _find_frictional_inputs([state.contact], [state])
+
+
+def find_path_inputs(path: FrictionalPath) -> dict[str, Any] | None:
+    """Return the problem of a path, its loads and the law, and increments that were given; None if not known."""
+    # Under one normal load the bodies are pressed first, and then moved.
+    contacts = [state.contact for state in (path if path.pressed is None else path[:1])]
+    found = _find_frictional_inputs(contacts, path)
+    if found is not None and AS_GIVEN in path.reasons:
+        found["substeps"] = path.increments[path.reasons.index(AS_GIVEN)]
+    return found
+
+
+def _find_frictional_inputs(
+    contacts: Sequence[ContactSolution], states: Sequence[FrictionalSolution]
+) -> dict[str, Any] | None:
+    found = find_inputs(contacts)
+    law = {"friction": describe_part(states[0].friction)}
+    return None if found is None else {**found, "along": describe_loads([one.given for one in states]), **law}
+
+
+def find_versions(solution: ContactSolution) -> Mapping[str, str]:
+    """Return the versions of the packages that solved a contact; those of today if they are not known."""
+    return versions() if solution.origin is None else solution.origin.versions
+
+
+def to_plain(value: Any) -> Any:
+    """Return data in the types of JSON, with None for numbers that JSON does not have."""
+    if isinstance(value, Mapping):
+        return {str(name): to_plain(item) for name, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [to_plain(item) for item in value]
+    if isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, float):
+        return float(value) if math.isfinite(value) else None
+    # Warnings are texts with a severity.
+    return str(value) if isinstance(value, str) else value
+
+
+def format_json(content: Mapping[str, Any]) -> str:
+    """Return data as one JSON object; null for numbers that JSON does not have."""
+    return json.dumps(to_plain(content), indent=2, allow_nan=False, ensure_ascii=False)
