@@ -341,6 +341,27 @@ class TestNonMeasuredInMemory:
         np.testing.assert_array_equal(surface.non_measured, lost)
         np.testing.assert_array_equal(surface.values[~half], heights[~half])
 
+    def test_filled_heights_count_as_measured_if_asked_for(self, heights, lost, tmp_path):
+        holed = np.where(lost, np.nan, heights)
+        found = rc.HeightMap(holed, self.SIZE, non_measured="fill", history=("measured",))
+        expected = rc.HeightMap(holed, self.SIZE, history=("measured",)).fill()
+        np.testing.assert_array_equal(found.values, expected.values)
+        assert found.non_measured is None
+        assert found.history == expected.history
+        assert found.history[1].endswith("of 510 points non-measured and filled from their neighbours")
+        np.savez(tmp_path / "map.npz", heights=holed, size=self.SIZE)
+        read = rc.read_surface(tmp_path / "map.npz", non_measured="fill")
+        np.testing.assert_array_equal(found.values, read.values)
+        assert [text for text in found.warnings if "filled" in text] == list(expected.warnings[-1:])
+        # Nothing to fill.
+        whole = rc.HeightMap(heights, self.SIZE, non_measured="fill")
+        np.testing.assert_array_equal(whole.values, heights)
+        assert whole.history == ()
+        with pytest.raises(rc.InputError, match="No point of the height map was measured"):
+            rc.HeightMap(np.full((4, 4), np.nan), 1e-6, non_measured="fill")
+        with pytest.raises(rc.InputError, match="or 'fill' to fill them from their neighbours, but got 'keep'"):
+            rc.HeightMap(holed, self.SIZE, non_measured="keep")
+
     def test_they_never_touch(self, heights, lost):
         steel = rc.Elastic(210e9, 0.3)
         surface = rc.HeightMap(np.where(lost, np.nan, heights), self.SIZE)

@@ -1,13 +1,17 @@
-"""An executed notebook shows each figure once."""
+"""An executed notebook shows each figure once, and results as they print or as tables."""
 
 from __future__ import annotations
 
 import base64
 from collections.abc import Iterator
 
+import html5lib
 import nbclient
 import nbformat
+import numpy as np
 import pytest
+
+import roughcontact as rc
 
 SETUP = """
 import roughcontact as rc
@@ -50,6 +54,15 @@ PRINTED = (
     "rc.reference.roughness(surface.heights(grid), grid, periodic=True)",
     "rc.reference.texture(surface.heights(grid), grid, periodic=True)",
 )
+# A map with a hole, and a path with friction, whose print is a table.
+MAP = "heights = surface.heights(grid).copy(); heights[3:6, 2:5] = float('nan'); rc.HeightMap(heights, grid.size)"
+PATH = """
+flat = rc.Body(rc.FlatSurface(), rc.Elastic(200e9, 0.3))
+path = rc.ContactProblem(problem.body, flat, grid=grid, boundary="periodic").path(
+    force=6e-3, tangential_force=[(6e-4, 0.0), (0.0, 0.0)], friction=0.3
+)
+path
+"""
 INLINE = {"solution.plot()": 1, "fig = sweep.plot()": 1, "fig": 1, "first = sweep.plot()\nsweep.plot()": 2}
 
 
@@ -57,7 +70,7 @@ INLINE = {"solution.plot()": 1, "fig = sweep.plot()": 1, "fig": 1, "first = swee
 def executed(tmp_path_factory):
     """The cells of one notebook."""
     printed = [cell for text in PRINTED for cell in (text, f"print({text})")]
-    cells = [SETUP, *CELLS, "%matplotlib inline", *INLINE, *printed, f"[{PRINTED[0]}]"]
+    cells = [SETUP, *CELLS, "%matplotlib inline", *INLINE, *printed, f"[{PRINTED[0]}]", MAP, PATH]
     notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(cell) for cell in cells])
     with pytest.MonkeyPatch.context() as patch:
         for name in ("IPYTHONDIR", "JUPYTER_RUNTIME_DIR"):
@@ -97,3 +110,32 @@ def test_small_results_are_shown_as_they_print(executed):
     (first,) = shown[PRINTED[0]]
     (listed,) = shown[f"[{PRINTED[0]}]"]
     assert listed["data"]["text/plain"] == f"[{first['data']['text/plain']}]"
+
+
+def test_a_map_is_shown_with_its_numbers_and_one_picture(executed):
+    (shown,) = (cell.outputs[0]["data"]["text/html"] for cell in executed if cell.source == MAP)
+    fragment = html5lib.HTMLParser(strict=True, namespaceHTMLElements=False).parseFragment(shown)
+    texts = {row.find("th").text: row.find("td").text for row in fragment.iter("tr")}
+    assert texts["grid"] == "24 x 16 cells on 3 µm x 2 µm, cells of 125 nm x 125 nm"
+    assert texts["non-measured"] == "9 of 384 points (2.3 %)"
+    (picture,) = fragment.iter("img")
+    assert base64.b64decode(picture.get("src").partition(",")[2]).startswith(b"\x89PNG")
+
+
+def test_a_path_is_shown_as_a_table(executed):
+    (shown,) = (cell.outputs[0]["data"]["text/html"] for cell in executed if cell.source == PATH)
+    assert shown.startswith("<div>energy lost: ")
+    assert shown.count("<tr>") == 3
+
+
+@pytest.mark.parametrize(
+    "heights",
+    [np.zeros((2, 1)), np.full((4, 4), 1e-6), np.where(np.eye(8), np.nan, 1e-6), np.zeros((1100, 3))],
+    ids=["two points", "flat", "a line without heights", "long"],
+)
+def test_any_map_is_shown_also_without_matplotlib(heights, monkeypatch):
+    surface = rc.HeightMap(heights, size=(1e-3, 1e-3))
+    shown = surface._repr_html_()
+    assert shown.count("<img") == 1
+    monkeypatch.setattr("roughcontact._faces.panels.notebook.can_draw", lambda: False)
+    assert surface._repr_html_() == shown.partition("<img")[0]

@@ -18,7 +18,7 @@ import roughcontact
 ROOT = Path(roughcontact.__file__).parent
 PAGE = Path(__file__).parent.parent / "docs" / "extend" / "architecture.md"
 # These open the figures above them when they are called.
-DRAWING = ("plot", "plot_3d", "draw")
+DRAWING = ("plot", "plot_3d", "draw", "_repr_html_")
 # What the methods of a solution return is named in its annotations.
 ANNOTATED = {(f"roughcontact._solve.solution.{name}", "roughcontact.responses") for name in ("contact", "frictional")}
 

@@ -7,6 +7,7 @@ from roughcontact._faces.panels.base import Panel, panels
 from roughcontact._faces.panels.curves import add_key, draw_band, scale_axes
 from roughcontact._faces.panels.figures import make_figure, plot, save_figure
 from roughcontact._faces.panels.maps import draw_map, draw_mask, name_colors
+from roughcontact._faces.panels.notebook import show_map
 from roughcontact._faces.panels.results import (
     StudyNames,
     draw_column,
@@ -41,6 +42,7 @@ __all__ = [
     "plot",
     "save_figure",
     "scale_axes",
+    "show_map",
     "style",
     "theme_of",
     "view_solution",

@@ -24,7 +24,7 @@ from roughcontact._faces.cli.friction import path_to_json, path_to_text, state_t
 from roughcontact._faces.cli.options import METRE, NUMBER, add_reading, fields_of, name_options, whole_number
 from roughcontact._faces.cli.problem import read_map
 from roughcontact._faces.panels.figures import save_figure
-from roughcontact._parts.surfaces import list_facts
+from roughcontact._parts.surfaces import list_facts, write_facts
 from roughcontact._solve.problem import find_saved_kind
 from roughcontact._solve.solution import find_scene
 from roughcontact.reference import roughness, texture
@@ -44,7 +44,7 @@ _FIELD_CONVERTERS: dict[str, tuple[Callable[[str], Any], str | None]] = {
 
 def describe_map(surface: rc.HeightMap) -> str:
     """Return size, cells and roughness of a height map, and its warnings, in lines of at most 80 columns."""
-    lines = list_facts(surface)
+    lines = write_facts(list_facts(surface))
     if not surface.periodic:
         lines.append("spectrum      of the heights times a Hann window:")
     lines.append(str(roughness(surface.values, surface.grid, periodic=surface.periodic)))

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import base64
-import importlib.util
 import inspect
-import io
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
@@ -14,7 +11,7 @@ import attrs
 from roughcontact._base.tables import Table
 from roughcontact._base.units import Estimate
 from roughcontact._faces.html.elements import element, escape, grid, items, section, tag
-from roughcontact._faces.panels.figures import forget_figure, make_figure
+from roughcontact._faces.panels.figures import draw_panel, forget_figure, write_png
 from roughcontact._parts.grid import Load
 from roughcontact._solve.problem import AdhesionCycle, FrictionalPath, Sweep
 from roughcontact._solve.solution import (
@@ -34,8 +31,6 @@ _PANEL_ORDER = {
     "solution": ("heights", "pressure", "gap", "patches", "profile", "pressure-histogram", "patch-sizes"),
     "sweep": ("area-load", "load-approach", "stiffness-load"),
 }
-# Dots to an inch: sharp on paper where three pictures stand side by side.
-_DPI = 130
 # The quantity that a load gives.
 _GIVEN = {"pressure": "mean pressure", "force": "force", "approach": "approach"}
 
@@ -62,11 +57,6 @@ class Picture:
     refusal: str = ""
 
 
-def can_draw() -> bool:
-    """Return whether the package that draws is installed; it is not imported."""
-    return importlib.util.find_spec("matplotlib") is not None
-
-
 def draw_panels(kind: str, subject: ContactSolution | Sweep) -> Iterator[Picture]:
     """Yield each registered panel of a kind of subject; a panel that refuses or fails says why."""
     solution = subject if isinstance(subject, ContactSolution) else subject.solutions[0]
@@ -81,26 +71,14 @@ def draw_panels(kind: str, subject: ContactSolution | Sweep) -> Iterator[Picture
             yield Picture(name, caption, refusal=" ".join(str(error).split()) or type(error).__name__)
 
 
-def draw_panel(kind: str, subject: ContactSolution | Sweep, name: str) -> str:
-    """Return a panel as a PNG file in a data: address, dark on light as on paper."""
-    return _write_png(make_figure(kind, subject, name))
-
-
 def draw_curve(subject: AdhesionCycle | FrictionalPath) -> Picture:
     """Return the curve that a cycle or a path draws."""
     drawn = subject.plot()
     words = (inspect.getdoc(type(subject).plot) or "").partition(" (extra")[0].removeprefix("Draw the ")
     caption = f"The {words}."
-    picture = Picture("curve", caption, _write_png(drawn.figure))
+    picture = Picture("curve", caption, write_png(drawn.figure))
     forget_figure(drawn)
     return picture
-
-
-def _write_png(figure: Any) -> str:
-    """Return a figure as a PNG file in a data: address."""
-    content = io.BytesIO()
-    figure.savefig(content, format="png", dpi=_DPI)
-    return f"data:image/png;base64,{base64.b64encode(content.getvalue()).decode()}"
 
 
 def _draws(name: str, kind: str, attracts: bool) -> bool:

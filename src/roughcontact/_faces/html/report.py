@@ -26,9 +26,7 @@ from roughcontact._faces.html.inputs import (
     write_script,
 )
 from roughcontact._faces.html.parts import (
-    can_draw,
     draw_curve,
-    draw_panel,
     draw_panels,
     list_sweep_warnings,
     loads_of,
@@ -40,6 +38,7 @@ from roughcontact._faces.html.parts import (
     make_warnings,
     note,
 )
+from roughcontact._faces.panels.figures import can_draw, draw_panel
 from roughcontact._parts.grid import Load
 from roughcontact._solve.problem import (
     AdhesionCycle,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import base64
+import importlib.util
 import io
 import math
 import textwrap
@@ -34,6 +36,8 @@ _MIN_STACKED_RATIO = 2.2
 _MAX_ROW_RATIO = 0.55
 # Pixels an inch of saved figures: at least the first number, at most the second, else one for each cell.
 _DPI_RANGE = (150.0, 300.0)
+# Dots to an inch on a page: sharp on paper where three pictures stand side by side.
+_PAGE_DPI = 130
 # The panels of a figure where none is named.
 _STANDARD_PANELS = {
     "solution": ("heights", "pressure", "gap", "patches"),
@@ -299,3 +303,20 @@ def forget_figure(drawn: Any) -> None:
     from matplotlib import pyplot
 
     pyplot.close(drawn.figure)
+
+
+def can_draw() -> bool:
+    """Return whether the package that draws is installed; it is not imported."""
+    return importlib.util.find_spec("matplotlib") is not None
+
+
+def draw_panel(kind: str, subject: Any, name: str) -> str:
+    """Return a panel as a PNG file in a data: address, dark on light as on paper."""
+    return write_png(make_figure(kind, subject, name))
+
+
+def write_png(figure: Any) -> str:
+    """Return a figure as a PNG file in a data: address."""
+    content = io.BytesIO()
+    figure.savefig(content, format="png", dpi=_PAGE_DPI)
+    return f"data:image/png;base64,{base64.b64encode(content.getvalue()).decode()}"

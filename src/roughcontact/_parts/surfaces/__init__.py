@@ -2,8 +2,9 @@
 
 from roughcontact._parts.surfaces.base import SampledSurface, Surface, SurfaceSum, surfaces
 from roughcontact._parts.surfaces.continuation import Continuation, cells_for, find_maps
+from roughcontact._parts.surfaces.facts import list_facts, write_facts
 from roughcontact._parts.surfaces.filling import MAX_BANDWIDTH, TREATMENTS, complete, fill, solve_in_bands
-from roughcontact._parts.surfaces.heightmap import HeightMap, Separated, list_facts
+from roughcontact._parts.surfaces.heightmap import HeightMap, Separated
 from roughcontact._parts.surfaces.matching import MatchedPair, PlacedMap, match
 from roughcontact._parts.surfaces.resampling import bilinear
 from roughcontact._parts.surfaces.statistics import (
@@ -57,4 +58,5 @@ __all__ = [
     "rms_slope",
     "solve_in_bands",
     "surfaces",
+    "write_facts",
 ]

@@ -137,6 +137,11 @@ def solve_in_bands(matrix: Any, right: Array, widest: int) -> Array | None:
     return found
 
 
+def describe_filling(filled: Mask) -> str:
+    """Return a note for the history of a map on points that were filled."""
+    return f"{int(filled.sum())} of {filled.size} points non-measured and {_TREATMENT_WORDS['fill']}"
+
+
 def was_filled(history: Iterable[str]) -> bool:
     """Return whether the history of a map says that non-measured points were filled."""
     return any(_TREATMENT_WORDS["fill"] in text for text in history)

@@ -13,11 +13,12 @@ import numpy.typing as npt
 
 from roughcontact._base.arrays import Array, Mask, Pair, frozen_array, restore_state
 from roughcontact._base.checks import choice, instance_of, integer, measured_heights, number, pair
-from roughcontact._base.units import counted, fit, printable, si
+from roughcontact._base.units import fit, printable, si
 from roughcontact._parts.grid import Grid
 from roughcontact._parts.surfaces import statistics as forms
 from roughcontact._parts.surfaces.base import Surface
-from roughcontact._parts.surfaces.filling import TREATMENTS, complete, fill, was_filled
+from roughcontact._parts.surfaces.facts import list_facts, write_facts
+from roughcontact._parts.surfaces.filling import TREATMENTS, complete, describe_filling, fill, was_filled
 from roughcontact._parts.surfaces.filtering import smooth
 from roughcontact._parts.surfaces.quality import find_period, list_map_warnings
 from roughcontact._parts.surfaces.resampling import check_interpolation, resample, shift_by_half_cell
@@ -27,6 +28,8 @@ from roughcontact.errors import InputError
 
 # Maximum degree of a form: higher ones follow the roughness, and their normal equations lose their digits.
 _MAX_DEGREE = 30
+# Word that asks to fill the non-measured points.
+_FILL = "fill"
 # Degree of the polynomial of each form that has a name of its own.
 _DEGREE_OF_FORM = {"mean": 0, "plane": 1}
 
@@ -42,17 +45,18 @@ def _size(value: float | Sequence[float], height_map: Any) -> Pair:
     return sides
 
 
-def _non_measured(value: npt.ArrayLike | None) -> Mask | None:
-    if value is None:
-        return None
+def _non_measured(value: npt.ArrayLike | None) -> Any:
+    """Return a mask, or None without non-measured points; the word that asks to fill them stays."""
+    if value is None or (isinstance(value, str) and value == _FILL):
+        return value
     what = "The non-measured points of a height map"
     try:
         mask = np.array(value)
     except ValueError:
         raise InputError(f"{what} must be a rectangular array, but their rows differ.") from None
     if mask.dtype.kind != "b" or mask.ndim != 2:
-        hint = "The method fill() takes heights filled from their neighbours as measured." if mask.ndim == 0 else ""
-        raise InputError.about(what, mask if mask.ndim else value, "an array of booleans of the map's shape", hint)
+        allowed = f"an array of booleans of the map's shape, or {_FILL!r} to fill them from their neighbours"
+        raise InputError.about(what, mask if mask.ndim else value, allowed)
     if mask.all():
         raise InputError("No point of the height map was measured: at least one is needed.")
     mask.flags.writeable = False
@@ -81,8 +85,8 @@ class HeightMap(Surface):
         Whether the map repeats beyond its border.
     non_measured
         Mask of points that were not measured, shape (nx, ny), in addition to points without a height: they never touch,
-        and their heights, given or filled from their neighbours, only serve to interpolate nearby points. `fill` takes
-        the filled heights as measured.
+        and their heights, given or filled from their neighbours, only serve to interpolate nearby points. ``"fill"``
+        takes the filled heights as measured, as `fill` does.
     history
         Processing of the heights so far, in words; ``explain()`` of a problem prints it.
 
@@ -114,15 +118,20 @@ class HeightMap(Surface):
     history: tuple[str, ...] = attrs.field(default=(), kw_only=True, converter=check_history)
 
     def __attrs_post_init__(self) -> None:
+        takes_filled = isinstance(self.non_measured, str)
+        if takes_filled:
+            object.__setattr__(self, "non_measured", None)
         if self.non_measured is not None and self.non_measured.shape != self._heights.shape:
             raise InputError(
                 f"The mask of non-measured points has shape {self.non_measured.shape}, but the heights "
                 f"{self._heights.shape}."
             )
         if math.isnan(float(self._heights.min())):
-            lost = np.isnan(self._heights) | (False if self.non_measured is None else self.non_measured)
-            object.__setattr__(self, "non_measured", _non_measured(lost))
+            lost = _non_measured(np.isnan(self._heights) | (False if self.non_measured is None else self.non_measured))
+            object.__setattr__(self, "non_measured", None if takes_filled else lost)
             object.__setattr__(self, "_heights", frozen_array(fill(self._heights)))
+            if takes_filled:
+                object.__setattr__(self, "history", (*self.history, describe_filling(lost)))
 
     __setstate__ = restore_state
 
@@ -161,7 +170,12 @@ class HeightMap(Surface):
         return f"<HeightMap {self.grid}{periodic}{lost}>"
 
     def __str__(self) -> str:
-        return fit("\n".join([*list_facts(self), *(f"warning       {text}" for text in self.warnings)]))
+        return fit("\n".join(write_facts([*list_facts(self), *(("warning", text) for text in self.warnings)])))
+
+    def _repr_html_(self) -> str:
+        from roughcontact.plotting import show_map
+
+        return show_map(self)
 
     @classmethod
     def from_topography(cls, topography: Any, *, non_measured: str = "refuse") -> HeightMap:
@@ -313,9 +327,8 @@ class HeightMap(Surface):
         if self.non_measured is None:
             return self
         heights = fill(np.where(self.non_measured, np.nan, self._heights))
-        count = int(self.non_measured.sum())
-        text = f"{count} of {heights.size} points non-measured and filled from their neighbours"
-        return attrs.evolve(self, heights=heights, non_measured=None, history=(*self.history, text))
+        history = (*self.history, describe_filling(self.non_measured))
+        return attrs.evolve(self, heights=heights, non_measured=None, history=history)
 
     def mirrored(self) -> HeightMap:
         """Return the map with x reversed: what faces a body whose map was measured from outside, too."""
@@ -471,24 +484,3 @@ class Separated:
     form: HeightMap
     roughness: HeightMap
     radius: float
-
-
-def list_facts(height_map: HeightMap) -> list[str]:
-    """Return cells, size, heights, history and non-measured points of a map, line by line."""
-    grid = height_map.grid
-    heights = height_map.values
-    missing = height_map.non_measured
-    measured = heights if missing is None else heights[~missing]
-    low, high, rms, dx, dy = (
-        si(float(value), "m") for value in (measured.min(), measured.max(), measured.std(), *grid.spacing)
-    )
-    lines = [
-        f"grid          {grid}{', periodic' if height_map.periodic else ''}, cells of {dx} x {dy}",
-        f"heights       {low} to {high}",
-        f"Sq            {rms} about the mean",
-        *(f"history       {text}" for text in height_map.history),
-    ]
-    if missing is not None:
-        count = int(missing.sum())
-        lines.append(f"non-measured  {count} of {counted(missing.size, 'point')} ({100 * count / missing.size:.2g} %)")
-    return lines

@@ -244,6 +244,9 @@ class FrictionalPath(Sequence[FrictionalSolution]):
         """
         return load_path(checks.path(path, "The file"), verify=checks.flag(verify, "verify="))
 
+    def _repr_html_(self) -> str:
+        return self.table().to_html(f"energy lost: {attrs.evolve(self.dissipated, warnings=())}", *self.warnings)
+
     def __str__(self) -> str:
         lines = [self.table().to_text(), f"energy lost  {self.dissipated}"]
         return "\n".join([*lines, *(f"warning: {text}" for text in self.warnings)])
