@@ -330,7 +330,7 @@ def _vary_across_lay(
         sums = np.bincount(strip, weights=slopes.ravel(), minlength=count)
         part = np.divide(sums, mean * known, out=np.ones(count), where=known > 0.0)
         touching = number(i - window.first[0], j - window.first[1], count)
-        loads = np.bincount(touching, weights=pressures / pressures.sum(), minlength=count)
+        loads = np.asarray(np.bincount(touching, weights=pressures / pressures.sum(), minlength=count), dtype=np.float64)
         found.append(_find_excess(loads, part, chance))
     return (1.0 - across**-2) * max(found)
 
