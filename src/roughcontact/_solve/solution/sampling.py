@@ -322,6 +322,7 @@ def _vary_across_lay(
     members = solution.patches.members
     i, j = np.divmod(members, solution.grid.shape[1])
     pressures = solution.pressure.ravel()[members]
+    fractions = pressures / pressures.sum()
     mean = float(slopes.sum()) / np.count_nonzero(upper)
     found = []
     for count in _STRIPS:
@@ -330,8 +331,8 @@ def _vary_across_lay(
         sums = np.bincount(strip, weights=slopes.ravel(), minlength=count)
         part = np.divide(sums, mean * known, out=np.ones(count), where=known > 0.0)
         touching = number(i - window.first[0], j - window.first[1], count)
-        loads = np.bincount(touching, weights=pressures / pressures.sum(), minlength=count).astype(np.float64)
-        found.append(_find_excess(loads, part, chance))
+        loads = np.bincount(touching, weights=fractions, minlength=count)
+        found.append(_find_excess(np.asarray(loads, dtype=np.float64), part, chance))
     return (1.0 - across**-2) * max(found)
 
 
