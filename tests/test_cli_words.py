@@ -225,6 +225,13 @@ class TestMapsInWords:
         _, out, _ = run(name, "table.csv", "--size", "48um", "--unit", "1um", *rest)
         assert "heights differ" not in out
 
+    def test_a_table_without_a_size_is_asked_for_its_unit_too(self, run):
+        _, _, err = run("info", "table.csv")
+        text = " ".join(err.split())
+        assert "give --size X Y. Its heights are taken as m: give --unit um too if they are µm." in text
+        _, _, err = run("info", "table.csv", "--unit", "um")
+        assert err.rstrip().endswith("give --size X Y.")
+
     def test_sq_is_that_about_the_mean(self, run):
         rough = rc.HeightMap(ROUGH.heights(GRID), GRID.size).detrend(2)
         np.savez("rough.npz", heights=rough.values, size=GRID.size)

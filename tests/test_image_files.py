@@ -53,6 +53,9 @@ def test_unit_and_size_must_be_given(tmp_path):
     tifffile.imwrite(tmp_path / "map.tif", IMAGE.astype("f4"))
     with pytest.raises(rc.InputError, match=r"does not state the size .*: give size=.*--size"):
         rc.read_surface(tmp_path / "map.tif", unit=1e-9)
+    # Heights without a unit are not taken as m in an image.
+    with pytest.raises(rc.InputError, match=r"line --size\)\.$"):
+        rc.read_surface(tmp_path / "map.tif")
     with pytest.raises(rc.InputError, match=r"numbers without a unit: give .* unit=1e-9 .*--unit 1nm"):
         rc.read_surface(tmp_path / "map.tif", size=(4e-6, 3e-6))
 

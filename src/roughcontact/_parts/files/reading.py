@@ -89,9 +89,12 @@ def read_surface(
     given = size if raw.size is None else raw.size
     if given is None:
         known = f" ({raw.hint})" if raw.hint else ""
+        # Who looks up the size has the unit at hand too.
+        in_metres = unit is None and not raw.metric and not raw.needs_unit
+        taken = " Its heights are taken as m: give unit='um' too if they are µm." if in_metres else ""
         raise InputError(
             f"The file {file.name} does not state the size of its domain{known}: give size=(x, y), m (on the command "
-            "line --size)."
+            f"line --size).{taken}"
         )
     if size is not None and raw.size is not None:
         sides = pair(size, "The size of the height map", "m", above=0.0)
