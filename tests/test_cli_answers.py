@@ -620,6 +620,7 @@ STICKY = ["--young", "5MPa", "--poisson", "0.5", "--adhesion", "exponential", "w
         (["solve", "rough.npz", "--loads", "20uN", "0N", "-20uN", *STICKY], "load 3 of 3, force -20 µN: 48 x 48 cells"),
         (["solve", "ball.npz", "--force", "0N", "--pull-off", *STICKY], "pull-off, state 19 of about 19, force -"),
         (["solve", "rough.npz", "--force", "10mN", "--stiffness", "--peak-pressure", *STEEL], "answer 2 of 2"),
+        (["stability", "wave.npz", "--pressure", "50MPa", *STEEL], "tighter tolerance"),
     ],
 )
 def test_progress_says_what_is_solved_and_how_long_it_takes(run, monkeypatch, arguments, words):

@@ -63,7 +63,7 @@ class TestOptionsInSentences:
     def test_of_a_table_without_a_size(self, run):
         status, _, err = run("solve", "table.csv", *LOADED)
         assert status == 2
-        assert err.endswith("give --size X Y.")
+        assert err.endswith("give --size X Y. Its heights are taken as m: give --unit um too if they are µm.")
 
     def test_of_two_maps_on_different_grids(self, run):
         status, _, err = run("solve", "rough.npz", "other.npz", *LOADED)

@@ -20,7 +20,7 @@ ELSEWHERE = {
     ("__init__.py", "seal"): "is given the unfinished file",
     ("storage.py", "write_netcdf"): "writes to memory first",
     ("figures.py", "write_picture"): "draws in memory first",
-    ("parts.py", "_write_png"): "draws in memory",
+    ("figures.py", "write_png"): "draws in memory",
     ("figure_view.py", "savefig"): "chooses the pixels for the caller's file",
     ("folder.py", "_write_lock"): "a lock, renamed when it is held",
     ("folder.py", "_remove_abandoned"): "opens a lock to try it",

@@ -18,8 +18,9 @@ import pytest
 
 import roughcontact as rc
 from roughcontact._base import archive
-from roughcontact._faces.html import inputs, parts, report
+from roughcontact._faces.html import parts, report
 from roughcontact._faces.html.elements import escape, quantity
+from roughcontact._solve.problem import write_number
 from roughcontact._solve.solution import origin as origins
 from roughcontact._solve.solution.summary import gather_warnings, list_quantities
 
@@ -318,11 +319,11 @@ class TestScript:
 
     def test_numbers_are_exact_and_short(self):
         for value, text in ((200e9, "200e9"), (12.5e-6, "12.5e-6"), (5e-7, "500e-9"), (0.3, "0.3"), (-0.0, "-0.0")):
-            assert inputs._write_number(value) == text
+            assert write_number(value) == text
         rng = np.random.default_rng(1)
         for value in rng.standard_normal(300) * 10.0 ** rng.integers(-300, 300, 300):
-            assert float(inputs._write_number(value)) == value
-        assert eval(inputs._write_number(np.inf)) == np.inf
+            assert float(write_number(value)) == value
+        assert eval(write_number(np.inf)) == np.inf
 
 
 class TestCitation:

@@ -46,6 +46,25 @@ def test_a_resolved_contact_passes_every_check():
     assert report.solution.status is rc.Status.CONVERGED
 
 
+@pytest.mark.parametrize("max_cells", [2**18, 2**10])
+def test_each_part_of_the_work_is_told_before_it_begins(max_cells, monkeypatch):
+    for module in ("run", "checks"):
+        monkeypatch.setattr(f"roughcontact._work.reports.stability.{module}.MAX_FLOAT64_CELLS", max_cells)
+    told = []
+    rc.stability(ball(), force=100.0, on_check=lambda name, fraction: told.append((name, fraction)))
+    names, fractions = zip(*told, strict=True)
+    assert names == (
+        "the solve", "kernel and model", "float32 iterations", "coarser grid", "shifted grid", "tighter tolerance",
+    )  # fmt: skip
+    assert fractions[0] == 0.0
+    assert list(fractions) == sorted(fractions)
+    assert fractions[-1] < 1.0
+    # A grid on which the solver in float64 would take too long is not solved by it.
+    assert (fractions[3] == fractions[2]) is (max_cells < 64 * 64)
+    with pytest.raises(rc.InputError, match="on_check= must be a function of 2 arguments, name, fraction"):
+        rc.stability(ball(), force=100.0, on_check=len)
+
+
 @pytest.mark.parametrize("load", [{"force": 100.0}, {"approach": 2.2e-6}, {"pressure": 1e8}])
 def test_any_control(load):
     report = rc.stability(ball(), **load)

@@ -1223,6 +1223,11 @@ def test_the_responses_of_a_cycle_are_shown_and_tabulated(client):
         assert values[8] == values[9] == pytest.approx(expected.value, rel=1e-4)
         assert len(values) == 18
     assert float(rows[12]["conductance [W/K]"]) == pytest.approx(cycle.unloading[3].conductance(50.0).value, rel=1e-4)
+    report = client.get(f"runs/{state['id']}/report.html").decode()
+    # Both branches, with the answers of each state.
+    assert report.count('<th scope="row">loading</th>') == report.count('<th scope="row">unloading</th>') == 9
+    assert "stiffness, " in report
+    assert [one["role"] for one in state["outputs"]] == ["table", "picture", "report"]
 
 
 def test_a_response_without_an_answer_leaves_the_others_of_a_cycle():
@@ -1263,6 +1268,7 @@ def test_the_responses_of_a_fretting_cycle_are_shown_and_tabulated(client):
     assert found["stress von Mises at the end"]["value"] == pytest.approx(stress, rel=1e-4)
     said = "First yield: no state has an answer: first yield is that of pressure alone"
     assert any(text.startswith(said) for text in state["warnings"]), state["warnings"]
+    assert "stiffness, MN/m" in client.get(f"runs/{state['id']}/report.html").decode()
     (table,) = (one["file"] for one in state["outputs"] if one["role"] == "table")
     rows = list(csv.DictReader(io.StringIO(client.get(f"runs/{state['id']}/{table}").decode("utf-8"))))
     assert [float(row["stiffness [N/m]"]) for row in rows] == pytest.approx(

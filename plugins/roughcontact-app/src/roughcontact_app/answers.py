@@ -76,9 +76,14 @@ def list_cycle_states(cycle: AdhesionCycle) -> tuple[ContactSolution, ...]:
 def tabulate_cycle(cycle: AdhesionCycle, asked: Mapping[str, Sequence[Any]]) -> Table:
     """Return the table of a cycle, with what responses have answered for `list_cycle_states`."""
     table = cycle.table()
-    last = len(cycle.loading)
-    columns = {name: [*column[:last], *column[last - 1 :]] for name, column in tabulate_answers(asked).items()}
+    columns = tabulate_answers(repeat_last_of_loading(cycle, asked))
     return Table({**table.columns, **columns}, table.units, table.left)
+
+
+def repeat_last_of_loading(cycle: AdhesionCycle, asked: Mapping[str, Sequence[Any]]) -> dict[str, list[Any]]:
+    """Return answers for `list_cycle_states` as one for each row of the table, where both branches have that state."""
+    last = len(cycle.loading)
+    return {name: [*found[:last], *found[last - 1 :]] for name, found in asked.items()}
 
 
 def describe_cycle(cycle: AdhesionCycle, asked: Mapping[str, Sequence[Any]] = MappingProxyType({})) -> dict[str, Any]:

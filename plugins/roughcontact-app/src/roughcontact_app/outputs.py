@@ -24,7 +24,7 @@ from roughcontact.typing import (
     write_report,
 )
 
-from roughcontact_app.answers import make_table, tabulate_cycle
+from roughcontact_app.answers import make_table, repeat_last_of_loading, tabulate_cycle
 
 # Dots beside those of a figure: a picture, 430 dots wide, is shown 750 pixels wide.
 _SHARPNESS = 3
@@ -68,7 +68,7 @@ class Outputs:
             drawn += [(self.sweep, name) for name in _panels_of("sweep", largest)]
         first, *others = drawn + [(largest, name) for name in _panels_of("solution", largest)]
         yield partial(self._draw, *first)
-        yield self._write_report
+        yield partial(_write_report, self.sweep.solutions, self.folder, self.asked)
         law = make_law(self.sweep, self.asked)
         for name in law.columns:
             yield partial(self._draw_law, law, name)
@@ -86,10 +86,6 @@ class Outputs:
         self.sweep.solutions[index].save(self.folder / name)
         return {"role": "solution", "file": name, "load": index}
 
-    def _write_report(self) -> dict[str, Any]:
-        write_report(self.sweep.solutions, self.folder / "report.html", self.asked)
-        return {"role": "report", "file": "report.html"}
-
     def _draw(self, subject: Sweep | ContactSolution, name: str) -> dict[str, Any]:
         draw(lambda: subject.plot(name, dark=self.dark), self.folder / f"{name}.png")
         return {"role": "picture", "file": f"{name}.png", "panel": name}
@@ -102,7 +98,7 @@ class Outputs:
 
 @attrs.frozen(eq=False)
 class CycleOutputs:
-    """What is written of a cycle: the table of its states and the picture of both branches.
+    """What is written of a cycle: the table of its states, the picture of both branches, the report.
 
     Attributes
     ----------
@@ -123,6 +119,7 @@ class CycleOutputs:
         """Yield functions that write a file and return what the page is to know of it."""
         yield self._write_table
         yield self._draw
+        yield partial(_write_report, self.cycle, self.folder, repeat_last_of_loading(self.cycle, self.asked))
 
     def _write_table(self) -> dict[str, Any]:
         tabulate_cycle(self.cycle, self.asked).to_csv(self.folder / "cycle.csv")
@@ -135,7 +132,7 @@ class CycleOutputs:
 
 @attrs.frozen(eq=False)
 class FrettingOutputs:
-    """What is written of a fretting cycle: the table of its states, all fields, and the picture of the loop.
+    """What is written of a fretting cycle: the table of its states, the picture of the loop, all fields, the report.
 
     Attributes
     ----------
@@ -157,6 +154,7 @@ class FrettingOutputs:
         yield self._write_table
         yield self._draw
         yield self._write_path
+        yield partial(_write_report, self.path, self.folder, self.asked)
 
     def _write_table(self) -> dict[str, Any]:
         table = self.path.table()
@@ -171,6 +169,15 @@ class FrettingOutputs:
     def _write_path(self) -> dict[str, Any]:
         self.path.save(self.folder / "path.npz")
         return {"role": "solution", "file": "path.npz", "load": 0}
+
+
+def _write_report(
+    subject: Sequence[ContactSolution] | AdhesionCycle | FrictionalPath,
+    folder: Path,
+    asked: Mapping[str, Sequence[Any]],
+) -> dict[str, Any]:
+    write_report(subject, folder / "report.html", asked)
+    return {"role": "report", "file": "report.html"}
 
 
 def draw(plot: Callable[[], Any], path: Path) -> None:

@@ -144,8 +144,8 @@ examples:
         status = 0
         described = []
         for scene in read_scenes(options):
-            with show_progress("solving"):
-                report = rc.stability(scene.problem, **scene.load)
+            with show_progress("solving") as change:
+                report = rc.stability(scene.problem, **scene.load, on_check=change)
             status = max(status, int(report.verdict is Verdict.FAIL))
             if options.json:
                 described.append({**_name(scene), **_describe_checks(report, scene, options.area)})

@@ -10,6 +10,7 @@ from roughcontact._base.units import counted, si
 if TYPE_CHECKING:
     from roughcontact._parts.surfaces.heightmap import HeightMap
 
+# Characters of the names beside the facts.
 _LABEL_WIDTH = 14
 
 

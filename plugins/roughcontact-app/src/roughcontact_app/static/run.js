@@ -10,7 +10,7 @@ const PHASES = {
   waiting: "Waiting", starting: "Starting", preparing: "Preparing", solving: "Solving", evaluating: "Evaluating",
   drawing: "Drawing", done: "Done", failed: "Failed", cancelled: "Cancelled",
 };
-// Loads without a value of their own, and without a report.
+// Loads without a value of their own.
 const CYCLES = ["cycle", "fretting"];
 // The quantity that a kind of load gives.
 const GIVEN = { pressure: "mean pressure", force: "force", approach: "approach" };
@@ -163,7 +163,7 @@ function renderOutputs(state) {
     }));
   }
   // It keeps the place of the report, so that nothing jumps away under the pointer.
-  else if (!ENDED.includes(state.phase) && !CYCLES.includes(state.settings.load)) links.push(element("span", "The report follows", { class: "button", "aria-disabled": "true" }));
+  else if (!ENDED.includes(state.phase)) links.push(element("span", "The report follows", { class: "button", "aria-disabled": "true" }));
   if (of("table")) links.push(fileLink(state, of("table"), "Table (.csv)"));
   if (!many && of("solution")) links.push(fileLink(state, of("solution"), "Fields (.npz)"));
   keepOrReplace(byId("downloads"), links);

@@ -38,7 +38,7 @@ _MAX_PLAIN_SUM_SIDE = 1024
 # Cells at which the displacement is compared; the cell of maximum pressure is added.
 _SAMPLED_CELLS = 16
 # The solver in float64 runs on up to 512 x 512 cells, where 3000 iterations take about a minute.
-_MAX_FLOAT64_CELLS = 2**18
+MAX_FLOAT64_CELLS = 2**18
 _MAX_FLOAT64_ITERATIONS = 3000
 # Cells a side below which a grid of half as many is too coarse for a comparison.
 _MIN_HALVED_SIDE = 16
@@ -216,7 +216,7 @@ def check_precision(solved: SolvedProblem) -> Check:
     solver = solved.problem.plan.solver
     if not isinstance(solver, ProjectedConjugateGradient):
         return skip(name, f"{type(solver).__name__} does not work in float32")
-    if solution.grid.cells > _MAX_FLOAT64_CELLS:
+    if solution.grid.cells > MAX_FLOAT64_CELLS:
         return skip(name, "the solver in float64 takes too long beyond 512 x 512 cells")
     if not solution.contact.any():
         return skip(name, "there is no contact")
@@ -234,8 +234,11 @@ def check_precision(solved: SolvedProblem) -> Check:
     return assess(name, change, finding)
 
 
-def check_variants(solved: SolvedProblem) -> list[Check]:
-    """Return the changes of area, maximum pressure and approach or load on other grids and to a tighter tolerance."""
+def check_variants(solved: SolvedProblem, begin: Callable[[str], None]) -> list[Check]:
+    """Return the changes of area, maximum pressure and approach or load on other grids and to a tighter tolerance.
+
+    `begin` is called with the name of each variant before it is solved.
+    """
     variants: dict[str, Callable[[], tuple[ContactProblem, ContactSolution]]] = {
         "coarser grid": lambda: _solve_changed(solved, change_cells),
         "shifted grid": lambda: _solve_changed(solved, shift_half_cell),
@@ -244,6 +247,7 @@ def check_variants(solved: SolvedProblem) -> list[Check]:
     checks = []
     for variant, solve in variants.items():
         names = [f"{variant}: {quantity}" for quantity in ("area", "maximum pressure", "approach or load")]
+        begin(variant)
         try:
             problem, solution = solve()
         except InputError as error:
