@@ -199,7 +199,7 @@ PARTS = {
     "a word more": (SURFACE, {**part("surface", "flat"), "then": "os:system"}, "does not describe a part"),
     "an array that is not there": (SURFACE, {"array": "../../x"}, "does not describe a part"),
     "a number that is not": (SURFACE, {"number": "1e999"}, "does not describe a part"),
-    "a huge grid": (("grid",), {"mapping": {"shape": [2**40, 2**40], "size": [1.0, 1.0]}}, "2\\^28 cells"),
+    "a huge grid": (("grid",), {"mapping": {"shape": [2**40, 2**40], "size": [1.0, 1.0]}}, "2\\^40 cells"),
     "a large grid": (
         ("grid",),
         {"mapping": {"shape": [2**14, 2**14], "size": [1.0, 1.0]}},

@@ -284,7 +284,7 @@ class TestBeyondResolution:
             ({"cutoffs": []}, "cut-offs is empty"),
             ({"cutoffs": 1.0}, r"such as \[1, 0\.5\]"),
             ({"cutoffs": [3.0]}, "at most 2"),
-            ({"cutoffs": [1e-9]}, "fits into memory"),
+            ({"cutoffs": [1e-9]}, "of at most 2\\^40 cells"),
             ({"realizations": 1}, "at least 2"),
             ({"realizations": 10**9}, "at most 1000"),
             ({"resolved": 1e-6}, "at least 2e-06"),

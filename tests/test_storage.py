@@ -287,7 +287,7 @@ def test_other_archives_and_endings_are_refused(tmp_path):
     archive.write_archive(tmp_path / "other.npz", {"a": np.ones(3)}, {"kind": "something"})
     with pytest.raises(rc.InputError, match="does not hold a solution"):
         rc.ContactSolution.load(tmp_path / "other.npz")
-    with pytest.raises(rc.InputError, match=r"ending in \.html, \.nc, \.npz"):
+    with pytest.raises(rc.InputError, match=r"ending in \.html, \.json, \.nc, \.npz"):
         small().solve(force=1.0).save(tmp_path / "solution.dat")
 
 
