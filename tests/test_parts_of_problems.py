@@ -281,12 +281,12 @@ def test_slabs_of_one_process_are_the_solution_of_a_problem(boundary, convolver,
     heights = WAVE.heights(grid)
     options = {"boundary": boundary, "kernel": "love", "tolerance": 1e-6, "convolver": convolver}
     seen = []
-    scene, plan = plan_slabs(heights, grid, material, require=lambda plan, grid: seen.append(grid), **options)
+    scene, plan = plan_slabs(heights, grid, material, require=lambda *given: seen.append(given), **options)
     found = solve_slabs(SlabSolution, scene, plan, Load.of(pressure=20e6))
     body = rc.Body(rc.HeightMap(heights, grid.size), material)
     solver = rc.ProjectedConjugateGradient(1e-6)
     expected = rc.ContactProblem(body, boundary=boundary, solver=solver, threads=1).solve(pressure=20e6)
-    assert seen == [grid]
+    assert seen == [(grid, rc.Boundary(boundary))]
     assert np.array_equal(found.pressure, expected.pressure)
     assert np.array_equal(found.gap, expected.initial_gap + expected.displacement - expected.approach)
     assert (found.force, found.status, found.residuals) == (expected.force, expected.status, expected.residuals)
@@ -301,7 +301,7 @@ def test_slabs_refuse_heights_without_a_contact():
     options = {"boundary": "periodic", "kernel": "love", "tolerance": None, "convolver": rc.CircularFFT()}
 
     def plan(heights, size=1e-3):
-        return plan_slabs(heights, size, "glass", require=lambda plan, grid: None, **options)
+        return plan_slabs(heights, size, "glass", require=lambda grid, boundary: None, **options)
 
     heights = np.zeros((32, 32))
     with pytest.raises(rc.InputError, match="all the same"):

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import roughcontact as rc
-from roughcontact.typing import Command, build_part, quantity
+from roughcontact.typing import Command, build_part, ending_all, quantity
 
 _METRE, _PASCAL, _NEWTON, _NUMBER = (quantity(unit) for unit in ("m", "Pa", "N", ""))
 # Where the mpiexec of MPICH and of Open MPI states the number of a process.
@@ -56,8 +56,6 @@ numbers.json.
 
     def run(self, options: argparse.Namespace) -> int:
         """Solve as one of the processes; the first prints the numbers. Return 0."""
-        from roughcontact.typing import ending_all
-
         from roughcontact_mpi.processes import Processes
 
         processes = Processes()

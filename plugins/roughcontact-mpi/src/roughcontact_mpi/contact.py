@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Sequence
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any, cast
 
@@ -12,7 +12,6 @@ import attrs
 import roughcontact as rc
 from roughcontact.typing import (
     Load,
-    SolvePlan,
     Step,
     plan_slabs,
     replacing,
@@ -221,12 +220,6 @@ def solve(
         raise rc.InputError.about("The heights", heights, "an array in slabs, as read_heights returns it")
     processes = heights.processes
     processes.meet("solve")
-    convolver = SlabFFT(processes, gathers=False)
-
-    def require(plan: SolvePlan, grid: rc.Grid) -> None:
-        convolver.require(plan.kernel, plan.boundary)
-        _require_memory(processes, grid, plan.boundary)
-
     scene, plan = plan_slabs(
         heights,
         size,
@@ -235,8 +228,8 @@ def solve(
         boundary=boundary,
         kernel=kernel,
         tolerance=tolerance,
-        convolver=convolver,
-        require=require,
+        convolver=SlabFFT(processes, gathers=False),
+        require=partial(_require_memory, processes),
     )
     # The plan has the gap.
     del heights

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any, cast
 
 import attrs
@@ -114,13 +115,6 @@ def solve_on_slabs(
     if not isinstance(heights, SlabTensor) or heights.ndim != 2:
         raise rc.InputError.about("The heights", heights, "a SlabTensor, or a SelfAffineSurface")
     own = heights.processes
-    convolver = SlabTorchFFT(own)
-
-    def require(plan: SolvePlan, grid: rc.Grid) -> None:
-        convolver.require(plan.kernel, plan.boundary)
-        own.require(grid.shape)
-        _require_memory(own, grid, plan.boundary)
-
     scene, plan = plan_slabs(
         heights,
         size,
@@ -129,8 +123,8 @@ def solve_on_slabs(
         boundary=boundary,
         kernel=kernel,
         tolerance=tolerance,
-        convolver=convolver,
-        require=require,
+        convolver=SlabTorchFFT(own),
+        require=partial(_require_room, own),
         solver=MaskedConjugateGradient,
     )
     # The plan has the gap.
@@ -180,8 +174,9 @@ def _continue_on_one(scene: rc.ContactProblem, plan: SolvePlan, task: Task, stal
     )
 
 
-def _require_memory(processes: Processes, grid: rc.Grid, boundary: rc.Boundary) -> None:
-    """Refuse a contact of which the slab of a process does not fit on its device, on all processes."""
+def _require_room(processes: Processes, grid: rc.Grid, boundary: rc.Boundary) -> None:
+    """Refuse, on all processes, a contact of too few rows for them, or whose slab does not fit on a device."""
+    processes.require(grid.shape)
     own = processes.own_rows(grid.shape[0])
     arrays = MaskedConjugateGradient().memory_arrays(boundary)
     needed = processes.across(np.maximum, 8.0 * arrays * (own.stop - own.start) * grid.shape[1])

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
-from roughcontact._base.units import counted, si
+from roughcontact._base.units import counted, percent, si
 
 if TYPE_CHECKING:
     from roughcontact._parts.surfaces.heightmap import HeightMap
@@ -31,7 +31,7 @@ def list_facts(height_map: HeightMap) -> list[tuple[str, str]]:
     ]
     if missing is not None:
         count = int(missing.sum())
-        text = f"{count} of {counted(missing.size, 'point')} ({100 * count / missing.size:.2g} %)"
+        text = f"{count} of {counted(missing.size, 'point')} ({percent(count / missing.size)})"
         facts.append(("non-measured", text))
     return facts
 

@@ -271,7 +271,7 @@ def plan_slabs(
     kernel: str | InfluenceKernel,
     tolerance: float | None,
     convolver: Convolver,
-    require: Callable[[SolvePlan, Grid], None],
+    require: Callable[[Grid, Boundary], None],
     solver: Callable[[float], Solver] = ProjectedConjugateGradient,
 ) -> tuple[ContactProblem, SolvePlan]:
     """Return the problem on a few cells, and the plan of heights in slabs; all processes must call it.
@@ -291,8 +291,8 @@ def plan_slabs(
     convolver
         The convolver of slabs.
     require
-        Called with the plan of a few cells and the grid, before anything of the size of the grid is made; it refuses
-        what the convolver, or the memory of the processes, does not allow.
+        Called with the grid and its boundary before anything of their size is made; it refuses what the processes, or
+        their memory, do not allow.
     solver
         Makes the solver from its tolerance.
 
@@ -305,7 +305,8 @@ def plan_slabs(
     if grid.shape != heights.shape:
         raise InputError.about("The grid", grid.shape, f"of the shape of the heights, {heights.shape}")
     scene = _make_scene(grid, material, counterbody, boundary, kernel, tolerance)
-    require(scene.plan, grid)
+    convolver.require(scene.plan.kernel, scene.plan.boundary)
+    require(grid, scene.plan.boundary)
     # Where heights are not finite, the gap is not either.
     with np.errstate(invalid="ignore"):
         gap = float(heights.max()) - heights
@@ -361,7 +362,7 @@ def solve_slabs(
     >>> from roughcontact.typing import Load, SlabSolution, plan_slabs, solve_slabs
     >>> heights = rc.WavySurface(1e-6, 50e-6).heights(rc.Grid((64, 64), 100e-6))
     >>> options = {"boundary": "periodic", "kernel": "love", "tolerance": None, "convolver": rc.CircularFFT()}
-    >>> scene, plan = plan_slabs(heights, 100e-6, "glass", require=lambda plan, grid: None, **options)
+    >>> scene, plan = plan_slabs(heights, 100e-6, "glass", require=lambda grid, boundary: None, **options)
     >>> solution = solve_slabs(SlabSolution, scene, plan, Load.of(pressure=50e6))
     >>> solution.status.success, round(solution.mean_pressure)
     (True, 50000000)

@@ -216,14 +216,13 @@ def list_answer_warnings(answers: Answers, solutions: Sequence[ContactSolution] 
     ['stiffness, conductance: the grid is coarse']
     """
     estimates = [one for solution in solutions for one in (solution.area(), solution.peak_pressure())]
-    said = {kind_of(text) for one in estimates for text in one.warnings}
+    said = {text for one in estimates for text in one.warnings}
     names: dict[str, dict[str, None]] = {}
     texts: dict[str, str] = {}
     for name, column in tabulate_answers(answers).items():
-        for kind, text in ((kind_of(text), text) for one in column for text in one.warnings):
-            if kind not in said:
-                names.setdefault(kind, {})[_in_words(name)] = None
-                texts[kind] = text
+        for text in (text for one in column for text in one.warnings if text not in said):
+            names.setdefault(kind_of(text), {})[_in_words(name)] = None
+            texts[kind_of(text)] = text
     return [f"{', '.join(names[kind])}: {text}" for kind, text in texts.items()]
 
 
