@@ -39,10 +39,12 @@ _NEARLY_FULL_FRACTION = 0.6
 
 @attrs.frozen(eq=False)
 class InitialGuess:
-    """A pressure to start from, within the bounds, shape (nx, ny), and the work on coarser grids.
+    """A pressure to start from, shape (nx, ny), and the work on coarser grids.
 
     Attributes
     ----------
+    pressure
+        The pressure, within the bounds; near full contact that which closes every gap.
     products
         Cost in convolutions on the grid of the pressure.
     closed
@@ -50,7 +52,7 @@ class InitialGuess:
     met_limit
         Whether the pressure limit shortened a step on any coarser grid.
     nearly_full
-        The gap of the same start near full contact.
+        Near full contact the gap to start from, from which the pressure follows.
     """
 
     pressure: Array
