@@ -11,7 +11,7 @@ import numpy as np
 
 from roughcontact._base.arrays import Array, IntArray, Mask, RealArray
 from roughcontact._base.machine import map_tiles, tiles_of
-from roughcontact._solve.solvers.conjugate.active import ActiveCells, active_cells
+from roughcontact._solve.solvers.conjugate.active import ActiveCells, MaskedCells, active_cells
 from roughcontact._solve.solvers.projection import Control, ReleasedCells, dot
 
 # Step lengths in units of the direction: the first, the maximum, and the length after a return to the gradient, also
@@ -101,7 +101,7 @@ class Descent:
         self.met_limit |= self._capped and bool((pressure >= self._limit).any())
         active = active_cells(pressure, lambda tile: self._inside(pressure[tile], self._limits(tile)))
         weights = self._preconditioner.weights(active) if active.count else active.ones
-        self._state = ActiveState(active, active.gather(pressure), active.gather(gap), weights)
+        self._state = ActiveState(active, self._gather_pressure(active), active.gather(gap), weights)
 
     def stop(self) -> RealArray:
         """Return the gap from its level, flat, and free the arrays until the next start."""
@@ -115,8 +115,10 @@ class Descent:
         active = self._find_active()
         if active.count == 0:
             return False
+        # Free the former vectors: memory peaks in the step.
+        del self._state
         weights = self._preconditioner.weights(active)
-        state = ActiveState(active, active.gather(self.pressure), active.gather(self.gap), weights)
+        self._state = state = ActiveState(active, self._gather_pressure(active), active.gather(self.gap), weights)
         residual = np.float32(self._control.level(state.gap, weights)) * active.ones - state.gap
         direction = self._find_direction(state, self._find_released(state), residual)
         return direction is not None and self._move(state, residual, direction)
@@ -191,6 +193,11 @@ class Descent:
                 return self._control.level_between(float(saturated), float(opened))
         return self._control.level(self._state.gap, weights)
 
+    def _gather_pressure(self, active: ActiveCells) -> Array:
+        """Return the vector of the pressure: the field itself where that is its form and all other cells have none."""
+        shared = isinstance(active, MaskedCells) and not self._capped
+        return self.pressure if shared else active.gather(self.pressure)
+
     def _inside(self, pressure: Array, limit: Array) -> Mask:
         """Return the mask of the pressures strictly inside the bounds."""
         inside = pressure > 0.0
@@ -247,7 +254,8 @@ class Descent:
                 self._curvature = part * curvature
                 response *= np.float32(part)
                 response += state.gap
-                self._state = ActiveState(state.active, pressure, response, state.weights)
+                shared = state.pressure is self.pressure
+                self._state = ActiveState(state.active, self.pressure if shared else pressure, response, state.weights)
                 return True
             self._length *= _CAREFUL_LENGTH
         return False
