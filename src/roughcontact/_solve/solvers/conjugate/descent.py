@@ -240,22 +240,22 @@ class Descent:
             field = state.active.scatter(step)
             change = self._operator.apply(field.reshape(self._shape)).ravel()
             self.products += 1
-            response = state.active.gather(change)
-            curvature = dot(step, response)
+            # The step is zero on all other cells: a vector that is a field needs no copy.
+            curvature = dot(step, change if field is step else state.active.gather(change))
             if not math.isfinite(curvature):
                 return False
             part = dot(residual, step) / curvature if curvature > 0.0 else 0.0
-            part, pressure = self._take_part(part, state.pressure, trial, limit, clipped=clipped)
+            part, pressure = self._take_part(part, state, trial, direction, limit, clipped=clipped)
+            del trial
             if part > 0.0:
                 state.active.store(self.pressure, pressure)
                 self._add_to_gap(change, np.float32(part))
                 self._step = field
                 self._change = change
                 self._curvature = part * curvature
-                response *= np.float32(part)
-                response += state.gap
-                shared = state.pressure is self.pressure
-                self._state = ActiveState(state.active, self.pressure if shared else pressure, response, state.weights)
+                if state.pressure is self.pressure:
+                    pressure = self.pressure
+                self._state = attrs.evolve(state, pressure=pressure, gap=state.active.gather(self.gap))
                 return True
             self._length *= _CAREFUL_LENGTH
         return False
@@ -272,18 +272,22 @@ class Descent:
         self._minimum = min(map_tiles(add, tiles_of(gap)))
 
     def _take_part(
-        self, part: float, before: Array, trial: Array, limit: Array, *, clipped: bool
+        self, part: float, state: ActiveState, trial: Array, direction: RealArray, limit: Array, *, clipped: bool
     ) -> tuple[float, Array]:
         """Return the part of the step to be taken, zero for none, and the pressure there; set the next length.
 
-        `part` is the position of the minimum of the energy along the step.
+        `part` is the position of the minimum of the energy along the step to `trial`, which is changed in place.
         """
+        before = state.pressure
         if not clipped:
+            length = np.float32(self._length)
             self._length = min(_MAX_LENGTH, self._length * min(max(part, 0.25), 4.0))
-            full = _between(before, trial, part)
+            full = _move_between(before, trial, part)
             if not self._is_outside(full, limit):
                 return part, full
             part = min(part, 1.0)
+            np.copyto(trial, length * direction)
+            trial += before
         elif part > _FULL_STEP_PART:
             self._length = min(_MAX_LENGTH, self._length * math.sqrt(min(max(part, 0.8), 4.0)))
             return 1.0, trial
@@ -291,7 +295,7 @@ class Descent:
             self._length *= max(part, 0.5)
         else:
             return 0.0, before
-        shortened = _between(before, trial, part)
+        shortened = _move_between(before, trial, part)
         return part, np.clip(shortened, 0.0, limit, out=shortened)
 
     def _is_outside(self, pressure: Array, limit: Array) -> bool:
@@ -300,9 +304,9 @@ class Descent:
         return above or bool(pressure.min() < 0.0)
 
 
-def _between(before: Array, trial: Array, part: float) -> Array:
-    """Return before + part * (trial - before), with one array in memory."""
-    point = trial - before
-    point *= part
-    point += before
-    return point
+def _move_between(before: Array, trial: Array, part: float) -> Array:
+    """Return before + part * (trial - before), in the place of the trial."""
+    trial -= before
+    trial *= part
+    trial += before
+    return trial
