@@ -72,7 +72,8 @@ def project_to_weighted_load(values: Array, weights: RealArray, load: float, lim
     shift = _find_shift_near_bounds(values, weights, load, limit, error)
     if shift is None:
         shift = _find_shift(values, weights, load, limit, (-math.inf, math.inf), error)
-    return np.clip(values - shift * weights, 0.0, limit)
+    pressure = values - shift * weights
+    return np.clip(pressure, 0.0, limit, out=pressure)
 
 
 @guarded
@@ -249,7 +250,9 @@ class LoadControl:
 
     def feasible(self, trial: Array, before: Array, weights: RealArray, limit: Array) -> Array:
         """Return the pressure near `trial` within the bounds, with the load of `before`, shape (n,)."""
-        change = float(np.add.reduce(np.abs(trial - before)))
+        step = trial - before
+        change = float(np.add.reduce(np.abs(step, out=step)))
+        del step
         return project_to_weighted_load(trial, weights, float(np.add.reduce(before)), limit, _STEP_LOAD_ERROR * change)
 
     def restore(self, pressure: Array, limit: Array) -> Array:

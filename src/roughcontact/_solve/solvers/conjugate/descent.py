@@ -29,15 +29,15 @@ _SHORTENED_STEP_PART = 0.1
 # they are equal except for released or clipped cells.
 _MIN_CONJUGATE_SLOPE = 0.01
 _NO_CELLS: IntArray = np.zeros(0, dtype=np.intp)
+_NO_GAP: RealArray = np.zeros(0, dtype=np.float32)
 
 
 @attrs.frozen(eq=False)
 class ActiveState:
-    """The active cells with vectors on them: pressure, gap from any datum, and flat-punch weights."""
+    """The active cells with vectors on them: pressure and flat-punch weights."""
 
     active: ActiveCells
     pressure: Array
-    gap: RealArray
     weights: RealArray
 
 
@@ -84,6 +84,8 @@ class Descent:
         self._capped = bool(np.isfinite(limit).any())
         self._shape = shape
         self._length = _FIRST_LENGTH
+        # The vector of the gap between two steps.
+        self._active_gap = _NO_GAP
         self._step: RealArray | None = None
         self._change: RealArray | None = None
         self._curvature = 1.0
@@ -101,12 +103,14 @@ class Descent:
         self.met_limit |= self._capped and bool((pressure >= self._limit).any())
         active = active_cells(pressure, lambda tile: self._inside(pressure[tile], self._limits(tile)))
         weights = self._preconditioner.weights(active) if active.count else active.ones
-        self._state = ActiveState(active, self._gather_pressure(active), active.gather(gap), weights)
+        self._state = ActiveState(active, self._gather_pressure(active), weights)
+        self._active_gap = active.gather(gap)
 
     def stop(self) -> RealArray:
         """Return the gap from its level, flat, and free the arrays until the next start."""
         gap = self.gap
         gap -= np.float32(self._level)
+        self._active_gap = _NO_GAP
         del self.gap, self._state
         return gap
 
@@ -116,20 +120,26 @@ class Descent:
         if active.count == 0:
             return False
         # Free the former vectors: memory peaks in the step.
+        self._active_gap = _NO_GAP
         del self._state
         weights = self._preconditioner.weights(active)
-        self._state = state = ActiveState(active, self._gather_pressure(active), active.gather(self.gap), weights)
-        residual = np.float32(self._control.level(state.gap, weights)) * active.ones - state.gap
+        self._state = state = ActiveState(active, self._gather_pressure(active), weights)
+        residual = self._find_residual(state)
         direction = self._find_direction(state, self._find_released(state), residual)
         return direction is not None and self._move(state, residual, direction)
+
+    def _find_residual(self, state: ActiveState) -> RealArray:
+        """Return the vector of the level less the gap."""
+        gap = state.active.gather(self.gap)
+        return np.float32(self._control.level(gap, state.weights)) * state.active.ones - gap
 
     def error(self) -> float:
         """Return the error of the gap of the descent, as in `Violation` but not divided by the scale."""
         state = self._state
         limit = state.active.limits(self._limit)
         elastic = np.where(state.pressure < limit, state.pressure, 0.0) if self._capped else state.pressure
-        self._level = level = self._control.level(state.gap, elastic)
-        gap = state.gap - np.float32(level)
+        self._level = level = self._control.level(self._active_gap, elastic)
+        gap = self._active_gap - np.float32(level)
         if self._capped:
             np.maximum(gap, 0.0, out=gap, where=state.pressure >= limit)
         load = float(np.add.reduce(state.pressure))
@@ -155,7 +165,7 @@ class Descent:
         # Saturated cells are released too, and levels that are lower in some blocks would release more of them than of
         # open ones.
         if state.active.count and not self.met_limit:
-            levels = self._preconditioner.levels(weights, state.gap, level)
+            levels = self._preconditioner.levels(weights, self._active_gap, level)
 
         def mark(tile: slice) -> Mask:
             gap = self.gap[tile]
@@ -191,7 +201,7 @@ class Descent:
                 saturated = self.gap[contact].max()
                 opened = self.gap[~contact].min()
                 return self._control.level_between(float(saturated), float(opened))
-        return self._control.level(self._state.gap, weights)
+        return self._control.level(self._active_gap, weights)
 
     def _gather_pressure(self, active: ActiveCells) -> Array:
         """Return the vector of the pressure: the field itself where that is its form and all other cells have none."""
@@ -210,12 +220,12 @@ class Descent:
         preconditioned = self._preconditioner.apply(state.active, state.weights, residual)
         steepness = _MIN_CONJUGATE_SLOPE * dot(residual, preconditioned)
         candidates = (
-            (self._conjugate(preconditioned, state.active), steepness),
-            (preconditioned, 0.0),
-            (state.weights * residual, 0.0),
+            (lambda: self._conjugate(preconditioned, state.active), steepness),
+            (lambda: preconditioned, 0.0),
+            (lambda: state.weights * residual, 0.0),
         )
-        for candidate, minimum in candidates:
-            direction = self._control.admissible(candidate, state.weights, released)
+        for find, minimum in candidates:
+            direction = self._control.admissible(find(), state.weights, released)
             if dot(residual, direction) > max(minimum, 0.0):
                 return direction
             self._length = _CAREFUL_LENGTH
@@ -236,7 +246,7 @@ class Descent:
             clipped = self._is_outside(trial, limit)
             if clipped:
                 trial = self._control.feasible(trial, state.pressure, state.weights, limit)
-            step = (trial - state.pressure).astype(np.float32)
+            step = np.subtract(trial, state.pressure, out=np.empty_like(trial, dtype=np.float32))
             field = state.active.scatter(step)
             change = self._operator.apply(field.reshape(self._shape)).ravel()
             self.products += 1
@@ -255,7 +265,8 @@ class Descent:
                 self._curvature = part * curvature
                 if state.pressure is self.pressure:
                     pressure = self.pressure
-                self._state = attrs.evolve(state, pressure=pressure, gap=state.active.gather(self.gap))
+                self._state = attrs.evolve(state, pressure=pressure)
+                self._active_gap = state.active.gather(self.gap)
                 return True
             self._length *= _CAREFUL_LENGTH
         return False
