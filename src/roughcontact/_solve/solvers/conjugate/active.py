@@ -188,8 +188,8 @@ class _MaskedBlocks:
         return sums
 
     def spread(self, values: RealArray) -> RealArray:
-        """Return the vector with the value of its block on each cell."""
-        return self.active.gather(np.take(values[self.partition.rows], self.partition.columns, axis=1).ravel())
+        """Return the values of the blocks on each cell, also where a vector, by which it is multiplied, is zero."""
+        return np.take(values[self.partition.rows], self.partition.columns, axis=1).ravel()
 
     def tiles(self, values: RealArray) -> Callable[[slice], RealArray]:
         """Return the flat field with the value of its block on each cell, as a function of the tile."""

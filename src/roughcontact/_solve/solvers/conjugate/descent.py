@@ -235,12 +235,13 @@ class Descent:
         if self._step is None or self._change is None:
             return preconditioned
         factor = -dot(preconditioned, active.gather(self._change)) / self._curvature
-        return preconditioned + np.float32(factor) * active.gather(self._step) if factor > 0.0 else preconditioned
+        step = self._step
+        # Memory peaks from here on.
+        self._step = self._change = None
+        return preconditioned + np.float32(factor) * active.gather(step) if factor > 0.0 else preconditioned
 
     def _move(self, state: ActiveState, residual: RealArray, direction: RealArray) -> bool:
         limit = state.active.limits(self._limit)
-        # Free the last step: memory peaks here.
-        self._step = self._change = None
         for _ in range(_MAX_BACKTRACKS):
             trial = state.pressure + np.float32(self._length) * direction
             clipped = self._is_outside(trial, limit)
@@ -263,9 +264,9 @@ class Descent:
                 self._step = field
                 self._change = change
                 self._curvature = part * curvature
-                if state.pressure is self.pressure:
-                    pressure = self.pressure
-                self._state = attrs.evolve(state, pressure=pressure)
+                if state.pressure is not self.pressure:
+                    np.copyto(state.pressure, pressure)
+                del pressure
                 self._active_gap = state.active.gather(self.gap)
                 return True
             self._length *= _CAREFUL_LENGTH
