@@ -231,8 +231,8 @@ def test_a_saturated_cell_that_overlaps_is_no_error_of_the_descent():
                 descent = Descent(springs, (2, n), springs, ApproachControl(), limit)
                 descent.start(pressure.copy(), gap.copy())
                 active = active_cells(pressure, lambda tile, pressure=pressure: pressure[tile] > 0.0)
-                vectors = active.gather(pressure), active.gather(gap), active.ones
-                descent._state = ActiveState(active, *vectors)
+                descent._state = ActiveState(active, active.gather(pressure), active.ones)
+                descent._active_gap = active.gather(gap)
                 assert descent.error() == pytest.approx(expected)
 
 
