@@ -139,7 +139,7 @@ class MaskedCells:
 
     def blocks(self, partition: Partition) -> _MaskedBlocks:
         """Return the active cells by blocks of a partition."""
-        return _MaskedBlocks(self, partition)
+        return _MaskedBlocks(partition)
 
 
 ActiveCells: TypeAlias = ListedCells | MaskedCells
@@ -170,7 +170,6 @@ class _ListedBlocks:
 class _MaskedBlocks:
     """Masked cells by blocks; see `_ListedBlocks`."""
 
-    active: MaskedCells
     partition: Partition
 
     def sums(self, vector: RealArray) -> RealArray:
