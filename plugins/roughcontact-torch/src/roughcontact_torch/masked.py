@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
+from functools import partial
 from typing import Any, ClassVar, NamedTuple, cast
 
 import attrs
@@ -16,6 +17,7 @@ from roughcontact.typing import Array, GridLevel, Outcome, PreparedConvolution, 
 
 from roughcontact_torch.arrays import TensorArray
 from roughcontact_torch.convolver import TensorConvolution
+from roughcontact_torch.graph import GraphedIteration, record_graph
 from roughcontact_torch.masked_descent import MaskedDescent, State
 from roughcontact_torch.masked_grid import Blocks
 
@@ -168,7 +170,7 @@ class MaskedConjugateGradient(rc.Solver):
         Iterations on the finest grid after which the default solver continues.
     compiled
         Whether torch first compiles the iteration, once for each grid and kind of problem in a process: for about half
-        a minute each, and of at most eight.
+        a minute each, and of at most eight. On a GPU each solve then records it as a CUDA graph for each grid.
 
     References
     ----------
@@ -272,7 +274,7 @@ class MaskedConjugateGradient(rc.Solver):
         iterations = renewals = 0
         if not all(solved):
             blocks = grid.blocks(max(means))
-            iterate = self._iteration(coarse)
+            iterate = self._iteration(coarse, blocks)
             coarsest = not any(level.iterations for level in guess.levels)
             iterations, renewed = _COARSEST_ITERATIONS if coarsest else _COARSE_ITERATIONS
             for k in range(iterations):
@@ -280,7 +282,7 @@ class MaskedConjugateGradient(rc.Solver):
                     # Far from the given approach the active cells, and with them the rigid motion, change at each step.
                     state = coarse.renew(state)
                     renewals += 1
-                state = iterate(state, blocks)
+                state = iterate(state)
         work = _count_work(coarse, iterations, 1 + renewals)
         levels = (*guess.levels, attrs.evolve(work, single=work.single + 1))
         errors = (verified.error, coarse.estimate(state, verified.scale))
@@ -304,7 +306,7 @@ class MaskedConjugateGradient(rc.Solver):
         factors = [_factor(one, other, _COARSE_ITERATIONS[0]) for one, other in zip(before, after, strict=True)]
         progress = _Progress(self.tolerance, factors, floors, [tuple(now)])
         blocks = grid.blocks(means[0])
-        iterate = self._iteration(descent)
+        iterate = self._iteration(descent, blocks)
         best = verified.error
         found = state.pressure
         renewals = 0
@@ -314,7 +316,7 @@ class MaskedConjugateGradient(rc.Solver):
                 break
             count = progress.count_iterations()
             for _ in range(count):
-                state = iterate(state, blocks)
+                state = iterate(state)
             state, verified = descent.verify(state)
             # A contact that is solved keeps its pressure while the others go on.
             better = (verified.error < best) & (best > self.tolerance)
@@ -329,9 +331,11 @@ class MaskedConjugateGradient(rc.Solver):
         level = attrs.evolve(work, double=len(progress.errors))
         return _Solved(found, tuple(progress.errors), tuple(progress.floors), (*levels, level))
 
-    def _iteration(self, descent: MaskedDescent) -> Callable[[State, Blocks], State]:
-        iterate: Callable[[State, Blocks], State] = descent.iterate
-        return torch.compile(iterate, dynamic=False) if self.compiled else iterate
+    def _iteration(self, descent: MaskedDescent, blocks: Blocks) -> Callable[[State], State]:
+        if not self.compiled:
+            return partial(descent.iterate, blocks=blocks)
+        iterate = partial(torch.compile(descent.iterate, dynamic=False), blocks=blocks)
+        return GraphedIteration(iterate, record_graph) if descent.initial_gap.is_cuda else iterate
 
 
 def _factor(before: float, after: float, iterations: int) -> float:
