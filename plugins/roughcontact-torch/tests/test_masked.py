@@ -312,6 +312,29 @@ def test_it_has_a_name_and_explains_itself():
     assert "lists of active cells" in problem(convolver="torch", solver="masked").explain()
 
 
+@pytest.mark.parametrize("control", ["pressure", "approach"])
+@pytest.mark.parametrize("boundary", ["free", FREE_PERIODIC, FREE_PERIODIC[::-1]], ids=str)
+@pytest.mark.parametrize(
+    ("shape", "size", "center"),
+    [
+        ((256, 256), (1e-3, 1e-3), (2e-4, -1e-4)),
+        ((256, 64), (2e-3, 2.5e-4), (-9.9e-4, 0.0)),
+        ((135, 192), (5e-4, 2e-3), (0, 0)),
+    ],
+    ids=["square", "at the border, 8 to 1", "odd, cells of 1 to 3"],
+)
+def test_only_the_cells_that_can_touch_are_solved(shape, size, center, boundary, control):
+    body = rc.Body(rc.ParaboloidSurface(1e-2, center=center), rc.Elastic(1e11, 0.3))
+    whole = rc.ContactProblem(body, grid=rc.Grid(shape, size), boundary=boundary)
+    load = {"force": 0.5} if control == "pressure" else {"approach": 5e-8}
+    expected, found = (attrs.evolve(whole, **parts).solve(**load, tolerance=1e-8) for parts in ({}, tensors()))
+    assert found.status is rc.Status.CONVERGED
+    assert max(np.prod(level.shape) for level in found.levels) < 0.7 * np.prod(shape)
+    whole.verify(found)
+    assert np.abs(found.pressure - expected.pressure).max() < 1e-4 * expected.pressure.max()
+    assert found.approach == pytest.approx(expected.approach, rel=1e-6)
+
+
 def started(load):
     """The descent on the finest grid of a small contact, its first state and its blocks."""
     ours = problem(boundary="free", material=PLASTIC, **tensors())

@@ -15,8 +15,8 @@ Work = Callable[[], None]
 class GraphedIteration:
     """An iteration on buffers of its own, recorded at the first call and replayed from then on.
 
-    A recorded iteration reads and writes the memory that it had when it was recorded. The state that a call returns lies
-    in the buffers until the next call.
+    A recorded iteration reads and writes the memory that it had when it was recorded. The state that a call returns
+    lies in the buffers until the next call.
 
     Parameters
     ----------
