@@ -364,6 +364,7 @@ class MaskedConjugateGradient(rc.Solver):
         return _Solved(found, tuple(approaches), tuple(progress.errors), tuple(progress.floors), (*levels, level))
 
     def _iteration(self, descent: MaskedDescent, blocks: Blocks) -> Callable[[State], State]:
+        """Return the iteration on a grid, in the form that was asked for."""
         if not self.compiled:
             return partial(descent.iterate, blocks=blocks)
         iterate = partial(torch.compile(descent.iterate, dynamic=False), blocks=blocks)
