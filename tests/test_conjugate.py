@@ -21,7 +21,7 @@ from roughcontact._solve.solvers.conjugate.descent import Descent
 from roughcontact._solve.solvers.conjugate.nested_iteration import nested_iteration
 from roughcontact._solve.solvers.conjugate.preconditioner import PunchWeights
 from roughcontact._solve.solvers.conjugate.refinement import Openings
-from roughcontact.typing import Task
+from roughcontact.typing import Task, estimate_approach, solve_in_window
 from strategies import STRICT, height_maps, moduli, problems, strict
 
 YOUNG, SLOPE = 1.0, 0.1
@@ -244,18 +244,27 @@ def test_only_the_window_that_can_touch_is_solved(control):
     assert solution.gap.min() > -1e-6 * solution.approach
 
 
-def test_a_window_that_was_too_small_is_enlarged(monkeypatch):
-    from roughcontact._solve.solvers.conjugate import solver
-
-    real = solver.estimate_approach
-    monkeypatch.setattr(
-        solver, "estimate_approach", lambda convolution, task: (0.05 * real(convolution, task)[0], False)
-    )
+def test_a_window_that_was_too_small_is_enlarged():
     ball = rc.ParaboloidSurface(1e-2)
     problem = rc.ContactProblem(rc.Body(ball, rc.Elastic(1e11, 0.3)), grid=rc.Grid((256, 256), 1e-3), solver=STRICT)
-    solution = problem.solve(pressure=1e8)
-    assert solution.status is rc.Status.CONVERGED
-    assert solution.gap.min() > -1e-6 * solution.approach
+    task = make_task(problem.plan, problem.initial_gap, Load.of(pressure=1e8))
+    sides = []
+
+    def solve(convolution, inside):
+        sides.append(inside.initial_gap.shape[0])
+        return STRICT._solve_on_grid(convolution, inside)
+
+    def estimate(convolution, task):
+        return 0.05 * estimate_approach(convolution, task)[0], False
+
+    found = solve_in_window(problem.convolution, task, solve, estimate)
+    assert sides == sorted(sides)
+    assert len(sides) >= 2
+    assert sides[-1] < 256
+    expected = problem.solve(pressure=1e8)
+    pressure = found.outcome.pressure * (1e8 / task.mean_pressure)
+    np.testing.assert_allclose(pressure, expected.pressure, atol=1e-6 * expected.pressure.max())
+    assert found.approach * problem.plan.peak_to_valley == pytest.approx(expected.approach, rel=1e-6)
 
 
 class CoefficientsOnly(rc.InfluenceKernel):

@@ -65,7 +65,7 @@ BOUND = types_of_rc.BoundKernel(rc.Love())
 INNER = ("Love", "FourierHalfSpace", "DCFFT", "CircularFFT", "Direct", "project_to_load", "rescale_to_load")
 INNER += ("nearest_pressure", "starting_pressure", "PolonskyKeer.solve", "ProjectedConjugateGradient.solve")
 INNER += ("SpectralGradient.solve", "natural_residual", "make_task", "confirm", "certify", "make_solution")
-INNER += ("find_patches", "solve_on_cells", "require_found", "require_certified")
+INNER += ("find_patches", "solve_on_cells", "require_found", "require_certified", "estimate_approach")
 
 # A good value for each argument that has no default, by its name; the loads are given as pressures.
 GOOD = {
@@ -269,7 +269,7 @@ SKIPPED |= {"describe_other_places"}
 SKIPPED |= {"describe_response", "build_part", "build_response", "ask_states", "tabulate_answers", "write_report"}
 SKIPPED |= {"list_answer_warnings"}
 # Plug-ins call them with processes, plans and classes of their own.
-SKIPPED |= {"ending_all", "plan_slabs", "solve_slabs"}
+SKIPPED |= {"ending_all", "plan_slabs", "solve_slabs", "solve_in_window"}
 # Rows and columns for which convolvers and processes ask.
 SKIPPED |= {"SelfAffineSurface.half_spectrum", "Love.coefficients_from"}
 # Views by pyvista, which takes 560 MB: tests/test_bridges.py has them.

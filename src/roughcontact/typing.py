@@ -9,7 +9,8 @@ convolvers   `BoundKernel`, `ConvolutionSetup`, `PreparedConvolution`, `InverseC
              `WaveMatrix`; the function `padded_shape`
 solvers      `Task`, `Outcome`, `Step`, `GridLevel`, `Monitor`, `ContactConditions`, `Violation`; the functions
              `starting_pressure`, `nearest_pressure`, `project_to_load`, `rescale_to_load`,
-             `halve_shape`, `count_blocks`, the numbers `LONG_WAVE_CUT` and `MAX_CUT_EXPONENT`; for a solve of your own
+             `halve_shape`, `count_blocks`, `solve_in_window`, `estimate_approach`, `GridSolution`, the numbers
+             `LONG_WAVE_CUT` and `MAX_CUT_EXPONENT`; for a solve of your own
              `bind_kernel`, `make_task`, `confirm`, `Certificate`, `certify`, `make_solution`, `require_certified`; for
              one that is divided among processes `SlabProcesses`, `plan_slabs`, `solve_slabs`, `SlabSolution`,
              `SolveRecord`, `ending_all`, `Whole`, `find_patches`, `solve_on_cells`, `LinearSolution`, `require_found`
@@ -115,6 +116,7 @@ from roughcontact._solve.solution import (
 from roughcontact._solve.solvers import (
     LONG_WAVE_CUT,
     MAX_CUT_EXPONENT,
+    GridSolution,
     Monitor,
     Outcome,
     ShearOutcome,
@@ -123,11 +125,13 @@ from roughcontact._solve.solvers import (
     Step,
     Task,
     count_blocks,
+    estimate_approach,
     halve_shape,
     natural_residual,
     nearest_pressure,
     project_to_load,
     rescale_to_load,
+    solve_in_window,
     starting_pressure,
 )
 from roughcontact._work.processes import Cycle, RunIn
@@ -185,6 +189,7 @@ __all__ = [
     "FrictionalResiduals",
     "FrictionalState",
     "GridLevel",
+    "GridSolution",
     "Increment",
     "IntArray",
     "InterfaceLaw",
@@ -267,6 +272,7 @@ __all__ = [
     "describe_other_places",
     "describe_response",
     "ending_all",
+    "estimate_approach",
     "exceeds_metals",
     "find_patches",
     "gather_warnings",
@@ -292,6 +298,7 @@ __all__ = [
     "rescale_to_load",
     "run_sweep",
     "si",
+    "solve_in_window",
     "solve_on_cells",
     "solve_slabs",
     "starting_pressure",

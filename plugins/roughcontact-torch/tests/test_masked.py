@@ -11,6 +11,7 @@ from roughcontact.testing import claims
 from roughcontact.typing import Load, make_task
 
 from roughcontact_torch import MaskedConjugateGradient, TorchFFT, masked, solve_at_once
+from roughcontact_torch.graph import GraphedIteration
 from roughcontact_torch.masked_grid import MaskedGrid
 from test_contact import SMALL_PROBLEMS, STEEL, _Waits, assert_same_small_contact, problem
 
@@ -311,15 +312,80 @@ def test_it_has_a_name_and_explains_itself():
     assert "lists of active cells" in problem(convolver="torch", solver="masked").explain()
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("load", ["pressure", "approach"])
-def test_the_compiler_takes_an_iteration_whole(load):
+@pytest.mark.parametrize("control", ["pressure", "approach"])
+@pytest.mark.parametrize("boundary", ["free", FREE_PERIODIC, FREE_PERIODIC[::-1]], ids=str)
+@pytest.mark.parametrize(
+    ("shape", "size", "center"),
+    [
+        ((256, 256), (1e-3, 1e-3), (2e-4, -1e-4)),
+        ((256, 64), (2e-3, 2.5e-4), (-9.9e-4, 0.0)),
+        ((135, 192), (5e-4, 2e-3), (0, 0)),
+    ],
+    ids=["square", "at the border, 8 to 1", "odd, cells of 1 to 3"],
+)
+def test_only_the_cells_that_can_touch_are_solved(shape, size, center, boundary, control):
+    body = rc.Body(rc.ParaboloidSurface(1e-2, center=center), rc.Elastic(1e11, 0.3))
+    whole = rc.ContactProblem(body, grid=rc.Grid(shape, size), boundary=boundary)
+    load = {"force": 0.5} if control == "pressure" else {"approach": 5e-8}
+    expected, found = (attrs.evolve(whole, **parts).solve(**load, tolerance=1e-8) for parts in ({}, tensors()))
+    assert found.status is rc.Status.CONVERGED
+    assert max(np.prod(level.shape) for level in found.levels) < 0.7 * np.prod(shape)
+    whole.verify(found)
+    assert np.abs(found.pressure - expected.pressure).max() < 1e-4 * expected.pressure.max()
+    assert found.approach == pytest.approx(expected.approach, rel=1e-6)
+
+
+def started(load):
+    """The descent on the finest grid of a small contact, its first state and its blocks."""
     ours = problem(boundary="free", material=PLASTIC, **tensors())
     task = make_task(ours.plan, ours.initial_gap, Load.of(**{load: 1e7 if load == "pressure" else 0.5}))
     (descent, *_) = masked._make_descents(ours.convolution, [task])
     pressure = torch.full_like(descent.initial_gap, task.mean_pressure or 0.0)
     state, _ = descent.start(pressure, descent.grid.displace(pressure))
-    blocks = descent.grid.blocks(0.1)
+    return descent, state, descent.grid.blocks(0.1)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("load", ["pressure", "approach"])
+def test_the_compiler_takes_an_iteration_whole(load):
+    descent, state, blocks = started(load)
     compiled = torch.compile(descent.iterate, backend="eager", fullgraph=True)(state, blocks)
     for one, other in zip(compiled, descent.iterate(state, blocks), strict=True):
         assert torch.equal(one, other)
+
+
+@pytest.mark.parametrize("load", ["pressure", "approach"])
+def test_an_iteration_in_place_is_the_iteration(load):
+    """What a CUDA graph replays, here by the processor: the same memory at each iteration, checks between."""
+    descent, state, blocks = started(load)
+    done = []
+
+    def record(work):
+        work()
+        return lambda: done.append(work())
+
+    in_place = GraphedIteration(lambda one: descent.iterate(one, blocks), record)
+    found = state
+    places = set()
+    for k in range(6):
+        state = descent.iterate(state, blocks)
+        found = in_place(found)
+        places.add(tuple(value.data_ptr() for value in found))
+        for one, other in zip(found, state, strict=True):
+            assert torch.equal(one, other)
+        if k == 2:
+            state, found = (descent.renew(descent.verify(one)[0]) for one in (state, found))
+    assert len(places) == 1
+    assert len(set(*places)) == len(state)
+    assert len(done) == 6
+
+
+@pytest.mark.skipif(not torch.cuda.is_available(), reason="needs a GPU")
+@pytest.mark.parametrize("load", [{"pressure": 1e7}, {"approach": 0.5}], ids=str)
+def test_a_compiled_iteration_is_replayed_on_a_gpu(load):
+    eager, compiled = (problem(n=128, **tensors("cuda", compiled=compiled)) for compiled in (False, True))
+    expected = eager.solve(**load)
+    for found in (compiled.solve(**load), compiled.solve(**load)):
+        assert found.status is rc.Status.CONVERGED
+        assert found.iterations == expected.iterations
+        assert np.abs(found.pressure - expected.pressure).max() < 1e-4 * expected.pressure.max()

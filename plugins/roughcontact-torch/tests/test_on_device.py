@@ -44,7 +44,7 @@ def test_the_certificate_is_that_of_the_host(device, boundary, material, control
 @pytest.mark.parametrize("parts", [{}, {"boundary": "free"}, {"material": PLASTIC}], ids=str)
 @pytest.mark.parametrize("control", ["pressure", "approach"])
 def test_only_numbers_reach_the_host_until_the_fields_are_asked_for(parts, control, monkeypatch):
-    ours = problem(**parts, **tensors())
+    ours = problem(n=256, **parts, **tensors())
     expected = ours.solve(pressure=1e7)
     load = {"pressure": 1e7} if control == "pressure" else {"approach": expected.approach}
     expected = ours.solve(**load)
@@ -52,13 +52,14 @@ def test_only_numbers_reach_the_host_until_the_fields_are_asked_for(parts, contr
     for name in ("numpy", "tolist", "cpu", "item"):
         monkeypatch.setattr(torch.Tensor, name, _recording(getattr(torch.Tensor, name), brought))
     found = solve_on_device(ours, **load)
-    # No list has more numbers than a verification reads.
-    assert max(brought) <= 8
-    assert found.pressure.shape == found.gap.shape == (64, 64)
+    # No list has more numbers than a verification reads; on a coarse grid the host finds what can touch.
+    estimated = "boundary" in parts and control == "pressure"
+    assert [count for count in brought if count > 8] == [128 * 128] * estimated
+    assert found.pressure.shape == found.gap.shape == (256, 256)
     assert found.status is rc.Status.CONVERGED
     brought.clear()
     host = found.to_host()
-    assert brought == [64 * 64] * 2
+    assert brought == [256 * 256] * 2
     assert type(host.pressure) is np.ndarray
     assert np.array_equal(host.pressure, expected.pressure)
     assert host.residuals == found.residuals == expected.residuals

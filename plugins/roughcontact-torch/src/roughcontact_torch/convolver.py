@@ -228,11 +228,15 @@ class TensorConvolution(PreparedConvolution):
         coarse = cast(TensorConvolution, self.on(rc.Grid(half, grid.size)))
         return (self.grid(), *coarse.nested_grids())
 
-    def shear(self) -> ShearConvolution:
-        """Return the convolution of shear on the host: the solver of shear works on numpy's arrays."""
+    def on_host(self, grid: rc.Grid) -> PreparedConvolution:
+        """Return the same convolution on a grid, on numpy's arrays."""
         setup = self.setup
         host = rc.DCFFT() if setup.boundary.has_free_axis else rc.CircularFFT()
-        return host.prepare(setup.kernel, setup.grid, setup.boundary).shear()
+        return host.prepare(setup.kernel, grid, setup.boundary)
+
+    def shear(self) -> ShearConvolution:
+        """Return the convolution of shear on the host: the solver of shear works on numpy's arrays."""
+        return self.on_host(self.setup.grid).shear()
 
     @contextmanager
     def use_threads(self, count: int) -> Iterator[None]:

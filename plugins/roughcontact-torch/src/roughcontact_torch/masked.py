@@ -6,16 +6,30 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
+from functools import partial
 from typing import Any, ClassVar, NamedTuple, cast
 
 import attrs
 import numpy as np
 import roughcontact as rc
 import torch
-from roughcontact.typing import Array, GridLevel, Outcome, PreparedConvolution, Step, Task
+import torch.nn.functional as functional
+from roughcontact.typing import (
+    Array,
+    GridLevel,
+    GridSolution,
+    Outcome,
+    PreparedConvolution,
+    Step,
+    Task,
+    estimate_approach,
+    halve_shape,
+    solve_in_window,
+)
 
 from roughcontact_torch.arrays import TensorArray
 from roughcontact_torch.convolver import TensorConvolution
+from roughcontact_torch.graph import GraphedIteration, record_graph
 from roughcontact_torch.masked_descent import MaskedDescent, State
 from roughcontact_torch.masked_grid import Blocks
 
@@ -39,6 +53,8 @@ _PASSIVE_ALLOWANCE = 0.02
 # Peak memory of a solve in float64 arrays of the grid, periodic and with a free axis, measured on a processor; see
 # tests/test_memory.py.
 _ARRAYS = {False: 19.0, True: 23.6}
+# Maximum cells a side of the grid that the host takes to estimate the approach.
+_MAX_HOST_CELLS = 128
 # Verifications in turn that do not halve the error after which the default solver continues.
 _MAX_IDLE_ROUNDS = 3
 _DEFAULT = rc.ProjectedConjugateGradient()
@@ -127,9 +143,10 @@ class _Progress:
 
 @attrs.frozen(eq=False)
 class _Solved:
-    """Pressures, by verification their errors, floors of rounding, and the work."""
+    """Pressures and approaches, by verification their errors, floors of rounding, and the work."""
 
     pressure: torch.Tensor
+    approaches: tuple[float, ...]
     errors: tuple[tuple[float, ...], ...]
     floors: tuple[float, ...]
     levels: tuple[GridLevel, ...]
@@ -168,7 +185,7 @@ class MaskedConjugateGradient(rc.Solver):
         Iterations on the finest grid after which the default solver continues.
     compiled
         Whether torch first compiles the iteration, once for each grid and kind of problem in a process: for about half
-        a minute each, and of at most eight.
+        a minute each, and of at most eight. On a GPU each solve then records it as a CUDA graph for each grid.
 
     References
     ----------
@@ -226,13 +243,24 @@ class MaskedConjugateGradient(rc.Solver):
         if any(task.pressure_limit.size > 1 for task in tasks):
             outcomes = [default.solve(convolution, task) for task in tasks]
         else:
-            solved = self._solve(convolution, tasks)
             outcomes = []
-            for k, task in enumerate(tasks):
-                outcome = solved.outcome(k, self.tolerance)
-                ended = outcome.status.success or not convolution.serves_default
-                outcomes.append(outcome if ended else _continue(default, convolution, task, outcome))
+            for task, found in zip(tasks, self._solve_in_windows(convolution, tasks), strict=True):
+                ended = found.status.success or not convolution.serves_default
+                outcomes.append(found if ended else _continue(default, convolution, task, found))
         return [attrs.evolve(one, pressure=convolution.from_numpy(one.pressure)) for one in outcomes]
+
+    def _solve_in_windows(self, convolution: TensorConvolution, tasks: Sequence[Task]) -> list[Outcome]:
+        """Return the outcomes; a single contact is solved on the cells that can touch alone."""
+        if len(tasks) > 1 or not convolution.serves_default:
+            solved = self._solve(convolution, tasks)
+            return [solved.outcome(k, self.tolerance) for k in range(len(tasks))]
+
+        def solve(part: PreparedConvolution, task: Task) -> GridSolution:
+            found = self._solve(cast(TensorConvolution, part), [task])
+            return GridSolution(found.outcome(0, self.tolerance), found.approaches[0])
+
+        task = tasks[0].convert(convolution.from_numpy)
+        return [solve_in_window(convolution, task, solve, _estimate_approach).outcome]
 
     def _solve(self, convolution: TensorConvolution, tasks: Sequence[Task]) -> _Solved:
         descents = _make_descents(convolution, tasks)
@@ -272,7 +300,7 @@ class MaskedConjugateGradient(rc.Solver):
         iterations = renewals = 0
         if not all(solved):
             blocks = grid.blocks(max(means))
-            iterate = self._iteration(coarse)
+            iterate = self._iteration(coarse, blocks)
             coarsest = not any(level.iterations for level in guess.levels)
             iterations, renewed = _COARSEST_ITERATIONS if coarsest else _COARSE_ITERATIONS
             for k in range(iterations):
@@ -280,7 +308,7 @@ class MaskedConjugateGradient(rc.Solver):
                     # Far from the given approach the active cells, and with them the rigid motion, change at each step.
                     state = coarse.renew(state)
                     renewals += 1
-                state = iterate(state, blocks)
+                state = iterate(state)
         work = _count_work(coarse, iterations, 1 + renewals)
         levels = (*guess.levels, attrs.evolve(work, single=work.single + 1))
         errors = (verified.error, coarse.estimate(state, verified.scale))
@@ -299,13 +327,16 @@ class MaskedConjugateGradient(rc.Solver):
         del pressure
         mean = grid.mean_weight(state.weights).amax(keepdim=True).expand_as(verified.error)
         coarse = estimates if estimates is not None else (verified.error, verified.error)
-        now, floors, before, after, means = grid.read(verified.error, verified.floor, *coarse, mean)
+        now, floors, approaches, before, after, means = grid.read(
+            verified.error, verified.floor, verified.approach, *coarse, mean
+        )
         # On the last coarse grid the error fell as it will here.
         factors = [_factor(one, other, _COARSE_ITERATIONS[0]) for one, other in zip(before, after, strict=True)]
         progress = _Progress(self.tolerance, factors, floors, [tuple(now)])
         blocks = grid.blocks(means[0])
-        iterate = self._iteration(descent)
+        iterate = self._iteration(descent, blocks)
         best = verified.error
+        approach = verified.approach
         found = state.pressure
         renewals = 0
         while True:
@@ -314,24 +345,48 @@ class MaskedConjugateGradient(rc.Solver):
                 break
             count = progress.count_iterations()
             for _ in range(count):
-                state = iterate(state, blocks)
+                state = iterate(state)
             state, verified = descent.verify(state)
             # A contact that is solved keeps its pressure while the others go on.
             better = (verified.error < best) & (best > self.tolerance)
             found = torch.where(better, state.pressure, found)
+            approach = torch.where(better, verified.approach, approach)
             best = torch.where(better, verified.error, best)
-            now, floors, changed = grid.read(best, verified.floor, _changed_fraction(descent, state))
+            now, floors, approaches, changed = grid.read(
+                best, verified.floor, approach, _changed_fraction(descent, state)
+            )
             progress.record(now, floors, count)
             if any(changed[k] > _MAX_CHANGED_FRACTION for k in progress.unfinished):
                 state = descent.renew(state)
                 renewals += 1
         work = _count_work(descent, progress.iterations, 1 + renewals)
         level = attrs.evolve(work, double=len(progress.errors))
-        return _Solved(found, tuple(progress.errors), tuple(progress.floors), (*levels, level))
+        return _Solved(found, tuple(approaches), tuple(progress.errors), tuple(progress.floors), (*levels, level))
 
-    def _iteration(self, descent: MaskedDescent) -> Callable[[State, Blocks], State]:
-        iterate: Callable[[State, Blocks], State] = descent.iterate
-        return torch.compile(iterate, dynamic=False) if self.compiled else iterate
+    def _iteration(self, descent: MaskedDescent, blocks: Blocks) -> Callable[[State], State]:
+        """Return the iteration on a grid, in the form that was asked for."""
+        if not self.compiled:
+            return partial(descent.iterate, blocks=blocks)
+        iterate = partial(torch.compile(descent.iterate, dynamic=False), blocks=blocks)
+        return GraphedIteration(iterate, record_graph) if descent.initial_gap.is_cuda else iterate
+
+
+def _estimate_approach(convolution: PreparedConvolution, task: Task) -> tuple[float | None, bool]:
+    """Return about the approach; found on the host: on few cells the calls of a device take longer than the work."""
+    if task.approach is not None:
+        return task.approach, False
+    tensors = cast(TensorConvolution, convolution)
+    grid = tensors.setup.grid
+    shape = grid.shape
+    half = halve_shape(shape)
+    # The core halves at least once more.
+    while max(shape) > _MAX_HOST_CELLS and halve_shape(half) != half:
+        shape = half
+        half = halve_shape(half)
+    sizes = (grid.shape[0] // shape[0], grid.shape[1] // shape[1])
+    gap = functional.avg_pool2d(_stack(tensors, [task.initial_gap]), sizes)[0].numpy(force=True)
+    small = attrs.evolve(task, initial_gap=gap, pressure_limit=tensors.to_numpy(task.pressure_limit), start=None)
+    return estimate_approach(tensors.on_host(rc.Grid(shape, grid.size)), small)
 
 
 def _factor(before: float, after: float, iterations: int) -> float:

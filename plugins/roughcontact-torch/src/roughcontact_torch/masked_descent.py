@@ -91,6 +91,7 @@ class Violations(NamedTuple):
     error: torch.Tensor
     floor: torch.Tensor
     scale: torch.Tensor
+    approach: torch.Tensor
 
 
 @attrs.frozen(eq=False)
@@ -228,7 +229,7 @@ class MaskedDescent:
             # A pressure without its load does not solve the contact.
             missing = (grid.total(pressure) / self.load - 1.0).abs()
             error = torch.where(missing <= _LOAD_ROUNDING, error, torch.clamp(error, min=1.0))
-        return gap.to(torch.float32), Violations(error, floor, scale)
+        return gap.to(torch.float32), Violations(error, floor, scale, level)
 
     def _separating_level(self, pressure: torch.Tensor, gap: torch.Tensor) -> torch.Tensor:
         """Return the approach: given, or the mean of the elastic cells, or between saturated and open ones."""

@@ -14,7 +14,12 @@ from roughcontact._solve.solvers.base import (
 )
 from roughcontact._solve.solvers.conjugate import ProjectedConjugateGradient
 from roughcontact._solve.solvers.conjugate.active import ActiveCells, MaskedCells, active_cells
-from roughcontact._solve.solvers.conjugate.nested_iteration import halve_shape
+from roughcontact._solve.solvers.conjugate.nested_iteration import (
+    GridSolution,
+    estimate_approach,
+    halve_shape,
+    solve_in_window,
+)
 from roughcontact._solve.solvers.conjugate.preconditioner import (
     LONG_WAVE_CUT,
     MAX_CUT_EXPONENT,
@@ -40,6 +45,7 @@ __all__ = [
     "MAX_CUT_EXPONENT",
     "ActiveCells",
     "GapDescent",
+    "GridSolution",
     "LinearisedGap",
     "Majorise",
     "MaskedCells",
@@ -60,6 +66,7 @@ __all__ = [
     "active_cells",
     "count_blocks",
     "dot",
+    "estimate_approach",
     "halve_shape",
     "natural_residual",
     "nearest_pressure",
@@ -68,6 +75,7 @@ __all__ = [
     "project_to_load",
     "rescale_to_load",
     "shear_solvers",
+    "solve_in_window",
     "solvers",
     "starting_pressure",
     "surface_stiffness",

@@ -12,7 +12,7 @@ from roughcontact._base.machine import map_tiles, tiles_of
 from roughcontact._parts.grid import Boundary, Grid, grid_shape
 from roughcontact._solve.convolvers import PreparedConvolution
 from roughcontact._solve.solution import GridLevel
-from roughcontact._solve.solvers.base import Monitor, Step, Task, starting_pressure
+from roughcontact._solve.solvers.base import Monitor, Outcome, Step, Task, starting_pressure
 from roughcontact._solve.solvers.conjugate.refinement import NearlyFull, Refinement
 from roughcontact.errors.door import guarded
 
@@ -170,10 +170,27 @@ def coarsen(grid: Grid, task: Task) -> tuple[Grid, Task] | None:
     return half, attrs.evolve(task, initial_gap=gap, pressure_limit=limit)
 
 
+@guarded
 def estimate_approach(convolution: PreparedConvolution, task: Task) -> tuple[float | None, bool]:
     """Return the approach at the load of a task from a coarse grid, and whether the limit shortened a step.
 
-    The approach is None if there is no coarse grid.
+    Returns
+    -------
+    approach : float or None
+        The approach to about 2 %, in the variables of the task; `None` if there is no coarse grid.
+    met_limit : bool
+        Whether the pressure limit shortened a step.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> from roughcontact.typing import Load, estimate_approach, make_task
+    >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Elastic(young=210e9, poisson=0.3))
+    >>> problem = rc.ContactProblem(ball, grid=rc.Grid((256, 256), 400e-6))
+    >>> task = make_task(problem.plan, problem.initial_gap, Load.of(pressure=62.5e6))
+    >>> approach, _ = estimate_approach(problem.convolution, task)
+    >>> print(f"{approach * problem.plan.peak_to_valley * 1e6:.2f} um")
+    1.02 um
     """
     if task.approach is not None:
         return task.approach, False
@@ -302,6 +319,82 @@ class Window:
         touching = initial_gap < approach
         inside = np.count_nonzero(touching[self.rows, self.columns])
         return bool(np.count_nonzero(touching) == inside)
+
+
+@attrs.frozen(eq=False)
+class GridSolution:
+    """The outcome on one grid, the approach of its pressure, and whether the pressure limit shortened any step.
+
+    Attributes
+    ----------
+    outcome
+        Pressure and work.
+    approach
+        Approach at this pressure, in the variables of the task.
+    met_limit
+        Whether the pressure limit shortened any step.
+    """
+
+    outcome: Outcome
+    approach: float
+    met_limit: bool = False
+
+
+@guarded
+def solve_in_window(
+    convolution: PreparedConvolution,
+    task: Task,
+    solve: Callable[[PreparedConvolution, Task], GridSolution],
+    estimate: Callable[[PreparedConvolution, Task], tuple[float | None, bool]] = estimate_approach,
+) -> GridSolution:
+    """Solve a contact on the part of a free domain that can touch, or on all of it.
+
+    Parameters
+    ----------
+    convolution
+        The convolution of all cells.
+    task
+        The contact.
+    solve
+        Return the solution on all cells of a convolution.
+    estimate
+        Return about the approach and whether the pressure limit shortened a step, as `estimate_approach` does; instead
+        of the approach `None`: take all cells. Where it is too low, the window is enlarged.
+
+    Returns
+    -------
+    GridSolution
+        The solution, its pressure zero outside the part.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> from roughcontact.typing import GridSolution, Load, make_task, solve_in_window
+    >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Elastic(young=210e9, poisson=0.3))
+    >>> problem = rc.ContactProblem(ball, grid=rc.Grid((256, 256), 400e-6))
+    >>> def solve(convolution, task):
+    ...     print(task.initial_gap.shape)
+    ...     return GridSolution(rc.SpectralGradient().solve(convolution, task), task.approach)
+    >>> task = make_task(problem.plan, problem.initial_gap, Load.of(approach=1e-7))
+    >>> found = solve_in_window(problem.convolution, task, solve)
+    (32, 32)
+    >>> found.outcome.pressure.shape
+    (256, 256)
+    """
+    if not convolution.setup.boundary.has_free_axis:
+        return solve(convolution, task)
+    approach, met_limit = estimate(convolution, task)
+    while approach is not None and (window := find_window(convolution, task, approach)) is not None:
+        found = solve(window.convolution(convolution), window.task(task))
+        approach = found.approach
+        met_limit = met_limit or found.met_limit
+        pressure = window.embed(found.outcome.pressure, task.initial_gap.shape)
+        if not found.outcome.status.success or window.contains_contact(task.initial_gap, approach):
+            return GridSolution(attrs.evolve(found.outcome, pressure=pressure), approach, met_limit)
+        # The estimate was too low: the next window is larger, and starts from this pressure.
+        task = attrs.evolve(task, start=pressure)
+    found = solve(convolution, task)
+    return attrs.evolve(found, met_limit=met_limit or found.met_limit)
 
 
 def find_window(convolution: PreparedConvolution, task: Task, approach: float) -> Window | None:

@@ -22,9 +22,9 @@ from roughcontact._solve.solvers.base import (
     positive_tolerance,
 )
 from roughcontact._solve.solvers.conjugate.nested_iteration import (
-    estimate_approach,
-    find_window,
+    GridSolution,
     nested_iteration,
+    solve_in_window,
     start_from,
 )
 from roughcontact._solve.solvers.conjugate.refinement import Refinement
@@ -43,15 +43,6 @@ _MAX_LOAD_FAILURES = 6
 _FIRST_POWER = 2.0
 # Minimum missing load and remaining gap, over their values at zero load, to avoid log(0).
 _MIN_MISSING_FRACTION = 1e-9
-
-
-@attrs.frozen(eq=False)
-class GridSolution:
-    """The outcome on one grid, the approach of its pressure, and whether the pressure limit shortened any step."""
-
-    outcome: Outcome
-    approach: float
-    met_limit: bool
 
 
 @attrs.frozen
@@ -103,33 +94,15 @@ class ProjectedConjugateGradient(Solver):
 
         A limit that is not reached then changes no bit of the result.
         """
-        found = self._solve_in_window(convolution, task)
+        found = solve_in_window(convolution, task, self._solve_on_grid)
         limited = found.outcome
         if not found.met_limit or not limited.status.success or (limited.pressure >= task.pressure_limit).any():
             return limited
-        free = self._solve_in_window(
-            convolution, attrs.evolve(task, pressure_limit=np.full((), math.inf, like=task.pressure_limit))
-        ).outcome
+        unlimited = attrs.evolve(task, pressure_limit=np.full((), math.inf, like=task.pressure_limit))
+        free = solve_in_window(convolution, unlimited, self._solve_on_grid).outcome
         if not free.status.success or (free.pressure > task.pressure_limit).any():
             return limited
         return attrs.evolve(free, convolutions=limited.convolutions + free.convolutions)
-
-    def _solve_in_window(self, convolution: PreparedConvolution, task: Task) -> GridSolution:
-        """Solve on the part of a free domain that can touch, or on all of it."""
-        if not convolution.setup.boundary.has_free_axis:
-            return self._solve_on_grid(convolution, task)
-        approach, met_limit = estimate_approach(convolution, task)
-        while approach is not None and (window := find_window(convolution, task, approach)) is not None:
-            found = self._solve_on_grid(window.convolution(convolution), window.task(task))
-            approach = found.approach
-            met_limit = met_limit or found.met_limit
-            pressure = window.embed(found.outcome.pressure, task.initial_gap.shape)
-            if not found.outcome.status.success or window.contains_contact(task.initial_gap, approach):
-                return GridSolution(attrs.evolve(found.outcome, pressure=pressure), approach, met_limit)
-            # The estimate was too low: the next window is larger, and starts from this pressure.
-            task = attrs.evolve(task, start=pressure)
-        found = self._solve_on_grid(convolution, task)
-        return attrs.evolve(found, met_limit=met_limit or found.met_limit)
 
     def _solve_on_grid(self, convolution: PreparedConvolution, task: Task) -> GridSolution:
         """Solve on all cells of the convolution; again without a start that does not lead to the solution."""
