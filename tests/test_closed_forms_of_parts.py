@@ -212,7 +212,7 @@ def test_the_projection_to_a_load_is_that_of_bisection(limit, scale):
         middle = 0.5 * (low + high)
         more = np.clip(values - middle * weights, 0.0, limit).sum() > load
         low, high = (middle, high) if more else (low, middle)
-    found = project_to_weighted_load(values, weights, load, bound, 0.0)
+    found = project_to_weighted_load(values.copy(), weights, load, bound, 0.0)
     np.testing.assert_allclose(found, np.clip(values - low * weights, 0.0, limit), rtol=0.0, atol=1e-9 * scale + 1e-12)
 
 

@@ -190,7 +190,7 @@ def test_near_full_contact_the_openings_give_the_same_pressure(kernel, fraction,
 
 
 def test_where_the_openings_do_not_settle_the_pressure_is_sought(monkeypatch):
-    monkeypatch.setattr(Openings, "_descend", lambda self, pressure, goal: pressure)
+    monkeypatch.setattr(Openings, "_descend", lambda self, peak, goal: self._closing.astype(np.float32))
     solution = rough(128).solve(pressure=SLOPE * YOUNG)
     assert solution.status is rc.Status.CONVERGED
     assert solution.levels[-1].single > 0

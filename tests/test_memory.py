@@ -436,6 +436,14 @@ def test_no_solve_takes_more_than_its_plan_says(boundary):
     assert peak < stated
 
 
+@pytest.mark.parametrize(("load", "hardness"), [(2e7, 0.0), (3e7, 0.0), (1e8, 0.0), (3e7, 5e8)])
+def test_more_contact_takes_hardly_more_than_light_contact(load, hardness):
+    """Arrays of the grid: fields, spectra and vectors of all cells, each once."""
+    for cells in (32, 256):
+        peak, _ = measure(cells, load, hardness, boundary="periodic", threads=1)
+    assert peak / (8 * 256**2) < (10.2 if hardness else 9.2)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(("parts", "load", "hardness"), CASES)
 def test_no_solve_takes_more_than_its_plan_says_with_any_part(parts, load, hardness):
@@ -515,14 +523,18 @@ def solve_in(boundary, fraction):
 
 @linux
 @pytest.mark.slow
-@pytest.mark.parametrize("boundary", ["free", "periodic"])
-def test_a_solve_ends_well_in_the_memory_of_its_plan_and_with_a_sentence_in_less(boundary):
-    words = {1.05: "converged", 0.7: "needs more memory than there is", 0.3: "this process may take only"}
-    for fraction, said in words.items():
-        code = f"import test_memory; test_memory.solve_in({boundary!r}, {fraction})"
-        done = subprocess.run([sys.executable, "-c", code], cwd=Path(__file__).parent, capture_output=True, text=True)
-        assert done.returncode == 0, done.stderr
-        assert said in done.stdout, (fraction, done.stdout)
+@pytest.mark.parametrize(("boundary", "fraction", "said"), [
+    ("free", 1.05, "converged"),
+    ("free", 0.7, "this process may take only"),
+    ("periodic", 1.05, "converged"),
+    ("periodic", 0.8, "needs more memory than there is"),
+    ("periodic", 0.7, "this process may take only"),
+])  # fmt: skip
+def test_a_solve_ends_well_in_the_memory_of_its_plan_and_with_a_sentence_in_less(boundary, fraction, said):
+    code = f"import test_memory; test_memory.solve_in({boundary!r}, {fraction})"
+    done = subprocess.run([sys.executable, "-c", code], cwd=Path(__file__).parent, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert said in done.stdout, done.stdout
 
 
 @pytest.mark.slow

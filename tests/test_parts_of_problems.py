@@ -124,7 +124,7 @@ def test_two_grids_agree_within_two_standard_deviations_of_both():
     assert _is_confirmed(coarse, given, [trial()])
 
 
-def test_more_contact_takes_more_memory_between_the_measured_fractions():
+def test_more_contact_takes_no_less_memory_between_the_measured_fractions():
     """Arrays of the grid in float64, by the plan's table: at its fractions, and between them along straight lines."""
     grid = rc.Grid((64, 48), 1.0)
     one = 8 * grid.cells
@@ -139,12 +139,12 @@ def test_more_contact_takes_more_memory_between_the_measured_fractions():
         rc.Body(WAVE, rc.Elastic(1e9, 0.3)), grid=plan.grid, boundary="periodic", solver="polonsky-keer"
     ).plan
     assert other.memory_at(0.0) == int(14.0 * 8 * plan.grid.cells)
-    assert other.memory_at(1.0) == plan.memory_at(1.0)
+    assert other.memory == other.memory_at(0.0) > plan.memory
 
 
 def test_the_share_of_contact_that_fits_into_memory_is_told():
     given = problem((64, 48))
-    for percent in (0, 37, 99):
+    for percent in (0, 17, 39):
         limit = given.plan.memory_at(percent / 100)
         text = str(attrs.evolve(given.plan, memory_limit=limit))
         assert f"suffice for up to {percent} % of the cells" in text

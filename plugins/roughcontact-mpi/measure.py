@@ -24,6 +24,7 @@ LARGE = 4096
 COUNTS = (1, 2, 4)
 CONTACTS = {
     "periodic, light": {"load": {"pressure": 5e6}, "boundary": "periodic"},
+    "periodic, half": {"load": {"pressure": 3e7}, "boundary": "periodic"},
     "periodic, nearly full": {"load": {"pressure": 1e8}, "boundary": "periodic"},
     "periodic, hardness": {"load": {"pressure": 1e7}, "boundary": "periodic", "hardness": 3e7},
     "free, light": {"load": {"pressure": 5e6}, "boundary": "free"},

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any, cast
 
@@ -263,8 +264,11 @@ def _transform(values: RealArray, length: int) -> RealArray:
 
 
 def transform_back(waves: RealArray, length: int, count: int, norm: Any = None) -> RealArray:
-    """Return the first values of each row of `length` values from its waves, which may be overwritten."""
-    values = np.empty((waves.shape[0], count), dtype=waves.real.dtype)
+    """Return the first values of each row of `length` values from its waves, which are overwritten."""
+    shape = (waves.shape[0], count)
+    # Whole rows take a little less than their waves, and lie in their place before those of the rows that follow.
+    numbers = waves.view(waves.real.dtype).reshape(-1)
+    values = numbers[: math.prod(shape)].reshape(shape) if count == length else np.empty(shape, dtype=numbers.dtype)
     for rows in list_tiles(slice(0, waves.shape[0]), length):
         values[rows] = scipy.fft.irfft(waves[rows], n=length, axis=1, norm=norm, overwrite_x=True)[:, :count]
     return values

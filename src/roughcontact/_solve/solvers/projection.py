@@ -60,7 +60,8 @@ def project_to_weighted_load(values: Array, weights: RealArray, load: float, lim
     Parameters
     ----------
     values, weights
-        Any finite values, and weights that are not negative, shape (n,); values of weight zero are only clipped.
+        Any finite values, changed in place, and weights that are not negative, shape (n,); values of weight zero are
+        only clipped.
     load
         Sum of the result.
     limit
@@ -72,7 +73,8 @@ def project_to_weighted_load(values: Array, weights: RealArray, load: float, lim
     shift = _find_shift_near_bounds(values, weights, load, limit, error)
     if shift is None:
         shift = _find_shift(values, weights, load, limit, (-math.inf, math.inf), error)
-    return np.clip(values - shift * weights, 0.0, limit)
+    values -= shift * weights
+    return np.clip(values, 0.0, limit, out=values)
 
 
 @guarded
@@ -104,7 +106,7 @@ def rescale_to_load(pressure: Array, load: float, pressure_limit: float | Array)
         if carried > 0.0:
             pressure *= load / carried
     if abs(float(np.add.reduce(pressure, axis=None)) - load) > LOAD_ROUNDING * load:
-        flat = pressure.ravel()
+        flat = pressure.ravel().astype(np.float64)
         bound = limit.ravel()
         weights = _choose_shifted(flat, load, bound)
         pressure = project_to_weighted_load(flat, weights, load, bound, 0.0).reshape(pressure.shape)
@@ -248,8 +250,10 @@ class LoadControl:
         return released.hold_outward(direction - np.float32(shift) * weights)
 
     def feasible(self, trial: Array, before: Array, weights: RealArray, limit: Array) -> Array:
-        """Return the pressure near `trial` within the bounds, with the load of `before`, shape (n,)."""
-        change = float(np.add.reduce(np.abs(trial - before)))
+        """Return the pressure near `trial`, in its place, within the bounds, with the load of `before`, shape (n,)."""
+        step = trial - before
+        change = float(np.add.reduce(np.abs(step, out=step)))
+        del step
         return project_to_weighted_load(trial, weights, float(np.add.reduce(before)), limit, _STEP_LOAD_ERROR * change)
 
     def restore(self, pressure: Array, limit: Array) -> Array:
@@ -273,8 +277,8 @@ class ApproachControl:
         return released.hold_outward(direction.copy())
 
     def feasible(self, trial: Array, before: Array, weights: RealArray, limit: Array) -> Array:
-        """Return the trial, clipped."""
-        return np.clip(trial, 0.0, limit)
+        """Return the trial, clipped in its place."""
+        return np.clip(trial, 0.0, limit, out=trial)
 
     def restore(self, pressure: Array, limit: Array) -> Array:
         """Return the pressure as it is."""

@@ -139,7 +139,7 @@ class MaskedCells:
 
     def blocks(self, partition: Partition) -> _MaskedBlocks:
         """Return the active cells by blocks of a partition."""
-        return _MaskedBlocks(self, partition)
+        return _MaskedBlocks(partition)
 
 
 ActiveCells: TypeAlias = ListedCells | MaskedCells
@@ -170,7 +170,6 @@ class _ListedBlocks:
 class _MaskedBlocks:
     """Masked cells by blocks; see `_ListedBlocks`."""
 
-    active: MaskedCells
     partition: Partition
 
     def sums(self, vector: RealArray) -> RealArray:
@@ -188,8 +187,8 @@ class _MaskedBlocks:
         return sums
 
     def spread(self, values: RealArray) -> RealArray:
-        """Return the vector with the value of its block on each cell."""
-        return self.active.gather(np.take(values[self.partition.rows], self.partition.columns, axis=1).ravel())
+        """Return the values of the blocks on each cell, also where a vector, by which it is multiplied, is zero."""
+        return np.take(values[self.partition.rows], self.partition.columns, axis=1).ravel()
 
     def tiles(self, values: RealArray) -> Callable[[slice], RealArray]:
         """Return the flat field with the value of its block on each cell, as a function of the tile."""

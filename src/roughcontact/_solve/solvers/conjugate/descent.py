@@ -11,7 +11,7 @@ import numpy as np
 
 from roughcontact._base.arrays import Array, IntArray, Mask, RealArray
 from roughcontact._base.machine import map_tiles, tiles_of
-from roughcontact._solve.solvers.conjugate.active import ActiveCells, active_cells
+from roughcontact._solve.solvers.conjugate.active import ActiveCells, MaskedCells, active_cells
 from roughcontact._solve.solvers.projection import Control, ReleasedCells, dot
 
 # Step lengths in units of the direction: the first, the maximum, and the length after a return to the gradient, also
@@ -29,15 +29,15 @@ _SHORTENED_STEP_PART = 0.1
 # they are equal except for released or clipped cells.
 _MIN_CONJUGATE_SLOPE = 0.01
 _NO_CELLS: IntArray = np.zeros(0, dtype=np.intp)
+_NO_GAP: RealArray = np.zeros(0, dtype=np.float32)
 
 
 @attrs.frozen(eq=False)
 class ActiveState:
-    """The active cells with vectors on them: pressure, gap from any datum, and flat-punch weights."""
+    """The active cells with vectors on them: pressure and flat-punch weights."""
 
     active: ActiveCells
     pressure: Array
-    gap: RealArray
     weights: RealArray
 
 
@@ -84,6 +84,8 @@ class Descent:
         self._capped = bool(np.isfinite(limit).any())
         self._shape = shape
         self._length = _FIRST_LENGTH
+        # The vector of the gap between two steps.
+        self._active_gap = _NO_GAP
         self._step: RealArray | None = None
         self._change: RealArray | None = None
         self._curvature = 1.0
@@ -101,12 +103,14 @@ class Descent:
         self.met_limit |= self._capped and bool((pressure >= self._limit).any())
         active = active_cells(pressure, lambda tile: self._inside(pressure[tile], self._limits(tile)))
         weights = self._preconditioner.weights(active) if active.count else active.ones
-        self._state = ActiveState(active, active.gather(pressure), active.gather(gap), weights)
+        self._state = ActiveState(active, self._gather_pressure(active), weights)
+        self._active_gap = active.gather(gap)
 
     def stop(self) -> RealArray:
         """Return the gap from its level, flat, and free the arrays until the next start."""
         gap = self.gap
         gap -= np.float32(self._level)
+        self._active_gap = _NO_GAP
         del self.gap, self._state
         return gap
 
@@ -115,19 +119,27 @@ class Descent:
         active = self._find_active()
         if active.count == 0:
             return False
+        # Free the former vectors: memory peaks in the step.
+        self._active_gap = _NO_GAP
+        del self._state
         weights = self._preconditioner.weights(active)
-        state = ActiveState(active, active.gather(self.pressure), active.gather(self.gap), weights)
-        residual = np.float32(self._control.level(state.gap, weights)) * active.ones - state.gap
+        self._state = state = ActiveState(active, self._gather_pressure(active), weights)
+        residual = self._find_residual(state)
         direction = self._find_direction(state, self._find_released(state), residual)
         return direction is not None and self._move(state, residual, direction)
+
+    def _find_residual(self, state: ActiveState) -> RealArray:
+        """Return the vector of the level less the gap."""
+        gap = state.active.gather(self.gap)
+        return np.float32(self._control.level(gap, state.weights)) * state.active.ones - gap
 
     def error(self) -> float:
         """Return the error of the gap of the descent, as in `Violation` but not divided by the scale."""
         state = self._state
         limit = state.active.limits(self._limit)
         elastic = np.where(state.pressure < limit, state.pressure, 0.0) if self._capped else state.pressure
-        self._level = level = self._control.level(state.gap, elastic)
-        gap = state.gap - np.float32(level)
+        self._level = level = self._control.level(self._active_gap, elastic)
+        gap = self._active_gap - np.float32(level)
         if self._capped:
             np.maximum(gap, 0.0, out=gap, where=state.pressure >= limit)
         load = float(np.add.reduce(state.pressure))
@@ -153,7 +165,7 @@ class Descent:
         # Saturated cells are released too, and levels that are lower in some blocks would release more of them than of
         # open ones.
         if state.active.count and not self.met_limit:
-            levels = self._preconditioner.levels(weights, state.gap, level)
+            levels = self._preconditioner.levels(weights, self._active_gap, level)
 
         def mark(tile: slice) -> Mask:
             gap = self.gap[tile]
@@ -189,7 +201,12 @@ class Descent:
                 saturated = self.gap[contact].max()
                 opened = self.gap[~contact].min()
                 return self._control.level_between(float(saturated), float(opened))
-        return self._control.level(self._state.gap, weights)
+        return self._control.level(self._active_gap, weights)
+
+    def _gather_pressure(self, active: ActiveCells) -> Array:
+        """Return the vector of the pressure: the field itself where that is its form and all other cells have none."""
+        shared = isinstance(active, MaskedCells) and not self._capped
+        return self.pressure if shared else active.gather(self.pressure)
 
     def _inside(self, pressure: Array, limit: Array) -> Mask:
         """Return the mask of the pressures strictly inside the bounds."""
@@ -203,12 +220,12 @@ class Descent:
         preconditioned = self._preconditioner.apply(state.active, state.weights, residual)
         steepness = _MIN_CONJUGATE_SLOPE * dot(residual, preconditioned)
         candidates = (
-            (self._conjugate(preconditioned, state.active), steepness),
-            (preconditioned, 0.0),
-            (state.weights * residual, 0.0),
+            (lambda: self._conjugate(preconditioned, state.active), steepness),
+            (lambda: preconditioned, 0.0),
+            (lambda: state.weights * residual, 0.0),
         )
-        for candidate, minimum in candidates:
-            direction = self._control.admissible(candidate, state.weights, released)
+        for find, minimum in candidates:
+            direction = self._control.admissible(find(), state.weights, released)
             if dot(residual, direction) > max(minimum, 0.0):
                 return direction
             self._length = _CAREFUL_LENGTH
@@ -218,36 +235,39 @@ class Descent:
         if self._step is None or self._change is None:
             return preconditioned
         factor = -dot(preconditioned, active.gather(self._change)) / self._curvature
-        return preconditioned + np.float32(factor) * active.gather(self._step) if factor > 0.0 else preconditioned
+        step = self._step
+        # Memory peaks from here on.
+        self._step = self._change = None
+        return preconditioned + np.float32(factor) * active.gather(step) if factor > 0.0 else preconditioned
 
     def _move(self, state: ActiveState, residual: RealArray, direction: RealArray) -> bool:
         limit = state.active.limits(self._limit)
-        # Free the last step: memory peaks here.
-        self._step = self._change = None
         for _ in range(_MAX_BACKTRACKS):
             trial = state.pressure + np.float32(self._length) * direction
             clipped = self._is_outside(trial, limit)
             if clipped:
                 trial = self._control.feasible(trial, state.pressure, state.weights, limit)
-            step = (trial - state.pressure).astype(np.float32)
+            step = np.subtract(trial, state.pressure, out=np.empty_like(trial, dtype=np.float32))
             field = state.active.scatter(step)
             change = self._operator.apply(field.reshape(self._shape)).ravel()
             self.products += 1
-            response = state.active.gather(change)
-            curvature = dot(step, response)
+            # The step is zero on all other cells: a vector that is a field needs no copy.
+            curvature = dot(step, change if field is step else state.active.gather(change))
             if not math.isfinite(curvature):
                 return False
             part = dot(residual, step) / curvature if curvature > 0.0 else 0.0
-            part, pressure = self._take_part(part, state.pressure, trial, limit, clipped=clipped)
+            part, pressure = self._take_part(part, state, trial, direction, limit, clipped=clipped)
+            del trial
             if part > 0.0:
                 state.active.store(self.pressure, pressure)
                 self._add_to_gap(change, np.float32(part))
                 self._step = field
                 self._change = change
                 self._curvature = part * curvature
-                response *= np.float32(part)
-                response += state.gap
-                self._state = ActiveState(state.active, pressure, response, state.weights)
+                if state.pressure is not self.pressure:
+                    np.copyto(state.pressure, pressure)
+                del pressure
+                self._active_gap = state.active.gather(self.gap)
                 return True
             self._length *= _CAREFUL_LENGTH
         return False
@@ -264,18 +284,22 @@ class Descent:
         self._minimum = min(map_tiles(add, tiles_of(gap)))
 
     def _take_part(
-        self, part: float, before: Array, trial: Array, limit: Array, *, clipped: bool
+        self, part: float, state: ActiveState, trial: Array, direction: RealArray, limit: Array, *, clipped: bool
     ) -> tuple[float, Array]:
         """Return the part of the step to be taken, zero for none, and the pressure there; set the next length.
 
-        `part` is the position of the minimum of the energy along the step.
+        `part` is the position of the minimum of the energy along the step to `trial`, which is changed in place.
         """
+        before = state.pressure
         if not clipped:
+            length = np.float32(self._length)
             self._length = min(_MAX_LENGTH, self._length * min(max(part, 0.25), 4.0))
-            full = _between(before, trial, part)
+            full = _move_between(before, trial, part)
             if not self._is_outside(full, limit):
                 return part, full
             part = min(part, 1.0)
+            np.copyto(trial, length * direction)
+            trial += before
         elif part > _FULL_STEP_PART:
             self._length = min(_MAX_LENGTH, self._length * math.sqrt(min(max(part, 0.8), 4.0)))
             return 1.0, trial
@@ -283,7 +307,7 @@ class Descent:
             self._length *= max(part, 0.5)
         else:
             return 0.0, before
-        shortened = _between(before, trial, part)
+        shortened = _move_between(before, trial, part)
         return part, np.clip(shortened, 0.0, limit, out=shortened)
 
     def _is_outside(self, pressure: Array, limit: Array) -> bool:
@@ -292,9 +316,9 @@ class Descent:
         return above or bool(pressure.min() < 0.0)
 
 
-def _between(before: Array, trial: Array, part: float) -> Array:
-    """Return before + part * (trial - before), with one array in memory."""
-    point = trial - before
-    point *= part
-    point += before
-    return point
+def _move_between(before: Array, trial: Array, part: float) -> Array:
+    """Return before + part * (trial - before), in the place of the trial."""
+    trial -= before
+    trial *= part
+    trial += before
+    return trial

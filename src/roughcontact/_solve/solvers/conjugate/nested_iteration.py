@@ -39,10 +39,12 @@ _NEARLY_FULL_FRACTION = 0.6
 
 @attrs.frozen(eq=False)
 class InitialGuess:
-    """A pressure to start from, within the bounds, shape (nx, ny), and the work on coarser grids.
+    """A pressure to start from, shape (nx, ny), and the work on coarser grids.
 
     Attributes
     ----------
+    pressure
+        The pressure, within the bounds; near full contact that which closes every gap.
     products
         Cost in convolutions on the grid of the pressure.
     closed
@@ -50,7 +52,7 @@ class InitialGuess:
     met_limit
         Whether the pressure limit shortened a step on any coarser grid.
     nearly_full
-        The gap of the same start near full contact.
+        Near full contact the gap to start from, from which the pressure follows.
     """
 
     pressure: Array
@@ -100,7 +102,7 @@ def start_from(convolution: PreparedConvolution, task: Task, start: Array) -> In
     gap += task.initial_gap
     gap -= np.float32(sum_of_products(start, gap) / float(start.sum()))
     nearly_full = attrs.evolve(full, gap=np.where(bearing, np.float32(0.0), np.maximum(gap, np.float32(0.0))))
-    return attrs.evolve(guess, products=2, nearly_full=nearly_full)
+    return InitialGuess(full.closing, 2, nearly_full=nearly_full)
 
 
 def _refine(
@@ -114,7 +116,6 @@ def _refine(
     shape = task.initial_gap.shape
     fx, fy = (n // m for n, m in zip(shape, pressure.shape, strict=True))
     products = guess.products / (fx * fy)
-    nearly_full = None
     gap = interpolate(displacement, fx, fy)
     gap += task.initial_gap
     is_open = (gap >= 0.0) & ~_repeat(pressure > 0.0, fx, fy)
@@ -126,6 +127,8 @@ def _refine(
             return InitialGuess(full.closing, products, guess.levels, closed=True)
         if full is not None and full.inverse.exact and not task.capped:
             nearly_full = attrs.evolve(full, gap=np.where(is_open, gap, np.float32(0.0)))
+            # The pressure follows from that of full contact and the gap.
+            return InitialGuess(full.closing, products, guess.levels, guess.met_limit, nearly_full=nearly_full)
     fine = interpolate(pressure, fx, fy)
     np.maximum(fine, 0.0, out=fine)
     np.copyto(fine, 0.0, where=is_open)
@@ -135,7 +138,7 @@ def _refine(
         met_limit = met_limit or bool((fine > task.pressure_limit).any())
         np.copyto(fine, task.pressure_limit, where=_repeat(pressure >= coarse.pressure_limit, fx, fy))
         np.minimum(fine, task.pressure_limit, out=fine)
-    return InitialGuess(fine, products, guess.levels, met_limit=met_limit, nearly_full=nearly_full)
+    return InitialGuess(fine, products, guess.levels, met_limit=met_limit)
 
 
 def _repeat(mask: Mask, fx: int, fy: int) -> Mask:

@@ -100,34 +100,39 @@ class Openings:
             self._products += 1
             pressure = pressure + self._single.apply(self.gap.astype(np.float32))
         self._monitor.record(self._measure(pressure))
-        return self._bound(
-            self._descend(pressure, goal if goal > _FLOAT32_ERROR else _EARLY_GOAL_FACTOR * _FLOAT32_ERROR).astype(
-                np.float64
-            )
-        )
+        peak = self._start(pressure)
+        del pressure
+        exact = _EARLY_GOAL_FACTOR * _FLOAT32_ERROR
+        return self._bound(self._descend(peak, goal if goal > _FLOAT32_ERROR else exact).astype(np.float64))
 
     def solve(self, goal: float) -> Array:
         """Return the pressure, with an error below the goal if possible."""
         previous = np.inf
         while True:
             self._products += 1
-            pressure = self._closing + self._inverse.apply(self.gap)
+            pressure = self._inverse.apply(self.gap)
+            pressure += self._closing
             self.error = self._measure(pressure)
             if self.error <= goal or self.error > 0.5 * previous or not self._monitor.has_iterations_left:
                 return self._bound(pressure)
             previous = self.error
-            self._descend(pressure, max(goal, _FLOAT32_GAIN * self.error))
+            peak = self._start(pressure)
+            del pressure
+            self._descend(peak, max(goal, _FLOAT32_GAIN * self.error))
 
-    def _descend(self, pressure: Array, goal: float) -> RealArray:
-        """Lower the error of the gap to a goal, as far as float32 allows; return the pressure."""
-        peak = float(pressure.max())
+    def _start(self, pressure: Array) -> float:
+        """Start a descent in float32 from a pressure, which is then not needed any more; return its maximum."""
         self._descent.start(self.gap.reshape(-1), pressure.astype(np.float32).ravel())
+        return float(pressure.max())
+
+    def _descend(self, peak: float, goal: float) -> RealArray:
+        """Lower the error of the gap to a goal, as far as float32 allows; return the pressure."""
         while self._monitor.has_iterations_left and self._descent.iterate():
             error = self._descent.error() / peak
             self._monitor.record(error)
             if error <= goal:
                 break
-        return self._descent.stop().reshape(pressure.shape)
+        return self._descent.stop().reshape(self.gap.shape)
 
     def _measure(self, pressure: Array) -> float:
         """Return the error of a pressure, over its maximum: negative pressure, or pressure on open cells."""
@@ -149,7 +154,7 @@ class OpeningPreconditioner:
         self._inverse = inverse
         self._shape = shape
         self._punch = PunchWeights(inverse, shape)
-        self._symbol: RealArray = np.zeros(0, dtype=np.float32)
+        self._support = np.float32(1.0)
         self._products = 0
 
     @property
@@ -161,7 +166,7 @@ class OpeningPreconditioner:
         """Return the vector of ones."""
         weights = self._punch.update(active)
         support = 1.0 if weights is None else _SUPPORT_STIFFNESS * total(weights) / active.count
-        self._symbol = 1.0 / (self._inverse.stiffness + np.float32(support))
+        self._support = np.float32(support)
         return active.ones
 
     def levels(self, weights: RealArray, gap: RealArray, level: np.float32) -> None:
@@ -170,7 +175,8 @@ class OpeningPreconditioner:
     def apply(self, active: ActiveCells, weights: RealArray, residual: RealArray) -> RealArray:
         """Return the vector of the preconditioned residual."""
         self._products += 1
-        return multiply_active(active, residual, self._inverse, self._symbol, self._shape)
+        symbol = 1.0 / (self._inverse.stiffness + self._support)
+        return multiply_active(active, residual, self._inverse, symbol, self._shape)
 
 
 class Refinement:
@@ -256,11 +262,14 @@ class Refinement:
         """Return the solution from a start, shape (nx, ny), changed in place, its violation and how the solve ended."""
         shape = pressure.shape
         flat = pressure.reshape(-1)
+        del pressure
         best = math.inf
         idle = 0
         goal = _GOAL_FRACTION * self._monitor.tolerance
         while True:
             if self._openings is not None:
+                # The pressure follows from the gap; the former one takes memory.
+                del flat
                 flat = self._openings.solve(goal).reshape(-1)
             flat = self._restore(flat)
             displacement = self._convolution.apply(flat.reshape(shape))

@@ -121,11 +121,12 @@ class ProjectedConjugateGradient(Solver):
         patience = min(self.max_iterations, _MAX_APPROACH_ITERATIONS) if searchable else self.max_iterations
         monitor = Monitor(task, self.tolerance, patience)
         refinement = Refinement(convolution, task, monitor, start.nearly_full)
-        pressure = start.pressure
-        if start.levels and not start.closed:
-            # Far from the solution an approximate gap is enough.
-            pressure = refinement.approximate(pressure)[0]
-        pressure, violation, status = refinement.run(pressure)
+        start = attrs.evolve(start, nearly_full=None)
+        # Far from the solution an approximate gap is enough. What is only an argument can be freed by who gets it.
+        improves = bool(start.levels) and not start.closed
+        pressure, violation, status = refinement.run(
+            refinement.approximate(start.pressure)[0] if improves else start.pressure
+        )
         outcome = monitor.outcome(pressure, status, round(start.products + refinement.products))
         outcome = attrs.evolve(outcome, levels=(*start.levels, refinement.level))
         if status is Status.STALLED or (searchable and status is Status.MAXIMUM_ITERATIONS):
