@@ -219,7 +219,7 @@ class Descent:
         """Return the first of conjugate, preconditioned and plain gradient that lowers the energy; None without one."""
         preconditioned = self._preconditioner.apply(state.active, state.weights, residual)
         steepness = _MIN_CONJUGATE_SLOPE * dot(residual, preconditioned)
-        candidates = (
+        candidates: tuple[tuple[Callable[[], RealArray], float], ...] = (
             (lambda: self._conjugate(preconditioned, state.active), steepness),
             (lambda: preconditioned, 0.0),
             (lambda: state.weights * residual, 0.0),
