@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
+from typing import Any, cast
 
 import torch
 
@@ -73,4 +74,6 @@ def record_graph(work: Work) -> Work:
 @cache
 def _stream(device: int) -> torch.cuda.Stream:
     """Return the stream of all records on a device: they share the memory that torch keeps for it."""
-    return torch.cuda.Stream(device)
+    # Torch gives its constructor no types.
+    make: Any = torch.cuda.Stream
+    return cast(torch.cuda.Stream, make(device))
