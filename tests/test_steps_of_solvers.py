@@ -102,7 +102,7 @@ def test_sums_over_blocks_and_their_spread(shape, padded, blocks, share):
     expected = np.bincount(number.ravel(), weights=values * marked, minlength=blocks[0] * blocks[1])
     np.testing.assert_allclose(sums, expected.reshape(blocks), atol=1e-12)
     amounts = rng.normal(size=blocks)
-    spread = active.scatter(active.blocks(partition).spread(amounts))
+    spread = active.scatter(active.ones * active.blocks(partition).spread(amounts))
     np.testing.assert_allclose(spread, amounts.ravel()[number.ravel()] * marked)
 
 

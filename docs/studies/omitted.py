@@ -15,7 +15,7 @@ from unittest import mock
 import numpy as np
 
 import roughcontact as rc
-from roughcontact._solve.solvers.conjugate import solver as conjugate
+from roughcontact._solve.solvers.conjugate import nested_iteration
 
 SIDE = 1e-4
 
@@ -67,7 +67,7 @@ def window(cells: int, repeats: int) -> tuple[float, float]:
     problem = rc.ContactProblem(ball, grid=rc.Grid((cells, cells), SIDE), threads=1)
 
     def solve_all() -> None:
-        with mock.patch.object(conjugate, "find_window", return_value=None):
+        with mock.patch.object(nested_iteration, "find_window", return_value=None):
             problem.solve(force=0.3)
 
     return compare(lambda: problem.solve(force=0.3), solve_all, repeats)
