@@ -57,7 +57,7 @@ sphinx_gallery_conf = {
     "examples_dirs": "gallery",
     "gallery_dirs": "auto_gallery",
     "filename_pattern": r"\.py$",
-    "ignore_pattern": "__init__" if importlib.util.find_spec("roughcontact_layered") else "layered",
+    "ignore_pattern": "__init__" if importlib.util.find_spec("roughcontact_layered") else "layered|crystals",
     "within_subsection_order": "FileNameSortKey",
     "capture_repr": (),
     "download_all_examples": False,
