@@ -58,6 +58,10 @@ class ListedCells:
         map_tiles(take, tiles_of(self.cells))
         return vector
 
+    def share(self, field: RealArray) -> RealArray:
+        """Return the vector of a field that is zero on all other cells; masked cells return the field itself."""
+        return self.gather(field)
+
     def scatter(self, vector: RealArray) -> RealArray:
         """Return the flat field that is the vector on the active cells and zero elsewhere."""
         field = np.zeros_like(self.mask, dtype=vector.dtype)
@@ -117,6 +121,10 @@ class MaskedCells:
         """Return the field, zero on cells that are not active."""
         factor = self.ones if field.dtype == np.float32 else self.mask
         return np.multiply(field, factor, dtype=field.dtype)
+
+    def share(self, field: RealArray) -> RealArray:
+        """Return the field itself; see `ListedCells.share`."""
+        return field
 
     def scatter(self, vector: RealArray) -> RealArray:
         """Return the vector itself."""

@@ -11,7 +11,7 @@ import numpy as np
 
 from roughcontact._base.arrays import Array, IntArray, Mask, RealArray
 from roughcontact._base.machine import map_tiles, tiles_of
-from roughcontact._solve.solvers.conjugate.active import ActiveCells, MaskedCells, active_cells
+from roughcontact._solve.solvers.conjugate.active import ActiveCells, active_cells
 from roughcontact._solve.solvers.projection import Control, ReleasedCells, dot
 
 # Step lengths in units of the direction: the first, the maximum, and the length after a return to the gradient, also
@@ -204,9 +204,8 @@ class Descent:
         return self._control.level(self._active_gap, weights)
 
     def _gather_pressure(self, active: ActiveCells) -> Array:
-        """Return the vector of the pressure: the field itself where that is its form and all other cells have none."""
-        shared = isinstance(active, MaskedCells) and not self._capped
-        return self.pressure if shared else active.gather(self.pressure)
+        """Return the vector of the pressure; without a limit no other cell has any, so that it may be the field."""
+        return active.gather(self.pressure) if self._capped else active.share(self.pressure)
 
     def _inside(self, pressure: Array, limit: Array) -> Mask:
         """Return the mask of the pressures strictly inside the bounds."""
