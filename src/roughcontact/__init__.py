@@ -79,6 +79,7 @@ from roughcontact._work.reports.error import error_vs_time
 from roughcontact._work.reports.stability import stability
 from roughcontact._work.studies import Study
 from roughcontact.errors import (
+    ContactWarning,
     FileError,
     InputError,
     MissingPackage,
@@ -107,6 +108,7 @@ __all__ = [
     "CircularFFT",
     "ContactProblem",
     "ContactSolution",
+    "ContactWarning",
     "Convolver",
     "Coulomb",
     "Direct",

@@ -18,7 +18,7 @@ from roughcontact._base.units import fit, printable
 from roughcontact._faces.cli import Command, commands
 from roughcontact._faces.cli.options import name_options
 from roughcontact.errors import InputError, MissingPackage, NotConverged, RoughContactError, UnexpectedError, shorten
-from roughcontact.errors.door import translated
+from roughcontact.errors.door import saying_warnings, translated
 
 # The beginning of a negative number, such as -20nN.
 _NEGATIVE = re.compile(r"-[.\d]")
@@ -31,7 +31,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     given = list(sys.argv[1:] if arguments is None else arguments)
     call = f"The command {shorten(given[0], 40)}" if given else "The command"
     try:
-        return _answer(given)
+        with saying_warnings():
+            return _answer(given)
     except ModuleNotFoundError as error:
         return _fail(f"This command needs {error.name}: pip install 'roughcontact[cli]'.", 2)
     except BrokenPipeError:

@@ -23,6 +23,7 @@ from roughcontact._parts.materials import MAX_UNCOUPLED_BETA, Material, pair_con
 from roughcontact._solve.problem import predict_pressure, problem_of
 from roughcontact._solve.solution import ContactSolution, Estimate, Response, responses
 from roughcontact.errors import InputError
+from roughcontact.errors.door import Answer
 
 # Fraction of the force of sliding up to which the errors of the two approaches cancel (measured on balls of 3 to 24
 # cells radius: the error is the error of the stiffness for small forces).
@@ -103,7 +104,7 @@ def _friction(value: float) -> float:
 
 
 @attrs.frozen(eq=False)
-class PartialSlip(ShownAsPrinted):
+class PartialSlip(ShownAsPrinted, Answer):
     """A contact under a constant normal force and a tangential force that does not make it slide.
 
     Attributes

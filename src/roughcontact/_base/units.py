@@ -14,7 +14,7 @@ import attrs
 import numpy as np
 
 from roughcontact.errors import InputError
-from roughcontact.errors.door import guarded
+from roughcontact.errors.door import Answer, guarded
 
 _PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T", 15: "P"}
 # Areas and volumes, whose prefix is raised to the power behind it; and units with another power or an inverse.
@@ -262,7 +262,7 @@ def kind_of(warning: str) -> str:
 
 
 @attrs.frozen
-class Estimate(ShownAsPrinted):
+class Estimate(ShownAsPrinted, Answer):
     """A number with its uncertainty.
 
     Attributes

@@ -70,6 +70,26 @@ class InputError(RoughContactError, ValueError):
         return cls(f"There is no {kind} named {short(name)}.{guess} Known: {', '.join(names) or 'none'}.")
 
 
+class ContactWarning(UserWarning):
+    """Why an answer or a contact must not be trusted, given by `warnings.warn` to a script that asks for the answer.
+
+    The same sentences are in the ``warnings`` of the answer and of the solution, and are given once for each solution.
+    Filters of Python choose what happens: ``warnings.filterwarnings("ignore", category=rc.ContactWarning)`` is silent,
+    ``"error"`` in its place raises.
+
+    Examples
+    --------
+    >>> import warnings
+    >>> import roughcontact as rc
+    >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Elastic(young=210e9, poisson=0.3))
+    >>> solution = rc.ContactProblem(ball, grid=rc.Grid((32, 32), 100e-6)).solve(force=60.0)
+    >>> with warnings.catch_warnings(record=True, action="always") as given:
+    ...     area = solution.area()
+    >>> any(one.category is rc.ContactWarning for one in given)
+    True
+    """
+
+
 class NotEnoughMemory(InputError):
     """A request needs more memory than there is; `available` states in words how much there is."""
 

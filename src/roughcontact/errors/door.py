@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import builtins
 import collections.abc
+import contextlib
 import difflib
 import enum
 import functools
@@ -15,12 +16,14 @@ import threading
 import types
 import typing
 import warnings
+import weakref
 from collections.abc import Callable, Iterator
 from typing import Any, TypeVar
 
 import numpy as np
 
 from roughcontact.errors import (
+    ContactWarning,
     FileError,
     InputError,
     MissingPackage,
@@ -38,9 +41,10 @@ _MESSAGE = 240
 
 
 class _Thread(threading.local):
-    """Whether a thread is inside a public call."""
+    """Whether a thread is inside a public call, and whether its caller says the warnings of answers itself."""
 
     inside = False
+    says_warnings = False
 
 
 _THREAD = _Thread()
@@ -58,6 +62,8 @@ _OPERATIONS = (
     "__getattr__",
 )
 _GUARDED: set[type] = set()
+# The solutions whose own warnings have been given.
+_WARNED: weakref.WeakSet[Any] = weakref.WeakSet()
 
 
 def guarded(public: T) -> T:
@@ -115,14 +121,49 @@ def translated(error: Exception, call: str) -> Exception:
     return UnexpectedError(f"{call} failed: {reason}. {advice}")
 
 
-def warn(text: str) -> None:
+def warn(text: str, category: type[Warning] = UserWarning) -> None:
     """Give a warning that points to the line from which this package was called."""
     frame: types.FrameType | None = sys._getframe(1)
     level = 2
     while frame is not None and _is_inside(frame):
         frame = frame.f_back
         level += 1
-    warnings.warn(text, stacklevel=level)
+    warnings.warn(text, category, stacklevel=level)
+
+
+class Answer:
+    """A base of answers, whose `warnings` a script gets by `warnings.warn` when it asks for one."""
+
+    __slots__ = ()
+
+
+class AskedOf:
+    """A base of solutions, whose own `warnings` a script gets by `warnings.warn` with the first answer."""
+
+    __slots__ = ()
+
+
+@contextlib.contextmanager
+def saying_warnings() -> Iterator[None]:
+    """Give no warnings of answers in this thread: it says them itself, as the command line does."""
+    before = _THREAD.says_warnings
+    _THREAD.says_warnings = True
+    try:
+        yield
+    finally:
+        _THREAD.says_warnings = before
+
+
+def _warn_of(found: object, args: tuple[Any, ...]) -> None:
+    """Give the warnings of an answer, and those of the solution that was asked for it if they are not given yet."""
+    if _THREAD.says_warnings or not isinstance(found, Answer):
+        return
+    texts = dict.fromkeys(getattr(found, "warnings", ()))
+    if args and isinstance(args[0], AskedOf) and args[0] not in _WARNED:
+        _WARNED.add(args[0])
+        texts = dict.fromkeys(getattr(args[0], "warnings", ())) | texts
+    for text in texts:
+        warn(str(text), ContactWarning)
 
 
 def _is_inside(frame: types.FrameType) -> bool:
@@ -178,7 +219,9 @@ def _guard_function(function: Callable[..., Any], call: str) -> Callable[..., An
             return function(*args, **kwargs)
         _THREAD.inside = True
         try:
-            return function(*args, **kwargs)
+            found = function(*args, **kwargs)
+            _warn_of(found, args)
+            return found
         except Exception as error:
             if isinstance(error, AttributeError) and function.__name__ == "__getattr__":
                 raise

@@ -10,10 +10,12 @@ import queue
 import signal
 import threading
 import time
+import warnings
 from collections.abc import Callable
 from multiprocessing.connection import Connection
 from typing import Any
 
+from roughcontact.errors import ContactWarning
 from roughcontact.errors.door import translated
 from roughcontact.typing import limit_address_space
 
@@ -120,6 +122,8 @@ def _serve(pipe: Connection) -> None:
     # Ctrl-C in the terminal is for the server, which then ends its workers.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     os.environ["MPLBACKEND"] = "agg"
+    # The page says what an answer warns of.
+    warnings.simplefilter("ignore", ContactWarning)
     tasks: queue.Queue[bytes] = queue.Queue()
     threading.Thread(target=_receive, args=(pipe, tasks), daemon=True).start()
     from roughcontact_app.work import run

@@ -47,6 +47,7 @@ from roughcontact._parts.kernels import SupportsStress
 from roughcontact._solve.problem import ContactProblem, problem_of
 from roughcontact._solve.solution import ContactSolution, Response, responses
 from roughcontact.errors import InputError
+from roughcontact.errors.door import Answer
 
 # Largest traction, in maximum pressures, and coefficient of friction for which the stress is computed.
 _MAX_LOAD_RATIO = 1e6
@@ -62,7 +63,7 @@ _ALLOWED_DEPTHS = "a number or a list of numbers (m), from 0 at the surface to 1
 
 
 @attrs.frozen(eq=False)
-class Stress(ShownAsPrinted):
+class Stress(ShownAsPrinted, Answer):
     """The stress below the surface of a body, computed on access: one depth at a time, except for `components`.
 
     Iteration, `len` and ``stress[i]`` give a `StressField` for each depth.

@@ -28,7 +28,7 @@ from roughcontact._solve.solution import (
     responses,
 )
 from roughcontact.errors import InputError
-from roughcontact.errors.door import guarded
+from roughcontact.errors.door import Answer, guarded
 
 if TYPE_CHECKING:
     from roughcontact._solve.problem.problem import ContactProblem
@@ -68,7 +68,7 @@ _SIGNIFICANT_STD = 2.0
 
 
 @attrs.frozen(eq=False)
-class RequiredLoad(ShownAsPrinted):
+class RequiredLoad(ShownAsPrinted, Answer):
     """The load that a wanted answer requires.
 
     Attributes

@@ -16,7 +16,7 @@ from roughcontact._solve.solution.origin import Accuracy, Origin
 from roughcontact._solve.solution.results import GridLevel, Residuals, Status
 from roughcontact._solve.solution.whole import Whole
 from roughcontact.errors import InputError
-from roughcontact.errors.door import guarded
+from roughcontact.errors.door import AskedOf, guarded
 
 # Minimum cells of a patch with a point that is surrounded by contact; the area of smaller ones is hardly known.
 _SMALL_PATCH_CELLS = 4
@@ -166,7 +166,7 @@ _BALANCED = 1e-13
 
 
 @attrs.frozen(eq=False, kw_only=True)
-class ContactFields:
+class ContactFields(AskedOf):
     """The fields of a solved contact.
 
     Attributes

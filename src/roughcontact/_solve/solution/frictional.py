@@ -23,6 +23,7 @@ from roughcontact._solve.solution.frictional_state import FrictionalResiduals, F
 from roughcontact._solve.solution.results import Status, responses
 from roughcontact._solve.solution.writers import describe_as_data
 from roughcontact.errors import InputError
+from roughcontact.errors.door import AskedOf
 
 if TYPE_CHECKING:
     from roughcontact.responses import Stress
@@ -40,7 +41,7 @@ _ROUNDING = 1e-12
 
 
 @attrs.frozen(eq=False, kw_only=True)
-class FrictionalSolution(ShownAsPrinted):
+class FrictionalSolution(ShownAsPrinted, AskedOf):
     """A contact with friction at the end of one step of a path, or in steady sliding.
 
     All signs are those of the traction on the body: the counterbody is pushed over the body along the tangential
@@ -105,6 +106,11 @@ class FrictionalSolution(ShownAsPrinted):
     iterations: int
     increments: int = 1
     seconds: float = 0.0
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Why the normal contact must not be trusted, in sentences; empty without a reason."""
+        return self.contact.warnings
 
     @property
     def grid(self) -> Grid:

@@ -20,6 +20,7 @@ from roughcontact._work.studies.paths import Shearing
 from roughcontact._work.studies.record import Record
 from roughcontact._work.studies.shares import Share
 from roughcontact.errors import InputError, RoughContactError
+from roughcontact.errors.door import saying_warnings
 
 # Most workers that are given a chain, one after the other, if they die.
 _MAX_TRIES = 3
@@ -128,7 +129,7 @@ def _run(chain: Chain | Unbuilt) -> ChainResult:
 
 
 def _run_beside_others(chain: Chain) -> ChainResult:
-    with share_machine():
+    with share_machine(), saying_warnings():
         return run_chain(chain)
 
 
