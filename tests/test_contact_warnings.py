@@ -28,7 +28,7 @@ def run_script(folder, lines):
 
 def make_cut_ball():
     names = {}
-    exec(SCENE, names)  # noqa: S102 - the scene of the scripts
+    exec(SCENE, names)
     return names["solution"]
 
 

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from roughcontact._answers.laws.law import InterfaceLaw, LawColumn, interpolation_warning
-from roughcontact._base.checks import callback
+from roughcontact._base.checks import callback, flag
+from roughcontact._base.progress import count_done, show_progress, tell_both
 from roughcontact._base.units import kind_of, si
 from roughcontact._parts.grid import FIRST_LOADING, Boundary, Load
 from roughcontact._solve.problem import ContactProblem, order_of_solving, predict_pressure
@@ -33,6 +34,7 @@ def interface_law(
     responses: Sequence[str | Response[Any]] | Mapping[str, str | Response[Any]] = ("stiffness",),
     *,
     on_load: Callable[[ContactSolution], None] | None = None,
+    progress: bool = False,
 ) -> InterfaceLaw:
     """Return area, mean gap and responses of a periodic interface over the load, each with its uncertainty.
 
@@ -52,6 +54,8 @@ def interface_law(
         S/m the numbers are in S/m2.
     on_load
         Called with the solution at each load when its responses are found.
+    progress
+        Whether to show on standard error how far it has come (extra ``progress``).
 
     Raises
     ------
@@ -86,7 +90,9 @@ def interface_law(
     if len(set(values)) < len(values):
         raise InputError("A pressure is given twice: give each load of a law once.")
     problem.require_load(pressure=values[-1])
-    rows, texts = _solve(problem, [Load("pressure", value) for value in values], asked, told)
+    with show_progress("law", shown=flag(progress, "progress=")) as change:
+        tell = tell_both(told, count_done(change, len(values), "load"))
+        rows, texts = _solve(problem, [Load("pressure", value) for value in values], asked, tell)
     columns = {name: _make_column(name, row, problem.plan.grid.area) for name, row in rows.items()}
     warnings = *interpolation_warning(np.array(values), MAX_LOAD_RATIO), *_collect(texts)
     return InterfaceLaw(np.array(values), columns, _describe(problem), warnings)
@@ -118,7 +124,7 @@ def _solve(
     problem: ContactProblem,
     loads: list[Load],
     asked: dict[str, Response[Any]],
-    told: Callable[[ContactSolution], object] | None,
+    tell: Callable[[ContactSolution], object],
 ) -> tuple[Rows, list[tuple[float, tuple[str, ...]]]]:
     """Return the estimates of each column and the warnings, in the order of the loads."""
     names = ("area", "mean_gap", *asked)
@@ -137,8 +143,7 @@ def _solve(
         row |= {name: read_number(solution.response(response), name) for name, response in asked.items()}
         named = (f"{name}: {text}" for name in asked for text in row[name].warnings if text not in area.warnings)
         found[index] = row, (*solution.warnings, *area.warnings, *named)
-        if told is not None:
-            told(solution)
+        tell(solution)
     rows = {name: [found[index][0][name] for index in range(len(loads))] for name in names}
     return rows, [(load.value, found[index][1]) for index, load in enumerate(loads)]
 

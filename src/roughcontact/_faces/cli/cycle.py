@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 import roughcontact as rc
+from roughcontact._base.progress import count_done
 from roughcontact._base.tables import Table
 from roughcontact._base.units import fit, si
 from roughcontact._faces.cli.answers import (
@@ -24,7 +25,7 @@ from roughcontact._faces.cli.answers import (
 )
 from roughcontact._faces.cli.inputs import describe_responses
 from roughcontact._faces.cli.problem import set_tolerance
-from roughcontact._faces.cli.progress import count_done, show_progress
+from roughcontact._faces.cli.progress import show_progress
 from roughcontact._faces.cli.responses import ask_all_states
 from roughcontact._solve.problem import AdhesionCycle, describe_estimate, find_inputs, list_states
 from roughcontact._work.studies import Answers, add_answers, write_report

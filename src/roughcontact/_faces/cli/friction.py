@@ -12,6 +12,7 @@ import attrs
 
 import roughcontact as rc
 from roughcontact._base import checks
+from roughcontact._base.progress import ChangeProgress
 from roughcontact._base.tables import Table
 from roughcontact._base.units import fit, parse_quantity
 from roughcontact._faces.cli.answers import (
@@ -29,7 +30,7 @@ from roughcontact._faces.cli.answers import (
 from roughcontact._faces.cli.inputs import describe_responses
 from roughcontact._faces.cli.options import name_options
 from roughcontact._faces.cli.problem import make_part, set_tolerance
-from roughcontact._faces.cli.progress import ChangeProgress, count_solves, describe_steps, show_progress
+from roughcontact._faces.cli.progress import count_solves, describe_steps, show_progress
 from roughcontact._faces.cli.responses import ask_all_states
 from roughcontact._faces.panels.figures import save_figure
 from roughcontact._parts.grid import Load

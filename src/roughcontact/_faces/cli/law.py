@@ -11,13 +11,14 @@ import roughcontact as rc
 from roughcontact._answers.laws import InterfaceLaw
 from roughcontact._base import checks
 from roughcontact._base.archive import replacing
+from roughcontact._base.progress import count_done
 from roughcontact._base.units import fit
 from roughcontact._faces.cli import DOUBTFUL, Command
 from roughcontact._faces.cli.answers import PICTURES, require_place, write_csv, write_json
 from roughcontact._faces.cli.inputs import describe_responses
 from roughcontact._faces.cli.options import add_interface
 from roughcontact._faces.cli.problem import problem_of
-from roughcontact._faces.cli.progress import count_done, show_progress
+from roughcontact._faces.cli.progress import show_progress
 from roughcontact._faces.cli.responses import add_responses, responses_of
 from roughcontact._faces.panels.figures import save_figure
 from roughcontact._faces.panels.theme import require_matplotlib

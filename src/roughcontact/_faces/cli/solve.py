@@ -10,6 +10,7 @@ from typing import Any
 import roughcontact as rc
 from roughcontact._base import checks
 from roughcontact._base.arrays import Array
+from roughcontact._base.progress import ChangeProgress
 from roughcontact._base.units import fit, si
 from roughcontact._faces.cli import DOUBTFUL, Command
 from roughcontact._faces.cli.answers import (
@@ -34,7 +35,6 @@ from roughcontact._faces.cli.inputs import describe_responses, describe_wanted
 from roughcontact._faces.cli.options import add_accuracy, add_problem, whole_number
 from roughcontact._faces.cli.problem import loads_of, problem_of, set_tolerance
 from roughcontact._faces.cli.progress import (
-    ChangeProgress,
     count_grids,
     count_solves,
     describe_steps,

@@ -39,10 +39,10 @@ from roughcontact._solve.problem.path import (
     save_path,
 )
 from roughcontact._solve.problem.plan import SolvePlan, require_memory_of_solve
-from roughcontact._solve.problem.problem import ContactProblem, problem_of
+from roughcontact._solve.problem.problem import ContactProblem
 from roughcontact._solve.problem.required_load import RequiredLoad, find_required_load
 from roughcontact._solve.problem.run import Certificate, certify, computing, confirm, make_solution, require_certified
-from roughcontact._solve.problem.saved import find_saved_kind, load
+from roughcontact._solve.problem.saved import find_saved_kind, load, problem_of
 from roughcontact._solve.problem.slabs import (
     SlabProcesses,
     SlabSolution,

@@ -14,12 +14,13 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array, Mask
+from roughcontact._base.progress import ChangeProgress, count_done, tell_both
 from roughcontact._base.tables import Table
 from roughcontact._base.units import WIDTH, Estimate, si, write_column
 from roughcontact._parts.grid import Load
 from roughcontact._parts.interactions import Exponential, ShortRange
 from roughcontact._solve.problem.plan import SolvePlan
-from roughcontact._solve.problem.sweep import Sweep, make_table
+from roughcontact._solve.problem.sweep import Sweep, make_table, report_states
 from roughcontact._solve.problem.task import bind_interaction, limit_load
 from roughcontact._solve.solution import (
     TRAPPED_CELLS,
@@ -302,16 +303,14 @@ def list_approaches(plan: SolvePlan, initial_gap: Array, approach: Iterable[floa
 
 
 def run_cycle(
-    solve: Solve, loads: tuple[Load, ...], on_state: Callable[[ContactSolution], object] | None = None
+    solve: Solve,
+    loads: tuple[Load, ...],
+    on_state: Callable[[ContactSolution], object] | None,
+    change: ChangeProgress,
 ) -> AdhesionCycle:
     """Return both branches over ascending approaches; a callback gets each state."""
-
-    def solve_and_report(load: Load, start: Array | None = None, *, start_gap: Array | None = None) -> ContactSolution:
-        state = solve(load, start, start_gap=start_gap)
-        if on_state is not None:
-            on_state(state)
-        return state
-
+    count = count_done(change, 2 * len(loads) - 1, "state")
+    solve_and_report: Solve = report_states(solve, tell_both(on_state, count))
     loading = follow_loads(solve_and_report, loads)
     return AdhesionCycle(loading, follow_loads(solve_and_report, loads[::-1], loading[-1]))
 

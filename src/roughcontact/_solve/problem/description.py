@@ -15,7 +15,8 @@ from roughcontact._base.archive import replacing
 from roughcontact._parts.grid import Grid, Load
 from roughcontact._solve.problem.expressions import describe_part
 from roughcontact._solve.problem.path import AS_GIVEN, FrictionalPath
-from roughcontact._solve.problem.problem import ContactProblem, problem_of
+from roughcontact._solve.problem.problem import ContactProblem
+from roughcontact._solve.problem.saved import problem_of
 from roughcontact._solve.solution import (
     Area,
     ContactSolution,

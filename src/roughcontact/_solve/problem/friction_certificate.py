@@ -13,7 +13,7 @@ from roughcontact._base.units import Estimate
 from roughcontact._parts.grid import Load
 from roughcontact._parts.interactions import FrictionLaw, shear_limit
 from roughcontact._parts.materials import PairConstants
-from roughcontact._solve.problem.run import certify
+from roughcontact._solve.problem.run import certify, verify_solution
 from roughcontact._solve.problem.task import make_task, pressure_unit
 from roughcontact._solve.solution import (
     ContactSolution,
@@ -29,6 +29,7 @@ from roughcontact.errors import InputError
 
 if TYPE_CHECKING:
     from roughcontact._solve.convolvers import ShearConvolution
+    from roughcontact._solve.problem.body import InitialGap
     from roughcontact._solve.problem.problem import ContactProblem
 
 # Rounding of tangential forces and of the friction cone.
@@ -245,6 +246,14 @@ def require_frictional(problem: ContactProblem) -> None:
     if problem.adhesion is not None:
         raise InputError("Friction with adhesion is not known: omit adhesion=.")
     _ = problem.shear_convolution
+
+
+def verify_state(problem: ContactProblem, gap: InitialGap, solution: ContactSolution | FrictionalSolution) -> None:
+    """Recompute the certificate of a solution, with friction or without; see `ContactProblem.verify`."""
+    if isinstance(solution, FrictionalSolution):
+        verify_frictional(problem, solution)
+    else:
+        verify_solution(problem.plan, problem.convolution, gap, solution)
 
 
 def verify_frictional(problem: ContactProblem, solution: FrictionalSolution) -> None:

@@ -14,6 +14,7 @@ import numpy as np
 
 from roughcontact._base import checks
 from roughcontact._base.arrays import Array, read_only
+from roughcontact._base.progress import ChangeProgress, tell_both
 from roughcontact._base.tables import Table
 from roughcontact._base.units import Estimate, PlainText, counted, outlined
 from roughcontact._parts.grid import Load
@@ -315,11 +316,13 @@ def run_path(
     friction: object,
     substeps: object,
     on_increment: object,
+    change: ChangeProgress,
 ) -> FrictionalPath:
     """Return the states along a path; see `ContactProblem.path`."""
     law = resolve_friction(friction)
     count = None if substeps == "auto" else checks.integer(substeps, "substeps=", at_least=1)
-    tell = checks.callback(on_increment, "on_increment=", "increment") or (lambda done: None)
+    told = checks.callback(on_increment, "on_increment=", "increment")
+    tell = tell_both(told, lambda done: change(str(done)))
     require_frictional(problem)
     run = CoupledSolve(problem, law)
     segments = list_steps(run, normal, tangential)

@@ -12,6 +12,7 @@ import numpy as np
 from roughcontact._base.arrays import Array
 from roughcontact._base.checks import callback, choice, flag, instance_of
 from roughcontact._base.machine import limit_of_memory, thread_count
+from roughcontact._base.progress import count_done, show_progress
 from roughcontact._base.units import Estimate
 from roughcontact._parts.grid import Boundary, Grid, Load, as_boundary
 from roughcontact._parts.interactions import FrictionLaw, Interaction
@@ -20,13 +21,13 @@ from roughcontact._solve.convolvers import Convolver, PreparedConvolution, Shear
 from roughcontact._solve.problem.accuracy import Target, solve_within, with_tolerance
 from roughcontact._solve.problem.body import RIGID_FLAT, Body, InitialGap, find_initial_gap
 from roughcontact._solve.problem.cycle import AdhesionCycle, find_pull_off, follow_loads, list_approaches, run_cycle
-from roughcontact._solve.problem.friction_certificate import verify_frictional
+from roughcontact._solve.problem.friction_certificate import verify_state
 from roughcontact._solve.problem.increments import Increment
 from roughcontact._solve.problem.path import FrictionalPath, run_path, run_slide
 from roughcontact._solve.problem.plan import SolvePlan, make_plan, require_memory_of_solve
 from roughcontact._solve.problem.required_load import RequiredLoad, find_load_of_area, find_required_load
-from roughcontact._solve.problem.run import computing, require_success, run_solve, verify_solution
-from roughcontact._solve.problem.sweep import Sweep, run_sweep
+from roughcontact._solve.problem.run import computing, require_success, run_solve
+from roughcontact._solve.problem.sweep import Sweep, report_states, run_sweep
 from roughcontact._solve.problem.task import limit_load, prepare_convolution, prepare_shear
 from roughcontact._solve.solution import DEFAULT_AREA, AreaEstimator, ContactSolution, FrictionalSolution, Response
 from roughcontact._solve.solvers import Solver, Step
@@ -255,6 +256,7 @@ class ContactProblem:
         pressure: Iterable[float] | None = None,
         force: Iterable[float] | None = None,
         approach: Iterable[float] | None = None,
+        progress: bool = False,
     ) -> Sweep:
         """Solve for several loads, each starting from the ones before: from the largest down; with adhesion in order.
 
@@ -263,6 +265,8 @@ class ContactProblem:
         pressure, force, approach
             Exactly one list: nominal mean pressures, Pa; normal forces, N; approaches, m. With a hardness each load is
             a first loading; ``run_in(problem, ...).problem.sweep(...)`` solves for loads after a larger one.
+        progress
+            Whether to show on standard error what runs (extra ``progress``).
 
         Returns
         -------
@@ -276,14 +280,20 @@ class ContactProblem:
         NotConverged
             If a solution is not certified.
         """
-        sequence = Load.sequence if self.adhesion is None else Load.signed_sequence
-        loads = sequence(pressure=pressure, force=force, approach=approach)
+        make_loads = Load.sequence if self.adhesion is None else Load.signed_sequence
+        loads = make_loads(pressure=pressure, force=force, approach=approach)
         for load in loads:
             limit_load(self.plan, self.initial_gap, load)
-        return run_sweep(self._solve, loads) if self.adhesion is None else follow_loads(self._solve, loads)
+        run = run_sweep if self.adhesion is None else follow_loads
+        with show_progress("sweep", shown=flag(progress, "progress=")) as change:
+            return run(report_states(self._solve, count_done(change, len(loads), "load")), loads)
 
     def cycle(
-        self, *, approach: Iterable[float], on_state: Callable[[ContactSolution], None] | None = None
+        self,
+        *,
+        approach: Iterable[float],
+        on_state: Callable[[ContactSolution], None] | None = None,
+        progress: bool = False,
     ) -> AdhesionCycle:
         """Press surfaces that attract each other together and pull them apart again, along given approaches.
 
@@ -294,6 +304,8 @@ class ContactProblem:
             before the first touch. On a periodic boundary the mean gap is the mean of the initial gap minus them.
         on_state
             Called with each state when it is found.
+        progress
+            Whether to show on standard error what runs (extra ``progress``).
 
         Returns
         -------
@@ -308,7 +320,8 @@ class ContactProblem:
             If a state is not certified.
         """
         told = callback(on_state, "on_state=", "solution")
-        return run_cycle(self._solve, self.require_cycle(approach=approach), told)
+        with show_progress("cycle", shown=flag(progress, "progress=")) as change:
+            return run_cycle(self._solve, self.require_cycle(approach=approach), told, change)
 
     def require_cycle(self, *, approach: Iterable[float]) -> tuple[Load, ...]:
         """Return the loads of a branch of a cycle; `InputError` if it cannot be followed; see `cycle`."""
@@ -325,6 +338,7 @@ class ContactProblem:
         friction: float | FrictionLaw,
         substeps: int | str = "auto",
         on_increment: Callable[[Increment], None] | None = None,
+        progress: bool = False,
     ) -> FrictionalPath:
         """Follow a contact with friction along a path of normal and tangential loads.
 
@@ -343,6 +357,8 @@ class ContactProblem:
             up to 16, until displacement, energy and stick area hardly change; their limits are extrapolated.
         on_increment
             Called with an `Increment` after each increment.
+        progress
+            Whether to show on standard error what runs (extra ``progress``).
 
         Returns
         -------
@@ -359,7 +375,8 @@ class ContactProblem:
         """
         normal = {"force": force, "pressure": pressure, "approach": approach}
         tangential = {"tangential_force": tangential_force, "displacement": displacement}
-        return run_path(self, normal, tangential, friction, substeps, on_increment)
+        with show_progress("path", shown=flag(progress, "progress=")) as change:
+            return run_path(self, normal, tangential, friction, substeps, on_increment, change)
 
     def slide(
         self,
@@ -377,7 +394,7 @@ class ContactProblem:
         force, pressure, approach
             Exactly one: normal force, N; nominal mean pressure, Pa; approach since first touch, m.
         friction
-            A coefficient of friction, or a law such as `Coulomb` or `LimitedCoulomb`.
+            A coefficient of friction, or a law.
         direction
             Angle of the traction on the body, of each cell its shear strength, from x towards y, degrees.
 
@@ -388,8 +405,7 @@ class ContactProblem:
         NotConverged
             If the state is not certified.
         """
-        normal = {"force": force, "pressure": pressure, "approach": approach}
-        return run_slide(self, normal, friction, direction)
+        return run_slide(self, {"force": force, "pressure": pressure, "approach": approach}, friction, direction)
 
     def pull_off(self) -> Estimate:
         """Return the force at which surfaces that attract each other come apart, N, negative: the minimum on unloading.
@@ -469,10 +485,7 @@ class ContactProblem:
             If it is not a solution of this problem, or its fields, residuals and status contradict each other.
         """
         with computing(self):
-            if isinstance(solution, FrictionalSolution):
-                verify_frictional(self, solution)
-            else:
-                verify_solution(self.plan, self.convolution, self._gap, solution)
+            verify_state(self, self._gap, solution)
 
     def _solve(
         self,
@@ -485,16 +498,3 @@ class ContactProblem:
     ) -> ContactSolution:
         solution = run_solve(self, self._gap, load, start, on_step, start_gap)
         return require_success(solution) if throw else solution
-
-
-def problem_of(solution: ContactSolution) -> ContactProblem:
-    """Return the problem of a solution, with its prepared convolution; the problem of a file is built anew.
-
-    `InputError` if the solution has no origin, or needs a class that is not registered.
-    """
-    if solution.origin is None:
-        raise InputError("The solution does not say which problem it solves, so that nothing can be computed with it.")
-    problem = solution.origin.source or ContactProblem(**solution.origin.problem)
-    if not isinstance(problem, ContactProblem):
-        raise InputError(f"What was solved must be a ContactProblem, but is {problem!r}.")
-    return problem

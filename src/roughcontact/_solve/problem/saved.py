@@ -1,4 +1,4 @@
-"""Files of solutions, and of paths and states with friction, whichever of them it is."""
+"""Files of solutions, and of paths and states with friction, whichever of them it is; the problem of a solution."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from typing import Any
 from roughcontact._base import checks
 from roughcontact._base.archive import HEADER, read_some
 from roughcontact._solve.problem.path import FrictionalPath
+from roughcontact._solve.problem.problem import ContactProblem
 from roughcontact._solve.solution import ContactSolution, FrictionalSolution
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
@@ -70,3 +71,16 @@ def find_saved_kind(path: Path) -> Any:
         return None
     kinds = {"frictional path": FrictionalPath, "frictional solution": FrictionalSolution}
     return kinds.get(str(read_some(path)[1].get("kind")))
+
+
+def problem_of(solution: ContactSolution) -> ContactProblem:
+    """Return the problem of a solution, with its prepared convolution; the problem of a file is built anew.
+
+    `InputError` if the solution has no origin, or needs a class that is not registered.
+    """
+    if solution.origin is None:
+        raise InputError("The solution does not say which problem it solves, so that nothing can be computed with it.")
+    problem = solution.origin.source or ContactProblem(**solution.origin.problem)
+    if not isinstance(problem, ContactProblem):
+        raise InputError(f"What was solved must be a ContactProblem, but is {problem!r}.")
+    return problem

@@ -201,6 +201,19 @@ def run_sweep(solve: Callable[[Load, Array | None], ContactSolution], loads: tup
     return Sweep(tuple(solutions[index] for index in range(len(loads))))
 
 
+def report_states(
+    solve: Callable[..., ContactSolution], tell: Callable[[ContactSolution], object]
+) -> Callable[..., ContactSolution]:
+    """Return a solve that calls a function with each state that it finds."""
+
+    def solve_and_report(load: Load, start: Array | None = None, **others: Any) -> ContactSolution:
+        state = solve(load, start, **others)
+        tell(state)
+        return state
+
+    return solve_and_report
+
+
 def order_of_solving(loads: Sequence[Load]) -> list[int]:
     """Return the positions of the loads from the largest down.
 

@@ -16,7 +16,8 @@ from roughcontact._base import checks
 from roughcontact._base.archive import remove_stale
 from roughcontact._base.archive.plain import key_of
 from roughcontact._base.arrays import Pair
-from roughcontact._base.checks import callback, integer
+from roughcontact._base.checks import callback, flag, integer
+from roughcontact._base.progress import count_done, show_progress, tell_both
 from roughcontact._base.units import PlainText, binary, counted
 from roughcontact._parts.grid import Load
 from roughcontact._parts.interactions import FrictionLaw
@@ -322,6 +323,7 @@ class Study:
         executor: Executor | None = None,
         share: tuple[int, int] | str | None = None,
         on_records: Callable[[Sequence[Record]], None] | None = None,
+        progress: bool = False,
     ) -> StudyResult:
         """Solve the contacts whose solutions are not in the folder yet.
 
@@ -339,6 +341,8 @@ class Study:
             missing.
         on_records
             Called with the records of each problem and seed as soon as they are known.
+        progress
+            Whether to show on standard error how far it has come (extra ``progress``).
 
         Returns
         -------
@@ -355,7 +359,7 @@ class Study:
         """
         if executor is not None and not callable(getattr(executor, "submit", None)):
             raise InputError.about("The executor", executor, "a concurrent.futures.Executor, or None")
-        on_records = callback(on_records, "on_records=", "records")
+        told = callback(on_records, "on_records=", "records")
         part = None if share is None else Share.of(share)
         target = _make_folder(folder)
         remove_stale(target)
@@ -367,15 +371,18 @@ class Study:
         computed = 0
         stops: list[str] = []
         # Closed, so that an exception of `on_records` cancels the tasks that wait.
-        with contextlib.closing(run_chains(chains, executor)) as results:
+        with (
+            show_progress("study", shown=flag(progress, "progress=")) as change,
+            contextlib.closing(run_chains(chains, executor)) as results,
+        ):
+            tell = tell_both(told, count_done(change, len(chains), "contact"))
             for position, result in results:
                 done[position] = result.records
                 computed = computed + result.computed
                 stops += [reason for reason in (result.stopped, result.lost) if reason]
                 if any(known.get(record.key) != record for record in result.records):
                     stops += _list_records(index, _in_order(done, listed))
-                if on_records is not None:
-                    on_records(result.records)
+                tell(result.records)
                 if executor is None and stops:
                     break
         if stops:

@@ -15,7 +15,8 @@ import numpy as np
 
 from roughcontact._answers.refinement import on_grid
 from roughcontact._base.arrays import Array
-from roughcontact._base.checks import callback, integer
+from roughcontact._base.checks import callback, flag, integer
+from roughcontact._base.progress import show_progress, tell_both
 from roughcontact._base.registry import Registry
 from roughcontact._base.units import si
 from roughcontact._parts.grid import Load
@@ -241,6 +242,7 @@ def error_vs_time(
     interpolation: str | None = None,
     repeats: int = 3,
     on_case: Callable[[str, float], None] | None = None,
+    progress: bool = False,
 ) -> ErrorReport:
     """Return errors and run times of a problem on several grids, with several parts and area estimators.
 
@@ -272,6 +274,8 @@ def error_vs_time(
         How often each case is timed, after a warm-up and before a run that measures memory.
     on_case
         Called before each case with its description and the fraction of the work that is done.
+    progress
+        Whether to show on standard error how far it has come (extra ``progress``).
 
     Returns
     -------
@@ -300,19 +304,21 @@ def error_vs_time(
     repeats = integer(repeats, "The number of repeats", at_least=1)
     estimators = check_choices(areas, "The area estimators", area_registry, None)
     cases = make_cases(problem, cells, kernels, convolvers, solvers, tolerances)
-    notify = callback(on_case, "on_case=", "case", "fraction") or (lambda description, done: None)
-    if reference is None:
-        notify("the reference", 0.0)
-        known = solve_reference(problem, load, max(case.shape for case in cases), interpolation)
-    else:
-        known = read_reference(reference)
-    benchmark = Benchmark(problem, load, interpolation, estimators, repeats, known)
-    # A case takes about as long as it has cells.
-    work = [case.shape[0] * case.shape[1] for case in cases]
-    rows: list[ReportRow] = []
-    for number, case in enumerate(cases):
-        notify(str(case), sum(work[:number]) / sum(work))
-        rows += benchmark.run(case)
+    told = callback(on_case, "on_case=", "case", "fraction")
+    with show_progress("report", shown=flag(progress, "progress=")) as change:
+        tell = tell_both(told, change)
+        if reference is None:
+            tell("the reference", 0.0)
+            known = solve_reference(problem, load, max(case.shape for case in cases), interpolation)
+        else:
+            known = read_reference(reference)
+        benchmark = Benchmark(problem, load, interpolation, estimators, repeats, known)
+        # A case takes about as long as it has cells.
+        work = [case.shape[0] * case.shape[1] for case in cases]
+        rows: list[ReportRow] = []
+        for number, case in enumerate(cases):
+            tell(str(case), sum(work[:number]) / sum(work))
+            rows += benchmark.run(case)
     grid = problem.plan.grid
     description = f"{si(grid.size[0], 'm')} x {si(grid.size[1], 'm')}, boundary {problem.boundary}, {load}"
     return ErrorReport(rows=tuple(rows), reference=known, nominal=grid.area, description=description, repeats=repeats)

@@ -7,7 +7,8 @@ from typing import Any
 
 import attrs
 
-from roughcontact._base.checks import callback, choice
+from roughcontact._base.checks import callback, choice, flag
+from roughcontact._base.progress import show_progress, tell_both
 from roughcontact._base.tables import Table
 from roughcontact._parts.grid import Load
 from roughcontact._solve.problem import ContactProblem
@@ -92,6 +93,7 @@ def stability(
     force: float | None = None,
     approach: float | None = None,
     on_check: Callable[[str, float], None] | None = None,
+    progress: bool = False,
 ) -> StabilityReport:
     """Return how far a solution depends on rounding, grid and tolerance, and whether the model holds.
 
@@ -106,6 +108,8 @@ def stability(
         Exactly one: nominal mean pressure, Pa; normal force, N; approach since first touch, m.
     on_check
         Called before each part of the work with its name and the fraction of the work that is done, about.
+    progress
+        Whether to show on standard error how far it has come (extra ``progress``).
 
     Returns
     -------
@@ -128,10 +132,16 @@ def stability(
     """
     if not isinstance(problem, ContactProblem):
         raise InputError.about("The problem", problem, "a ContactProblem")
-    begin = _count_work(problem, callback(on_check, "on_check=", "name", "fraction"))
+    told = callback(on_check, "on_check=", "name", "fraction")
+    with show_progress("stability", shown=flag(progress, "progress=")) as change:
+        begin = _count_work(problem, tell_both(told, change))
+        return _check_solution(problem, {"pressure": pressure, "force": force, "approach": approach}, begin)
+
+
+def _check_solution(problem: ContactProblem, load: dict[str, Any], begin: Callable[[str], None]) -> StabilityReport:
     begin("the solve")
-    solution = problem.solve(pressure=pressure, force=force, approach=approach, throw=False)
-    solved = SolvedProblem(problem, solution, Load.of(pressure=pressure, force=force, approach=approach))
+    solution = problem.solve(**load, throw=False)
+    solved = SolvedProblem(problem, solution, Load.of(**load))
     checks = check_residuals(solved)
     if solution.status.success:
         begin("kernel and model")
@@ -144,7 +154,7 @@ def stability(
     return StabilityReport(tuple(checks), solution)
 
 
-def _count_work(problem: ContactProblem, notify: Callable[[str, float], None] | None) -> Callable[[str], None]:
+def _count_work(problem: ContactProblem, tell: Callable[[str, float], None]) -> Callable[[str], None]:
     """Return a function that says which part of the work begins, and the fraction that is done."""
     work = dict(_WORK)
     if problem.plan.grid.cells > MAX_FLOAT64_CELLS:
@@ -152,7 +162,6 @@ def _count_work(problem: ContactProblem, notify: Callable[[str, float], None] | 
     names = list(work)
 
     def begin(name: str) -> None:
-        if notify is not None:
-            notify(name, sum(work[before] for before in names[: names.index(name)]) / sum(work.values()))
+        tell(name, sum(work[before] for before in names[: names.index(name)]) / sum(work.values()))
 
     return begin
