@@ -20,7 +20,7 @@ import pytest
 
 import roughcontact as rc
 from roughcontact.__main__ import main
-from roughcontact._base import progress
+from roughcontact._base.machine import progress
 from roughcontact._base.units import fit
 from roughcontact._faces.cli import commands
 from roughcontact._faces.cli.progress import count_grids

@@ -10,7 +10,7 @@ import numpy as np
 
 from roughcontact._answers.laws.law import InterfaceLaw, LawColumn, interpolation_warning
 from roughcontact._base.checks import callback, flag
-from roughcontact._base.progress import count_done, show_progress, tell_both
+from roughcontact._base.machine.progress import count_done, show_progress, tell_both
 from roughcontact._base.units import kind_of, si
 from roughcontact._parts.grid import FIRST_LOADING, Boundary, Load
 from roughcontact._solve.problem import ContactProblem, order_of_solving, predict_pressure

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 import roughcontact as rc
-from roughcontact._base.progress import count_done
+from roughcontact._base.machine.progress import count_done
 from roughcontact._base.tables import Table
 from roughcontact._base.units import fit, si
 from roughcontact._faces.cli.answers import (

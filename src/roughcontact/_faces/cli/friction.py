@@ -12,7 +12,7 @@ import attrs
 
 import roughcontact as rc
 from roughcontact._base import checks
-from roughcontact._base.progress import ChangeProgress
+from roughcontact._base.machine.progress import ChangeProgress
 from roughcontact._base.tables import Table
 from roughcontact._base.units import fit, parse_quantity
 from roughcontact._faces.cli.answers import (

@@ -11,7 +11,7 @@ import roughcontact as rc
 from roughcontact._answers.laws import InterfaceLaw
 from roughcontact._base import checks
 from roughcontact._base.archive import replacing
-from roughcontact._base.progress import count_done
+from roughcontact._base.machine.progress import count_done
 from roughcontact._base.units import fit
 from roughcontact._faces.cli import DOUBTFUL, Command
 from roughcontact._faces.cli.answers import PICTURES, require_place, write_csv, write_json

@@ -7,8 +7,8 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from roughcontact._base.progress import ChangeProgress, has_tqdm
-from roughcontact._base.progress import show_progress as show_bar
+from roughcontact._base.machine.progress import ChangeProgress, has_tqdm
+from roughcontact._base.machine.progress import show_progress as show_bar
 from roughcontact._solve.solvers import Step
 
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import roughcontact as rc
 from roughcontact._base.arrays import Array
-from roughcontact._base.progress import ChangeProgress
+from roughcontact._base.machine.progress import ChangeProgress
 from roughcontact._faces.cli.problem import make_part
 from roughcontact._faces.cli.progress import count_solves, describe_steps
 from roughcontact._parts.grid import Load

@@ -10,7 +10,7 @@ from typing import Any
 import attrs
 
 import roughcontact as rc
-from roughcontact._base.progress import ChangeProgress
+from roughcontact._base.machine.progress import ChangeProgress
 from roughcontact._base.units import EXAMPLES
 from roughcontact._faces.cli.problem import make_part
 from roughcontact._work.studies import Answers, ResponseField, ask_states, describe_response

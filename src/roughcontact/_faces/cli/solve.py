@@ -10,7 +10,7 @@ from typing import Any
 import roughcontact as rc
 from roughcontact._base import checks
 from roughcontact._base.arrays import Array
-from roughcontact._base.progress import ChangeProgress
+from roughcontact._base.machine.progress import ChangeProgress
 from roughcontact._base.units import fit, si
 from roughcontact._faces.cli import DOUBTFUL, Command
 from roughcontact._faces.cli.answers import (

@@ -14,7 +14,7 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array, Mask
-from roughcontact._base.progress import ChangeProgress, count_done, tell_both
+from roughcontact._base.machine.progress import ChangeProgress, count_done, tell_both
 from roughcontact._base.tables import Table
 from roughcontact._base.units import WIDTH, Estimate, si, write_column
 from roughcontact._parts.grid import Load

@@ -14,7 +14,7 @@ import numpy as np
 
 from roughcontact._base import checks
 from roughcontact._base.arrays import Array, read_only
-from roughcontact._base.progress import ChangeProgress, tell_both
+from roughcontact._base.machine.progress import ChangeProgress, tell_both
 from roughcontact._base.tables import Table
 from roughcontact._base.units import Estimate, PlainText, counted, outlined
 from roughcontact._parts.grid import Load

@@ -12,7 +12,7 @@ import numpy as np
 from roughcontact._base.arrays import Array
 from roughcontact._base.checks import callback, choice, flag, instance_of
 from roughcontact._base.machine import limit_of_memory, thread_count
-from roughcontact._base.progress import count_done, show_progress
+from roughcontact._base.machine.progress import count_done, show_progress
 from roughcontact._base.units import Estimate
 from roughcontact._parts.grid import Boundary, Grid, Load, as_boundary
 from roughcontact._parts.interactions import FrictionLaw, Interaction

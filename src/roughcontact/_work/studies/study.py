@@ -17,7 +17,7 @@ from roughcontact._base.archive import remove_stale
 from roughcontact._base.archive.plain import key_of
 from roughcontact._base.arrays import Pair
 from roughcontact._base.checks import callback, flag, integer
-from roughcontact._base.progress import count_done, show_progress, tell_both
+from roughcontact._base.machine.progress import count_done, show_progress, tell_both
 from roughcontact._base.units import PlainText, binary, counted
 from roughcontact._parts.grid import Load
 from roughcontact._parts.interactions import FrictionLaw

@@ -16,7 +16,7 @@ import numpy as np
 from roughcontact._answers.refinement import on_grid
 from roughcontact._base.arrays import Array
 from roughcontact._base.checks import callback, flag, integer
-from roughcontact._base.progress import show_progress, tell_both
+from roughcontact._base.machine.progress import show_progress, tell_both
 from roughcontact._base.registry import Registry
 from roughcontact._base.units import si
 from roughcontact._parts.grid import Load

@@ -8,7 +8,7 @@ from typing import Any
 import attrs
 
 from roughcontact._base.checks import callback, choice, flag
-from roughcontact._base.progress import show_progress, tell_both
+from roughcontact._base.machine.progress import show_progress, tell_both
 from roughcontact._base.tables import Table
 from roughcontact._parts.grid import Load
 from roughcontact._solve.problem import ContactProblem
