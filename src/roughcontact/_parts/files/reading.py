@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import inspect
+import logging
 import os
 from collections.abc import Sequence
 from pathlib import Path
@@ -21,6 +22,7 @@ from roughcontact._parts.surfaces import TREATMENTS, HeightMap, complete
 from roughcontact.errors import InputError, RoughContactError, shorten
 from roughcontact.errors.door import guarded
 
+_LOGGER = logging.getLogger("roughcontact")
 _FALLBACK_READER = "instrument"
 # Characters of a reader's message that ours repeats.
 _MAX_REASON_CHARACTERS = 200
@@ -114,6 +116,7 @@ def read_surface(
     # Free the heights of the file before new ones are made.
     del raw, heights
     values = surface.values if unit is None else surface.values * scale
+    _LOGGER.info("read %s%s: %s%s", file.name, done, surface.grid, in_units)
     return attrs.evolve(surface, heights=values, history=(f"read from {file.name}{done}: {surface.grid}{in_units}",))
 
 

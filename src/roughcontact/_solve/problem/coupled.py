@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import math
 import time
 from collections.abc import Callable
@@ -35,6 +36,7 @@ from roughcontact._solve.solution import (
 from roughcontact._solve.solvers import ProjectedShearCG, ShearOutcome, ShearTask, Step, project_to_discs
 from roughcontact.errors import InputError, NotConverged
 
+_LOGGER = logging.getLogger("roughcontact")
 # Alternations of normal and tangential solves after which a coupled solve is given up.
 _MAX_PASSES = 80
 # Iterations of the tangential solver.
@@ -97,6 +99,7 @@ class CoupledSolve(FrictionalContact):
                 else self._step_like(load, tangential, start)
             )
             solution, fields = self._certify(load, tangential, found, before, start, started)
+        _LOGGER.info("increment to %s, %s: %s, %.3g s", load, tangential, solution.status.name, solution.seconds)
         return _require_success(solution), fields
 
     def slide(self, load: Load, direction: Pair, on_pass: Callable[[Step], None] | None = None) -> FrictionalSolution:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import logging
 import math
 import time
 from collections.abc import Callable, Iterator
@@ -36,6 +37,7 @@ from roughcontact.errors.door import guarded
 if TYPE_CHECKING:
     from roughcontact._solve.problem.problem import ContactProblem
 
+_LOGGER = logging.getLogger("roughcontact")
 # Wave numbers at which the effective modulus is sampled: about 24 per decade on a grid of 1000 cells a side.
 _SAMPLED_WAVE_NUMBERS = 96
 # Directions over half a turn at which it is sampled: the mean over them for an ellipse of axes 10 : 1 errs by 1e-8.
@@ -348,6 +350,16 @@ def run_solve(
     started = time.perf_counter()
     with computing(problem):
         solution = _solve(problem, gap, load, start, on_step, started, start_gap)
+    level = logging.INFO if solution.status.success else logging.WARNING
+    _LOGGER.log(
+        level,
+        "solved %s, %s: %s, %d iterations, %.3g s",
+        problem.plan.grid,
+        load,
+        solution.status.name,
+        solution.iterations,
+        solution.seconds,
+    )
     return attrs.evolve(solution, origin=Origin(problem.parts, load.arguments, source=problem))
 
 

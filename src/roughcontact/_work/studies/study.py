@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import copy
+import logging
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
@@ -33,6 +34,7 @@ from roughcontact._work.studies.shares import Share, list_of_records, read_all_r
 from roughcontact._work.studies.tasks import Chains, run_chains
 from roughcontact.errors import InputError, NotWritten, StudyStopped
 
+_LOGGER = logging.getLogger("roughcontact")
 # Convolutions of a solve, measured on rough surfaces over two decades of load with warm starts.
 _TYPICAL_CONVOLUTIONS = 25
 # Most values of an axis that are listed; of more, the first ones and the last.
@@ -383,6 +385,7 @@ class Study:
                 if any(known.get(record.key) != record for record in result.records):
                     stops += _list_records(index, _in_order(done, listed))
                 tell(result.records)
+                _log_chain(result.records)
                 if executor is None and stops:
                     break
         if stops:
@@ -399,6 +402,14 @@ class Study:
     def axes(self) -> Mapping[str, tuple[Any, ...]]:
         """The values of each parameter of the function; empty without one."""
         return self.problems.axes if isinstance(self.problems, BuiltProblems) else {}
+
+
+def _log_chain(records: Sequence[Record]) -> None:
+    """Log what was found of each contact of one problem and seed."""
+    for record in records:
+        level = logging.WARNING if record.message else logging.INFO
+        what = (record.problem, record.seed, record.control, record.load, record.status, record.message)
+        _LOGGER.log(level, "study: %s, seed %s, %s %g: %s %s", *what)
 
 
 def _make_folder(folder: str | Path) -> Path:
