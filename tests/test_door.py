@@ -13,6 +13,7 @@ import typing
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+import attrs
 import numpy as np
 import pytest
 
@@ -102,6 +103,16 @@ class Failing(rc.Surface):
         return {}["no such key"]
 
 
+@attrs.frozen
+class Step:
+    height: float = attrs.field(validator=attrs.validators.gt(0.0))
+
+
+class Stepped(rc.Surface):
+    def heights(self, grid):
+        return np.full(grid.shape, Step(-1.0).height)
+
+
 class Wrong(rc.Surface):
     def heights(self):
         return np.zeros((8, 8))
@@ -166,6 +177,13 @@ BAD_CALLS = {
         "ContactProblem failed in Failing.heights",
     ),
     "a plug-in part of wrong signature": (lambda: of(Wrong()), rc.InputError, "Wrong.heights"),
+    "a number that cannot divide": (
+        lambda: rc.Exponential(0.05, 1e-9).scaled(0.0, 0.0),
+        rc.InputError,
+        "Exponential.scaled",
+    ),
+    "a number beyond float64": (lambda: rc.Exponential(0.05, 1e-9).scaled(10**400, 1.0), rc.InputError, "scaled"),
+    "a plug-in part that attrs refuses": (lambda: of(Stepped()), rc.InputError, "'height' must be > 0.0"),
     "a key that cannot be": (lambda: rc.kernels[[]], rc.InputError, "must be of type str"),
 }
 

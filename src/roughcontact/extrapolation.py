@@ -48,7 +48,7 @@ class Extrapolation:
     value: float
     parameters: dict[str, float]
     residual: float
-    warnings: tuple[str, ...]
+    warnings: tuple[str, ...] = attrs.field(converter=tuple)
 
     @property
     def trustworthy(self) -> bool:

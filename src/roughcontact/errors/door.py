@@ -36,6 +36,8 @@ from roughcontact.errors import (
 )
 
 T = TypeVar("T")
+# Size of a number whose square and its inverse float64 holds.
+_MIN_SQUARED = 1e-150
 # Characters of another package's message that a sentence repeats.
 _MESSAGE = 240
 
@@ -115,6 +117,8 @@ def translated(error: Exception, call: str) -> Exception:
         return FileError(f"{call} failed at the file{where}: {error.strerror or text or type(error).__name__}.")
     if isinstance(error, TypeError) and (method := re.match(r"([\w.<>]+)\(\) (takes|missing|got) ", text)):
         return InputError(f"{call} failed: {text}. The method {method[1]} must take the arguments of its base class.")
+    if isinstance(error, ValueError) and _comes_from_attrs(error):
+        return InputError(f"{call} failed: {text}.")
     if part := _foreign_part(error):
         return UnexpectedError(f"{call} failed in {part}: {reason}.")
     advice = "If its arguments are as documented, please report this as a fault of roughcontact."
@@ -304,7 +308,11 @@ def _misplaced(call: str, signature: inspect.Signature, args: Any) -> WrongCall 
 
 
 def _misfit(error: Exception, call: str, given: dict[str, Any]) -> InputError | None:
-    """Return the error of an argument that lacks what the call needs, or whose shape does not fit; None otherwise."""
+    """Return the error of an argument that lacks what the call needs, or whose value does not fit; None otherwise."""
+    if isinstance(error, ArithmeticError):
+        extreme = [f"{name}={short(value)}" for name, value in given.items() if _is_extreme(value)]
+        if extreme:
+            return InputError(f"{call} cannot be computed for {', '.join(extreme)}: {_message(error)}.")
     if isinstance(error, AttributeError):
         for name, value in given.items():
             if name != "self" and value is error.obj:
@@ -315,6 +323,14 @@ def _misfit(error: Exception, call: str, given: dict[str, Any]) -> InputError | 
             shapes = ", ".join(f"{name} of shape {np.shape(value)}" for name, value in arrays.items())
             return InputError(f"The arguments of {call} must fit each other, but they are {shapes}.")
     return None
+
+
+def _is_extreme(value: object) -> bool:
+    """Return whether a value is a number by which float64 cannot divide, or whose square it does not hold."""
+    if not isinstance(value, numbers.Real):
+        return False
+    size = abs(value)
+    return not _MIN_SQUARED < size < 1.0 / _MIN_SQUARED
 
 
 def _is_a(value: object, hint: Any) -> bool:
@@ -341,6 +357,14 @@ def _is_a(value: object, hint: Any) -> bool:
         return fits and all(_is_a(item, of[0]) for item in value)
     # Any is a class from Python 3.11 on.
     return kind is Any or not isinstance(kind, type) or isinstance(value, kind)
+
+
+def _comes_from_attrs(error: Exception) -> bool:
+    """Return whether a validator of attrs raised an error, as those of plug-ins do."""
+    trace = error.__traceback__
+    while trace is not None and trace.tb_next is not None:
+        trace = trace.tb_next
+    return trace is not None and trace.tb_frame.f_globals.get("__name__", "").partition(".")[0] == "attr"
 
 
 def _foreign_part(error: Exception) -> str:
