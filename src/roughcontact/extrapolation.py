@@ -48,7 +48,7 @@ class Extrapolation:
     value: float
     parameters: dict[str, float]
     residual: float
-    warnings: tuple[str, ...] = attrs.field(converter=tuple)
+    warnings: tuple[str, ...]
 
     @property
     def trustworthy(self) -> bool:
