@@ -329,7 +329,7 @@ def _is_extreme(value: object) -> bool:
     """Return whether a value is a number by which float64 cannot divide, or whose square it does not hold."""
     if not isinstance(value, numbers.Real):
         return False
-    size = abs(value)
+    size: Any = abs(value)
     return not _MIN_SQUARED < size < 1.0 / _MIN_SQUARED
 
 
