@@ -20,7 +20,7 @@ from roughcontact.__main__ import main
 from roughcontact._base.archive.plain import key_of
 from roughcontact._base.machine import available_memory, limit_of_memory, require_memory
 from roughcontact._base.units import binary
-from roughcontact._solve.problem.plan import _FRICTION_ARRAYS, _STATE_ARRAYS, require_memory_of_solve
+from roughcontact._solve.problem.memory import _FRICTION_ARRAYS, _STATE_ARRAYS, require_memory_of_solve
 from systems import linux
 
 NAN = float("nan")
@@ -450,6 +450,68 @@ def test_no_solve_takes_more_than_its_plan_says_with_any_part(parts, load, hardn
     for cells in (32, 256):
         peak, stated = measure(cells, load, hardness, **parts)
     assert peak < stated
+
+
+def attract(cells, boundary, **options):
+    """Return a rough problem whose surfaces attract each other."""
+    law = rc.Exponential(work=0.05, range=6e-9)
+    return rough_problem(cells, boundary=boundary, adhesion=law, material=rc.Elastic(1e9, 0.3), **options)
+
+
+@pytest.mark.parametrize("boundary", ["free", "periodic", ("free", "periodic")])
+@pytest.mark.parametrize("solver", ["gap-descent", pytest.param("majorise", marks=pytest.mark.slow)])
+def test_no_solve_with_adhesion_takes_more_than_its_plan_says(boundary, solver):
+    for cells in (32, 192):
+        problem = attract(cells, boundary, solver=solver)
+        tracemalloc.start()
+        solution = problem.solve(pressure=5e6, throw=False)
+        peak = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+    assert solution.status.success
+    assert peak < problem.plan.memory_at(0.1)
+
+
+def test_adhesion_is_refused_before_it_takes_memory():
+    assert rough_problem(512, boundary="periodic", memory_limit="30 MiB").plan.memory_at(0.0) < 30 * 2**20
+    with pytest.raises(rc.InputError, match=r"A solve on 512 x 512 cells, .* needs 43 MiB .*choose at most 416 x 416"):
+        attract(512, "periodic", memory_limit="30 MiB")
+
+
+ANSWERS = {
+    "area": rc.LevelSet(),
+    "stiffness": "stiffness",
+    "conductance": rc.responses.create("conductance", 50.0),
+    "tangential-stiffness": "tangential-stiffness",
+    "stress": "stress",
+    "leakage": rc.responses.create("leakage", viscosity=1e-3, pressure_drop=1e5),
+    "partial-slip": rc.responses.create("partial-slip", tangential_force=2e-4, friction=0.5),
+    "gradient": rc.responses.create("gradient", "participation"),
+    "first-yield": rc.responses.create("first-yield", 1e7),
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("boundary", ["free", "periodic"])
+@pytest.mark.parametrize("name", ANSWERS)
+def test_no_answer_takes_more_than_it_states(name, boundary):
+    response = rc.responses.resolve(ANSWERS[name]) if name != "area" else ANSWERS[name]
+    for cells in (32, 256):
+        solution = rough_problem(cells, boundary=boundary, material=rc.Elastic(1e9, 0.3)).solve(pressure=5e5)
+        tracemalloc.start()
+        solution.response(response)
+        peak = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+    assert peak < 8 * 256**2 * response.memory_arrays
+
+
+def test_an_answer_that_does_not_fit_is_refused_and_named_beforehand():
+    problem = rough_problem(256, boundary="periodic", material=rc.Elastic(1e9, 0.3), memory_limit="40 MiB")
+    assert "leakage 84 MiB (168 arrays), first-yield 27 MiB (54 arrays), tangential-stiffness 24.5 MiB (49 arrays)" in problem.explain()
+    solution = problem.solve(pressure=5e6)
+    assert solution.response("tangential-stiffness").value > 0.0
+    words = r"GapFlow of a contact on 256 x 256 cells needs 84 MiB of memory, but memory_limit= allows only 40 MiB: ask"
+    with pytest.raises(rc.InputError, match=words):
+        solution.leakage(viscosity=1e-3, pressure_drop=1e5)
 
 
 def push(cells, counterbody, boundary="periodic", **options):

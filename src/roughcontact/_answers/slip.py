@@ -245,6 +245,8 @@ class CiavarellaJaeger(Response[PartialSlip]):
     Jaeger, J. Tribol. 120 (1998) 677-684, https://doi.org/10.1115/1.2833765
     """
 
+    memory_arrays = 34.0  # the symbols of shear
+
     tangential_force: float = attrs.field(converter=_force, metadata={"unit": "N"})
     friction: float = attrs.field(converter=_friction, metadata={"unit": ""})
     axis: int = attrs.field(default=0, converter=tangential_axis)

@@ -261,9 +261,9 @@ class GapFlow(Response[Leakage]):
         Pressure at the inlet minus pressure at the outlet, Pa.
     """
 
-    with_adhesion = "total pressure"
     depends_on_place = True
     with_adhesion = "total pressure"
+    memory_arrays = 168.0  # the matrix of the flow and its multigrid
 
     axis: int = attrs.field(default=0, converter=flow_axis)
     viscosity: float = attrs.field(converter=_viscosity, metadata={"unit": "Pa s"})

@@ -260,6 +260,7 @@ class Gradient(Response[Array]):
     """
 
     with_adhesion = "total pressure"
+    memory_arrays = 17.0
 
     of: str | PressureDerivative = attrs.field(converter=_number)
     with_respect_to: str = attrs.field(default="heights", converter=_variable)

@@ -170,6 +170,8 @@ class TangentialStiffness(Response[Estimate]):
     Mindlin, J. Appl. Mech. 16 (1949) 259-268, https://doi.org/10.1115/1.4009973
     """
 
+    memory_arrays = 49.0  # the symbols of shear
+
     axis: int = attrs.field(default=0, converter=tangential_axis)
 
     def respond(self, solution: ContactSolution) -> Estimate:

@@ -105,6 +105,8 @@ class FirstYield(Response[YieldPoint]):
     Johnson, Contact Mechanics (1985), sec. 6.1, https://doi.org/10.1017/CBO9781139171731
     """
 
+    memory_arrays = 54.0  # solves at other loads, and the stress of each
+
     yield_stress: float = attrs.field(converter=_strength, metadata={"unit": "Pa"})
     body: str = attrs.field(default="body", converter=body_name)
     friction: Array | None = attrs.field(default=None, converter=coefficient, repr=outlined, metadata={"unit": ""})

@@ -29,6 +29,7 @@ from roughcontact._solve.problem.description import (
 from roughcontact._solve.problem.expressions import ExpressionWriter, NotInAScript, describe_part, write_number
 from roughcontact._solve.problem.friction_certificate import require_frictional
 from roughcontact._solve.problem.increments import Increment, StepNumbers, list_targets
+from roughcontact._solve.problem.memory import require_memory_of_solve
 from roughcontact._solve.problem.path import (
     AS_GIVEN,
     FrictionalPath,
@@ -38,7 +39,7 @@ from roughcontact._solve.problem.path import (
     run_slide,
     save_path,
 )
-from roughcontact._solve.problem.plan import SolvePlan, require_memory_of_solve
+from roughcontact._solve.problem.plan import SolvePlan
 from roughcontact._solve.problem.problem import ContactProblem
 from roughcontact._solve.problem.required_load import RequiredLoad, find_required_load
 from roughcontact._solve.problem.run import Certificate, certify, computing, confirm, make_solution, require_certified

@@ -17,7 +17,7 @@ from roughcontact._base.checks import choice, number
 from roughcontact._parts.grid import Grid, Load
 from roughcontact._parts.surfaces import bilinear
 from roughcontact._solve.problem.body import Body
-from roughcontact._solve.problem.plan import require_memory_of_solve
+from roughcontact._solve.problem.memory import require_memory_of_solve
 from roughcontact._solve.solution import DEFAULT_AREA, Accuracy, ContactSolution, Trial
 from roughcontact._solve.solvers import Step
 from roughcontact.errors import InputError, NotEnoughMemory

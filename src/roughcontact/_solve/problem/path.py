@@ -30,7 +30,7 @@ from roughcontact._solve.problem.increments import (
     numbers_of,
     refine_steps,
 )
-from roughcontact._solve.problem.plan import require_memory_of_friction
+from roughcontact._solve.problem.memory import require_memory_of_friction
 from roughcontact._solve.problem.task import limit_load
 from roughcontact._solve.solution import FrictionalSolution, page_or_file, read_estimate, read_path, write_path, writers
 from roughcontact._solve.solvers import Step

@@ -14,7 +14,7 @@ import scipy.fft
 
 from roughcontact._base.arrays import Array, Mask
 from roughcontact._base.checks import number
-from roughcontact._base.machine import available_memory, choose_threads, require_memory
+from roughcontact._base.machine import available_memory, choose_threads
 from roughcontact._base.units import PlainText, binary, outlined, si
 from roughcontact._parts.grid import FIRST_LOADING, Boundary, Grid
 from roughcontact._parts.interactions import Interaction
@@ -30,10 +30,10 @@ from roughcontact._parts.materials import (
 from roughcontact._parts.surfaces import FlatSurface
 from roughcontact._solve.convolvers import Convolver, Direct, convolvers
 from roughcontact._solve.problem.body import Body, InitialGap
-from roughcontact._solve.solution import RESOLVED_CELLS, describe_range, find_scene
+from roughcontact._solve.problem.memory import UNRESTRICTED_ARRAYS, memory_of_solve, require_arrays
+from roughcontact._solve.solution import RESOLVED_CELLS, areas, describe_range, find_scene, responses
 from roughcontact._solve.solvers import ProjectedConjugateGradient, Solver, solvers
 from roughcontact.errors import InputError
-from roughcontact.errors.door import guarded
 
 _AUTO_SOLVER = "projected-cg"
 _ADHESIVE_SOLVER = "gap-descent"
@@ -45,22 +45,9 @@ _MIN_SOLVE_SECONDS = 0.1
 # Cells along a side of the transform that is timed, and its repetitions.
 _TIMED_SIDE = 256
 _TIMED_REPEATS = 5
-# Fractions of the cells in contact below the pressure limit, without and with a free boundary, and the peak memory of a
-# solve there, in float64 arrays of the grid (docs/studies/memory.py); more contact takes no more. Vectors hold only the
-# cells in contact; on a free boundary kernel and spectra are larger.
-_CONTACT_FRACTIONS = {False: (0.0, 0.4), True: (0.0, 0.1, 0.4)}
-_ARRAYS_AT_FRACTIONS = {False: (8.0, 11.4), True: (11.5, 12.7, 15.2)}
-# Minimum arrays if vectors hold all cells, as for other solvers and the direct sum; measured by tests/test_memory.py.
-_UNRESTRICTED_ARRAYS = 14.0
-# Memory of steady sliding at light contact, in the same arrays, without and with a free boundary, for like and unlike
-# bodies, and of each further state of a path; measured by tests/test_memory.py. Most of it are symbols of shear.
-_FRICTION_ARRAYS = {False: (32.0, 40.5), True: (36.0, 50.5)}
-_STATE_ARRAYS = (5.0, 8.5)
 # Maximum aspect ratio of the cells; kernels are compared with mpmath up to 1e12 (test_kernels), which leaves room for
 # coarser and finer grids.
 _MAX_CELL_ASPECT = 1e8
-# Divisor of the sides of the largest proposed grid, so that they can be halved to coarser grids.
-_SIDE_MULTIPLE = 32
 # Maximum length, m, and modulus, Pa, and inverse of the minimum, so that forces, areas and curvatures stay within the
 # 1e308 of float64.
 _MAX_MAGNITUDE = 1e40
@@ -184,7 +171,11 @@ class SolvePlan:
             return int(8 * self.grid.cells * own)
         memory = memory_of_solve(self.grid, self.boundary, contact_fraction)
         restricted = isinstance(self.solver, ProjectedConjugateGradient) and not isinstance(self.convolver, Direct)
-        return memory if restricted else max(memory, int(8 * self.grid.cells * _UNRESTRICTED_ARRAYS))
+        return memory if restricted else max(memory, int(8 * self.grid.cells * UNRESTRICTED_ARRAYS))
+
+    def require_memory(self) -> None:
+        """Refuse a problem of which a solve does not fit into memory, even at light contact."""
+        require_arrays(self.memory_at(0.0), "A solve", self.grid, self.boundary, self.memory_limit)
 
     def __str__(self) -> str:
         nx, ny = self.transform_shape
@@ -204,6 +195,7 @@ class SolvePlan:
             ("precision", "fields and residuals in float64, whatever the solver uses inside"),
             ("threads", "{}: {}".format(*self.thread_choice)),
             ("memory", self._format_memory()),
+            *self._list_heavy_answers(),
             *([("loads", FIRST_LOADING)] if np.isfinite(self.pressure_limit).any() else []),
             *(("omitted", text) for text in self.omitted),
             *(("warning", text) for text in self.warnings),
@@ -237,47 +229,16 @@ class SolvePlan:
         fits = max((k for k in range(101) if self.memory_at(0.01 * k) <= limit), default=0)
         return f"{text}; the {binary(limit)} there are suffice for up to {fits} % of the cells in contact"
 
-
-def memory_of_solve(grid: Grid, boundary: Boundary, contact_fraction: float) -> int:
-    """Return the peak memory of a solve, beyond the problem itself, bytes; see `SolvePlan.memory_at`."""
-    free = boundary.has_free_axis
-    return int(8 * grid.cells * np.interp(contact_fraction, _CONTACT_FRACTIONS[free], _ARRAYS_AT_FRACTIONS[free]))
-
-
-@guarded
-def require_memory_of_solve(grid: Grid, boundary: Boundary, limit: int | None = None) -> None:
-    """Refuse a grid on which a solve does not fit into memory, even at light contact; heights are not needed.
-
-    `limit` is the memory that it may take, bytes; None: the memory of the machine.
-    """
-    _require_memory(memory_of_solve(grid, boundary, 0.0), "A solve", grid, boundary, limit)
-
-
-def require_memory_of_friction(plan: SolvePlan, states: int = 1) -> None:
-    """Refuse a problem of which a contact with friction, or a path of so many states, does not fit into memory.
-
-    Light contact is assumed; `InputError` if Poisson's ratio of a material is not known.
-    """
-    coupled = pair_constants(*plan.materials).beta != 0.0
-    arrays = _FRICTION_ARRAYS[plan.boundary.has_free_axis][coupled] + (states - 1) * _STATE_ARRAYS[coupled]
-    what = "A contact with friction" if states == 1 else f"A path of {states} states"
-    _require_memory(int(8 * plan.grid.cells * arrays), what, plan.grid, plan.boundary, plan.memory_limit)
-
-
-def _require_memory(needed: int, what: str, grid: Grid, boundary: Boundary, limit: int | None) -> None:
-    shape = " x ".join(map(str, grid.shape))
-
-    def advise(available: int) -> str:
-        sides = (_round_down(math.sqrt(available / needed) * n) for n in grid.shape)
-        padded = ", or a periodic boundary, which needs less" if boundary.has_free_axis else ""
-        return f"choose at most {' x '.join(map(str, sides))} cells{padded}"
-
-    require_memory(needed, f"{what} on {shape} cells, boundary {boundary},", advise, limit)
-
-
-def _round_down(side: float) -> int:
-    """Return a number of cells from one to `side` that can be halved a few times."""
-    return int(side) // _SIDE_MULTIPLE * _SIDE_MULTIPLE or max(1, int(side))
+    def _list_heavy_answers(self) -> list[tuple[str, str]]:
+        """Return the row of the answers that take more memory than a solve; none without any."""
+        array = 8 * self.grid.cells
+        heavy = {name: responses[name].memory_arrays for name in responses if name not in areas}
+        texts = [
+            f"{name} {binary(count * array)} ({count:g} arrays)"
+            for name, count in sorted(heavy.items(), key=lambda one: -one[1])
+            if count * array > self.memory
+        ]
+        return [("answers", f"more memory than the solve take {', '.join(texts)}")] if texts else []
 
 
 def make_plan(
@@ -320,7 +281,7 @@ def make_plan(
     capped = bool(np.isfinite(limit).any())
     solver.require(capped=capped)
     interaction = None if adhesion is None else _resolve_interaction(adhesion, grid, modulus, solver)
-    return SolvePlan(
+    plan = SolvePlan(
         grid=grid,
         boundary=boundary,
         kernel=kernel,
@@ -342,6 +303,8 @@ def make_plan(
         memory_limit=memory_limit,
         interaction=interaction,
     )
+    plan.require_memory()
+    return plan
 
 
 def _resolve_interaction(adhesion: Interaction, grid: Grid, modulus: float, solver: Solver) -> Interaction:

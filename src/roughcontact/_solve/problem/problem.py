@@ -23,8 +23,9 @@ from roughcontact._solve.problem.body import RIGID_FLAT, Body, InitialGap, find_
 from roughcontact._solve.problem.cycle import AdhesionCycle, find_pull_off, follow_loads, list_approaches, run_cycle
 from roughcontact._solve.problem.friction_certificate import verify_state
 from roughcontact._solve.problem.increments import Increment
+from roughcontact._solve.problem.memory import require_memory_of_solve
 from roughcontact._solve.problem.path import FrictionalPath, run_path, run_slide
-from roughcontact._solve.problem.plan import SolvePlan, make_plan, require_memory_of_solve
+from roughcontact._solve.problem.plan import SolvePlan, make_plan
 from roughcontact._solve.problem.required_load import RequiredLoad, find_load_of_area, find_required_load
 from roughcontact._solve.problem.run import computing, require_success, run_solve
 from roughcontact._solve.problem.sweep import Sweep, report_states, run_sweep
@@ -33,7 +34,6 @@ from roughcontact._solve.solution import DEFAULT_AREA, AreaEstimator, ContactSol
 from roughcontact._solve.solvers import Solver, Step
 from roughcontact.errors import InputError
 
-_BRANCHES = ("loading", "unloading")
 # Arguments for the machine: they change no bit of a solution, and are not part of its problem.
 _MACHINE_ARGUMENTS = ("threads", "memory_limit")
 
@@ -227,7 +227,7 @@ class ContactProblem:
         """
         load = self._load_of(pressure=pressure, force=force, approach=approach)
         throw = flag(throw, "throw=")
-        branch = choice(branch, "The branch", _BRANCHES)
+        branch = choice(branch, "The branch", ("loading", "unloading"))
         if branch == "unloading" and self.adhesion is None:
             raise InputError("Without adhesion= each load has one state: omit branch=.")
         on_step = callback(on_step, "on_step=", "step")

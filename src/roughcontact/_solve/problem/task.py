@@ -12,7 +12,8 @@ from roughcontact._parts.interactions import BoundInteraction, Interaction
 from roughcontact._parts.kernels import BoundKernel
 from roughcontact._parts.materials import pair_constants
 from roughcontact._solve.convolvers import PreparedConvolution, ShearConvolution
-from roughcontact._solve.problem.plan import SolvePlan, require_memory_of_friction, require_memory_of_solve
+from roughcontact._solve.problem.memory import require_memory_of_friction
+from roughcontact._solve.problem.plan import SolvePlan
 from roughcontact._solve.solvers import Task
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
@@ -42,7 +43,7 @@ def bind_kernel(plan: SolvePlan) -> BoundKernel:
 def prepare_convolution(plan: SolvePlan) -> PreparedConvolution:
     """Return the prepared convolution of a plan, with the kernel of `bind_kernel`."""
     # The memory is checked again: the first solve may come long after the problem was made.
-    require_memory_of_solve(plan.grid, plan.boundary, plan.memory_limit)
+    plan.require_memory()
     prepared = plan.convolver.prepare(bind_kernel(plan), plan.grid, plan.boundary)
     if not isinstance(prepared, PreparedConvolution):
         raise InputError(f"The convolver {plan.convolver!r} must return a PreparedConvolution, not {prepared!r}.")

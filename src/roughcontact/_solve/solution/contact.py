@@ -30,6 +30,7 @@ from roughcontact._solve.solution.results import (
     estimate_attractive_area,
     estimate_saturated_area,
     judge_maps,
+    require_memory_of_answer,
     responses,
 )
 from roughcontact._solve.solution.sampling import PlaceStatistics, find_area_sampling, find_place_statistics
@@ -153,6 +154,7 @@ class ContactSolution(ContactFields):
             value.
         """
         chosen: Response[T] = responses.resolve(response)
+        require_memory_of_answer(self, chosen)
         found = chosen.respond(self._view(chosen))
         if isinstance(found, Estimate) and not (found.uncertainty >= 0.0 and abs(found.value) >= 0.0):
             raise InputError(f"The response {chosen!r} returned {found!r}, which has no value or no uncertainty.")

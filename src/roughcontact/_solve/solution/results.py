@@ -13,6 +13,7 @@ import numpy as np
 
 from roughcontact._base.arrays import Array, as_shape, read_only
 from roughcontact._base.checks import number
+from roughcontact._base.machine import require_memory
 from roughcontact._base.registry import Registry
 from roughcontact._base.units import ContactWarning, ShownAsPrinted, prefixed, with_spread
 from roughcontact._base.units import Estimate as Estimate
@@ -58,6 +59,8 @@ class Response(abc.ABC, Generic[T_co]):
     with_adhesion
         What it reads of surfaces that attract each other: ``"total pressure"``, the solution as it is;
         ``"contact pressure"``, the part of the pressure that presses; ``"refused"``: it does not hold for them.
+    memory_arrays
+        Peak memory beyond the solution, in float64 arrays of the grid: what does not fit is refused.
 
     Examples
     --------
@@ -75,6 +78,7 @@ class Response(abc.ABC, Generic[T_co]):
 
     depends_on_place: ClassVar[bool] = False
     with_adhesion: ClassVar[str] = "refused"
+    memory_arrays: ClassVar[float] = 12.0
 
     @abc.abstractmethod
     def respond(self, solution: ContactSolution) -> T_co:
@@ -88,6 +92,17 @@ class Response(abc.ABC, Generic[T_co]):
 
 
 responses: Registry[Response[Any]] = Registry(Response, "response", "roughcontact.responses")
+
+
+def require_memory_of_answer(solution: ContactSolution, response: Response[Any]) -> None:
+    """Refuse a response that takes more memory than there is, or than its problem allows."""
+    source: Any = None if solution.origin is None else solution.origin.source
+    require_memory(
+        8.0 * solution.grid.cells * response.memory_arrays,
+        f"{type(response).__name__} of a contact on {' x '.join(map(str, solution.grid.shape))} cells",
+        "ask a coarser grid for it",
+        None if source is None else source.memory_limit,
+    )
 
 
 def list_estimates(found: object) -> dict[str, Estimate]:

@@ -1,0 +1,73 @@
+"""The memory of solves and of contacts with friction, in arrays of the grid: refused before it is taken."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from roughcontact._base.machine import require_memory
+from roughcontact._parts.grid import Boundary, Grid
+from roughcontact._parts.materials import pair_constants
+from roughcontact.errors.door import guarded
+
+if TYPE_CHECKING:
+    from roughcontact._solve.problem.plan import SolvePlan
+
+# Fractions of the cells in contact below the pressure limit, without and with a free boundary, and the peak memory of a
+# solve there, in float64 arrays of the grid (docs/studies/memory.py); more contact takes no more. Vectors hold only the
+# cells in contact; on a free boundary kernel and spectra are larger.
+_CONTACT_FRACTIONS = {False: (0.0, 0.4), True: (0.0, 0.1, 0.4)}
+_ARRAYS_AT_FRACTIONS = {False: (8.0, 11.4), True: (11.5, 12.7, 15.2)}
+# Minimum arrays if vectors hold all cells, as for other solvers and the direct sum; measured by tests/test_memory.py.
+UNRESTRICTED_ARRAYS = 14.0
+# Memory of steady sliding at light contact, in the same arrays, without and with a free boundary, for like and unlike
+# bodies, and of each further state of a path; measured by tests/test_memory.py. Most of it are symbols of shear.
+_FRICTION_ARRAYS = {False: (32.0, 40.5), True: (36.0, 50.5)}
+_STATE_ARRAYS = (5.0, 8.5)
+# Divisor of the sides of the largest proposed grid, so that they can be halved to coarser grids.
+_SIDE_MULTIPLE = 32
+
+
+def memory_of_solve(grid: Grid, boundary: Boundary, contact_fraction: float) -> int:
+    """Return the peak memory of a solve, beyond the problem itself, bytes; see `SolvePlan.memory_at`."""
+    free = boundary.has_free_axis
+    return int(8 * grid.cells * np.interp(contact_fraction, _CONTACT_FRACTIONS[free], _ARRAYS_AT_FRACTIONS[free]))
+
+
+@guarded
+def require_memory_of_solve(grid: Grid, boundary: Boundary, limit: int | None = None) -> None:
+    """Refuse a grid on which a solve does not fit into memory, even at light contact; heights are not needed.
+
+    `limit` is the memory that it may take, bytes; None: the memory of the machine.
+    """
+    require_arrays(memory_of_solve(grid, boundary, 0.0), "A solve", grid, boundary, limit)
+
+
+def require_memory_of_friction(plan: SolvePlan, states: int = 1) -> None:
+    """Refuse a problem of which a contact with friction, or a path of so many states, does not fit into memory.
+
+    Light contact is assumed; `InputError` if Poisson's ratio of a material is not known.
+    """
+    coupled = pair_constants(*plan.materials).beta != 0.0
+    arrays = _FRICTION_ARRAYS[plan.boundary.has_free_axis][coupled] + (states - 1) * _STATE_ARRAYS[coupled]
+    what = "A contact with friction" if states == 1 else f"A path of {states} states"
+    require_arrays(int(8 * plan.grid.cells * arrays), what, plan.grid, plan.boundary, plan.memory_limit)
+
+
+def require_arrays(needed: int, what: str, grid: Grid, boundary: Boundary, limit: int | None) -> None:
+    """Refuse fields on a grid that need more memory than there is, with the largest grid that fits."""
+    shape = " x ".join(map(str, grid.shape))
+
+    def advise(available: int) -> str:
+        sides = (_round_down(math.sqrt(available / needed) * n) for n in grid.shape)
+        padded = ", or a periodic boundary, which needs less" if boundary.has_free_axis else ""
+        return f"choose at most {' x '.join(map(str, sides))} cells{padded}"
+
+    require_memory(needed, f"{what} on {shape} cells, boundary {boundary},", advise, limit)
+
+
+def _round_down(side: float) -> int:
+    """Return a number of cells from one to `side` that can be halved a few times."""
+    return int(side) // _SIDE_MULTIPLE * _SIDE_MULTIPLE or max(1, int(side))
