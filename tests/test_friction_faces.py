@@ -144,6 +144,8 @@ def test_takes_laws_directions_displacements_and_normal_loads(ball, capsys, prob
         ((*SLIDE, "--report", "x.html"), "--report with friction is of a path: give --tangential instead of --slide"),
         ((*SLIDE, "-o", "state.vti"), "must be a file that ends in .npz"),
         ((*SLIDE, "--friction", "5", "--counterbody-young", "21GPa"), "Friction times Dundurs' beta is"),
+        ((*LOOP, "--first-yield", "yield_stress=1GPa"), "'first-yield' is not for a contact with friction"),
+        ((*SLIDE, "--partial-slip", "tangential_force=0.1N", "friction=0.3"), "'partial-slip' is not for a contact"),
         ((*LOOP, "--refine"), "--refine is for loads without friction"),
         ((*LOOP, "--boundary", "wrapped"), "A wrapped boundary has no response to shear"),
         ((*LOOP, "--adhesion", "short-range", "work=50mJ/m2"), "Friction with adhesion is not known"),

@@ -38,6 +38,9 @@ substeps = 2
 """
 
 
+SLIPPING = rc.responses.create("partial-slip", tangential_force=0.1, friction=0.3)
+
+
 @pytest.fixture
 def study_file(tmp_path):
     (tmp_path / "study.toml").write_text(STUDY)
@@ -77,6 +80,33 @@ def test_the_records_are_those_of_paths_by_hand(finished):
         assert len(result.path(record)) == len(saved) == 2
         np.testing.assert_array_equal(saved[-1].shear, path[-1].shear)
         assert result.solution(record).force == path[-1].force
+
+
+def test_answers_are_those_of_the_state_at_the_end_of_the_path(tmp_path):
+    """The stress counts the traction, which raises it by two thirds here, also where records are read again."""
+    steel = rc.Elastic(210e9, 0.3)
+    grid = rc.Grid((39, 13), (300e-6, 300e-6))
+    problem = rc.ContactProblem(rc.Body(rc.SphereSurface(0.01), steel), rc.Body(rc.FlatSurface(), steel), grid=grid)
+    along = {"tangential_force": [(0.0, -2.8)], "friction": 0.6, "substeps": 1}
+    state = problem.path(force=5.0, **along)[-1]
+    study = rc.Study({"ball": problem}, force=[5.0], responses=["stress", "stiffness"], **along)
+    found = study.run(tmp_path)[0].answers
+    expected = state.stress().maximum
+    assert found["stress"].numbers["von_mises"][:2] == (expected.value, expected.uncertainty)
+    assert expected.value > 1.5 * state.contact.stress().maximum.value
+    assert found["stiffness"].numbers[""][0] == state.response("stiffness").value == state.contact.stiffness().value
+    (tmp_path / "records.json").unlink(missing_ok=True)
+    assert study.run(tmp_path)[0].answers == found
+
+
+@pytest.mark.parametrize("own", [{"friction": 0.3}, {"traction": np.zeros((2, 16, 48))}])
+def test_a_state_has_its_own_traction(own):
+    steel = rc.Elastic(210e9, 0.3)
+    grid = rc.Grid((16, 48), (300e-6, 300e-6))
+    problem = rc.ContactProblem(rc.Body(rc.SphereSurface(0.01), steel), rc.Body(rc.FlatSurface(), steel), grid=grid)
+    state = problem.path(force=5.0, tangential_force=[(1.0, 0.0)], friction=0.6, substeps=1)[-1]
+    with pytest.raises(rc.InputError, match=f"The state has its own traction: omit {next(iter(own))}="):
+        state.response(rc.responses.create("stress", **own))
 
 
 def test_it_goes_on_where_it_stopped(finished, tmp_path):
@@ -268,6 +298,8 @@ def test_studies_without_friction_keep_their_keys():
         ({"tangential_force": None}, "Friction is for loads along the surface"),
         ({"displacement": [(1e-9, 0.0)]}, "Give tangential_force= or displacement="),
         ({"tangential_force": [1.0]}, "pairs (x, y) in N"),
+        ({"responses": rc.responses.create("first-yield", 1e9)}, "'first-yield' is not for a contact with friction"),
+        ({"responses": "stress", SLIPPING}, "'partial-slip' is not for a contact with fric"),
         ({"substeps": 0}, "substeps= must be a whole number of at least 1"),
         ({"friction": -0.3}, "The coefficient of friction"),
         ({"friction": "glue"}, "friction= must be a coefficient or a FrictionLaw"),

@@ -1267,7 +1267,7 @@ def test_the_responses_of_a_fretting_cycle_are_shown_and_tabulated(client):
     # Under pressure and traction.
     stress = path[-1].stress().maximum.value
     assert found["stress von Mises at the end"]["value"] == pytest.approx(stress, rel=1e-4)
-    said = "First yield: no state has an answer: first yield is that of pressure alone"
+    said = "First yield: no state has an answer: "
     assert any(text.startswith(said) for text in state["warnings"]), state["warnings"]
     assert "stiffness, MN/m" in client.get(f"runs/{state['id']}/report.html").decode()
     (table,) = (one["file"] for one in state["outputs"] if one["role"] == "table")

@@ -246,6 +246,7 @@ class CiavarellaJaeger(Response[PartialSlip]):
     """
 
     memory_arrays = 34.0  # the symbols of shear
+    refused_with_friction = "it is under one tangential force, and the states of a path have their own stick and slip"
 
     tangential_force: float = attrs.field(converter=_force, metadata={"unit": "N"})
     friction: float = attrs.field(converter=_friction, metadata={"unit": ""})

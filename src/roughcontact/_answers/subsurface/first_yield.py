@@ -106,6 +106,7 @@ class FirstYield(Response[YieldPoint]):
     """
 
     memory_arrays = 54.0  # solves at other loads, and the stress of each
+    refused_with_friction = "it is that of pressure alone; ask for the stress, which counts the traction"
 
     yield_stress: float = attrs.field(converter=_strength, metadata={"unit": "Pa"})
     body: str = attrs.field(default="body", converter=body_name)

@@ -44,7 +44,7 @@ from roughcontact._solve.problem import (
     format_json,
     run_slide,
 )
-from roughcontact._work.studies import WITHOUT_TRACTION, Answers, add_answers, write_report
+from roughcontact._work.studies import Answers, add_answers, write_report
 
 # Options of a solve that say nothing of a contact with friction.
 _OF_SOLVES = ("cycle", "refine", "area", "area_within", "peak_within", "pull_off")
@@ -101,13 +101,6 @@ def refuse_for_friction(options: argparse.Namespace) -> None:
     kinds = {kind for kind, _ in options.tangential}
     if len(kinds) > 1:
         raise rc.InputError("--tangential needs loads of one kind, but got forces and displacements.")
-
-
-def refuse_responses_of_pressure(asked: Mapping[str, rc.Response[Any]]) -> None:
-    """Refuse responses that say nothing of a state with friction."""
-    for name in asked:
-        if name in WITHOUT_TRACTION:
-            raise rc.InputError(f"--{name} with friction: {WITHOUT_TRACTION[name]}.")
 
 
 def friction_of(options: argparse.Namespace) -> rc.FrictionLaw:

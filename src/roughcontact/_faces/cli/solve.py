@@ -28,7 +28,6 @@ from roughcontact._faces.cli.friction import (
     friction_of,
     plan_friction_outputs,
     refuse_for_friction,
-    refuse_responses_of_pressure,
     solve_friction,
 )
 from roughcontact._faces.cli.inputs import describe_responses, describe_wanted
@@ -45,6 +44,7 @@ from roughcontact._faces.cli.responses import add_responses, ask, responses_of
 from roughcontact._parts.grid import Load
 from roughcontact._parts.surfaces import find_maps
 from roughcontact._solve.problem import find_pull_off, follow_loads, run_sweep, tolerance_within
+from roughcontact._solve.solution import require_with_friction
 
 
 class Solve(Command):
@@ -119,7 +119,8 @@ examples:
         law = None if options.friction is None else friction_of(options)
         asked = responses_of(options)
         if law is not None:
-            refuse_responses_of_pressure(asked)
+            for response in asked.values():
+                require_with_friction(response)
         maps = [name for name in (options.surface, options.counterbody) if name is not None]
         paths = [checks.path(name, "The map") for name in maps]
         if law is not None:

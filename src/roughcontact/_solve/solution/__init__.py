@@ -30,6 +30,7 @@ from roughcontact._solve.solution.results import (
     areas,
     list_estimates,
     read_number,
+    require_with_friction,
     responses,
 )
 from roughcontact._solve.solution.sampling import find_peak_sampling, find_stiffness_sampling
@@ -115,6 +116,7 @@ __all__ = [
     "read_number",
     "read_path",
     "require_netcdf",
+    "require_with_friction",
     "responses",
     "scalars_of",
     "solution_key",

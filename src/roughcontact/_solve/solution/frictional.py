@@ -6,7 +6,7 @@ import math
 import os
 from collections.abc import Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import attrs
 import numpy as np
@@ -20,7 +20,7 @@ from roughcontact._parts.materials import PairConstants
 from roughcontact._solve.solution.contact import ContactSolution
 from roughcontact._solve.solution.frictional_files import read_frictional, write_frictional
 from roughcontact._solve.solution.frictional_state import FrictionalResiduals, FrictionalState, TangentialLoad
-from roughcontact._solve.solution.results import Status, responses
+from roughcontact._solve.solution.results import Response, Status, list_fields, require_with_friction, responses
 from roughcontact._solve.solution.writers import describe_as_data
 from roughcontact.errors import InputError
 from roughcontact.errors.door import AskedOf
@@ -28,6 +28,7 @@ from roughcontact.errors.door import AskedOf
 if TYPE_CHECKING:
     from roughcontact.responses import Stress
 
+T = TypeVar("T")
 # Traction over the shear strength from which a cell counts as slipping: it moves the edge of the stick zone by less
 # than a cell, as the uncertainty of its area does.
 _SLIPPING_FRACTION = 1.0 - 1e-3
@@ -204,6 +205,32 @@ class FrictionalSolution(ShownAsPrinted, AskedOf):
             pressure=self.pressure, shear=self.shear, displacement=self.displacement, approach=self.approach
         )
 
+    def response(self, response: str | Response[T]) -> T:
+        """Return a quantity of the contact, or its response to a small change, a current or a flow.
+
+        A response with a field ``traction``, such as the stress, is that under pressure and traction; others are those
+        of the normal contact.
+
+        Parameters
+        ----------
+        response
+            Registered name or instance of a response; see `ContactSolution.response`.
+
+        Raises
+        ------
+        InputError
+            If it means nothing for a contact with friction, or states a traction or a friction of its own.
+        """
+        asked: Any = responses.resolve(response)
+        require_with_friction(asked)
+        if "traction" in list_fields(asked):
+            own = [name for name in ("traction", "friction") if getattr(asked, name, None) is not None]
+            if own:
+                raise InputError(f"The state has its own traction: omit {own[0]}= of the response.")
+            asked = attrs.evolve(asked, traction=self.shear)
+        found: T = self.contact.response(asked)
+        return found
+
     def stress(self, depths: float | Array | Sequence[float] | None = None, body: str = "body") -> Stress:
         """Return the stress below a surface under pressure and traction; see `ContactSolution.stress`.
 
@@ -219,8 +246,7 @@ class FrictionalSolution(ShownAsPrinted, AskedOf):
         InputError
             If the body has no stress: it is rigid or layered.
         """
-        asked = responses.create("stress", depths, body=body, traction=self.shear)
-        found: Stress = self.contact.response(asked)
+        found: Stress = self.response(responses.create("stress", depths, body=body))
         return found
 
     def verify(self) -> None:

@@ -59,6 +59,9 @@ class Response(abc.ABC, Generic[T_co]):
     with_adhesion
         What it reads of surfaces that attract each other: ``"total pressure"``, the solution as it is;
         ``"contact pressure"``, the part of the pressure that presses; ``"refused"``: it does not hold for them.
+    refused_with_friction
+        Why it means nothing for a state with a tangential traction; empty: it is that of the normal contact, or, if it
+        has a field ``traction``, of pressure and traction.
     memory_arrays
         Peak memory beyond the solution, in float64 arrays of the grid: what does not fit is refused.
 
@@ -78,6 +81,7 @@ class Response(abc.ABC, Generic[T_co]):
 
     depends_on_place: ClassVar[bool] = False
     with_adhesion: ClassVar[str] = "refused"
+    refused_with_friction: ClassVar[str] = ""
     memory_arrays: ClassVar[float] = 12.0
 
     @abc.abstractmethod
@@ -92,6 +96,19 @@ class Response(abc.ABC, Generic[T_co]):
 
 
 responses: Registry[Response[Any]] = Registry(Response, "response", "roughcontact.responses")
+
+
+def list_fields(response: Response[Any]) -> tuple[str, ...]:
+    """Return the names of the fields of a response."""
+    kind: Any = type(response)
+    return tuple(attrs.fields_dict(kind)) if attrs.has(kind) else ()
+
+
+def require_with_friction(response: Response[Any]) -> None:
+    """Raise `InputError` if a response means nothing for a state with a tangential traction."""
+    if response.refused_with_friction:
+        name = responses.name_of(type(response)) or type(response).__name__
+        raise InputError(f"The response {name!r} is not for a contact with friction: {response.refused_with_friction}.")
 
 
 def require_memory_of_answer(solution: ContactSolution, response: Response[Any]) -> None:

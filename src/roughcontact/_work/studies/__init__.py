@@ -2,7 +2,6 @@
 
 from roughcontact._work.studies.answers import name_of
 from roughcontact._work.studies.asking import (
-    WITHOUT_TRACTION,
     Answers,
     ResponseField,
     ResponseForm,
@@ -23,7 +22,6 @@ from roughcontact._work.studies.shares import Share
 from roughcontact._work.studies.study import Study
 
 __all__ = [
-    "WITHOUT_TRACTION",
     "Answers",
     "Form",
     "Record",

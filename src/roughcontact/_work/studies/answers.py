@@ -9,7 +9,7 @@ import attrs
 
 from roughcontact._base.archive.plain import key_of
 from roughcontact._base.units import printable
-from roughcontact._solve.solution import ContactSolution, Response, list_estimates, responses
+from roughcontact._solve.solution import ContactSolution, FrictionalSolution, Response, list_estimates, responses
 from roughcontact.errors import InputError
 
 _ALLOWED = "a registered name, a Response, or a list of them"
@@ -73,7 +73,7 @@ def name_of(response: Response[Any]) -> str:
 
 
 def find_answers(
-    solution: ContactSolution, asked: Sequence[Response[Any]], known: Mapping[str, Answer]
+    solution: ContactSolution | FrictionalSolution, asked: Sequence[Response[Any]], known: Mapping[str, Answer]
 ) -> tuple[dict[str, Answer], dict[str, Exception]]:
     """Return the answers of a solution by name, known ones as they are, and the errors of those that it refuses."""
     answers = dict(known)

@@ -32,11 +32,6 @@ from roughcontact.errors.door import guarded
 # What each response that was asked for says of each solution, by the name of the response.
 Answers: TypeAlias = Mapping[str, Sequence[Any]]
 _NO_ANSWERS: Answers = MappingProxyType({})
-# Why a response says nothing of a state with friction.
-WITHOUT_TRACTION: Mapping[str, str] = {
-    "first-yield": "first yield is that of pressure alone: ask for the stress, which counts the traction",
-    "partial-slip": "partial slip is under one tangential force: the states of a path have their own stick and slip",
-}
 
 
 @attrs.frozen
@@ -284,7 +279,7 @@ def ask_states(
         for key, state in different.items():
             on_answer(name)
             try:
-                results[key] = _ask_state(name, response, state)
+                results[key] = state.response(response)
             except RoughContactError as error:
                 results[key] = None
                 missing.append(str(error))
@@ -294,17 +289,6 @@ def ask_states(
             count = "no state has an" if has_none else f"{len(missing)} of {len(different)} states have no"
             reasons[name] = f"{count} answer: {missing[0]}"
     return found, reasons
-
-
-def _ask_state(name: str, response: Response[Any], state: ContactSolution | FrictionalSolution) -> Any:
-    if isinstance(state, ContactSolution):
-        return state.response(response)
-    if name in WITHOUT_TRACTION:
-        raise InputError(WITHOUT_TRACTION[name])
-    asked: Any = response
-    if attrs.has(type(asked)) and "traction" in attrs.fields_dict(type(asked)):
-        asked = attrs.evolve(asked, traction=state.shear)
-    return state.contact.response(asked)
 
 
 @guarded

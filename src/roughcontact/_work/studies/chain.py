@@ -27,7 +27,15 @@ from roughcontact._solve.problem import (
     predict_pressure,
     save_path,
 )
-from roughcontact._solve.solution import ContactSolution, Response, list_all_warnings, read_figures, solution_key, write
+from roughcontact._solve.solution import (
+    ContactSolution,
+    FrictionalSolution,
+    Response,
+    list_all_warnings,
+    read_figures,
+    solution_key,
+    write,
+)
 from roughcontact._solve.solvers import Solver
 from roughcontact._work.studies.answers import find_answers, has_answers
 from roughcontact._work.studies.paths import Shearing, figures_of, list_figures
@@ -296,7 +304,7 @@ def _find_path(chain: Chain, shearing: Shearing, key: str, load: Load) -> Record
 
 def _measure_path(chain: Chain, record: Record, path: FrictionalPath) -> Record:
     """Return the record of a path, with the areas of the contact at its end that the given record lacks."""
-    record = _measure(chain, record, path[-1].contact)
+    record = _measure(chain, record, path[-1].contact, path[-1])
     warnings = tuple(dict.fromkeys((*path.warnings, *record.warnings)))
     return attrs.evolve(record, **list_figures(path), warnings=warnings, doubtful=bool(path.warnings))
 
@@ -331,8 +339,13 @@ def _load(chain: Chain, key: str) -> ContactSolution | None:
         return None
 
 
-def _measure(chain: Chain, record: Record, solution: ContactSolution) -> Record:
-    """Return the record of a solution, with the areas and answers that the given record lacks."""
+def _measure(
+    chain: Chain, record: Record, solution: ContactSolution, state: FrictionalSolution | None = None
+) -> Record:
+    """Return the record of a solution, with the areas and answers that the given record lacks.
+
+    With friction it is the normal contact of a `state`, which answers.
+    """
     areas = dict(record.areas)
     failures = []
     for name in chain.areas:
@@ -342,7 +355,7 @@ def _measure(chain: Chain, record: Record, solution: ContactSolution) -> Record:
                 areas[name] = float(area.value), float(area.uncertainty)
             except Exception as error:
                 failures.append(name_exception(f"The area estimator {name!r}", error))
-    answers, errors = find_answers(solution, chain.responses, record.answers)
+    answers, errors = find_answers(state or solution, chain.responses, record.answers)
     failures += [name_exception(f"The response {name!r}", error) for name, error in errors.items()]
     return attrs.evolve(
         record,
