@@ -116,7 +116,7 @@ def test_the_cells_that_an_accuracy_may_take_are_bounded(monkeypatch, shape, siz
         assert caught.value.solution.grid.shape == trials[-1].shape
 
 
-@pytest.mark.filterwarnings("error")
+@pytest.mark.filterwarnings("error", "ignore::roughcontact.errors.ContactWarning")
 @pytest.mark.parametrize("shape", [(2, 64), (64, 2), (1, 64), (2, 31)])
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
 def test_grids_of_two_cells_are_refined(shape, boundary):

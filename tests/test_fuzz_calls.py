@@ -424,6 +424,7 @@ def bounded():
     """Make errors of warnings, and bound memory and time where the system lets them be."""
     with warnings.catch_warnings(), bounds() if sys.platform.startswith("linux") else nullcontext():
         warnings.simplefilter("error")
+        warnings.simplefilter("ignore", rc.ContactWarning)
         yield
 
 

@@ -16,7 +16,7 @@ import roughcontact as rc
 from roughcontact._base.archive import _has_ended, _machine, _remove_stale_once, replacing
 from roughcontact._parts.grid import Load
 from roughcontact._solve.problem.accuracy import Target, _coarsest, _is_confirmed, _mean_square_curvature, _refine
-from roughcontact._solve.problem.plan import _round_down, memory_of_solve
+from roughcontact._solve.problem.memory import _round_down, memory_of_solve
 from roughcontact._solve.problem.run import _are_close, _sample_modulus
 from roughcontact._solve.problem.sweep import order_of_solving
 from roughcontact._solve.problem.task import make_task, maximum_pressure, pressure_unit

@@ -299,7 +299,7 @@ def test_studies_without_friction_keep_their_keys():
         ({"displacement": [(1e-9, 0.0)]}, "Give tangential_force= or displacement="),
         ({"tangential_force": [1.0]}, "pairs (x, y) in N"),
         ({"responses": rc.responses.create("first-yield", 1e9)}, "'first-yield' is not for a contact with friction"),
-        ({"responses": "stress", SLIPPING}, "'partial-slip' is not for a contact with fric"),
+        ({"responses": ["stress", SLIPPING]}, "'partial-slip' is not for a contact with fric"),
         ({"substeps": 0}, "substeps= must be a whole number of at least 1"),
         ({"friction": -0.3}, "The coefficient of friction"),
         ({"friction": "glue"}, "friction= must be a coefficient or a FrictionLaw"),

@@ -17,11 +17,13 @@ from roughcontact._parts.interactions import shear_limit
 from roughcontact._solve.problem.accuracy import with_tolerance
 from roughcontact._solve.problem.body import InitialGap
 from roughcontact._solve.problem.friction_certificate import (
+    CAUSED_TRACTIONS,
     CONE_TOLERANCE,
     FORCE_TOLERANCE,
     FoundTractions,
     FrictionalContact,
     FrictionalFields,
+    StrengthBound,
     stack_along,
 )
 from roughcontact._solve.problem.run import computing, run_solve
@@ -33,7 +35,7 @@ from roughcontact._solve.solution import (
     Status,
     TangentialLoad,
 )
-from roughcontact._solve.solvers import ProjectedShearCG, ShearOutcome, ShearTask, Step, project_to_discs
+from roughcontact._solve.solvers import ProjectedShearCG, ShearOutcome, ShearTask, Step, magnitude, project_to_discs
 from roughcontact.errors import InputError, NotConverged
 
 _LOGGER = logging.getLogger("roughcontact")
@@ -54,6 +56,11 @@ _LOOSEST_SLIP = 0.03
 # Residual of a tangential solve below which passes are combined (Anderson), and earlier passes of a combination.
 _MIXED_SLIP = 0.1
 _MIXED_PASSES = 4
+# Part of a bound of the strength that counts as reached, the growth of a bound that is, and the part of a bound below
+# which a smaller one is taken.
+_REACHED_BOUND = 1.0 - 1e-6
+_BOUND_GROWTH = 4.0
+_BOUND_SHRINKAGE = 0.5
 # Growth of the pressure at which a law must not give less.
 _PROBED_GROWTH = 1.25
 
@@ -124,7 +131,8 @@ class CoupledSolve(FrictionalContact):
         at_rest = tangential.values == (0.0, 0.0) and not start.shear.any()
         if at_rest and (tangential.kind == "tangential_force" or not start.displacement.any()):
             return FoundTractions(contact, start.shear, start.displacement, Status.CONVERGED, 1, 0)
-        outcome = self._shear(tangential, limit, -start.relative, start.shear, self.tolerance)
+        peak = float(contact.pressure.max()) / self.unit
+        outcome = self._shear(tangential, limit, peak, -start.relative, start.shear, self.tolerance)
         return FoundTractions(
             contact, outcome.shear, np.array(outcome.displacement), outcome.status, 1, outcome.iterations
         )
@@ -151,8 +159,9 @@ class CoupledSolve(FrictionalContact):
             self._require_coupling(coupling)
             self._require_stick(tangential, limit)
             dragged = self.shear.apply(contact.pressure[np.newaxis] / self.unit, of="z")
+            peak = float(contact.pressure.max()) / self.unit
             goal = max(min(_INNER_SLIP * error, _LOOSEST_SLIP), _TIGHTEST_INNER * self.tolerance)
-            outcome = self._shear(tangential, limit, -start.relative - dragged, shear, goal)
+            outcome = self._shear(tangential, limit, peak, -start.relative - dragged, shear, goal)
             iterations += outcome.iterations
             shear = outcome.shear
             found = self.shear.apply(shear, to="z")[0]
@@ -261,11 +270,15 @@ class CoupledSolve(FrictionalContact):
         self,
         tangential: TangentialLoad,
         limit: Array,
+        peak: float,
         offset: Array,
         shear: Array,
         tolerance: float,
     ) -> ShearOutcome:
-        """Return the traction within a shear strength, from another one; `offset` is what moves the surfaces."""
+        """Return the traction within a shear strength, from another one.
+
+        `offset` is what moves the surfaces, `peak` the maximum pressure.
+        """
         x, y = tangential.values
         force: tuple[float | None, float | None] = (None, None)
         moved: tuple[float | None, float | None] = (None, None)
@@ -282,7 +295,33 @@ class CoupledSolve(FrictionalContact):
             tolerance=tolerance,
             max_iterations=_MAX_ITERATIONS,
         )
-        return ProjectedShearCG().solve(self.shear, task)
+        own = 0.5 * sum(self.shear.own)
+        return self._solve_within_strength(task, StrengthBound(limit, own, peak))
+
+    def _solve_within_strength(self, task: ShearTask, counting: StrengthBound) -> ShearOutcome:
+        """Return the traction, found with the strengths that count."""
+        bound = task.limit
+        start = task.start
+        iterations = 0
+        while True:
+            outcome = ProjectedShearCG().solve(self.shear, attrs.evolve(task, limit=bound, start=start))
+            iterations += outcome.iterations
+            outcome = attrs.evolve(outcome, iterations=iterations)
+            start = outcome.shear
+            if ((magnitude(start) > _REACHED_BOUND * bound) & (bound < task.limit)).any():
+                bound = np.minimum(task.limit, _BOUND_GROWTH * float(bound.max()))
+                continue
+            caused = self._find_counting(task, counting, outcome)
+            if float(caused.max()) >= _BOUND_SHRINKAGE * float(bound.max()) or iterations >= _MAX_ITERATIONS:
+                return outcome
+            bound = caused
+
+    def _find_counting(self, task: ShearTask, counting: StrengthBound, outcome: ShearOutcome) -> Array:
+        """Return the strengths that count for what a solve has found, shape (nx, ny)."""
+        if CAUSED_TRACTIONS * magnitude(outcome.shear).max() >= task.limit.max():
+            return task.limit
+        moved = np.array(outcome.displacement)[:, np.newaxis, np.newaxis] + task.offset
+        return counting.find(outcome.shear, moved - self.shear.apply(outcome.shear))
 
     def _certify(
         self,

@@ -24,7 +24,7 @@ from roughcontact._solve.solution import (
     Status,
     TangentialLoad,
 )
-from roughcontact._solve.solvers import Outcome, natural_residual
+from roughcontact._solve.solvers import Outcome, magnitude, natural_residual
 from roughcontact.errors import InputError
 
 if TYPE_CHECKING:
@@ -35,6 +35,11 @@ if TYPE_CHECKING:
 # Rounding of tangential forces and of the friction cone.
 FORCE_TOLERANCE = 1e-10
 CONE_TOLERANCE = 1e-12
+# Strengths that count, over the largest traction that a load causes: less would count the edge of a stuck contact, more
+# would change the solves of ordinary loads.
+CAUSED_TRACTIONS = 4.0
+# Tractions over the maximum pressure that may be rounding.
+_ROUNDING_TRACTION = 1e-12
 # Difference between machines of displacements and energies, over their maximum; see `run.py`.
 _MACHINE_DIFFERENCE = 1e-10
 
@@ -186,10 +191,12 @@ class FrictionalContact:
         else:
             fields = self.fields_of(state)
             slip = fields.relative - start.relative
-        limit = shear_limit(self.law, state.pressure) / self.unit
+        strength = shear_limit(self.law, state.pressure) / self.unit
+        own = 0.5 * sum(self.shear.own)
+        bound = StrengthBound(strength, own, float(fields.pressure.max()))
+        limit = strength if steady else bound.find(fields.shear, slip)
         strongest = float(limit.max()) or 1.0
         total = float(limit.sum()) or 1.0
-        own = 0.5 * sum(self.shear.own)
         lost = inner(fields.shear, slip)
         if steady:
             residual = float(np.abs(fields.shear - stack_along(limit, tangential.values)).max()) / strongest
@@ -201,7 +208,7 @@ class FrictionalContact:
             load_error = float(np.hypot(*(fields.shear.sum(axis=(1, 2)) - wanted / self.force_unit))) / total
         elif not steady:
             load_error = float(np.abs(state.displacement - wanted).max()) / self.length
-        excess = np.hypot(*fields.shear) - limit
+        excess = np.hypot(*fields.shear) - strength
         residuals = FrictionalResiduals(
             normal=contact.residuals,
             shear_load=load_error,
@@ -239,6 +246,35 @@ class FrictionalContact:
             seconds=seconds,
         )
         return solution, fields
+
+
+@attrs.frozen(eq=False)
+class StrengthBound:
+    """Strengths that count: at most a few times the tractions that a load causes, in dimensionless variables.
+
+    Strengths that no traction comes near change nothing, but an error over them says nothing: of a friction of 10,000,
+    or a force of a millionth of that of sliding, any traction would count as right.
+
+    Attributes
+    ----------
+    strength
+        Strength of each cell, shape (nx, ny).
+    own
+        Displacement of a cell by a unit traction on it.
+    peak
+        Maximum pressure.
+    """
+
+    strength: Array
+    own: float
+    peak: float
+
+    def find(self, shear: Array, slip: Array) -> Array:
+        """Return the strengths that count for a traction, and for those that would undo its slip, shape (nx, ny)."""
+        touching = self.strength > 0.0
+        moved = float(magnitude(slip)[touching].max(initial=0.0))
+        largest = max(float(magnitude(shear).max()), moved / self.own, _ROUNDING_TRACTION * self.peak)
+        return np.minimum(self.strength, CAUSED_TRACTIONS * largest)
 
 
 def require_frictional(problem: ContactProblem) -> None:
