@@ -193,8 +193,8 @@ __all__ = [
 
 # Classes that scripts seldom type: bases of plug-ins, parts that are chosen by their registered names, results, errors.
 _SELDOM_TYPED = frozenset({
-    "Area", "AreaEstimator", "Blend", "Boundary", "CellCount", "CircularFFT", "ContactWarning", "Convolver", "DCFFT", "Direct",
-    "Estimate", "FileError", "FlatteningModel", "FourierHalfSpace", "FrictionLaw", "FrictionalPath",
+    "Area", "AreaEstimator", "Blend", "Boundary", "CellCount", "CircularFFT", "ContactWarning", "Convolver", "DCFFT",
+    "Direct", "Estimate", "FileError", "FlatteningModel", "FourierHalfSpace", "FrictionLaw", "FrictionalPath",
     "FrictionalSolution", "GapDescent", "Hertz",
     "InfluenceKernel", "InputError", "Interaction", "Majorise",
     "LevelSet", "LevelSetRichardson", "Love", "Material", "MissingPackage", "NotConverged", "OutOfMemory",

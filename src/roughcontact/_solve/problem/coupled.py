@@ -56,6 +56,8 @@ _LOOSEST_SLIP = 0.03
 # Residual of a tangential solve below which passes are combined (Anderson), and earlier passes of a combination.
 _MIXED_SLIP = 0.1
 _MIXED_PASSES = 4
+# Traction over the mean one of a force that is looked for first.
+_MAX_CONCENTRATION = 1e3
 # Part of a bound of the strength that counts as reached, the growth of a bound that is, and the part of a bound below
 # which a smaller one is taken.
 _REACHED_BOUND = 1.0 - 1e-6
@@ -300,8 +302,14 @@ class CoupledSolve(FrictionalContact):
 
     def _solve_within_strength(self, task: ShearTask, counting: StrengthBound) -> ShearOutcome:
         """Return the traction, found with the strengths that count."""
-        bound = task.limit
         start = task.start
+        touching = task.limit > 0.0
+        known = [0.0 if start is None else CAUSED_TRACTIONS * float(magnitude(start).max())]
+        # One cell would take more to follow a displacement, and the cells of a contact seldom so much of a force.
+        shifts = [float(magnitude(task.offset)[touching].max(initial=0.0)), *map(abs, filter(None, task.displacement))]
+        known += [CAUSED_TRACTIONS * shift / counting.own for shift in shifts]
+        known += [_MAX_CONCENTRATION * abs(force or 0.0) / np.count_nonzero(touching) for force in task.shear_force]
+        bound = np.minimum(task.limit, max(*known, CAUSED_TRACTIONS * counting.smallest))
         iterations = 0
         while True:
             outcome = ProjectedShearCG().solve(self.shear, attrs.evolve(task, limit=bound, start=start))

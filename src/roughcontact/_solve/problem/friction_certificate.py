@@ -269,11 +269,16 @@ class StrengthBound:
     own: float
     peak: float
 
+    @property
+    def smallest(self) -> float:
+        """Traction that is told from rounding."""
+        return _ROUNDING_TRACTION * self.peak
+
     def find(self, shear: Array, slip: Array) -> Array:
         """Return the strengths that count for a traction, and for those that would undo its slip, shape (nx, ny)."""
         touching = self.strength > 0.0
         moved = float(magnitude(slip)[touching].max(initial=0.0))
-        largest = max(float(magnitude(shear).max()), moved / self.own, _ROUNDING_TRACTION * self.peak)
+        largest = max(float(magnitude(shear).max()), moved / self.own, self.smallest)
         return np.minimum(self.strength, CAUSED_TRACTIONS * largest)
 
 

@@ -17,8 +17,10 @@ from roughcontact._solve.problem.friction_certificate import FrictionalFields
 from roughcontact._solve.solution import FrictionalSolution, FrictionalState, TangentialLoad
 from roughcontact.errors import InputError
 
-# Maximum increments of a step by "auto", and the changes from half as many at which it ends: of the displacement over
+# Minimum increments of a step by "auto", whose errors show their order with those of half and a quarter as many; the
+# maximum, and the changes from half as many at which it ends: of the displacement over
 # its maximum, of the energy lost over its sum, and of the area that sticks over that of the contact.
+_MIN_INCREMENTS = 4
 _MAX_INCREMENTS = 16
 _DISPLACEMENT_TOLERANCE = 2.5e-2
 _ENERGY_TOLERANCE = 0.1
@@ -26,6 +28,12 @@ _STICK_TOLERANCE = 3e-2
 # Minimum displacement over the approach, and energy lost over the elastic energy, that count.
 _MIN_DISPLACEMENT = 1e-2
 _MIN_LOSS = 1e-2
+# Ratios of two changes in a row, half an order and two, and the standard deviation of a limit over the largest of these
+# changes and what is extrapolated: set on paths with turns, from the first touch and of unlike bodies, against 64
+# increments.
+_SMALLEST_RATIO = math.sqrt(2.0)
+_LARGEST_RATIO = 4.0
+_LIMIT_STD = 0.5
 # Sine of the angle between two changes of load below which they have one direction.
 _ONE_DIRECTION = 1e-9
 GIVEN_INCREMENTS = ContactWarning(
@@ -242,11 +250,12 @@ def refine_steps(
     count = 1
     steps = follow_steps(run, segments, count, tell)
     change = math.inf
-    while count < _MAX_INCREMENTS and change > 1.0:
+    sweeps = [steps]
+    while count < _MIN_INCREMENTS or (count < _MAX_INCREMENTS and change > 1.0):
         count *= 2
-        coarser = steps
         steps = follow_steps(run, segments, count, tell)
-        change = _compare(coarser, steps)
+        change = _compare(sweeps[-1], steps)
+        sweeps = [*sweeps[-2:], steps]
     warning: tuple[str, ...] = ()
     if change > 1.0:
         text = (
@@ -255,12 +264,11 @@ def refine_steps(
         )
         warning = (ContactWarning(text, "increments", change),)
     moved = find_amplitude(steps)
-    pairs = zip(segments, coarser, steps, strict=True)
     numbers = [
-        numbers_of(fine, moved)
-        if segment.exact and all(one.exact for one in segments[:place])
-        else _extrapolate(coarse, fine, moved, warning)
-        for place, (segment, coarse, fine) in enumerate(pairs)
+        numbers_of(steps[place], moved)
+        if all(one.exact for one in segments[: place + 1])
+        else _extrapolate([sweep[place] for sweep in sweeps], moved, warning)
+        for place in range(len(segments))
     ]
     reasons = [
         segment.exact or f"doubled until the numbers change by {change:.2g} of what is admissible"
@@ -317,23 +325,43 @@ def _displacement_error(step: FrictionalSolution, amplitude: float) -> float:
     return 0.0 if step.given.kind == "displacement" else step.cell_errors[0] * amplitude
 
 
-def _extrapolate(
-    coarse: FrictionalSolution, fine: FrictionalSolution, amplitude: float, warnings: tuple[str, ...]
-) -> StepNumbers:
-    """Return the limits of infinitely many increments: the error is of first order in the increment."""
+def _extrapolate(sweeps: Sequence[FrictionalSolution], amplitude: float, warnings: tuple[str, ...]) -> StepNumbers:
+    """Return the limits of infinitely many increments, from the last three numbers of increments, each twice the other.
 
-    def extend(
-        old: float, new: float, unit: str, known: float = 0.0, low: float = -math.inf, high: float = math.inf
-    ) -> Estimate:
-        return Estimate(min(max(2.0 * new - old, low), high), math.hypot(abs(new - old), known), unit, warnings)
+    The order of the error is observed: it is one where a direction turns, and a half where normal and tangential load
+    grow together from the first touch.
+    """
+    fine = sweeps[-1]
 
-    error = _displacement_error(fine, amplitude)
-    x, y = (extend(old, new, "m", error) for old, new in zip(coarse.displacement, fine.displacement, strict=True))
-    lost = fine.dissipated.value
-    stick = fine.stick_area
+    def extend(values: Sequence[float], unit: str, known: float, low: float, high: float) -> Estimate:
+        limit, error = _find_limit([np.array([value]) for value in values])
+        return Estimate(min(max(float(limit[0]), low), high), math.hypot(error, known), unit, warnings)
+
+    limit, error = _find_limit([np.array(step.displacement) for step in sweeps])
+    by_cells = _displacement_error(fine, amplitude)
+    x, y = (Estimate(float(value), math.hypot(error, by_cells), "m", warnings) for value in limit)
     touching = int(np.count_nonzero(fine.contact.contact)) * fine.grid.cell_area
+    lost = [step.dissipated.value for step in sweeps]
+    stick = [step.stick_area.value for step in sweeps]
     return StepNumbers(
         displacement=(x, y),
-        dissipated=extend(coarse.dissipated.value, lost, "J", fine.cell_errors[1] * lost, low=0.0),
-        stick_area=extend(coarse.stick_area.value, stick.value, "m2", stick.uncertainty, 0.0, touching),
+        dissipated=extend(lost, "J", fine.cell_errors[1] * lost[-1], 0.0, math.inf),
+        stick_area=extend(stick, "m2", fine.stick_area.uncertainty, 0.0, touching),
     )
+
+
+def _find_limit(values: Sequence[Array]) -> tuple[Array, float]:
+    r"""Return the limit of three vectors of one, two and four times as many increments, and its standard deviation.
+
+    With changes a and b the error falls by :math:`r = a \cdot b / b^2` where the increments are halved, and
+    :math:`b / (r - 1)` is left (Aitken). Where the changes do not fall there is no order, and both count.
+    """
+    first = values[1] - values[0]
+    last = values[2] - values[1]
+    square = float(last @ last)
+    if square == 0.0:
+        return values[2], 0.0
+    ratio = float(first @ last) / square
+    left = last / (min(max(ratio, _SMALLEST_RATIO), _LARGEST_RATIO) - 1.0)
+    sizes = [math.hypot(*one) for one in (first, last, left)]
+    return values[2] + left, _LIMIT_STD * max(sizes) if ratio > 1.0 else sizes[0] + sizes[1]
