@@ -533,3 +533,86 @@ class TestOwnLaw:
         loaded = rc.ContactSolution.load(tmp_path / "own.npz")
         problem.verify(loaded)
         assert loaded.origin.problem["adhesion"].range == 8e-9
+
+
+ROUGH_RUBBER = rc.SelfAffineSurface(hurst=0.8, rms_height=0.5e-6, longest=50e-6, shortest=20e-6, seed=4)
+
+
+def press_rubber(boundary="periodic", shape=(48, 48), size=100e-6, **parts):
+    """Return rough rubber whose contact carries a tension of some 20 kPa."""
+    law = rc.Exponential("50mJ/m2", "300nm")
+    body = rc.Body(ROUGH_RUBBER, rc.Elastic(2e6, 0.5))
+    return rc.ContactProblem(body, grid=rc.Grid(shape, size), boundary=boundary, adhesion=law, **parts)
+
+
+class TestLoadsThatAreCarried:
+    """No load that another branch carries is called separated."""
+
+    @pytest.mark.parametrize("boundary", ["periodic", ("free", "periodic")])
+    @pytest.mark.parametrize("fraction", [0.6, 0.95])
+    def test_below_pull_off_the_surfaces_hold(self, boundary, fraction):
+        problem = press_rubber(boundary, shape=(48, 32))
+        lowest = problem.pull_off().value
+        solution = problem.solve(force=fraction * lowest)
+        assert solution.status.success
+        assert solution.contact.any()
+        assert solution.force == pytest.approx(fraction * lowest, rel=1e-6)
+
+    def test_beyond_pull_off_they_come_apart(self):
+        problem = press_rubber()
+        lowest = problem.pull_off().value
+        assert problem.solve(force=1.1 * lowest, throw=False).status is rc.Status.SEPARATED
+
+    def test_a_study_follows_the_order_of_its_loads(self, tmp_path):
+        problem = press_rubber()
+        loads = [0.0, -5e3, -12e3, -20e3]
+        sweep = problem.sweep(pressure=loads)
+        found = rc.Study(problems={"rubber": problem}, pressure=loads).run(tmp_path)
+        assert [record.status for record in found] == [state.status.name for state in sweep]
+        assert [record.approach for record in found] == pytest.approx([state.approach for state in sweep], rel=1e-6)
+        # Continued from the files.
+        for record in found[2:]:
+            (tmp_path / f"{record.key}.npz").unlink()
+        again = rc.Study(problems={"rubber": problem}, pressure=loads).run(tmp_path)
+        assert [one.approach for one in again] == pytest.approx([one.approach for one in found], rel=1e-6)
+
+
+class TestZeroLoad:
+    def test_one_cell_that_touches_has_no_net_pressure(self):
+        tip = rc.Body(rc.ParaboloidSurface(100e-9), rc.Elastic(160e9, 0.25))
+        law = rc.Dugdale("50mJ/m2", "300MPa")
+        solution = rc.ContactProblem(tip, grid=rc.Grid((32, 32), 320e-9), adhesion=law).solve(force=0.0)
+        assert solution.status.success
+        assert solution.force == 0.0
+
+    @pytest.mark.parametrize("shape", [(32, 32), (48, 16)])
+    def test_a_flat_pad_comes_off_with_the_strength_of_its_area(self, shape):
+        pad = np.zeros(shape)
+        inside = tuple(slice(n // 4, 3 * n // 4) for n in shape)
+        pad[inside] = 50e-9
+        law = rc.Exponential(0.05, 2e-9)
+        problem = rc.ContactProblem(rc.Body(rc.HeightMap(pad, (3.2e-6, 3.2e-6)), rc.Elastic(160e9, 0.25)), adhesion=law)
+        assert problem.solve(force=0.0).status.success
+        strength = 0.05 / 2e-9 * pad[inside].size * problem.plan.grid.cell_area
+        assert problem.pull_off().value == pytest.approx(-strength, rel=0.03)
+
+
+class TestCyclesOfFewStates:
+    @pytest.mark.parametrize("states", [7, 9, 21])
+    def test_pull_off_is_that_of_the_problem(self, states):
+        ball = rc.Body(rc.ParaboloidSurface(1e-6, (2e-9, -1e-9)), rc.Elastic(1e9, 0.0))
+        law = rc.Exponential(0.05, 6e-9)
+        problem = rc.ContactProblem(ball, grid=rc.Grid((64, 64), 400e-9), adhesion=law)
+        expected = problem.pull_off()
+        found = problem.cycle(approach=np.linspace(-17e-9, 12e-9, states)).pull_off
+        assert abs(found.value - expected.value) < 2.0 * math.hypot(found.uncertainty, expected.uncertainty)
+
+    def test_a_hardness_that_is_reached_is_not_forgotten(self):
+        soft = rc.ElasticPerfectlyPlastic(1e9, 0.0, hardness=30e6)
+        ball = rc.Body(rc.ParaboloidSurface(1e-6), soft)
+        law = rc.Exponential(0.05, 6e-9)
+        problem = rc.ContactProblem(ball, grid=rc.Grid((32, 32), 400e-9), adhesion=law)
+        with pytest.raises(rc.InputError, match="each state is a first loading, which forgets"):
+            problem.cycle(approach=[-16e-9, 0.0, 12e-9])
+        with pytest.raises(rc.InputError, match="each state is a first loading"):
+            problem.sweep(approach=[12e-9, 6e-9])

@@ -45,8 +45,9 @@ _CORRECTION_STD = 0.25
 # times the radius light contacts lack once or twice. Set on the tuned split of benchmarks/response_classes.py, three
 # times its cases.
 _HIDDEN_RADIUS_FACTOR = 0.375
-# Relative residual of the answer to a unit displacement: the relative error of the stiffness is its square.
-_RESIDUAL_TOLERANCE = 1e-2
+# Relative residual of the answer to a unit displacement: the relative error of the stiffness is its square, times the
+# largest stiffness of waves over the smallest, which on stiff coatings is large: 1e-2 made an error of .28 % there.
+_RESIDUAL_TOLERANCE = 1e-3
 # The same with adhesion, where the pull of the open cells is subtracted, and the margin is met on the way.
 _ADHESIVE_TOLERANCE = 3e-3
 # Relative standard deviation of the stability margin by the steps of Lanczos' method.

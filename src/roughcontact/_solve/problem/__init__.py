@@ -1,16 +1,9 @@
 """The contact problem: bodies, initial gap, load, plan, certificate."""
 
 from roughcontact._solve.problem.accuracy import resample_problem, tolerance_within
+from roughcontact._solve.problem.adhesive_path import follow, follow_loads
 from roughcontact._solve.problem.body import RIGID_FLAT, Body
-from roughcontact._solve.problem.cycle import (
-    AdhesionCycle,
-    describe_cycle,
-    find_pull_off,
-    find_stability,
-    follow_loads,
-    linearise,
-    list_states,
-)
+from roughcontact._solve.problem.cycle import AdhesionCycle, describe_cycle, find_stability, linearise, list_states
 from roughcontact._solve.problem.description import (
     describe_estimate,
     describe_grid,
@@ -41,6 +34,7 @@ from roughcontact._solve.problem.path import (
 )
 from roughcontact._solve.problem.plan import SolvePlan
 from roughcontact._solve.problem.problem import ContactProblem
+from roughcontact._solve.problem.pull_off import find_pull_off
 from roughcontact._solve.problem.required_load import RequiredLoad, find_required_load
 from roughcontact._solve.problem.run import Certificate, certify, computing, confirm, make_solution, require_certified
 from roughcontact._solve.problem.saved import find_saved_kind, load, problem_of
@@ -98,6 +92,7 @@ __all__ = [
     "find_saved_kind",
     "find_stability",
     "find_versions",
+    "follow",
     "follow_loads",
     "format_json",
     "linearise",

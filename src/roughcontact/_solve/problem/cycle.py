@@ -5,29 +5,28 @@ from __future__ import annotations
 import math
 import os
 import textwrap
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable
 from functools import cached_property
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, overload
+from typing import TYPE_CHECKING, Any, overload
 
 import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array, Mask
+from roughcontact._base.checks import callback
 from roughcontact._base.machine.progress import ChangeProgress, count_done, tell_both
 from roughcontact._base.tables import Table
 from roughcontact._base.units import WIDTH, Estimate, si, write_column
 from roughcontact._parts.grid import Load
-from roughcontact._parts.interactions import Exponential, ShortRange
+from roughcontact._solve.problem.adhesive_path import Solve, cells_of, follow_loads, open_gap, require_resolved
 from roughcontact._solve.problem.plan import SolvePlan
+from roughcontact._solve.problem.pull_off import find_minimum, refine_around_lowest
 from roughcontact._solve.problem.sweep import Sweep, make_table, report_states
 from roughcontact._solve.problem.task import bind_interaction, limit_load
 from roughcontact._solve.solution import (
-    TRAPPED_CELLS,
     ContactSolution,
     Status,
-    count_patch_cells,
-    describe_range,
     page_or_file,
     trapping_error,
     writers,
@@ -38,41 +37,12 @@ from roughcontact.errors import InputError
 if TYPE_CHECKING:
     from roughcontact._solve.problem.problem import ContactProblem
 
-# Steps of the approach on the way to pull-off, and by how much of the lowest force the force must have risen behind it.
-_MAX_STEPS = 200
-# Sticking to the cells raises it by a few per cent where a row of cells comes apart.
-_RISEN = 0.2
-# Rounds that halve the steps around the lowest force.
-_REFINEMENTS = 4
-_STATES_OF_REFINEMENT = 4
-# Relative standard deviation of the lowest force, set on 400 balls and 100 rough surfaces in random places
-# (benchmarks/adhesion_classes.py): because the edge of the contact sticks to the cells, by exp(-cells) of the cohesive
-# length over the root of the cells of a patch; because a patch has few cells, and its maximum; and by the path.
-_STICKING = 0.7
-_COARSE = 1.8
-_COARSEST = 0.14
-_PATH = 2e-4
-# Ratio of two ranges from which pull-off is extrapolated to none, and the power of the range by which it goes there:
-# 1.5 for short ranges, less for those that cells resolve. On balls of 8 to 40 cells in the contact radius of Johnson,
-# 1.2 errs by a fifth of the change.
-_LONGER = math.sqrt(2.0)
-_POWER = 1.2
-_EXTRAPOLATION_ERROR = 0.25
-# Differences of the initial gap along an axis, over those of all cells, up to which the surface is straight.
-_STRAIGHT = 1e-6
 # Energy lost in a step, over the work done in it and over that of the lowest force, above which it is a jump: the
 # sum of both. The trapezoidal rule errs by a twelfth of the work where a force falls by a factor of e in a step.
 _JUMP_OF_WORK = 0.1
 _JUMP_OF_LOWEST = 0.05
 # Columns of the table of a sweep that that of a cycle has too.
 _COLUMNS = ("mean_pressure", "force", "approach", "area", "area_uncertainty", "area_fraction")
-
-
-class Solve(Protocol):
-    """A solve at a load, from a pressure and a gap."""
-
-    def __call__(self, load: Load, start: Array | None = None, *, start_gap: Array | None = None) -> ContactSolution:
-        """Return the certified solution."""
 
 
 @attrs.frozen(eq=False)
@@ -114,19 +84,23 @@ class AdhesionCycle:
     def dissipated(self) -> Estimate:
         """Energy lost in the cycle, J: the area of the loop of force and approach."""
         lost = math.fsum(float(np.sum(part)) for part in self.losses)
-        # Where nothing jumps the trapezoidal rule errs by a twelfth of the second differences of the force.
-        error = sum(_find_rule_error(part) for part in (self.loading, self.unloading))
-        return Estimate(lost, error + trapping_error(_cells_of(self.loading[0])) * abs(lost), "J", self.warnings)
+        branches = (self.loading, self.unloading)
+        # The smooth parts err as the trapezoidal rule, shown by every second state; a jump by where it is in its step.
+        smooth = sum(map(_find_rule_error, branches))
+        steps = zip(branches, self.jump_steps, strict=True)
+        jumps = math.hypot(*(_find_jump_error(branch, is_jump) for branch, is_jump in steps))
+        sticking = trapping_error(cells_of(self.loading[0])) * abs(lost)
+        return Estimate(lost, math.hypot(smooth, jumps) + sticking, "J", self.warnings)
 
-    @property
+    @cached_property
     def pull_in(self) -> Estimate:
         """Minimum of the force on loading, N: that at which the surfaces snap together."""
-        return _find_minimum(self.loading, self.warnings)
+        return find_minimum(refine_around_lowest(self.loading), self.warnings)
 
-    @property
+    @cached_property
     def pull_off(self) -> Estimate:
-        """Minimum of the force on unloading, N: that at which they come apart."""
-        return _find_minimum(self.unloading, self.warnings)
+        """Minimum of the force on unloading, N: that at which they come apart; solved more finely than the states."""
+        return find_minimum(refine_around_lowest(self.unloading), self.warnings)
 
     @property
     def jumps(self) -> tuple[tuple[float, float], ...]:
@@ -235,36 +209,6 @@ def list_states(cycle: AdhesionCycle) -> Table:
     return Table(columns, {"approach": "m", "force": "N"}, left=("branch", ""))
 
 
-def _require_resolved(plan: SolvePlan) -> None:
-    """Raise `InputError` unless there is adhesion and the cells resolve it well enough to follow a path."""
-    if plan.interaction is None:
-        raise InputError("Without adhesion= nothing is pulled apart: give the problem a law, such as Exponential.")
-    cells = plan.interaction.cohesive_cells(plan.grid.spacing, plan.modulus)
-    if cells < TRAPPED_CELLS:
-        raise InputError(f"A path cannot be followed: {describe_range(plan.interaction, plan.grid, plan.modulus)}.")
-
-
-def follow_loads(solve: Solve, loads: Sequence[Load], first: ContactSolution | None = None) -> Sweep:
-    """Return the solutions in the order of the loads, each from the ones before."""
-    solutions: list[ContactSolution] = [] if first is None else [first]
-    for load in loads if first is None else loads[1:]:
-        solutions.append(_follow(solve, solutions, load))
-    return Sweep(tuple(solutions))
-
-
-def _follow(solve: Solve, before: Sequence[ContactSolution], load: Load) -> ContactSolution:
-    """Return the solution at a load that continues those before."""
-    if not before:
-        return solve(load)
-    last = before[-1]
-    return solve(load, last.pressure, start_gap=_open_gap(last))
-
-
-def _open_gap(state: ContactSolution) -> Array:
-    """Return the gap, shape (nx, ny), m: exactly zero where the surfaces touch."""
-    return np.where(state.contact, 0.0, np.maximum(state.gap, 0.0))
-
-
 def find_stability(problem: ContactProblem, solution: ContactSolution) -> float:
     """Return how far a state with adhesion is from a jump: 1 far away, 0 at one, negative where it is unstable."""
     held = "" if solution.origin is None else next(iter(solution.origin.load))
@@ -284,7 +228,7 @@ def linearise(problem: ContactProblem, solution: ContactSolution, *, holds_appro
     return LinearisedGap(
         surface_stiffness(problem.convolution),
         bind_interaction(plan, plan.interaction),
-        _open_gap(solution) / plan.peak_to_valley,
+        open_gap(solution) / plan.peak_to_valley,
         solution.saturated,
         holds_approach=holds_approach,
     )
@@ -292,7 +236,7 @@ def linearise(problem: ContactProblem, solution: ContactSolution, *, holds_appro
 
 def list_approaches(plan: SolvePlan, initial_gap: Array, approach: Iterable[float]) -> tuple[Load, ...]:
     """Return the loads of a branch of a cycle; `InputError` if it cannot be followed."""
-    _require_resolved(plan)
+    require_resolved(plan)
     loads = Load.signed_sequence(approach=approach)
     values = [load.value for load in loads]
     if len(values) < 2 or any(after <= before for before, after in pairwise(values)):
@@ -305,139 +249,15 @@ def list_approaches(plan: SolvePlan, initial_gap: Array, approach: Iterable[floa
 def run_cycle(
     solve: Solve,
     loads: tuple[Load, ...],
-    on_state: Callable[[ContactSolution], object] | None,
+    on_state: object,
     change: ChangeProgress,
 ) -> AdhesionCycle:
     """Return both branches over ascending approaches; a callback gets each state."""
+    told = callback(on_state, "on_state=", "solution")
     count = count_done(change, 2 * len(loads) - 1, "state")
-    solve_and_report: Solve = report_states(solve, tell_both(on_state, count))
+    solve_and_report: Solve = report_states(solve, tell_both(told, count))
     loading = follow_loads(solve_and_report, loads)
     return AdhesionCycle(loading, follow_loads(solve_and_report, loads[::-1], loading[-1]))
-
-
-# Called with each state on the way to pull-off, and how many are to come; None while nobody knows.
-OnStateToPullOff: TypeAlias = Callable[[ContactSolution, int | None], object]
-
-
-def find_pull_off(problem: ContactProblem, on_state: OnStateToPullOff | None = None) -> Estimate:
-    """Return the minimum of the force on unloading from zero load; see `ContactProblem.pull_off`."""
-    _require_resolved(problem.plan)
-    tell: OnStateToPullOff = on_state or (lambda state, left: None)
-    is_limit = isinstance(problem.adhesion, ShortRange)
-    first = _ToldStates(problem._solve, tell, paths=2 if is_limit else 1)
-    found = _follow_to_pull_off(first, problem.plan)
-    if not is_limit:
-        return found
-    law = problem.plan.interaction
-    assert isinstance(law, Exponential)
-    longer = attrs.evolve(problem, adhesion=Exponential(law.work, _LONGER * law.range))
-    # By a longer range the way is about as long.
-    second = _ToldStates(longer._solve, tell, left=first.count)
-    return _extrapolate_range(found, _follow_to_pull_off(second, longer.plan), problem.initial_gap)
-
-
-class _ToldStates:
-    """A solve that tells each state, and how many are to come on this path and on others like it."""
-
-    def __init__(self, solve: Solve, tell: OnStateToPullOff, paths: int = 1, left: int | None = None) -> None:
-        self.solve = solve
-        self.tell = tell
-        self.paths = paths
-        self.left = left
-        self.count = 0
-
-    def __call__(self, load: Load, start: Array | None = None, *, start_gap: Array | None = None) -> ContactSolution:
-        state = self.solve(load, start, start_gap=start_gap)
-        self.count += 1
-        if self.left is not None:
-            self.left = max(self.left - 1, 0)
-        self.tell(state, self.left)
-        return state
-
-    def expect(self, left: int) -> None:
-        """Take it that so many states are to come on this path."""
-        self.left = left + (self.paths - 1) * (self.count + left)
-
-
-def _follow_to_pull_off(solve: _ToldStates, plan: SolvePlan) -> Estimate:
-    states = [solve(Load("pressure", 0.0))]
-    step = _first_step(plan, states[0])
-    for _ in range(_MAX_STEPS):
-        states.append(_follow(solve, states, Load("approach", states[-1].approach - step)))
-        force = np.array([state.force for state in states])
-        lowest = int(force.argmin())
-        has_risen = force[-1] - force[lowest] > -_RISEN * force[lowest]
-        if force[lowest] < 0.0 and (has_risen or not states[-1].contact.any()):
-            break
-        if force[-2] - force[-1] < 0.1 * abs(force.min()):
-            step *= 1.5
-    path = states
-    solve.expect(_REFINEMENTS * _STATES_OF_REFINEMENT)
-    for _ in range(_REFINEMENTS):
-        path = _refine(solve, path)
-    sweep = Sweep(tuple(path))
-    warning = None if plan.interaction is None else describe_range(plan.interaction, plan.grid, plan.modulus)
-    return _find_minimum(sweep, () if warning is None else (warning,))
-
-
-def _extrapolate_range(shorter: Estimate, longer: Estimate, initial_gap: Array) -> Estimate:
-    """Return the force of pull-off without a range, N, from those by a range and by a longer one.
-
-    Straight edges along the cells stick to them as a whole, which no longer range shows: there the change is the
-    uncertainty.
-    """
-    change = (shorter.value - longer.value) / (_LONGER**_POWER - 1.0)
-    if min(float(np.ptp(initial_gap, axis=axis).max()) for axis in (0, 1)) <= _STRAIGHT * float(np.ptp(initial_gap)):
-        return attrs.evolve(shorter, uncertainty=math.hypot(shorter.uncertainty, change))
-    error = math.hypot(shorter.uncertainty, longer.uncertainty, _EXTRAPOLATION_ERROR * change)
-    return attrs.evolve(shorter, value=shorter.value + change, uncertainty=error)
-
-
-def _first_step(plan: SolvePlan, state: ContactSolution) -> float:
-    """Return a step of the approach: a tenth of the displacement, or of the reach of the law if that is longer."""
-    moved = float(state.displacement.max() - state.displacement.min())
-    law = plan.interaction
-    range_of_law = 0.0 if law is None else float(np.max(np.asarray(law.work) / np.asarray(law.strength)))
-    return 0.1 * max(moved, range_of_law)
-
-
-def _refine(solve: Solve, path: Sequence[ContactSolution]) -> list[ContactSolution]:
-    """Return the three states around the lowest force with two more between them, on the way down."""
-    force = [state.force for state in path]
-    lowest = min(max(int(np.argmin(force)), 1), len(path) - 2)
-    found = [path[lowest - 1]]
-    for state in path[lowest : lowest + 2]:
-        middle = 0.5 * (found[-1].approach + state.approach)
-        found.append(_follow(solve, found, Load("approach", middle)))
-        found.append(_follow(solve, found, Load("approach", state.approach)))
-    return found
-
-
-def _find_minimum(sweep: Sweep, warnings: tuple[str, ...]) -> Estimate:
-    """Return the lowest force of a path by the parabola through three states, N."""
-    force = sweep.force
-    k = int(force.argmin())
-    trapped = _find_grid_error(sweep[k]) * abs(float(force[k]))
-    if not 0 < k < len(force) - 1:
-        text = "the lowest force is at the end of the path: continue it"
-        return Estimate(float(force[k]), float(np.ptp(force)), "N", (*warnings, text))
-    places = sweep.approach[k - 1 : k + 2]
-    values = force[k - 1 : k + 2]
-    curvature, slope, _ = np.polyfit(places - places[1], values - values[1], 2)
-    below = slope**2 / (4.0 * curvature) if curvature > 0.0 else 0.0
-    jumps = abs(float(values[0] - values[2])) > 0.5 * abs(float(values[1]))
-    bracket = abs(float(values[0] - values[1])) if jumps else 0.0
-    uncertainty = math.hypot(0.5 * below + bracket, trapped)
-    return Estimate(float(values[1]) - (0.0 if jumps else below), uncertainty, "N", warnings)
-
-
-def _find_grid_error(state: ContactSolution) -> float:
-    """Return the relative standard deviation of the lowest force by the size of the cells."""
-    assert state.tension is not None
-    attracted = state.contact | (state.tension > 0.5 * float(state.tension.max()))
-    size = count_patch_cells(attracted, state.boundary)
-    sticking = _STICKING * math.exp(-_cells_of(state)) / math.sqrt(size)
-    return math.hypot(sticking, min(_COARSE * size ** (-4.0 / 3.0), _COARSEST), _PATH)
 
 
 def _find_energies(sweep: Sweep) -> Array:
@@ -446,7 +266,7 @@ def _find_energies(sweep: Sweep) -> Array:
         assert state.origin is not None
         law = state.origin.source.plan.interaction
         elastic = 0.5 * float(np.sum(state.pressure * state.displacement))
-        attraction = float(np.sum(law.energy(_open_gap(state))))
+        attraction = float(np.sum(law.energy(open_gap(state))))
         found.append((elastic + attraction) * state.grid.cell_area)
     return np.array(found)
 
@@ -467,12 +287,12 @@ def _second_differences(sweep: Sweep) -> Array:
 
 
 def _find_rule_error(sweep: Sweep) -> float:
+    """Return the error of the energy lost on a branch by the trapezoidal rule, J, without that of jumps."""
     # A jump bends the force as well, but the energies on both of its sides are known: the median step counts.
     return float(np.median(_second_differences(sweep))) * math.sqrt(len(sweep))
 
 
-def _cells_of(state: ContactSolution) -> float:
-    assert state.origin is not None
-    plan = state.origin.source.plan
-    cells: float = plan.interaction.cohesive_cells(plan.grid.spacing, plan.modulus)
-    return cells
+def _find_jump_error(sweep: Sweep, is_jump: Mask) -> float:
+    """Return the standard deviation of the energy lost on a branch because a jump may be anywhere in its step, J."""
+    steps = np.abs(np.diff(sweep.approach) * np.diff(sweep.force))[is_jump]
+    return float(np.linalg.norm(steps)) / math.sqrt(12.0)

@@ -12,23 +12,25 @@ import numpy as np
 from roughcontact._base.arrays import Array
 from roughcontact._base.checks import callback, choice, flag, instance_of
 from roughcontact._base.machine import limit_of_memory, thread_count
-from roughcontact._base.machine.progress import count_done, show_progress
+from roughcontact._base.machine.progress import show_progress
 from roughcontact._base.units import Estimate
 from roughcontact._parts.grid import Boundary, Grid, Load, as_boundary
 from roughcontact._parts.interactions import FrictionLaw, Interaction
 from roughcontact._parts.kernels import InfluenceKernel
 from roughcontact._solve.convolvers import Convolver, PreparedConvolution, ShearConvolution
 from roughcontact._solve.problem.accuracy import Target, solve_within, with_tolerance
+from roughcontact._solve.problem.adhesive_path import solve_loads
 from roughcontact._solve.problem.body import RIGID_FLAT, Body, InitialGap, find_initial_gap
-from roughcontact._solve.problem.cycle import AdhesionCycle, find_pull_off, follow_loads, list_approaches, run_cycle
+from roughcontact._solve.problem.cycle import AdhesionCycle, list_approaches, run_cycle
 from roughcontact._solve.problem.friction_certificate import verify_state
 from roughcontact._solve.problem.increments import Increment
 from roughcontact._solve.problem.memory import require_memory_of_solve
 from roughcontact._solve.problem.path import FrictionalPath, run_path, run_slide
 from roughcontact._solve.problem.plan import SolvePlan, make_plan
+from roughcontact._solve.problem.pull_off import find_pull_off
 from roughcontact._solve.problem.required_load import RequiredLoad, find_load_of_area, find_required_load
 from roughcontact._solve.problem.run import computing, require_success, run_solve
-from roughcontact._solve.problem.sweep import Sweep, report_states, run_sweep
+from roughcontact._solve.problem.sweep import Sweep
 from roughcontact._solve.problem.task import limit_load, prepare_convolution, prepare_shear
 from roughcontact._solve.solution import DEFAULT_AREA, AreaEstimator, ContactSolution, FrictionalSolution, Response
 from roughcontact._solve.solvers import Solver, Step
@@ -284,9 +286,8 @@ class ContactProblem:
         loads = make_loads(pressure=pressure, force=force, approach=approach)
         for load in loads:
             limit_load(self.plan, self.initial_gap, load)
-        run = run_sweep if self.adhesion is None else follow_loads
         with show_progress("sweep", shown=flag(progress, "progress=")) as change:
-            return run(report_states(self._solve, count_done(change, len(loads), "load")), loads)
+            return solve_loads(self, loads, change)
 
     def cycle(
         self,
@@ -319,9 +320,8 @@ class ContactProblem:
         NotConverged
             If a state is not certified.
         """
-        told = callback(on_state, "on_state=", "solution")
         with show_progress("cycle", shown=flag(progress, "progress=")) as change:
-            return run_cycle(self._solve, self.require_cycle(approach=approach), told, change)
+            return run_cycle(self._solve, self.require_cycle(approach=approach), on_state, change)
 
     def require_cycle(self, *, approach: Iterable[float]) -> tuple[Load, ...]:
         """Return the loads of a branch of a cycle; `InputError` if it cannot be followed; see `cycle`."""

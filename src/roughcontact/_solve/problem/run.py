@@ -172,9 +172,11 @@ def _certify_adhesive(
     load = 0.0
     if task.mean_pressure is not None:
         # A load may be zero: its error is over the forces that balance in it.
-        balanced = convolution.sum(np.abs(outcome.pressure)) / outcome.pressure.size
+        pressed = np.maximum(outcome.pressure + outcome.tension, 0.0)
+        balanced = (convolution.sum(pressed) + convolution.sum(outcome.tension)) / outcome.pressure.size
         carried = convolution.sum(outcome.pressure) / outcome.pressure.size
-        load = abs(carried - task.mean_pressure) / max(abs(task.mean_pressure), balanced)
+        scale = max(abs(task.mean_pressure), balanced)
+        load = abs(carried - task.mean_pressure) / scale if scale > 0.0 else 0.0
     bound = 2.0 * max(plan.solver.tolerance, state.floor)
     confirmed = state.error <= bound and load <= LOAD_TOLERANCE and state.bounds <= LOAD_TOLERANCE
     status = outcome.status.within(state.floor, plan.solver.tolerance)
@@ -350,6 +352,8 @@ def run_solve(
     started = time.perf_counter()
     with computing(problem):
         solution = _solve(problem, gap, load, start, on_step, started, start_gap)
+        if solution.status is Status.SEPARATED and start_gap is None:
+            solution = _try_other_states(problem, gap, load, on_step, started) or solution
     level = logging.INFO if solution.status.success else logging.WARNING
     _LOGGER.log(
         level,
@@ -361,6 +365,24 @@ def run_solve(
         solution.seconds,
     )
     return attrs.evolve(solution, origin=Origin(problem.parts, load.arguments, source=problem))
+
+
+def _try_other_states(
+    problem: ContactProblem, gap: InitialGap, load: Load, on_step: Callable[[Step], None] | None, started: float
+) -> ContactSolution | None:
+    """Return a state that carries a load found from that at zero load, or from full contact; None without one.
+
+    Without adhesion nothing touches under a tensile load, so that the first start says little.
+    """
+    rest = _solve(problem, gap, Load(load.kind, 0.0), None, on_step, started, None)
+    starts: list[tuple[Array | None, Array]] = [(None, np.zeros(gap.values.shape))]
+    if rest.status.success:
+        starts.insert(0, (rest.pressure, np.where(rest.contact, 0.0, np.maximum(rest.gap, 0.0))))
+    for pressure, opened in starts:
+        found = _solve(problem, gap, load, pressure, on_step, started, opened)
+        if found.status.success:
+            return found
+    return None
 
 
 @contextlib.contextmanager

@@ -25,6 +25,9 @@ if TYPE_CHECKING:
 
 # Rounding of the gap over its largest term, as in `conditions`.
 _ROUNDING = 16.0 * float(np.finfo(np.float64).eps)
+# Displacement over the contact pressure, in the units of a `Task`, below which what causes it may be what is left of
+# contact pressure and tension in float32.
+_CANCELLED = 1e-6
 
 
 @attrs.frozen
@@ -106,7 +109,7 @@ class AdhesiveConditions:
         carried = float(contact.sum())
         opened = float(np.einsum("ij,ij->", contact, np.abs(closing))) / carried if carried > 0.0 else 0.0
         overlap = max(0.0, -float(closing.min()))
-        scale = self._find_scale(displacement, pressure, carried)
+        scale = self._find_scale(displacement, contact, carried)
         off = self._tension_error(gap, tension, contact)
         strength = float(np.max(self.interaction.strength))
         below = float((-np.asarray(self.interaction.strength) - pressure).max())
@@ -132,13 +135,14 @@ class AdhesiveConditions:
         moved = displacement + self.initial_gap
         return float(moved[saturated].max()) if saturated.any() else float(moved.min())
 
-    def _find_scale(self, displacement: Array, pressure: Array, carried: float) -> float:
+    def _find_scale(self, displacement: Array, contact: Array, carried: float) -> float:
         rms = float(self.initial_gap.std()) if self.rms is None else self.rms
         if carried == 0.0 and rms > 0.0:
             # Surfaces that do not touch may hardly deform.
             return rms
         moved = float(displacement.max() - displacement.min())
-        elastic = moved if moved > _ROUNDING * float(np.abs(pressure).max()) else 0.0
+        # Where contact pressure and tension cancel, as below a flat pad without a load, the rest is rounding.
+        elastic = moved if moved > _CANCELLED * float(contact.max()) else 0.0
         return min(rms, elastic) or max(rms, elastic) or 1.0
 
     def _tension_error(self, gap: Array, tension: Array, contact: Array) -> float:

@@ -22,6 +22,7 @@ from roughcontact._solve.problem import (
     Body,
     ContactProblem,
     FrictionalPath,
+    follow,
     load_path,
     order_of_solving,
     predict_pressure,
@@ -231,8 +232,9 @@ class ChainResult:
 def run_chain(chain: Chain) -> ChainResult:
     """Return the records of a chain; each solution is written before anything is computed from it.
 
-    The loads are solved from the largest down, paths with friction in their order. A failure at one load is in its
-    record, and the others are solved. Only a solution that cannot be written ends the chain.
+    The loads are solved from the largest down, those of surfaces that attract each other and paths with friction in
+    their order. A failure at one load is in its record, and the others are solved. Only a solution that cannot be
+    written ends the chain.
     """
     # A copy, whose problem goes with it.
     chain = attrs.evolve(chain)
@@ -242,14 +244,15 @@ def run_chain(chain: Chain) -> ChainResult:
     solutions: list[ContactSolution] = []
     computed = 0
     keys = chain.solution_keys()
-    for index in order_of_solving(chain.loads):
+    is_adhesive = chain.problem.adhesion is not None
+    for index in range(len(chain.loads)) if is_adhesive else order_of_solving(chain.loads):
         key = keys[index]
         load = chain.loads[index]
         try:
             record, solution = _find(chain, key, load)
             if record is None:
                 computed += 1
-                solution = chain.seeded.solve(**load.arguments, start=predict_pressure(solutions, load))
+                solution = _solve(chain.seeded, load, solutions)
                 # The list of records is flushed once for the chain, and with it the names of all its files.
                 write(chain.path(key), solution, flush=False)
                 record = _measure(chain, chain.record(key, load), solution)
@@ -264,6 +267,13 @@ def run_chain(chain: Chain) -> ChainResult:
         if solution is not None:
             solutions = [*solutions[-1:], solution]
     return ChainResult(_in_order(records), computed)
+
+
+def _solve(problem: ContactProblem, load: Load, before: list[ContactSolution]) -> ContactSolution:
+    """Return the solution at a load, from those before."""
+    if problem.adhesion is not None:
+        return follow(problem._solve, before, load)
+    return problem.solve(**load.arguments, start=predict_pressure(before, load))
 
 
 def _follow_paths(chain: Chain, shearing: Shearing) -> ChainResult:

@@ -1,0 +1,81 @@
+"""Loads of surfaces that attract each other in their order: each state follows from the one before."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+
+from roughcontact._base.arrays import Array
+from roughcontact._base.machine.progress import ChangeProgress, count_done
+from roughcontact._parts.grid import Load
+from roughcontact._solve.problem.plan import SolvePlan
+from roughcontact._solve.problem.sweep import Sweep, report_states, run_sweep
+from roughcontact._solve.solution import TRAPPED_CELLS, ContactSolution, describe_range
+from roughcontact.errors import InputError
+
+if TYPE_CHECKING:
+    from roughcontact._solve.problem.problem import ContactProblem
+
+
+class Solve(Protocol):
+    """A solve at a load, from a pressure and a gap."""
+
+    def __call__(self, load: Load, start: Array | None = None, *, start_gap: Array | None = None) -> ContactSolution:
+        """Return the certified solution."""
+
+
+def require_resolved(plan: SolvePlan) -> None:
+    """Raise `InputError` unless there is adhesion and the cells resolve it well enough to follow a path."""
+    if plan.interaction is None:
+        raise InputError("Without adhesion= nothing is pulled apart: give the problem a law, such as Exponential.")
+    cells = plan.interaction.cohesive_cells(plan.grid.spacing, plan.modulus)
+    if cells < TRAPPED_CELLS:
+        raise InputError(f"A path cannot be followed: {describe_range(plan.interaction, plan.grid, plan.modulus)}.")
+
+
+def solve_loads(problem: ContactProblem, loads: tuple[Load, ...], change: ChangeProgress) -> Sweep:
+    """Return the solutions at all loads, with adhesion in their order."""
+    solve = report_states(problem._solve, count_done(change, len(loads), "load"))
+    return run_sweep(solve, loads) if problem.adhesion is None else follow_loads(solve, loads)
+
+
+def follow_loads(solve: Solve, loads: Sequence[Load], first: ContactSolution | None = None) -> Sweep:
+    """Return the solutions in the order of the loads, each from the ones before."""
+    solutions: list[ContactSolution] = [] if first is None else [first]
+    for load in loads if first is None else loads[1:]:
+        solutions.append(follow(solve, solutions, load))
+    return Sweep(tuple(solutions))
+
+
+def follow(solve: Solve, before: Sequence[ContactSolution], load: Load) -> ContactSolution:
+    """Return the solution at a load that continues those before."""
+    if not before:
+        return solve(load)
+    last = before[-1]
+    require_memory_of_flow(last, load)
+    return solve(load, last.pressure, start_gap=open_gap(last))
+
+
+def require_memory_of_flow(last: ContactSolution, load: Load) -> None:
+    """Refuse a lower load after the pressure has reached its limit: the flattened summits would be forgotten."""
+    before = {"force": last.force, "pressure": last.mean_pressure, "approach": last.approach}[load.kind]
+    if load.value < before and last.saturated.any():
+        raise InputError(
+            f"The load falls to {load} after the pressure has reached its limit on {last.saturated.sum()} cells: each "
+            "state is a first loading, which forgets how far the summits were flattened, and with them the pull-off. "
+            "Keep the loads below the hardness, give loads that do not fall, or take Elastic materials."
+        )
+
+
+def open_gap(state: ContactSolution) -> Array:
+    """Return the gap, shape (nx, ny), m: exactly zero where the surfaces touch."""
+    return np.where(state.contact, 0.0, np.maximum(state.gap, 0.0))
+
+
+def cells_of(state: ContactSolution) -> float:
+    assert state.origin is not None
+    plan = state.origin.source.plan
+    cells: float = plan.interaction.cohesive_cells(plan.grid.spacing, plan.modulus)
+    return cells

@@ -1,0 +1,181 @@
+"""The force at which surfaces that attract each other come apart: the lowest one on unloading."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, TypeAlias
+
+import attrs
+import numpy as np
+
+from roughcontact._base.arrays import Array
+from roughcontact._base.units import Estimate
+from roughcontact._parts.grid import Load
+from roughcontact._parts.interactions import Exponential, ShortRange
+from roughcontact._solve.problem.adhesive_path import Solve, cells_of, follow, require_resolved
+from roughcontact._solve.problem.plan import SolvePlan
+from roughcontact._solve.problem.sweep import Sweep
+from roughcontact._solve.solution import ContactSolution, count_patch_cells, describe_range
+
+if TYPE_CHECKING:
+    from roughcontact._solve.problem.problem import ContactProblem
+
+# Steps of the approach on the way to pull-off, and by how much of the lowest force the force must have risen behind it.
+_MAX_STEPS = 200
+# Sticking to the cells raises it by a few per cent where a row of cells comes apart.
+_RISEN = 0.2
+# Rounds that halve the steps around the lowest force.
+_REFINEMENTS = 4
+_STATES_OF_REFINEMENT = 4
+# Relative standard deviation of the lowest force, set on 400 balls and 100 rough surfaces in random places
+# (benchmarks/adhesion_classes.py): because the edge of the contact sticks to the cells, by exp(-cells) of the cohesive
+# length over the root of the cells of a patch; because a patch has few cells, and its maximum; and by the path.
+_STICKING = 0.7
+_COARSE = 1.8
+_COARSEST = 0.14
+_PATH = 2e-4
+# Ratio of two ranges from which pull-off is extrapolated to none, and the power of the range by which it goes there:
+# 1.5 for short ranges, less for those that cells resolve. On balls of 8 to 40 cells in the contact radius of Johnson,
+# 1.2 errs by a fifth of the change.
+_LONGER = math.sqrt(2.0)
+_POWER = 1.2
+_EXTRAPOLATION_ERROR = 0.25
+# Differences of the initial gap along an axis, over those of all cells, up to which the surface is straight.
+_STRAIGHT = 1e-6
+
+# Called with each state on the way to pull-off, and how many are to come; None while nobody knows.
+OnStateToPullOff: TypeAlias = Callable[[ContactSolution, int | None], object]
+
+
+def find_pull_off(problem: ContactProblem, on_state: OnStateToPullOff | None = None) -> Estimate:
+    """Return the minimum of the force on unloading from zero load; see `ContactProblem.pull_off`."""
+    require_resolved(problem.plan)
+    tell: OnStateToPullOff = on_state or (lambda state, left: None)
+    is_limit = isinstance(problem.adhesion, ShortRange)
+    first = _ToldStates(problem._solve, tell, paths=2 if is_limit else 1)
+    found = _follow_to_pull_off(first, problem.plan)
+    if not is_limit:
+        return found
+    law = problem.plan.interaction
+    assert isinstance(law, Exponential)
+    longer = attrs.evolve(problem, adhesion=Exponential(law.work, _LONGER * law.range))
+    # By a longer range the way is about as long.
+    second = _ToldStates(longer._solve, tell, left=first.count)
+    return _extrapolate_range(found, _follow_to_pull_off(second, longer.plan), problem.initial_gap)
+
+
+class _ToldStates:
+    """A solve that tells each state, and how many are to come on this path and on others like it."""
+
+    def __init__(self, solve: Solve, tell: OnStateToPullOff, paths: int = 1, left: int | None = None) -> None:
+        self.solve = solve
+        self.tell = tell
+        self.paths = paths
+        self.left = left
+        self.count = 0
+
+    def __call__(self, load: Load, start: Array | None = None, *, start_gap: Array | None = None) -> ContactSolution:
+        state = self.solve(load, start, start_gap=start_gap)
+        self.count += 1
+        if self.left is not None:
+            self.left = max(self.left - 1, 0)
+        self.tell(state, self.left)
+        return state
+
+    def expect(self, left: int) -> None:
+        """Take it that so many states are to come on this path."""
+        self.left = left + (self.paths - 1) * (self.count + left)
+
+
+def _follow_to_pull_off(solve: _ToldStates, plan: SolvePlan) -> Estimate:
+    states = [solve(Load("pressure", 0.0))]
+    step = _first_step(plan, states[0])
+    for _ in range(_MAX_STEPS):
+        states.append(follow(solve, states, Load("approach", states[-1].approach - step)))
+        force = np.array([state.force for state in states])
+        lowest = int(force.argmin())
+        has_risen = force[-1] - force[lowest] > -_RISEN * force[lowest]
+        if force[lowest] < 0.0 and (has_risen or not states[-1].contact.any()):
+            break
+        if force[-2] - force[-1] < 0.1 * abs(force.min()):
+            step *= 1.5
+    path = states
+    solve.expect(_REFINEMENTS * _STATES_OF_REFINEMENT)
+    for _ in range(_REFINEMENTS):
+        path = _refine(solve, path)
+    sweep = Sweep(tuple(path))
+    warning = None if plan.interaction is None else describe_range(plan.interaction, plan.grid, plan.modulus)
+    return find_minimum(sweep, () if warning is None else (warning,))
+
+
+def _extrapolate_range(shorter: Estimate, longer: Estimate, initial_gap: Array) -> Estimate:
+    """Return the force of pull-off without a range, N, from those by a range and by a longer one.
+
+    Straight edges along the cells stick to them as a whole, which no longer range shows: there the change is the
+    uncertainty.
+    """
+    change = (shorter.value - longer.value) / (_LONGER**_POWER - 1.0)
+    if min(float(np.ptp(initial_gap, axis=axis).max()) for axis in (0, 1)) <= _STRAIGHT * float(np.ptp(initial_gap)):
+        return attrs.evolve(shorter, uncertainty=math.hypot(shorter.uncertainty, change))
+    error = math.hypot(shorter.uncertainty, longer.uncertainty, _EXTRAPOLATION_ERROR * change)
+    return attrs.evolve(shorter, value=shorter.value + change, uncertainty=error)
+
+
+def _first_step(plan: SolvePlan, state: ContactSolution) -> float:
+    """Return a step of the approach: a tenth of the displacement, or of the reach of the law if that is longer."""
+    moved = float(state.displacement.max() - state.displacement.min())
+    law = plan.interaction
+    range_of_law = 0.0 if law is None else float(np.max(np.asarray(law.work) / np.asarray(law.strength)))
+    return 0.1 * max(moved, range_of_law)
+
+
+def _refine(solve: Solve, path: Sequence[ContactSolution]) -> list[ContactSolution]:
+    """Return the three states around the lowest force with two more between them, on the way down."""
+    force = [state.force for state in path]
+    lowest = min(max(int(np.argmin(force)), 1), len(path) - 2)
+    found = [path[lowest - 1]]
+    for state in path[lowest : lowest + 2]:
+        middle = 0.5 * (found[-1].approach + state.approach)
+        found.append(follow(solve, found, Load("approach", middle)))
+        found.append(follow(solve, found, Load("approach", state.approach)))
+    return found
+
+
+def find_minimum(sweep: Sweep, warnings: tuple[str, ...]) -> Estimate:
+    """Return the lowest force of a path by the parabola through three states, N."""
+    force = sweep.force
+    k = int(force.argmin())
+    trapped = _find_grid_error(sweep[k]) * abs(float(force[k]))
+    if not 0 < k < len(force) - 1:
+        text = "the lowest force is at the end of the path: continue it"
+        return Estimate(float(force[k]), float(np.ptp(force)), "N", (*warnings, text))
+    places = sweep.approach[k - 1 : k + 2]
+    values = force[k - 1 : k + 2]
+    curvature, slope, _ = np.polyfit(places - places[1], values - values[1], 2)
+    below = slope**2 / (4.0 * curvature) if curvature > 0.0 else 0.0
+    jumps = abs(float(values[0] - values[2])) > 0.5 * abs(float(values[1]))
+    bracket = abs(float(values[0] - values[1])) if jumps else 0.0
+    uncertainty = math.hypot(0.5 * below + bracket, trapped)
+    return Estimate(float(values[1]) - (0.0 if jumps else below), uncertainty, "N", warnings)
+
+
+def _find_grid_error(state: ContactSolution) -> float:
+    """Return the relative standard deviation of the lowest force by the size of the cells."""
+    assert state.tension is not None
+    attracted = state.contact | (state.tension > 0.5 * float(state.tension.max()))
+    size = count_patch_cells(attracted, state.boundary)
+    sticking = _STICKING * math.exp(-cells_of(state)) / math.sqrt(size)
+    return math.hypot(sticking, min(_COARSE * size ** (-4.0 / 3.0), _COARSEST), _PATH)
+
+
+def refine_around_lowest(sweep: Sweep) -> Sweep:
+    """Return the states around the lowest force of a branch, solved ever more finely, in the order of the branch."""
+    origin = sweep[0].origin
+    lowest = int(sweep.force.argmin())
+    if origin is None or origin.source is None or not 0 < lowest < len(sweep) - 1:
+        return sweep
+    path: Sequence[ContactSolution] = sweep.solutions[max(lowest - 1, 0) : lowest + 2]
+    for _ in range(_REFINEMENTS):
+        path = _refine(origin.source._solve, path)
+    return Sweep(tuple(path))
