@@ -616,3 +616,34 @@ class TestCyclesOfFewStates:
             problem.cycle(approach=[-16e-9, 0.0, 12e-9])
         with pytest.raises(rc.InputError, match="each state is a first loading"):
             problem.sweep(approach=[12e-9, 6e-9])
+
+
+class TestBorderAndRange:
+    @pytest.mark.parametrize("shape", [(50, 50), (66, 44)])
+    def test_a_tension_that_a_free_border_cuts_off_is_warned_of_and_counted(self, shape):
+        tip = rc.Body(rc.ParaboloidSurface(1e-6), rc.Elastic(70e9, 0.3))
+        law = rc.Exponential(0.05, 5e-9)
+        size = (shape[0] * 5e-9, shape[1] * 5e-9)
+        found = rc.ContactProblem(tip, grid=rc.Grid(shape, size), adhesion=law).pull_off()
+        wide = rc.ContactProblem(tip, grid=rc.Grid((140, 140), 140 * 5e-9), adhesion=law).pull_off()
+        assert [text.rule for text in found.warnings] == ["border tension"]
+        assert not wide.warnings
+        assert abs(found.value - wide.value) < 2.0 * found.uncertainty
+
+    def test_a_range_that_the_cells_choose_is_no_mistake(self):
+        tip = rc.Body(rc.ParaboloidSurface(1e-6), rc.Elastic(1e7, 0.49))
+        problem = rc.ContactProblem(tip, grid=rc.Grid((48, 64), 3e-6), adhesion=rc.ShortRange(0.05))
+        solution = problem.solve(force=0.0)
+        assert not solution.warnings
+        assert not problem.plan.warnings
+        assert not problem.pull_off().warnings
+        limit = (4.5 * math.pi * 0.05 * 1e-12 / problem.plan.modulus) ** (1 / 3)
+        area = solution.area()
+        assert abs(area.value - math.pi * limit**2) < 2.0 * area.uncertainty
+
+    @pytest.mark.parametrize(("range_", "words"), [("0.2nm", "by a factor of about"), ("4.5nm", "% off")])
+    def test_the_warning_of_a_short_range_says_how_much(self, range_, words):
+        tip = rc.Body(rc.ParaboloidSurface(1e-6), rc.Elastic(1e9, 0.3))
+        law = rc.Exponential("50mJ/m2", range_)
+        problem = rc.ContactProblem(tip, grid=rc.Grid((32, 32), 300e-9), adhesion=law)
+        assert any(words in text for text in problem.plan.warnings)

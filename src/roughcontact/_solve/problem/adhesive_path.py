@@ -30,9 +30,10 @@ def require_resolved(plan: SolvePlan) -> None:
     """Raise `InputError` unless there is adhesion and the cells resolve it well enough to follow a path."""
     if plan.interaction is None:
         raise InputError("Without adhesion= nothing is pulled apart: give the problem a law, such as Exponential.")
-    cells = plan.interaction.cohesive_cells(plan.grid.spacing, plan.modulus)
+    cells = plan.interaction.cohesive_cells(plan.grid.spacing, plan.surface_modulus)
     if cells < TRAPPED_CELLS:
-        raise InputError(f"A path cannot be followed: {describe_range(plan.interaction, plan.grid, plan.modulus)}.")
+        reason = describe_range(plan.interaction, plan.grid, plan.surface_modulus)
+        raise InputError(f"A path cannot be followed: {reason}.")
 
 
 def solve_loads(problem: ContactProblem, loads: tuple[Load, ...], change: ChangeProgress) -> Sweep:
@@ -77,5 +78,5 @@ def open_gap(state: ContactSolution) -> Array:
 def cells_of(state: ContactSolution) -> float:
     assert state.origin is not None
     plan = state.origin.source.plan
-    cells: float = plan.interaction.cohesive_cells(plan.grid.spacing, plan.modulus)
+    cells: float = plan.interaction.cohesive_cells(plan.grid.spacing, plan.surface_modulus)
     return cells

@@ -109,6 +109,8 @@ class SolvePlan:
         The memory that a solve may take, bytes; None: the memory of the machine.
     interaction
         The law by which the surfaces attract each other, resolved for the grid; None without adhesion.
+    chosen_range
+        Whether its range is chosen by the cells.
     """
 
     grid: Grid
@@ -127,15 +129,21 @@ class SolvePlan:
     threads: int | str = "auto"
     memory_limit: int | None = None
     interaction: Interaction | None = None
+    chosen_range: bool = False
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:
         """Likely mistakes in the problem, in sentences."""
         findings = find_scene(self.initial_gap, self.grid, self.boundary, self.materials)
         texts = [finding.warning for finding in findings if finding.warning]
-        if self.interaction is not None:
-            texts.append(describe_range(self.interaction, self.grid, self.modulus) or "")
+        if self.interaction is not None and not self.chosen_range:
+            texts.append(describe_range(self.interaction, self.grid, self.surface_modulus) or "")
         return tuple(filter(None, texts))
+
+    @property
+    def surface_modulus(self) -> float:
+        """Contact modulus of the shortest waves, Pa: that of a layer on the body where the cells are finer than it."""
+        return find_surface_modulus(self.kernel, self.grid, self.modulus)
 
     @property
     def transform_shape(self) -> tuple[int, int]:
@@ -209,7 +217,7 @@ class SolvePlan:
         law = self.interaction
         if law is None:
             return []
-        cells = law.cohesive_cells(self.grid.spacing, self.modulus)
+        cells = law.cohesive_cells(self.grid.spacing, self.surface_modulus)
         strength = si(float(np.max(law.strength)), "Pa")
         resolved = f"cohesive length {cells:.3g} cells ({RESOLVED_CELLS:g} are enough)"
         return [
@@ -280,7 +288,11 @@ def make_plan(
         raise InputError(f"The pressure limit is an array of shape {limit.shape}, but the grid has {grid.shape} cells.")
     capped = bool(np.isfinite(limit).any())
     solver.require(capped=capped)
-    interaction = None if adhesion is None else _resolve_interaction(adhesion, grid, modulus, solver)
+    interaction = (
+        None
+        if adhesion is None
+        else _resolve_interaction(adhesion, grid, find_surface_modulus(kernel, grid, modulus), solver)
+    )
     plan = SolvePlan(
         grid=grid,
         boundary=boundary,
@@ -302,9 +314,16 @@ def make_plan(
         threads=threads,
         memory_limit=memory_limit,
         interaction=interaction,
+        chosen_range=interaction is not adhesion,
     )
     plan.require_memory()
     return plan
+
+
+def find_surface_modulus(kernel: InfluenceKernel, grid: Grid, modulus: float) -> float:
+    """Return the contact modulus of the shortest waves on a grid, Pa; see `SolvePlan.surface_modulus`."""
+    found = kernel.effective_modulus(np.array([1.0 / max(grid.spacing)]), 1.0 / modulus)
+    return modulus if found is None else float(found[0])
 
 
 def _resolve_interaction(adhesion: Interaction, grid: Grid, modulus: float, solver: Solver) -> Interaction:

@@ -16,7 +16,12 @@ from roughcontact._parts.interactions import Exponential, ShortRange
 from roughcontact._solve.problem.adhesive_path import Solve, cells_of, follow, require_resolved
 from roughcontact._solve.problem.plan import SolvePlan
 from roughcontact._solve.problem.sweep import Sweep
-from roughcontact._solve.solution import ContactSolution, count_patch_cells, describe_range
+from roughcontact._solve.solution import (
+    ContactSolution,
+    count_patch_cells,
+    find_cut_tension,
+    warn_of_border,
+)
 
 if TYPE_CHECKING:
     from roughcontact._solve.problem.problem import ContactProblem
@@ -41,6 +46,8 @@ _PATH = 2e-4
 _LONGER = math.sqrt(2.0)
 _POWER = 1.2
 _EXTRAPOLATION_ERROR = 0.25
+# Largest change that is extrapolated, over the force.
+_MAX_EXTRAPOLATION = 0.25
 # Differences of the initial gap along an axis, over those of all cells, up to which the surface is straight.
 _STRAIGHT = 1e-6
 
@@ -105,18 +112,19 @@ def _follow_to_pull_off(solve: _ToldStates, plan: SolvePlan) -> Estimate:
     for _ in range(_REFINEMENTS):
         path = _refine(solve, path)
     sweep = Sweep(tuple(path))
-    warning = None if plan.interaction is None else describe_range(plan.interaction, plan.grid, plan.modulus)
-    return find_minimum(sweep, () if warning is None else (warning,))
+    return find_minimum(sweep, tuple(text for text in plan.warnings if getattr(text, "rule", "") == "cohesive length"))
 
 
 def _extrapolate_range(shorter: Estimate, longer: Estimate, initial_gap: Array) -> Estimate:
     """Return the force of pull-off without a range, N, from those by a range and by a longer one.
 
-    Straight edges along the cells stick to them as a whole, which no longer range shows: there the change is the
-    uncertainty.
+    Straight edges along the cells stick to them as a whole, which no longer range shows, and of rough surfaces another
+    summit may hold last: there, and where the change is a large part of the force, it is the uncertainty.
     """
     change = (shorter.value - longer.value) / (_LONGER**_POWER - 1.0)
-    if min(float(np.ptp(initial_gap, axis=axis).max()) for axis in (0, 1)) <= _STRAIGHT * float(np.ptp(initial_gap)):
+    straight = min(float(np.ptp(initial_gap, axis=axis).max()) for axis in (0, 1))
+    is_straight = straight <= _STRAIGHT * float(np.ptp(initial_gap))
+    if is_straight or abs(change) > _MAX_EXTRAPOLATION * abs(shorter.value):
         return attrs.evolve(shorter, uncertainty=math.hypot(shorter.uncertainty, change))
     error = math.hypot(shorter.uncertainty, longer.uncertainty, _EXTRAPOLATION_ERROR * change)
     return attrs.evolve(shorter, value=shorter.value + change, uncertainty=error)
@@ -156,7 +164,10 @@ def find_minimum(sweep: Sweep, warnings: tuple[str, ...]) -> Estimate:
     below = slope**2 / (4.0 * curvature) if curvature > 0.0 else 0.0
     jumps = abs(float(values[0] - values[2])) > 0.5 * abs(float(values[1]))
     bracket = abs(float(values[0] - values[1])) if jumps else 0.0
-    uncertainty = math.hypot(0.5 * below + bracket, trapped)
+    _, cut = find_cut_tension(sweep[k])
+    uncertainty = math.hypot(0.5 * below + bracket, trapped, cut)
+    border = warn_of_border(sweep[k])
+    warnings = warnings if border is None else (*warnings, border)
     return Estimate(float(values[1]) - (0.0 if jumps else below), uncertainty, "N", warnings)
 
 

@@ -7,7 +7,9 @@ from roughcontact._solve.solution.attraction import (
     AdhesiveViolation,
     count_patch_cells,
     describe_range,
+    find_cut_tension,
     trapping_error,
+    warn_of_border,
 )
 from roughcontact._solve.solution.conditions import ContactConditions, Violation
 from roughcontact._solve.solution.contact import ContactSolution
@@ -94,6 +96,7 @@ __all__ = [
     "exceeds_metals",
     "fill_gap",
     "find_contact",
+    "find_cut_tension",
     "find_load",
     "find_patches",
     "find_peak_sampling",
@@ -122,6 +125,7 @@ __all__ = [
     "solution_key",
     "trapping_error",
     "versions",
+    "warn_of_border",
     "write",
     "write_path",
     "writers",

@@ -16,7 +16,7 @@ import numpy as np
 from roughcontact._base.arrays import Array, Mask
 from roughcontact._base.units import ContactWarning, Estimate, si
 from roughcontact._parts.grid import Boundary, Grid, extend, grow
-from roughcontact._parts.interactions import BoundInteraction, Interaction
+from roughcontact._parts.interactions import BoundInteraction, Interaction, ShortRange
 
 if TYPE_CHECKING:
     from roughcontact._solve.solution.contact import ContactSolution
@@ -162,6 +162,14 @@ TRAPPED_CELLS = 1.5
 _EDGE_ERROR = 0.2
 _STUCK_AREA = 1.6
 _STUCK_DECAY = 4.0
+# Relative standard deviation of the area in the limit of a short range, over a power of the radius of a patch in cells:
+# the radius of balls of 7 to 40 cells under no load is 8.5 to 2.9 % below that of Johnson, Kendall and Roberts.
+_LIMIT_AREA = 0.45
+_LIMIT_AREA_EXPONENT = -0.7
+# Tension at a free border over the strength from which the domain cuts off what counts.
+_MAX_BORDER_TENSION = 1e-3
+# Cells of the cohesive length below which pull-off is too strong by a factor, about the root of this number over them.
+_FACTOR_CELLS = 0.84
 # Standard deviation of the mean gap over the mean bend of the gap in and around the contact, the second differences
 # along both axes together, on 75 rough surfaces: summits lie between the cells.
 _MISSED_SUMMIT = 0.05
@@ -187,6 +195,9 @@ def widen_area(area: Area, solution: ContactSolution, origin: Origin) -> Area:
         return area
     size = count_patch_cells(solution.contact, solution.boundary)
     error = math.hypot(_EDGE_ERROR / (cells * math.sqrt(size)), _STUCK_AREA * math.exp(-_STUCK_DECAY * cells))
+    if isinstance(origin.problem["adhesion"], ShortRange):
+        # The contact is that of the limit, which the range that the cells resolve makes smaller.
+        error = math.hypot(error, _LIMIT_AREA * math.sqrt(size / math.pi) ** _LIMIT_AREA_EXPONENT)
     return attrs.evolve(area, uncertainty=math.hypot(area.uncertainty, error * area.value))
 
 
@@ -196,7 +207,8 @@ def _count_cohesive_cells(solution: ContactSolution, origin: Origin) -> float | 
         return None
     law: Interaction = origin.problem["adhesion"]
     spacing = solution.grid.spacing
-    return law.resolve(spacing, solution.modulus).cohesive_cells(spacing, solution.modulus)
+    modulus = solution.surface_modulus
+    return law.resolve(spacing, modulus).cohesive_cells(spacing, modulus)
 
 
 def describe_range(law: Interaction, grid: Grid, modulus: float) -> ContactWarning | None:
@@ -207,21 +219,63 @@ def describe_range(law: Interaction, grid: Grid, modulus: float) -> ContactWarni
     side = si(max(grid.spacing) * cells / RESOLVED_CELLS, "m", 2)
     longer = math.sqrt(RESOLVED_CELLS / cells)
     stuck = "sticks" if cells < TRAPPED_CELLS else "starts to stick"
+    factor = math.sqrt(_FACTOR_CELLS / cells)
+    error = trapping_error(cells)
+    off = f"{100 * error:.2g} % off" if factor < 1.0 + error else f"too strong by a factor of about {factor:.2g}"
     text = (
         f"the cohesive length E*/max|ds/dg| has {cells:.2g} cells, so that the edge of the contact {stuck} to the "
-        f"cells and pull-off may be {100 * trapping_error(cells):.2g} % off: use cells of at most {side}, or a range "
-        f"{longer:.2g} times as long"
+        f"cells and pull-off may be {off}: use cells of at most {side}, or a range {longer:.2g} times as long"
     )
     return ContactWarning(text, "cohesive length", cells)
 
 
-def warn_of_range(solution: ContactSolution, origin: Origin) -> tuple[str, ...]:
-    """Return the warning of the range of the law by which the surfaces of a solution attract each other, if any."""
+def warn_of_attraction(solution: ContactSolution, origin: Origin) -> tuple[str, ...]:
+    """Return the warnings of the range of the law by which the surfaces attract each other, and of the border, if any.
+
+    A range that is chosen by the cells, as that of `ShortRange`, is an uncertainty of each answer instead.
+    """
     if solution.tension is None or origin.missing:
         return ()
     law: Interaction = origin.problem["adhesion"]
-    found = describe_range(law.resolve(solution.grid.spacing, solution.modulus), solution.grid, solution.modulus)
-    return () if found is None else (found,)
+    modulus = solution.surface_modulus
+    found = [warn_of_border(solution)]
+    if law.resolve(solution.grid.spacing, modulus) is law:
+        found.append(describe_range(law, solution.grid, modulus))
+    return tuple(filter(None, found))
+
+
+def warn_of_border(solution: ContactSolution) -> ContactWarning | None:
+    """Return a warning if the tension reaches a free border, beyond which it is cut off; None otherwise."""
+    ratio, _ = find_cut_tension(solution)
+    if ratio <= _MAX_BORDER_TENSION:
+        return None
+    text = (
+        f"the tension at the free border is {100 * ratio:.2g} % of its maximum, and what lies beyond is cut off: "
+        "enlarge the domain, or make it periodic if the surface repeats"
+    )
+    return ContactWarning(text, "border tension", ratio)
+
+
+def find_cut_tension(solution: ContactSolution) -> tuple[float, float]:
+    """Return the largest tension at a free border over the largest of all, and about the force beyond it, N.
+
+    The tension is continued by the fall from the last but one row of cells to the last.
+    """
+    tension = solution.tension
+    largest = 0.0 if tension is None else float(tension.max())
+    if tension is None or largest == 0.0:
+        return 0.0, 0.0
+    ratio = 0.0
+    force = 0.0
+    for axis, free in enumerate(solution.boundary.free_axes):
+        rows = np.moveaxis(tension, axis, 0)
+        if not free or len(rows) < 2:
+            continue
+        for last, before in ((rows[0], rows[1]), (rows[-1], rows[-2])):
+            ratio = max(ratio, float(last.max()) / largest)
+            fall = float(last.sum()) / max(float(before.sum()), float(last.sum()), 1e-300)
+            force += float(last.sum()) * min(fall / max(1.0 - fall, 1e-3), float(len(rows)))
+    return ratio, force * solution.grid.cell_area
 
 
 def interpolate_peak(solution: ContactSolution) -> Estimate:

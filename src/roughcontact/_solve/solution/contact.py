@@ -15,7 +15,7 @@ from roughcontact._base.arrays import Array
 from roughcontact._parts.materials import Material
 from roughcontact._parts.surfaces import HeightMap
 from roughcontact._solve.solution import storage
-from roughcontact._solve.solution.attraction import interpolate_peak, warn_of_range, widen_area
+from roughcontact._solve.solution.attraction import interpolate_peak, warn_of_attraction, widen_area
 from roughcontact._solve.solution.fields import ContactFields
 from roughcontact._solve.solution.healing import heal
 from roughcontact._solve.solution.plausibility import list_warnings
@@ -354,7 +354,7 @@ class ContactSolution(ContactFields):
         """
         pressed = self if self.tension is None else self._pressed
         found = list_warnings(pressed, self._materials.values())
-        return found if self.origin is None else (*found, *warn_of_range(self, self.origin))
+        return found if self.origin is None else (*found, *warn_of_attraction(self, self.origin))
 
     @cached_property
     def theory(self) -> TheoryBeside | None:

@@ -242,6 +242,11 @@ class ContactFields(AskedOf):
         # Arrays in pickles and deep copies are writable: the constructor makes them read-only again.
         return _restore, (type(self), attrs.asdict(self, recurse=False))
 
+    @property
+    def surface_modulus(self) -> float:
+        """Contact modulus of the shortest waves, Pa: that of a layer on the body where the cells are finer than it."""
+        return float(self.effective_modulus(1.0 / max(self.grid.spacing)))
+
     def effective_modulus(self, wavenumber: float | Array) -> Array:
         """Return the effective contact modulus E*, Pa, of pressure waves with these wave numbers, rad/m."""
         allowed = "a number or an array of numbers above 0 (rad/m)"

@@ -120,7 +120,7 @@ def find_stickiness(solution: ContactSolution) -> Stickiness | None:
     if solution.tension is None or solution.origin is None or solution.origin.missing or not _has_spectrum(solution):
         return None
     given: Interaction = solution.origin.problem["adhesion"]
-    law = given.resolve(solution.grid.spacing, solution.modulus)
+    law = given.resolve(solution.grid.spacing, solution.surface_modulus)
     if np.ndim(law.work) or np.ndim(law.strength):
         return None
     work = float(law.work)
