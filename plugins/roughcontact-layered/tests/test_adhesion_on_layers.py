@@ -27,10 +27,8 @@ def test_a_thick_soft_layer_on_glass_is_a_soft_half_space(law, shape):
     expected = alone.pull_off()
     assert found.value == pytest.approx(expected.value, rel=0.01)
     assert found.uncertainty == pytest.approx(expected.uncertainty, rel=0.2)
-    cells = [
-        problem.plan.interaction.cohesive_cells(problem.plan.grid.spacing, problem.plan.surface_modulus)
-        for problem in (on_glass, alone)
-    ]
+    plans = [on_glass.plan, alone.plan]
+    cells = [plan.interaction.cohesive_cells(plan.grid.spacing, plan.surface_modulus) for plan in plans]
     assert cells[0] == pytest.approx(cells[1], rel=0.02)
     areas = [problem.solve(force=0.0).area() for problem in (on_glass, alone)]
     assert areas[0].uncertainty == pytest.approx(areas[1].uncertainty, rel=0.05)

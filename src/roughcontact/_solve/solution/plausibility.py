@@ -176,7 +176,7 @@ def find_contact(solution: ContactSolution, materials: Iterable[Material]) -> li
     names = ("isotropy", "edge contact", "tilt", "cells per contact", "slope", "maximum pressure", "approach", "theory")
     if not solution.contact.any():
         return [Finding(name, math.nan, "there is no contact") for name in names]
-    peak = float(solution.pressure.max()) / solution.modulus
+    peak = float(solution.pressure.max()) / solution.surface_modulus
     approach = solution.approach / min(solution.grid.size)
     edge = _find_edge_contact(solution)
     return [
