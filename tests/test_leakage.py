@@ -390,3 +390,14 @@ def test_a_ridge_is_closed_at_any_load():
     problem = rc.ContactProblem(rc.Body(RIDGE, rc.Elastic(1e9, 0.3)), boundary="periodic", threads=1)
     with pytest.raises(rc.InputError, match="No path joins the two sides"):
         find_percolation(problem, axis=1)
+
+
+@pytest.mark.parametrize("cells", [(64, 64), (80, 80), (96, 64)])
+def test_the_error_of_the_gap_counts_in_the_flow(cells):
+    """Around a pillar the gap errs in first order, and the flow three times as much: 1.31e-12 m3/s on 512 cells."""
+    x, y = (((np.arange(n) + 0.5) / n - 0.5) * 1e-3 for n in cells)
+    heights = np.where(np.hypot(x[:, np.newaxis], y) < 1.47e-4, 2e-6, 0.0)
+    body = rc.Body(rc.HeightMap(heights, (1e-3, 1e-3), periodic=True), rc.Elastic(210e9, 0.3))
+    solution = rc.ContactProblem(body, boundary="periodic").solve(pressure=1.4e8)
+    flow = solution.leakage(viscosity=1e-3, pressure_drop=1e5)
+    assert abs(flow.value - 1.31e-12) < 2.0 * flow.uncertainty

@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from roughcontact._answers.areas import calibration
 from roughcontact._answers.areas.cells import count_saturated, split
-from roughcontact._base.arrays import Array, IntArray, Mask
+from roughcontact._base.arrays import Array, IntArray, Mask, Pair
 from roughcontact._parts.grid import pad_axes
 from roughcontact._parts.kernels import InfluenceKernel
 from roughcontact._solve.solution import ContactSolution, Whole
@@ -252,8 +252,9 @@ class Contour:
         Area inside the edge, m2, and its length, m.
     euler
         Euler number: the number of pieces less the number of holes.
-    sharp
-        Fraction of the edge that is sharp.
+    sharp, sharp_length
+        Fraction of the edge that is sharp, and the length of that part on the cells, through the middles of their
+        sides, m.
     alike
         Mean number of dual cells with the same edge as one of them.
     meeting
@@ -267,6 +268,7 @@ class Contour:
     length: Array
     euler: Array
     sharp: Array
+    sharp_length: Array
     alike: Array
     meeting: Array
     straight: Array
@@ -308,18 +310,31 @@ def trace_contour(solution: ContactSolution, sharp: Mask, stride: int = 1) -> Co
     owners = CellOwners.find(label, kind, patches.count)
     # At the edge the area of the polygon replaces the quarters of the corners in contact.
     replaced = (parts - inside / 4.0 * (size[0] * size[1])) * weight
-    terms = (weight, replaced, chords * smooth, euler * smooth, jagged * weight, alike * weight, meeting * weight)
+    steps = jagged * weight * _measure_steps(kind, touching, size)
+    edges = (chords * smooth, euler * smooth, jagged * weight, steps)
+    terms = (weight, replaced, *edges, alike * weight, meeting * weight)
     sums = solution.parts.total(np.stack([owners.sum(term) for term in terms]))
-    total, replaced, length, euler, jagged_part, alike, met = sums
+    total, replaced, length, euler, jagged_part, steps, alike, met = sums
     return Contour(
         area=cell * dual.cover(solution) + replaced,
         length=length,
         euler=euler,
         sharp=_divide_or(jagged_part, total, 0.0),
+        sharp_length=steps,
         alike=_divide_or(alike, total, 1.0),
         meeting=met,
         straight=straight,
     )
+
+
+def _measure_steps(kind: npt.NDArray[np.uint8], touching: Mask, size: Pair) -> Array:
+    """Return the length of the edge in each dual cell through the middles of its sides, shape (n,), m."""
+    diagonal = 0.5 * math.hypot(*size)
+    # Two corners in contact along x: the edge runs along x.
+    along = np.where(touching[0] == touching[1], size[0], size[1])
+    pieces = [(CORNER_COUNTS == 1) | _THREE_INSIDE, _DIAGONAL_INSIDE]
+    one, two = (chosen[kind] for chosen in pieces)
+    return np.select([one, two, CORNER_COUNTS[kind] == 2], [diagonal, 2.0 * diagonal, along], 0.0)
 
 
 def _has_known_edge(solution: ContactSolution) -> bool:

@@ -69,8 +69,8 @@ class TracedEdges:
     ----------
     area, refined
         Area inside the edge between neighbouring cells, and extrapolated from that between every second cell, m2.
-    length, sharp
-        Length of the edge, m, and the fraction of the edge that is sharp.
+    length, sharp, sharp_length
+        Length of the edge, m, the fraction of the edge that is sharp, and the length of that part on the cells, m.
     std
         Standard deviation of either area, m2.
     alike
@@ -113,6 +113,7 @@ class TracedEdges:
     length: Array
     untraced_std: Array
     sharp: Array
+    sharp_length: Array
     std: Array
     alike: Array
     strip: Array
@@ -199,6 +200,7 @@ def trace_edges(solution: ContactSolution) -> TracedEdges:
         length=one.length + calibration.NON_MEASURED_LENGTH * met,
         untraced_std=calibration.NON_MEASURED_LENGTH_STD * met,
         sharp=one.sharp,
+        sharp_length=one.sharp_length,
         std=np.where(straight, 0.0, np.hypot(np.hypot(std * (small + _SHARP_STD_FACTOR * one.sharp), few), places)),
         alike=_count_equal_errors(one.alike)
         * (calibration.OBLIQUE_PARTS_FACTOR if lay < MAX_RIDGE_LAY and is_diagonal(solution, lay) else 1.0),

@@ -105,6 +105,10 @@ class EdgeLength(Quantity):
         length = float(np.sum(single * np.sqrt(_elliptic_quotient(mean, difference)) * around + lobed)) + lost
         length += float(np.sum(hidden))
         exact = float(np.sum(edges.length[1:], where=straight))
+        # Nothing of a sharp edge is traced; the circle of a small patch has it.
+        sharp = float(np.sum(edges.sharp_length[1:], where=large & ~straight)) * calibration.SHARP_LENGTH
+        corners = math.pi * math.sqrt(cell * np.count_nonzero(edges.sharp_length[1:] > 0.0))
+        sharp_std = math.hypot(calibration.SHARP_LENGTH_ERROR * sharp, corners if sharp > 0.0 else 0.0)
         uneven = calibration.UNEVEN_LENGTH_ERROR * edges.curvature_resolution + calibration.LOBED_LENGTH_ERROR
         uneven = uneven * float(np.sum(lobed)) + 0.5 * lost
         lay = lay_ratio(solution)
@@ -120,11 +124,22 @@ class EdgeLength(Quantity):
             )
         untraced = float(edges.untraced_std.sum())
         crossings = count_crossings(solution) * math.sqrt(cell)
-        length += calibration.UNTRACED_CUT_LENGTH[0] * crossings + exact
+        length += calibration.UNTRACED_CUT_LENGTH[0] * crossings + exact + sharp
+        # Sides of the cells count networks of ridges well, whose traced edges are short.
+        counted = math.pi / 4.0 * measure_sides(solution)
+        networks = 0.0 if straight.any() else calibration.COUNTED_DIFFERENCE * abs(counted - length)
         untraced += calibration.UNTRACED_CUT_LENGTH[1] * crossings
         unseen = calibration.HIDDEN_LENGTH_ERROR * float(np.sum(hidden))
         std = math.hypot(
-            relative * (length - exact), _STRAIGHT_LENGTH_ERROR * exact, uneven, narrow, diagonal, untraced, unseen
+            relative * (length - exact - sharp),
+            _STRAIGHT_LENGTH_ERROR * exact,
+            uneven,
+            narrow,
+            diagonal,
+            untraced,
+            unseen,
+            sharp_std,
+            networks,
         )
         return warn_if_uncertain(length, std, "m", area.warnings)
 

@@ -23,7 +23,8 @@ import numpy as np
 
 from roughcontact._base.arrays import Array, IntArray, Mask
 from roughcontact._parts.grid import Boundary, Grid, extend, grow
-from roughcontact._parts.surfaces import MAX_BANDWIDTH, fill, solve_in_bands
+from roughcontact._parts.surfaces import MAX_BANDWIDTH, fill, polynomial, solve_in_bands
+from roughcontact.errors import InputError
 
 if TYPE_CHECKING:
     from roughcontact._solve.solution.contact import ContactSolution
@@ -35,6 +36,9 @@ _BENDING_RANGE = 6
 _HARMONIC_WEIGHT = 1e-9
 # Standard deviation of the mean gap in a hole, over the difference of both surfaces; set on rough contacts and balls.
 _MEAN_GAP_STD = 0.5
+# Standard deviation of the gap far from measured points over that of the measured gap; set on balls, cylinders and
+# rough contacts with margins and blobs.
+_DEEP_SCATTER = 2.0
 # Minimum overlap of a touching point, over p h / E* around it: 1.1 for one cell in a uniform pressure (exact).
 _TOUCHING_OVERLAP = 0.3
 # Steps to the cells around one.
@@ -88,7 +92,9 @@ def _overlaps(gap: Array, solution: ContactSolution, missing: Mask) -> Mask:
 def fill_gap(solution: ContactSolution) -> tuple[Array, float]:
     """Return the gap with values at all non-measured points, shape `grid.shape`, m, and the uncertainty of its mean, m.
 
-    Points that would touch get no gap; the uncertainty is the standard deviation by these points.
+    Points that would touch get no gap; the uncertainty is the standard deviation by these points. Far from measured
+    points nothing is known of the gap: there it is, on a free domain, the form through the measured gap, and all ways
+    to continue it count.
     """
     from scipy import ndimage
 
@@ -101,7 +107,40 @@ def fill_gap(solution: ContactSolution) -> tuple[Array, float]:
     holes, _ = ndimage.label(missing)
     differences = np.bincount(holes[missing], weights=(gap - harmonic)[missing])
     std = _MEAN_GAP_STD * float(np.linalg.norm(differences)) / missing.size
-    return np.where(missing, np.maximum(gap, 0.0), gap), std
+    gap = np.where(missing, np.maximum(gap, 0.0), gap)
+    deep = missing & ~grow(~missing, _BENDING_RANGE, solution.boundary)
+    if not deep.any():
+        return gap, std
+    ways = [gap, np.where(deep, float(gap[~missing].mean()), gap)]
+    if all(solution.boundary.free_axes):
+        form = _continue_form(gap, missing | (solution.contact_pressure > 0.0))
+        ways.insert(0, np.where(deep, form, gap))
+    means = [float(np.mean(way)) for way in ways]
+    return ways[0], math.hypot(std, max(means) - min(means), _scatter_of_mean(gap, missing, deep))
+
+
+def _continue_form(gap: Array, omitted: Mask) -> Array:
+    """Return the form of second degree through the open gap, shape (nx, ny), m, at least zero."""
+    try:
+        return np.maximum(polynomial(gap, 2, omitted), 0.0)
+    # Too few points of the gap are known.
+    except InputError:
+        return gap
+
+
+def _scatter_of_mean(gap: Array, missing: Mask, deep: Mask) -> float:
+    """Return the standard deviation of the mean gap because the gap scatters where it is not known, m."""
+    measured = ~missing
+    departure = np.where(measured, gap - float(gap[measured].mean()), 0.0)
+    lengths = []
+    for axis in (0, 1):
+        spectrum = np.abs(np.fft.rfft(departure, n=2 * gap.shape[axis], axis=axis)) ** 2
+        correlation = np.fft.irfft(spectrum.sum(axis=1 - axis))[: gap.shape[axis]]
+        fallen = np.flatnonzero(correlation < 0.5 * correlation[0])
+        lengths.append(float(fallen[0]) if fallen.size else float(gap.shape[axis]))
+    count = int(np.count_nonzero(deep))
+    independent = max(count / (4.0 * math.pi * lengths[0] * lengths[1]), 1.0)
+    return _DEEP_SCATTER * count / gap.size * float(gap[measured].std()) / math.sqrt(independent)
 
 
 def _bend_near(gap: Array, missing: Mask, places: Mask, solution: ContactSolution) -> Array:
