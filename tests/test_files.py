@@ -517,6 +517,6 @@ class TestFilesThatHoldNoHeights:
 
 def test_the_package_of_each_ending_is_named(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "SurfaceTopography", None)
-    (tmp_path / "a.x3p").write_bytes(b"PK\x03\x04")
+    (tmp_path / "a.plux").write_bytes(b"PK\x03\x04")
     with pytest.raises(rc.MissingPackage, match=r"\.mat are read without it, \.tif by .*roughcontact\[files\]"):
-        rc.read_surface(tmp_path / "a.x3p")
+        rc.read_surface(tmp_path / "a.plux")

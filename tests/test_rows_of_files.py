@@ -120,7 +120,7 @@ def test_images_and_lists_state_their_axes(tmp_path):
     x, y = np.meshgrid(np.arange(12.0), np.arange(8.0))
     points = tmp_path / "points.xyz"
     np.savetxt(points, np.stack((x, y, np.sin(x) + y**2), axis=-1).reshape(-1, 3))
-    read = [rc.read_surface(points, size=(8e-6, 12e-6), rows=rows).values for rows in ("auto", "x", "y")]
+    read = [rc.read_surface(points, size=(12e-6, 8e-6), rows=rows).values for rows in ("auto", "x", "y")]
     assert read[0].shape == (12, 8)
     np.testing.assert_array_equal(read[0], read[1])
     np.testing.assert_array_equal(read[0], read[2])

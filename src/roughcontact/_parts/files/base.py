@@ -29,6 +29,9 @@ _FOREIGN_KINDS = {
     b"<html": ("a page of HTML", _DOCUMENT_ADVICE),
     b"<?xml": ("an XML document", _DOCUMENT_ADVICE),
     b"<vtkfile": ("image data of VTK", _DOCUMENT_ADVICE),
+    b"ply\n": ("a cloud of points in PLY", "export the heights on a regular grid, as text x y z"),
+    b"ply\r\n": ("a cloud of points in PLY", "export the heights on a regular grid, as text x y z"),
+    b"\x1f\x8b": ("compressed by gzip", "unpack it first (gunzip)"),
 }
 # The first bytes of files by their ending; other formats have none of their own.
 _BEGINNINGS = {
@@ -64,6 +67,10 @@ class RawMap:
         Whether the heights are in an unknown unit, which must be given, as in images.
     needs_rows
         Whether the file does not say if it has a row for each x or for each y; a row for each x is assumed.
+    steps
+        Distances of its points along x and y, in a unit that it does not state; None where it states none.
+    rows
+        In words, what a line of the file is: one x, or one y; empty where it has no lines.
     """
 
     heights: Array = attrs.field(repr=outlined)
@@ -73,6 +80,8 @@ class RawMap:
     hint: str = ""
     needs_unit: bool = False
     needs_rows: bool = False
+    steps: Pair | None = None
+    rows: str = ""
 
 
 def check_rows(value: str) -> str:
@@ -88,6 +97,12 @@ def require_memory_of_map(size: float) -> None:
 def put_x_first(heights: Array, rows: str) -> Array:
     """Return heights of a file with a row for each x or each y, indexed [x, y]."""
     return np.ascontiguousarray(heights.T) if rows == "y" else heights
+
+
+def name_rows(rows: str, *, assumed: bool = False, downwards: bool = False) -> str:
+    """Return in words what a line of a file is."""
+    order = ", downwards" if downwards else ""
+    return f"a line of the file is one {rows}{order}{' (assumed: rows= says it)' if assumed else ''}"
 
 
 class SurfaceReader(abc.ABC):
@@ -138,6 +153,8 @@ def find_foreign(file: Path) -> str:
     if b"<vtkfile" in start:
         start = b"<vtkfile"
     # The files of some instruments, and numpy's, are archives too.
+    if start.startswith(b"pk\x03\x04") and file.suffix.lower() in (".xlsx", ".xlsm", ".ods"):
+        return "it is a workbook of an office program: save the sheet of its heights as CSV"
     if start.startswith(b"pk\x03\x04") and file.suffix.lower() == ".zip":
         return "it is a ZIP archive: unpack it first"
     for mark, (kind, advice) in _FOREIGN_KINDS.items():

@@ -3,31 +3,33 @@
 from __future__ import annotations
 
 import warnings
-import zipfile
 from pathlib import Path
 
 import attrs
 import numpy as np
 
-from roughcontact._base.archive import read_npy, read_npz, require_expansion
+from roughcontact._base.archive import read_npy, read_npz
+from roughcontact._base.arrays import Array
 from roughcontact._base.checks import choice, integer
 from roughcontact._parts.files.base import (
     RawMap,
     SurfaceReader,
     check_rows,
     find_foreign,
+    name_rows,
     put_x_first,
     require_memory_of_map,
 )
-from roughcontact._parts.files.text import SEPARATORS, WORDS, put_on_grid, read_header, read_table, require_heights
+from roughcontact._parts.files.hdf5 import is_hdf5, require_bounded_hdf5
+from roughcontact._parts.files.headers import Stated, apply_non_measured, read_header
+from roughcontact._parts.files.points import order_columns, put_on_grid, refuse_further_columns
+from roughcontact._parts.files.text import SEPARATORS, WORDS, read_table, require_heights
+from roughcontact._parts.files.x3p import require_bounded_archive
 from roughcontact._parts.surfaces import read_topography
 from roughcontact.errors import InputError, MissingPackage
 
 # Endings of files that need no instrument's reader.
-_ENDINGS = ".npz, .npy, .txt, .csv, .tsv, .dat, .asc, .xyz, .mat"
-# Endings of descriptions in the archives of instruments, and their maximum bytes: parsed XML takes twenty times more.
-_DESCRIPTION_ENDINGS = (".xml", ".txt")
-_MAX_DESCRIPTION_BYTES = 2**22
+_ENDINGS = ".npz, .npy, .txt, .csv, .tsv, .dat, .asc, .xyz, .prn, .mat"
 # Numbers in a row of a profile x z and of a list of points x y z, and the minimum rows of such a list: 3 x 3 points.
 _COLUMNS_OF_PROFILES = 2
 _COLUMNS_OF_POINTS = 3
@@ -90,7 +92,19 @@ class NpyReader(SurfaceReader):
         require_memory_of_map(2.0 * path.stat().st_size)
         with path.open("rb") as file:
             heights = read_npy(file, path.stat().st_size)
-        return RawMap(put_x_first(heights, self.rows), needs_rows=self.rows == "auto")
+        needs_rows = self.rows == "auto"
+        rows = name_rows("x" if needs_rows else self.rows, assumed=needs_rows)
+        return RawMap(put_x_first(heights, self.rows), needs_rows=needs_rows, rows=rows)
+
+
+def _require_shape(heights: Array, stated: Stated) -> None:
+    """Refuse numbers of another shape than a header states."""
+    columns, rows = stated.shape
+    if (rows or heights.shape[0], columns or heights.shape[1]) != heights.shape:
+        raise InputError(
+            f"its header states {columns} columns and {rows} rows, but it holds {heights.shape[1]} and "
+            f"{heights.shape[0]}: it is damaged, or holds more than one table"
+        )
 
 
 def _separator(value: str) -> str:
@@ -134,51 +148,39 @@ class TextReader(SurfaceReader):
 
     @property
     def suffixes(self) -> frozenset[str]:
-        """Txt, csv, tsv, dat, asc and xyz."""
-        return frozenset({".txt", ".csv", ".tsv", ".dat", ".asc", ".xyz"})
+        """Txt, csv, tsv, dat, asc, xyz and prn."""
+        return frozenset({".txt", ".csv", ".tsv", ".dat", ".asc", ".xyz", ".prn"})
 
     def read(self, path: Path) -> RawMap:
         """Return the map."""
         # numpy.savetxt writes a number in at most 25 characters; the map is held twice while it is checked.
         require_memory_of_map(16.0 / 25.0 * path.stat().st_size)
         table = read_table(path, self.separator, self.decimal, self.skip_rows)
-        heights = table.numbers
         stated = read_header(table.header)
+        heights = apply_non_measured(table.numbers, stated)
         if heights.shape[0] >= _MIN_LIST_ROWS and heights.shape[1] == _COLUMNS_OF_PROFILES:
             raise InputError(
                 f"each of its {heights.shape[0]} rows holds 2 numbers, as in a list of points x z of a profile, but a "
                 "height map has a row for each x and a number for each y"
             )
         if heights.shape[0] >= _MIN_LIST_ROWS and heights.shape[1] == _COLUMNS_OF_POINTS:
-            return put_on_grid(heights)
+            return put_on_grid(order_columns(heights, table.header))
+        refuse_further_columns(heights)
+        _require_shape(heights, stated)
         require_heights(heights)
         if stated.unit is not None:
             heights = heights * stated.unit
         metric = stated.unit is not None
-        if stated.size is None:
-            return RawMap(put_x_first(heights, self.rows), metric=metric, needs_rows=self.rows == "auto")
+        if not stated.is_image:
+            needs_rows = self.rows == "auto"
+            rows = name_rows("x" if needs_rows else self.rows, assumed=needs_rows)
+            return RawMap(put_x_first(heights, self.rows), metric=metric, needs_rows=needs_rows, rows=rows)
         if self.rows == "x":
             raise InputError("its header states width and height of an image, whose rows are those of y: omit rows=")
+        steps = None if stated.step is None else (stated.step, stated.step)
         # An image has y downwards.
-        return RawMap(put_x_first(heights[::-1], "y"), stated.size, metric=metric)
-
-
-def _require_bounded_archive(path: Path) -> None:
-    """Refuse an archive that expands to far more than its bytes: its reader would not check the memory."""
-    with path.open("rb") as file:
-        if not zipfile.is_zipfile(file):
-            return
-        with zipfile.ZipFile(file) as archive:
-            require_expansion(archive, path.stat().st_size, "export it without compression", deflated=True)
-            texts = [
-                member.file_size
-                for member in archive.infolist()
-                if member.filename.lower().endswith(_DESCRIPTION_ENDINGS)
-            ]
-    if max(texts, default=0) > _MAX_DESCRIPTION_BYTES:
-        raise InputError(
-            f"a description in it has {max(texts)} bytes, more than {_MAX_DESCRIPTION_BYTES}: it is damaged"
-        )
+        image = put_x_first(heights[::-1], "y")
+        return RawMap(image, stated.size, metric=metric, steps=steps, rows=name_rows("y", downwards=True))
 
 
 @attrs.frozen
@@ -199,7 +201,9 @@ class InstrumentReader(SurfaceReader):
         # SurfaceTopography searches all of a file of an unknown format, for minutes if it is large.
         if foreign := find_foreign(path):
             raise InputError(foreign)
-        _require_bounded_archive(path)
+        require_bounded_archive(path)
+        if is_hdf5(path):
+            require_bounded_hdf5(path)
         try:
             # Its imports warn of optional parallel packages.
             with warnings.catch_warnings(action="ignore"):
@@ -216,6 +220,13 @@ class InstrumentReader(SurfaceReader):
             raise InputError(
                 f"its content fits none of the formats that are read, which are those of {_ENDINGS}, .h5, .tif and of "
                 "instruments (.al3d, .opd, .plu, .sur, .x3p, ...): it is of another kind, or damaged"
+            ) from None
+        except ValueError as error:
+            if "physical_sizes" not in str(error):
+                raise
+            raise InputError(
+                "it does not state the sides of its domain: export it in a format that does, such as .x3p, or its "
+                "heights as text"
             ) from None
         heights, size, periodic = read_topography(topography)
         return RawMap(heights, size, periodic, metric=True)

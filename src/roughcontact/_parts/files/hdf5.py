@@ -3,14 +3,24 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Pair, RealArray
-from roughcontact._parts.files.base import RawMap, SurfaceReader, check_rows, put_x_first, require_memory_of_map
+from roughcontact._parts.files.base import (
+    RawMap,
+    SurfaceReader,
+    check_rows,
+    name_rows,
+    put_x_first,
+    require_memory_of_map,
+)
+from roughcontact._parts.files.headers import metres
 from roughcontact.errors import InputError, MissingPackage
 
 # Bytes to which compressed arrays may expand, plus a multiple of the file: heights deflate by 1 to 2, zeros by 1000.
@@ -18,8 +28,12 @@ _EXPANSION_ALLOWANCE = 2**21
 _MAX_EXPANSION_RATIO = 20
 # Filters whose arrays are read: deflate, shuffle and Fletcher's checksum.
 _FILTERS = {1, 2, 3}
+_BEGINNING = b"\x89HDF\r\n\x1a\n"
 # Members of a file, with those of its groups, that are looked at.
 _MAX_MEMBERS = 1000
+# Attributes of an array that state its unit, and the value of non-measured points.
+_UNIT_ATTRIBUTES = ("units", "unit", "Unit", "Units")
+_MISSING_ATTRIBUTES = ("_FillValue", "missing_value")
 # Arrays that give the sides of a map, and the longest side of one, m.
 _SIZE_NAMES = ("size", "lx", "ly", "dx", "dy")
 _MAX_SIDE = 1.0
@@ -30,10 +44,11 @@ def bound_expansion(size: int) -> int:
     return _EXPANSION_ALLOWANCE + _MAX_EXPANSION_RATIO * size
 
 
-def read_hdf5(path: Path) -> dict[str, RealArray]:
+def read_hdf5(path: Path) -> tuple[dict[str, RealArray], dict[str, str]]:
     """Return the arrays of real numbers with at most two dimensions in an HDF5 file by name, with two dimensions.
 
-    `InputError` if they are larger than the file can hold; `MissingPackage` without h5py.
+    Scale, offset and value of non-measured points that an array states are applied; its unit is the second item, by
+    name. `InputError` if they are larger than the file can hold; `MissingPackage` without h5py.
     """
     try:
         import h5py
@@ -44,6 +59,7 @@ def read_hdf5(path: Path) -> dict[str, RealArray]:
             "save(file, 'heights', '-v7')."
         ) from None
     arrays: dict[str, RealArray] = {}
+    units: dict[str, str] = {}
     size = path.stat().st_size
     left = bound_expansion(size)
     with path.open("rb") as stream, h5py.File(stream, "r") as file:
@@ -51,8 +67,65 @@ def read_hdf5(path: Path) -> dict[str, RealArray]:
             left -= math.prod(item.shape) * item.dtype.itemsize
             if left < 0:
                 raise InputError(f"its arrays are larger than a file of {size} bytes can hold")
-            arrays[name] = np.atleast_2d(np.asarray(item[()]))
-    return arrays
+            arrays[name] = _unpack(np.atleast_2d(np.asarray(item[()])), item.attrs)
+            unit = next((_read_text(item.attrs[key]) for key in _UNIT_ATTRIBUTES if key in item.attrs), "")
+            units |= {name: unit} if unit else {}
+    return arrays, units
+
+
+def _unpack(values: RealArray, stated: Any) -> RealArray:
+    """Return the numbers that packed ones stand for, after the attributes of an array, as netCDF has them."""
+    missing = [stated[key] for key in _MISSING_ATTRIBUTES if key in stated]
+    scale = _read_number(stated.get("scale_factor", 1.0))
+    offset = _read_number(stated.get("add_offset", 0.0))
+    if not missing and (scale, offset) == (1.0, 0.0):
+        return values
+    found = values * scale + offset
+    for one in missing:
+        found[values == np.asarray(one).astype(values.dtype).ravel()[0]] = np.nan
+    return np.asarray(found, dtype=np.float64)
+
+
+def _read_number(value: Any) -> float:
+    number = np.asarray(value).ravel()
+    if number.size != 1 or number.dtype.kind not in "iuf" or not np.isfinite(number[0]):
+        raise InputError(f"it states a scale or an offset of {value!r:.40}, which is not a number")
+    return float(number[0])
+
+
+def _read_text(value: Any) -> str:
+    one = np.asarray(value).ravel()[:1].tolist()
+    text = one[0] if one else ""
+    return text.decode("utf-8", "replace") if isinstance(text, bytes) else str(text)
+
+
+def is_hdf5(path: Path) -> bool:
+    """Return whether a file begins as HDF5 does, whatever its ending."""
+    with path.open("rb") as stream:
+        return stream.read(len(_BEGINNING)) == _BEGINNING
+
+
+def require_bounded_hdf5(path: Path) -> None:
+    """Refuse an HDF5 file whose arrays, of any kind and dimension, are larger than it can hold.
+
+    Foreign libraries make them before they look: a file of 10 kB may declare gigabytes that nobody has written.
+    """
+    try:
+        import h5py
+    except ImportError:
+        return
+    size = path.stat().st_size
+    left = bound_expansion(size)
+
+    def count(name: str, item: Any) -> None:
+        nonlocal left
+        if isinstance(item, h5py.Dataset):
+            left -= math.prod(item.shape or ()) * item.dtype.itemsize
+
+    with path.open("rb") as stream, h5py.File(stream, "r") as file:
+        file.visititems(count)
+    if left < 0:
+        raise InputError(f"its arrays are larger than a file of {size} bytes can hold")
 
 
 def _find_arrays(file: Any, h5py: Any) -> dict[str, Any]:
@@ -115,8 +188,13 @@ def check_variable(value: str | None) -> str | None:
     return value
 
 
-def choose_map(arrays: dict[str, RealArray], variable: str | None, rows: str) -> RawMap:
-    """Return the map among the arrays of a file: the one named, that named `heights`, or the only one."""
+def choose_map(
+    arrays: dict[str, RealArray], variable: str | None, rows: str, units: Mapping[str, str] = MappingProxyType({})
+) -> RawMap:
+    """Return the map among the arrays of a file: the one named, that named `heights`, or the only one.
+
+    `units` are those that the arrays state, by name.
+    """
     maps = {name: array for name, array in arrays.items() if min(array.shape) > 1}
     name = variable or ("heights" if "heights" in maps else min(maps, default=""))
     if name not in maps or (variable is None and name != "heights" and len(maps) > 1):
@@ -127,7 +205,14 @@ def choose_map(arrays: dict[str, RealArray], variable: str | None, rows: str) ->
         )
     heights = put_x_first(np.array(maps[name], dtype=np.float64, order="C"), rows)
     size, words = _find_size(arrays, (heights.shape[0], heights.shape[1]))
-    return RawMap(heights, size, hint=words, needs_rows=rows == "auto")
+    if name in units:
+        unit = metres(units[name])
+        if unit is None:
+            raise InputError(f"its heights are stated in {units[name][:20]!a}, which is not a known unit of length")
+        heights *= unit
+    needs_rows = rows == "auto"
+    stated = name_rows("x" if needs_rows else rows, assumed=needs_rows).replace("a line of the file", "the first index")
+    return RawMap(heights, size, hint=words, metric=name in units, needs_rows=needs_rows, rows=stated)
 
 
 @attrs.frozen
@@ -156,4 +241,5 @@ class Hdf5Reader(SurfaceReader):
     def read(self, path: Path) -> RawMap:
         """Return the map."""
         require_memory_of_map(2.0 * path.stat().st_size)
-        return choose_map(read_hdf5(path), self.variable, self.rows)
+        arrays, units = read_hdf5(path)
+        return choose_map(arrays, self.variable, self.rows, units)

@@ -49,7 +49,7 @@ def read_mat(path: Path) -> dict[str, RealArray]:
             or b"MATLAB 7.3" in start[:20]
         ):
             # HDF5 lists the dimensions of MATLAB backwards.
-            return {name: array.T for name, array in read_hdf5(path).items()}
+            return {name: array.T for name, array in read_hdf5(path)[0].items()}
         file.seek(len(start))
         data = file.read()
     if start[126:128] not in (b"IM", b"MI"):

@@ -24,10 +24,14 @@ from roughcontact.errors.door import guarded
 
 _LOGGER = logging.getLogger("roughcontact")
 _FALLBACK_READER = "instrument"
+# First bytes of instruments' files whose ending is that of text files: of Zygo.
+_BEGINNINGS_OF_INSTRUMENTS = (b"\x88\x1b\x03\x6f", b"\x88\x1b\x03\x70", b"\x88\x1b\x03\x71")
 # Characters of a reader's message that ours repeats.
 _MAX_REASON_CHARACTERS = 200
 # Relative difference between a given size and the size in a file: six digits, as people type them.
 _SIZE_TOLERANCE = 1e-6
+# Relative difference between the proportions of cells and of points in a file: positions are printed with few digits.
+_STEP_TOLERANCE = 0.02
 # Relative difference of the sides of square cells: sizes are given with three digits.
 _SQUARE_CELL_TOLERANCE = 5e-3
 
@@ -107,12 +111,14 @@ def read_surface(
             )
     if raw.needs_rows:
         _require_rows(raw.heights, given, file)
+    _require_steps(raw, given, file)
     heights, mask, done = complete(
         raw.heights, f"the file {file.name}", non_measured, " (on the command line --non-measured)"
     )
     surface = HeightMap(heights, given, periodic=raw.periodic, non_measured=mask)
     scale = _unit(raw, unit, file)
     in_units = "" if unit is None else f", heights in units of {si(scale, 'm')}"
+    in_units += f", {raw.rows}" if raw.rows else ""
     # Free the heights of the file before new ones are made.
     del raw, heights
     values = surface.values if unit is None else surface.values * scale
@@ -174,12 +180,23 @@ def _make_reader(choice: str | SurfaceReader, file: Path, options: dict[str, Any
 
 def _reader_for(file: Path) -> str:
     suffix = file.suffix.lower()
+    if _begins_with(file, _BEGINNINGS_OF_INSTRUMENTS):
+        return _FALLBACK_READER
     for name in readers:
         # A broken plug-in must not keep others from reading their files.
         with contextlib.suppress(InputError):
             if name != _FALLBACK_READER and suffix in readers.create(name).suffixes:
                 return name
     return _FALLBACK_READER
+
+
+def _begins_with(file: Path, beginnings: tuple[bytes, ...]) -> bool:
+    """Return whether a file begins with one of some bytes."""
+    try:
+        with file.open("rb") as stream:
+            return stream.read(max(map(len, beginnings))).startswith(beginnings)
+    except OSError:
+        return False
 
 
 def _require_rows(heights: Array, size: float | Sequence[float], file: Path) -> None:
@@ -198,6 +215,21 @@ def _require_rows(heights: Array, size: float | Sequence[float], file: Path) -> 
             f"The file {file.name} has {nx} rows of {ny} numbers: on {si(sides[0], 'm')} x {si(sides[1], 'm')}, a row "
             f"for each x makes cells of {si(here[0], 'm')} x {si(here[1], 'm')}, a row for each y square ones of "
             f"{si(turned[0], 'm')}. Say which it is: rows='y', or rows='x'."
+        )
+
+
+def _require_steps(raw: RawMap, size: float | Sequence[float], file: Path) -> None:
+    """Refuse a size whose cells do not have the proportions of the points in the file."""
+    if raw.steps is None or raw.heights.ndim != 2 or not raw.heights.size:
+        return
+    sides = pair(size, "The size of the height map", "m", above=0.0)
+    cells = [side / count for side, count in zip(sides, raw.heights.shape, strict=True)]
+    if abs(cells[0] / cells[1] * raw.steps[1] / raw.steps[0] - 1.0) > _STEP_TOLERANCE:
+        raise InputError(
+            f"The points in {file.name} are {raw.steps[0]:.6g} and {raw.steps[1]:.6g} apart along x and y, but on "
+            f"{si(sides[0], 'm')} x {si(sides[1], 'm')} its {raw.heights.shape[0]} x {raw.heights.shape[1]} points "
+            f"would be {si(cells[0], 'm')} and {si(cells[1], 'm')} apart: give the sides of x and of y in this order, "
+            "or name the columns above the points."
         )
 
 

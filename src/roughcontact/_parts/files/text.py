@@ -14,17 +14,9 @@ from pathlib import Path
 import attrs
 import numpy as np
 
-from roughcontact._base.arrays import Array, Pair
-from roughcontact._parts.files.base import RawMap
+from roughcontact._base.arrays import Array
 from roughcontact.errors import InputError
 
-# Lines of a header: "# Width: 10.0 µm", "# Height: 5.0 µm", "# Value units: nm".
-_SIDE_LINE = re.compile(r"#?\s*(Width|Height):\s*([0-9]{1,30}(?:[.,][0-9]{1,30})?(?:e[-+]?[0-9]{1,3})?)\s*(\S{1,8})\s*")
-_UNIT_LINE = re.compile(r"#?\s*Value units:\s*(\S{1,20})\s*")
-# Metres in units of length; the two letters for micro, and its byte in Latin-1, read as UTF-8.
-_METRES_PER_UNIT = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "nm": 1e-9, "pm": 1e-12, "Å": 1e-10}
-_METRES_PER_UNIT |= {"micron": 1e-6, "microns": 1e-6, "inch": 0.0254}
-_MICRO = str.maketrans({"µ": "u", "μ": "u", "\udcb5": "u"})
 # Separators by the names of those that are awkward to type.
 WORDS = {"tab": "\t", "blank": " "}
 SEPARATORS = (",", ";", "\t", " ")
@@ -39,19 +31,13 @@ _NON_MEASURED = re.compile(
 _SINGLE_COMMA_LINES = re.compile(r"(?:[-+]?[0-9]+,[0-9]+(?:\n|\Z))+")
 # Minimum numbers of a margin: fewer may rise in equal steps by chance.
 _MIN_MARGIN_NUMBERS = 8
-# Rounding of printed positions in a margin, and in a list of points, over the step.
+# Rounding of printed positions in a margin, over the step.
 _STEP_TOLERANCE = 0.01
-_GRID_TOLERANCE = 0.05
+# Decimals of printed positions at most, and their rounding in float64.
+_MAX_POSITION_DECIMALS = 6
+_DECIMAL_TOLERANCE = 1e-6
 _COUNTING_MARGIN = "count"
 _KEEP_ADVICE = "if they are heights, save the map with numpy.save"
-# Gaps between sorted positions below this fraction of the largest are rounding.
-_MIN_GAP_FRACTION = 0.3
-# A map with both sides below this in its own unit is assumed to be in metres.
-_MAX_METRIC_SIDE = 0.1
-# Maximum position that has differences in float64.
-_MAX_PLACE = 1e300
-# Minimum fraction of the points of a grid that are listed; the others were not measured.
-_MIN_LISTED_FRACTION = 0.5
 # Byte-order mark of each encoding; the longer ones first, because they begin with the shorter.
 _BYTE_ORDER_MARKS = {
     codecs.BOM_UTF8: "utf-8-sig",
@@ -65,38 +51,15 @@ _MAX_QUOTED_CHARACTERS = 40
 # Lines of heights from which the layout is found, and lines of a header that are kept.
 _SAMPLE_LINES = 20
 _MAX_HEADER_LINES = 1000
+# A quoted field, one with a decimal comma, and what an instrument writes for a non-measured point.
+_QUOTED = re.compile(r'"([^"]*)"')
+_DECIMAL_COMMA = re.compile(r"[-+]?[0-9]*,[0-9]*(?:[eE][-+]?[0-9]+)?")
+_NO_DATA = re.compile(r"\bno data\b", re.IGNORECASE)
+# A number with commas that may separate thousands, and one without.
+_THOUSANDS = re.compile(r"[-+]?[0-9]{1,3}(?:,[0-9]{3})+")
+_WHOLE = re.compile(r"[-+]?[0-9]+")
 # A comment at the end of a line, but not the mark in 1.#QNAN.
 _COMMENT = re.compile(r"(?:^|(?<=[\s,;]))#.*", re.DOTALL)
-
-
-def metres(unit: str) -> float | None:
-    """Return the metres in a unit such as µm; None if it is not a known unit of length."""
-    return _METRES_PER_UNIT.get(unit.translate(_MICRO))
-
-
-@attrs.frozen
-class Stated:
-    """Sides (x, y) of an image, m, and the unit of its heights, m; None where a header does not state them."""
-
-    size: Pair | None
-    unit: float | None
-
-
-def read_header(lines: Sequence[str]) -> Stated:
-    """Return size and unit that a header states; `InputError` if its values are not lengths."""
-    sides = {}
-    unit = None
-    for line in lines:
-        if found := _SIDE_LINE.fullmatch(line):
-            length = metres(found[3])
-            sides[found[1]] = None if length is None else float(found[2].replace(",", ".")) * length
-        elif found := _UNIT_LINE.fullmatch(line):
-            unit = metres(found[1])
-            if unit is None:
-                raise InputError(f"its header states values in {found[1]!a}, which is not a known unit of length")
-    width = sides.get("Width")
-    height = sides.get("Height")
-    return Stated((width, height) if width and height else None, unit)
 
 
 def is_non_measured(word: str) -> bool:
@@ -146,14 +109,28 @@ def find_layout(lines: Sequence[str], separator: str, decimal: str) -> Layout:
     `InputError` if commas may be decimal or separate numbers; the message names the options.
     """
     separator = WORDS.get(separator, separator)
+    given = decimal
     if separator == "auto":
         separator = _find_separator(lines, decimal)
     if decimal == "auto":
         text = "".join(lines)
         decimal = "," if separator != "," and "," in text and "." not in text else "."
+    if decimal == "," and given == "auto":
+        _refuse_thousands(lines, separator)
     if separator == "," == decimal:
         raise InputError("a comma cannot both separate the numbers and be their decimal mark: give another separator=")
     return Layout(separator, decimal)
+
+
+def _refuse_thousands(lines: Sequence[str], separator: str) -> None:
+    """Refuse commas that may separate thousands: three digits follow each, and other numbers have none."""
+    fields = [one.strip() for line in lines for one in line.split(None if separator == " " else separator)]
+    with_comma = [one.removesuffix(",") for one in fields if "," in one.removesuffix(",")]
+    if with_comma and all(map(_THOUSANDS.fullmatch, with_comma)) and any(map(_WHOLE.fullmatch, fields)):
+        raise InputError(
+            f"it holds numbers such as {with_comma[0]} beside whole ones, so that the commas may separate thousands: "
+            "give decimal=',' if they are decimal, or write the numbers without separators of thousands"
+        )
 
 
 def _find_separator(lines: Sequence[str], decimal: str) -> str:
@@ -237,56 +214,18 @@ def _is_even(line: Array) -> bool:
     with np.errstate(over="ignore", invalid="ignore"):
         step = (line[-1] - line[0]) / (line.size - 1)
         even = line[0] + step * np.arange(line.size)
-        return bool(step != 0.0 and np.abs(line - even).max() <= _STEP_TOLERANCE * abs(step))
+        # Positions are printed with a few decimals, and each may be half of the last one off at both ends of a step.
+        allowed = max(_STEP_TOLERANCE * abs(step), min(_find_rounding(line), 0.5 * abs(step)))
+        return bool(step != 0.0 and np.abs(line - even).max() <= allowed)
 
 
-def put_on_grid(points: Array) -> RawMap:
-    """Return the map of points x y z, shape (n, 3), in any order, on a regular grid along x and y; NaN elsewhere.
-
-    Its size is not known, because x and y have an unknown unit. `InputError` if the points do not lie on a regular
-    grid, on most of its points and once on each.
-    """
-    i, nx, dx = _indices(points[:, 0])
-    j, ny, dy = _indices(points[:, 1])
-    if not _MIN_LISTED_FRACTION * nx * ny <= len(points) <= nx * ny:
-        raise _irregular(len(points))
-    heights = np.full((nx, ny), np.nan)
-    heights[i, j] = points[:, 2]
-    if np.unique(i * ny + j).size < len(points):
-        raise _irregular(len(points))
-    unit, length = (1.0, "metre") if max(nx * dx, ny * dy) < _MAX_METRIC_SIDE else (1e-6, "micrometre")
-    sides = ", ".join(f"{unit * side:.6g}" for side in (nx * dx, ny * dy))
-    return RawMap(
-        heights,
-        hint=f"its {nx} x {ny} points are {dx:.6g} x {dy:.6g} apart in a unit that it does not state; if that is the "
-        f"{length}, size=({sides})",
-    )
-
-
-def _indices(places: Array) -> tuple[np.ndarray, int, float]:
-    """Return index of each position on the regular axis through all of them, number of points, and step."""
-    if not np.abs(places).max() < _MAX_PLACE:
-        raise _irregular(len(places))
-    gaps = np.diff(np.unique(places))
-    true = gaps[gaps > _MIN_GAP_FRACTION * gaps.max(initial=0.0)]
-    span = float(np.ptp(places))
-    count = round(span / float(np.median(true))) + 1 if true.size else 0
-    if not 2 <= count <= len(places):
-        raise _irregular(len(places))
-    step = span / (count - 1)
-    exact = (places - places.min()) / step
-    index = np.rint(exact).astype(np.intp)
-    if np.abs(exact - index).max() > _GRID_TOLERANCE:
-        raise _irregular(len(places))
-    return index, count, step
-
-
-def _irregular(count: int) -> InputError:
-    return InputError(
-        f"each of its {count} rows holds 3 numbers, as in a list of points x y z, but they do not lie on a regular "
-        "grid: interpolate them on one, as by scipy.interpolate.griddata, and write the heights with "
-        "numpy.savez(path, heights=heights, size=(lx, ly))"
-    )
+def _find_rounding(line: Array) -> float:
+    """Return the last decimal with which all numbers of a line are printed; zero if there are many."""
+    for decimals in range(_MAX_POSITION_DECIMALS):
+        scaled = line * 10.0**decimals
+        if np.abs(scaled - np.rint(scaled)).max() < _DECIMAL_TOLERANCE:
+            return float(10.0**-decimals)
+    return 0.0
 
 
 @attrs.frozen(eq=False)
@@ -328,11 +267,20 @@ def _heights(lines: Iterator[tuple[int, str]], header: list[str]) -> Iterator[tu
     """Yield the lines of heights with their line numbers; lines of words before them go into the header."""
     begun = False
     waiting = list[tuple[int, str]]()
+    words = ""
     for place, line in lines:
-        content = _COMMENT.sub("", line).strip(" \r\n").replace('"', "")
+        content = _clean(_COMMENT.sub("", line).strip(" \r\n"))
         if "\0" in content:
             raise InputError("it is not text, although its name ends so: rename it, or save it as plain text (UTF-8)")
         holds = begun or (holds_heights(content) if content else False)
+        if begun and not content and line.strip(" \r\n"):
+            # A comment between numbers, such as the name of the next channel.
+            words = words or line.strip()
+        elif begun and content and words:
+            raise InputError(
+                f"the line {words[:_MAX_QUOTED_CHARACTERS]!a} stands between its numbers, as where a second table or "
+                "channel begins: keep the heights alone"
+            )
         if holds is False:
             # A line that looks like non-measured points may be the rule below a title.
             waiting = waiting if not line.strip() else []
@@ -344,6 +292,26 @@ def _heights(lines: Iterator[tuple[int, str]], header: list[str]) -> Iterator[tu
             begun = True
             waiting = []
     yield from waiting
+
+
+def _clean(content: str) -> str:
+    """Return a line with its quotation marks resolved, and the two words of a non-measured point as one."""
+    if '"' in content:
+        content = _QUOTED.sub(_unquote, content)
+    return _NO_DATA.sub("nan", content) if "o" in content or "O" in content else content
+
+
+def _unquote(quoted: re.Match[str]) -> str:
+    """Return a quoted field; a comma in it does not separate, so that it is a decimal mark."""
+    text = quoted[1]
+    if "," not in text:
+        return text
+    if _DECIMAL_COMMA.fullmatch(text.strip()):
+        return text.replace(",", ".")
+    raise InputError(
+        f"it holds {quoted[0][:_MAX_QUOTED_CHARACTERS]}, whose commas may separate thousands: write numbers without "
+        "separators of thousands"
+    )
 
 
 def _read_rows(lines: Iterator[tuple[int, str]], layout: Layout) -> Array:
@@ -422,8 +390,11 @@ def _number(field: str, layout: Layout, place: int) -> float:
         if is_non_measured(word):
             return math.nan
         other = "," if layout.decimal == "." else "."
-        advice = f"give decimal={other!r} if that is its decimal mark" if other in word or " " in word else ""
-        advice = advice or "lines above the heights that are not heights are skipped with skip_rows="
+        advice = f"give decimal={other!r} if that is its decimal mark" if other in word else ""
+        advice = advice or (
+            f"lines above the heights that are not heights are skipped with skip_rows={place}, and those below them "
+            "must be removed"
+        )
         raise InputError(
             f"line {place} holds {word[:_MAX_QUOTED_CHARACTERS]!a}, which is not a number: write numbers such as "
             f"-1.5e-6, nan for a point that was not measured, and comments behind #; {advice}"

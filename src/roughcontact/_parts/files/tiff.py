@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import math
+import re
 import zlib
 from pathlib import Path
 from typing import Any
@@ -14,11 +15,14 @@ import numpy as np
 from roughcontact._base.arrays import Array, Pair
 from roughcontact._base.checks import integer
 from roughcontact._parts.files.base import RawMap, SurfaceReader, require_memory_of_map
-from roughcontact._parts.files.text import metres
+from roughcontact._parts.files.headers import metres
 from roughcontact.errors import InputError, MissingPackage
 
 # Number of the tag with the value of points without data, in geographic images.
 _NODATA_TAG = 42113
+# Number of the tag in which GDAL keeps its items, and those that change what pixels mean.
+_GDAL_TAG = 42112
+_GDAL_SCALE = re.compile(r'role="(?:scale|offset)"[^<]*')
 # Bytes to which an image may expand, plus a multiple of its file.
 _EXPANSION_ALLOWANCE = 2**22
 _MAX_EXPANSION_RATIO = 50
@@ -69,11 +73,15 @@ class TiffReader(SurfaceReader):
             page = self._choose(file)
             _require_heights(page, path.stat().st_size)
             _require_honest(page, file.filehandle)
+            imagej = file.imagej_metadata or {}
             image = _read_pixels(page)
-            size, words = _find_size(page, file.imagej_metadata or {})
+            unit = _calibrate(image, page, imagej)
+            size, words = _find_size(page, imagej)
         heights = np.ascontiguousarray(image[::-1].T, dtype=np.float64)
         heights[~np.isfinite(heights)] = np.nan
-        return RawMap(heights, size, hint=words, needs_unit=True)
+        if unit is not None:
+            heights *= unit
+        return RawMap(heights, size, hint=words, metric=unit is not None, needs_unit=unit is None)
 
     def _choose(self, file: Any) -> Any:
         count = len(file.pages)
@@ -127,8 +135,40 @@ def _read_pixels(page: Any) -> Array:
         raise
     tag = page.tags.get(_NODATA_TAG)
     if tag is not None:
-        image[image == float(str(tag.value).strip("\0 "))] = np.nan
+        # It is written with other digits than the pixels have.
+        with np.errstate(over="ignore", invalid="ignore"):
+            stated = np.array(_read_nodata(str(tag.value))).astype(page.dtype).astype(np.float64)
+        image[image == stated] = np.nan
     return image
+
+
+def _read_nodata(text: str) -> float:
+    try:
+        return float(text.strip("\0 "))
+    except ValueError:
+        raise InputError(f"its value of points without data, {text[:20]!a}, is not a number") from None
+
+
+def _calibrate(image: Array, page: Any, imagej: dict[str, Any]) -> float | None:
+    """Convert pixels to what the file says that they stand for; return its unit, m, or None if it is not a length."""
+    tag = page.tags.get(_GDAL_TAG)
+    if tag is not None and (found := _GDAL_SCALE.search(str(tag.value))):
+        raise InputError(
+            f"it states a scale or an offset of its pixels ({found[0][:60]!a}), which is not applied: write the "
+            "heights themselves"
+        )
+    if "c0" not in imagej and "c1" not in imagej:
+        return None
+    # ImageJ numbers its functions; 0 is the straight line c0 + c1 v.
+    if int(imagej.get("cf", 0)) != 0:
+        raise InputError("its pixels are calibrated by a function of ImageJ that is not a straight line: write heights")
+    image *= float(imagej.get("c1", 1.0))
+    image += float(imagej.get("c0", 0.0))
+    return metres(_clean_unit(imagej.get("vunit", "")))
+
+
+def _clean_unit(unit: object) -> str:
+    return str(unit).replace("\\u00B5", "µ").strip('"')
 
 
 def _find_size(page: Any, imagej: dict[str, Any]) -> tuple[Pair | None, str]:
@@ -138,11 +178,14 @@ def _find_size(page: Any, imagej: dict[str, Any]) -> tuple[Pair | None, str]:
         return None, ""
     x, y = (tag.value[0] / tag.value[1] for tag in per_unit if tag is not None)
     rows, columns = page.shape
-    stated = metres(str(imagej.get("unit", "")).replace("\\u00B5", "µ"))
+    stated = metres(_clean_unit(imagej.get("unit", "")))
+    along_y = metres(_clean_unit(imagej["yunit"])) if "yunit" in imagej else stated
+    if (along_y is None) is not (stated is None):
+        return None, ""
     tag = page.tags.get("ResolutionUnit")
     unit = _METRES_PER_UNIT.get(int(tag.value)) if stated is None and tag is not None else stated
     if unit is None:
         return None, ""
     if stated is not None or min(x, y) / unit > _MIN_MEASURED_RESOLUTION:
-        return (columns / x * unit, rows / y * unit), ""
+        return (columns / x * unit, rows / y * (along_y or unit)), ""
     return None, f"its resolution of {x * 0.0254 / unit:.4g} dots per inch may be that of a screen or a printer"
