@@ -1,4 +1,4 @@
-"""Checks of input values: each returns the clean value or raises an `InputError`."""
+"""Checks of input values, each of which returns the clean value or raises an `InputError`; fields that take texts."""
 
 from __future__ import annotations
 
@@ -7,10 +7,12 @@ import inspect
 import math
 import mmap
 import os
+import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
+import attrs
 import numpy as np
 import numpy.typing as npt
 
@@ -23,6 +25,8 @@ T = TypeVar("T")
 # Magnitudes of quantities in SI units; products of a few of them stay within float64.
 MIN_MAGNITUDE = 1e-60
 MAX_MAGNITUDE = 1e60
+# Texts that may be numbers: digits, inf or nan behind a sign, if any.
+_NUMBER_LIKE = re.compile(r"\s*[-+.]*(?:[0-9]|inf|nan)", re.IGNORECASE)
 # Characters of a path: PATH_MAX of Linux, the largest of the systems.
 _MAX_PATH_CHARACTERS = 4096
 
@@ -279,3 +283,62 @@ def heights_array(values: npt.ArrayLike, *, nan: bool = False) -> Array:
     if max(high, -low) > MAX_MAGNITUDE:
         raise InputError(f"{what} must hold heights of at most {MAX_MAGNITUDE:g} m: check the unit.")
     return frozen_array(array)
+
+
+class Part:
+    """A class whose fields may be given as texts with a unit, as in study files and on the command line.
+
+    All bases of parts derive from it. A field of an attrs class takes such texts if its metadata have ``unit``, the SI
+    unit of the number (empty for a number without one), or ``plain_unit``, a unit that texts may omit. A converter of
+    the field gets the number.
+
+    Examples
+    --------
+    >>> import attrs
+    >>> import roughcontact as rc
+    >>> @attrs.frozen
+    ... class Coating(rc.typing.Part):
+    ...     thickness: float = attrs.field(metadata={"unit": "m"})
+    >>> print(Coating("2 um"))
+    Coating(thickness=2e-06)
+    """
+
+    __slots__ = ()
+
+    def __init_subclass__(cls, **others: Any) -> None:
+        super().__init_subclass__(**others)
+        # Fields are seen here before the decorator of attrs has made them; a class with slots is made once more.
+        for name, field in list(vars(cls).items()):
+            metadata = getattr(field, "metadata", None) or {}
+            unit = metadata.get("unit", metadata.get("plain_unit")) if hasattr(metadata, "get") else None
+            if isinstance(unit, str) and hasattr(field, "_validator"):
+                field.converter = _read_texts(f"The field {name} of {cls.__name__}", unit, field.converter)
+
+
+def _read_texts(what: str, unit: str, own: Any) -> Any:
+    """Return a converter that reads texts in a unit, and then calls the field's own converter, if there is one."""
+    if isinstance(own, attrs.Converter):
+        return attrs.converters.pipe(lambda value: _in_si(value, unit, what, lambda text: text), own)
+
+    def convert(value: Any) -> Any:
+        read = _in_si(value, unit, what, own)
+        return read if own is None else own(read)
+
+    return convert
+
+
+def _in_si(value: Any, unit: str, what: str, own: Callable[[Any], Any] | None) -> Any:
+    """Return a value with its texts, also those in lists, as numbers in SI units.
+
+    Words such as ``"auto"``, and texts that the field's own converter refuses in its own words, are left to it.
+    """
+    if isinstance(value, (list, tuple)) and any(isinstance(one, str) for one in value):
+        return type(value)(_in_si(one, unit, what, None) for one in value)
+    if not isinstance(value, str):
+        return value
+    try:
+        return parse_quantity(value, unit)
+    except ValueError as error:
+        if own is None or _NUMBER_LIKE.match(value):
+            raise InputError(f"{what}: {error}.") from error
+        return value

@@ -12,7 +12,7 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array, restore_state
-from roughcontact._base.checks import number, number_or_array
+from roughcontact._base.checks import Part, number, number_or_array
 from roughcontact._base.registry import Registry
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
@@ -21,7 +21,7 @@ from roughcontact.errors.door import guarded
 MAX_UNCOUPLED_BETA = 0.01
 
 
-class Material(abc.ABC):
+class Material(Part, abc.ABC):
     """The material of a body; a class of your own gives its compliance and its pressure limit.
 
     Attributes

@@ -9,7 +9,7 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array, Mask
-from roughcontact._base.checks import callback, integer, number
+from roughcontact._base.checks import Part, callback, integer, number
 from roughcontact._base.registry import Registry
 from roughcontact._base.tables import Table
 from roughcontact._base.units import ShownAsPrinted, si
@@ -25,7 +25,7 @@ _MAX_KEPT_PRESSURES = 16
 _MIN_PRINTED_LOSS_RATIO = 1e-12
 
 
-class FlatteningModel(abc.ABC):
+class FlatteningModel(Part, abc.ABC):
     """A model of plastic flattening; a class of your own gives the loss of height.
 
     Examples

@@ -12,7 +12,7 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array, as_shape, read_only
-from roughcontact._base.checks import number
+from roughcontact._base.checks import Part, number
 from roughcontact._base.registry import Registry
 from roughcontact._base.units import ContactWarning, ShownAsPrinted, prefixed, with_spread
 from roughcontact._base.units import Estimate as Estimate
@@ -46,7 +46,7 @@ _RUN_IN_WARNING = ContactWarning(
 )
 
 
-class Response(abc.ABC, Generic[T_co]):
+class Response(Part, abc.ABC, Generic[T_co]):
     """The response of a contact to a small change, a current or a flow. Subclass it and define `respond`.
 
     Its further arguments, such as a conductivity or depths, are fields of the subclass.
