@@ -30,6 +30,8 @@ _MIN_BRACKET_WIDTH = 1e-4
 # not follow the steps of a maximum at the surface from cell to cell.
 _MIN_LOAD_DISTANCE = 1e-2
 _UNCERTAINTY_LOAD_DISTANCE = 0.1
+# Smallest load that is tried of surfaces that attract each other, over their attraction.
+_MIN_LOAD_FRACTION = 1e-3
 # Largest load that is tried, over the load that the bodies can carry.
 _MAX_LOAD_FRACTION = 0.999
 
@@ -86,7 +88,8 @@ class FirstYield(Response[YieldPoint]):
 
     On a ball :math:`F_Y = \pi^3 R^2 p_0^3 / 6 E^{*2}` with :math:`p_0 = 1.61\,Y` for :math:`\nu = 0.3`. The load is
     searched by a secant over the logarithms of load and stress. Its relative uncertainty is the uncertainty of the
-    stress over their slope, a third for a ball, less for rough surfaces.
+    stress over their slope, a third for a ball, less for rough surfaces. Surfaces that attract each other have the
+    stress of pressure and attraction together.
 
     Parameters
     ----------
@@ -104,6 +107,8 @@ class FirstYield(Response[YieldPoint]):
     Johnson, Contact Mechanics (1985), sec. 6.1, https://doi.org/10.1017/CBO9781139171731
     """
 
+    with_adhesion = "total pressure"
+
     yield_stress: float = attrs.field(converter=_strength, metadata={"unit": "Pa"})
     body: str = attrs.field(default="body", converter=body_name)
     friction: Array | None = attrs.field(default=None, converter=coefficient, repr=outlined, metadata={"unit": ""})
@@ -112,13 +117,23 @@ class FirstYield(Response[YieldPoint]):
     def respond(self, solution: ContactSolution) -> YieldPoint:
         """Return the load of first yield, searched from the load of the solution; see `Response.respond`."""
         problem = problem_of(solution)
+        attraction = 0.0 if solution.tension is None else float(solution.tension.sum()) * solution.grid.cell_area
+        if not solution.force > 0.0:
+            solution = _press(problem, attraction)
         trials = [self._measure(solution)]
+        # Below it the attraction alone has made the body yield.
+        lightest = math.log(_MIN_LOAD_FRACTION * attraction) if attraction > 0.0 else -math.inf
         carried = maximum_pressure(problem.plan) * solution.grid.area
         heaviest = math.log(_MAX_LOAD_FRACTION * carried) if math.isfinite(carried) else math.inf
         while not trials[-1].close:
-            load = _choose_load(trials, heaviest)
+            load = _choose_load(trials, heaviest, lightest)
             if load is None:
                 break
+            if trials[-1].load <= lightest + _MIN_BRACKET_WIDTH and trials[-1].excess > 0.0:
+                raise InputError(
+                    f"The attraction alone makes the {self.body} yield: without a load the von Mises stress is "
+                    f"{si(trials[-1].maximum.value, 'Pa')}."
+                )
             if len(trials) == _MAX_SOLVES or (
                 trials[-1].load >= heaviest - _MIN_BRACKET_WIDTH and trials[-1].excess < 0.0
             ):
@@ -158,6 +173,13 @@ class _Trial:
         return abs(self.excess) <= _STRESS_TOLERANCE
 
 
+def _press(problem: ContactProblem, attraction: float) -> ContactSolution:
+    """Return the contact under a load as large as the attraction, N, for one that has no load or a tensile one."""
+    if not attraction > 0.0:
+        raise InputError("The contact carries no load from which that of first yield could be searched.")
+    return problem.solve(force=attraction)
+
+
 def _solve(problem: ContactProblem, trials: list[_Trial], load: float) -> ContactSolution:
     force = math.exp(load)
     # The two nearest loads, the nearest last.
@@ -176,11 +198,11 @@ def _find_slope(trials: list[_Trial], distance: float = _MIN_LOAD_DISTANCE) -> f
     return (last.excess - other.excess) / (last.load - other.load)
 
 
-def _choose_load(trials: list[_Trial], heaviest: float) -> float | None:
+def _choose_load(trials: list[_Trial], heaviest: float, lightest: float = -math.inf) -> float | None:
     """Return the logarithm of the next force to try; None where the stress jumps across the yield stress."""
     last = trials[-1]
     step = -last.excess / max(_find_slope(trials), _MIN_SLOPE)
-    load = min(last.load + min(max(step, -_MAX_LOAD_STEP), _MAX_LOAD_STEP), heaviest)
+    load = min(max(last.load + min(max(step, -_MAX_LOAD_STEP), _MAX_LOAD_STEP), lightest), heaviest)
     low = max((one.load for one in trials if one.excess < 0.0), default=-math.inf)
     high = min((one.load for one in trials if one.excess > 0.0), default=math.inf)
     if 0.0 <= high - low <= _MIN_BRACKET_WIDTH:

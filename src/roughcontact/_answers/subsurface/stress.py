@@ -43,7 +43,7 @@ from roughcontact._base.checks import choice, number, numbers
 from roughcontact._base.machine import require_memory, use_threads
 from roughcontact._base.units import ContactWarning, ShownAsPrinted, outlined, si
 from roughcontact._parts.grid import Boundary, Grid, list_borders
-from roughcontact._parts.kernels import SupportsStress
+from roughcontact._parts.kernels import Love, SupportsStress
 from roughcontact._solve.problem import ContactProblem, problem_of
 from roughcontact._solve.solution import ContactSolution, Response, responses
 from roughcontact.errors import InputError
@@ -449,6 +449,8 @@ class StressBelow(Response[Stress]):
     def _find_layers(self, solution: ContactSolution, problem: ContactProblem) -> SupportsStress | None:
         """Return the kernel if its layers lie on the chosen body, None if this body is a homogeneous half-space."""
         part = problem.plan.kernel.part_of(self.body)
+        if isinstance(part, Love):
+            return None
         kernel = problem.plan.kernel if part is None else part
         if not isinstance(kernel, SupportsStress):
             if solution.moduli is None:

@@ -165,7 +165,8 @@ def _add_method(parser: argparse.ArgumentParser, *, boundary: bool = True) -> No
             default="free",
             help="what lies beyond the domain (free); free-periodic is free along x and periodic along y",
         )
-    method.add_argument("--kernel", default="love", metavar="NAME", help="influence kernel (love)")
+    kernel = "influence kernel, and its fields (love)"
+    method.add_argument("--kernel", nargs="+", metavar=("NAME", "FIELD=VALUE"), help=kernel)
     method.add_argument("--solver", default="auto", metavar="NAME", help="solver (auto)")
     method.add_argument(
         "--threads", type=_number_or_auto, default="auto", metavar="N", help="threads (as many as gain)"
@@ -235,6 +236,8 @@ def _add_materials(parser: argparse.ArgumentParser, study: bool) -> None:
         choice.add_argument(f"--{prefix}young", type=_PASCAL, metavar="E", help=modulus)
         group.add_argument(f"--{prefix}poisson", type=NUMBER, metavar="NU", help=f"Poisson's ratio ({poisson})")
         group.add_argument(f"--{prefix}hardness", type=_PASCAL, metavar="H", help="hardness, such as 6GPa (elastic)")
+        layer = "a layer, from the surface downwards; may be repeated: young=400GPa poisson=0.25 thickness=2um (none)"
+        group.add_argument(f"--{prefix}layer", action="append", nargs="+", metavar="FIELD=VALUE", help=layer)
 
 
 def _add_maps(parser: argparse.ArgumentParser, study: bool) -> argparse._ArgumentGroup:

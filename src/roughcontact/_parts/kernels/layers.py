@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Protocol, runtime_checkable
+from typing import Any, Protocol, runtime_checkable
 
 from roughcontact._base.arrays import Array, Pair
 from roughcontact._parts.kernels.base import InfluenceKernel
+from roughcontact._parts.kernels.half_space import Love
 from roughcontact._parts.materials import Material, PairConstants
 
 
@@ -72,6 +73,12 @@ class SupportsStress(Protocol):
             Amplitudes at the centres of the cells, shape (6, m, n), of components that are odd in one axis their
             imaginary parts.
         """
+
+
+def has_layers(kernel: Any, body: str, material: Material) -> bool:
+    """Return whether the layers of a kernel may lie on the ``"body"`` or the ``"counterbody"``, of this material."""
+    part = kernel.part_of(body) or kernel
+    return not isinstance(part, Love) and part.describes(material)
 
 
 @runtime_checkable

@@ -4,6 +4,7 @@ from roughcontact._solve.problem.accuracy import resample_problem, tolerance_wit
 from roughcontact._solve.problem.body import RIGID_FLAT, Body
 from roughcontact._solve.problem.cycle import (
     AdhesionCycle,
+    OnStateToPullOff,
     describe_cycle,
     find_pull_off,
     find_stability,
@@ -66,6 +67,7 @@ __all__ = [
     "FrictionalPath",
     "Increment",
     "NotInAScript",
+    "OnStateToPullOff",
     "RequiredLoad",
     "SlabProcesses",
     "SlabSolution",

@@ -8,6 +8,7 @@ from roughcontact._work.studies.asking import (
     ResponseForm,
     add_answers,
     ask_states,
+    build_layer,
     build_part,
     build_response,
     describe_answers_elsewhere,
@@ -16,6 +17,7 @@ from roughcontact._work.studies.asking import (
     tabulate_answers,
     write_report,
 )
+from roughcontact._work.studies.coatings import LAYERED, find_layer_class
 from roughcontact._work.studies.form import Form, build_problem
 from roughcontact._work.studies.record import Record
 from roughcontact._work.studies.result import StudyResult
@@ -23,6 +25,7 @@ from roughcontact._work.studies.shares import Share
 from roughcontact._work.studies.study import Study
 
 __all__ = [
+    "LAYERED",
     "WITHOUT_TRACTION",
     "Answers",
     "Form",
@@ -34,11 +37,13 @@ __all__ = [
     "StudyResult",
     "add_answers",
     "ask_states",
+    "build_layer",
     "build_part",
     "build_problem",
     "build_response",
     "describe_answers_elsewhere",
     "describe_response",
+    "find_layer_class",
     "list_answer_warnings",
     "name_of",
     "tabulate_answers",
