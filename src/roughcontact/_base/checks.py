@@ -8,7 +8,7 @@ import math
 import mmap
 import os
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -25,7 +25,8 @@ T = TypeVar("T")
 # Magnitudes of quantities in SI units; products of a few of them stay within float64.
 MIN_MAGNITUDE = 1e-60
 MAX_MAGNITUDE = 1e60
-# Texts that may be numbers: digits, inf or nan behind a sign, if any.
+# The text of an infinite number; and texts that may be numbers: digits, inf or nan behind a sign, if any.
+INFINITE = "inf"
 _NUMBER_LIKE = re.compile(r"\s*[-+.]*(?:[0-9]|inf|nan)", re.IGNORECASE)
 # Characters of a path: PATH_MAX of Linux, the largest of the systems.
 _MAX_PATH_CHARACTERS = 4096
@@ -290,7 +291,7 @@ class Part:
 
     All bases of parts derive from it. A field of an attrs class takes such texts if its metadata have ``unit``, the SI
     unit of the number (empty for a number without one), or ``plain_unit``, a unit that texts may omit. A converter of
-    the field gets the number.
+    the field gets the number. With ``infinite`` it takes ``"inf"``.
 
     Examples
     --------
@@ -309,36 +310,49 @@ class Part:
         super().__init_subclass__(**others)
         # Fields are seen here before the decorator of attrs has made them; a class with slots is made once more.
         for name, field in list(vars(cls).items()):
-            metadata = getattr(field, "metadata", None) or {}
-            unit = metadata.get("unit", metadata.get("plain_unit")) if hasattr(metadata, "get") else None
-            if isinstance(unit, str) and hasattr(field, "_validator"):
-                field.converter = _read_texts(f"The field {name} of {cls.__name__}", unit, field.converter)
+            metadata = getattr(field, "metadata", None)
+            if not isinstance(metadata, Mapping) or not hasattr(field, "_validator"):
+                continue
+            unit = metadata.get("unit", metadata.get("plain_unit"))
+            if isinstance(unit, str):
+                reader = _TextReader(f"The field {name} of {cls.__name__}", unit, bool(metadata.get("infinite")))
+                field.converter = _before(reader, field.converter)
 
 
-def _read_texts(what: str, unit: str, own: Any) -> Any:
-    """Return a converter that reads texts in a unit, and then calls the field's own converter, if there is one."""
+@attrs.frozen
+class _TextReader:
+    """Reads the texts of a field, what a sentence calls it, in a unit; whether it may be infinite, ``"inf"``."""
+
+    what: str
+    unit: str
+    is_infinite: bool
+
+    def read(self, value: Any, *, is_word: bool) -> Any:
+        """Return a value with its texts, also those in lists, as numbers in SI units; words may be kept."""
+        if isinstance(value, (list, tuple)) and any(isinstance(one, str) for one in value):
+            return type(value)(self.read(one, is_word=False) for one in value)
+        if not isinstance(value, str):
+            return value
+        if self.is_infinite and value.strip() == INFINITE:
+            return math.inf
+        try:
+            return parse_quantity(value, self.unit)
+        except ValueError as error:
+            if is_word and not _NUMBER_LIKE.match(value):
+                return value
+            raise InputError(f"{self.what}: {error}.") from error
+
+
+def _before(reader: _TextReader, own: Any) -> Any:
+    """Return a converter that reads texts, and then calls the field's own converter, if there is one.
+
+    That one gets words, such as ``"auto"``.
+    """
     if isinstance(own, attrs.Converter):
-        return attrs.converters.pipe(lambda value: _in_si(value, unit, what, lambda text: text), own)
+        return attrs.converters.pipe(lambda value: reader.read(value, is_word=True), own)
 
     def convert(value: Any) -> Any:
-        read = _in_si(value, unit, what, own)
+        read = reader.read(value, is_word=own is not None)
         return read if own is None else own(read)
 
     return convert
-
-
-def _in_si(value: Any, unit: str, what: str, own: Callable[[Any], Any] | None) -> Any:
-    """Return a value with its texts, also those in lists, as numbers in SI units.
-
-    Words such as ``"auto"``, and texts that the field's own converter refuses in its own words, are left to it.
-    """
-    if isinstance(value, (list, tuple)) and any(isinstance(one, str) for one in value):
-        return type(value)(_in_si(one, unit, what, None) for one in value)
-    if not isinstance(value, str):
-        return value
-    try:
-        return parse_quantity(value, unit)
-    except ValueError as error:
-        if own is None or _NUMBER_LIKE.match(value):
-            raise InputError(f"{what}: {error}.") from error
-        return value

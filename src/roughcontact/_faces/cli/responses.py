@@ -12,6 +12,7 @@ import attrs
 import roughcontact as rc
 from roughcontact._answers.linear.pull_off import find_pull_off_once
 from roughcontact._base.units import EXAMPLES, si
+from roughcontact._faces.cli.help import add_group
 from roughcontact._faces.cli.problem import make_part
 from roughcontact._faces.cli.progress import ChangeProgress
 from roughcontact._solve.problem import OnStateToPullOff, problem_of
@@ -23,7 +24,7 @@ PULL_OFF = "pull-off"
 
 def add_responses(parser: argparse.ArgumentParser) -> None:
     """Declare an option for each registered response whose name is free; `InputError` if one cannot be loaded."""
-    group = parser.add_argument_group("what the contact does")
+    group = add_group(parser, "what the contact does", "responses")
     for name in rc.responses:
         form = describe_response(name)
         if form.is_array:

@@ -31,6 +31,7 @@ from roughcontact._faces.cli.friction import (
     refuse_responses_of_pressure,
     solve_friction,
 )
+from roughcontact._faces.cli.help import add_group, tell
 from roughcontact._faces.cli.inputs import describe_responses, describe_wanted
 from roughcontact._faces.cli.options import add_accuracy, add_problem, whole_number
 from roughcontact._faces.cli.problem import loads_of, problem_of, set_tolerance
@@ -57,10 +58,10 @@ examples:
   roughcontact solve ball.npz ring.npz --force 5N --young 210GPa \\
       --hardness 6GPa --counterbody-young 210GPa --detrend plane \\
       -o contact.npz -o contact.png
+  roughcontact solve ball.npz --force 5N --material "bearing steel" \\
+      --layer young=400GPa poisson=0.25 thickness=2um --first-yield 1GPa
   roughcontact solve map.npz --loads 1N 2N 5N --young 210GPa --csv > loads.csv
   roughcontact solve map.npz --solve-for area=10% --young 210GPa
-  roughcontact solve map.npz --force 1N --young 210GPa --json | jq .area
-  roughcontact solve map.npz --force 1N --young 210GPa --report contact.html
   roughcontact solve map.npz --force 1N --young 210GPa --stiffness \\
       --conductance 45 --stress --first-yield 1GPa
   roughcontact solve map.npz --cycle -0.1um 0.5um --young 2MPa \\
@@ -76,7 +77,7 @@ examples:
         add_problem(parser)
         add_responses(parser)
         add_accuracy(parser)
-        accuracy = parser.add_argument_group("grids")
+        accuracy = add_group(parser, "grids", "method")
         accuracy.add_argument(
             "--refine",
             type=whole_number,
@@ -262,5 +263,5 @@ def _status(solutions: tuple[rc.ContactSolution, ...], doubtful: bool = False, *
 def _report_warnings(doubtful: bool, *, quiet: bool) -> int:
     """Return the exit status of a converged answer, after saying if it has warnings."""
     if doubtful and not quiet:
-        print("roughcontact: The solution is converged, but doubtful: see the warnings.", file=sys.stderr)
+        tell("roughcontact: The solution is converged, but doubtful: see the warnings.")
     return DOUBTFUL if doubtful else 0

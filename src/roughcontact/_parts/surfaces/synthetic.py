@@ -131,7 +131,7 @@ class ParaboloidSurface(Surface):
     Parameters
     ----------
     radius
-        Radii of curvature along x and y, or of both, m; one of them is infinite for a cylinder.
+        Radii of curvature along x and y, or of both, m; one of them is infinite, ``"inf"``, for a cylinder.
     center
         Position (x, y) of the summit relative to the centre of the domain, m.
 
@@ -144,7 +144,7 @@ class ParaboloidSurface(Surface):
     25.0 nm
     """
 
-    radius: Pair = attrs.field(converter=_radii, metadata={"unit": "m"})
+    radius: Pair = attrs.field(converter=_radii, metadata={"unit": "m", "infinite": True})
     center: Pair = attrs.field(converter=_center, default=(0.0, 0.0), metadata={"unit": "m"})
 
     def heights(self, grid: Grid) -> Array:

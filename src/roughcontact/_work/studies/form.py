@@ -12,6 +12,7 @@ from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
 import attrs
 
 from roughcontact._base.arrays import Pair
+from roughcontact._base.checks import INFINITE
 from roughcontact._base.registry import Registry, registries
 from roughcontact._base.units import parse_quantity
 from roughcontact._parts.files import read_surface
@@ -125,7 +126,8 @@ class Form:
         """Return a text with a unit, or a list of them, in SI units; numbers are."""
         if isinstance(value, list):
             return [self._convert(unit, item) for item in value]
-        if not isinstance(value, str):
+        # The class knows whether it may be infinite.
+        if not isinstance(value, str) or value == INFINITE:
             return value
         try:
             return parse_quantity(value, unit)
