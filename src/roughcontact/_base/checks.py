@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from roughcontact._base.arrays import Array, Pair, frozen_array
-from roughcontact._base.units import EXAMPLES, parse_quantity
+from roughcontact._base.units import EXAMPLES, Quantity, parse_quantity
 from roughcontact.errors import InputError, NoSuchItem
 from roughcontact.errors.door import outside
 
@@ -161,7 +161,7 @@ def flag(value: object, what: str) -> bool:
 
 
 def pair(
-    value: float | Sequence[float],
+    value: Quantity | Sequence[Quantity],
     what: str,
     unit: str = "",
     *,

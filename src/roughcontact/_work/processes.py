@@ -12,7 +12,7 @@ from roughcontact._base.arrays import Array, Mask
 from roughcontact._base.checks import Part, callback, integer, number
 from roughcontact._base.registry import Registry
 from roughcontact._base.tables import Table
-from roughcontact._base.units import ShownAsPrinted, si
+from roughcontact._base.units import Force, Pressure, ShownAsPrinted, si
 from roughcontact._parts.surfaces import HeightMap, repeats
 from roughcontact._solve.problem import Body, ContactProblem
 from roughcontact._solve.solution import Area, ContactSolution
@@ -197,8 +197,8 @@ class RunIn(ShownAsPrinted):
 def run_in(
     problem: ContactProblem,
     *,
-    pressure: float | None = None,
-    force: float | None = None,
+    pressure: Pressure | None = None,
+    force: Force | None = None,
     model: str | FlatteningModel = "overlap",
     shifts: Sequence[tuple[int, int]] = ((0, 0),),
     rounds: int = 20,

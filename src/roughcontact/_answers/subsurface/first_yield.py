@@ -10,7 +10,7 @@ from roughcontact._answers.subsurface.maximum import StressMaximum
 from roughcontact._answers.subsurface.stress import StressBelow, body_name, coefficient, degrees
 from roughcontact._base.arrays import Array
 from roughcontact._base.checks import number
-from roughcontact._base.units import ShownAsPrinted, outlined, si
+from roughcontact._base.units import Quantity, ShownAsPrinted, outlined, si
 from roughcontact._parts.grid import Load
 from roughcontact._solve.problem import ContactProblem, maximum_pressure, predict_pressure, problem_of
 from roughcontact._solve.solution import ContactSolution, Estimate, Response, responses
@@ -77,7 +77,7 @@ class YieldPoint(ShownAsPrinted):
         return f"first yield at {place}: {self.force}"
 
 
-def _strength(value: float) -> float:
+def _strength(value: Quantity) -> float:
     return number(value, "The yield stress", "Pa", above=0.0)
 
 

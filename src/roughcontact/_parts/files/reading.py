@@ -15,7 +15,7 @@ import numpy as np
 from roughcontact._base import checks
 from roughcontact._base.arrays import Array
 from roughcontact._base.checks import choice, number, pair
-from roughcontact._base.units import si
+from roughcontact._base.units import Length, si
 from roughcontact._parts.files.base import RawMap, SurfaceReader, find_foreign, readers
 from roughcontact._parts.surfaces import TREATMENTS, HeightMap, complete
 from roughcontact.errors import InputError, RoughContactError, shorten
@@ -34,9 +34,9 @@ _SQUARE_CELL_TOLERANCE = 5e-3
 def read_surface(
     path: str | os.PathLike[str],
     *,
-    size: float | Sequence[float] | None = None,
+    size: Length | Sequence[Length] | None = None,
     non_measured: str = "refuse",
-    unit: float | str | None = None,
+    unit: Length | str | None = None,
     reader: str | SurfaceReader = "auto",
     **options: Any,
 ) -> HeightMap:
@@ -179,7 +179,7 @@ def _reader_for(file: Path) -> str:
     return _FALLBACK_READER
 
 
-def _require_rows(heights: Array, size: float | Sequence[float], file: Path) -> None:
+def _require_rows(heights: Array, size: Length | Sequence[Length], file: Path) -> None:
     """Raise `InputError` if only a row for each y would make the cells square: the user must say which it is."""
     sides = pair(size, "The size of the height map", "m", above=0.0)
     if heights.ndim != 2 or not heights.size or np.size(size) == 1:

@@ -15,7 +15,7 @@ import numpy as np
 
 from roughcontact._base.arrays import Array, Mask
 from roughcontact._base.tables import Table
-from roughcontact._base.units import WIDTH, Estimate, si, write_column
+from roughcontact._base.units import WIDTH, Estimate, Length, si, write_column
 from roughcontact._parts.grid import Load
 from roughcontact._parts.interactions import Exponential, ShortRange
 from roughcontact._solve.problem.plan import SolvePlan
@@ -289,7 +289,7 @@ def linearise(problem: ContactProblem, solution: ContactSolution, *, holds_appro
     )
 
 
-def list_approaches(plan: SolvePlan, initial_gap: Array, approach: Iterable[float]) -> tuple[Load, ...]:
+def list_approaches(plan: SolvePlan, initial_gap: Array, approach: Iterable[Length]) -> tuple[Load, ...]:
     """Return the loads of a branch of a cycle; `InputError` if it cannot be followed."""
     _require_resolved(plan)
     loads = Load.signed_sequence(approach=approach)

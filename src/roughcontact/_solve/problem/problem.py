@@ -12,7 +12,7 @@ import numpy as np
 from roughcontact._base.arrays import Array
 from roughcontact._base.checks import callback, choice, flag, instance_of
 from roughcontact._base.machine import limit_of_memory, thread_count
-from roughcontact._base.units import Estimate
+from roughcontact._base.units import Estimate, Force, Length, Pressure
 from roughcontact._parts.grid import Boundary, Grid, Load, as_boundary
 from roughcontact._parts.interactions import FrictionLaw, Interaction
 from roughcontact._parts.kernels import InfluenceKernel
@@ -174,9 +174,9 @@ class ContactProblem:
     def solve(
         self,
         *,
-        pressure: float | None = None,
-        force: float | None = None,
-        approach: float | None = None,
+        pressure: Pressure | None = None,
+        force: Force | None = None,
+        approach: Length | None = None,
         area_within: float | None = None,
         peak_within: float | None = None,
         tolerance: float | None = None,
@@ -239,7 +239,7 @@ class ContactProblem:
         return require_success(solution) if throw else solution
 
     def require_load(
-        self, *, pressure: float | None = None, force: float | None = None, approach: float | None = None
+        self, *, pressure: Pressure | None = None, force: Force | None = None, approach: Length | None = None
     ) -> Load:
         """Return the given load; `InputError` if the bodies cannot carry it; see `solve`."""
         load = self._load_of(pressure=pressure, force=force, approach=approach)
@@ -252,9 +252,9 @@ class ContactProblem:
     def sweep(
         self,
         *,
-        pressure: Iterable[float] | None = None,
-        force: Iterable[float] | None = None,
-        approach: Iterable[float] | None = None,
+        pressure: Iterable[Pressure] | None = None,
+        force: Iterable[Force] | None = None,
+        approach: Iterable[Length] | None = None,
     ) -> Sweep:
         """Solve for several loads, each starting from the ones before: from the largest down; with adhesion in order.
 
@@ -283,7 +283,7 @@ class ContactProblem:
         return run_sweep(self._solve, loads) if self.adhesion is None else follow_loads(self._solve, loads)
 
     def cycle(
-        self, *, approach: Iterable[float], on_state: Callable[[ContactSolution], None] | None = None
+        self, *, approach: Iterable[Length], on_state: Callable[[ContactSolution], None] | None = None
     ) -> AdhesionCycle:
         """Press surfaces that attract each other together and pull them apart again, along given approaches.
 
@@ -310,18 +310,18 @@ class ContactProblem:
         told = callback(on_state, "on_state=", "solution")
         return run_cycle(self._solve, self.require_cycle(approach=approach), told)
 
-    def require_cycle(self, *, approach: Iterable[float]) -> tuple[Load, ...]:
+    def require_cycle(self, *, approach: Iterable[Length]) -> tuple[Load, ...]:
         """Return the loads of a branch of a cycle; `InputError` if it cannot be followed; see `cycle`."""
         return list_approaches(self.plan, self.initial_gap, approach)
 
     def path(
         self,
         *,
-        force: float | Iterable[float] | None = None,
-        pressure: float | Iterable[float] | None = None,
-        approach: float | Iterable[float] | None = None,
-        tangential_force: Iterable[Sequence[float]] | Sequence[float] | None = None,
-        displacement: Iterable[Sequence[float]] | Sequence[float] | None = None,
+        force: Force | Iterable[Force] | None = None,
+        pressure: Pressure | Iterable[Pressure] | None = None,
+        approach: Length | Iterable[Length] | None = None,
+        tangential_force: Iterable[Sequence[Force]] | Sequence[Force] | None = None,
+        displacement: Iterable[Sequence[Length]] | Sequence[Length] | None = None,
         friction: float | FrictionLaw,
         substeps: int | str = "auto",
         on_increment: Callable[[Increment], None] | None = None,
@@ -364,9 +364,9 @@ class ContactProblem:
     def slide(
         self,
         *,
-        force: float | None = None,
-        pressure: float | None = None,
-        approach: float | None = None,
+        force: Force | None = None,
+        pressure: Pressure | None = None,
+        approach: Length | None = None,
         friction: float | FrictionLaw,
         direction: float = 0.0,
     ) -> FrictionalSolution:

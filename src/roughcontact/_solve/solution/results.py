@@ -6,7 +6,7 @@ import abc
 import math
 from collections.abc import Iterable
 from enum import Enum
-from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, Literal, TypeAlias, TypeVar
 
 import attrs
 import numpy as np
@@ -87,6 +87,11 @@ class Response(Part, abc.ABC, Generic[T_co]):
         """
 
 
+# Registered names of the responses without arguments that answer a number.
+NameOfNumber: TypeAlias = Literal[
+    "approach", "mean-gap", "patches", "peak-pressure", "perimeter", "pull-off", "stability", "stiffness",
+    "tangential-stiffness",
+]  # fmt: skip
 responses: Registry[Response[Any]] = Registry(Response, "response", "roughcontact.responses")
 
 
