@@ -320,7 +320,7 @@ def test_a_warned_answer_shows_in_the_exit_status(run):
     assert run(*solved, "--stiffness")[0] == 0
     asked = ["--first-yield", "200kPa"]
     status, _, err = run(*solved, *asked)
-    assert (status, err) == (3, "roughcontact: The solution is converged, but doubtful: see the warnings.\n")
+    assert (status, err) == (3, "roughcontact: The solution is converged, but doubtful: see its warnings.\n")
     for output in (["--json"], ["--csv"], ["--quiet", "-o", "ball.json"]):
         assert run(*solved, *asked, *output)[0] == 3
     # An area that was asked for beside the default, on 40 cells.

@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-SCRIPT = '''
+SCRIPT = """
 import numpy as np
 
 import roughcontact as rc
@@ -43,7 +43,7 @@ conductance = solution.conductance("45 W/m/K")
 slip = solution.partial_slip(tangential_force="1N", friction=0.3)
 needed = smooth.solve_for(stiffness="20MN/m")
 length: rc.typing.Length = "3um"
-'''
+"""
 
 
 @pytest.fixture

@@ -343,16 +343,33 @@ class _TextReader:
             raise InputError(f"{self.what}: {error}.") from error
 
 
+def _ask_own(own: Callable[[Any], Any], value: Any) -> None:
+    """Raise the `InputError` of a converter for a wrong value, if it has one."""
+    try:
+        own(value)
+    except InputError:
+        raise
+    # It is of a plug-in; a wrong text is refused anyhow.
+    except Exception:
+        return
+
+
 def _before(reader: _TextReader, own: Any) -> Any:
     """Return a converter that reads texts, and then calls the field's own converter, if there is one.
 
-    That one gets words, such as ``"auto"``.
+    That one gets words, such as ``"auto"``, and may refuse a wrong text in its own words.
     """
     if isinstance(own, attrs.Converter):
         return attrs.converters.pipe(lambda value: reader.read(value, is_word=True), own)
 
     def convert(value: Any) -> Any:
-        read = reader.read(value, is_word=own is not None)
-        return read if own is None else own(read)
+        if own is None:
+            return reader.read(value, is_word=False)
+        try:
+            read = reader.read(value, is_word=True)
+        except InputError as refusal:
+            _ask_own(own, value)
+            raise refusal from None
+        return own(read)
 
     return convert

@@ -263,5 +263,5 @@ def _status(solutions: tuple[rc.ContactSolution, ...], doubtful: bool = False, *
 def _report_warnings(doubtful: bool, *, quiet: bool) -> int:
     """Return the exit status of a converged answer, after saying if it has warnings."""
     if doubtful and not quiet:
-        tell("roughcontact: The solution is converged, but doubtful: see the warnings.")
+        tell("roughcontact: The solution is converged, but doubtful: see its warnings.")
     return DOUBTFUL if doubtful else 0
