@@ -128,7 +128,7 @@ def test_a_typical_material_under_layers_has_no_hardness(ball, capsys):
         ("--layer young=400GPa thickness=2um", "--layer: required field 'poisson' is missing"),
         ("--layer young=4GPa poisson=0.2 thickness=-2um", "--layer: The thickness of a layer must be a finite number"),
         ("--layer young=4GPa poisson=0.7 thickness=2um", "--layer: Poisson's ratio must be"),
-        ("--layer young=4GPa poisson=0.2 thickness=2um thick=1um", "--layer has thickness twice"),
+        ("--layer young=4GPa poisson=0.2 thickness=2um thickness=1um", "--layer has thickness twice"),
         ("--layer 4GPa", "A field of --layer must be FIELD=VALUE"),
         (f"--layer {HARD_TEXT} --layer young=4GPa poisson=0.2 thickness=0m", "--layer 2: The thickness of a layer"),
         (f"--counterbody-layer {HARD_TEXT.replace('GPa', 'kg')}", "--counterbody-layer young: '400kg' is not"),

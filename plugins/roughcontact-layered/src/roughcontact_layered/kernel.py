@@ -218,6 +218,11 @@ class LayeredKernel(StackedKernel):
         return depths[:-1] if isinstance(self.substrate, rc.Rigid) else depths
 
     @property
+    def yield_stresses(self) -> tuple[float | None, ...]:
+        """Yield stress of each layer, Pa, from the surface downwards; None where it states none."""
+        return tuple(layer.yield_stress for layer in self.layers)
+
+    @property
     def base_depth(self) -> float:
         """Depth of the rigid base, m; infinite on a half-space."""
         return self.depth if isinstance(self.substrate, rc.Rigid) else math.inf

@@ -48,11 +48,14 @@ class YieldPoint(ShownAsPrinted):
         The maximum von Mises stress at that load, with its place.
     solution
         The elastic contact at that load.
+    layer
+        Number of the layer that yields, 1 for the topmost; 0 for a body without layers, or the one under them.
     """
 
     force: Estimate
     maximum: StressMaximum
     solution: ContactSolution
+    layer: int = 0
 
     @property
     def mean_pressure(self) -> Estimate:
@@ -74,7 +77,8 @@ class YieldPoint(ShownAsPrinted):
 
     def __str__(self) -> str:
         place = f"x = {si(self.maximum.x, 'm')}, y = {si(self.maximum.y, 'm')}, depth {si(self.maximum.depth, 'm')}"
-        return f"first yield at {place}: {self.force}"
+        where = f" in layer {self.layer}" if self.layer else ""
+        return f"first yield{where} at {place}: {self.force}"
 
 
 def _strength(value: Quantity) -> float:
@@ -94,7 +98,7 @@ class FirstYield(Response[YieldPoint]):
     Parameters
     ----------
     yield_stress
-        Yield stress of the body in tension, Pa.
+        Yield stress of the body in tension, Pa; of its layers that do not state their own too.
     body
         ``"body"`` or ``"counterbody"``.
     friction
@@ -147,12 +151,23 @@ class FirstYield(Response[YieldPoint]):
         relative = math.hypot(last.maximum.uncertainty / last.maximum.value, last.excess) / slope
         force = last.solution.force * math.exp(-last.excess / slope)
         warnings = last.maximum.warnings
-        return YieldPoint(Estimate(force, relative * force, "N", warnings), last.maximum, last.solution)
+        return YieldPoint(Estimate(force, relative * force, "N", warnings), last.maximum, last.solution, last.layer)
 
     def _measure(self, solution: ContactSolution) -> _Trial:
         below = StressBelow(None, self.body, friction=self.friction, direction=self.direction)
-        maximum = below.respond(solution).maximum
-        return _Trial(solution, maximum, math.log(maximum.value / self.yield_stress))
+        stress = below.respond(solution)
+        stated: tuple[float | None, ...] = getattr(stress._layers, "yield_stresses", ())
+        if not stated:
+            return self._try(solution, stress.maximum, self.yield_stress)
+        trials = []
+        for place, maximum in stress.maxima.items():
+            own = stated[place] if place < len(stated) else None
+            layer = place + 1 if place < len(stated) else 0
+            trials.append(self._try(solution, maximum, self.yield_stress if own is None else own, layer))
+        return max(trials, key=lambda one: one.excess)
+
+    def _try(self, solution: ContactSolution, maximum: StressMaximum, strength: float, layer: int = 0) -> _Trial:
+        return _Trial(solution, maximum, math.log(maximum.value / strength), layer)
 
 
 @attrs.frozen(eq=False)
@@ -162,6 +177,7 @@ class _Trial:
     solution: ContactSolution
     maximum: StressMaximum
     excess: float
+    layer: int = 0
 
     @property
     def load(self) -> float:

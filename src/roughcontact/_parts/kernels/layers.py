@@ -25,6 +25,8 @@ class SupportsStress(Protocol):
         Depths of the interfaces, shape (n,), m, ascending: there the stress along the surface jumps.
     base_depth
         Depth of a rigid base, at which the stress ends, m; infinite on a half-space.
+
+    A kernel with ``yield_stresses``, one or None for each layer, has the first yield of each by its own strength.
     """
 
     @property
