@@ -463,7 +463,7 @@ class StressBelow(Response[Stress]):
         part = problem.plan.kernel.part_of(self.body)
         kernel = problem.plan.kernel if part is None else part
         if not isinstance(kernel, SupportsStress):
-            if isinstance(kernel, Love) or solution.moduli is None:
+            if isinstance(part, Love) or solution.moduli is None:
                 return None
             raise InputError(
                 "The stress below the surface is known for homogeneous half-spaces and for kernels that state it, but "

@@ -79,8 +79,8 @@ class SupportsStress(Protocol):
 
 def has_layers(kernel: Any, body: str, material: Material) -> bool:
     """Return whether the layers of a kernel may lie on the ``"body"`` or the ``"counterbody"``, of this material."""
-    part = kernel.part_of(body) or kernel
-    return not isinstance(part, Love) and part.describes(material)
+    part = kernel.part_of(body)
+    return not isinstance(part, Love) and (kernel if part is None else part).describes(material)
 
 
 @runtime_checkable
