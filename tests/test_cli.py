@@ -436,7 +436,7 @@ def test_the_help_of_solve_is_short_and_has_topics(capsys, monkeypatch):
     told = "".join(map(read, topics[:-1])) + short
     assert topics[-1] == "all"
     assert options <= set(re.findall(r"--[\w-]+", told))
-    # What is no topic, such as a map, gets the short help.
+    # A text that names none, such as a map, gets the short help.
     assert read("map.npz") == short
 
 

@@ -814,7 +814,7 @@ BASES = {
 @pytest.mark.parametrize("base", BASES, ids=lambda base: base.__name__)
 @pytest.mark.parametrize("decorator", [attrs.frozen, attrs.define(slots=False)], ids=["frozen", "without slots"])
 def test_fields_with_a_unit_take_texts_whatever_the_kind(base, decorator):
-    """As the docs of plug-ins promise: also without a converter, beside one, in pairs, and with a unit left out."""
+    """As the docs of plug-ins promise: also without a converter, beside one, in pairs, and with a unit omitted."""
     members = dict.fromkeys(BASES[base])
 
     class Plain(base):

@@ -29,7 +29,6 @@ import roughcontact as rc
 from roughcontact._solve.solution.plausibility import PLAUSIBILITY_RULES
 from roughcontact._solve.solution.summary import list_all_warnings
 from roughcontact.typing import Step, gather_warnings, write_column
-from roughcontact_layered import Layer, LayeredKernel
 
 from roughcontact_app import AppServer, Session, preview, work
 from roughcontact_app.answers import describe_solutions, list_cycle_states, list_warnings, make_table, tabulate_cycle
@@ -1159,14 +1158,20 @@ COATED |= {"layer2_young": "1", "layer2_young_unit": "MPa", "layer2_poisson": "0
 COATED |= {"boundary": "periodic", "layer2_thickness_unit": "nm", "load_unit": "nN", "loads": "500", "range": "200"}
 
 
-def test_a_coated_ball_its_first_yield_and_pull_off(client):
+@pytest.fixture
+def layered():
+    """The plug-in with the layers, without which nothing of them can be tried."""
+    return pytest.importorskip("roughcontact_layered")
+
+
+def test_a_coated_ball_its_first_yield_and_pull_off(client, layered):
     asked = {"ask_first_yield": "yes", "ask_first_yield_yield_stress": "4", "ask_pull_off": "yes"}
     state = client.wait(client.post("api/runs", {**COATED, **asked, "layer1_yield_stress": "0.01"})["id"])
     assert state["phase"] == "done", state
     (answer,) = state["answers"]
     found = {one["name"]: one["value"] for one in answer["quantities"]}
-    hard, soft = Layer(50e6, 0.25, 0.3e-6, yield_stress=10e6), Layer(1e6, 0.4, 0.2e-6)
-    kernel = LayeredKernel((hard, soft), rc.Elastic(5e6, 0.5))
+    hard, soft = layered.Layer(50e6, 0.25, 0.3e-6, yield_stress=10e6), layered.Layer(1e6, 0.4, 0.2e-6)
+    kernel = layered.LayeredKernel((hard, soft), rc.Elastic(5e6, 0.5))
     ball = rc.Body(rc.SphereSurface(6e-6), rc.Elastic(5e6, 0.5))
     grid = rc.Grid((32, 32), 8e-6)
     law = rc.Exponential(50e-3, 200e-9)
@@ -1179,16 +1184,16 @@ def test_a_coated_ball_its_first_yield_and_pull_off(client):
 
 
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
-def test_layers_lie_on_either_body_and_on_a_rigid_base(boundary):
+def test_layers_lie_on_either_body_and_on_a_rigid_base(boundary, layered):
     layer = {"counterbody_layers": "1", "counterbody_layer1_young": "2", "counterbody_layer1_young_unit": "MPa"}
     settings = read_settings({**STICKY, **layer, "boundary": boundary, "adhesion": "none"})
     problem = make_problem(settings, make_scene(settings, None))
-    pad = Layer(2e6, 0.25, 2e-6)
-    assert problem.plan.kernel == LayeredKernel(pad, rc.Rigid(), carrier="counterbody")
+    pad = layered.Layer(2e6, 0.25, 2e-6)
+    assert problem.plan.kernel == layered.LayeredKernel(pad, rc.Rigid(), carrier="counterbody")
     assert problem.counterbody.material == rc.Elastic(2e6, 0.25)
     settings = read_settings({**settings, "counterbody": "deformable"})
     problem = make_problem(settings, make_scene(settings, None))
-    assert problem.plan.kernel == LayeredKernel(pad, rc.Elastic(210e9, 0.3), carrier="counterbody")
+    assert problem.plan.kernel == layered.LayeredKernel(pad, rc.Elastic(210e9, 0.3), carrier="counterbody")
 
 
 @pytest.mark.parametrize(
@@ -1200,10 +1205,21 @@ def test_layers_lie_on_either_body_and_on_a_rigid_base(boundary):
         ({"layers": "4"}, "", "The setting 'layers' must be one of 0, 1, 2, 3, but got '4'."),
     ],
 )
-def test_wrong_layers_name_their_setting(client, given, setting, sentence):
+def test_wrong_layers_name_their_setting(client, layered, given, setting, sentence):
     refused = client.post("api/plan", {**COATED, **given}, 422)
     assert sentence in refused["error"]
     assert refused.get("setting", "") == setting
+
+
+def test_without_the_plug_in_the_page_says_what_to_install(monkeypatch):
+    from roughcontact._base.archive.plain import parts
+
+    monkeypatch.setattr(parts, "_installed", {})
+    monkeypatch.setattr(parts, "_classes", {})
+    settings = read_settings(COATED)
+    with pytest.raises(rc.InputError, match="pip install roughcontact-layered") as caught:
+        make_problem(settings, make_scene(settings, None))
+    assert caught.value.setting == "layers"
 
 
 CYCLE = {**STICKY, "load_unit": "nN", "load": "cycle", "range": "30", "cells": "96", "side": "6"}

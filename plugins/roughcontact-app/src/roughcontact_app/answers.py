@@ -88,7 +88,7 @@ def repeat_last_of_loading(cycle: AdhesionCycle, asked: Mapping[str, Sequence[An
 
 
 def find_pull_off(cycle: AdhesionCycle) -> Estimate:
-    """Return the force of pull-off, whatever the steps of a cycle; if it cannot be followed, the least of its states.
+    """Return the force of pull-off, whatever the steps of a cycle; if it cannot be followed, the lowest of its states.
 
     The states may be farther apart than the surfaces attract each other.
     """
