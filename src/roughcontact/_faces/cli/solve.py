@@ -58,8 +58,6 @@ examples:
   roughcontact solve ball.npz ring.npz --force 5N --young 210GPa \\
       --hardness 6GPa --counterbody-young 210GPa --detrend plane \\
       -o contact.npz -o contact.png
-  roughcontact solve ball.npz --force 5N --material "bearing steel" \\
-      --layer young=400GPa poisson=0.25 thickness=2um --first-yield 1GPa
   roughcontact solve map.npz --loads 1N 2N 5N --young 210GPa --csv > loads.csv
   roughcontact solve map.npz --solve-for area=10% --young 210GPa
   roughcontact solve map.npz --force 1N --young 210GPa --stiffness \\
