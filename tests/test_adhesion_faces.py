@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import html
+import io
 import json
 import re
 import runpy
@@ -318,3 +319,58 @@ class TestStiffness:
         plain = rc.ContactProblem(body, grid=rc.Grid((32, 32), 8e-6))
         same_area = plain.solve_area(solution.area().fraction)
         assert solution.stiffness().value < 0.98 * same_area.stiffness().value
+
+
+class TestPullOff:
+    """The force of pull-off as an answer beside others: in studies, tables of loads, JSON."""
+
+    STUDY = """
+[problems.sticky]
+grid = {shape = [33, 31], size = ["8 um", "9 um"]}
+adhesion = {type = "exponential", work = "50 mJ/m2", range = "200 nm"}
+body = {surface = {type = "paraboloid", radius = "2 um"}, material = {young = "5 MPa", poisson = 0.5}}
+
+[study]
+force = [1e-7, 0.0]
+responses = ["pull-off", {type = "first-yield", yield_stress = "1 MPa"}]
+"""
+
+    def test_a_study_has_a_column(self, tmp_path, capsys):
+        (tmp_path / "study.toml").write_text(self.STUDY)
+        status, printed = run(capsys, "run", tmp_path / "study.toml", "--json")
+        assert status in (0, 3)
+        grid = rc.Grid((33, 31), (8e-6, 9e-6))
+        expected = attrs.evolve(make_problem(), grid=grid).pull_off()
+        for record in json.loads(printed.out)["records"]:
+            assert record["pull-off"] == pytest.approx(expected.value, rel=1e-9)
+            assert record["pull-off_uncertainty"] == pytest.approx(expected.uncertainty, rel=1e-9)
+
+    def test_several_loads_share_it(self, ball, capsys, monkeypatch):
+        from roughcontact._answers.linear import pull_off
+
+        calls = []
+        follow = pull_off.find_pull_off
+        monkeypatch.setattr(pull_off, "find_pull_off", lambda *given: calls.append(given) or follow(*given))
+        law = ["--adhesion", "exponential", "work=51mJ/m2", "range=200nm"]
+        status, printed = run(capsys, "solve", ball, "--loads", "1nN", "0N", *BODY, *law, "--pull-off", "--csv")
+        assert status in (0, 3)
+        rows = list(csv.DictReader(io.StringIO(printed.out)))
+        assert len({row["pull-off [N]"] for row in rows}) == len(calls) == 1
+        assert -2.0 < float(rows[0]["pull-off [N]"]) / (np.pi * 0.051 * 2e-6) < -1.5
+
+    def test_without_attraction_there_is_none(self, ball):
+        problem = attrs.evolve(make_problem(), adhesion=None)
+        with pytest.raises(rc.InputError, match="Without adhesion= nothing is pulled apart"):
+            problem.solve(force=1e-7).response("pull-off")
+
+    def test_first_yield_is_that_without_attraction_where_it_is_weak(self):
+        weak = attrs.evolve(make_problem(), adhesion=rc.Exponential("10uJ/m2", "200nm"))
+        bare = attrs.evolve(weak, adhesion=None).solve(force=1e-7).first_yield(yield_stress=1e6)
+        # Also from a contact without a load, or under a tensile one.
+        for force in (1e-7, 0.0, -1e-12):
+            found = weak.solve(force=force).first_yield(yield_stress=1e6)
+            assert found.force.value == pytest.approx(bare.force.value, rel=5e-3)
+
+    def test_attraction_that_makes_a_body_yield_is_told(self):
+        with pytest.raises(rc.InputError, match="The attraction alone makes the body yield"):
+            make_problem().solve(force=1e-7).first_yield(yield_stress=1e3)

@@ -139,7 +139,7 @@ def test_the_module_runs_as_a_command():
     assert done.stdout.startswith("roughcontact ")
     failed = subprocess.run([sys.executable, "-m", "roughcontact"], capture_output=True, text=True, check=False)
     assert failed.returncode == 2
-    assert "name a command" in failed.stderr
+    assert "COMMAND" in failed.stdout
     assert "Traceback" not in failed.stderr
 
 
@@ -381,3 +381,71 @@ def test_the_page_is_a_plugin_that_is_asked_for_where_it_is_not_installed(monkey
     with pytest.raises(SystemExit):
         main(["--help"])
     assert "\n  app " not in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("radius", "along", "text"), [((10e-3, np.inf), 1, "10mm inf"), ((np.inf, 10e-3), 0, "inf 10mm")]
+)
+def test_a_cylinder_is_straight_along_an_infinite_radius(tmp_path, capsys, radius, along, text):
+    out = tmp_path / "cylinder.npz"
+    arguments = f"surface paraboloid --radius {text} --shape 15 9 --size 90um 18um".split()
+    assert main([*arguments, "-o", str(out)]) == 0
+    with np.load(out) as data:
+        assert (np.ptp(data["heights"], axis=along) == 0.0).all()
+        expected = rc.ParaboloidSurface(radius).heights(rc.Grid((15, 9), (90e-6, 18e-6)))
+        np.testing.assert_array_equal(data["heights"], expected)
+    assert rc.ParaboloidSurface(tuple(text.split())) == rc.ParaboloidSurface(radius)
+    table = {"radius": text.split()}
+    assert rc.typing.build_part(rc.surfaces, "paraboloid", table, "it") == rc.ParaboloidSurface(radius)
+
+
+@pytest.mark.parametrize("wrong", ["sphere --radius inf", "paraboloid --radius inf", "paraboloid --radius inf inf"])
+def test_what_cannot_be_infinite_is_refused(capsys, wrong):
+    status = None
+    try:
+        status = main([*f"surface {wrong}".split(), "--shape", "8", "8", "--size", "1mm"])
+    except SystemExit as ended:
+        status = ended.code
+    assert status == 2
+    assert "inf" in capsys.readouterr().err
+
+
+def test_without_a_command_the_help_is_shown(capsys):
+    assert main([]) == 2
+    printed = capsys.readouterr()
+    assert printed.out.startswith("usage: roughcontact")
+    assert "solve" in printed.out
+    assert printed.err == ""
+
+
+def test_the_help_of_solve_is_short_and_has_topics(capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+
+    def read(*topic):
+        with pytest.raises(SystemExit) as ended:
+            main(["solve", "--help", *topic])
+        assert ended.value.code == 0
+        return capsys.readouterr().out
+
+    short = read()
+    everything = read("all")
+    assert len(short.splitlines()) <= 100
+    assert {"--layer", "--boundary", "--force"} <= set(re.findall(r"--[\w-]+", short))
+    options = set(re.findall(r"^  (?:-\w[^-]*, )?(--[\w-]+)", everything, re.M))
+    topics = re.findall(r"^  --help (\w+)", short, re.M)
+    told = "".join(map(read, topics[:-1])) + short
+    assert topics[-1] == "all"
+    assert options <= set(re.findall(r"--[\w-]+", told))
+    # A text that names none, such as a map, gets the short help.
+    assert read("map.npz") == short
+
+
+def test_a_long_error_breaks_at_blanks_on_a_terminal(capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "40")
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+    assert main(["solve", "none.npz", "--force", "1N", "--young", "1GPa", "--pull-off"]) == 2
+    wrapped = capsys.readouterr().err
+    assert max(map(len, wrapped.splitlines())) < 40
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: False)
+    assert main(["solve", "none.npz", "--force", "1N", "--young", "1GPa", "--pull-off"]) == 2
+    assert capsys.readouterr().err.split() == wrapped.split()

@@ -636,7 +636,7 @@ def test_progress_says_what_is_solved_and_how_long_it_takes(monkeypatch, capsys,
 
 
 def test_the_help_of_a_response_has_units_and_defaults(run):
-    _, out, _ = run("solve", "--help")
+    _, out, _ = run("solve", "--help", "responses")
     words = " ".join(out.split())
     assert "viscosity=1mPa.s pressure_drop=100MPa [axis=0]" in words
     assert "yield_stress=100MPa [body=body]" in words

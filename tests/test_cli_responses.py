@@ -311,3 +311,20 @@ def test_a_response_without_an_answer_leaves_the_report(run):
     assert out == ""
     assert "Contact report" in words_of("r.html")
     assert rc.ContactSolution.load("one.npz").force == pytest.approx(20e-3)
+
+
+def test_a_warned_answer_shows_in_the_exit_status(run):
+    heights = rc.SphereSurface(10e-3).heights(rc.Grid((48, 40), (400e-6, 400e-6)))
+    np.savez("ball.npz", heights=heights, size=(400e-6, 400e-6))
+    solved = ["solve", "ball.npz", "--force", "1mN", "--young", "5MPa", "--poisson", "0.5"]
+    assert run(*solved, "--stiffness")[0] == 0
+    asked = ["--first-yield", "200kPa"]
+    status, _, err = run(*solved, *asked)
+    assert (status, err) == (3, "roughcontact: The solution is converged, but doubtful: see its warnings.\n")
+    for output in (["--json"], ["--csv"], ["--quiet", "-o", "ball.json"]):
+        assert run(*solved, *asked, *output)[0] == 3
+    # An area that was asked for beside the default, on 40 cells.
+    assert run(*solved, "--area", "hertz")[0] in (0, 3)
+    along = ["--counterbody-young", "5MPa", "--counterbody-poisson", "0.5", "--friction", "0.5", "--slide"]
+    assert run(*solved, *along)[0] == 0
+    assert run(*solved, *along, "--stress", "depths=1um,2um")[0] == 3

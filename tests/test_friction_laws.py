@@ -32,7 +32,7 @@ def test_coefficients_may_vary_over_the_surface():
 
 
 @pytest.mark.parametrize(
-    "wrong", [-0.1, np.nan, np.inf, "0.3", "0.3 Pa", None, [0.1, 0.2], [[0.1, -0.2]], [[0.1], [0.1, 0.2]]]
+    "wrong", [-0.1, np.nan, np.inf, "-0.3", "0.3 Pa", None, [0.1, 0.2], [[0.1, -0.2]], [[0.1], [0.1, 0.2]]]
 )
 def test_coefficients_that_are_refused(wrong):
     for make in (rc.Coulomb, lambda value: rc.LimitedCoulomb(value, 1e6)):

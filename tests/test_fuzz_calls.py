@@ -266,7 +266,15 @@ SKIPPED |= {
 SKIPPED |= {"si", "binary", "write_column", "available_memory", "available_threads", "limit_address_space"}
 SKIPPED |= {"require_memory_of_solve", "run_sweep", "name_load", "list_quantities", "gather_warnings", "exceeds_metals"}
 SKIPPED |= {"describe_other_places"}
-SKIPPED |= {"describe_response", "build_part", "build_response", "ask_states", "tabulate_answers", "write_report"}
+SKIPPED |= {
+    "describe_response",
+    "build_layer",
+    "build_part",
+    "build_response",
+    "ask_states",
+    "tabulate_answers",
+    "write_report",
+}
 SKIPPED |= {"list_answer_warnings"}
 # Plug-ins call them with processes, plans and classes of their own.
 SKIPPED |= {"ending_all", "plan_slabs", "solve_slabs", "solve_in_window"}

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
+from roughcontact.__main__ import main
 from roughcontact._work.studies.record import read_index
 from roughcontact._work.studies.toml import read_study
 from scenes import ROUGH, make_problem
@@ -143,3 +144,26 @@ def test_a_path_is_asked_at_its_end(tmp_path):
     expected = result.path(result[0])[-1].contact.response("tangential-stiffness")
     assert result[0].estimates["tangential-stiffness"].value == expected.value
     assert sheared.run(tmp_path).records == result.records
+
+
+def test_a_warned_answer_makes_a_record_doubtful(tmp_path, capsys):
+    (tmp_path / "study.toml").write_text("""
+[problems.ball]
+grid = {shape = [48, 40], size = "400 um"}
+body = {surface = {type = "sphere", radius = "10 mm"}, material = {young = "5 MPa", poisson = 0.5}}
+[study]
+force = [1e-3, 2e-3]
+responses = ["stiffness", {type = "first-yield", yield_stress = "200 kPa"}]
+""")
+    study = str(tmp_path / "study.toml")
+    # Solved, and read from the disk.
+    for _ in range(2):
+        assert main(["run", study]) == 3
+        assert "first yield force" in capsys.readouterr().out
+    (tmp_path / "study.toml").write_text(
+        (tmp_path / "study.toml")
+        .read_text()
+        .replace("first-yield", "mean-gap", 1)
+        .replace(', yield_stress = "200 kPa"', "")
+    )
+    assert main(["run", study, "-o", str(tmp_path / "other")]) == 0

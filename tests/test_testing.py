@@ -482,6 +482,18 @@ class Loose(ShearSolver):
         return attrs.evolve(found, status=rc.Status.CONVERGED)
 
 
+@attrs.frozen
+class Doubling(rc.Material):
+    """A material that changes its field after the converters."""
+
+    compliance = 1e-9
+    pressure_limit = 1e9
+    young: float = attrs.field(metadata={"unit": "Pa"})
+
+    def __attrs_post_init__(self):
+        object.__setattr__(self, "young", 2.0 * self.young)
+
+
 BROKEN = [
     (Slippery("sticky"), "limits"),
     (Slippery("falls"), "not falling with the pressure"),
@@ -593,11 +605,12 @@ BROKEN = [
     (Credulous(), "file endings"),
     (Credulous(), "damaged files refused"),
     # What all kinds share.
+    (Doubling(1e9), "takes texts with units"),
     (Hidden(1e-9), "survives pickling"),
     (Hidden(1e-9), "can be saved"),
     (Unhashable(1e-9), "hash agrees with equality"),
 ]
-SHARED = {"survives pickling", "can be saved", "hash agrees with equality"}
+SHARED = {"takes texts with units", "survives pickling", "can be saved", "hash agrees with equality"}
 
 
 @pytest.mark.parametrize(("part", "claim"), BROKEN, ids=[f"{kit.kind_of(part)}-{claim}" for part, claim in BROKEN])
@@ -673,9 +686,9 @@ def test_the_reason_says_what_to_do(part, claim, reason):
 
 def test_a_report_reads_well():
     text = str(kit.check(rc.Love()))
-    assert text.startswith("kernel Love(): 26 of 26 claims hold\n")
+    assert text.startswith("kernel Love(): 26 of 26 claims hold, 1 does not apply\n")
     assert re.search(r"^holds +even in x and y +to", text, re.M)
-    assert "23 of 23 claims hold, 3 do not apply\n" in str(kit.check(rc.FourierHalfSpace()))
+    assert "23 of 23 claims hold, 4 do not apply\n" in str(kit.check(rc.FourierHalfSpace()))
     text = str(kit.check(Nothing()))
     assert re.search(r"^BROKEN +coefficients or spectrum", text, re.M)
     assert "does not apply: the kernel has no spectrum" in text
@@ -778,3 +791,76 @@ def test_the_example_plug_in_uses_public_names_only(path):
         names += [alias.name for alias in node.names] if isinstance(node, ast.Import | ast.ImportFrom) else []
         names += [node.attr] if isinstance(node, ast.Attribute) else []
         assert not [name for name in names if any(part.startswith("_") for part in name.split("."))]
+
+
+# Bases of parts, and what else a class of them must define.
+BASES = {
+    rc.Material: ("compliance", "pressure_limit"),
+    rc.InfluenceKernel: (),
+    rc.Convolver: ("boundaries", "prepare"),
+    rc.Solver: ("tolerance", "solve"),
+    rc.AreaEstimator: ("estimate",),
+    rc.Response: ("respond",),
+    rc.FlatteningModel: ("height_loss",),
+    rc.Surface: ("heights",),
+    rc.Panel: ("draw",),
+    rc.Interaction: ("tension", "slope", "energy"),
+    rc.FrictionLaw: ("limit",),
+    ShearSolver: ("tolerance", "solve"),
+    rc.SurfaceReader: ("suffixes", "read"),
+}
+
+
+@pytest.mark.parametrize("base", BASES, ids=lambda base: base.__name__)
+@pytest.mark.parametrize("decorator", [attrs.frozen, attrs.define(slots=False)], ids=["frozen", "without slots"])
+def test_fields_with_a_unit_take_texts_whatever_the_kind(base, decorator):
+    """As the docs of plug-ins promise: also without a converter, beside one, in pairs, and with a unit omitted."""
+    members = dict.fromkeys(BASES[base])
+
+    class Plain(base):
+        vars().update(members)
+        young: float = attrs.field(metadata={"unit": "Pa"})
+        size: tuple[float, float] = attrs.field(default=(1.0, 1.0), converter=tuple, metadata={"unit": "m"})
+        friction: float = attrs.field(default=0.1, converter=float, metadata={"unit": ""})
+        conductivity: float | None = attrs.field(default=None, metadata={"plain_unit": "W/(m K) or S/m"})
+        depth: float | str = attrs.field(default="auto", converter=lambda value: value, metadata={"unit": "m"})
+        name: str = "1 mm"
+
+    cls = decorator(Plain)
+    part = cls("210GPa", ["1mm", 2.0], "30%", "45", "2um")
+    assert attrs.astuple(part, recurse=False) == (210e9, (1e-3, 2.0), 0.3, 45.0, 2e-6, "1 mm")
+    assert cls(1.0).depth == "auto"
+    for wrong in (
+        {"young": "210"},
+        {"young": "stiff"},
+        {"young": 1.0, "friction": "3N"},
+        {"young": 1.0, "size": ["1", 2]},
+    ):
+        with pytest.raises(rc.InputError, match=r"The field (young|friction|size) of Plain: '.*; write it like"):
+            cls(**wrong)
+
+
+@attrs.frozen
+class Cork(rc.Material):
+    """A material with units and without converters."""
+
+    young: float = attrs.field(metadata={"unit": "Pa"})
+    strength: float = attrs.field(default=1e6, metadata={"unit": "Pa"})
+
+    @property
+    def compliance(self):
+        return 1.0 / self.young
+
+    @property
+    def pressure_limit(self):
+        return self.strength
+
+
+def test_a_plug_in_with_units_is_solved():
+    kit.check(Cork("20MPa")).raise_for_failures()
+    grid = rc.Grid((9, 15), (60e-6, "20um"))
+    found, expected = (
+        rc.ContactProblem(rc.Body(rc.SphereSurface("1mm"), cork), grid=grid).solve(force="1uN").pressure
+        for cork in (Cork("20MPa", "2MPa"), Cork(20e6, 2e6))
+    )
+    np.testing.assert_array_equal(found, expected)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import difflib
 import inspect
 import io
 import os
@@ -11,11 +10,11 @@ import re
 import sys
 import warnings
 from collections.abc import Sequence
-from typing import Any, NoReturn
 
 from roughcontact import __version__
 from roughcontact._base.units import fit, printable
 from roughcontact._faces.cli import Command, commands
+from roughcontact._faces.cli.help import Parser, tell
 from roughcontact._faces.cli.options import name_options
 from roughcontact.errors import InputError, MissingPackage, NotConverged, RoughContactError, UnexpectedError, shorten
 from roughcontact.errors.door import saying_warnings, translated
@@ -64,12 +63,17 @@ def _answer(given: Sequence[str]) -> int:
         if given and not given[0].startswith("-"):
             return _run(given[0], given[1:])
         parser = _overview()
+        if not given:
+            parser.print_help()
+            return _NO_COMMAND
         parser.parse_args(given)
         parser.error("name a command")
     finally:
         sys.stdout.flush()
 
 
+# The exit status without a command, of which the help is shown.
+_NO_COMMAND = 2
 # The exit status when whoever reads the output has closed it: 128 and the number of SIGPIPE, as shells state it.
 _PIPE_CLOSED = 141
 _EPILOG = """
@@ -89,53 +93,30 @@ exit statuses:
   141  whoever reads the output, such as head, has closed it"""
 
 
-class _Parser(argparse.ArgumentParser):
-    """A parser whose errors do not repeat thousands of characters, and that takes -1N for a value, not an option."""
-
-    def __init__(self, **others: Any) -> None:
-        super().__init__(**others)
-        # As Python 3.14 has it; before, it takes -1 for a number, but -1N for an option.
-        self._negative_number_matcher = re.compile(r"-\.?[0-9]")
-
-    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
-        """Parse arguments, after naming the option that is meant by one that does not exist."""
-        # A parser of several kinds leaves the options to that of the kind.
-        for text in () if self._subparsers is not None else args or ():
-            name = text.partition("=")[0]
-            known = self._option_string_actions
-            if name.startswith("--") and not any(one.startswith(name) for one in known):
-                close = difflib.get_close_matches(name[:80], known, n=1)
-                if close:
-                    self.error(f"there is no option {name}; did you mean {close[0]}?")
-        return super().parse_known_args(args, namespace)
-
-    def error(self, message: str) -> NoReturn:
-        super().error(shorten(message, 400))
-
-
 def _fail(sentence: str, status: int) -> int:
-    print(f"roughcontact: {printable(sentence)}", file=sys.stderr)
+    tell(f"roughcontact: {sentence}")
     return status
 
 
 def _run(name: str, arguments: Sequence[str]) -> int:
     """Run one command. The others are not imported, so that a broken one stops nothing but itself."""
     command = _load(name)
-    parser = _Parser(
+    parser = Parser(
         prog=f"roughcontact {name}",
         description=fit(inspect.getdoc(command) or ""),
         epilog=f"Defaults are in parentheses.\n{command.epilog}".rstrip(),
-        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     try:
         command.declare(parser)
     except Exception as error:
         raise InputError(f"The command {name!r} cannot declare its arguments: {error}") from error
+    parser.offer_topics()
     # A number with a minus is a value, not an option; a blank before it says so to argparse.
     options = parser.parse_args([f" {text}" if _NEGATIVE.match(text) else text for text in arguments])
     try:
         return command.run(options)
     except InputError as error:
+        parser.topic = "all"
         shown = parser.format_help()
         names = [option for option in vars(options) if f"--{option.replace('_', '-')} " in shown]
         raise InputError(name_options(str(error), names)) from error

@@ -19,7 +19,7 @@ readers      `RawMap`; the function `read_raw`
 commands     `Table`; the functions `quantity`, `replacing`, `si`, `binary`, `write_column`, `available_memory`,
              `available_threads`, `limit_address_space`, `require_memory_of_solve`, `run_sweep`, `name_load`,
              `list_quantities`, `describe_other_places`, `gather_warnings`, `exceeds_metals`, `build_part`,
-             `build_problem`, `describe_response`, `build_response`, `ask_states`, `tabulate_answers`,
+             `build_layer`, `build_problem`, `describe_response`, `build_response`, `ask_states`, `tabulate_answers`,
              `list_answer_warnings`, `write_report`
 results      `ContactFields`, `Accuracy`, `Trial`, `Residuals`, `ContactPatches`, `Load`, `Origin`, `SolvePlan`,
              `Sweep`, `RequiredLoad`, `Ladder`, `BeyondResolution`, `RunIn`, `Cycle`, `StudyResult`, `Record`,
@@ -28,6 +28,8 @@ results      `ContactFields`, `Accuracy`, `Trial`, `Residuals`, `ContactPatches`
              `TheoryBeside`, `Stickiness`, `AdhesionCycle`, `Stress`, `StressField`, `StressMaximum`, `YieldPoint`,
              `ContactWarning`
 arrays       `Array` (float64), `RealArray` (float32 or float64), `IntArray`, `Mask` (bool), `Pair` (x, y)
+arguments    `Quantity`, `Length`, `Pressure`, `Force`: numbers in SI units, or texts with a unit
+parts        `Part`, the base of all
 responses    `ResponseForm`, `ResponseField`, `Leakage`, `Throat`, `Percolation`
 friction     `FrictionalResiduals`, `FrictionalState`, `TangentialLoad`, `TangentialLoop`, `StepNumbers`,
              `Increment`
@@ -39,9 +41,20 @@ from roughcontact._answers.linear.tangent import LinearSolution, require_found, 
 from roughcontact._answers.refinement import BeyondResolution, Ladder
 from roughcontact._base.archive import replacing
 from roughcontact._base.arrays import Array, IntArray, Mask, Pair, RealArray
+from roughcontact._base.checks import Part
 from roughcontact._base.machine import available_memory, available_threads, limit_address_space
 from roughcontact._base.tables import Table
-from roughcontact._base.units import ContactWarning, binary, quantity, si, write_column
+from roughcontact._base.units import (
+    ContactWarning,
+    Force,
+    Length,
+    Pressure,
+    Quantity,
+    binary,
+    quantity,
+    si,
+    write_column,
+)
 from roughcontact._faces.cli import Command
 from roughcontact._parts.files import RawMap, read_raw
 from roughcontact._parts.grid import Load
@@ -143,6 +156,7 @@ from roughcontact._work.studies import (
     ResponseForm,
     StudyResult,
     ask_states,
+    build_layer,
     build_part,
     build_problem,
     build_response,
@@ -185,6 +199,7 @@ __all__ = [
     "ConvolutionSetup",
     "Cycle",
     "ErrorReport",
+    "Force",
     "FrettingLoop",
     "FrictionalResiduals",
     "FrictionalState",
@@ -198,6 +213,7 @@ __all__ = [
     "Ladder",
     "LawColumn",
     "Leakage",
+    "Length",
     "LinearSolution",
     "Load",
     "Mask",
@@ -207,10 +223,13 @@ __all__ = [
     "Outcome",
     "Pair",
     "PairConstants",
+    "Part",
     "PartialSlip",
     "Percolation",
     "PowerFit",
     "PreparedConvolution",
+    "Pressure",
+    "Quantity",
     "RawMap",
     "RealArray",
     "Record",
@@ -263,6 +282,7 @@ __all__ = [
     "available_threads",
     "binary",
     "bind_kernel",
+    "build_layer",
     "build_part",
     "build_problem",
     "build_response",

@@ -1153,6 +1153,75 @@ def test_adhesion_is_solved_and_drawn(client):
     assert {"pressure", "gap", "tension"} <= drawn
 
 
+COATED = {**STICKY, "layers": "2", "layer1_young": "50", "layer1_young_unit": "MPa", "layer1_thickness": "0.3"}
+COATED |= {"layer2_young": "1", "layer2_young_unit": "MPa", "layer2_poisson": "0.4", "layer2_thickness": "200"}
+COATED |= {"boundary": "periodic", "layer2_thickness_unit": "nm", "load_unit": "nN", "loads": "500", "range": "200"}
+
+
+@pytest.fixture
+def layered():
+    """The plug-in with the layers, without which nothing of them can be tried."""
+    return pytest.importorskip("roughcontact_layered")
+
+
+def test_a_coated_ball_its_first_yield_and_pull_off(client, layered):
+    asked = {"ask_first_yield": "yes", "ask_first_yield_yield_stress": "4", "ask_pull_off": "yes"}
+    state = client.wait(client.post("api/runs", {**COATED, **asked, "layer1_yield_stress": "0.01"})["id"])
+    assert state["phase"] == "done", state
+    (answer,) = state["answers"]
+    found = {one["name"]: one["value"] for one in answer["quantities"]}
+    hard, soft = layered.Layer(50e6, 0.25, 0.3e-6, yield_stress=10e6), layered.Layer(1e6, 0.4, 0.2e-6)
+    kernel = layered.LayeredKernel((hard, soft), rc.Elastic(5e6, 0.5))
+    ball = rc.Body(rc.SphereSurface(6e-6), rc.Elastic(5e6, 0.5))
+    grid = rc.Grid((32, 32), 8e-6)
+    law = rc.Exponential(50e-3, 200e-9)
+    problem = rc.ContactProblem(ball, grid=grid, boundary="periodic", kernel=kernel, adhesion=law)
+    solution = problem.solve(force=500e-9)
+    assert found["approach"] == pytest.approx(solution.approach, rel=1e-6)
+    assert found["pull off"] == pytest.approx(problem.pull_off().value, rel=1e-6)
+    assert found["first yield force"] > 0.0
+    assert "2 layers on the body: 300 nm of 50 MPa" in client.post("api/plan", COATED)["text"]
+
+
+@pytest.mark.parametrize("boundary", ["free", "periodic"])
+def test_layers_lie_on_either_body_and_on_a_rigid_base(boundary, layered):
+    layer = {"counterbody_layers": "1", "counterbody_layer1_young": "2", "counterbody_layer1_young_unit": "MPa"}
+    settings = read_settings({**STICKY, **layer, "boundary": boundary, "adhesion": "none"})
+    problem = make_problem(settings, make_scene(settings, None))
+    pad = layered.Layer(2e6, 0.25, 2e-6)
+    assert problem.plan.kernel == layered.LayeredKernel(pad, rc.Rigid(), carrier="counterbody")
+    assert problem.counterbody.material == rc.Elastic(2e6, 0.25)
+    settings = read_settings({**settings, "counterbody": "deformable"})
+    problem = make_problem(settings, make_scene(settings, None))
+    assert problem.plan.kernel == layered.LayeredKernel(pad, rc.Elastic(210e9, 0.3), carrier="counterbody")
+
+
+@pytest.mark.parametrize(
+    ("given", "setting", "sentence"),
+    [
+        ({"layer2_thickness": "-1"}, "layer2_thickness", "The thickness of layer 2 of the body must be above 0"),
+        ({"layer1_young": ""}, "layer1_young", "Young's modulus of layer 1 of the body is missing: fill it in."),
+        ({"layer1_poisson": "0.7"}, "layer1_poisson", "Poisson's ratio must be"),
+        ({"layers": "4"}, "", "The setting 'layers' must be one of 0, 1, 2, 3, but got '4'."),
+    ],
+)
+def test_wrong_layers_name_their_setting(client, layered, given, setting, sentence):
+    refused = client.post("api/plan", {**COATED, **given}, 422)
+    assert sentence in refused["error"]
+    assert refused.get("setting", "") == setting
+
+
+def test_without_the_plug_in_the_page_says_what_to_install(monkeypatch):
+    from roughcontact._base.archive.plain import parts
+
+    monkeypatch.setattr(parts, "_installed", {})
+    monkeypatch.setattr(parts, "_classes", {})
+    settings = read_settings(COATED)
+    with pytest.raises(rc.InputError, match="pip install roughcontact-layered") as caught:
+        make_problem(settings, make_scene(settings, None))
+    assert caught.value.setting == "layers"
+
+
 CYCLE = {**STICKY, "load_unit": "nN", "load": "cycle", "range": "30", "cells": "96", "side": "6"}
 CYCLE |= {"cycle_from": "-0.3", "cycle_to": "0.1", "states": "9"}
 
@@ -1167,7 +1236,8 @@ def test_a_cycle_is_planned_solved_drawn_and_tabulated(client):
     expected = problem.cycle(approach=np.linspace(-0.3e-6, 0.1e-6, 9))
     (answer,) = state["answers"]
     found = {one["name"]: one for one in answer["quantities"]}
-    assert found["pull-off"]["value"] == pytest.approx(expected.pull_off.value, rel=1e-6)
+    # That of the problem: the states of the cycle are 50 nm apart, the range is 30 nm.
+    assert found["pull-off"]["value"] == pytest.approx(problem.pull_off().value, rel=1e-6)
     assert found["pull-in"]["value"] == pytest.approx(expected.pull_in.value, rel=1e-6)
     assert found["energy lost"]["value"] == pytest.approx(expected.dissipated.value, rel=1e-3)
     assert found["jumps"]["value"] == len(expected.jumps) > 0
@@ -1318,6 +1388,7 @@ def test_a_fretting_cycle_is_planned_solved_drawn_and_tabulated(client, tmp_path
         ({"normal_force": "-1"}, "The normal force must be above 0, but got -1 N."),
         ({"tangential_force_unit": "lbf"}, "The unit of the force must be one of N, mN, uN, nN, kN, but got 'lbf'."),
         ({"boundary": "wrapped"}, "A wrapped boundary has no response to forces along the surface"),
+        ({"layers": "1"}, "Friction on layers is not known"),
         ({"adhesion": "short-range"}, "Friction between surfaces that attract each other is not known"),
     ],
 )

@@ -30,7 +30,7 @@ def test_a_report_runs_the_contact_again_to_the_last_bit(monkeypatch, kernel, ma
     solution = problem.solve(pressure=100e6)
     page = solution.to_html()
     script = html.unescape(re.search(r"<pre><code>(.*?)</code></pre>", page, re.S)[1])
-    assert f"import {type(kernel).__module__}" in script
+    assert "import roughcontact_layered\n" in script
     names: dict = {}
     with contextlib.redirect_stdout(io.StringIO()):
         exec(script, names)

@@ -152,3 +152,29 @@ def test_what_is_not_known_is_refused_in_words():
     mixed = ball(kernel, (16, 16), boundary=("free", "periodic")).solve(force=3e7)
     with pytest.raises(rc.InputError, match="not on one that is free along one axis alone"):
         mixed.stress()
+
+
+@pytest.mark.parametrize(("young", "weaker"), [(400e9, 1e9), (60e9, 1e9), (400e9, 6e9), (60e9, 6e9)])
+def test_each_layer_yields_by_its_own_strength(young, weaker):
+    """At first yield the maximum in one layer is its strength, and those in the others are below theirs."""
+    steel = rc.Elastic(210e9, 0.3)
+    layers = Layer(young, 0.25, 4e-6, yield_stress=weaker), Layer(100e9, 0.3, 3e-6)
+    kernel = LayeredKernel(layers, substrate=steel)
+    ball = rc.Body(rc.ParaboloidSurface(1e-3), steel)
+    # Cells 3:2, odd numbers of them.
+    grid = rc.Grid((27, 41), (81e-6, 82e-6))
+    problem = rc.ContactProblem(ball, grid=grid, kernel=kernel, boundary="periodic")
+    point = problem.solve(force=1.0).first_yield(yield_stress=2e9)
+    maxima = problem.solve(force=point.force.value).stress().maxima
+    ratios = {number: one.value / (weaker, 2e9, 2e9)[number] for number, one in maxima.items()}
+    assert set(ratios) == {0, 1, 2}
+    yielding = max(ratios, key=ratios.get)
+    assert ratios[yielding] == pytest.approx(1.0, abs=1e-3)
+    assert point.layer == (yielding + 1) % 3
+    # A strength that is the body's changes nothing.
+    alike = attrs.evolve(kernel, layers=(attrs.evolve(layers[0], yield_stress=2e9), layers[1]))
+    bare = attrs.evolve(kernel, layers=(attrs.evolve(layers[0], yield_stress=None), layers[1]))
+    one, other = (
+        attrs.evolve(problem, kernel=chosen).solve(force=1.0).first_yield(yield_stress=2e9) for chosen in (alike, bare)
+    )
+    assert (one.force, one.layer) == (other.force, other.layer)

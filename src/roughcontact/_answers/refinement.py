@@ -11,7 +11,7 @@ import numpy as np
 
 from roughcontact._base.arrays import Array
 from roughcontact._base.checks import callback, integer, number
-from roughcontact._base.units import ShownAsPrinted, si
+from roughcontact._base.units import Force, Length, Pressure, ShownAsPrinted, si
 from roughcontact._parts.grid import Grid, Load
 from roughcontact._parts.surfaces import Continuation, bilinear, cells_for, find_maps, rms_slope
 from roughcontact._solve.problem import Body, ContactProblem, require_memory_of_solve, resample_problem
@@ -126,9 +126,9 @@ class Ladder(ShownAsPrinted):
 def extrapolate(
     problem: ContactProblem,
     *,
-    pressure: float | None = None,
-    force: float | None = None,
-    approach: float | None = None,
+    pressure: Pressure | None = None,
+    force: Force | None = None,
+    approach: Length | None = None,
     levels: int = 3,
     estimator: str | AreaEstimator = DEFAULT_AREA,
     interpolation: str | None = None,
@@ -263,8 +263,8 @@ class BeyondResolution(ShownAsPrinted):
 def beyond_resolution(
     problem: ContactProblem,
     *,
-    pressure: float | None = None,
-    force: float | None = None,
+    pressure: Pressure | None = None,
+    force: Force | None = None,
     cutoffs: Sequence[float] = (1.0, 0.5),
     realizations: int = 4,
     resolved: float | None = None,

@@ -17,7 +17,7 @@ from roughcontact._answers.linear.tangential import (
 )
 from roughcontact._base.arrays import Array, Mask, Pair, read_only
 from roughcontact._base.checks import flag, integer, number
-from roughcontact._base.units import ContactWarning, ShownAsPrinted, outlined, si
+from roughcontact._base.units import ContactWarning, Quantity, ShownAsPrinted, outlined, si
 from roughcontact._parts.grid import Boundary, Load, list_borders
 from roughcontact._parts.materials import MAX_UNCOUPLED_BETA, Material, pair_constants
 from roughcontact._solve.problem import predict_pressure, problem_of
@@ -91,7 +91,7 @@ class FrettingLoop(ShownAsPrinted):
         return "\n".join(lines)
 
 
-def _force(value: float) -> float:
+def _force(value: Quantity) -> float:
     return number(value, "The tangential force", "N", at_least=0.0)
 
 

@@ -1,4 +1,4 @@
-"""Checks of input values: each returns the clean value or raises an `InputError`."""
+"""Checks of input values, each of which returns the clean value or raises an `InputError`; fields that take texts."""
 
 from __future__ import annotations
 
@@ -7,15 +7,17 @@ import inspect
 import math
 import mmap
 import os
-from collections.abc import Callable, Sequence
+import re
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
+import attrs
 import numpy as np
 import numpy.typing as npt
 
 from roughcontact._base.arrays import Array, Pair, frozen_array
-from roughcontact._base.units import EXAMPLES, parse_quantity
+from roughcontact._base.units import EXAMPLES, Quantity, parse_quantity
 from roughcontact.errors import InputError, NoSuchItem
 from roughcontact.errors.door import outside
 
@@ -23,6 +25,9 @@ T = TypeVar("T")
 # Magnitudes of quantities in SI units; products of a few of them stay within float64.
 MIN_MAGNITUDE = 1e-60
 MAX_MAGNITUDE = 1e60
+# The text of an infinite number; and texts that may be numbers: digits, inf or nan behind a sign, if any.
+INFINITE = "inf"
+_NUMBER_LIKE = re.compile(r"\s*[-+.]*(?:[0-9]|inf|nan)", re.IGNORECASE)
 # Characters of a path: PATH_MAX of Linux, the largest of the systems.
 _MAX_PATH_CHARACTERS = 4096
 
@@ -156,7 +161,7 @@ def flag(value: object, what: str) -> bool:
 
 
 def pair(
-    value: float | Sequence[float],
+    value: Quantity | Sequence[Quantity],
     what: str,
     unit: str = "",
     *,
@@ -279,3 +284,92 @@ def heights_array(values: npt.ArrayLike, *, nan: bool = False) -> Array:
     if max(high, -low) > MAX_MAGNITUDE:
         raise InputError(f"{what} must hold heights of at most {MAX_MAGNITUDE:g} m: check the unit.")
     return frozen_array(array)
+
+
+class Part:
+    """A class whose fields may be given as texts with a unit, as in study files and on the command line.
+
+    All bases of parts derive from it. A field of an attrs class takes such texts if its metadata have ``unit``, the SI
+    unit of the number (empty for a number without one), or ``plain_unit``, a unit that texts may omit. A converter of
+    the field gets the number. With ``infinite`` it takes ``"inf"``.
+
+    Examples
+    --------
+    >>> import attrs
+    >>> import roughcontact as rc
+    >>> @attrs.frozen
+    ... class Coating(rc.typing.Part):
+    ...     thickness: float = attrs.field(metadata={"unit": "m"})
+    >>> print(Coating("2 um"))
+    Coating(thickness=2e-06)
+    """
+
+    __slots__ = ()
+
+    def __init_subclass__(cls, **others: Any) -> None:
+        super().__init_subclass__(**others)
+        # Fields are seen here before the decorator of attrs has made them; a class with slots is made once more.
+        for name, field in list(vars(cls).items()):
+            metadata = getattr(field, "metadata", None)
+            if not isinstance(metadata, Mapping) or not hasattr(field, "_validator"):
+                continue
+            unit = metadata.get("unit", metadata.get("plain_unit"))
+            if isinstance(unit, str):
+                reader = _TextReader(f"The field {name} of {cls.__name__}", unit, bool(metadata.get("infinite")))
+                field.converter = _before(reader, field.converter)
+
+
+@attrs.frozen
+class _TextReader:
+    """Reads the texts of a field, what a sentence calls it, in a unit; whether it may be infinite, ``"inf"``."""
+
+    what: str
+    unit: str
+    is_infinite: bool
+
+    def read(self, value: Any, *, is_word: bool) -> Any:
+        """Return a value with its texts, also those in lists, as numbers in SI units; words may be kept."""
+        if isinstance(value, (list, tuple)) and any(isinstance(one, str) for one in value):
+            return type(value)(self.read(one, is_word=False) for one in value)
+        if not isinstance(value, str):
+            return value
+        if self.is_infinite and value.strip() == INFINITE:
+            return math.inf
+        try:
+            return parse_quantity(value, self.unit)
+        except ValueError as error:
+            if is_word and not _NUMBER_LIKE.match(value):
+                return value
+            raise InputError(f"{self.what}: {error}.") from error
+
+
+def _ask_own(own: Callable[[Any], Any], value: Any) -> None:
+    """Raise the `InputError` of a converter for a wrong value, if it has one."""
+    try:
+        own(value)
+    except InputError:
+        raise
+    # It is of a plug-in; a wrong text is refused anyhow.
+    except Exception:
+        return
+
+
+def _before(reader: _TextReader, own: Any) -> Any:
+    """Return a converter that reads texts, and then calls the field's own converter, if there is one.
+
+    That one gets words, such as ``"auto"``, and may refuse a wrong text in its own words.
+    """
+    if isinstance(own, attrs.Converter):
+        return attrs.converters.pipe(lambda value: reader.read(value, is_word=True), own)
+
+    def convert(value: Any) -> Any:
+        if own is None:
+            return reader.read(value, is_word=False)
+        try:
+            read = reader.read(value, is_word=True)
+        except InputError as refusal:
+            _ask_own(own, value)
+            raise refusal from None
+        return own(read)
+
+    return convert

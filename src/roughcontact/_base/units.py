@@ -61,6 +61,11 @@ _POWERS = {"": 1, "¹": 1, "²": 2, "³": 3}
 _POWERS_OF_PREFIXES = {"f": -15, "p": -12, "n": -9, "u": -6, "µ": -6, "μ": -6, "m": -3, "c": -2, "d": -1}
 _POWERS_OF_PREFIXES |= {"": 0, "h": 2, "k": 3, "M": 6, "G": 9, "T": 12}
 Dimension: TypeAlias = tuple[int, int, int, int, int, int]
+# A number in SI units, or a text with a unit such as "210GPa"; the name says of what.
+Quantity: TypeAlias = float | str
+Length: TypeAlias = Quantity
+Pressure: TypeAlias = Quantity
+Force: TypeAlias = Quantity
 # Powers of metre, kilogram, second, radian, kelvin and ampere.
 _LENGTH = (1, 0, 0, 0, 0, 0)
 _MASS = (0, 1, 0, 0, 0, 0)

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from roughcontact._base.arrays import Array, Mask, Pair
 from roughcontact._base.checks import choice, integer, number, pair
 from roughcontact._base.machine import require_memory
-from roughcontact._base.units import si
+from roughcontact._base.units import Quantity, si
 from roughcontact.errors import InputError
 
 # Maximum cells of a grid: a field takes 8 TiB. Memory is asked for where fields are made: a process may have a slab.
@@ -88,7 +88,7 @@ def grid_shape(value: Sequence[int]) -> tuple[int, int]:
     return nx, ny
 
 
-def _size(value: float | Sequence[float]) -> Pair:
+def _size(value: Quantity | Sequence[Quantity]) -> Pair:
     return pair(value, "The size of the domain", "m", above=0.0)
 
 

@@ -12,8 +12,9 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array, restore_state
-from roughcontact._base.checks import number, number_or_array
+from roughcontact._base.checks import Part, number, number_or_array
 from roughcontact._base.registry import Registry
+from roughcontact._base.units import Quantity
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 
@@ -21,7 +22,7 @@ from roughcontact.errors.door import guarded
 MAX_UNCOUPLED_BETA = 0.01
 
 
-class Material(abc.ABC):
+class Material(Part, abc.ABC):
     """The material of a body; a class of your own gives its compliance and its pressure limit.
 
     Attributes
@@ -173,15 +174,15 @@ def combined_pressure_limit(one: Material, other: Material) -> Array:
     return softer
 
 
-def _young(value: float) -> float:
+def _young(value: Quantity) -> float:
     return number(value, "Young's modulus", "Pa", above=0.0)
 
 
-def _poisson(value: float) -> float:
+def _poisson(value: Quantity) -> float:
     return number(value, "Poisson's ratio", above=-1.0, at_most=0.5)
 
 
-def _hardness(value: float | Array) -> float | Array:
+def _hardness(value: Quantity | Array) -> float | Array:
     return number_or_array(value, "The hardness", "Pa")
 
 

@@ -9,10 +9,10 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array, Mask
-from roughcontact._base.checks import callback, integer, number
+from roughcontact._base.checks import Part, callback, integer, number
 from roughcontact._base.registry import Registry
 from roughcontact._base.tables import Table
-from roughcontact._base.units import ShownAsPrinted, si
+from roughcontact._base.units import Force, Pressure, ShownAsPrinted, si
 from roughcontact._parts.surfaces import HeightMap, repeats
 from roughcontact._solve.problem import Body, ContactProblem
 from roughcontact._solve.solution import Area, ContactSolution
@@ -25,7 +25,7 @@ _MAX_KEPT_PRESSURES = 16
 _MIN_PRINTED_LOSS_RATIO = 1e-12
 
 
-class FlatteningModel(abc.ABC):
+class FlatteningModel(Part, abc.ABC):
     """A model of plastic flattening; a class of your own gives the loss of height.
 
     Examples
@@ -197,8 +197,8 @@ class RunIn(ShownAsPrinted):
 def run_in(
     problem: ContactProblem,
     *,
-    pressure: float | None = None,
-    force: float | None = None,
+    pressure: Pressure | None = None,
+    force: Force | None = None,
     model: str | FlatteningModel = "overlap",
     shifts: Sequence[tuple[int, int]] = ((0, 0),),
     rounds: int = 20,

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import pickle
 import textwrap
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any, TypeAlias, TypeVar
 
 import attrs
@@ -15,6 +16,7 @@ from roughcontact._base.arrays import RealArray
 from roughcontact._base.checks import choice
 from roughcontact._base.registry import Registry, registries
 from roughcontact._base.tables import Table
+from roughcontact._base.units import parse_quantity
 from roughcontact.errors import InputError
 from roughcontact.plotting import panels
 
@@ -238,7 +240,31 @@ def _hash_agrees(part: object) -> None:
     require(copy != part or hash(copy) == hash(part), "its copy is equal, but has another hash")
 
 
+def _takes_texts(part: Any) -> None:
+    """Claim that a number with a unit in the metadata of its field may be given as a text."""
+    texts = {} if not attrs.has(type(part)) else dict(_list_texts(part))
+    if not texts:
+        raise DoesNotApply("none of its fields has a number with a unit in its metadata")
+    for field, text in texts.items():
+        copy = attrs.evolve(part, **{str(field.alias): text})
+        found = getattr(copy, field.name)
+        require(found == getattr(part, field.name), f"{field.alias}={text!r} becomes {found!r}")
+
+
+def _list_texts(part: Any) -> Iterator[tuple[attrs.Attribute[Any], str]]:
+    """Yield the fields that are numbers of a known unit, with their texts."""
+    for field in attrs.fields(type(part)):
+        unit = field.metadata.get("unit", field.metadata.get("plain_unit"))
+        value = getattr(part, field.name)
+        if field.init and unit is not None and isinstance(value, float):
+            text = f"{value!r} {unit.partition(' or ')[0]}".rstrip()
+            with contextlib.suppress(ValueError):
+                parse_quantity(text, unit)
+                yield field, text
+
+
 _SHARED = {
+    "takes texts with units": _takes_texts,
     "survives pickling": _survives_pickling,
     "can be saved": _can_be_saved,
     "hash agrees with equality": _hash_agrees,

@@ -11,6 +11,7 @@ from typing import Any
 
 import attrs
 from roughcontact import ContactSolution, Estimate, FrictionalPath
+from roughcontact.errors import RoughContactError
 from roughcontact.typing import (
     AdhesionCycle,
     Table,
@@ -86,20 +87,35 @@ def repeat_last_of_loading(cycle: AdhesionCycle, asked: Mapping[str, Sequence[An
     return {name: [*found[:last], *found[last - 1 :]] for name, found in asked.items()}
 
 
+def find_pull_off(cycle: AdhesionCycle) -> Estimate:
+    """Return the force of pull-off, whatever the steps of a cycle; if it cannot be followed, the lowest of its states.
+
+    The states may be farther apart than the surfaces attract each other.
+    """
+    try:
+        found: Estimate = cycle.loading[0].response("pull-off")
+    except RoughContactError:
+        return cycle.pull_off
+    return found
+
+
 def describe_cycle(cycle: AdhesionCycle, asked: Mapping[str, Sequence[Any]] = MappingProxyType({})) -> dict[str, Any]:
     """Return the answer of a cycle, in the form of the answer at a load.
 
     `asked` is what responses have answered for each of `list_cycle_states`; shown is the answer at the last approach.
     """
     states = list_cycle_states(cycle)
-    shared = dict.fromkeys((*cycle.pull_off.warnings, *cycle.pull_in.warnings))
+    pull_off = find_pull_off(cycle)
+    shared = dict.fromkeys((*pull_off.warnings, *cycle.pull_in.warnings))
     # Both branches have a state at each approach.
     others: dict[str, list[str]] = {}
     for state in states:
         known = others.setdefault(name_load(state), [])
         known += [text for text in state.warnings if text not in (*shared, *known)]
-    found = {"pull-off": cycle.pull_off, "pull-in": cycle.pull_in, "energy lost": cycle.dissipated}
+    found = {"pull-off": pull_off, "pull-in": cycle.pull_in, "energy lost": cycle.dissipated}
     for name, column in tabulate_answers(asked).items():
+        if name == "pull-off":
+            continue
         found[f"{_in_words(name)} at the last approach"] = column[len(cycle.loading) - 1]
     quantities = [_describe(name, one, write_column([one])[0]) for name, one in found.items()]
     places = "; ".join(f"{si(first, 'm', 3)} to {si(last, 'm', 3)}" for first, last in cycle.jumps)

@@ -26,7 +26,16 @@ from roughcontact import (
     read_surface,
 )
 from roughcontact.errors import InputError, MissingPackage, RoughContactError
-from roughcontact.typing import TYPICAL, Load, Pair, RawMap, build_problem, read_raw, require_memory_of_solve
+from roughcontact.typing import (
+    TYPICAL,
+    Load,
+    Pair,
+    RawMap,
+    build_layer,
+    build_problem,
+    read_raw,
+    require_memory_of_solve,
+)
 
 from roughcontact_app.settings import (
     Settings,
@@ -170,16 +179,38 @@ def make_problem(settings: Settings, scene: Scene) -> ContactProblem:
     material = _describe_material(settings, "", "the body")
     return build_problem(
         {
-            "body": {"surface": scene.surface, "material": material},
+            "body": {"surface": scene.surface, "material": material, **_describe_layers(settings, "", "the body")},
             "counterbody": {
                 "surface": "flat" if scene.counterbody is None else scene.counterbody.surface,
                 "material": _describe_material(settings, "counterbody_", "the counterbody") if deforms else "rigid",
+                **_describe_layers(settings, "counterbody_", "the counterbody"),
             },
             "grid": scene.grid,
             "boundary": settings["boundary"],
             "adhesion": _describe_interaction(settings),
         }
     )
+
+
+def _describe_layers(settings: Settings, prefix: str, whose: str) -> dict[str, Any]:
+    """Return the layers of a body, from the surface downwards; empty without any."""
+    layers = []
+    for number in range(1, int(settings[f"{prefix}layers"]) + 1):
+        own = f"{prefix}layer{number}_"
+        of = f"of layer {number} of {whose}"
+        fields = {
+            "young": quantity(settings, f"{own}young", f"Young's modulus {of}", "modulus"),
+            "poisson": plain(settings, f"{own}poisson", f"Poisson's ratio {of}"),
+            "thickness": quantity(settings, f"{own}thickness", f"The thickness {of}", "length"),
+        }
+        if settings[f"{own}yield_stress"]:
+            fields["yield_stress"] = quantity(settings, f"{own}yield_stress", f"The yield stress {of}", "modulus")
+        try:
+            with reading(f"{own}poisson"):
+                layers.append(build_layer(fields, f"Layer {number} of {whose}"))
+        except MissingPackage as error:
+            raise WrongSetting(str(error), f"{prefix}layers") from error
+    return {"layers": layers} if layers else {}
 
 
 def _describe_interaction(settings: Settings) -> dict[str, Any] | None:

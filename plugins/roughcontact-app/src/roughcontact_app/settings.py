@@ -35,6 +35,22 @@ _RANGES = {
     "work": (1e-9, 1e9),
     "viscosity": (1e-9, 1e12),
 }
+# Beginnings of the settings of the body and of the counterbody, and the most layers of each.
+PREFIXES = ("", "counterbody_")
+MOST_LAYERS = 3
+
+
+def list_layer_defaults(prefix: str) -> dict[str, str]:
+    """Return the settings of the layers of a body with their first texts."""
+    found = {f"{prefix}layers": "0"}
+    for number in range(1, MOST_LAYERS + 1):
+        own = f"{prefix}layer{number}_"
+        found |= {f"{own}young": "400", f"{own}young_unit": "GPa", f"{own}poisson": "0.25"}
+        found |= {f"{own}thickness": "2", f"{own}thickness_unit": "um"}
+        found |= {f"{own}yield_stress": "", f"{own}yield_stress_unit": "GPa"}
+    return found
+
+
 # What the form holds at first; each setting has its text here and no other is taken.
 DEFAULTS: dict[str, str] = {
     "surface": "example",
@@ -112,6 +128,7 @@ DEFAULTS: dict[str, str] = {
     "tangential_force_unit": "N",
     "friction": "0.3",
     "boundary": "free",
+    **{name: text for prefix in PREFIXES for name, text in list_layer_defaults(prefix).items()},
     **list_defaults(),
     "scheme": "light",
 }
@@ -131,6 +148,7 @@ _CHOICES = {
     "load": ("force", "pressure", "approach", "cycle", "fretting"),
     "added": ("ball", "cylinder-y", "cylinder-x"),
     "boundary": tuple(map(str, Boundary)),
+    **{f"{prefix}layers": tuple(map(str, range(MOST_LAYERS + 1))) for prefix in PREFIXES},
     **list_choices(),
     "scheme": ("light", "dark"),
 }
@@ -260,6 +278,10 @@ def fretting_values(settings: Settings) -> tuple[float, float, float]:
     if settings["adhesion"] != "none":
         sentence = "Friction between surfaces that attract each other is not known: choose no adhesion."
         raise WrongSetting(sentence, "adhesion")
+    for prefix in PREFIXES:
+        if settings[f"{prefix}layers"] != "0":
+            sentence = "Friction on layers is not known: choose no layers, or another load."
+            raise WrongSetting(sentence, f"{prefix}layers")
     if settings["boundary"] == "wrapped":
         sentence = "A wrapped boundary has no response to forces along the surface: choose another boundary."
         raise WrongSetting(sentence, "boundary")

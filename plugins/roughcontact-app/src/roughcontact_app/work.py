@@ -26,7 +26,7 @@ from roughcontact_app.progress import Progress
 from roughcontact_app.responses import ask, ask_states
 from roughcontact_app.roughness import describe_roughness
 from roughcontact_app.scene import Scene, ShownSurface, Upload, inspect_file, make_loads, make_problem, make_scene
-from roughcontact_app.settings import Settings, WrongSetting, asked_responses, fretting_values, read_settings
+from roughcontact_app.settings import PREFIXES, Settings, WrongSetting, asked_responses, fretting_values, read_settings
 from roughcontact_app.words import end_sentence, in_words_of_page
 
 # How the time of a solve is estimated.
@@ -56,9 +56,10 @@ Send = Callable[[dict[str, Any]], None]
 Uploads: TypeAlias = tuple[Upload | None, Upload | None]
 
 # The beginnings of settings that the surface does not follow from: they do not make it anew.
-_OF_BODIES = tuple(f"{whose}{name}" for whose in ("", "counterbody_") for name in ("young", "poisson", "hardness"))
+_OF_BODIES = tuple(f"{whose}{name}" for whose in PREFIXES for name in ("young", "poisson", "hardness"))
 _OF_OTHERS = (
     *_OF_BODIES,
+    *(f"{whose}layer" for whose in PREFIXES),
     "adhesion",
     "work",
     "range",

@@ -73,7 +73,7 @@ class AnisotropicKernel(rc.InfluenceKernel):
     265.9 nm
     """
 
-    crystals: tuple[Anisotropic, ...] = attrs.field(converter=_crystals)
+    crystals: tuple[Anisotropic, ...] = attrs.field(converter=_crystals, metadata={"material": True})
 
     def effective_modulus(self, wavenumber: Array, compliance: float) -> Array:
         """Return the inverse of the mean of 1/E* over the directions, the same for all waves, shape (n,), Pa."""

@@ -70,7 +70,7 @@ class GradedKernel(rc.InfluenceKernel):
     """
 
     gradient: float = attrs.field(converter=_gradient, metadata={"unit": "1/m"})
-    surface: rc.Elastic = attrs.field(converter=_surface)
+    surface: rc.Elastic = attrs.field(converter=_surface, metadata={"material": True})
 
     @property
     def own_material(self) -> rc.Elastic:

@@ -27,6 +27,12 @@ def _layers(value: object) -> tuple[Layer, ...]:
     return layers
 
 
+def _carrier(value: object) -> str | None:
+    if value not in (None, "body", "counterbody"):
+        raise rc.InputError.about("The carrier of the layers", value, "'body', 'counterbody' or None")
+    return None if value is None else str(value)
+
+
 def _substrate(value: object) -> Substrate:
     if not isinstance(value, (rc.Elastic, rc.Rigid)):
         allowed = "the Elastic material of the coated body, or Rigid() for a rigid base"
@@ -55,6 +61,9 @@ class LayeredKernel(StackedKernel):
         From the surface downwards.
     substrate
         The material of the body that carries the layers, that of the `roughcontact.Body`; or ``rc.Rigid()``.
+    carrier
+        ``"body"`` or ``"counterbody"``, on which the layers lie; None: on the one of the substrate's material, on the
+        body if both are. Only the stress below, the conductance and the tangential stiffness depend on it.
 
     Raises
     ------
@@ -79,7 +88,21 @@ class LayeredKernel(StackedKernel):
     """
 
     layers: tuple[Layer, ...] = attrs.field(converter=_layers)
-    substrate: Substrate = attrs.field(converter=_substrate)
+    substrate: Substrate = attrs.field(converter=_substrate, metadata={"material": True})
+    carrier: str | None = attrs.field(default=None, converter=_carrier)
+
+    def __str__(self) -> str:
+        where = "" if self.carrier is None else f" on the {self.carrier}"
+        count = len(self.layers)
+        return (
+            f"{count} layer{'s' if count > 1 else ''}{where}: {'; '.join(map(str, self.layers))}; on {self.substrate}"
+        )
+
+    def part_of(self, body: str) -> rc.InfluenceKernel | None:
+        """Return this kernel for the carrier, that of a half-space for the other body; None if none is stated."""
+        if self.carrier is None:
+            return None
+        return self if body == self.carrier else rc.Love()
 
     @property
     def own_material(self) -> Layer | rc.Elastic:
@@ -193,6 +216,11 @@ class LayeredKernel(StackedKernel):
         """Depths of the interfaces between bodies that deform, shape (n,), m, ascending."""
         depths = np.cumsum([layer.thickness for layer in self.layers])
         return depths[:-1] if isinstance(self.substrate, rc.Rigid) else depths
+
+    @property
+    def yield_stresses(self) -> tuple[float | None, ...]:
+        """Yield stress of each layer, Pa, from the surface downwards; None where it states none."""
+        return tuple(layer.yield_stress for layer in self.layers)
 
     @property
     def base_depth(self) -> float:

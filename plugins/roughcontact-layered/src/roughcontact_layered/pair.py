@@ -63,6 +63,9 @@ class PairKernel(rc.InfluenceKernel):
     body: OneBody = attrs.field(converter=_one_body)
     counterbody: OneBody = attrs.field(converter=_one_body)
 
+    def __str__(self) -> str:
+        return f"on the body {self.body}; on the counterbody {self.counterbody}"
+
     def part_of(self, body: str) -> OneBody:
         """Return the kernel of the ``"body"`` or of the ``"counterbody"``."""
         return self.body if body == "body" else self.counterbody

@@ -9,6 +9,7 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 import roughcontact as rc
+from roughcontact.typing import Part, Quantity, si
 
 Array: TypeAlias = npt.NDArray[np.float64]
 Substrate: TypeAlias = rc.Elastic | rc.Rigid
@@ -22,15 +23,19 @@ _BLOCK = 1 << 14
 _CONDUCTIVITY_UNIT = "W/(m K) or S/m"
 
 
-def _thickness(value: float) -> float:
+def _thickness(value: Quantity) -> float:
     return _positive(value, "The thickness of a layer", "m")
 
 
-def _conductivity(value: float | None) -> float | None:
+def _conductivity(value: Quantity | None) -> float | None:
     return None if value is None else _positive(value, "The conductivity of a layer", _CONDUCTIVITY_UNIT)
 
 
-def _positive(value: float, what: str, unit: str) -> float:
+def _yield_stress(value: Quantity | None) -> float | None:
+    return None if value is None else _positive(value, "The yield stress of a layer", "Pa")
+
+
+def _positive(value: Quantity, what: str, unit: str) -> float:
     try:
         result = float(value)
     except (TypeError, ValueError):
@@ -40,16 +45,16 @@ def _positive(value: float, what: str, unit: str) -> float:
     return result
 
 
-def _young(value: float) -> float:
+def _young(value: Quantity) -> float:
     return rc.Elastic(value, 0.0).young
 
 
-def _poisson(value: float) -> float:
+def _poisson(value: Quantity) -> float:
     return rc.Elastic(1.0, value).poisson
 
 
 @attrs.frozen
-class Layer:
+class Layer(Part):
     """A homogeneous, isotropic, linear elastic layer, bonded to what is below it.
 
     Parameters
@@ -62,6 +67,8 @@ class Layer:
         Thickness, m, above zero.
     conductivity
         Conductivity, W/(m K) for heat or S/m for current, above zero, which only the contact conductance needs.
+    yield_stress
+        Yield stress in tension, Pa, above zero, for the first yield in this layer; None: that of the body under it.
 
     Raises
     ------
@@ -75,6 +82,11 @@ class Layer:
     conductivity: float | None = attrs.field(
         default=None, converter=_conductivity, metadata={"plain_unit": _CONDUCTIVITY_UNIT}
     )
+    yield_stress: float | None = attrs.field(default=None, converter=_yield_stress, metadata={"unit": "Pa"})
+
+    def __str__(self) -> str:
+        words = f"{si(self.thickness, 'm')} of {si(self.young, 'Pa')}, Poisson's ratio {self.poisson:g}"
+        return words if self.yield_stress is None else f"{words}, yield stress {si(self.yield_stress, 'Pa')}"
 
     @property
     def compliance(self) -> float:

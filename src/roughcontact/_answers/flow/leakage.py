@@ -18,7 +18,7 @@ from roughcontact._answers.flow.network import (
 from roughcontact._base import checks
 from roughcontact._base.arrays import Array, Mask, Pair, RealArray, read_only
 from roughcontact._base.checks import number
-from roughcontact._base.units import ContactWarning, Estimate, ShownAsPrinted, percent, si
+from roughcontact._base.units import ContactWarning, Estimate, Quantity, ShownAsPrinted, percent, si
 from roughcontact._parts.grid import Grid
 from roughcontact._solve.solution import ContactSolution, Response, responses
 from roughcontact.errors import InputError, NotConverged
@@ -234,11 +234,11 @@ def flow_axis(value: int) -> int:
     return checks.axis(value, "The axis of the flow")
 
 
-def _viscosity(value: float) -> float:
+def _viscosity(value: Quantity) -> float:
     return number(value, "The viscosity", "Pa s", above=0.0)
 
 
-def _pressure_drop(value: float) -> float:
+def _pressure_drop(value: Quantity) -> float:
     return number(value, "The pressure drop", "Pa", above=0.0)
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from roughcontact._answers.laws.law import InterfaceLaw, LawColumn, interpolation_warning
 from roughcontact._base.checks import callback, flag
 from roughcontact._base.machine.progress import count_done, show_progress, tell_both
-from roughcontact._base.units import kind_of, si
+from roughcontact._base.units import Pressure, kind_of, si
 from roughcontact._parts.grid import FIRST_LOADING, Boundary, Load
 from roughcontact._solve.problem import ContactProblem, order_of_solving, predict_pressure
 from roughcontact._solve.solution import ContactSolution, Estimate, Response, read_number, responses
@@ -30,7 +30,7 @@ Rows = dict[str, list[Estimate]]
 @guarded
 def interface_law(
     problem: ContactProblem,
-    pressure: Iterable[float],
+    pressure: Iterable[Pressure],
     responses: Sequence[str | Response[Any]] | Mapping[str, str | Response[Any]] = ("stiffness",),
     *,
     on_load: Callable[[ContactSolution], None] | None = None,

@@ -20,8 +20,8 @@ from roughcontact._answers.linear.stiffness import (
 from roughcontact._answers.linear.tangent import Tangent
 from roughcontact._base.arrays import Array, Pair, read_only
 from roughcontact._base.checks import number, pair
-from roughcontact._base.units import Estimate, outlined, percent, si
-from roughcontact._parts.kernels import BoundKernel, SupportsConduction
+from roughcontact._base.units import Estimate, Quantity, outlined, percent, si
+from roughcontact._parts.kernels import BoundKernel, SupportsConduction, has_layers
 from roughcontact._solve.problem import ContactProblem, problem_of
 from roughcontact._solve.solution import Area, ContactSolution, Response, responses
 from roughcontact.errors import InputError
@@ -41,11 +41,11 @@ _CONDUCTIVITY_UNIT = "W/(m K) or S/m"
 _FILM_UNIT = "m2 K/W or Ohm m2"
 
 
-def _conductivity(value: float | Sequence[float]) -> Pair:
+def _conductivity(value: Quantity | Sequence[Quantity]) -> Pair:
     return pair(value, "The conductivity of the bodies", _CONDUCTIVITY_UNIT, above=0.0)
 
 
-def _film(value: float) -> float:
+def _film(value: Quantity) -> float:
     # More would leave the range of float32, in which the flow is found.
     return number(value, "The film resistance", _FILM_UNIT, at_least=0.0, at_most=_MAX_FILM_RESISTANCE)
 
@@ -245,8 +245,8 @@ def _find_conduction(solution: ContactSolution, conductivity: Pair) -> _Conducti
 
 def _find_substrate(kernel: SupportsConduction, problem: ContactProblem, conductivity: Pair) -> float:
     """Return the conductivity of the body under the layers: of two alike ones, of the first."""
-    for body, value in zip((problem.body, problem.counterbody), conductivity, strict=True):
-        if kernel.describes(body.material):
+    for name, value in zip(("body", "counterbody"), conductivity, strict=True):
+        if has_layers(kernel, name, getattr(problem, name).material):
             return value
     raise InputError(
         f"The conductance needs to know which body carries the layers, but neither {problem.body.material!r} nor "

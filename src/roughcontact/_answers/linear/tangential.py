@@ -13,7 +13,7 @@ from roughcontact._answers.linear.tangent import Tangent
 from roughcontact._base import checks
 from roughcontact._base.arrays import Array
 from roughcontact._base.units import ContactWarning
-from roughcontact._parts.kernels import SupportsTangential
+from roughcontact._parts.kernels import SupportsTangential, has_layers
 from roughcontact._parts.materials import MAX_UNCOUPLED_BETA, pair_constants
 from roughcontact._solve.problem import ContactProblem, problem_of
 from roughcontact._solve.solution import ContactSolution, Estimate, Response, responses
@@ -221,8 +221,8 @@ def _compare_on_layers(
     waves.
     """
     pair = pair_constants(*problem.plan.materials)
-    if not kernel.describes(problem.body.material):
-        if not kernel.describes(problem.counterbody.material):
+    if not has_layers(kernel, "body", problem.body.material):
+        if not has_layers(kernel, "counterbody", problem.counterbody.material):
             raise InputError(
                 f"The tangential stiffness needs to know which body carries the layers, but neither "
                 f"{problem.body.material!r} nor {problem.counterbody.material!r} is the substrate of {kernel!r}."

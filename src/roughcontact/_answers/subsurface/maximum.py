@@ -185,12 +185,12 @@ def with_interfaces(depths: Array, interfaces: Array, base: float) -> Array:
     return np.unique(np.concatenate((depths[depths < last], (1.0 - _SIDE) * inside, (1.0 + _SIDE) * inside, [last])))
 
 
-def find_maximum_of_layers(
+def find_maxima_of_layers(
     depths: Array, interfaces: Array, peaks: Sequence[PlanePeak], scale: float, cell: float
-) -> StressMaximum:
-    """Return the largest of the maxima in each layer, across whose interfaces the stress jumps; see `find_maximum`."""
+) -> dict[int, StressMaximum]:
+    """Return the maximum in each layer by its number, across whose interfaces the stress jumps; see `find_maximum`."""
     layer = np.searchsorted(interfaces, depths)
-    found = []
+    found = {}
     for number in np.unique(layer):
         places = np.flatnonzero(layer == number)
         one = find_maximum(depths[places], [peaks[int(place)] for place in places], scale, cell)
@@ -198,8 +198,8 @@ def find_maximum_of_layers(
         if np.isclose(one.depth, interfaces, rtol=1e-6, atol=0.0).any():
             kept = tuple(text for text in one.warnings if getattr(text, "rule", "") != "depths")
             one = attrs.evolve(one, warnings=kept)
-        found.append(one)
-    return max(found, key=lambda one: one.value)
+        found[int(number)] = one
+    return found
 
 
 def warn_of_depth(cells: float) -> ContactWarning:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeAlias
 
 import attrs
 import numpy as np
@@ -29,7 +29,7 @@ from roughcontact._answers.subsurface.maximum import (
     PlanePeak,
     StressMaximum,
     default_depths,
-    find_maximum_of_layers,
+    find_maxima_of_layers,
     find_shear,
     find_von_mises,
     warn_of_depth,
@@ -43,12 +43,13 @@ from roughcontact._base.checks import choice, number, numbers
 from roughcontact._base.machine import require_memory, use_threads
 from roughcontact._base.units import ContactWarning, ShownAsPrinted, outlined, si
 from roughcontact._parts.grid import Boundary, Grid, list_borders
-from roughcontact._parts.kernels import SupportsStress
+from roughcontact._parts.kernels import Love, SupportsStress
 from roughcontact._solve.problem import ContactProblem, problem_of
 from roughcontact._solve.solution import ContactSolution, Response, responses
 from roughcontact.errors import InputError
 from roughcontact.errors.door import Answer
 
+Measure: TypeAlias = Callable[[RealArray], RealArray]
 # Largest traction, in maximum pressures, and coefficient of friction for which the stress is computed.
 _MAX_LOAD_RATIO = 1e6
 # Largest depth, in sides of the domain, for which the stress is computed.
@@ -135,9 +136,9 @@ class Stress(ShownAsPrinted, Answer):
         Behind a sliding contact it has a peak, which cells of constant load smooth: around it the pressure is fitted in
         finer cells, with the place of the edge.
         """
-        value, uncertainty = self._edge.extrapolate(maximum_principal)
-        uncertainty = max(uncertainty, MIN_RELATIVE_ERROR * abs(value)) * self._scale
         edge = self._edge
+        value, uncertainty = edge.extrapolate(maximum_principal)
+        uncertainty = max(uncertainty, MIN_RELATIVE_ERROR * abs(value)) * self._scale
         found = StressMaximum(value * self._scale, uncertainty, edge.x, edge.y, 0.0, self.warnings)
         return self._warn_of_edges(found)
 
@@ -211,19 +212,30 @@ class Stress(ShownAsPrinted, Answer):
         known = {float(depth): peak[0].value for depth, peak in zip(np.unique(self.depths), self._peaks, strict=True)}
         return np.array([known[float(depth)] * self._scale for depth in self.depths])
 
-    def _find_maximum(self, place: int, measure: Callable[[RealArray], RealArray]) -> StressMaximum:
+    @property
+    def maxima(self) -> dict[int, StressMaximum]:
+        """The maximum of the von Mises stress in each layer, from the topmost, 0, to the body under all."""
+        return {k: self._judge(one, von_mises, at_surface=k == 0) for k, one in self._find_in_layers(0).items()}
+
+    def _find_maximum(self, place: int, measure: Measure) -> StressMaximum:
+        found = max(self._find_in_layers(place).values(), key=lambda one: one.value)
+        return self._judge(found, measure, at_surface=True)
+
+    def _find_in_layers(self, place: int) -> dict[int, StressMaximum]:
         peaks = [peak[place] for peak in self._peaks]
-        depths = np.unique(self.depths)
         layers = self._layers
         interfaces = np.empty(0) if layers is None else np.append(layers.interfaces, layers.base_depth)
-        found = find_maximum_of_layers(depths, interfaces, peaks, self._scale, max(self._grid.spacing))
-        if self.traction is not None and (self.depths == 0.0).any():
+        return find_maxima_of_layers(np.unique(self.depths), interfaces, peaks, self._scale, max(self._grid.spacing))
+
+    def _judge(self, found: StressMaximum, measure: Measure, *, at_surface: bool) -> StressMaximum:
+        """Return a maximum beside the peak at the edge of a sliding contact, if at the surface, with warnings."""
+        if at_surface and self.traction is not None and (self.depths == 0.0).any():
             found = self._compare_with_edge(found, measure)
         if self._reaches_border or found.warnings:
             found = self._warn_of_edges(found)
         return attrs.evolve(found, warnings=(*self.warnings, *found.warnings))
 
-    def _compare_with_edge(self, found: StressMaximum, measure: Callable[[RealArray], RealArray]) -> StressMaximum:
+    def _compare_with_edge(self, found: StressMaximum, measure: Measure) -> StressMaximum:
         """Return the larger one of a maximum between the cells and the peak at an edge, which the cells smooth."""
         value, uncertainty = (part * self._scale for part in self._edge.extrapolate(measure))
         if value > found.value:
@@ -310,7 +322,7 @@ class Stress(ShownAsPrinted, Answer):
     def _poisson_at(self, depth: float) -> float:
         return self.poisson if self._layers is None else self._layers.poisson_at(depth)
 
-    def _stack(self, axes: tuple[int, ...], measure: Callable[[RealArray], RealArray]) -> Array:
+    def _stack(self, axes: tuple[int, ...], measure: Measure) -> Array:
         """Return a measure of the stress, of shape (`axes`, nx, ny), at all depths, Pa."""
         shape = (len(self), *axes, *self._grid.shape)
         advice = "ask for fewer depths, or go through them one at a time, for field in stress"
@@ -452,7 +464,7 @@ class StressBelow(Response[Stress]):
         part = problem.plan.kernel.part_of(self.body)
         kernel = problem.plan.kernel if part is None else part
         if not isinstance(kernel, SupportsStress):
-            if solution.moduli is None:
+            if isinstance(part, Love) or solution.moduli is None:
                 return None
             raise InputError(
                 "The stress below the surface is known for homogeneous half-spaces and for kernels that state it, but "

@@ -182,6 +182,16 @@ def describe_result(result: Any) -> dict[str, Any]:
     return {name: describe_estimate(one) for name, one in list_estimates(result).items()} or {"text": str(result)}
 
 
+def is_doubtful(answers: Answers, solutions: Sequence[rc.ContactSolution] = (), estimator: str | None = None) -> bool:
+    """Return whether what responses answered, or the area by a further estimator, is warned of.
+
+    What the default area and the maximum pressure of the solutions are warned of does not count.
+    """
+    known = {text for solution in solutions for text in solution.area().warnings}
+    others = [] if estimator is None else [text for one in solutions for text in one.area(estimator).warnings]
+    return bool(list_answer_warnings(answers, solutions) or set(others) - known)
+
+
 def _warnings(solution: rc.ContactSolution) -> tuple[str, ...]:
     return tuple(dict.fromkeys((*solution.warnings, *solution.area().warnings)))
 

@@ -15,6 +15,7 @@ from roughcontact._base.tables import Table
 from roughcontact._base.units import fit, si
 from roughcontact._faces.cli.answers import (
     describe_rows,
+    is_doubtful,
     name_written,
     plan_picture,
     plan_report,
@@ -33,7 +34,7 @@ from roughcontact._work.studies import Answers, add_answers, write_report
 # States on each branch.
 _STATES = 41
 # Options of a solve that say nothing of a cycle.
-_OF_SOLVES = ("refine", "area", "area_within", "peak_within", "pull_off")
+_OF_SOLVES = ("refine", "area", "area_within", "peak_within")
 
 
 def plan_cycle_outputs(options: argparse.Namespace, maps: list[Path]) -> list[Path]:
@@ -46,8 +47,11 @@ def solve_cycle(
     problem: rc.ContactProblem,
     asked: Mapping[str, rc.Response[Any]],
     files: list[Path],
-) -> AdhesionCycle:
-    """Return the cycle that the options describe, after asking its states and writing its pictures and its report."""
+) -> tuple[AdhesionCycle, bool]:
+    """Return the cycle that the options describe, and whether its answers are warned of or missing.
+
+    Its states are asked, and its pictures and its report are written.
+    """
     problem = set_tolerance(options, problem)
     low, high = options.cycle
     states = _STATES if options.states is None else options.states
@@ -74,7 +78,8 @@ def solve_cycle(
         print(cycle_to_text(cycle, answers, reasons))
         if done := name_written([*written, *reports]):
             print(done)
-    return cycle
+    warned = any(one.warnings for one in (cycle.pull_in, cycle.pull_off, cycle.dissipated))
+    return cycle, bool(warned or reasons) or is_doubtful(answers, (*cycle.loading, *cycle.unloading))
 
 
 def refuse_for_cycle(options: argparse.Namespace) -> None:

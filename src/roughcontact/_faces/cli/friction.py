@@ -18,6 +18,7 @@ from roughcontact._base.units import fit, parse_quantity
 from roughcontact._faces.cli.answers import (
     describe_result,
     describe_rows,
+    is_doubtful,
     name_written,
     plan_picture,
     plan_report,
@@ -47,7 +48,7 @@ from roughcontact._solve.problem import (
 from roughcontact._work.studies import Answers, add_answers, write_report
 
 # Options of a solve that say nothing of a contact with friction.
-_OF_SOLVES = ("cycle", "refine", "area", "area_within", "peak_within", "pull_off")
+_OF_SOLVES = ("cycle", "refine", "area", "area_within", "peak_within")
 # What a script does where the bodies slide, and what the command line does.
 _SLIDING = (
     "Give displacement= instead, or call problem.slide(...).",
@@ -139,12 +140,14 @@ def solve_friction(
     problem = set_tolerance(options, problem)
     if options.slide is None:
         path = _solve_path(options, problem, law, loads)
-        _write_outputs(options, path, path.plot, files, asked, (path_to_text, path_to_json, path_to_csv))
-        return bool(path.warnings)
+        found = _write_outputs(options, path, path.plot, files, asked, (path_to_text, path_to_json, path_to_csv))
+        return bool(path.warnings or found.reasons) or is_doubtful(found.answers, [state.contact for state in path])
     with show_progress("pressing", quiet=options.quiet) as change:
         state = _slide(options, problem, law, loads[0], change)
-    _write_outputs(options, state, state.contact.plot, files, asked, (state_to_text, state_to_json, state_to_csv))
-    return bool(state.contact.warnings)
+    found = _write_outputs(
+        options, state, state.contact.plot, files, asked, (state_to_text, state_to_json, state_to_csv)
+    )
+    return bool(state.contact.warnings or found.reasons) or is_doubtful(found.answers, [state.contact])
 
 
 def _solve_path(
@@ -185,8 +188,8 @@ def _write_outputs(
     files: list[Path],
     asked: Mapping[str, rc.Response[Any]],
     writers: tuple[Callable[[Any, Asked], str], ...],
-) -> None:
-    """Print a path or a state, with what is asked of it, by the writer of text, JSON or CSV, and write its files."""
+) -> Asked:
+    """Return what was asked of a path or a state, after printing both as text, JSON or CSV and writing their files."""
     reports = [file for file in files if file.suffix == ".html"]
     for file in files:
         if file.suffix == ".npz":
@@ -203,12 +206,13 @@ def _write_outputs(
         for file in reports:
             write_report(subject, file, found.answers)
     if options.quiet:
-        return
+        return found
     to_text, to_json, to_csv = writers
     write = to_json if options.json else to_csv if options.csv else to_text
     print(write(subject, found))
     if files and write is to_text:
         print(name_written(files))
+    return found
 
 
 def state_to_text(state: rc.FrictionalSolution, asked: Asked = _NOTHING) -> str:

@@ -248,7 +248,13 @@ def _options_of(cls: type[Any]) -> Iterator[tuple[Any, Callable[[str], Any], str
         kind = _FIELD_CONVERTERS.get(annotation.removesuffix(" | None"))
         if field.init and kind is not None:
             convert, count = kind
-            yield field, quantity(field.metadata["unit"]) if "unit" in field.metadata else convert, count
+            yield field, _finite_or_not(field.metadata["unit"]) if "unit" in field.metadata else convert, count
+
+
+def _finite_or_not(unit: str) -> Callable[[str], Any]:
+    """Return a converter of texts in a unit; the class reads that of an infinite number, or refuses it."""
+    convert = quantity(unit)
+    return lambda text: text if text == checks.INFINITE else convert(text)
 
 
 def _field_texts(cls: type) -> Iterator[tuple[str, str]]:

@@ -14,6 +14,7 @@ import numpy as np
 
 from roughcontact._answers.laws import MAX_LOAD_RATIO
 from roughcontact._base.units import parse_quantity, quantity
+from roughcontact._faces.cli.help import add_group
 from roughcontact._parts.grid import Boundary, Load
 from roughcontact._parts.materials import TYPICAL
 
@@ -157,15 +158,17 @@ def _pressures(text: str) -> list[float]:
 
 
 def _add_method(parser: argparse.ArgumentParser, *, boundary: bool = True) -> None:
-    method = parser.add_argument_group("method")
     if boundary:
-        method.add_argument(
+        add_group(parser, "domain").add_argument(
             "--boundary",
             choices=[str(one) for one in Boundary],
             default="free",
-            help="what lies beyond the domain (free); free-periodic is free along x and periodic along y",
+            metavar="WORD",
+            help=f"what lies beyond the domain: {', '.join(map(str, Boundary))} (free)",
         )
-    method.add_argument("--kernel", default="love", metavar="NAME", help="influence kernel (love)")
+    method = add_group(parser, "method", "method")
+    kernel = "influence kernel, and its fields (love)"
+    method.add_argument("--kernel", nargs="+", metavar=("NAME", "FIELD=VALUE"), help=kernel)
     method.add_argument("--solver", default="auto", metavar="NAME", help="solver (auto)")
     method.add_argument(
         "--threads", type=_number_or_auto, default="auto", metavar="N", help="threads (as many as gain)"
@@ -214,7 +217,7 @@ def _tangential(text: str) -> tuple[str, tuple[float, float]]:
 
 def add_accuracy(parser: argparse.ArgumentParser) -> None:
     """Declare the accuracy at which a solve may aim."""
-    accuracy = parser.add_argument_group("accuracy, with 95 %")
+    accuracy = add_group(parser, "accuracy, with 95 %", "method")
     for name, what in (("area", "contact area"), ("peak", "maximum pressure")):
         accuracy.add_argument(
             f"--{name}-within", type=NUMBER, metavar="D", help=f"relative error of the {what}, such as 0.01 or 1%%"
@@ -226,7 +229,7 @@ def add_accuracy(parser: argparse.ArgumentParser) -> None:
 
 def _add_materials(parser: argparse.ArgumentParser, study: bool) -> None:
     for prefix, body, poisson in (("", "body", "0.3"), ("counterbody-", "counterbody", "the body's")):
-        group = parser.add_argument_group(f"material of the {body}")
+        group = add_group(parser, f"material of the {body}", prefix.rstrip("-"))
         rigid = " (rigid)" if prefix else ""
         choice = group.add_mutually_exclusive_group(required=not (prefix or study))
         named = f"typical values by name, such as 'bearing steel'{rigid}"
@@ -235,13 +238,15 @@ def _add_materials(parser: argparse.ArgumentParser, study: bool) -> None:
         choice.add_argument(f"--{prefix}young", type=_PASCAL, metavar="E", help=modulus)
         group.add_argument(f"--{prefix}poisson", type=NUMBER, metavar="NU", help=f"Poisson's ratio ({poisson})")
         group.add_argument(f"--{prefix}hardness", type=_PASCAL, metavar="H", help="hardness, such as 6GPa (elastic)")
+        layer = "a layer, from the surface downwards; may be repeated: young=400GPa poisson=0.25 thickness=2um (none)"
+        group.add_argument(f"--{prefix}layer", action="append", nargs="+", metavar="FIELD=VALUE", help=layer)
 
 
 def _add_maps(parser: argparse.ArgumentParser, study: bool) -> argparse._ArgumentGroup:
     other = "; or a study file" if study else ""
     parser.add_argument("surface", help=f"height map of the body: npz, npy, text or instrument file{other}")
     parser.add_argument("counterbody", nargs="?", help="height map of the counterbody (a flat)")
-    maps = _add_treatment(parser)
+    maps = _add_treatment(parser, "maps")
     maps.add_argument(
         "--resample", type=whole_number, nargs=2, metavar=("NX", "NY"), help="number of cells, bilinearly"
     )
@@ -270,9 +275,9 @@ def add_reading(parser: argparse.ArgumentParser) -> None:
     _add_treatment(parser)
 
 
-def _add_treatment(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
+def _add_treatment(parser: argparse.ArgumentParser, topic: str = "") -> argparse._ArgumentGroup:
     """Declare how a height map is read."""
-    maps = parser.add_argument_group("height maps")
+    maps: argparse._ArgumentGroup = add_group(parser, "height maps", topic)
     maps.add_argument("--size", type=METRE, nargs="+", metavar="L", help="side lengths, one or x y (the file's)")
     maps.add_argument("--unit", type=_unit, metavar="U", help="unit of the heights, such as 1um (the file's)")
     treatments = ("refuse", "fill", "keep")
@@ -286,7 +291,7 @@ def _add_treatment(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
 
 
 def _add_pair(parser: argparse.ArgumentParser) -> None:
-    pair = parser.add_argument_group("two height maps on different grids")
+    pair = add_group(parser, "two height maps on different grids", "maps")
     pair.add_argument(
         "--match",
         choices=("bilinear", "cubic", "fourier"),

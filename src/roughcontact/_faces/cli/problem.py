@@ -13,12 +13,12 @@ import attrs
 
 import roughcontact as rc
 from roughcontact._base.registry import Registry
-from roughcontact._faces.cli.options import OF_READERS, add_problem
+from roughcontact._faces.cli.options import OF_READERS, add_problem, fields_of
 from roughcontact._parts.files import read_raw
 from roughcontact._parts.files.reading import options_of
 from roughcontact._parts.grid import Boundary, Load
 from roughcontact._solve.problem import require_memory_of_solve
-from roughcontact._work.studies import build_part, build_problem
+from roughcontact._work.studies import LAYERED, build_layer, build_part, build_problem, find_layer_class
 
 
 def loads_of(options: argparse.Namespace) -> tuple[Load, ...]:
@@ -48,10 +48,15 @@ def problem_of(options: argparse.Namespace) -> rc.ContactProblem:
         along_x = options.boundary == str(Boundary.PERIODIC_FREE)
         surface = surface + rc.ParaboloidSurface(radii[::-1] if along_x else radii)
     table = {
-        "body": {"surface": surface, "material": _describe_material(options)},
-        "counterbody": {"surface": counterbody, "material": _describe_counterbody_material(options)},
+        "body": {"surface": surface, "material": _describe_material(options), **_describe_layers(options)},
+        "counterbody": {
+            "surface": counterbody,
+            "material": _describe_counterbody_material(options),
+            **_describe_layers(options, "counterbody_"),
+        },
         "adhesion": None if options.adhesion is None else _adhesion(options),
-        **{name: getattr(options, name) for name in ("boundary", "kernel", "solver", "threads")},
+        **_describe_kernel(options),
+        **{name: getattr(options, name) for name in ("boundary", "solver", "threads")},
     }
     return build_problem(table if matching is None else {**table, "match": matching})
 
@@ -72,14 +77,51 @@ def _adhesion(options: argparse.Namespace) -> rc.Interaction:
 def make_part(registry: Registry[Any], option: str, name: str, texts: Sequence[str]) -> Any:
     """Return the part with a registered name, its fields from texts such as ``work=50mJ/m2`` or ``depths=1um,2um``."""
     what = option if option == f"--{name}" else f"{option} {name}"
+    return build_part(registry, name, _read_fields(texts, what, registry[name]), what)
+
+
+def _read_fields(texts: Sequence[str], what: str, cls: type[Any]) -> dict[str, Any]:
+    """Return the texts of the fields of a class by name; its first words do, as ``yield`` of ``yield_stress``."""
+    known = [str(field.alias) for field in fields_of(cls)]
     fields: dict[str, Any] = {}
     # A comma separates fields too, but not the values of one.
     for text in (part for several in texts for part in re.split(r",(?=\w+=)", several)):
         field, equals, value = text.partition("=")
         if not equals:
             raise rc.InputError.about(f"A field of {what}", text, "FIELD=VALUE")
-        fields[field] = value.split(",") if "," in value else value
-    return build_part(registry, name, fields, what)
+        meant = [name for name in known if field not in known and name.startswith(f"{field}_")]
+        name = meant[0] if len(meant) == 1 else field
+        if name in fields:
+            raise rc.InputError(f"{what} has {name} twice: give it once.")
+        fields[name] = value.split(",") if "," in value else value
+    return fields
+
+
+def _describe_layers(options: argparse.Namespace, prefix: str = "") -> dict[str, Any]:
+    """Return the layers that options of this prefix describe, from the surface downwards; empty without any."""
+    given: list[list[str]] | None = getattr(options, f"{prefix}layer")
+    if given is None:
+        return {}
+    option = f"--{prefix.replace('_', '-')}layer"
+    cls = find_layer_class()
+    names = [f"{option}{'' if len(given) == 1 else f' {number}'}" for number in range(1, len(given) + 1)]
+    return {
+        "layers": [build_layer(_read_fields(texts, what, cls), what) for texts, what in zip(given, names, strict=True)]
+    }
+
+
+def _describe_kernel(options: argparse.Namespace) -> dict[str, Any]:
+    """Return the kernel that the options name, and its fields; empty for the default one."""
+    if options.kernel is None:
+        return {}
+    name, *texts = options.kernel
+    if name == LAYERED and not texts:
+        if options.layer is None and options.counterbody_layer is None:
+            raise rc.InputError("--kernel layered needs layers: give --layer or --counterbody-layer.")
+        return {}
+    if not texts:
+        return {"kernel": name}
+    return {"kernel": {"type": name, **_read_fields(texts, f"--kernel {name}", rc.kernels[name])}}
 
 
 def _surfaces(options: argparse.Namespace) -> tuple[rc.Surface, rc.Surface, dict[str, Any] | None]:

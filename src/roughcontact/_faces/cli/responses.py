@@ -10,15 +10,21 @@ from typing import Any
 import attrs
 
 import roughcontact as rc
+from roughcontact._answers.linear.pull_off import find_pull_off_once
 from roughcontact._base.machine.progress import ChangeProgress
-from roughcontact._base.units import EXAMPLES
+from roughcontact._base.units import EXAMPLES, si
+from roughcontact._faces.cli.help import add_group
 from roughcontact._faces.cli.problem import make_part
+from roughcontact._solve.problem import OnStateToPullOff, problem_of
 from roughcontact._work.studies import Answers, ResponseField, ask_states, describe_response
+
+# Registered name of the force of pull-off.
+PULL_OFF = "pull-off"
 
 
 def add_responses(parser: argparse.ArgumentParser) -> None:
     """Declare an option for each registered response whose name is free; `InputError` if one cannot be loaded."""
-    group = parser.add_argument_group("what the contact does")
+    group = add_group(parser, "what the contact does", "responses")
     for name in rc.responses:
         form = describe_response(name)
         if form.is_array:
@@ -66,6 +72,16 @@ def responses_of(options: argparse.Namespace) -> dict[str, rc.Response[Any]]:
     return asked
 
 
+def refuse_pull_off(options: argparse.Namespace, asked: Mapping[str, rc.Response[Any]]) -> None:
+    """Refuse the force of pull-off of surfaces that do not attract each other, and beside a path that has its own."""
+    if PULL_OFF not in asked:
+        return
+    if options.adhesion is None:
+        raise rc.InputError("--pull-off is for surfaces that attract each other: give --adhesion too.")
+    if options.cycle is not None:
+        raise rc.InputError("--pull-off is for single loads: omit it with --cycle, which states its own.")
+
+
 def ask_all_states(
     asked: Mapping[str, rc.Response[Any]],
     states: Sequence[rc.ContactSolution] | Sequence[rc.FrictionalSolution],
@@ -90,6 +106,21 @@ def ask_all_states(
     return answers, reasons
 
 
+def _tell_states(change: ChangeProgress) -> OnStateToPullOff:
+    """Return a function that shows each state on the way to pull-off."""
+    count = 0
+    change("pull-off, state 1")
+
+    def tell(state: rc.ContactSolution, left: int | None) -> None:
+        nonlocal count
+        count += 1
+        total = None if left is None else count + left
+        text = f"pull-off, state {count}{f' of about {total}' if total else ''}, force {si(state.force, 'N', 3)}"
+        change(text, count / total if total else None)
+
+    return tell
+
+
 def ask(
     asked: Mapping[str, rc.Response[Any]], solutions: Sequence[rc.ContactSolution], change: ChangeProgress
 ) -> Answers:
@@ -102,6 +133,8 @@ def ask(
             done = len(solutions) * (len(found) - 1) + len(found[name])
             change(f"{name}, answer {done + 1} of {total}", done / total)
             try:
+                if name == PULL_OFF:
+                    find_pull_off_once(problem_of(solution), _tell_states(change))
                 found[name].append(solution.response(response))
             except rc.InputError as error:
                 raise rc.InputError(f"--{name}: {error}") from error

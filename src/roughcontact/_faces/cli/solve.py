@@ -11,10 +11,11 @@ import roughcontact as rc
 from roughcontact._base import checks
 from roughcontact._base.arrays import Array
 from roughcontact._base.machine.progress import ChangeProgress
-from roughcontact._base.units import fit, si
+from roughcontact._base.units import fit
 from roughcontact._faces.cli import DOUBTFUL, Command
 from roughcontact._faces.cli.answers import (
     LATE,
+    is_doubtful,
     name_written,
     plan_outputs,
     to_csv,
@@ -30,6 +31,7 @@ from roughcontact._faces.cli.friction import (
     refuse_for_friction,
     solve_friction,
 )
+from roughcontact._faces.cli.help import add_group, tell
 from roughcontact._faces.cli.inputs import describe_responses, describe_wanted
 from roughcontact._faces.cli.options import add_accuracy, add_problem, whole_number
 from roughcontact._faces.cli.problem import loads_of, problem_of, set_tolerance
@@ -40,10 +42,10 @@ from roughcontact._faces.cli.progress import (
     show_progress,
 )
 from roughcontact._faces.cli.required_load import ANSWER, refuse_for_wanted, solve_wanted, wanted_of
-from roughcontact._faces.cli.responses import add_responses, ask, responses_of
+from roughcontact._faces.cli.responses import add_responses, ask, refuse_pull_off, responses_of
 from roughcontact._parts.grid import Load
 from roughcontact._parts.surfaces import find_maps
-from roughcontact._solve.problem import find_pull_off, follow_loads, run_sweep, tolerance_within
+from roughcontact._solve.problem import follow_loads, run_sweep, tolerance_within
 from roughcontact._solve.solution import require_with_friction
 
 
@@ -58,8 +60,6 @@ examples:
       -o contact.npz -o contact.png
   roughcontact solve map.npz --loads 1N 2N 5N --young 210GPa --csv > loads.csv
   roughcontact solve map.npz --solve-for area=10% --young 210GPa
-  roughcontact solve map.npz --force 1N --young 210GPa --json | jq .area
-  roughcontact solve map.npz --force 1N --young 210GPa --report contact.html
   roughcontact solve map.npz --force 1N --young 210GPa --stiffness \\
       --conductance 45 --stress --first-yield 1GPa
   roughcontact solve map.npz --cycle -0.1um 0.5um --young 2MPa \\
@@ -75,7 +75,7 @@ examples:
         add_problem(parser)
         add_responses(parser)
         add_accuracy(parser)
-        accuracy = parser.add_argument_group("grids")
+        accuracy = add_group(parser, "grids", "method")
         accuracy.add_argument(
             "--refine",
             type=whole_number,
@@ -86,7 +86,6 @@ examples:
         )
         output = parser.add_argument_group("output")
         output.add_argument("--area", metavar="NAME", help="area estimator to report besides the default")
-        output.add_argument("--pull-off", action="store_true", help="find the force of pull-off too, with --adhesion")
         shape = output.add_mutually_exclusive_group()
         shape.add_argument("--json", action="store_true", help="print one JSON object, in SI units")
         shape.add_argument("--csv", action="store_true", help="print a header and a row for each load, in SI units")
@@ -118,6 +117,7 @@ examples:
         wanted = None if options.solve_for is None else wanted_of(options.solve_for)
         law = None if options.friction is None else friction_of(options)
         asked = responses_of(options)
+        refuse_pull_off(options, asked)
         if law is not None:
             for response in asked.values():
                 require_with_friction(response)
@@ -140,8 +140,8 @@ examples:
         if options.dry_run:
             return 0
         if options.cycle is not None:
-            cycle = solve_cycle(options, problem, asked, files)
-            return _status((*cycle.loading, *cycle.unloading), quiet=options.quiet)
+            cycle, doubtful = solve_cycle(options, problem, asked, files)
+            return _status((*cycle.loading, *cycle.unloading), doubtful, quiet=options.quiet)
         if law is not None:
             doubtful = solve_friction(options, problem, law, loads, asked, files)
             return _report_warnings(doubtful, quiet=options.quiet)
@@ -163,15 +163,13 @@ examples:
             return _status(solutions, quiet=True)
         answers = found
         try:
-            silent = options.quiet or not (asked or options.pull_off)
-            with show_progress("answering", quiet=silent) as change:
+            with show_progress("answering", quiet=options.quiet or not asked) as change:
                 answers = {**found, **ask(asked, solutions, change)}
-                if options.pull_off:
-                    answers |= {"pull-off": [_find_pull_off(set_tolerance(options, problem), change)] * len(solutions)}
         finally:
             write_late(late, solutions, options.area, answers, inputs)
+        doubtful = is_doubtful(answers, solutions, options.area)
         if options.quiet:
-            return _status(solutions, quiet=True)
+            return _status(solutions, doubtful, quiet=True)
         done = name_written([*written, *late])
         if options.json:
             print(to_json(solutions, options.area, answers, inputs))
@@ -179,13 +177,11 @@ examples:
             print((to_csv if options.csv else to_text)(solutions, options.area, answers))
         if done and not piped:
             print(done)
-        return _status(solutions, quiet=options.quiet)
+        return _status(solutions, doubtful, quiet=options.quiet)
 
 
 def _refuse_for_several(options: argparse.Namespace) -> None:
     """Refuse options that are for one grid, for one load or for surfaces that attract each other."""
-    if options.pull_off and options.adhesion is None:
-        raise rc.InputError("--pull-off is for surfaces that attract each other: give --adhesion too.")
     several = "--refine" if options.refine is not None else "--loads" if options.loads is not None else ""
     for name in ("area_within", "peak_within"):
         if several and getattr(options, name) is not None:
@@ -197,24 +193,6 @@ def _refuse_for_several(options: argparse.Namespace) -> None:
     if len({load.kind for load in options.loads or ()}) > 1:
         kinds = " and ".join(sorted({load.kind for load in options.loads}))
         raise rc.InputError(f"The loads of --loads must be of one kind, but they are of {kinds}.")
-
-
-def _find_pull_off(problem: rc.ContactProblem, change: ChangeProgress) -> rc.Estimate:
-    """Return the force of pull-off; `InputError`, with the option, where it cannot be followed."""
-    count = 0
-    change("pull-off, state 1")
-
-    def tell(state: rc.ContactSolution, left: int | None) -> None:
-        nonlocal count
-        count += 1
-        total = None if left is None else count + left
-        text = f"pull-off, state {count}{f' of about {total}' if total else ''}, force {si(state.force, 'N', 3)}"
-        change(text, count / total if total else None)
-
-    try:
-        return find_pull_off(problem, tell)
-    except rc.InputError as error:
-        raise rc.InputError(f"--pull-off: {error}") from error
 
 
 def _solve(
@@ -271,18 +249,18 @@ def _refuse_measured(problem: rc.ContactProblem) -> None:
         )
 
 
-def _status(solutions: tuple[rc.ContactSolution, ...], *, quiet: bool) -> int:
-    """Return the exit status; an answer that is not certified is raised."""
+def _status(solutions: tuple[rc.ContactSolution, ...], doubtful: bool = False, *, quiet: bool) -> int:
+    """Return the exit status, where other answers too may be doubtful; one that is not certified is raised."""
     for solution in solutions:
         if not solution.status.success:
             raise rc.NotConverged(f"The contact is {solution.status}; what is shown is the last iterate.", solution)
         if solution.accuracy is not None and not solution.accuracy.met:
             raise rc.NotConverged(solution.accuracy.explain(), solution)
-    return _report_warnings(any(solution.warnings for solution in solutions), quiet=quiet)
+    return _report_warnings(doubtful or any(solution.warnings for solution in solutions), quiet=quiet)
 
 
 def _report_warnings(doubtful: bool, *, quiet: bool) -> int:
     """Return the exit status of a converged answer, after saying if it has warnings."""
     if doubtful and not quiet:
-        print("roughcontact: The solution is converged, but doubtful: see its warnings.", file=sys.stderr)
+        tell("roughcontact: The solution is converged, but doubtful: see its warnings.")
     return DOUBTFUL if doubtful else 0

@@ -5,10 +5,11 @@ from __future__ import annotations
 import abc
 from typing import Any, ClassVar
 
+from roughcontact._base.checks import Part
 from roughcontact._base.registry import Registry
 
 
-class Panel(abc.ABC):
+class Panel(Part, abc.ABC):
     """One picture, drawn into axes of matplotlib. Subclass it, state the subject, and define `draw`.
 
     Attributes

@@ -12,7 +12,7 @@ import numpy as np
 
 from roughcontact._base.archive import SEAL
 from roughcontact._base.arrays import Array, Pair
-from roughcontact._base.checks import choice
+from roughcontact._base.checks import Part, choice
 from roughcontact._base.machine import require_memory
 from roughcontact._base.registry import Registry
 from roughcontact._base.units import outlined
@@ -105,7 +105,7 @@ def name_rows(rows: str, *, assumed: bool = False, downwards: bool = False) -> s
     return f"a line of the file is one {rows}{order}{' (assumed: rows= says it)' if assumed else ''}"
 
 
-class SurfaceReader(abc.ABC):
+class SurfaceReader(Part, abc.ABC):
     """A reader of one kind of file. Subclass it and register it in ``roughcontact.readers``.
 
     Its fields, if it has any, are options that `read_surface` accepts by their names; each has a default.

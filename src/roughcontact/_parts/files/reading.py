@@ -16,7 +16,7 @@ import numpy as np
 from roughcontact._base import checks
 from roughcontact._base.arrays import Array
 from roughcontact._base.checks import choice, number, pair
-from roughcontact._base.units import si
+from roughcontact._base.units import Length, si
 from roughcontact._parts.files.base import RawMap, SurfaceReader, find_foreign, readers
 from roughcontact._parts.surfaces import TREATMENTS, HeightMap, complete
 from roughcontact.errors import InputError, RoughContactError, shorten
@@ -40,9 +40,9 @@ _SQUARE_CELL_TOLERANCE = 5e-3
 def read_surface(
     path: str | os.PathLike[str],
     *,
-    size: float | Sequence[float] | None = None,
+    size: Length | Sequence[Length] | None = None,
     non_measured: str = "refuse",
-    unit: float | str | None = None,
+    unit: Length | str | None = None,
     reader: str | SurfaceReader = "auto",
     **options: Any,
 ) -> HeightMap:
@@ -199,7 +199,7 @@ def _begins_with(file: Path, beginnings: tuple[bytes, ...]) -> bool:
         return False
 
 
-def _require_rows(heights: Array, size: float | Sequence[float], file: Path) -> None:
+def _require_rows(heights: Array, size: Length | Sequence[Length], file: Path) -> None:
     """Raise `InputError` if only a row for each y would make the cells square: the user must say which it is."""
     sides = pair(size, "The size of the height map", "m", above=0.0)
     if heights.ndim != 2 or not heights.size or np.size(size) == 1:
@@ -218,7 +218,7 @@ def _require_rows(heights: Array, size: float | Sequence[float], file: Path) -> 
         )
 
 
-def _require_steps(raw: RawMap, size: float | Sequence[float], file: Path) -> None:
+def _require_steps(raw: RawMap, size: Length | Sequence[Length], file: Path) -> None:
     """Refuse a size whose cells do not have the proportions of the points in the file."""
     if raw.steps is None or raw.heights.ndim != 2 or not raw.heights.size:
         return

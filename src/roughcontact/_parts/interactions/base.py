@@ -11,6 +11,7 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array, Pair, RealArray
+from roughcontact._base.checks import Part
 from roughcontact._base.registry import Registry
 from roughcontact.errors import InputError
 
@@ -21,7 +22,7 @@ _SAMPLES = 4097
 _DOUBLINGS = 200
 
 
-class Interaction(abc.ABC):
+class Interaction(Part, abc.ABC):
     """The attraction of two surfaces: a tension, Pa, that depends on the gap, m, where they do not touch.
 
     Repulsion is not part of it: the surfaces cannot overlap. A class of your own gives the tension, its derivative and

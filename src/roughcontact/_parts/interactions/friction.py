@@ -8,12 +8,12 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array, RealArray, restore_state
-from roughcontact._base.checks import number_or_array
+from roughcontact._base.checks import Part, number_or_array
 from roughcontact._base.registry import Registry
 from roughcontact.errors import InputError
 
 
-class FrictionLaw(abc.ABC):
+class FrictionLaw(Part, abc.ABC):
     """The shear traction, Pa, at which the surfaces slip, as a function of the pressure, Pa.
 
     A class of your own gives the limit of each cell from the pressure there: zero without pressure, and not falling

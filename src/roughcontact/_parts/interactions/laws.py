@@ -9,6 +9,7 @@ import numpy as np
 
 from roughcontact._base.arrays import Array, Pair, RealArray, restore_state
 from roughcontact._base.checks import number, number_or_array
+from roughcontact._base.units import Quantity
 from roughcontact._parts.interactions.base import Interaction
 from roughcontact.errors import InputError
 
@@ -32,7 +33,7 @@ def _strength(value: object) -> float | Array:
     return number_or_array(value, "The strength of the interaction", "Pa")
 
 
-def _smoothing(value: float) -> float:
+def _smoothing(value: Quantity) -> float:
     return number(value, "The smoothing of the Dugdale law", above=0.0, at_most=1.0)
 
 

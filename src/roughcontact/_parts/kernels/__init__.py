@@ -13,7 +13,7 @@ from roughcontact._parts.kernels.base import (
     require_form,
 )
 from roughcontact._parts.kernels.half_space import FourierHalfSpace, Love
-from roughcontact._parts.kernels.layers import SupportsConduction, SupportsStress, SupportsTangential
+from roughcontact._parts.kernels.layers import SupportsConduction, SupportsStress, SupportsTangential, has_layers
 from roughcontact._parts.kernels.mixed import list_octaves, sum_along_x
 
 __all__ = [
@@ -28,6 +28,7 @@ __all__ = [
     "SupportsSpectrum",
     "SupportsStress",
     "SupportsTangential",
+    "has_layers",
     "kernels",
     "knows_own_rows",
     "list_octaves",

@@ -12,6 +12,7 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array, Pair, matrix_product
+from roughcontact._base.checks import Part
 from roughcontact._base.registry import Registry
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._parts.kernels.mixed import Spectrum, mixed_coefficients
@@ -28,7 +29,7 @@ _DIRECTIONS = 16
 _NYQUIST_PHASE = np.pi * (1.0 - 1e-12)
 
 
-class InfluenceKernel(abc.ABC):  # noqa: B024 - a kernel defines either method below, or both
+class InfluenceKernel(Part, abc.ABC):
     """Linear elastic response of the surfaces to pressure.
 
     A subclass defines `SupportsCoefficients.coefficients`, or `SupportsSpectrum.spectrum`, or both; a
@@ -122,7 +123,8 @@ class InfluenceKernel(abc.ABC):  # noqa: B024 - a kernel defines either method b
         Returns
         -------
         InfluenceKernel or None
-            The kernel; None, the default, if this one does not tell the bodies apart.
+            The kernel, `Love` for a homogeneous half-space; None, the default, if this one does not tell the bodies
+            apart.
         """
         return None
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Protocol, runtime_checkable
+from typing import Any, Protocol, runtime_checkable
 
 from roughcontact._base.arrays import Array, Pair
 from roughcontact._parts.kernels.base import InfluenceKernel
+from roughcontact._parts.kernels.half_space import Love
 from roughcontact._parts.materials import Material, PairConstants
 
 
@@ -24,6 +25,8 @@ class SupportsStress(Protocol):
         Depths of the interfaces, shape (n,), m, ascending: there the stress along the surface jumps.
     base_depth
         Depth of a rigid base, at which the stress ends, m; infinite on a half-space.
+
+    A kernel with ``yield_stresses``, one or None for each layer, has the first yield of each by its own strength.
     """
 
     @property
@@ -72,6 +75,12 @@ class SupportsStress(Protocol):
             Amplitudes at the centres of the cells, shape (6, m, n), of components that are odd in one axis their
             imaginary parts.
         """
+
+
+def has_layers(kernel: Any, body: str, material: Material) -> bool:
+    """Return whether the layers of a kernel may lie on the ``"body"`` or the ``"counterbody"``, of this material."""
+    part = kernel.part_of(body)
+    return not isinstance(part, Love) and (kernel if part is None else part).describes(material)
 
 
 @runtime_checkable

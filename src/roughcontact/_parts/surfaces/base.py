@@ -11,7 +11,7 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array, Mask
-from roughcontact._base.checks import flag
+from roughcontact._base.checks import Part, flag
 from roughcontact._base.registry import Registry
 from roughcontact._base.units import outlined
 from roughcontact._parts.grid import Grid
@@ -46,7 +46,7 @@ class SampledSurface:
         return float(np.nanstd(self.heights))
 
 
-class Surface(abc.ABC):
+class Surface(Part, abc.ABC):
     """A rough surface; a class of your own needs only `heights`.
 
     A surface may be made of others, its `parts`: by default the fields of an attrs class or a dataclass, or the

@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from roughcontact._base.arrays import Array, Mask, Pair, frozen_array, restore_state
 from roughcontact._base.checks import choice, instance_of, integer, measured_heights, number, pair
-from roughcontact._base.units import fit, printable, si
+from roughcontact._base.units import Quantity, fit, printable, si
 from roughcontact._parts.grid import Grid
 from roughcontact._parts.surfaces import statistics as forms
 from roughcontact._parts.surfaces.base import Surface
@@ -34,7 +34,7 @@ _FILL = "fill"
 _DEGREE_OF_FORM = {"mean": 0, "plane": 1}
 
 
-def _size(value: float | Sequence[float], height_map: Any) -> Pair:
+def _size(value: Quantity | Sequence[Quantity], height_map: Any) -> Pair:
     sides = pair(value, "The size of the height map", "m", above=0.0)
     nx, ny = height_map.values.shape
     if nx != ny and np.size(value) == 1:
@@ -457,7 +457,7 @@ class HeightMap(Surface):
         return attrs.evolve(self, heights=heights, history=(*self.history, *texts))
 
 
-def _check_cutoff(value: float | None, grid: Grid) -> float | None:
+def _check_cutoff(value: Quantity | None, grid: Grid) -> float | None:
     if value is None:
         return None
     cutoff = number(value, "The cut-off wavelength", "m", above=0.0)

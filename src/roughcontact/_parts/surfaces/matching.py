@@ -11,7 +11,7 @@ import numpy as np
 
 from roughcontact._base.arrays import Array, Mask, Pair
 from roughcontact._base.checks import choice, instance_of, number, pair
-from roughcontact._base.units import si
+from roughcontact._base.units import Length, Quantity, si
 from roughcontact._parts.grid import Grid
 from roughcontact._parts.surfaces.base import Surface
 from roughcontact._parts.surfaces.heightmap import HeightMap
@@ -30,11 +30,11 @@ _PLACE_STEP = 1e-3
 _is_map = instance_of(HeightMap, "Each side of a pair", "a HeightMap")
 
 
-def _offset(value: float | Sequence[float]) -> Pair:
+def _offset(value: Quantity | Sequence[Quantity]) -> Pair:
     return pair(value, "The offset of a height map", "m")
 
 
-def _rotation(value: float) -> float:
+def _rotation(value: Quantity) -> float:
     # A larger angle was most likely meant in degrees.
     unit = "rad, np.deg2rad turns degrees into it"
     return number(value, "The rotation of a height map", unit, at_least=-math.tau, at_most=math.tau)
@@ -187,12 +187,12 @@ def match(
     body: HeightMap,
     counterbody: HeightMap,
     *,
-    offset: float | Sequence[float] = (0.0, 0.0),
-    rotation: float = 0.0,
+    offset: Length | Sequence[Length] = (0.0, 0.0),
+    rotation: Quantity = 0.0,
     mirrored: bool = False,
     interpolation: str = "bilinear",
     shape: Sequence[int] | None = None,
-    size: float | Sequence[float] | None = None,
+    size: Length | Sequence[Length] | None = None,
 ) -> MatchedPair:
     """Return two height maps on a common grid, along the axes of the first.
 

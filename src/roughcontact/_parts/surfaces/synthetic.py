@@ -14,7 +14,7 @@ import scipy.fft
 from roughcontact._base.arrays import Array, IntArray, Pair, Waves
 from roughcontact._base.checks import integer, number, pair
 from roughcontact._base.machine import require_memory
-from roughcontact._base.units import si
+from roughcontact._base.units import Quantity, si
 from roughcontact._parts.grid import Grid
 from roughcontact._parts.surfaces.base import Surface
 from roughcontact.errors import InputError
@@ -26,15 +26,15 @@ _NUMBERS_PER_WAVE = 9.1
 _NUMBERS_PER_CELL = 5.1
 
 
-def _center(value: float | Sequence[float]) -> Pair:
+def _center(value: Quantity | Sequence[Quantity]) -> Pair:
     return pair(value, "The centre", "m")
 
 
-def _radius(value: float) -> float:
+def _radius(value: Quantity) -> float:
     return number(value, "The radius of the sphere", "m", above=0.0)
 
 
-def _radii(value: float | Sequence[float]) -> Pair:
+def _radii(value: Quantity | Sequence[Quantity]) -> Pair:
     name = "The radius of curvature"
     if not isinstance(value, (tuple, list)) or len(value) != 2 or [_is_infinite(one) for one in value].count(True) != 1:
         return pair(value, name, "m", above=0.0)
@@ -46,15 +46,15 @@ def _is_infinite(value: object) -> bool:
     return isinstance(value, float) and value == math.inf
 
 
-def _amplitude(value: float | Sequence[float]) -> Pair:
+def _amplitude(value: Quantity | Sequence[Quantity]) -> Pair:
     return pair(value, "The amplitude of the wave", "m", at_least=0.0)
 
 
-def _check_wavelengths(value: float | Sequence[float]) -> Pair:
+def _check_wavelengths(value: Quantity | Sequence[Quantity]) -> Pair:
     return pair(value, "The wavelength", "m", above=0.0)
 
 
-def _phase(value: float | Sequence[float]) -> Pair:
+def _phase(value: Quantity | Sequence[Quantity]) -> Pair:
     return pair(value, "The phase of the wave", "rad")
 
 
@@ -131,7 +131,7 @@ class ParaboloidSurface(Surface):
     Parameters
     ----------
     radius
-        Radii of curvature along x and y, or of both, m; one of them is infinite for a cylinder.
+        Radii of curvature along x and y, or of both, m; one of them is infinite, ``"inf"``, for a cylinder.
     center
         Position (x, y) of the summit relative to the centre of the domain, m.
 
@@ -144,7 +144,7 @@ class ParaboloidSurface(Surface):
     25.0 nm
     """
 
-    radius: Pair = attrs.field(converter=_radii, metadata={"unit": "m"})
+    radius: Pair = attrs.field(converter=_radii, metadata={"unit": "m", "infinite": True})
     center: Pair = attrs.field(converter=_center, default=(0.0, 0.0), metadata={"unit": "m"})
 
     def heights(self, grid: Grid) -> Array:
@@ -195,23 +195,23 @@ class WavySurface(Surface):
         return np.asarray(along_x + along_y, dtype=np.float64)
 
 
-def _hurst(value: float) -> float:
+def _hurst(value: Quantity) -> float:
     return number(value, "The Hurst exponent", at_least=0.0, at_most=1.0)
 
 
-def _check_wavelength(value: float) -> float:
+def _check_wavelength(value: Quantity) -> float:
     return number(value, "A limiting wavelength of the roughness", "m", above=0.0)
 
 
-def _rms(value: float | None) -> float | None:
+def _rms(value: Quantity | None) -> float | None:
     return None if value is None else number(value, "The rms height or slope", above=0.0)
 
 
-def _peklenik(value: float) -> float:
+def _peklenik(value: Quantity) -> float:
     return number(value, "Peklenik's number", at_least=1.0)
 
 
-def _lay(value: float) -> float:
+def _lay(value: Quantity) -> float:
     unit = "rad, np.deg2rad turns degrees into it"
     return number(value, "The direction of the lay", unit, at_least=-math.tau, at_most=math.tau)
 

@@ -24,6 +24,7 @@ from roughcontact._base.arrays import (
     matrix_product,
     sum_of_products,
 )
+from roughcontact._base.checks import Part
 from roughcontact._base.machine import map_tiles, tiles_of
 from roughcontact._base.registry import Registry
 from roughcontact._base.units import outlined
@@ -254,7 +255,7 @@ def mixed_spectrum(setup: ConvolutionSetup, padded: tuple[int, int], component: 
     return transform_extended(coefficients, length, odd, axis=free)
 
 
-class Convolver(abc.ABC):
+class Convolver(Part, abc.ABC):
     """A method to compute the displacement caused by a pressure.
 
     Examples

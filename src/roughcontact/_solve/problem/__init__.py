@@ -34,7 +34,7 @@ from roughcontact._solve.problem.path import (
 )
 from roughcontact._solve.problem.plan import SolvePlan
 from roughcontact._solve.problem.problem import ContactProblem
-from roughcontact._solve.problem.pull_off import find_pull_off
+from roughcontact._solve.problem.pull_off import OnStateToPullOff, find_pull_off
 from roughcontact._solve.problem.required_load import RequiredLoad, find_required_load
 from roughcontact._solve.problem.run import Certificate, certify, computing, confirm, make_solution, require_certified
 from roughcontact._solve.problem.saved import find_saved_kind, load, problem_of
@@ -61,6 +61,7 @@ __all__ = [
     "FrictionalPath",
     "Increment",
     "NotInAScript",
+    "OnStateToPullOff",
     "RequiredLoad",
     "SlabProcesses",
     "SlabSolution",

@@ -17,7 +17,7 @@ from roughcontact._base.arrays import Array, Mask
 from roughcontact._base.checks import callback
 from roughcontact._base.machine.progress import ChangeProgress, count_done, tell_both
 from roughcontact._base.tables import Table
-from roughcontact._base.units import WIDTH, Estimate, si, write_column
+from roughcontact._base.units import WIDTH, Estimate, Length, si, write_column
 from roughcontact._parts.grid import Load
 from roughcontact._solve.problem.adhesive_path import Solve, cells_of, follow_loads, open_gap, require_resolved
 from roughcontact._solve.problem.plan import SolvePlan
@@ -234,7 +234,7 @@ def linearise(problem: ContactProblem, solution: ContactSolution, *, holds_appro
     )
 
 
-def list_approaches(plan: SolvePlan, initial_gap: Array, approach: Iterable[float]) -> tuple[Load, ...]:
+def list_approaches(plan: SolvePlan, initial_gap: Array, approach: Iterable[Length]) -> tuple[Load, ...]:
     """Return the loads of a branch of a cycle; `InputError` if it cannot be followed."""
     require_resolved(plan)
     loads = Load.signed_sequence(approach=approach)

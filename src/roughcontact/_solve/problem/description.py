@@ -13,6 +13,8 @@ import numpy as np
 
 from roughcontact._base.archive import replacing
 from roughcontact._parts.grid import Grid, Load
+from roughcontact._parts.kernels import InfluenceKernel, has_layers
+from roughcontact._solve.problem.body import Body
 from roughcontact._solve.problem.expressions import describe_part
 from roughcontact._solve.problem.path import AS_GIVEN, FrictionalPath
 from roughcontact._solve.problem.problem import ContactProblem
@@ -158,7 +160,26 @@ def describe_problem(problem: ContactProblem) -> dict[str, Any]:
         parts[name] = {"surface": describe_part(body.surface), "material": describe_part(body.material)}
         if body.surface.provenance:
             parts[name]["provenance"] = list(body.surface.provenance)
+        layers = _list_layers(plan.kernel, name, body)
+        if layers:
+            parts[name]["layers"] = [_describe_fields(one) for one in layers]
     return {**parts, "grid": describe_grid(plan.grid), "boundary": str(problem.boundary)}
+
+
+def _list_layers(kernel: InfluenceKernel, name: str, body: Body) -> Sequence[Any]:
+    """Return the layers that a kernel of layers has on a body, from the surface downwards; empty without any."""
+    part: Any = kernel.part_of(name) or kernel
+    layers = getattr(part, "layers", ())
+    return layers if layers and has_layers(kernel, name, body.material) else ()
+
+
+def _describe_fields(part: Any) -> dict[str, Any]:
+    """Return the numbers of a part by name, with their units."""
+    found = {}
+    for field in attrs.fields(type(part)):
+        unit = field.metadata.get("unit", field.metadata.get("plain_unit", ""))
+        found[field.name] = describe_value(getattr(part, field.name), unit)
+    return found
 
 
 def describe_loads(loads: Sequence[Load] | Sequence[TangentialLoad]) -> dict[str, Any]:

@@ -79,6 +79,9 @@ class ExpressionWriter:
         if public_class(cls.__name__) is cls:
             return f"rc.{cls.__name__}"
         module = cls.__module__
+        package = module.partition(".")[0]
+        if getattr(sys.modules.get(package), cls.__name__, None) is cls:
+            module = package
         if module == "__main__" or getattr(sys.modules.get(module), cls.__name__, None) is not cls:
             raise NotInAScript
         self.modules.add(module)

@@ -197,7 +197,7 @@ class SolvePlan:
             ),
             *histories,
             *self._describe_adhesion(),
-            ("kernel", repr(self.kernel)),
+            ("kernel", str(self.kernel)),
             ("convolver", f"{self.convolver} on {nx} x {ny} cells"),
             ("solver", repr(self.solver)),
             ("precision", "fields and residuals in float64, whatever the solver uses inside"),

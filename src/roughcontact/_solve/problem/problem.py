@@ -13,7 +13,7 @@ from roughcontact._base.arrays import Array
 from roughcontact._base.checks import callback, choice, flag, instance_of
 from roughcontact._base.machine import limit_of_memory, thread_count
 from roughcontact._base.machine.progress import show_progress
-from roughcontact._base.units import Estimate
+from roughcontact._base.units import Estimate, Force, Length, Pressure
 from roughcontact._parts.grid import Boundary, Grid, Load, as_boundary
 from roughcontact._parts.interactions import FrictionLaw, Interaction
 from roughcontact._parts.kernels import InfluenceKernel
@@ -177,9 +177,9 @@ class ContactProblem:
     def solve(
         self,
         *,
-        pressure: float | None = None,
-        force: float | None = None,
-        approach: float | None = None,
+        pressure: Pressure | None = None,
+        force: Force | None = None,
+        approach: Length | None = None,
         area_within: float | None = None,
         peak_within: float | None = None,
         tolerance: float | None = None,
@@ -242,7 +242,7 @@ class ContactProblem:
         return require_success(solution) if throw else solution
 
     def require_load(
-        self, *, pressure: float | None = None, force: float | None = None, approach: float | None = None
+        self, *, pressure: Pressure | None = None, force: Force | None = None, approach: Length | None = None
     ) -> Load:
         """Return the given load; `InputError` if the bodies cannot carry it; see `solve`."""
         load = self._load_of(pressure=pressure, force=force, approach=approach)
@@ -255,9 +255,9 @@ class ContactProblem:
     def sweep(
         self,
         *,
-        pressure: Iterable[float] | None = None,
-        force: Iterable[float] | None = None,
-        approach: Iterable[float] | None = None,
+        pressure: Iterable[Pressure] | None = None,
+        force: Iterable[Force] | None = None,
+        approach: Iterable[Length] | None = None,
         progress: bool = False,
     ) -> Sweep:
         """Solve for several loads, each starting from the ones before: from the largest down; with adhesion in order.
@@ -292,7 +292,7 @@ class ContactProblem:
     def cycle(
         self,
         *,
-        approach: Iterable[float],
+        approach: Iterable[Length],
         on_state: Callable[[ContactSolution], None] | None = None,
         progress: bool = False,
     ) -> AdhesionCycle:
@@ -323,18 +323,18 @@ class ContactProblem:
         with show_progress("cycle", shown=flag(progress, "progress=")) as change:
             return run_cycle(self._solve, self.require_cycle(approach=approach), on_state, change)
 
-    def require_cycle(self, *, approach: Iterable[float]) -> tuple[Load, ...]:
+    def require_cycle(self, *, approach: Iterable[Length]) -> tuple[Load, ...]:
         """Return the loads of a branch of a cycle; `InputError` if it cannot be followed; see `cycle`."""
         return list_approaches(self.plan, self.initial_gap, approach)
 
     def path(
         self,
         *,
-        force: float | Iterable[float] | None = None,
-        pressure: float | Iterable[float] | None = None,
-        approach: float | Iterable[float] | None = None,
-        tangential_force: Iterable[Sequence[float]] | Sequence[float] | None = None,
-        displacement: Iterable[Sequence[float]] | Sequence[float] | None = None,
+        force: Force | Iterable[Force] | None = None,
+        pressure: Pressure | Iterable[Pressure] | None = None,
+        approach: Length | Iterable[Length] | None = None,
+        tangential_force: Iterable[Sequence[Force]] | Sequence[Force] | None = None,
+        displacement: Iterable[Sequence[Length]] | Sequence[Length] | None = None,
         friction: float | FrictionLaw,
         substeps: int | str = "auto",
         on_increment: Callable[[Increment], None] | None = None,
@@ -381,9 +381,9 @@ class ContactProblem:
     def slide(
         self,
         *,
-        force: float | None = None,
-        pressure: float | None = None,
-        approach: float | None = None,
+        force: Force | None = None,
+        pressure: Pressure | None = None,
+        approach: Length | None = None,
         friction: float | FrictionLaw,
         direction: float = 0.0,
     ) -> FrictionalSolution:

@@ -301,7 +301,7 @@ def plan_slabs(
     InputError
         If something does not fit together, or the heights are not finite, or all the same.
     """
-    grid = size if isinstance(size, Grid) else Grid(heights.shape, size)  # type: ignore[arg-type]
+    grid = size if isinstance(size, Grid) else Grid(heights.shape, size)
     if grid.shape != heights.shape:
         raise InputError.about("The grid", grid.shape, f"of the shape of the heights, {heights.shape}")
     scene = _make_scene(grid, material, counterbody, boundary, kernel, tolerance)

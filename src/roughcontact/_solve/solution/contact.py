@@ -12,6 +12,7 @@ import numpy as np
 
 from roughcontact._base import checks
 from roughcontact._base.arrays import Array
+from roughcontact._base.units import Estimate, Force, Length, Pressure, Quantity
 from roughcontact._parts.materials import Material
 from roughcontact._parts.surfaces import HeightMap
 from roughcontact._solve.solution import storage
@@ -24,13 +25,13 @@ from roughcontact._solve.solution.results import (
     DEFAULT_AREA,
     Area,
     AreaEstimator,
-    Estimate,
+    NameOfNumber,
     Response,
     areas,
+    ask,
     estimate_attractive_area,
     estimate_saturated_area,
     judge_maps,
-    require_memory_of_answer,
     responses,
 )
 from roughcontact._solve.solution.sampling import PlaceStatistics, find_area_sampling, find_place_statistics
@@ -137,7 +138,13 @@ class ContactSolution(ContactFields):
         """Return the maximum contact pressure between the cells, Pa; see `roughcontact.responses.PeakPressure`."""
         return self.response("peak-pressure") if self.tension is None else interpolate_peak(self)
 
-    def response(self, response: str | Response[T]) -> T:
+    @overload
+    def response(self, response: NameOfNumber) -> Estimate: ...
+    @overload
+    def response(self, response: Response[T]) -> T: ...
+    @overload
+    def response(self, response: str) -> Any: ...
+    def response(self, response: str | Response[Any]) -> Any:
         """Return a quantity of the contact, or its response to a small change, a current or a flow.
 
         Parameters
@@ -150,15 +157,9 @@ class ContactSolution(ContactFields):
         Raises
         ------
         InputError
-            If there is no such response, it means nothing for this contact, or it returns an `Estimate` without a
-            value.
+            If there is no such response, or it means nothing for this contact or has no value.
         """
-        chosen: Response[T] = responses.resolve(response)
-        require_memory_of_answer(self, chosen)
-        found = chosen.respond(self._view(chosen))
-        if isinstance(found, Estimate) and not (found.uncertainty >= 0.0 and abs(found.value) >= 0.0):
-            raise InputError(f"The response {chosen!r} returned {found!r}, which has no value or no uncertainty.")
-        return found
+        return ask(self, responses.resolve(response))
 
     def stiffness(self) -> Estimate:
         """Return the normal stiffness dF/d(approach), N/m; `roughcontact.responses.Stiffness` states the equations."""
@@ -171,7 +172,7 @@ class ContactSolution(ContactFields):
         """
         return self.response("stability")
 
-    def conductance(self, conductivity: float | Sequence[float], film_resistance: float = 0.0) -> Conductance:
+    def conductance(self, conductivity: Quantity | Sequence[Quantity], film_resistance: Quantity = 0.0) -> Conductance:
         """Return the thermal or electrical contact conductance, W/K or S.
 
         `roughcontact.responses.ContactConductance` states the equations.
@@ -195,7 +196,7 @@ class ContactSolution(ContactFields):
 
     def stress(
         self,
-        depths: float | Array | Sequence[float] | None = None,
+        depths: Length | Array | Sequence[Length] | None = None,
         body: str = "body",
         *,
         traction: Array | None = None,
@@ -229,7 +230,7 @@ class ContactSolution(ContactFields):
 
     def first_yield(
         self,
-        yield_stress: float,
+        yield_stress: Pressure,
         body: str = "body",
         *,
         friction: float | Array | None = None,
@@ -259,7 +260,7 @@ class ContactSolution(ContactFields):
         found: YieldPoint = self.response(asked)
         return found
 
-    def leakage(self, *, axis: int = 0, viscosity: float, pressure_drop: float) -> Leakage:
+    def leakage(self, *, axis: int = 0, viscosity: Quantity, pressure_drop: Pressure) -> Leakage:
         """Return the flow of a liquid through the gap, m3/s; `roughcontact.responses.GapFlow` states the equations.
 
         Parameters
@@ -281,7 +282,9 @@ class ContactSolution(ContactFields):
         return found
 
     def gradient(self, of: str | Callable[[Array], Array], with_respect_to: str = "heights") -> Array:
-        """Return the derivatives of a number of the contact; `roughcontact.responses.Gradient` states the equations.
+        """Return the derivatives of a number of the contact, shape (nx, ny) for heights, else ().
+
+        `roughcontact.responses.Gradient` states the equations.
 
         Parameters
         ----------
@@ -290,16 +293,11 @@ class ContactSolution(ContactFields):
             pressure, shape (nx, ny), Pa, and returns the derivative of a number with respect to it, of that shape.
         with_respect_to
             ``"heights"``, m, ``"modulus"``, Pa, or ``"load"``, as it was given.
-
-        Returns
-        -------
-        numpy.ndarray
-            The derivatives, shape (nx, ny) for heights, else ().
         """
         return self.response(responses.create("gradient", of, with_respect_to=with_respect_to))
 
     def partial_slip(
-        self, *, tangential_force: float, friction: float, axis: int = 0, uncoupled: bool = False
+        self, *, tangential_force: Force, friction: float, axis: int = 0, uncoupled: bool = False
     ) -> PartialSlip:
         """Return the contact under a tangential force below that of sliding.
 

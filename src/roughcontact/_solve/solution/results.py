@@ -6,13 +6,13 @@ import abc
 import math
 from collections.abc import Iterable
 from enum import Enum
-from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, Literal, TypeAlias, TypeVar
 
 import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array, as_shape, read_only
-from roughcontact._base.checks import number
+from roughcontact._base.checks import Part, number
 from roughcontact._base.machine import require_memory
 from roughcontact._base.registry import Registry
 from roughcontact._base.units import ContactWarning, ShownAsPrinted, prefixed, with_spread
@@ -47,7 +47,7 @@ _RUN_IN_WARNING = ContactWarning(
 )
 
 
-class Response(abc.ABC, Generic[T_co]):
+class Response(Part, abc.ABC, Generic[T_co]):
     """The response of a contact to a small change, a current or a flow. Subclass it and define `respond`.
 
     Its further arguments, such as a conductivity or depths, are fields of the subclass.
@@ -95,6 +95,11 @@ class Response(abc.ABC, Generic[T_co]):
         """
 
 
+# Registered names of the responses without arguments that answer a number.
+NameOfNumber: TypeAlias = Literal[
+    "approach", "mean-gap", "patches", "peak-pressure", "perimeter", "pull-off", "stability", "stiffness",
+    "tangential-stiffness",
+]  # fmt: skip
 responses: Registry[Response[Any]] = Registry(Response, "response", "roughcontact.responses")
 
 
@@ -109,6 +114,15 @@ def require_with_friction(response: Response[Any]) -> None:
     if response.refused_with_friction:
         name = responses.name_of(type(response)) or type(response).__name__
         raise InputError(f"The response {name!r} is not for a contact with friction: {response.refused_with_friction}.")
+
+
+def ask(solution: ContactSolution, response: Response[Any]) -> Any:
+    """Return what a response answers, with a value and an uncertainty if it is a number; see `ContactSolution`."""
+    require_memory_of_answer(solution, response)
+    found = response.respond(solution._view(response))
+    if isinstance(found, Estimate) and not (found.uncertainty >= 0.0 and abs(found.value) >= 0.0):
+        raise InputError(f"The response {response!r} returned {found!r}, which has no value or no uncertainty.")
+    return found
 
 
 def require_memory_of_answer(solution: ContactSolution, response: Response[Any]) -> None:

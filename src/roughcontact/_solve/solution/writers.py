@@ -16,6 +16,7 @@ import numpy as np
 from roughcontact._base import checks
 from roughcontact._base.archive import replacing
 from roughcontact._base.arrays import RealArray
+from roughcontact._base.checks import Part
 from roughcontact._base.registry import Registry
 from roughcontact._parts.grid import Grid
 from roughcontact._solve.solution import storage
@@ -32,7 +33,7 @@ _VTK_TYPES = {np.dtype(np.float64): "Float64", np.dtype(np.uint8): "UInt8"}
 _LENGTH_BYTES = 8
 
 
-class SolutionWriter(abc.ABC):
+class SolutionWriter(Part, abc.ABC):
     """A writer of one kind of file. Subclass it and register it in ``roughcontact.writers``.
 
     Examples

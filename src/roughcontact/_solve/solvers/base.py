@@ -12,7 +12,7 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array
-from roughcontact._base.checks import integer, number
+from roughcontact._base.checks import Part, integer, number
 from roughcontact._base.registry import Registry
 from roughcontact._parts.grid import Boundary
 from roughcontact._parts.interactions import BoundInteraction
@@ -143,7 +143,7 @@ class Outcome:
     tension: Array | None = None
 
 
-class Solver(abc.ABC):
+class Solver(Part, abc.ABC):
     """A method to find the contact pressure, from a prepared convolution alone.
 
     Examples

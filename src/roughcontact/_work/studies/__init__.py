@@ -7,6 +7,7 @@ from roughcontact._work.studies.asking import (
     ResponseForm,
     add_answers,
     ask_states,
+    build_layer,
     build_part,
     build_response,
     describe_answers_elsewhere,
@@ -15,6 +16,7 @@ from roughcontact._work.studies.asking import (
     tabulate_answers,
     write_report,
 )
+from roughcontact._work.studies.coatings import LAYERED, find_layer_class
 from roughcontact._work.studies.form import Form, build_problem
 from roughcontact._work.studies.record import Record
 from roughcontact._work.studies.result import StudyResult
@@ -22,6 +24,7 @@ from roughcontact._work.studies.shares import Share
 from roughcontact._work.studies.study import Study
 
 __all__ = [
+    "LAYERED",
     "Answers",
     "Form",
     "Record",
@@ -32,11 +35,13 @@ __all__ = [
     "StudyResult",
     "add_answers",
     "ask_states",
+    "build_layer",
     "build_part",
     "build_problem",
     "build_response",
     "describe_answers_elsewhere",
     "describe_response",
+    "find_layer_class",
     "list_answer_warnings",
     "name_of",
     "tabulate_answers",

@@ -10,6 +10,7 @@ import attrs
 from roughcontact._base.archive.plain import key_of
 from roughcontact._base.units import printable
 from roughcontact._solve.solution import ContactSolution, FrictionalSolution, Response, list_estimates, responses
+from roughcontact._work.studies.asking import list_answer_warnings
 from roughcontact.errors import InputError
 
 _ALLOWED = "a registered name, a Response, or a list of them"
@@ -74,10 +75,14 @@ def name_of(response: Response[Any]) -> str:
 
 def find_answers(
     solution: ContactSolution | FrictionalSolution, asked: Sequence[Response[Any]], known: Mapping[str, Answer]
-) -> tuple[dict[str, Answer], dict[str, Exception]]:
-    """Return the answers of a solution by name, known ones as they are, and the errors of those that it refuses."""
+) -> tuple[dict[str, Answer], dict[str, Exception], list[str]]:
+    """Return the answers of a solution by name, the errors of those that it refuses, and the warnings of new ones.
+
+    Known answers are kept as they are.
+    """
     answers = dict(known)
     errors: dict[str, Exception] = {}
+    results: dict[str, list[Any]] = {}
     for response in asked:
         name = name_of(response)
         if has_answers(known, [response]):
@@ -85,14 +90,17 @@ def find_answers(
         answers.pop(name, None)
         # Responses are plug-ins.
         try:
-            estimates = list_estimates(solution.response(response))
+            result = solution.response(response)
+            estimates = list_estimates(result)
             if not estimates:
                 raise InputError("it has no single number")
             numbers = {part: (float(one.value), float(one.uncertainty), one.unit) for part, one in estimates.items()}
             answers[name] = Answer(key_of(response), numbers)
+            results[name] = [result]
         except Exception as error:
             errors[name] = error
-    return answers, errors
+    contact = solution if isinstance(solution, ContactSolution) else solution.contact
+    return answers, errors, list_answer_warnings(results, [contact])
 
 
 def has_answers(known: Mapping[str, Answer], asked: Sequence[Response[Any]]) -> bool:

@@ -25,6 +25,7 @@ from roughcontact._solve.solution import (
     responses,
     writers,
 )
+from roughcontact._work.studies.coatings import find_layer_class
 from roughcontact._work.studies.form import Form, list_fields
 from roughcontact.errors import InputError, RoughContactError
 from roughcontact.errors.door import guarded
@@ -127,11 +128,36 @@ def build_part(registry: Registry[Any], name: str, fields: Mapping[str, Any], wh
     >>> rc.typing.build_part(rc.surfaces, "sphere", {"radius": "5 mm"}, "the ball")
     SphereSurface(radius=0.005, center=(0.0, 0.0))
     """
+    return _build(registry.base, {**fields, "type": name}, what)
+
+
+@guarded
+def build_layer(fields: Mapping[str, Any], what: str) -> Any:
+    """Return a layer of a body, by the plug-in roughcontact-layered.
+
+    Parameters
+    ----------
+    fields
+        Its fields by name, numbers in SI units or texts as in a study file.
+    what
+        What a sentence calls the layer.
+
+    Raises
+    ------
+    InputError
+        If a field is wrong or missing.
+    MissingPackage
+        Without the plug-in.
+    """
+    return _build(find_layer_class(), fields, what)
+
+
+def _build(kind: type, fields: Mapping[str, Any], what: str) -> Any:
     form = Form()
-    part = form.read(registry.base, {**fields, "type": name}, "")
+    made = form.read(kind, fields, "")
     for place, error in form.faults:
         raise InputError(f"{what}{place and f' {place}'}: {error}") from error
-    return part
+    return made
 
 
 @guarded

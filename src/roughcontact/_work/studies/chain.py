@@ -316,7 +316,9 @@ def _measure_path(chain: Chain, record: Record, path: FrictionalPath) -> Record:
     """Return the record of a path, with the areas of the contact at its end that the given record lacks."""
     record = _measure(chain, record, path[-1].contact, path[-1])
     warnings = tuple(dict.fromkeys((*path.warnings, *record.warnings)))
-    return attrs.evolve(record, **list_figures(path), warnings=warnings, doubtful=bool(path.warnings))
+    return attrs.evolve(
+        record, **list_figures(path), warnings=warnings, doubtful=bool(path.warnings) or record.doubtful
+    )
 
 
 def _in_order(records: Mapping[int, Record]) -> list[Record]:
@@ -365,7 +367,13 @@ def _measure(
                 areas[name] = float(area.value), float(area.uncertainty)
             except Exception as error:
                 failures.append(name_exception(f"The area estimator {name!r}", error))
-    answers, errors = find_answers(state or solution, chain.responses, record.answers)
+    answers, errors, said = find_answers(state or solution, chain.responses, record.answers)
+    # Known values are not estimated again.
+    judged: dict[str, Any] = (
+        {"doubtful": record.doubtful, "warnings": record.warnings} if record.success else _judge(solution)
+    )
+    judged["doubtful"] = bool(judged.get("doubtful") or said)
+    judged["warnings"] = tuple(dict.fromkeys((*judged["warnings"], *said)))
     failures += [name_exception(f"The response {name!r}", error) for name, error in errors.items()]
     return attrs.evolve(
         record,
@@ -381,8 +389,7 @@ def _measure(
         iterations=solution.iterations,
         convolutions=solution.convolutions,
         seconds=solution.seconds,
-        # Known values are not estimated again.
-        **({} if record.success else _judge(solution)),
+        **judged,
     )
 
 

@@ -12,6 +12,7 @@ from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
 import attrs
 
 from roughcontact._base.arrays import Pair
+from roughcontact._base.checks import INFINITE
 from roughcontact._base.registry import Registry, registries
 from roughcontact._base.units import parse_quantity
 from roughcontact._parts.files import read_surface
@@ -19,7 +20,8 @@ from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._parts.materials import materials, resolve_material
 from roughcontact._parts.surfaces import HeightMap, Surface, SurfaceSum, match, surfaces
 from roughcontact._solve.problem import Body, ContactProblem, require_memory_of_solve
-from roughcontact.errors import InputError
+from roughcontact._work.studies.coatings import complete_kernel, read_layers
+from roughcontact.errors import InputError, MissingPackage
 from roughcontact.errors.door import guarded
 
 T = TypeVar("T")
@@ -67,6 +69,8 @@ class Form:
             return self._read(kind, value, place) if unit is None else self._convert(unit, value)
         except InputError as error:
             self.faults.append((place, error))
+        except MissingPackage:
+            raise
         # A part of a plug-in may raise anything.
         except Exception as error:
             self.faults.append((place, InputError(f"not accepted ({error})")))
@@ -78,6 +82,8 @@ class Form:
             if value is None or (value == "auto" and str in members):
                 return value
             if isinstance(value, (int, float)) and float in members:
+                return value
+            if isinstance(value, tuple(one for one in members if isinstance(one, type) and _has_form(one))):
                 return value
             kind = next(filter(_has_form, members), members[0])
         kind = _without_arguments(kind)
@@ -92,9 +98,23 @@ class Form:
             return self._read_part(registry, value, place)
         if not isinstance(value, Mapping):
             raise InputError.about(f"A {kind.__name__}", value, "a table of its fields")
-        if kind is ContactProblem and "match" in value:
-            return self._read_matched(value, place)
+        if kind is ContactProblem:
+            return self._read_problem(value, place)
         return self._read_fields(kind, value, place)
+
+    def _read_problem(self, table: Mapping[str, Any], place: str) -> ContactProblem | None:
+        """Return a problem, of which layers on the bodies are the kernel."""
+        before = len(self.faults)
+
+        def read(kind: Any, value: Any, inner: str) -> Any:
+            return self.read(kind, value, join(place, inner))
+
+        table = read_layers(table, read)
+        if "kernel" in table:
+            table = {**table, "kernel": complete_kernel(table["kernel"], read, table)}
+        if len(self.faults) > before:
+            return None
+        return self._read_matched(table, place) if "match" in table else self._read_fields(ContactProblem, table, place)
 
     def _read_plain(self, kind: Any, value: Any) -> Any:
         """Return a value as its class takes it; on the command line numbers are texts."""
@@ -106,7 +126,8 @@ class Form:
         """Return a text with a unit, or a list of them, in SI units; numbers are."""
         if isinstance(value, list):
             return [self._convert(unit, item) for item in value]
-        if not isinstance(value, str):
+        # The class knows whether it may be infinite.
+        if not isinstance(value, str) or value == INFINITE:
             return value
         try:
             return parse_quantity(value, unit)

@@ -19,7 +19,7 @@ from roughcontact._base.archive.plain import key_of
 from roughcontact._base.arrays import Pair
 from roughcontact._base.checks import callback, flag, integer
 from roughcontact._base.machine.progress import count_done, show_progress, tell_both
-from roughcontact._base.units import PlainText, binary, counted
+from roughcontact._base.units import Force, Length, PlainText, Pressure, binary, counted
 from roughcontact._parts.grid import Load
 from roughcontact._parts.interactions import FrictionLaw
 from roughcontact._solve.problem import ContactProblem, require_frictional
@@ -223,9 +223,9 @@ class Study:
         self,
         problems: ContactProblem | Mapping[str, ContactProblem] | Callable[..., ContactProblem],
         *,
-        pressure: Iterable[float] | None = None,
-        force: Iterable[float] | None = None,
-        approach: Iterable[float] | None = None,
+        pressure: Iterable[Pressure] | None = None,
+        force: Iterable[Force] | None = None,
+        approach: Iterable[Length] | None = None,
         areas: str | Sequence[str] = (DEFAULT_AREA,),
         responses: str | Response[Any] | Sequence[str | Response[Any]] = (),
         seeds: Iterable[int] = (),

@@ -31,6 +31,7 @@ function fill(select, options) {
 export function prepare(first, examples, typical, responses) {
   materials = typical;
   copyFieldsOfMap();
+  for (const place of form.querySelectorAll("[data-layers]")) addLayers(place);
   for (const one of responses) addResponse(one);
   fill(form.elements.example, Object.fromEntries(examples.map((name) => [name, name.replaceAll("_", " ")])));
   for (const select of form.querySelectorAll("[data-units]")) fill(select, UNITS[select.dataset.units]);
@@ -78,6 +79,34 @@ function copyFieldsOfMap() {
     copy.dataset.when = `${OTHER}surface=file`;
     copy.dataset.map = OTHER;
     document.getElementById(`${OTHER}fields`).append(copy);
+  }
+}
+
+// The number of layers of a body, and the fields of each, from the surface downwards.
+const MOST_LAYERS = 3;
+
+function addLayers(place) {
+  const { layers: prefix, of } = place.dataset;
+  const counts = Array.from({ length: MOST_LAYERS + 1 }, (_, count) => count);
+  const select = element("select", "", { id: `${prefix}layers`, name: `${prefix}layers` });
+  fill(select, Object.fromEntries(counts.map((count) => [count, count === 0 ? "none" : `${count} layer${count > 1 ? "s" : ""}`])));
+  place.append(labelled(`${prefix}layers`, `Coating of ${of}`, select));
+  for (const number of counts.slice(1)) {
+    const set = element("fieldset", "", { "data-when": `${prefix}layers=${counts.slice(number).join(" ")}` });
+    set.append(element("legend", `Layer ${number} of ${of}${number === 1 ? ", at the surface" : ""}`));
+    for (const [name, label, kind] of [
+      ["young", "Young's modulus", "modulus"],
+      ["poisson", "Poisson's ratio", ""],
+      ["thickness", "Thickness", "length"],
+      ["yield_stress", "Yield stress, for its first yield (empty: that of the body)", "modulus"],
+    ]) {
+      const setting = `${prefix}layer${number}_${name}`;
+      const row = element("span", "", { class: "row" });
+      row.append(element("input", "", { id: setting, name: setting, inputmode: "decimal" }));
+      if (kind) row.append(element("select", "", { name: `${setting}_unit`, "aria-label": `Unit of ${label} of layer ${number} of ${of}`, "data-units": kind }));
+      set.append(labelled(setting, label, row));
+    }
+    place.append(set);
   }
 }
 
@@ -257,6 +286,11 @@ export function describe(values) {
   if (["file", "example"].includes(values.surface) && values.counterbody_surface === "file") parts.push(describeOther(values, of));
   parts.push(load[values.load] || of("loads", "load_unit"), material(""));
   if (values.counterbody === "deformable") parts.push(`counterbody ${material("counterbody_")}`);
+  for (const [prefix, whose] of [["", "body"], ["counterbody_", "counterbody"]]) {
+    for (let number = 1; number <= Number(values[`${prefix}layers`]); number += 1) {
+      parts.push(`layer ${number} of the ${whose} ${of(`${prefix}layer${number}_thickness`)}, E ${of(`${prefix}layer${number}_young`)}`);
+    }
+  }
   if (values.adhesion !== "none") parts.push(`${values.adhesion.replaceAll("-", " ")} adhesion of ${of("work").replace("m2", "m²")}`);
   if (["exponential", "van-der-waals"].includes(values.adhesion)) parts.push(`range ${of("range")}`);
   const ticked = [...form.querySelectorAll("[type=checkbox]")].filter(({ name }) => values[name] === "yes");

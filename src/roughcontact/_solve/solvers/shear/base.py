@@ -11,6 +11,7 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array, Mask, Pair, RealArray, sum_of_products
+from roughcontact._base.checks import Part
 from roughcontact._base.registry import Registry
 from roughcontact._parts.grid import Boundary
 from roughcontact._solve.convolvers import ShearConvolution, WaveMatrix
@@ -111,7 +112,7 @@ class ShearOutcome:
     status: Status
 
 
-class ShearSolver(abc.ABC):
+class ShearSolver(Part, abc.ABC):
     """A method to find the shear within given limits, from a convolution alone.
 
     Examples

@@ -18,7 +18,7 @@ from roughcontact._base.arrays import Array
 from roughcontact._base.checks import callback, flag, integer
 from roughcontact._base.machine.progress import show_progress, tell_both
 from roughcontact._base.registry import Registry
-from roughcontact._base.units import si
+from roughcontact._base.units import Force, Length, Pressure, si
 from roughcontact._parts.grid import Load
 from roughcontact._parts.kernels import InfluenceKernel, kernels
 from roughcontact._solve.convolvers import Convolver, convolvers
@@ -229,9 +229,9 @@ class Benchmark:
 def error_vs_time(
     problem: ContactProblem,
     *,
-    pressure: float | None = None,
-    force: float | None = None,
-    approach: float | None = None,
+    pressure: Pressure | None = None,
+    force: Force | None = None,
+    approach: Length | None = None,
     reference: object = None,
     cells: Sequence[int] | None = None,
     areas: Sequence[str | AreaEstimator] = (DEFAULT_AREA, "cell-count"),

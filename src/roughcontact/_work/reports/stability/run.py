@@ -10,6 +10,7 @@ import attrs
 from roughcontact._base.checks import callback, choice, flag
 from roughcontact._base.machine.progress import show_progress, tell_both
 from roughcontact._base.tables import Table
+from roughcontact._base.units import Force, Length, Pressure
 from roughcontact._parts.grid import Load
 from roughcontact._solve.problem import ContactProblem
 from roughcontact._solve.solution import ContactSolution
@@ -89,9 +90,9 @@ class StabilityReport:
 def stability(
     problem: ContactProblem,
     *,
-    pressure: float | None = None,
-    force: float | None = None,
-    approach: float | None = None,
+    pressure: Pressure | None = None,
+    force: Force | None = None,
+    approach: Length | None = None,
     on_check: Callable[[str, float], None] | None = None,
     progress: bool = False,
 ) -> StabilityReport:
