@@ -86,7 +86,7 @@ def list_map_warnings(
         filled[...] = False
     if filled.mean() > _FILLED_FRACTION:
         share = f"about {100.0 * float(filled.mean()):.2g} % of the points of the map"
-        known = f"{share} are filled from their neighbours, and may touch: keep them non-measured"
+        known = f"{share} are filled from their neighbours: where they touch, the contact is a guess"
         text = known if was_filled else f"{share} look filled in: mark them non-measured"
         warnings.append(ContactWarning(text, "filled points", float(filled.mean())))
     # The edges of harmonic patches look like noise.
