@@ -127,7 +127,8 @@ class EdgeLength(Quantity):
         length += calibration.UNTRACED_CUT_LENGTH[0] * crossings + exact + sharp
         # Sides of the cells count networks of ridges well, whose traced edges are short.
         counted = math.pi / 4.0 * measure_sides(solution)
-        networks = 0.0 if straight.any() else calibration.COUNTED_DIFFERENCE * abs(counted - length)
+        of_networks = float(np.sum(lobed, where=large)) / length if length > 0.0 and not straight.any() else 0.0
+        networks = calibration.COUNTED_DIFFERENCE * abs(counted - length) * of_networks
         untraced += calibration.UNTRACED_CUT_LENGTH[1] * crossings
         unseen = calibration.HIDDEN_LENGTH_ERROR * float(np.sum(hidden))
         std = math.hypot(
