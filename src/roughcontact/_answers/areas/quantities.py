@@ -108,7 +108,9 @@ class EdgeLength(Quantity):
         # Nothing of a sharp edge is traced; the circle of a small patch has it.
         sharp = float(np.sum(edges.sharp_length[1:], where=large & ~straight)) * calibration.SHARP_LENGTH
         corners = math.pi * math.sqrt(cell * np.count_nonzero(edges.sharp_length[1:] > 0.0))
-        sharp_std = math.hypot(calibration.SHARP_LENGTH_ERROR * sharp, corners if sharp > 0.0 else 0.0)
+        slender = math.log(max(solution.grid.spacing) / min(solution.grid.spacing))
+        along_cells = calibration.SHARP_LENGTH_ERROR * (1.0 + calibration.SLENDER_LENGTH_ERROR * slender)
+        sharp_std = math.hypot(along_cells * sharp, corners if sharp > 0.0 else 0.0)
         uneven = calibration.UNEVEN_LENGTH_ERROR * edges.curvature_resolution + calibration.LOBED_LENGTH_ERROR
         uneven = uneven * float(np.sum(lobed)) + 0.5 * lost
         lay = lay_ratio(solution)
