@@ -2,8 +2,8 @@
 
 Writes docs/figures/error_vs_time.png and the table of the README. At N = 160, 200, 240, 260 and 320 a wave has a
 whole number of cells, and every summit meets the grid in the same way; on the other grids their errors average. Times
-are CPU times of the solve and its area, kernel included, medians over repeats after a warm-up. The converged values come from
-plugins/roughcontact-paper, which must be installed.
+are CPU times of the solve and its area, kernel included, medians over repeats after a warm-up. The converged values
+come from plugins/roughcontact-paper, which must be installed.
 
     python docs/studies/error_vs_time.py
 """
