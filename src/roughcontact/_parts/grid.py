@@ -145,7 +145,7 @@ class Grid:
 
     @property
     def resolved(self) -> Grid:
-        """This grid; with square cells where an axis has a single one, along which nothing varies, as of lines.
+        """The grid itself, with square cells where an axis has a single one, along which nothing varies, as of lines.
 
         Its sides are the lengths that the cells resolve.
         """

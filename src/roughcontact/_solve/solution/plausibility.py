@@ -177,7 +177,9 @@ def find_contact(solution: ContactSolution, materials: Iterable[Material]) -> li
     if not solution.contact.any():
         return [Finding(name, math.nan, "there is no contact") for name in names]
     peak = float(solution.pressure.max()) / solution.surface_modulus
-    approach = solution.approach / min(solution.grid.resolved.size)
+    # A line has no side along the axis of its single cell.
+    sides = zip(solution.grid.size, solution.grid.shape, strict=True)
+    approach = solution.approach / min(side for side, count in sides if count > 1)
     edge = _find_edge_contact(solution)
     return [
         _find_isotropy(solution, materials),
