@@ -175,9 +175,9 @@ def test_hertz_line(boundary, half_width, allowed, place, aspect, along):
 
 
 def press_line(length, along, boundary, kernel, wavy, transposed=False):
-    """Return the contact of a cylinder or a wave, 77 cells on 0.4 mm, under 60 kN/m."""
+    """Return the contact of a cylinder or a wave, 41 cells on 0.4 mm, under 60 kN/m."""
     turn = -1 if transposed else 1
-    grid = rc.Grid((77, along)[::turn], (4e-4, length)[::turn])
+    grid = rc.Grid((41, along)[::turn], (4e-4, length)[::turn])
     x = grid.y if transposed else grid.x
     heights = -(x**2) / (2 * RADIUS)
     if wavy:
@@ -189,14 +189,12 @@ def press_line(length, along, boundary, kernel, wavy, transposed=False):
 
 def find_line_answers(solution, length, axis):
     """Return the answers of a line, those that grow with its length over it, with their uncertainties."""
-    yields = solution.first_yield(4e8).force
     leak = solution.leakage(axis=1 - axis, viscosity=1e-3, pressure_drop=1e5)
     extensive = {
         "area": solution.area(),
         "perimeter": solution.response("perimeter"),
         "stiffness": solution.stiffness(),
         "conductance": solution.conductance(50.0, 1e-6),
-        "first yield": yields,
         **{
             f"tangential {name}": solution.response(rc.responses.create("tangential-stiffness", axis=number))
             for name, number in (("across", axis), ("along", 1 - axis))
@@ -220,9 +218,9 @@ def find_line_answers(solution, length, axis):
 @pytest.mark.parametrize("wavy", [False, True])
 def test_answers_do_not_depend_on_the_length_of_a_line(boundary, kernel, wavy):
     turned = PERIODIC_FREE if boundary is FREE_PERIODIC else boundary
-    square = press_line(4e-4 / 77, 1, boundary, kernel, wavy)
-    expected = find_line_answers(square, 4e-4 / 77, 0)
-    for length, transposed in ((1.0, False), (3e-6, False), (1.0, True)):
+    square = press_line(4e-4 / 41, 1, boundary, kernel, wavy)
+    expected = find_line_answers(square, 4e-4 / 41, 0)
+    for length, transposed in ((1.0, True), (3e-6, False)):
         solution = press_line(length, 1, turned if transposed else boundary, kernel, wavy, transposed)
         assert len(solution.warnings) == len(square.warnings)
         for name, (value, uncertainty) in find_line_answers(solution, length, int(transposed)).items():
