@@ -223,11 +223,9 @@ class Stress(ShownAsPrinted, Answer):
 
     def _find_in_layers(self, place: int) -> dict[int, StressMaximum]:
         peaks = [peak[place] for peak in self._peaks]
-        layers = self._layers
-        interfaces = np.empty(0) if layers is None else np.append(layers.interfaces, layers.base_depth)
-        return find_maxima_of_layers(
-            np.unique(self.depths), interfaces, peaks, self._scale, max(self._grid.resolved.spacing)
-        )
+        interfaces = [] if self._layers is None else [*self._layers.interfaces, self._layers.base_depth]
+        cell = max(self._grid.resolved.spacing)
+        return find_maxima_of_layers(np.unique(self.depths), np.array(interfaces), peaks, self._scale, cell)
 
     def _judge(self, found: StressMaximum, measure: Measure, *, at_surface: bool) -> StressMaximum:
         """Return a maximum beside the peak at the edge of a sliding contact, if at the surface, with warnings."""
