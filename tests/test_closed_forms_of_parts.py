@@ -17,7 +17,8 @@ from roughcontact._answers.areas.cells import count_sides, find_straight_rows
 from roughcontact._answers.areas.contour import find_kinds, measure_polygons
 from roughcontact._answers.linear.stiffness import _find_rows, _shift
 from roughcontact._base.archive import remove_stale
-from roughcontact._parts.files.text import put_on_grid, require_heights
+from roughcontact._parts.files.points import put_on_grid
+from roughcontact._parts.files.text import require_heights
 from roughcontact._parts.grid import Load, grow
 from roughcontact._solve.problem.sweep import Sweep, predict_pressure
 from roughcontact._solve.solvers.conjugate.descent import Descent

@@ -52,7 +52,7 @@ def test_a_long_call_shows_how_far_it_is_if_it_is_asked_to(name, tmp_path, capsy
     CALLS[name](tmp_path / "shown", progress=True)
     shown = capsys.readouterr().err
     assert f"00:00  {name.split()[-1]}" in shown
-    # The bar is removed when the call ends.
+    # Nothing is left of it when the call ends.
     assert shown.split("\r")[-2].strip() == ""
 
 
@@ -62,7 +62,7 @@ def test_progress_is_yes_or_no(name, tmp_path):
         CALLS[name](tmp_path, progress="yes")
 
 
-def test_callbacks_are_called_beside_the_bar(capsys):
+def test_callbacks_are_called_too(capsys):
     states = []
     follow_cycle(on_state=states.append, progress=True)
     assert len(states) == 5

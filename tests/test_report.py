@@ -449,3 +449,24 @@ def test_the_study_runs_small(monkeypatch, tmp_path, capsys):
     study.main(*grids, tmp_path)
     assert re.search(r"For an area error of 0.5 %: \d+ x \d+ cells with blend", capsys.readouterr().out)
     assert (tmp_path / "report_wavy.png").stat().st_size > 10_000
+
+
+class RoundedRim(rc.Surface):
+    """A flat disc whose rim is rounded: the pressure at the crease grows as the root of the cells."""
+
+    is_smooth = True
+
+    def heights(self, grid):
+        return -np.maximum(grid.x**2 + grid.y**2 - 1.46e-4**2, 0.0) / 1e-3
+
+
+@pytest.mark.parametrize("shape", [(64, 64), (96, 96)])
+def test_a_maximum_that_grows_with_every_grid_has_no_bound(shape):
+    problem = rc.ContactProblem(rc.Body(RoundedRim(), STEEL), grid=rc.Grid(shape, (1e-3, 1e-3)))
+    report = rc.error_vs_time(problem, pressure=2e7, repeats=1)
+    assert report.reference.p_max is None
+    assert "the maximum pressure has no limit: it grows with every grid" in " ".join(str(report).split())
+    round_ball = rc.ContactProblem(rc.Body(rc.SphereSurface(5e-3), STEEL), grid=rc.Grid(shape, 2e-4))
+    ball = rc.error_vs_time(round_ball, force=1.0, repeats=1)
+    assert ball.reference.p_max > 0.0
+    assert "no limit" not in str(ball)

@@ -63,7 +63,7 @@ FOURTH = "\n".join(f"{line},{k % 7}" for k, line in enumerate(POINTS.split("\n")
 THOUSANDS = table(1000 + 400 * np.sin(X), "\t", lambda v: f"{v:,.0f}")
 ROUNDED = "\t".join(f"{0.137 * k:.2f}" for k in range(24)) + "\n" + table(MICROMETRES.T)
 REFUSED = {
-    "a unit that is no length": (
+    "a unit of angles": (
         "a.txt",
         GWYDDION.replace("units: µm", "units: deg") + IMAGE,
         {},
@@ -156,7 +156,7 @@ class TestHdf5:
         found = rc.read_surface(tmp_path / "a.h5", size=SIZE, non_measured="keep")
         np.testing.assert_array_equal(found.non_measured, MICROMETRES > 0.79)
 
-    def test_a_unit_that_is_no_length_is_refused(self, tmp_path):
+    def test_a_unit_of_volts_is_refused(self, tmp_path):
         h5py = pytest.importorskip("h5py")
         with h5py.File(tmp_path / "a.h5", "w") as file:
             file.create_dataset("heights", data=HEIGHTS).attrs["units"] = "V"
@@ -265,3 +265,53 @@ class TestX3p:
             (tmp_path / "b.x3p").write_bytes(bytes(broken[: draws.integers(len(whole) // 2, len(whole) + 1)]))
             with contextlib.suppress(rc.InputError):
                 assert rc.read_surface(tmp_path / "b.x3p", non_measured="keep").grid.cells == HEIGHTS.size
+
+
+class TestCell:
+    """The distance of the points, in place of the size."""
+
+    def test_gives_the_size(self, tmp_path):
+        path = write(tmp_path, "a.txt", table(MICROMETRES))
+        assert rc.read_surface(path, cell=("2um", 2e-6), unit="um").grid.size == pytest.approx(SIZE)
+        assert rc.read_surface(path, cell="2um", unit="um").grid.size == pytest.approx(SIZE)
+
+    def test_is_not_given_beside_a_size_and_agrees_with_the_file(self, tmp_path):
+        path = write(tmp_path, "a.txt", table(MICROMETRES))
+        with pytest.raises(rc.InputError, match="size= or cell=, not both"):
+            rc.read_surface(path, cell=2e-6, size=SIZE)
+        stated = write(tmp_path, "b.txt", GWYDDION + IMAGE)
+        assert rc.read_surface(stated, cell=2e-6).grid.size == pytest.approx(SIZE)
+        with pytest.raises(rc.InputError, match="states its own size"):
+            rc.read_surface(stated, cell=1e-6)
+
+    def test_is_an_option_and_an_entry_of_study_files(self, tmp_path, run):
+        path = write(tmp_path, "a.txt", table(MICROMETRES))
+        status, out, _ = run("info", path, "--cell", "2um", "--unit", "um")
+        assert status == 0
+        assert "48 µm x 74 µm" in out
+        study = write(
+            tmp_path,
+            "study.toml",
+            '[problems.a.body]\nsurface = {type = "file", path = "a.txt", cell = "2um", unit = "1um"}\n'
+            'material = {young = "1GPa", poisson = 0.3}\n[study]\nforce = ["1mN"]\n',
+        )
+        status, out, err = run("run", study, "--dry-run")
+        assert status == 0, err
+        assert "24 x 37 cells on 48 µm x 74 µm" in out
+
+
+class TestArrays:
+    """A map is an array of its heights for numpy."""
+
+    def test_of_numpy_have_nan_where_nothing_was_measured(self):
+        heights = HEIGHTS.copy()
+        heights[3, 4] = np.nan
+        kept = rc.HeightMap(heights, SIZE, non_measured="keep")
+        assert kept.non_measured.sum() == 1
+        np.testing.assert_array_equal(np.asarray(kept), heights)
+        whole = rc.HeightMap(HEIGHTS, SIZE)
+        assert np.asarray(whole, dtype=np.float32).shape == (24, 37)
+        assert np.ptp(whole) == pytest.approx(np.ptp(HEIGHTS))
+        changed = np.array(whole)
+        changed[0, 0] = 1.0
+        assert whole.values[0, 0] == HEIGHTS[0, 0]

@@ -12,7 +12,7 @@ from roughcontact._answers.areas.cells import count_saturated, find_cut_cells, f
 from roughcontact._answers.areas.contour import Contour, find_modulus_change, trace_contour
 from roughcontact._answers.areas.curvature import curvature_resolution, find_filled, lay_ratio, rim_ratio
 from roughcontact._base.arrays import Array, Mask
-from roughcontact._base.units import ContactWarning
+from roughcontact._base.units import WarningText
 from roughcontact._parts.grid import extend, grow, list_borders
 from roughcontact._solve.solution import Area, ContactSolution, Estimate
 
@@ -375,7 +375,7 @@ def _judge_uncertainty(what: str, value: float, std: float, warnings: tuple[str,
     if warnings or std <= _MAX_RELATIVE_STD * abs(value):
         return warnings
     text = f"the grid hardly determines {what}, whose uncertainty is above 5 %: refine the grid"
-    return (ContactWarning(text, "uncertainty", std / abs(value) if value else math.inf),)
+    return (WarningText(text, "uncertainty", std / abs(value) if value else math.inf),)
 
 
 def list_warnings(solution: ContactSolution, curvature_resolution: float) -> tuple[str, ...]:
@@ -387,18 +387,18 @@ def list_warnings(solution: ContactSolution, curvature_resolution: float) -> tup
             f"the shortest waves have about {waves:.2g} cells; the area needs about 8 "
             "(a finer grid of a measured map adds no heights)"
         )
-        warnings.append(ContactWarning(text, "resolution", waves))
+        warnings.append(WarningText(text, "resolution", waves))
     small = solution.patches.small_fraction
     if small > _MAX_SMALL_FRACTION and curvature_resolution > _MAX_SMOOTH_RATIO:
         text = f"{100 * small:.3g} % of the counted area is in patches of fewer than four cells"
-        warnings.append(ContactWarning(text, "small patches", small))
+        warnings.append(WarningText(text, "small patches", small))
     change = find_modulus_change(solution)
     if change > _MAX_MODULUS_CHANGE:
         text = (
             f"the modulus changes by a factor of {math.exp(change):.2g} between wavelengths of about a cell, as on a "
             "thin layer: refine the grid"
         )
-        warnings.append(ContactWarning(text, "layer", math.exp(change)))
+        warnings.append(WarningText(text, "layer", math.exp(change)))
     if not solution.status.success:
-        warnings.append(ContactWarning("the solution is not converged", "convergence"))
+        warnings.append(WarningText("the solution is not converged", "convergence"))
     return tuple(warnings)

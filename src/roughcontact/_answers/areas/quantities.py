@@ -118,7 +118,9 @@ class EdgeLength(Quantity):
         # Nothing of a sharp edge is traced; the circle of a small patch has it.
         sharp = float(np.sum(edges.sharp_length[1:], where=large & ~straight)) * calibration.SHARP_LENGTH
         corners = math.pi * step * math.sqrt(np.count_nonzero(edges.sharp_length[1:] > 0.0))
-        sharp_std = math.hypot(calibration.SHARP_LENGTH_ERROR * sharp, corners if sharp > 0.0 else 0.0)
+        slender = math.log(max(solution.grid.resolved.spacing) / min(solution.grid.resolved.spacing))
+        along_cells = calibration.SHARP_LENGTH_ERROR * (1.0 + calibration.SLENDER_LENGTH_ERROR * slender)
+        sharp_std = math.hypot(along_cells * sharp, corners if sharp > 0.0 else 0.0)
         uneven = calibration.UNEVEN_LENGTH_ERROR * edges.curvature_resolution + calibration.LOBED_LENGTH_ERROR
         uneven = uneven * float(np.sum(lobed)) + 0.5 * lost
         lay = lay_ratio(solution)
@@ -137,7 +139,8 @@ class EdgeLength(Quantity):
         length += calibration.UNTRACED_CUT_LENGTH[0] * crossings + exact + sharp
         # Sides of the cells count networks of ridges well, whose traced edges are short.
         counted = math.pi / 4.0 * measure_sides(solution)
-        networks = 0.0 if straight.any() else calibration.COUNTED_DIFFERENCE * abs(counted - length)
+        of_networks = float(np.sum(lobed, where=large)) / length if length > 0.0 and not straight.any() else 0.0
+        networks = calibration.COUNTED_DIFFERENCE * abs(counted - length) * of_networks
         untraced += calibration.UNTRACED_CUT_LENGTH[1] * crossings
         unseen = calibration.HIDDEN_LENGTH_ERROR * float(np.sum(hidden))
         std = math.hypot(

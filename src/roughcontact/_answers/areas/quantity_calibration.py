@@ -124,6 +124,8 @@ HIDDEN_RISE_STD = (0.05, 0.014, 0.5)
 # lands and dimples of 50 to 200 cells a side.
 SHARP_LENGTH = 0.974
 SHARP_LENGTH_ERROR = 0.03
+# Growth of that with the logarithm of the ratio of the sides of a cell; set on the same with cells of 1:3 and 3:1.
+SLENDER_LENGTH_ERROR = 1.7
 # Standard deviation of the length over the difference from pi/4 of the sides of the cells, which is right for networks
 # of ridges. Set on craters, ground and smooth surfaces.
 COUNTED_DIFFERENCE = 0.5

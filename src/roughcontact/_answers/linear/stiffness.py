@@ -12,7 +12,7 @@ from roughcontact._answers.areas.cells import count_sides, find_sharp_edges
 from roughcontact._answers.areas.curvature import curvature_resolution
 from roughcontact._answers.linear.adhesive_tangent import describe_jump, tangent_of
 from roughcontact._base.arrays import Array, IntArray, Mask
-from roughcontact._base.units import ContactWarning
+from roughcontact._base.units import WarningText
 from roughcontact._parts.grid import Boundary, Grid, list_borders
 from roughcontact._solve.problem import find_stability, problem_of
 from roughcontact._solve.solution import Area, ContactSolution, Estimate, Response, find_stiffness_sampling, responses
@@ -331,10 +331,10 @@ def require_mean_gap(solution: ContactSolution, what: str) -> None:
         )
 
 
-def describe_full_contact(what: str) -> ContactWarning:
+def describe_full_contact(what: str) -> WarningText:
     """Return the warning that a number, named by `what`, is infinite in full contact on a periodic boundary."""
     text = f"the surfaces touch everywhere, so that the interface yields nothing and its {what} is infinite"
-    return ContactWarning(text, "full contact")
+    return WarningText(text, "full contact")
 
 
 def list_warnings(solution: ContactSolution, warnings: tuple[str, ...]) -> tuple[str, ...]:
@@ -343,4 +343,4 @@ def list_warnings(solution: ContactSolution, warnings: tuple[str, ...]) -> tuple
     if not solution.parts.total(sum(np.count_nonzero(edge) for edge in list_borders(own, solution.boundary))):
         return warnings
     text = "the contact reaches the border of a free domain, which counts as its edge"
-    return (*warnings, ContactWarning(text, "edge contact"))
+    return (*warnings, WarningText(text, "edge contact"))

@@ -12,7 +12,7 @@ from roughcontact._answers.linear.stiffness import find_normal_answer
 from roughcontact._answers.linear.tangent import Tangent
 from roughcontact._base import checks
 from roughcontact._base.arrays import Array
-from roughcontact._base.units import ContactWarning
+from roughcontact._base.units import WarningText
 from roughcontact._parts.kernels import SupportsTangential, has_layers
 from roughcontact._parts.materials import MAX_UNCOUPLED_BETA, pair_constants
 from roughcontact._solve.problem import ContactProblem, problem_of
@@ -200,7 +200,7 @@ class TangentialStiffness(Response[Estimate]):
                     f"the coupling of normal and tangential displacement on layers, Dundurs' beta = {beta:.2g}, is "
                     f"neglected: expect a stiffness too small by up to {100.0 * _COUPLING_STD * beta**2:.2g} %"
                 )
-                warnings = (*warnings, ContactWarning(text, "coupling", beta))
+                warnings = (*warnings, WarningText(text, "coupling", beta))
         else:
             ratio = find_compliance_ratio(solution, normal.field, self.axis)
             ratio *= find_energy_ratio(solution, normal.field, self.axis, coupled=True)

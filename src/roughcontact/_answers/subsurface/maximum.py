@@ -11,7 +11,7 @@ import numpy as np
 from roughcontact._answers.areas.cells import find_spanning_patches
 from roughcontact._answers.subsurface.field import StressField, maximum_shear, shear_invariant, von_mises
 from roughcontact._base.arrays import Array, RealArray
-from roughcontact._base.units import ContactWarning, Estimate, percent, si
+from roughcontact._base.units import Estimate, WarningText, percent, si
 from roughcontact._parts.grid import Boundary
 from roughcontact._solve.solution import ContactSolution
 
@@ -164,7 +164,7 @@ def find_maximum(depths: Array, peaks: Sequence[PlanePeak], scale: float, cell: 
     elif not at_surface:
         end = "the smallest" if top == 0 else "the largest"
         text = f"the maximum lies at {end} of the depths, {si(depth, 'm')}: beyond it there may be a larger one"
-        warnings.append(ContactWarning(text, "depths", depth))
+        warnings.append(WarningText(text, "depths", depth))
     cells = depth / cell
     if cells < _MIN_DEPTH_CELLS:
         warnings.append(warn_of_depth(cells))
@@ -203,10 +203,10 @@ def find_maxima_of_layers(
     return found
 
 
-def warn_of_depth(cells: float) -> ContactWarning:
+def warn_of_depth(cells: float) -> WarningText:
     """Return the warning that a maximum lies so few cells below the surface."""
     place = f"only {cells:.2g} cells below" if cells > 0.0 else "at"
-    return ContactWarning(f"the maximum lies {place} the surface, where it depends on the grid", "resolution", cells)
+    return WarningText(f"the maximum lies {place} the surface, where it depends on the grid", "resolution", cells)
 
 
 def default_depths(solution: ContactSolution) -> Array:

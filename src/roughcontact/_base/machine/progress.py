@@ -1,4 +1,4 @@
-"""A bar on standard error that says what runs, how far it has come and how long it will still take (tqdm)."""
+"""Progress on standard error: what runs, how far it has come and how long it will still take (tqdm)."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Any, Protocol
 
 from roughcontact.errors import MissingPackage
 
-# What runs comes last, since a narrow terminal cuts it. Without a fraction of the work there is no bar.
+# What runs comes last, since a narrow terminal cuts it. Without a fraction of the work nothing is drawn.
 _WITH_FRACTION = "{percentage:3.0f} % |{bar:10}| {elapsed} < {remaining}  {desc}"
 _WITHOUT_FRACTION = "{elapsed}  {desc}"
 
@@ -64,7 +64,7 @@ def count_done(change: ChangeProgress, total: int, what: str) -> Callable[[objec
 
 
 def tell_both(first: Callable[..., object] | None, second: Callable[..., object]) -> Callable[..., None]:
-    """Return a function that calls two with its arguments: a callback of the caller, if there is one, and a bar."""
+    """Return a function that calls two with its arguments: a callback of the caller, if there is one, and progress."""
 
     def tell(*arguments: Any) -> None:
         if first is not None:
@@ -75,7 +75,7 @@ def tell_both(first: Callable[..., object] | None, second: Callable[..., object]
 
 
 def has_tqdm() -> bool:
-    """Return whether a bar can be shown."""
+    """Return whether progress can be shown."""
     try:
         _import_tqdm()
     except MissingPackage:

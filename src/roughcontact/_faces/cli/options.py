@@ -23,7 +23,7 @@ _VALUE = r"(?P<value>\((?:x, y|[-+.e0-9, ]+)\)(?:, m\b)?|'[^']*'|-?[0-9]+(?:\.[0
 # "size=(x, y), m (on the command line --size)": what stands in brackets is the option.
 _ASIDE = re.compile(r"\s*\(on the command line (?P<option>--[^()]*)\)")
 # Arguments that are lengths.
-_LENGTHS = ("size", "unit")
+_LENGTHS = ("size", "cell", "unit")
 # Most characters of a wrong argument that are shown.
 _MAX_SHOWN_CHARACTERS = 80
 # Most loads of a range.
@@ -89,7 +89,7 @@ OF_READERS: dict[str, tuple[Callable[[str], Any], str]] = {
     "separator": (str, "separator in text: , ; tab blank (found)"),
     "decimal": (str, "decimal mark in text: . or , (found)"),
     "skip_rows": (whole_number, "lines of text above the heights (found)"),
-    "rows": (str, "x or y: the axis along which the rows of a file follow each other (x)"),
+    "rows": (str, "x or y: what one line of the file is (x)"),
     "variable": (str, "array of a .mat file (heights)"),
     "page": (whole_number, "image of a TIFF file"),
 }
@@ -279,6 +279,7 @@ def _add_treatment(parser: argparse.ArgumentParser, topic: str = "") -> argparse
     """Declare how a height map is read."""
     maps: argparse._ArgumentGroup = add_group(parser, "height maps", topic)
     maps.add_argument("--size", type=METRE, nargs="+", metavar="L", help="side lengths, one or x y (the file's)")
+    maps.add_argument("--cell", type=METRE, nargs="+", metavar="L", help="distance of the points, in place of --size")
     maps.add_argument("--unit", type=_unit, metavar="U", help="unit of the heights, such as 1um (the file's)")
     treatments = ("refuse", "fill", "keep")
     maps.add_argument("--non-measured", choices=treatments, default="refuse", help="non-measured points (refuse)")

@@ -184,7 +184,8 @@ def _read(
     path: str, options: argparse.Namespace, size: list[float] | None, unit: float | None, form: str | int | None
 ) -> rc.HeightMap:
     treatment = {"non_measured": options.non_measured, **_options_of_reader(options, path)}
-    surface = rc.read_surface(path, size=_sides(size), unit=unit, **treatment)
+    cell = None if path != options.surface else _sides(options.cell)
+    surface = rc.read_surface(path, size=_sides(size), cell=cell, unit=unit, **treatment)
     # Detrended before it is interpolated, so that the fit uses every measured point.
     return surface if form is None else surface.detrend(form)
 

@@ -65,7 +65,7 @@ def put_on_grid(points: Array) -> RawMap:
         raise _irregular(len(points))
     heights = np.full((nx, ny), np.nan)
     heights[i, j] = points[:, 2]
-    if np.unique(i * ny + j).size < len(points):
+    if np.bincount(i * ny + j, minlength=nx * ny).max() > 1:
         raise _irregular(len(points))
     unit, length = (1.0, "metre") if max(nx * dx, ny * dy) < _MAX_METRIC_SIDE else (1e-6, "micrometre")
     sides = ", ".join(f"{unit * side:.6g}" for side in (nx * dx, ny * dy))
@@ -81,7 +81,7 @@ def _indices(places: Array) -> tuple[np.ndarray, int, float]:
     """Return index of each position on the regular axis through all of them, number of points, and step."""
     if not np.abs(places).max() < _MAX_PLACE:
         raise _irregular(len(places))
-    gaps = np.diff(np.unique(places))
+    gaps = np.diff(np.sort(places))
     true = gaps[gaps > _MIN_GAP_FRACTION * gaps.max(initial=0.0)]
     span = float(np.ptp(places))
     count = round(span / float(np.median(true))) + 1 if true.size else 0

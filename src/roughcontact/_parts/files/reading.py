@@ -41,6 +41,7 @@ def read_surface(
     path: str | os.PathLike[str],
     *,
     size: Length | Sequence[Length] | None = None,
+    cell: Length | Sequence[Length] | None = None,
     non_measured: str = "refuse",
     unit: Length | str | None = None,
     reader: str | SurfaceReader = "auto",
@@ -56,6 +57,8 @@ def read_surface(
     size
         Sides of the domain (x, y) or of both, m; needed where the file does not state it, and checked
         where it does.
+    cell
+        Sides of a cell (x, y) or of both, m, in place of the size: the distance of neighbouring points.
     non_measured
         Treatment of non-measured points: ``"refuse"`` the file; ``"fill"`` them with the harmonic surface through
         their neighbours, which makes no new summit; or ``"keep"`` them: they never touch, and do not count when form
@@ -92,6 +95,7 @@ def read_surface(
     choice(non_measured, "The treatment of non-measured points", TREATMENTS)
     file = checks.path(path, "The height map")
     raw = read_raw(file, reader, **options)
+    size = _find_size(size, cell, raw)
     given = size if raw.size is None else raw.size
     if given is None:
         known = f" ({raw.hint})" if raw.hint else ""
@@ -100,7 +104,7 @@ def read_surface(
         taken = " Its heights are taken as m: give unit='um' too if they are µm." if in_metres else ""
         raise InputError(
             f"The file {file.name} does not state the size of its domain{known}: give size=(x, y), m (on the command "
-            f"line --size).{taken}"
+            f"line --size), or cell=, the distance of its points.{taken}"
         )
     if size is not None and raw.size is not None:
         sides = pair(size, "The size of the height map", "m", above=0.0)
@@ -216,6 +220,18 @@ def _require_rows(heights: Array, size: Length | Sequence[Length], file: Path) -
             f"for each x makes cells of {si(here[0], 'm')} x {si(here[1], 'm')}, a row for each y square ones of "
             f"{si(turned[0], 'm')}. Say which it is: rows='y', or rows='x'."
         )
+
+
+def _find_size(
+    size: Length | Sequence[Length] | None, cell: Length | Sequence[Length] | None, raw: RawMap
+) -> Length | Sequence[Length] | None:
+    """Return the size that is given, or that of the given cells; `InputError` if both are given."""
+    if cell is None or raw.heights.ndim != 2:
+        return size
+    if size is not None:
+        raise InputError("Give size= or cell=, not both: the size is that of a cell times the number of points.")
+    sides = pair(cell, "The cell of the height map", "m", above=0.0)
+    return (sides[0] * raw.heights.shape[0], sides[1] * raw.heights.shape[1])
 
 
 def _require_steps(raw: RawMap, size: Length | Sequence[Length], file: Path) -> None:

@@ -251,11 +251,25 @@ def read_table(path: Path, separator: str = "auto", decimal: str = "auto", skip_
             if not sample:
                 raise InputError(_nothing(header))
             layout = find_layout([content for _, content in sample], separator, decimal)
-            numbers = _read_rows(itertools.chain(sample, lines), layout)
+            numbers = _read_plain(path, encoding, layout, sample[0][0])
+            if numbers is None:
+                numbers = _read_rows(itertools.chain(sample, lines), layout)
             _require_words(header, layout, numbers.shape[1])
             return Table(numbers, tuple(header))
     except UnicodeError:
         raise InputError(f"it begins like text in {encoding}, but is not: save it as plain text (UTF-8)") from None
+
+
+def _read_plain(path: Path, encoding: str, layout: Layout, first: int) -> Array | None:
+    """Return the rows of numbers from a line on, by numpy; None if there is anything else than numbers among them."""
+    if layout.decimal != ".":
+        return None
+    separator = None if layout.separator == " " else layout.separator
+    try:
+        found = np.loadtxt(path, delimiter=separator, comments=None, skiprows=first - 1, encoding=encoding, ndmin=2)
+    except (ValueError, OverflowError):
+        return None
+    return found if found.size and np.isfinite(found).all() else None
 
 
 def _nothing(header: list[str]) -> str:

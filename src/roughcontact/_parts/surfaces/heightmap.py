@@ -30,6 +30,7 @@ from roughcontact.errors import InputError
 _MAX_DEGREE = 30
 # Word that asks to fill the non-measured points.
 _FILL = "fill"
+_KEEP = "keep"
 # Degree of the polynomial of each form that has a name of its own.
 _DEGREE_OF_FORM = {"mean": 0, "plane": 1}
 
@@ -47,15 +48,17 @@ def _size(value: Quantity | Sequence[Quantity], height_map: Any) -> Pair:
 
 def _non_measured(value: npt.ArrayLike | None) -> Any:
     """Return a mask, or None without non-measured points; the word that asks to fill them stays."""
-    if value is None or (isinstance(value, str) and value == _FILL):
-        return value
+    if isinstance(value, str) and value in (_KEEP, _FILL):
+        return value if value == _FILL else None
+    if value is None:
+        return None
     what = "The non-measured points of a height map"
     try:
         mask = np.array(value)
     except ValueError:
         raise InputError(f"{what} must be a rectangular array, but their rows differ.") from None
     if mask.dtype.kind != "b" or mask.ndim != 2:
-        allowed = f"an array of booleans of the map's shape, or {_FILL!r} to fill them from their neighbours"
+        allowed = f"an array of booleans of the map's shape, {_KEEP!r}, or {_FILL!r} to take them from their neighbours"
         raise InputError.about(what, mask if mask.ndim else value, allowed)
     if mask.all():
         raise InputError("No point of the height map was measured: at least one is needed.")
@@ -85,8 +88,8 @@ class HeightMap(Surface):
         Whether the map repeats beyond its border.
     non_measured
         Mask of points that were not measured, shape (nx, ny), in addition to points without a height: they never touch,
-        and their heights, given or filled from their neighbours, only serve to interpolate nearby points. ``"fill"``
-        takes the filled heights as measured, as `fill` does.
+        and their heights, given or filled from their neighbours, only serve to interpolate nearby points. ``"keep"``:
+        the points without a height. ``"fill"`` takes the filled heights as measured, as `fill` does.
     history
         Processing of the heights so far, in words; ``explain()`` of a problem prints it.
 
@@ -163,6 +166,11 @@ class HeightMap(Surface):
     def values(self) -> Array:
         """The heights as given, shape (nx, ny), m, read-only."""
         return self._heights
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> Array:
+        """Return the heights, shape (nx, ny), m, NaN where they were not measured."""
+        heights = self._heights if self.non_measured is None else np.where(self.non_measured, np.nan, self._heights)
+        return np.array(heights, dtype=dtype, copy=copy)
 
     def __repr__(self) -> str:
         periodic = ", periodic" if self.periodic else ""

@@ -271,7 +271,7 @@ class StrengthBound:
 
     @property
     def smallest(self) -> float:
-        """Traction that is told from rounding."""
+        """Smallest traction that is not rounding."""
         return _ROUNDING_TRACTION * self.peak
 
     def find(self, shear: Array, slip: Array) -> Array:

@@ -288,8 +288,9 @@ def make_plan(
         raise InputError(f"The pressure limit is an array of shape {limit.shape}, but the grid has {grid.shape} cells.")
     capped = bool(np.isfinite(limit).any())
     solver.require(capped=capped)
-    surface_modulus = find_surface_modulus(kernel, grid, modulus)
-    interaction = None if adhesion is None else _resolve_interaction(adhesion, grid, surface_modulus, solver)
+    interaction = None
+    if adhesion is not None:
+        interaction = _resolve_interaction(adhesion, grid, find_surface_modulus(kernel, grid, modulus), solver)
     plan = SolvePlan(
         grid=grid,
         boundary=boundary,

@@ -14,7 +14,7 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array, Mask
-from roughcontact._base.units import ContactWarning, Estimate, si
+from roughcontact._base.units import Estimate, WarningText, si
 from roughcontact._parts.grid import Boundary, Grid, extend, grow
 from roughcontact._parts.interactions import BoundInteraction, Interaction, ShortRange
 
@@ -211,7 +211,7 @@ def _count_cohesive_cells(solution: ContactSolution, origin: Origin) -> float | 
     return law.resolve(spacing, modulus).cohesive_cells(spacing, modulus)
 
 
-def describe_range(law: Interaction, grid: Grid, modulus: float) -> ContactWarning | None:
+def describe_range(law: Interaction, grid: Grid, modulus: float) -> WarningText | None:
     """Return a warning if the cells do not resolve the range of a law; None if they do."""
     cells = law.cohesive_cells(grid.resolved.spacing, modulus)
     if cells >= RESOLVED_CELLS:
@@ -226,7 +226,7 @@ def describe_range(law: Interaction, grid: Grid, modulus: float) -> ContactWarni
         f"the cohesive length E*/max|ds/dg| has {cells:.2g} cells, so that the edge of the contact {stuck} to the "
         f"cells and pull-off may be {off}: use cells of at most {side}, or a range {longer:.2g} times as long"
     )
-    return ContactWarning(text, "cohesive length", cells)
+    return WarningText(text, "cohesive length", cells)
 
 
 def warn_of_attraction(solution: ContactSolution, origin: Origin) -> tuple[str, ...]:
@@ -244,7 +244,7 @@ def warn_of_attraction(solution: ContactSolution, origin: Origin) -> tuple[str, 
     return tuple(filter(None, found))
 
 
-def warn_of_border(solution: ContactSolution) -> ContactWarning | None:
+def warn_of_border(solution: ContactSolution) -> WarningText | None:
     """Return a warning if the tension reaches a free border, beyond which it is cut off; None otherwise."""
     ratio, _ = find_cut_tension(solution)
     if ratio <= _MAX_BORDER_TENSION:
@@ -253,7 +253,7 @@ def warn_of_border(solution: ContactSolution) -> ContactWarning | None:
         f"the tension at the free border is {100 * ratio:.2g} % of its maximum, and what lies beyond is cut off: "
         "enlarge the domain, or make it periodic if the surface repeats"
     )
-    return ContactWarning(text, "border tension", ratio)
+    return WarningText(text, "border tension", ratio)
 
 
 def find_cut_tension(solution: ContactSolution) -> tuple[float, float]:

@@ -10,7 +10,7 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array, Mask
-from roughcontact._base.units import ContactWarning, si
+from roughcontact._base.units import WarningText, si
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._parts.materials import Elastic, ElasticPerfectlyPlastic, Material
 from roughcontact._parts.surfaces import border_jump, rms_slope
@@ -161,7 +161,7 @@ class Finding:
         rule = PLAUSIBILITY_RULES[self.rule]
         if not self.value > rule.admissible:
             return ""
-        return ContactWarning(f"{self.text[0].upper()}{self.text[1:]}. {rule.advice}", self.rule, self.value)
+        return WarningText(f"{self.text[0].upper()}{self.text[1:]}. {rule.advice}", self.rule, self.value)
 
 
 def find_scene(initial_gap: Array, grid: Grid, boundary: Boundary, materials: Iterable[Material]) -> list[Finding]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -100,7 +101,11 @@ def find_answers(
         except Exception as error:
             errors[name] = error
     contact = solution if isinstance(solution, ContactSolution) else solution.contact
-    return answers, errors, list_answer_warnings(results, [contact])
+    said: list[str] = []
+    # What the area is warned of is said with it; its estimator is a plug-in.
+    with contextlib.suppress(Exception):
+        said = list_answer_warnings(results, [contact]) if results else []
+    return answers, errors, said
 
 
 def has_answers(known: Mapping[str, Answer], asked: Sequence[Response[Any]]) -> bool:

@@ -26,10 +26,22 @@ from roughcontact.errors.door import guarded
 
 T = TypeVar("T")
 
-_READING = ("size", "non_measured", "unit", "reader", "separator", "decimal", "skip_rows", "rows", "variable", "page")
+_READING = (
+    "size",
+    "cell",
+    "non_measured",
+    "unit",
+    "reader",
+    "separator",
+    "decimal",
+    "skip_rows",
+    "rows",
+    "variable",
+    "page",
+)
 _OF_FILE = ("path", *_READING, "detrend", "resample")
 _OF_MATCH = tuple(inspect.signature(match).parameters)[2:]
-_UNITS_OF_MAPS = {"size": "m", "unit": "m", "offset": "m", "rotation": "rad"}
+_UNITS_OF_MAPS = {"size": "m", "cell": "m", "unit": "m", "offset": "m", "rotation": "rad"}
 
 
 class Form:

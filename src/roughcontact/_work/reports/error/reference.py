@@ -8,6 +8,7 @@ from functools import partial
 from typing import Any
 
 import attrs
+import numpy as np
 
 from roughcontact._answers.refinement import on_grid, solve_ladder
 from roughcontact._base.checks import number
@@ -20,6 +21,9 @@ from roughcontact.extrapolation import richardson
 UNITS = {"area": "m2", "p_max": "Pa", "approach": "m"}
 QUANTITIES = tuple(UNITS)
 _ALLOWED = "a KnownAnswer, or an object or dict with at least one of area (m2), p_max (Pa) and approach (m)"
+# Last step of a maximum pressure over the one before where it has no bound: 1.4 at the edge of a punch, and at creases,
+# 0.5 or less where it has one; waves that the first grids do not resolve make larger steps.
+_UNBOUNDED_RATIOS = (1.2, 1.7)
 # The reference has this many times the cells a side of the finest case, up to 4096 x 4096 cells in all.
 _REFINEMENT = 2
 _MAX_REFERENCE_CELLS = 2**24
@@ -127,7 +131,8 @@ def solve_reference(
     Surfaces that are smooth between the cells are solved on grids up to twice as fine as the finest case,
     and extrapolated where the grids agree on an order. A map that is not smooth is solved on its own grid.
     The error bound of the area is two standard deviations. The error bound of pressure and approach is the step to
-    the extrapolated value, or else the largest of the last change between grids, half the change before, and so on.
+    the extrapolated value, or else the largest of the last change between grids, half the change before, and so on. A
+    maximum pressure whose steps do not shrink has no bound, and is omitted: at sharp edges it grows with every grid.
 
     Raises
     ------
@@ -145,13 +150,18 @@ def solve_reference(
     values = {"p_max": [float(solution.pressure.max()) for solution in solutions]}
     if load.kind != "approach":
         values["approach"] = [solution.approach for solution in solutions]
+    unbounded = ""
     if len(solutions) > 1:
         cells = [solution.grid.shape[0] for solution in solutions]
         for name, series in values.items():
+            if name == "p_max" and _grows(series):
+                unbounded = "; the maximum pressure has no limit: it grows with every grid"
+                continue
             known[name], known[f"{name}_error"] = _extrapolate(cells, series, smooth)
     nx, ny = last.grid.shape
     what = "a solution on" if smooth else "the map solved on its own"
-    return KnownAnswer(**known, source=f"{what} {nx} x {ny} cells (area by {area.estimator})", shape=(nx, ny))
+    source = f"{what} {nx} x {ny} cells (area by {area.estimator}){unbounded}"
+    return KnownAnswer(**known, source=source, shape=(nx, ny))
 
 
 def _make_problems(
@@ -186,6 +196,16 @@ def _is_smooth(problem: ContactProblem, interpolation: str | None) -> bool:
     except InputError:
         return False
     return interpolation in (None, "fourier")
+
+
+def _grows(values: list[float]) -> bool:
+    """Return whether a value grows by steps that do not shrink, as the pressure at a sharp edge does."""
+    steps = np.diff(values)
+    if steps.size < 3 or not (steps > 0.0).all():
+        return False
+    ratios = steps[1:] / steps[:-1]
+    smallest, largest = _UNBOUNDED_RATIOS
+    return bool(smallest < ratios[-1] < largest and ratios[-2] > smallest)
 
 
 def _extrapolate(cells: list[int], values: list[float], smooth: bool) -> tuple[float, float]:
