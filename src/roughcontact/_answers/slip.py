@@ -420,7 +420,7 @@ def _approach_std(contact: ContactSolution, stuck: ContactSolution) -> float:
         return 0.0
     sliding = 1.0 - stuck.force / contact.force
     different = sliding / math.hypot(sliding, _CANCELLATION_FORCE)
-    different *= max(contact.grid.spacing) / min(contact.grid.spacing)
+    different *= max(contact.grid.resolved.spacing) / min(contact.grid.resolved.spacing)
     shifts = (different * find_shift(one)[1] for one in (contact, stuck))
     solved = (one.residuals.error * one.residuals.scale for one in (contact, stuck))
     std = math.hypot(*shifts, *solved)

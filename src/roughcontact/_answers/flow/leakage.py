@@ -291,14 +291,14 @@ class GapFlow(Response[Leakage]):
             along, across = across, along
         network = make_network(gap, open_cells, aspect=across / along, periodic=periodic)
         if network is not None:
-            return self._measure(solution, network, open_cells, across / along)
+            return self._measure(solution, network, open_cells)
         warnings = _list_warnings(solution)
         if find_paths(open_cells, periodic=periodic, corners=True).any():
             text = "The two sides are joined through corners of cells alone: refine the grid."
             warnings = (*warnings, WarningText(text, "resolution"))
         return Leakage(grid=solution.grid, **attrs.asdict(self), warnings=warnings)
 
-    def _measure(self, solution: ContactSolution, network: FlowNetwork, open_cells: Mask, aspect: float) -> Leakage:
+    def _measure(self, solution: ContactSolution, network: FlowNetwork, open_cells: Mask) -> Leakage:
         """Return the flow through a network, with its uncertainty and its throat."""
         grid = solution.grid
         periodic = not solution.boundary.free_axes[1 - self.axis]
@@ -308,6 +308,8 @@ class GapFlow(Response[Leakage]):
         faces, lost = network.dissipation(pressure)
         flow = float(lost.sum())
         ends = network.find_ends(pressure)
+        dx, dy = grid.resolved.spacing
+        aspect = dy / dx if self.axis == 0 else dx / dy
         gap_error = solution.residuals.error * solution.residuals.scale / network.widest
         relative = estimate_uncertainty(
             network, faces, lost, open_cells, aspect=aspect, periodic=periodic, gap_error=gap_error

@@ -234,7 +234,8 @@ def _compare_on_layers(
     normal, tangential = (
         Tangent(solution, kernel=one).solve(unit, _LAYERED_TOLERANCE).product for one in (None, shear)
     )
-    waves = np.geomspace(1.0 / max(solution.grid.size), 1.0 / min(solution.grid.spacing), _WAVES)
+    resolved = solution.grid.resolved
+    waves = np.geomspace(1.0 / max(resolved.size), 1.0 / min(resolved.spacing), _WAVES)
     beta = float(np.abs(kernel.coupling(waves, bound.compliance, pair)).max())
     # Waves on cells much smaller than they are.
     ends = np.array([[0.0], [1.0]])
@@ -248,5 +249,5 @@ def _compare_on_layers(
 def _find_scatter(solution: ContactSolution, answer: Array) -> float:
     """Return the root of the sum over the patches of the square of their part of the answer over their cells."""
     parts = solution.patches.sum(answer) / float(answer.sum())
-    oblong = max(solution.grid.spacing) / math.sqrt(solution.grid.cell_area)
+    oblong = max(solution.grid.resolved.spacing) / math.sqrt(solution.grid.resolved.cell_area)
     return oblong * math.sqrt(float(np.sum(parts**2 / solution.patches.cells)))

@@ -223,9 +223,9 @@ class Stress(ShownAsPrinted, Answer):
 
     def _find_in_layers(self, place: int) -> dict[int, StressMaximum]:
         peaks = [peak[place] for peak in self._peaks]
-        layers = self._layers
-        interfaces = np.empty(0) if layers is None else np.append(layers.interfaces, layers.base_depth)
-        return find_maxima_of_layers(np.unique(self.depths), interfaces, peaks, self._scale, max(self._grid.spacing))
+        interfaces = [] if self._layers is None else [*self._layers.interfaces, self._layers.base_depth]
+        cell = max(self._grid.resolved.spacing)
+        return find_maxima_of_layers(np.unique(self.depths), np.array(interfaces), peaks, self._scale, cell)
 
     def _judge(self, found: StressMaximum, measure: Measure, *, at_surface: bool) -> StressMaximum:
         """Return a maximum beside the peak at the edge of a sliding contact, if at the surface, with warnings."""
@@ -453,7 +453,7 @@ class StressBelow(Response[Stress]):
         base = math.inf if layers is None else layers.base_depth
         if float(depths.max()) > base:
             raise InputError.about("A depth", float(depths.max()), f"at most {si(base, 'm')}, down to the rigid base")
-        deepest = _MAX_DEPTH_SIDES * max(solution.grid.size)
+        deepest = _MAX_DEPTH_SIDES * max(solution.grid.resolved.size)
         if float(depths.max()) > deepest:
             allowed = f"at most {si(deepest, 'm')}, {_MAX_DEPTH_SIDES:g} times the side of the domain"
             raise InputError.about("A depth", float(depths.max()), allowed, "Depths are in metres.")

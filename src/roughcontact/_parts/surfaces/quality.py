@@ -68,7 +68,7 @@ def list_map_warnings(
     part = _take_middle(heights, non_measured)
     if min(part.shape) < _MIN_CELLS or float(np.ptp(part)) == 0.0:
         return ()
-    cell = max(grid.spacing)
+    cell = max(grid.resolved.spacing)
     period = _find_period(part)
     if period > 0.0:
         text = (

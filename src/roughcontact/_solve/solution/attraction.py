@@ -206,17 +206,17 @@ def _count_cohesive_cells(solution: ContactSolution, origin: Origin) -> float | 
     if solution.tension is None or origin.missing:
         return None
     law: Interaction = origin.problem["adhesion"]
-    spacing = solution.grid.spacing
+    spacing = solution.grid.resolved.spacing
     modulus = solution.surface_modulus
     return law.resolve(spacing, modulus).cohesive_cells(spacing, modulus)
 
 
 def describe_range(law: Interaction, grid: Grid, modulus: float) -> WarningText | None:
     """Return a warning if the cells do not resolve the range of a law; None if they do."""
-    cells = law.cohesive_cells(grid.spacing, modulus)
+    cells = law.cohesive_cells(grid.resolved.spacing, modulus)
     if cells >= RESOLVED_CELLS:
         return None
-    side = si(max(grid.spacing) * cells / RESOLVED_CELLS, "m", 2)
+    side = si(max(grid.resolved.spacing) * cells / RESOLVED_CELLS, "m", 2)
     longer = math.sqrt(RESOLVED_CELLS / cells)
     stuck = "sticks" if cells < TRAPPED_CELLS else "starts to stick"
     factor = math.sqrt(_FACTOR_CELLS / cells)
@@ -239,7 +239,7 @@ def warn_of_attraction(solution: ContactSolution, origin: Origin) -> tuple[str, 
     law: Interaction = origin.problem["adhesion"]
     modulus = solution.surface_modulus
     found = [warn_of_border(solution)]
-    if law.resolve(solution.grid.spacing, modulus) is law:
+    if law.resolve(solution.grid.resolved.spacing, modulus) is law:
         found.append(describe_range(law, solution.grid, modulus))
     return tuple(filter(None, found))
 

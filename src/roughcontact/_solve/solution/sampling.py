@@ -378,7 +378,7 @@ def _find_chance(solution: ContactSolution, window: _Window, waves: Waves, squar
     part = solution.initial_gap[tuple(slice(at, at + n) for at, n in zip(first, shape, strict=True))]
     whole = shape == window.shape
     repeats = whole and not solution.boundary.has_free_axis
-    if not repeats:
+    if not repeats and min(shape) >= _MIN_PLANE_CELLS:
         part = part - polynomial(part, 2 if _has_form(solution) else 1, None)
     chance = 0.0
     if not whole:
