@@ -104,7 +104,8 @@ def solve_wave(alpha, cells, place=0.0):
     """Return Johnson's wave, its crest `place` cells aside, and its problem with the shortest range for the cells."""
     wave = make_wave(alpha)
     grid = rc.Grid((cells, 4), (wave.wavelength, 4.0 * wave.wavelength / cells))
-    heights = np.broadcast_to(wave.amplitude * np.cos(2.0 * np.pi * (grid.x / wave.wavelength - place / cells)), grid.shape)
+    phase = 2.0 * np.pi * (grid.x / wave.wavelength - place / cells)
+    heights = np.broadcast_to(wave.amplitude * np.cos(phase), grid.shape)
     body = rc.Body(rc.HeightMap(heights, grid.size), rc.Elastic(0.75 * wave.modulus, 0.5))
     return wave, rc.ContactProblem(body, boundary="periodic", adhesion=rc.ShortRange(wave.work))
 
