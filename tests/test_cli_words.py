@@ -47,7 +47,7 @@ class TestOptionsInSentences:
     @pytest.mark.parametrize(
         ("sentence", "words"),
         [
-            ("give size=(x, y), m (on the command line --size).", "give --size X Y, or --cell, the distance of its points."),
+            ("give size=(x, y), m (on the command line --size).", "give --size X Y."),
             ("or keep them with non_measured='keep' (on the command line --non-measured).", "--non-measured keep."),
             ("such as unit=1e-9 (on the command line --unit 1nm).", "such as --unit 1nm."),
             ("if that is the micrometre, size=(6.4e-05, 4.8e-05)): give", "--size 6.4e-05m 4.8e-05m): give"),
@@ -63,7 +63,7 @@ class TestOptionsInSentences:
     def test_of_a_table_without_a_size(self, run):
         status, _, err = run("solve", "table.csv", *LOADED)
         assert status == 2
-        assert err.endswith("give --size X Y, or --cell, the distance of its points. Its heights are taken as m: give --unit um too if they are µm.")
+        assert err.endswith(SIZE_AND_UNIT)
 
     def test_of_two_maps_on_different_grids(self, run):
         status, _, err = run("solve", "rough.npz", "other.npz", *LOADED)
@@ -79,6 +79,10 @@ class TestOptionsInSentences:
 
 
 # A call, an argument, a name of a module, or a class.
+SIZE_AND_UNIT = (
+    "give --size X Y, or --cell, the distance of its points. "
+    "Its heights are taken as m: give --unit um too if they are µm."
+)
 PYTHON = re.compile(r"\w\(|\w=|\brc\.|\w\.\w+\(|\b[A-Z][a-z]+[A-Z]\w+|on the command line")
 
 
@@ -228,7 +232,7 @@ class TestMapsInWords:
     def test_a_table_without_a_size_is_asked_for_its_unit_too(self, run):
         _, _, err = run("info", "table.csv")
         text = " ".join(err.split())
-        assert "give --size X Y, or --cell, the distance of its points. Its heights are taken as m: give --unit um too if they are µm." in text
+        assert SIZE_AND_UNIT in text
         _, _, err = run("info", "table.csv", "--unit", "um")
         assert err.rstrip().endswith("give --size X Y, or --cell, the distance of its points.")
 
