@@ -767,7 +767,7 @@ class TestUnloading:
         assert kept.displacement == state.displacement
         problem.verify(kept)
         problem.verify(kept.contact)
-        # The least load leaves hardly more.
+        # The smallest load leaves hardly more.
         near = problem.path(force=[0.03, 0.05, 1e-6], **loads, substeps=2)[-1]
         largest = max(math.hypot(*one.displacement) for one in path)
         assert np.abs(np.subtract(near.displacement, state.displacement)).max() < 1e-4 * largest
