@@ -242,6 +242,8 @@ def test_the_command_prints_and_writes_the_energy(study_file, capsys):
     plan = " ".join(capsys.readouterr().out.split())
     assert "path tangential force (20 mN, 0 N), (-20 mN, 5 mN) under each normal load; LimitedCoulomb(" in plan
     assert "for the normal contacts alone" in plan
+    assert "omitted friction" not in plan
+    assert "coupling normal and tangential solves in turn" in plan
     assert main(["run", str(study_file)]) in (0, 3)
     out = capsys.readouterr().out
     assert "energy lost" in " ".join(out.split())

@@ -21,8 +21,9 @@ from roughcontact._solve.problem.description import (
 )
 from roughcontact._solve.problem.expressions import ExpressionWriter, NotInAScript, describe_part, write_number
 from roughcontact._solve.problem.friction_certificate import require_frictional
+from roughcontact._solve.problem.friction_plan import explain_with_friction, include_friction
 from roughcontact._solve.problem.increments import Increment, StepNumbers, list_loads, list_targets
-from roughcontact._solve.problem.memory import require_memory_of_solve
+from roughcontact._solve.problem.memory import memory_of_friction, require_memory_of_solve
 from roughcontact._solve.problem.path import (
     AS_GIVEN,
     FrictionalPath,
@@ -85,6 +86,7 @@ __all__ = [
     "describe_state",
     "describe_value",
     "ending_all",
+    "explain_with_friction",
     "find_inputs",
     "find_path_inputs",
     "find_problem",
@@ -96,9 +98,10 @@ __all__ = [
     "follow",
     "follow_loads",
     "format_json",
+    "include_friction",
     "linearise",
-    "list_states",
     "list_loads",
+    "list_states",
     "list_targets",
     "load",
     "load_path",
@@ -106,6 +109,7 @@ __all__ = [
     "make_table",
     "make_task",
     "maximum_pressure",
+    "memory_of_friction",
     "order_of_solving",
     "plan_slabs",
     "predict_pressure",

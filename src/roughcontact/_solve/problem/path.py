@@ -21,6 +21,7 @@ from roughcontact._parts.grid import Load
 from roughcontact._parts.interactions import Coulomb, FrictionLaw
 from roughcontact._solve.problem.coupled import CoupledSolve
 from roughcontact._solve.problem.friction_certificate import require_frictional
+from roughcontact._solve.problem.friction_plan import list_omitted_shear, list_pair, write_rows
 from roughcontact._solve.problem.increments import (
     GIVEN_INCREMENTS,
     StepNumbers,
@@ -192,31 +193,19 @@ class FrictionalPath(Sequence[FrictionalSolution]):
         """Return the constants of the pair, the increments with their reasons, and what was omitted, in words."""
         first = self.states[0]
         pair = first.pair
-        coupled = pair.beta != 0.0
         passes = max(state.passes for state in self.states)
-        omitted = []
-        if not coupled:
-            omitted.append("displacement across the surface by the traction, and along it by pressure: beta = 0")
-        if pair.gamma == 0.0:
-            omitted.append("displacement along x by traction along y: gamma = 0")
-        if not coupled and self.pressed is not None:
-            omitted.append("tangential solve of pressing: without a tangential load nothing moves")
+        omitted = list_omitted_shear(pair)
+        if pair.beta == 0.0 and self.pressed is not None:
+            omitted.append(("omitted", "tangential solve of pressing: without a tangential load nothing moves"))
         rows = [
-            ("pair", f"beta {pair.beta:.4g}, gamma {pair.gamma:.4g}"),
-            (
-                "coupling",
-                f"normal and tangential solves in turn, at most {passes} of each in an increment"
-                if coupled
-                else "none: one solve of each",
-            ),
-            ("components", "xx, yy, xy" + (", zx, zy" if coupled else "")),
+            *list_pair(pair, passes),
             *(
                 (f"step {number}", f"{counted(count, 'increment')}: {reason}")
                 for number, (count, reason) in enumerate(zip(self.increments, self.reasons, strict=True), 1)
             ),
-            *(("omitted", text) for text in omitted),
+            *omitted,
         ]
-        return PlainText("\n".join(f"{label:<10} {text}" for label, text in rows))
+        return PlainText("\n".join(write_rows(rows)))
 
     def verify(self) -> None:
         """Recompute the certificate of each state; `InputError` if one contradicts itself or the state before."""

@@ -6,7 +6,7 @@ import math
 import os
 from collections.abc import Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar, overload
 
 import attrs
 import numpy as np
@@ -21,7 +21,7 @@ from roughcontact._solve.solution.contact import ContactSolution
 from roughcontact._solve.solution.frictional_files import read_frictional, write_frictional
 from roughcontact._solve.solution.frictional_state import FrictionalResiduals, FrictionalState, TangentialLoad
 from roughcontact._solve.solution.results import Response, Status, list_fields, require_with_friction, responses
-from roughcontact._solve.solution.writers import describe_as_data
+from roughcontact._solve.solution.writers import describe_as_data, page_or_file, writers
 from roughcontact.errors import InputError
 from roughcontact.errors.door import AskedOf
 
@@ -283,6 +283,17 @@ class FrictionalSolution(ShownAsPrinted, AskedOf):
         """
         write_frictional(checks.path(path, "The file"), self)
 
+    @overload
+    def to_html(self, path: None = None) -> str: ...
+
+    @overload
+    def to_html(self, path: str | os.PathLike[str]) -> None: ...
+
+    def to_html(self, path: str | os.PathLike[str] | None = None) -> str | None:
+        """Return a report of the state and its normal contact, or write it; see `ContactSolution.to_html`."""
+        writer: Any = writers.create("html")
+        return page_or_file(lambda: writer.state_text(self), path)
+
     def to_dict(self) -> dict[str, Any]:
         """Return answers, certificate and inputs as plain data; see `ContactSolution.to_dict`."""
         return describe_as_data(self)
@@ -306,24 +317,7 @@ class FrictionalSolution(ShownAsPrinted, AskedOf):
         return read_frictional(checks.path(path, "The file"), cls, verify=checks.flag(verify, "verify="))
 
     def __str__(self) -> str:
-        moved = " and ".join(si(value, "m", 5) for value in self.displacement)
-        largest = max(abs(value) for value in self.tangential_force)
-        pushed = " and ".join(
-            si(value, "N", 5) if abs(value) > _ROUNDING * largest else "0 N" for value in self.tangential_force
-        )
-        areas = (
-            f"{si(one.value, 'm2', 5)} +- {si(one.uncertainty, 'm2', 2)}" for one in (self.stick_area, self.slip_area)
-        )
-        rows = {
-            "normal force": si(self.force, "N", 6),
-            "tangential force": f"{pushed} (x, y)",
-            "displacement": "steady sliding" if self.is_steady else f"{moved} (x, y)",
-            "contact area": str(self.contact.area()),
-            **dict(zip(("area that sticks", "area that slips"), areas, strict=True)),
-            "energy lost": str(self.dissipated),
-            "status": str(self.status),
-            "residuals": str(self.residuals),
-        }
+        rows = {**list_state(self), "status": str(self.status), "residuals": str(self.residuals)}
         return "\n".join(f"{name:18} {value}" for name, value in rows.items())
 
     def __repr__(self) -> str:
@@ -332,6 +326,26 @@ class FrictionalSolution(ShownAsPrinted, AskedOf):
     def __reduce__(self) -> tuple[Any, ...]:
         # Arrays in pickles and deep copies are writable: the constructor makes them read-only again.
         return _restore, (attrs.asdict(self, recurse=False),)
+
+
+def list_state(state: FrictionalSolution) -> dict[str, str]:
+    """Return the forces, displacement, areas and energy of a state in words, by their names."""
+    moved = " and ".join(si(value, "m", 5) for value in state.displacement)
+    largest = max(abs(value) for value in state.tangential_force)
+    pushed = " and ".join(
+        si(value, "N", 5) if abs(value) > _ROUNDING * largest else "0 N" for value in state.tangential_force
+    )
+    areas = (
+        f"{si(one.value, 'm2', 5)} +- {si(one.uncertainty, 'm2', 2)}" for one in (state.stick_area, state.slip_area)
+    )
+    return {
+        "normal force": si(state.force, "N", 6),
+        "tangential force": f"{pushed} (x, y)",
+        "displacement": "steady sliding" if state.is_steady else f"{moved} (x, y)",
+        "contact area": str(state.contact.area()),
+        **dict(zip(("area that sticks", "area that slips"), areas, strict=True)),
+        "energy lost": str(state.dissipated),
+    }
 
 
 def _restore(fields: dict[str, Any]) -> FrictionalSolution:
