@@ -111,7 +111,7 @@ def test_takes_laws_directions_displacements_and_normal_loads(ball, capsys, prob
     law = ["--friction", "limited-coulomb", "coefficient=0.3", "strength=200MPa"]
     found = json.loads(solve(capsys, ball, *law, "--tangential", "10nm,-5nm", "--json")[1].out)
     expected = problem.path(force=1.0, displacement=[(10e-9, -5e-9)], friction=rc.LimitedCoulomb(0.3, 200e6))
-    assert found["states"][0]["tangential_y"] == pytest.approx(expected.loop.force[1, 1], rel=1e-12)
+    assert found["states"][0]["tangential_y"]["value"] == pytest.approx(expected.loop.force[1, 1], rel=1e-12)
     several = ["--friction", "30%", "--tangential", "0.1N", "0.2N", "--substeps", "2", "--json"]
     status, printed = solve(capsys, ball, *several, load=("--loads", "0.8N", "1N"))
     assert status == 3

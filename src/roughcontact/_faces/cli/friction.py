@@ -282,7 +282,7 @@ def path_to_text(path: rc.FrictionalPath, asked: Asked = _NOTHING) -> str:
     lines += [f"warning      {name_options(text, ('substeps',))}" for text in path.warnings]
     if asked.answers:
         table = path.table()
-        along = [name for name in ("tangential_x", "tangential_y") if any(table.columns[name])]
+        along = [f"tangential_{axis}" for axis, pushed in zip("xy", path.loop.force[1:].T, strict=True) if pushed.any()]
         numbers = range(1, len(path) + 1)
         heads = Table({"state": numbers, **{name: table.columns[name] for name in along}}, table.units)
         names = [f"state {number}" for number in numbers]

@@ -25,14 +25,12 @@ from roughcontact._solve.problem.friction_certificate import require_frictional
 from roughcontact._solve.problem.friction_plan import list_omitted_shear, list_pair, write_rows
 from roughcontact._solve.problem.increments import (
     GIVEN_INCREMENTS,
-    StepNumbers,
-    find_amplitude,
     follow_steps,
     list_steps,
-    numbers_of,
     refine_steps,
 )
 from roughcontact._solve.problem.memory import require_memory_of_friction
+from roughcontact._solve.problem.step_numbers import StepNumbers, list_cell_errors, numbers_of
 from roughcontact._solve.problem.task import limit_load
 from roughcontact._solve.solution import FrictionalSolution, page_or_file, read_estimate, read_path, write_path, writers
 from roughcontact._solve.solvers import Step
@@ -126,7 +124,7 @@ class FrictionalPath(Sequence[FrictionalSolution]):
         """Tangential force over displacement, from the start of the path."""
         start = self.pressed
         forces = [(0.0, 0.0) if start is None else start.tangential_force]
-        forces += [state.tangential_force for state in self.states]
+        forces += [(one.tangential_force[0].value, one.tangential_force[1].value) for one in self.numbers]
         moved = [(0.0, 0.0) if start is None else start.displacement]
         moved += [(one.displacement[0].value, one.displacement[1].value) for one in self.numbers]
         unsure = [(0.0, 0.0)]
@@ -179,7 +177,7 @@ class FrictionalPath(Sequence[FrictionalSolution]):
         """Return a row for each step, in SI units; see `roughcontact.typing.Table`."""
         columns: dict[str, Any] = {
             "force": np.array([state.force for state in self.states]),
-            **{f"tangential_{axis}": _without_rounding(self.loop.force[1:])[:, k] for k, axis in enumerate("xy")},
+            **{f"tangential_{axis}": self._forces(k) for k, axis in enumerate("xy")},
             **{f"displacement_{axis}": self._displacements(k) for k, axis in enumerate("xy")},
             "dissipated": [one.dissipated for one in self.numbers],
             "stick_area": [one.stick_area for one in self.numbers],
@@ -188,6 +186,15 @@ class FrictionalPath(Sequence[FrictionalSolution]):
         }
         units = {"force": "N", "tangential_x": "N", "tangential_y": "N", "approach": "m"}
         return Table(columns, units)
+
+    def _forces(self, axis: int) -> Any:
+        values = _without_rounding(self.loop.force[1:])[:, axis]
+        if self.states[0].given.kind != "displacement":
+            return values
+        return [
+            attrs.evolve(one.tangential_force[axis], value=value)
+            for one, value in zip(self.numbers, values.tolist(), strict=True)
+        ]
 
     def _displacements(self, axis: int) -> list[Estimate]:
         values = _without_rounding(self.loop.displacement[1:])[:, axis].tolist()
@@ -290,20 +297,30 @@ def load_path(file: Path, *, verify: bool, key: str = "", law: FrictionLaw | Non
     states, pressed, notes = read_path(file, FrictionalSolution, verify=verify, law=law)
     if key not in ("", notes.get("key")):
         raise InputError(f"The file {file.name} does not hold the path with the key {key}.")
-    numbers = tuple(
-        StepNumbers(
-            displacement=(read_estimate(one["displacement"][0]), read_estimate(one["displacement"][1])),
-            dissipated=read_estimate(one["dissipated"]),
-            stick_area=read_estimate(one["stick_area"]),
-        )
-        for one in notes["numbers"]
-    )
+    if len(notes["numbers"]) != len(states):
+        raise InputError(f"The file {file.name} is damaged: its numbers are not those of its states.")
+    numbers = tuple(_read_numbers(one, state) for one, state in zip(notes["numbers"], states, strict=True))
     return FrictionalPath(
         states=states,
         pressed=pressed,
         numbers=numbers,
         increments=tuple(int(count) for count in notes["increments"]),
         reasons=tuple(str(text) for text in notes["reasons"]),
+    )
+
+
+def _read_numbers(stored: Mapping[str, Any], state: FrictionalSolution) -> StepNumbers:
+    def read_pair(name: str) -> tuple[Estimate, Estimate]:
+        x, y = map(read_estimate, stored[name])
+        return x, y
+
+    # Files of the first version do not state the error of the force.
+    pushed = tuple(Estimate(value, 0.0, "N") for value in state.tangential_force)
+    return StepNumbers(
+        displacement=read_pair("displacement"),
+        tangential_force=read_pair("tangential_force") if "tangential_force" in stored else (pushed[0], pushed[1]),
+        dissipated=read_estimate(stored["dissipated"]),
+        stick_area=read_estimate(stored["stick_area"]),
     )
 
 
@@ -343,8 +360,7 @@ def run_path(
     if count is not None or all(segment.exact for segment in segments):
         steps = follow_steps(run, segments, count or 1, tell)
         warning = () if all(segment.exact for segment in segments) else (GIVEN_INCREMENTS,)
-        moved = find_amplitude(steps)
-        numbers = [numbers_of(step, moved, warning) for step in steps]
+        numbers = [numbers_of(step, error, warning) for step, error in zip(steps, list_cell_errors(steps), strict=True)]
         reasons = [segment.exact or AS_GIVEN for segment in segments]
     else:
         steps, numbers, reasons = refine_steps(run, segments, tell)
