@@ -916,6 +916,20 @@ class TestMasksAndScales:
         assert found.passes <= right.passes + 1
         marked.verify(found)
 
+    def test_points_that_were_not_measured_never_touch(self):
+        """They are sunk where the approach exceeds all heights, for unlike bodies in each alternation."""
+        grid = rc.Grid((24, 20), (24 * CELL, 20 * CELL))
+        heights = 1e-9 * np.cos(2 * np.pi * grid.x / grid.size[0]) * np.cos(2 * np.pi * grid.y / grid.size[1])
+        holes = np.zeros(grid.shape, bool)
+        holes[8:16, 6:14] = True
+        body = rc.Body(rc.HeightMap(np.where(holes, np.nan, heights), grid.size), ALUMINIUM)
+        problem = rc.ContactProblem(body, rc.Body(rc.FlatSurface(), STEEL), threads=1)
+        state = problem.path(force=0.1, tangential_force=[(0.005, 0.01)], friction=FRICTION, substeps=1)[0]
+        assert state.contact.initial_gap[holes].max() > 10.0 * problem.plan.peak_to_valley
+        assert not state.pressure[holes].any()
+        assert state.passes < 40
+        problem.verify(state)
+
     def test_energy_that_slip_would_gain_has_no_unit(self):
         """Reversed, the traction of sliding cells would gain what it loses."""
         residuals = []

@@ -335,13 +335,10 @@ def write_report(
         The results of each response by its name, one for each solution or row of the table.
     """
     writer: Any = writers.create("html")
-    own = {
-        AdhesionCycle: writer.cycle_text,
-        FrictionalPath: writer.path_text,
-        FrictionalSolution: writer.state_text,
-    }.get(type(solutions))
-    if own is not None:
-        page_or_file(lambda: own(solutions, answers), path)
+    if isinstance(solutions, (AdhesionCycle, FrictionalPath, FrictionalSolution)):
+        ways = {AdhesionCycle: writer.cycle_text, FrictionalPath: writer.path_text}
+        write = ways.get(type(solutions), writer.state_text)
+        page_or_file(lambda: write(solutions, answers), path)
         return
     several = len(solutions) > 1
     subject: Any = Sweep(tuple(solutions)) if several else solutions[0]
