@@ -877,7 +877,7 @@ class TestErrorsOfTheCells:
         path = problem.path(force=force, tangential_force=[(1e-6 * force, 0.0)], friction=FRICTION)
         area = path[0].contact.area()
         assert path.numbers[0].stick_area.value == pytest.approx(area.value)
-        assert path.numbers[0].stick_area.uncertainty == pytest.approx(area.uncertainty)
+        assert path.numbers[0].stick_area.uncertainty == pytest.approx(area.uncertainty, rel=0.1)
         assert path[0].slip_area.value == 0.0
 
     def test_the_drift_of_unlike_bodies_under_pressure_alone(self):

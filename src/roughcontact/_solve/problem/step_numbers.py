@@ -86,7 +86,8 @@ def list_cell_errors(steps: Sequence[FrictionalSolution]) -> list[CellErrors]:
                 dissipated=math.hypot(own, missed),
             )
         )
-        before, missed = step, own
+        before = step
+        missed = own
     return found
 
 

@@ -43,6 +43,9 @@ _ENERGY_ERROR = 0.06
 # 1:1 to 8:1 under 1e-6 to .9 of the force of sliding.
 _STUCK_ERROR = 0.07
 _RESOLVED_SLIP = 0.5
+# Area that slips of a ball under a small tangential force, over that of its contact and the force over that of sliding:
+# its stick zone is (1 - Q / mu P)^(2/3) of the contact (Cattaneo, Mindlin).
+_SLIP_OF_BALL = 2.0 / 3.0
 # Component of the tangential force over the force that is printed as zero.
 _ROUNDING = 1e-12
 
@@ -170,13 +173,23 @@ class FrictionalSolution(ShownAsPrinted, AskedOf):
     def stick_area(self) -> Estimate:
         """Area that sticks, m2: its uncertainty is half a ring of cells along the edge between stick and slip.
 
-        Where the edge of the contact sticks it is that of the real contact area.
+        Where the edge of the contact sticks it is that of the real contact area, and of slip that no cell sees.
         """
         edges = sum(int(np.count_nonzero(np.diff(self.stick, axis=axis) & self._both_touch(axis))) for axis in (0, 1))
         area = self.contact.area()
         part, correction = self._stick_of_edge
         value = max(int(np.count_nonzero(self.stick)) * self.grid.cell_area + part * correction, 0.0)
-        return Estimate(value, math.hypot(0.5 * edges * self.grid.cell_area, part * area.uncertainty), "m2")
+        rings = 0.5 * edges * self.grid.cell_area
+        return Estimate(value, math.hypot(rings, part * area.uncertainty, self._find_hidden_slip()), "m2")
+
+    def _find_hidden_slip(self) -> float:
+        """Return the area of slip that is narrower than half a cell along an edge that sticks, m2."""
+        half_ring = 0.5 * self._sides[1] * math.sqrt(self.grid.cell_area)
+        strength = float(self.limit.sum())
+        if strength == 0.0:
+            return 0.0
+        part = float(np.hypot(*self.shear.sum(axis=(1, 2)))) / strength
+        return min(half_ring, _SLIP_OF_BALL * part * self._stick_of_edge[0] * self.contact.area().value)
 
     @property
     def slip_area(self) -> Estimate:
@@ -198,7 +211,8 @@ class FrictionalSolution(ShownAsPrinted, AskedOf):
     def _sides(self) -> Pair:
         """Length of the sides of cells along the edge of the contact, m, and of those whose cell sticks."""
         masks = [extend(mask, 1, self.boundary) for mask in (self.contact.contact, self.stick)]
-        whole = sticking = 0.0
+        whole = 0.0
+        sticking = 0.0
         for axis, side in enumerate(self.grid.spacing[::-1]):
             edge, held = (np.diff(np.moveaxis(mask, axis, 0)[:, 1:-1], axis=0) for mask in masks)
             whole += int(np.count_nonzero(edge)) * side
