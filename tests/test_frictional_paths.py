@@ -313,7 +313,7 @@ class TestUnlikeBodies:
         problem, force = make_ball(16, STEEL, rc.Rigid())
         friction = ratio * beta_of(problem)
         path = problem.path(force=[force], tangential_force=(0.0, 0.0), friction=friction)
-        assert stick_ratio(path[0], path.numbers[0].stick_area.value) == pytest.approx(punch, abs=0.01)
+        assert stick_ratio(path[0], path.numbers[0].stick_area.value) == pytest.approx(punch, abs=0.012)
 
     @pytest.mark.parametrize("friction", [0.3, 1.0, 4.0])
     def test_sliding_wave(self, friction):
@@ -768,7 +768,7 @@ class TestUnloading:
         assert kept.displacement == state.displacement
         problem.verify(kept)
         problem.verify(kept.contact)
-        # The least load leaves hardly more.
+        # The smallest load leaves hardly more.
         near = problem.path(force=[0.03, 0.05, 1e-6], **loads, substeps=2)[-1]
         largest = max(math.hypot(*one.displacement) for one in path)
         assert np.abs(np.subtract(near.displacement, state.displacement)).max() < 1e-4 * largest
