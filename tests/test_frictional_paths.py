@@ -313,7 +313,8 @@ class TestUnlikeBodies:
         problem, force = make_ball(16, STEEL, rc.Rigid())
         friction = ratio * beta_of(problem)
         path = problem.path(force=[force], tangential_force=(0.0, 0.0), friction=friction)
-        assert stick_ratio(path[0], path.numbers[0].stick_area.value) == pytest.approx(punch, abs=0.012)
+        # A fifth of a cell: the eight cells of an orbit, which change together, are 0.14 of one.
+        assert stick_ratio(path[0], path.numbers[0].stick_area.value) == pytest.approx(punch, abs=0.2 / 16)
 
     @pytest.mark.parametrize("friction", [0.3, 1.0, 4.0])
     def test_sliding_wave(self, friction):
