@@ -25,19 +25,7 @@ import time
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-PACKAGES = (
-    "_base/archive",
-    "_parts/files",
-    "_parts/kernels",
-    "_solve/convolvers",
-    "_solve/problem",
-    "_solve/solvers",
-    "_answers/areas",
-    "_answers/flow",
-    "_answers/linear",
-    "_answers/slip",
-    "_answers/subsurface",
-)
+PACKAGE = ROOT / "src/roughcontact"
 SWAPPED = {"+": "-", "-": "+", "*": "/", "/": "*", "**": "*", "//": "/", "%": "*"}
 SWAPPED |= {"<": "<=", "<=": "<", ">": ">=", ">=": ">", "==": "!=", "!=": "==", "and": "or", "or": "and"}
 SWAPPED |= {"is not": "is", "is": "is not", "not in": "in", "in": "not in"}
@@ -181,9 +169,8 @@ class Places(ast.NodeVisitor):
 
 
 def all_places() -> list[tuple]:
-    """Every place of the packages."""
-    files = (path for name in PACKAGES for path in sorted((ROOT / "src/roughcontact" / name).rglob("*.py")))
-    return [one for path in files for one in Places(path).found]
+    """Every place of the package."""
+    return [one for path in sorted(PACKAGE.rglob("*.py")) for one in Places(path).found]
 
 
 class Recorder:
@@ -193,9 +180,7 @@ class Recorder:
         import coverage
 
         self.folder, self.seconds = folder, {}
-        self.coverage = coverage.Coverage(
-            data_file=None, include=[f"{ROOT}/src/roughcontact/{one}/*" for one in PACKAGES]
-        )
+        self.coverage = coverage.Coverage(data_file=None, include=[f"{PACKAGE}/*"])
         self.coverage.start()
 
     def pytest_runtest_logreport(self, report) -> None:
