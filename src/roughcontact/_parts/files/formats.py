@@ -1,8 +1,7 @@
-"""The readers that ship: numpy's files and plain text (heights in metres, indexed [x, y]), and instruments' files."""
+"""The readers of numpy's files and of plain text: heights in metres, indexed [x, y]."""
 
 from __future__ import annotations
 
-import warnings
 from pathlib import Path
 
 import attrs
@@ -15,21 +14,15 @@ from roughcontact._parts.files.base import (
     RawMap,
     SurfaceReader,
     check_rows,
-    find_foreign,
     name_rows,
     put_x_first,
     require_memory_of_map,
 )
-from roughcontact._parts.files.hdf5 import is_hdf5, require_bounded_hdf5
 from roughcontact._parts.files.headers import Stated, apply_non_measured, read_header
 from roughcontact._parts.files.points import order_columns, put_on_grid, refuse_further_columns
 from roughcontact._parts.files.text import SEPARATORS, WORDS, read_table, require_heights
-from roughcontact._parts.files.x3p import require_bounded_archive
-from roughcontact._parts.surfaces import read_topography
-from roughcontact.errors import InputError, MissingPackage
+from roughcontact.errors import InputError
 
-# Endings of files that need no instrument's reader.
-_ENDINGS = ".npz, .npy, .txt, .csv, .tsv, .dat, .asc, .xyz, .prn, .mat"
 # Numbers in a row of a profile x z and of a list of points x y z, and the minimum rows of such a list: 3 x 3 points.
 _COLUMNS_OF_PROFILES = 2
 _COLUMNS_OF_POINTS = 3
@@ -181,52 +174,3 @@ class TextReader(SurfaceReader):
         # An image has y downwards.
         image = put_x_first(heights[::-1], "y")
         return RawMap(image, stated.size, metric=metric, steps=steps, rows=name_rows("y", downwards=True))
-
-
-@attrs.frozen
-class InstrumentReader(SurfaceReader):
-    """Some forty instruments' formats (Sensofar, Zygo, Wyko, X3P, SUR, ...), read by the package SurfaceTopography.
-
-    It is tried on every ending that no other reader claims. SurfaceTopography is not among the extras, because a
-    package it needs (igor2) is under the LGPL.
-    """
-
-    @property
-    def suffixes(self) -> frozenset[str]:
-        """None."""
-        return frozenset()
-
-    def read(self, path: Path) -> RawMap:
-        """Return the map; raise `MissingPackage` if SurfaceTopography is not installed."""
-        # SurfaceTopography searches all of a file of an unknown format, for minutes if it is large.
-        if foreign := find_foreign(path):
-            raise InputError(foreign)
-        require_bounded_archive(path)
-        if is_hdf5(path):
-            require_bounded_hdf5(path)
-        try:
-            # Its imports warn of optional parallel packages.
-            with warnings.catch_warnings(action="ignore"):
-                from SurfaceTopography import read_topography as read_file
-                from SurfaceTopography.Exceptions import CannotDetectFileFormat
-        except ImportError:
-            raise MissingPackage(
-                f"Reading {path.name} needs the package SurfaceTopography: pip install SurfaceTopography. "
-                f"Files {_ENDINGS} are read without it, .tif by 'roughcontact[files]' and .h5 by 'roughcontact[store]'."
-            ) from None
-        try:
-            topography = read_file(str(path))
-        except CannotDetectFileFormat:
-            raise InputError(
-                f"its content fits none of the formats that are read, which are those of {_ENDINGS}, .h5, .tif and of "
-                "instruments (.al3d, .opd, .plu, .sur, .x3p, ...): it is of another kind, or damaged"
-            ) from None
-        except ValueError as error:
-            if "physical_sizes" not in str(error):
-                raise
-            raise InputError(
-                "it does not state the sides of its domain: export it in a format that does, such as .x3p, or its "
-                "heights as text"
-            ) from None
-        heights, size, periodic = read_topography(topography)
-        return RawMap(heights, size, periodic, metric=True)

@@ -1,0 +1,209 @@
+"""Files of instruments, read by the package SurfaceTopography after what they declare has been checked."""
+
+from __future__ import annotations
+
+import math
+import re
+import warnings
+import zlib
+from pathlib import Path
+from typing import Any
+
+import attrs
+import numpy as np
+
+from roughcontact._base.arrays import Array, Pair
+from roughcontact._base.units import si
+from roughcontact._parts.files.base import RawMap, SurfaceReader, find_foreign, require_memory_of_map
+from roughcontact._parts.files.hdf5 import bound_expansion, is_hdf5, require_bounded_hdf5
+from roughcontact._parts.files.x3p import require_bounded_archive
+from roughcontact._parts.surfaces import read_topography
+from roughcontact.errors import InputError, MissingPackage, RoughContactError, shorten
+
+# Endings of files that need no instrument's reader.
+_ENDINGS = ".npz, .npy, .txt, .csv, .tsv, .dat, .asc, .xyz, .prn, .mat"
+# Longest side of a map, m: more is another unit than the file states.
+_MAX_SIDE = 1.0
+# Names of channels that hold no heights, though their file may give them in a unit of length, as a cantilever's bending.
+_NO_HEIGHTS = re.compile(r"(?i)phase|amplitude|error|deflection|friction|lateral|current|potential|intensity")
+# First bytes of compound files of Windows, in which MountainsMap keeps deflated blocks; the heads of such blocks; the
+# bytes from one head to the next that are inflated at a time; and blocks below this size hold no heights.
+_COMPOUND = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"
+_DEFLATED = re.compile(rb"\x78[\x01\x5e\x9c\xda]")
+_BLOCK = 2**16
+# First bytes by which a format is recognised, characters of a reason that a message repeats, and words that only users
+# of the other package understand.
+_MAGIC_BYTES = 512
+_MAX_REASON_CHARACTERS = 120
+_FOREIGN_WORDS = re.compile(r"(?i)[=`{}\n]|argument|keyword|\binfo\b|dict|codec|parameter|index|attribute|\bNone\b|\w_\w")
+
+
+@attrs.frozen
+class InstrumentReader(SurfaceReader):
+    """Some forty instruments' formats (Sensofar, Zygo, Wyko, SUR, ...), read by the package SurfaceTopography.
+
+    It is tried on every ending that no other reader claims. Of several channels the first with heights is read, which
+    the history names. SurfaceTopography is not among the extras, because a package it needs (igor2) is under the LGPL.
+    """
+
+    @property
+    def suffixes(self) -> frozenset[str]:
+        """None."""
+        return frozenset()
+
+    def read(self, path: Path) -> RawMap:
+        """Return the map; raise `MissingPackage` if SurfaceTopography is not installed."""
+        # SurfaceTopography searches all of a file of an unknown format, for minutes if it is large.
+        if foreign := find_foreign(path):
+            raise InputError(foreign)
+        _require_bounded(path)
+        channel, note = _choose_channel(_open(path), path.stat().st_size)
+        try:
+            return _read_channel(channel, note)
+        except (RoughContactError, MemoryError):
+            raise
+        # Each broken file fails in its own way.
+        except Exception as error:
+            raise InputError(f"its heights cannot be read{_quote(str(error))}: it is damaged, or incomplete") from error
+
+
+def _require_bounded(path: Path) -> None:
+    """Refuse a file that expands to far more than its bytes: its reader would not check the memory."""
+    require_bounded_archive(path)
+    if is_hdf5(path):
+        require_bounded_hdf5(path)
+    with path.open("rb") as stream:
+        if stream.read(len(_COMPOUND)) != _COMPOUND:
+            return
+        data = memoryview(_COMPOUND + stream.read())
+    left = bound_expansion(len(data))
+    for head in _DEFLATED.finditer(data):
+        left -= _count_inflated(data[head.start() :], left)
+        if left < 0:
+            raise InputError(f"its blocks expand to more than a file of {len(data)} bytes can hold")
+
+
+def _count_inflated(data: memoryview, most: int) -> int:
+    """Return the bytes to which a deflated block expands, up to somewhat more than a limit; 0 if it is none."""
+    stream = zlib.decompressobj()
+    count = 0
+    rest: bytes | memoryview = data[:_BLOCK]
+    place = len(rest)
+    try:
+        while not stream.eof and count <= most and (rest or place < len(data)):
+            if not rest:
+                rest = data[place : place + _BLOCK]
+                place += len(rest)
+            count += len(stream.decompress(rest, _BLOCK))
+            rest = stream.unconsumed_tail
+    except zlib.error:
+        return 0
+    return count
+
+
+def _open(path: Path) -> Any:
+    """Return what SurfaceTopography knows of a file before it reads heights."""
+    try:
+        # Its imports warn of optional parallel packages.
+        with warnings.catch_warnings(action="ignore"):
+            from SurfaceTopography.Exceptions import CannotDetectFileFormat
+            from SurfaceTopography.IO import open_topography
+    except ImportError:
+        raise MissingPackage(
+            f"Reading {path.name} needs the package SurfaceTopography: pip install SurfaceTopography. "
+            f"Files {_ENDINGS}, .x3p are read without it, .tif by 'roughcontact[files]' and .h5 by "
+            "'roughcontact[store]'."
+        ) from None
+    try:
+        return open_topography(str(path))
+    except CannotDetectFileFormat as error:
+        raise InputError(_explain(path, str(error))) from None
+
+
+def _explain(path: Path, reasons: str) -> str:
+    """Return why no reader took a file: the reason of the format as which it begins."""
+    from SurfaceTopography.IO import MagicMatch, readers
+
+    with path.open("rb") as stream:
+        start = stream.read(_MAGIC_BYTES)
+    for reader in readers:
+        if reader.can_read(start) is MagicMatch.YES:
+            tried = re.search(rf"tried {reader.__name__}: \n (.*?)\n\n", reasons, re.S)
+            return (
+                f"it begins as files of {reader.name()} do, but cannot be read{_quote(tried[1] if tried else '')}: it "
+                "is damaged, or of a revision that is not known; export it again, or its heights as text"
+            )
+    return (
+        f"its content fits none of the formats that are read, which are those of {_ENDINGS}, .h5, .tif and of "
+        "instruments (.al3d, .opd, .plu, .sur, .x3p, ...): it is of another kind, or damaged"
+    )
+
+
+def _quote(reason: str) -> str:
+    """Return the reason of another package in brackets, where users of this one understand it."""
+    text = " ".join(reason.split()).rstrip(".")
+    if not text or _FOREIGN_WORDS.search(reason.strip()):
+        return ""
+    return f" ({shorten(text[0].lower() + text[1:], _MAX_REASON_CHARACTERS)})"
+
+
+def _choose_channel(reader: Any, size: int) -> tuple[Any, str]:
+    """Return the channel to read from a file of so many bytes, and in words which it is of several."""
+    maps = [one for one in reader.channels if one.dim == 2]
+    if not maps:
+        raise InputError("it holds a line profile, not a height map")
+    found = [one for one in maps if one.is_height_channel and _has_plain_unit(one) and not _NO_HEIGHTS.search(one.name)]
+    if not found:
+        names = ", ".join(one.name for one in maps)
+        raise InputError(f"it holds no heights, but {names:.100}: export its topography")
+    default = reader.default_channel
+    chosen = next((one for one in found if one.index == default.index), found[0])
+    cells = math.prod(chosen.nb_grid_pts)
+    if 8 * cells > bound_expansion(size):
+        nx, ny = chosen.nb_grid_pts
+        raise InputError(f"it declares {nx} x {ny} points, more than a file of {size} bytes can hold")
+    # Numbers as they stand in the file, as heights, and these in metres.
+    require_memory_of_map(24.0 * cells)
+    return chosen, f"channel {chosen.name!r} of {len(maps)}" if len(maps) > 1 else ""
+
+
+def _has_plain_unit(channel: Any) -> bool:
+    """Return whether the numbers of a channel have the unit of its sides, or none."""
+    return channel.unit is None or isinstance(channel.unit, str)
+
+
+def _read_channel(channel: Any, note: str) -> RawMap:
+    if channel.physical_sizes is None:
+        topography = channel.topography(physical_sizes=tuple(map(float, channel.nb_grid_pts)))
+    else:
+        topography = channel.topography()
+    if topography.unit is None:
+        heights = np.ma.filled(np.ma.asarray(topography.heights(), dtype=np.float64), np.nan)
+        return RawMap(heights, hint=_name_sides(channel.physical_sizes), needs_unit=True, rows=note)
+    heights, sides, periodic = read_topography(topography)
+    size, hint = _check_sides(sides) if channel.physical_sizes is not None else (None, "")
+    return RawMap(_require_heights(heights), size, periodic, metric=True, hint=hint, rows=note)
+
+
+def _name_sides(sides: Any) -> str:
+    if sides is None:
+        return ""
+    return f"its sides are {' x '.join(f'{float(side):g}' for side in sides)} in a unit that it does not state"
+
+
+def _check_sides(sides: Pair) -> tuple[Pair | None, str]:
+    """Return sides that a map can have; for others None, and in words what is wrong with them."""
+    if max(sides) <= _MAX_SIDE:
+        return sides, ""
+    return None, f"it states {si(sides[0], 'm')} x {si(sides[1], 'm')}, which no instrument measures: its unit is wrong"
+
+
+def _require_heights(heights: Array) -> Array:
+    """Refuse heights that no map has: their unit is wrong."""
+    known = heights[np.isfinite(heights)]
+    if known.size and np.ptp(known) > _MAX_SIDE:
+        raise InputError(
+            f"its heights differ by {si(float(np.ptp(known)), 'm')}, which no instrument measures: its unit is wrong; "
+            "export them as text"
+        )
+    return heights
