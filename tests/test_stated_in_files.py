@@ -275,10 +275,11 @@ class TestCell:
         assert rc.read_surface(path, cell=("2um", 2e-6), unit="um").grid.size == pytest.approx(SIZE)
         assert rc.read_surface(path, cell="2um", unit="um").grid.size == pytest.approx(SIZE)
 
-    def test_is_not_given_beside_a_size_and_agrees_with_the_file(self, tmp_path):
+    def test_agrees_with_a_size_and_with_the_file(self, tmp_path):
         path = write(tmp_path, "a.txt", table(MICROMETRES))
-        with pytest.raises(rc.InputError, match="size= or cell=, not both"):
-            rc.read_surface(path, cell=2e-6, size=SIZE)
+        assert rc.read_surface(path, cell=2e-6, size=SIZE).size == pytest.approx(SIZE)
+        with pytest.raises(rc.InputError, match="give size= or cell= alone"):
+            rc.read_surface(path, cell=3e-6, size=SIZE)
         stated = write(tmp_path, "b.txt", GWYDDION + IMAGE)
         assert rc.read_surface(stated, cell=2e-6).grid.size == pytest.approx(SIZE)
         with pytest.raises(rc.InputError, match="states its own size"):

@@ -71,6 +71,8 @@ class RawMap:
         Distances of its points along x and y, in a unit that it does not state; None where it states none.
     rows
         In words, what a line of the file is: one x, or one y; empty where it has no lines.
+    unit
+        Unit of the heights that the file states, m, already applied; None where it states none.
     """
 
     heights: Array = attrs.field(repr=outlined)
@@ -82,6 +84,7 @@ class RawMap:
     needs_rows: bool = False
     steps: Pair | None = None
     rows: str = ""
+    unit: float | None = None
 
 
 def check_rows(value: str) -> str:

@@ -12,7 +12,7 @@ from typing import Any
 import attrs
 import numpy as np
 
-from roughcontact._base.arrays import Array, Pair
+from roughcontact._base.arrays import Array
 from roughcontact._base.units import si
 from roughcontact._parts.files.base import RawMap, SurfaceReader, find_foreign, require_memory_of_map
 from roughcontact._parts.files.hdf5 import bound_expansion, is_hdf5, require_bounded_hdf5
@@ -22,20 +22,22 @@ from roughcontact.errors import InputError, MissingPackage, RoughContactError, s
 
 # Endings of files that need no instrument's reader.
 _ENDINGS = ".npz, .npy, .txt, .csv, .tsv, .dat, .asc, .xyz, .prn, .mat"
-# Longest side of a map, m: more is another unit than the file states.
-_MAX_SIDE = 1.0
-# Names of channels that hold no heights, though their file may give them in a unit of length, as a cantilever's bending.
+# Largest difference of heights, m: more is another unit than the file states.
+_MAX_DIFFERENCE = 1.0
+# Names of channels that hold no heights, though some are in a unit of length, as a cantilever's bending.
 _NO_HEIGHTS = re.compile(r"(?i)phase|amplitude|error|deflection|friction|lateral|current|potential|intensity")
 # First bytes of compound files of Windows, in which MountainsMap keeps deflated blocks; the heads of such blocks; the
 # bytes from one head to the next that are inflated at a time; and blocks below this size hold no heights.
 _COMPOUND = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"
 _DEFLATED = re.compile(rb"\x78[\x01\x5e\x9c\xda]")
 _BLOCK = 2**16
-# First bytes by which a format is recognised, characters of a reason that a message repeats, and words that only users
-# of the other package understand.
+# First bytes by which a format is recognised, characters of a reason that a message repeats, and words in one that only
+# users of the other package understand.
 _MAGIC_BYTES = 512
 _MAX_REASON_CHARACTERS = 120
-_FOREIGN_WORDS = re.compile(r"(?i)[=`{}\n]|argument|keyword|\binfo\b|dict|codec|parameter|index|attribute|\bNone\b|\w_\w")
+_FOREIGN_WORDS = re.compile(
+    r"(?i)[=`{}\n]|argument|keyword|\binfo\b|dict|codec|parameter|index|attribute|\bNone\b|\w_\w"
+)
 
 
 @attrs.frozen
@@ -181,8 +183,8 @@ def _read_channel(channel: Any, note: str) -> RawMap:
         heights = np.ma.filled(np.ma.asarray(topography.heights(), dtype=np.float64), np.nan)
         return RawMap(heights, hint=_name_sides(channel.physical_sizes), needs_unit=True, rows=note)
     heights, sides, periodic = read_topography(topography)
-    size, hint = _check_sides(sides) if channel.physical_sizes is not None else (None, "")
-    return RawMap(_require_heights(heights), size, periodic, metric=True, hint=hint, rows=note)
+    size = None if channel.physical_sizes is None else sides
+    return RawMap(_require_heights(heights), size, periodic, metric=True, rows=note)
 
 
 def _name_sides(sides: Any) -> str:
@@ -191,17 +193,10 @@ def _name_sides(sides: Any) -> str:
     return f"its sides are {' x '.join(f'{float(side):g}' for side in sides)} in a unit that it does not state"
 
 
-def _check_sides(sides: Pair) -> tuple[Pair | None, str]:
-    """Return sides that a map can have; for others None, and in words what is wrong with them."""
-    if max(sides) <= _MAX_SIDE:
-        return sides, ""
-    return None, f"it states {si(sides[0], 'm')} x {si(sides[1], 'm')}, which no instrument measures: its unit is wrong"
-
-
 def _require_heights(heights: Array) -> Array:
     """Refuse heights that no map has: their unit is wrong."""
     known = heights[np.isfinite(heights)]
-    if known.size and np.ptp(known) > _MAX_SIDE:
+    if known.size and np.ptp(known) > _MAX_DIFFERENCE:
         raise InputError(
             f"its heights differ by {si(float(np.ptp(known)), 'm')}, which no instrument measures: its unit is wrong; "
             "export them as text"

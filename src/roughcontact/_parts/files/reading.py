@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import inspect
 import logging
+import math
 import os
 from collections.abc import Sequence
 from pathlib import Path
@@ -34,6 +35,8 @@ _SIZE_TOLERANCE = 1e-6
 _STEP_TOLERANCE = 0.02
 # Relative difference of the sides of square cells: sizes are given with three digits.
 _SQUARE_CELL_TOLERANCE = 5e-3
+# Longest side that a file is believed to state, m: longer ones are in another unit, as of maps of a landscape.
+_MAX_SIDE = 1.0
 
 
 @guarded
@@ -95,24 +98,7 @@ def read_surface(
     choice(non_measured, "The treatment of non-measured points", TREATMENTS)
     file = checks.path(path, "The height map")
     raw = read_raw(file, reader, **options)
-    size = _find_size(size, cell, raw)
-    given = size if raw.size is None else raw.size
-    if given is None:
-        known = f" ({raw.hint})" if raw.hint else ""
-        # Who looks up the size has the unit at hand too.
-        in_metres = unit is None and not raw.metric and not raw.needs_unit
-        taken = " Its heights are taken as m: give unit='um' too if they are µm." if in_metres else ""
-        raise InputError(
-            f"The file {file.name} does not state the size of its domain{known}: give size=(x, y), m (on the command "
-            f"line --size), or cell=, the distance of its points.{taken}"
-        )
-    if size is not None and raw.size is not None:
-        sides = pair(size, "The size of the height map", "m", above=0.0)
-        if not np.allclose(sides, raw.size, rtol=_SIZE_TOLERANCE, atol=0.0):
-            raise InputError(
-                f"The file {file.name} states its own size, {si(raw.size[0], 'm')} x {si(raw.size[1], 'm')}, "
-                f"which is not the size given: leave size= out."
-            )
+    given = _choose_size(_find_size(size, cell, raw), raw, unit, file)
     if raw.needs_rows:
         _require_rows(raw.heights, given, file)
     _require_steps(raw, given, file)
@@ -121,11 +107,12 @@ def read_surface(
     )
     surface = HeightMap(heights, given, periodic=raw.periodic, non_measured=mask)
     scale = _unit(raw, unit, file)
-    in_units = "" if unit is None else f", heights in units of {si(scale, 'm')}"
+    told = scale if raw.unit is None else raw.unit
+    in_units = "" if unit is None and raw.unit is None else f", heights in units of {si(told, 'm')}"
     in_units += f", {raw.rows}" if raw.rows else ""
     # Free the heights of the file before new ones are made.
     del raw, heights
-    values = surface.values if unit is None else surface.values * scale
+    values = surface.values if scale == 1.0 else surface.values * scale
     _LOGGER.info("read %s%s: %s%s", file.name, done, surface.grid, in_units)
     return attrs.evolve(surface, heights=values, history=(f"read from {file.name}{done}: {surface.grid}{in_units}",))
 
@@ -225,13 +212,48 @@ def _require_rows(heights: Array, size: Length | Sequence[Length], file: Path) -
 def _find_size(
     size: Length | Sequence[Length] | None, cell: Length | Sequence[Length] | None, raw: RawMap
 ) -> Length | Sequence[Length] | None:
-    """Return the size that is given, or that of the given cells; `InputError` if both are given."""
+    """Return the size that is given, or that of the given cells; `InputError` if both are given and differ."""
     if cell is None or raw.heights.ndim != 2:
         return size
-    if size is not None:
-        raise InputError("Give size= or cell=, not both: the size is that of a cell times the number of points.")
     sides = pair(cell, "The cell of the height map", "m", above=0.0)
-    return (sides[0] * raw.heights.shape[0], sides[1] * raw.heights.shape[1])
+    nx, ny = raw.heights.shape
+    found = (sides[0] * nx, sides[1] * ny)
+    if size is not None and not np.allclose(pair(size, "The size of the height map", "m", above=0.0), found, rtol=1e-6):
+        raise InputError(
+            f"Cells of {si(sides[0], 'm')} x {si(sides[1], 'm')} make {nx} x {ny} points {si(found[0], 'm')} x "
+            f"{si(found[1], 'm')} large, which is not the size given: give size= or cell= alone."
+        )
+    return found
+
+
+def _choose_size(
+    size: Length | Sequence[Length] | None, raw: RawMap, unit: Length | str | None, file: Path
+) -> Length | Sequence[Length]:
+    """Return the size of the map, as given or stated; `InputError` if there is none, or if they differ."""
+    if raw.size is not None and max(raw.size) > _MAX_SIDE and size is None:
+        raise InputError(
+            f"The file {file.name} states sides of {raw.size[0]:g} and {raw.size[1]:g} m, more than "
+            f"{_MAX_SIDE:g} m, so that they may be in another unit: give size=(x, y), m (on the command line --size)."
+        )
+    if raw.size is not None and max(raw.size) <= _MAX_SIDE:
+        if size is not None and not np.allclose(
+            pair(size, "The size of the height map", "m", above=0.0), raw.size, rtol=_SIZE_TOLERANCE, atol=0.0
+        ):
+            raise InputError(
+                f"The file {file.name} states its own size, {si(raw.size[0], 'm')} x {si(raw.size[1], 'm')}, "
+                f"which is not the size given: leave size= out."
+            )
+        return raw.size
+    if size is not None:
+        return size
+    known = f" ({raw.hint})" if raw.hint else ""
+    # Who looks up the size has the unit at hand too.
+    in_metres = unit is None and not raw.metric and not raw.needs_unit
+    taken = " Its heights are taken as m: give unit='um' too if they are µm." if in_metres else ""
+    raise InputError(
+        f"The file {file.name} does not state the size of its domain{known}: give size=(x, y), m (on the command line "
+        f"--size), or cell=, the distance of its points.{taken}"
+    )
 
 
 def _require_steps(raw: RawMap, size: Length | Sequence[Length], file: Path) -> None:
@@ -257,10 +279,14 @@ def _unit(raw: RawMap, given: float | str | None, file: Path) -> float:
         )
     if given is None:
         return 1.0
-    if raw.metric:
-        raise InputError(f"The file {file.name} states its own unit of height: leave unit= out.")
     what = "The unit of the heights"
     if isinstance(given, str):
         # "um" alone is "1um".
-        return number(f"1{given}" if given[:1].isalpha() else given, what, "m", above=0.0)
-    return number(given, what, "m, such as 1e-6 for µm", above=0.0)
+        unit = number(f"1{given}" if given[:1].isalpha() else given, what, "m", above=0.0)
+    else:
+        unit = number(given, what, "m, such as 1e-6 for µm", above=0.0)
+    if not raw.metric:
+        return unit
+    if raw.unit is None or not math.isclose(raw.unit, unit, rel_tol=_SIZE_TOLERANCE):
+        raise InputError(f"The file {file.name} states its own unit of height: leave unit= out.")
+    return 1.0

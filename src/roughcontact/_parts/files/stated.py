@@ -1,0 +1,217 @@
+"""What a file states about its numbers, and the one place where it is used or refused: `build_map`."""
+
+from __future__ import annotations
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+
+from roughcontact._base.arrays import Array, Pair
+from roughcontact._parts.files.base import RawMap, name_rows, put_x_first
+from roughcontact.errors import InputError
+
+# Metres in units of length, as instruments and persons write them; the two letters for micro, and its byte in Latin-1,
+# read as UTF-8.
+_METRES_PER_UNIT = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "nm": 1e-9, "pm": 1e-12, "Å": 1e-10}
+_METRES_PER_UNIT |= {"meter": 1.0, "metre": 1.0, "millimeter": 1e-3, "millimetre": 1e-3, "micrometer": 1e-6}
+_METRES_PER_UNIT |= {"micrometre": 1e-6, "nanometer": 1e-9, "nanometre": 1e-9, "mikrometer": 1e-6}
+_METRES_PER_UNIT |= {"micron": 1e-6, "~m": 1e-6, "mum": 1e-6, "ang": 1e-10, "angstrom": 1e-10}
+_METRES_PER_UNIT |= {"\N{ANGSTROM SIGN}": 1e-10, "inch": 0.0254, "in": 0.0254, "mil": 2.54e-5, "thou": 2.54e-5}
+_MICRO = str.maketrans({"µ": "u", "μ": "u", "\udcb5": "u"})
+# Relative difference between a stated size and the stated steps times the number of points, or of their distances.
+_SIZE_TOLERANCE = 2e-2
+# Characters of what a file states that a message repeats.
+_MAX_QUOTED_CHARACTERS = 60
+
+
+def metres(unit: str) -> float | None:
+    """Return the metres in a unit such as µm; None if it is not a known unit of length."""
+    name = unit.strip().strip("()[]").translate(_MICRO)
+    small = name.lower()
+    return next(
+        (_METRES_PER_UNIT[one] for one in (name, small, small.removesuffix("s")) if one in _METRES_PER_UNIT), None
+    )
+
+
+@attrs.frozen(kw_only=True)
+class Stated:
+    """What a file states about its numbers; by default it states nothing.
+
+    A height is (factor times number plus offset) times unit.
+
+    Attributes
+    ----------
+    unit
+        Unit of the heights, as the file names it, or in metres; None where it states none.
+    factor, offset
+        Scale and offset of the heights.
+    non_measured
+        Numbers that stand for non-measured points.
+    shape
+        Numbers of points along x and y; None for one that is not stated.
+    rows
+        Axis of the first index, ``"x"`` or ``"y"``; empty where it is not stated.
+    falling
+        The axes whose positions fall as their index rises: ``"y"`` for an image, ``"xy"``, or none.
+    size
+        Sides of the map along x and y, in `length`; None for one that is not stated.
+    steps
+        Distances of its points along x and y, in `length`; None for one that is not stated.
+    length
+        Unit of `size` and `steps`, as the file names it, or in metres; None where it states none.
+    periodic
+        Whether the map repeats beyond its border.
+    channels
+        Names of the arrays that it holds, where they are more than the one of heights.
+    not_understood
+        What it states, in its own words, that changes what the numbers mean and is not understood.
+    """
+
+    unit: str | float | None = None
+    factor: float = 1.0
+    offset: float = 0.0
+    non_measured: tuple[float, ...] = ()
+    shape: tuple[int | None, int | None] = (None, None)
+    rows: str = ""
+    falling: str = ""
+    size: tuple[float | None, float | None] = (None, None)
+    steps: tuple[float | None, float | None] = (None, None)
+    length: str | float | None = None
+    periodic: bool = False
+    channels: tuple[str, ...] = ()
+    not_understood: tuple[str, ...] = ()
+
+
+def build_map(
+    numbers: npt.NDArray[np.generic],
+    stated: Stated,
+    *,
+    rows: str = "auto",
+    line: str = "a line of the file",
+    needs_unit: bool = False,
+) -> RawMap:
+    """Return the map of the numbers of a file, in any type, shape (n, m); what the file states is used or refused.
+
+    Parameters
+    ----------
+    rows
+        Axis of the first index, ``"x"`` or ``"y"``, as the user gives it; ``"auto"``: as the file states it, or x.
+    line
+        What one first index is, in the words of a user.
+    needs_unit
+        Whether numbers without a stated unit have an unknown one, as in images, instead of metres.
+    """
+    require_understood(stated)
+    first = _find_rows(stated, rows)
+    heights = _scale(numbers, stated)
+    heights = put_x_first(heights, first or "x")
+    _require_shape(heights, stated)
+    if stated.falling:
+        flips = tuple(slice(None, None, -1 if axis in stated.falling else 1) for axis in "xy")
+        heights = np.ascontiguousarray(heights[flips])
+    unit = _find_unit(stated)
+    if unit is not None:
+        heights *= unit
+    size, steps, hint = _find_sides(stated, (heights.shape[0], heights.shape[1]))
+    downwards = (first or "x") in stated.falling
+    return RawMap(
+        heights,
+        size,
+        periodic=stated.periodic,
+        metric=unit is not None,
+        hint=hint,
+        needs_unit=needs_unit and unit is None,
+        needs_rows=not first,
+        steps=steps,
+        rows=name_rows(first or "x", assumed=not first, downwards=downwards).replace("a line of the file", line),
+        unit=unit,
+    )
+
+
+def require_understood(stated: Stated) -> None:
+    """Refuse what changes the meaning of numbers and is not understood, and more than one array."""
+    if stated.not_understood:
+        quoted = stated.not_understood[0].strip()[:_MAX_QUOTED_CHARACTERS]
+        raise InputError(
+            f"it states {quoted!a}, which changes what its numbers mean and is not understood: write the heights "
+            "themselves, with nan for points that were not measured, and omit that line; of text, skip_rows= skips it"
+        )
+    if len(stated.channels) > 1:
+        names = ", ".join(repr(name) for name in stated.channels)
+        raise InputError(f"it holds more than one array, {names:.200}: keep the heights alone")
+
+
+def _find_rows(stated: Stated, rows: str) -> str:
+    """Return the axis of the first index; empty where neither the file nor the user says it."""
+    if rows == "auto":
+        return stated.rows
+    if stated.rows and rows != stated.rows:
+        raise InputError(f"it states that its rows are those of {stated.rows}: omit rows=")
+    return rows
+
+
+def _scale(numbers: npt.NDArray[np.generic], stated: Stated) -> Array:
+    """Return new numbers in the unit of the file, NaN where a point was not measured."""
+    values = np.array(numbers, dtype=np.float64, order="C", ndmin=2)
+    for one in stated.non_measured:
+        # A value is written with other digits than the numbers may have, as -3.4e38 in 32 bits.
+        with np.errstate(over="ignore"):
+            marked = np.asarray(one).astype(numbers.dtype) if numbers.dtype.kind == "f" else np.asarray(one)
+        values[values == float(marked)] = np.nan
+    values[~np.isfinite(values)] = np.nan
+    if stated.factor != 1.0:
+        values *= stated.factor
+    if stated.offset != 0.0:
+        values += stated.offset
+    return values
+
+
+def _require_shape(heights: Array, stated: Stated) -> None:
+    """Refuse numbers of another shape than the file states."""
+    nx, ny = (count or there for count, there in zip(stated.shape, heights.shape, strict=True))
+    if (nx, ny) != heights.shape:
+        raise InputError(
+            f"it states {nx} x {ny} points along x and y, but holds {heights.shape[0]} x {heights.shape[1]}: it is "
+            "damaged, or holds more than one table"
+        )
+
+
+def _find_unit(stated: Stated) -> float | None:
+    """Return the metres in the unit of the heights; None where none is stated."""
+    if stated.unit is None or isinstance(stated.unit, float):
+        return stated.unit
+    unit = metres(stated.unit)
+    if unit is None:
+        raise InputError(
+            f"it states values in {stated.unit.strip()[:_MAX_QUOTED_CHARACTERS]!a}, which is not a known unit of length"
+        )
+    return unit
+
+
+def _find_sides(stated: Stated, shape: tuple[int, int]) -> tuple[Pair | None, Pair | None, str]:
+    """Return the sides of the map, m, the distances of its points in an unknown unit, and a hint in words."""
+    length = metres(stated.length) if isinstance(stated.length, str) else stated.length
+    x_side, y_side = (
+        side if side is not None or step is None else step * count
+        for side, step, count in zip(stated.size, stated.steps, shape, strict=True)
+    )
+    for side, step, count, axis in zip(stated.size, stated.steps, shape, "xy", strict=True):
+        if side is not None and step is not None and not _agree(side, step, count):
+            raise InputError(
+                f"it states {count} points {step:g} apart along {axis}, and a side of {side:g} there, which contradict "
+                "each other"
+            )
+    if x_side is None or y_side is None:
+        return None, None, ""
+    if min(x_side, y_side) <= 0.0 or not np.isfinite([x_side, y_side]).all():
+        raise InputError(f"it states sides of {x_side:g} and {y_side:g}, which must be positive")
+    if length is not None:
+        return (x_side * length, y_side * length), None, ""
+    steps = (x_side / shape[0], y_side / shape[1])
+    named = "a unit that it does not state" if stated.length is None else repr(stated.length)
+    return None, steps, f"its {shape[0]} x {shape[1]} points are {steps[0]:.6g} x {steps[1]:.6g} apart in {named}"
+
+
+def _agree(side: float, step: float, count: int) -> bool:
+    """Return whether a side is that of the cells of a step, or the distance of the first and the last point."""
+    return min(abs(side / step - count), abs(side / step - count + 1)) <= _SIZE_TOLERANCE * count if step else False
