@@ -146,7 +146,7 @@ class TestHdf5:
             file.create_dataset("heights", data=values).attrs.update(attributes)
         np.testing.assert_allclose(rc.read_surface(tmp_path / "a.h5", size=SIZE).values, HEIGHTS, atol=1e-15)
         with pytest.raises(rc.InputError, match="states its own unit"):
-            rc.read_surface(tmp_path / "a.h5", size=SIZE, unit="nm")
+            rc.read_surface(tmp_path / "a.h5", size=SIZE, unit="mm")
 
     def test_mark_non_measured_points(self, tmp_path):
         h5py = pytest.importorskip("h5py")
@@ -160,7 +160,7 @@ class TestHdf5:
         h5py = pytest.importorskip("h5py")
         with h5py.File(tmp_path / "a.h5", "w") as file:
             file.create_dataset("heights", data=HEIGHTS).attrs["units"] = "V"
-        with pytest.raises(rc.InputError, match="stated in 'V'"):
+        with pytest.raises(rc.InputError, match="values in 'V'"):
             rc.read_surface(tmp_path / "a.h5", size=SIZE)
 
     @pytest.mark.parametrize("ending", ["datx", "h5", "nid"])

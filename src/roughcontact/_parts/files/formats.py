@@ -19,7 +19,9 @@ from roughcontact._parts.files.base import (
     require_memory_of_map,
 )
 from roughcontact._parts.files.headers import Stated, apply_non_measured, read_header
+from roughcontact._parts.files.named import STATING_NAMES, NamedArray, gather
 from roughcontact._parts.files.points import order_columns, put_on_grid, refuse_further_columns
+from roughcontact._parts.files.stated import build_map
 from roughcontact._parts.files.text import SEPARATORS, WORDS, read_table, require_heights
 from roughcontact.errors import InputError
 
@@ -31,7 +33,10 @@ _MIN_LIST_ROWS = 9
 
 @attrs.frozen
 class NpzReader(SurfaceReader):
-    """``numpy.savez(path, heights=..., size=(lx, ly), periodic=...)``; size and periodic are optional."""
+    """``numpy.savez(path, heights=..., size=(lx, ly), periodic=...)``; size and periodic are optional.
+
+    `size` may be replaced by `dx` and `dy`; a `unit` of the heights, such as ``"um"`` or 1e-6, is used.
+    """
 
     @property
     def suffixes(self) -> frozenset[str]:
@@ -42,25 +47,34 @@ class NpzReader(SurfaceReader):
         """Return the map."""
         require_memory_of_map(2.0 * path.stat().st_size)
         with path.open("rb") as file:
-            data = read_npz(file, {"heights", "size", "periodic"}, deflated=True)
+            data = read_npz(file, {"heights", "size", "periodic"} | STATING_NAMES, deflated=True)
         if "heights" not in data:
             raise InputError("it holds no array named 'heights'")
+        heights = data.pop("heights")
         size = data.get("size")
-        periodic = data.get("periodic", np.array(False))
+        periodic = data.pop("periodic", np.array(False))
         if size is not None and (size.dtype.kind not in "iuf" or size.shape not in ((), (1,), (2,))):
             raise InputError(
                 f"its array 'size' must hold one length or two, m, but has {size.dtype} of shape {size.shape}"
             )
-        if size is not None and size.size == 1 and len(set(data["heights"].shape)) > 1:
+        if size is not None and size.size == 1 and len(set(heights.shape)) > 1:
             raise InputError(
-                f"its array 'size' must hold both sides, m, of a map of shape {data['heights'].shape}, but holds one"
+                f"its array 'size' must hold both sides, m, of a map of shape {heights.shape}, but holds one"
             )
         if periodic.size != 1 or periodic.dtype.kind not in "biu":
             raise InputError(
                 f"its 'periodic' must be True or False, but has {periodic.dtype} of shape {periodic.shape}"
             )
-        lx, ly = np.broadcast_to(np.nan if size is None else size, 2).tolist()
-        return RawMap(data["heights"], None if size is None else (lx, ly), bool(periodic), metric=True)
+        if heights.ndim != 2 or heights.dtype.kind not in "biuf":
+            # What is no map is refused by `read_surface`, with its shape.
+            lx, ly = np.broadcast_to(1.0 if size is None else size, 2).tolist()
+            return RawMap(heights, (lx, ly), metric=True)
+        arrays = {name: NamedArray(one) for name, one in data.items() if one.dtype.kind in "biuf"}
+        texts = {name: str(one.item()) for name, one in data.items() if one.dtype.kind == "U" and one.size == 1}
+        stated = attrs.evolve(gather(NamedArray(heights), arrays, texts), rows="x", periodic=bool(periodic))
+        # Without a unit they are metres.
+        found = build_map(heights, stated, line="the first index")
+        return attrs.evolve(found, metric=True)
 
 
 @attrs.frozen

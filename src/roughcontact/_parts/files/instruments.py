@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import re
 import warnings
-import zlib
 from pathlib import Path
 from typing import Any
 
@@ -15,22 +14,16 @@ import numpy as np
 from roughcontact._base.arrays import Array
 from roughcontact._base.units import si
 from roughcontact._parts.files.base import RawMap, SurfaceReader, find_foreign, require_memory_of_map
-from roughcontact._parts.files.hdf5 import bound_expansion, is_hdf5, require_bounded_hdf5
-from roughcontact._parts.files.x3p import require_bounded_archive
+from roughcontact._parts.files.bounds import bound_expansion, require_bounded
 from roughcontact._parts.surfaces import read_topography
 from roughcontact.errors import InputError, MissingPackage, RoughContactError, shorten
 
 # Endings of files that need no instrument's reader.
-_ENDINGS = ".npz, .npy, .txt, .csv, .tsv, .dat, .asc, .xyz, .prn, .mat"
+_ENDINGS = ".npz, .npy, .txt, .csv, .tsv, .dat, .asc, .xyz, .prn, .x3p, .mat"
 # Largest difference of heights, m: more is another unit than the file states.
 _MAX_DIFFERENCE = 1.0
 # Names of channels that hold no heights, though some are in a unit of length, as a cantilever's bending.
 _NO_HEIGHTS = re.compile(r"(?i)phase|amplitude|error|deflection|friction|lateral|current|potential|intensity")
-# First bytes of compound files of Windows, in which MountainsMap keeps deflated blocks; the heads of such blocks; the
-# bytes from one head to the next that are inflated at a time; and blocks below this size hold no heights.
-_COMPOUND = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"
-_DEFLATED = re.compile(rb"\x78[\x01\x5e\x9c\xda]")
-_BLOCK = 2**16
 # First bytes by which a format is recognised, characters of a reason that a message repeats, and words in one that only
 # users of the other package understand.
 _MAGIC_BYTES = 512
@@ -58,7 +51,7 @@ class InstrumentReader(SurfaceReader):
         # SurfaceTopography searches all of a file of an unknown format, for minutes if it is large.
         if foreign := find_foreign(path):
             raise InputError(foreign)
-        _require_bounded(path)
+        require_bounded(path)
         channel, note = _choose_channel(_open(path), path.stat().st_size)
         try:
             return _read_channel(channel, note)
@@ -69,51 +62,17 @@ class InstrumentReader(SurfaceReader):
             raise InputError(f"its heights cannot be read{_quote(str(error))}: it is damaged, or incomplete") from error
 
 
-def _require_bounded(path: Path) -> None:
-    """Refuse a file that expands to far more than its bytes: its reader would not check the memory."""
-    require_bounded_archive(path)
-    if is_hdf5(path):
-        require_bounded_hdf5(path)
-    with path.open("rb") as stream:
-        if stream.read(len(_COMPOUND)) != _COMPOUND:
-            return
-        data = memoryview(_COMPOUND + stream.read())
-    left = bound_expansion(len(data))
-    for head in _DEFLATED.finditer(data):
-        left -= _count_inflated(data[head.start() :], left)
-        if left < 0:
-            raise InputError(f"its blocks expand to more than a file of {len(data)} bytes can hold")
-
-
-def _count_inflated(data: memoryview, most: int) -> int:
-    """Return the bytes to which a deflated block expands, up to somewhat more than a limit; 0 if it is none."""
-    stream = zlib.decompressobj()
-    count = 0
-    rest: bytes | memoryview = data[:_BLOCK]
-    place = len(rest)
-    try:
-        while not stream.eof and count <= most and (rest or place < len(data)):
-            if not rest:
-                rest = data[place : place + _BLOCK]
-                place += len(rest)
-            count += len(stream.decompress(rest, _BLOCK))
-            rest = stream.unconsumed_tail
-    except zlib.error:
-        return 0
-    return count
-
-
 def _open(path: Path) -> Any:
     """Return what SurfaceTopography knows of a file before it reads heights."""
     try:
         # Its imports warn of optional parallel packages.
         with warnings.catch_warnings(action="ignore"):
+            from SurfaceTopography import open_topography
             from SurfaceTopography.Exceptions import CannotDetectFileFormat
-            from SurfaceTopography.IO import open_topography
     except ImportError:
         raise MissingPackage(
             f"Reading {path.name} needs the package SurfaceTopography: pip install SurfaceTopography. "
-            f"Files {_ENDINGS}, .x3p are read without it, .tif by 'roughcontact[files]' and .h5 by "
+            f"Files {_ENDINGS} are read without it, .tif by 'roughcontact[files]' and .h5 by "
             "'roughcontact[store]'."
         ) from None
     try:
@@ -137,7 +96,7 @@ def _explain(path: Path, reasons: str) -> str:
             )
     return (
         f"its content fits none of the formats that are read, which are those of {_ENDINGS}, .h5, .tif and of "
-        "instruments (.al3d, .opd, .plu, .sur, .x3p, ...): it is of another kind, or damaged"
+        "instruments (.al3d, .opd, .plu, .sur, ...): it is of another kind, or damaged"
     )
 
 

@@ -10,34 +10,13 @@ from xml.etree import ElementTree
 import attrs
 import numpy as np
 
-from roughcontact._base.archive import require_expansion
 from roughcontact._base.arrays import Array
 from roughcontact._parts.files.base import RawMap, SurfaceReader, find_foreign, name_rows, require_memory_of_map
+from roughcontact._parts.files.bounds import require_bounded_archive
 from roughcontact.errors import InputError
 
-# Endings of descriptions in the archives of instruments, and their maximum bytes: parsed XML takes twenty times more.
-_DESCRIPTION_ENDINGS = (".xml", ".txt")
-_MAX_DESCRIPTION_BYTES = 2**22
 # Types of numbers by their letter: integers of 16 and 32 bits, floating-point numbers of 32 and 64.
 _TYPES = {"I": "<i2", "L": "<i4", "F": "<f4", "D": "<f8"}
-
-
-def require_bounded_archive(path: Path) -> None:
-    """Refuse an archive that expands to far more than its bytes: its reader would not check the memory."""
-    with path.open("rb") as file:
-        if not zipfile.is_zipfile(file):
-            return
-        with zipfile.ZipFile(file) as archive:
-            require_expansion(archive, path.stat().st_size, "export it without compression", deflated=True)
-            texts = [
-                member.file_size
-                for member in archive.infolist()
-                if member.filename.lower().endswith(_DESCRIPTION_ENDINGS)
-            ]
-    if max(texts, default=0) > _MAX_DESCRIPTION_BYTES:
-        raise InputError(
-            f"a description in it has {max(texts)} bytes, more than {_MAX_DESCRIPTION_BYTES}: it is damaged"
-        )
 
 
 @attrs.frozen

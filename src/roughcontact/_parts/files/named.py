@@ -1,0 +1,179 @@
+"""The map among the named arrays of a file of HDF5, netCDF, MATLAB or numpy, and what they state of each other."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import attrs
+import numpy as np
+
+from roughcontact._base.arrays import RealArray
+from roughcontact._parts.files.base import RawMap
+from roughcontact._parts.files.stated import Stated, build_map, metres
+from roughcontact.errors import InputError
+
+# Attributes of an array that are read: its unit, packing, the values of non-measured points, and the valid ones.
+UNIT_ATTRIBUTES = ("units", "unit", "Units", "Unit")
+MISSING_ATTRIBUTES = ("_FillValue", "missing_value")
+VALID_ATTRIBUTES = ("valid_range", "valid_min", "valid_max")
+PACKING_ATTRIBUTES = ("scale_factor", "add_offset")
+# Names that change what numbers mean, and have no meaning on which all agree.
+CHANGING_NAMES = frozenset(
+    {"scale", "z_scale", "zscale", "scaling", "factor", "z_factor", "gain", "multiplier", "offset", "z_offset", "lsb"}
+    | {"nodata", "no_data", "nodata_value", "fill_value", "fillvalue", "invalid", "mask", "valid", "bit2nm"}
+)
+# Names of arrays that state the unit of the heights, the unit of everything, and that of the sides.
+_HEIGHT_UNITS = ("zunit", "z_unit", "zunits", "z_units", "height_unit", "height_units", "heights_unit")
+_COMMON_UNITS = ("unit", "units")
+_SIDE_UNITS = ("xyunit", "xy_unit", "xyunits", "xunit", "x_unit", "xunits", "lateral_unit", "size_unit")
+_SIZE_NAMES = ("size", "lx", "ly", "dx", "dy")
+# All names that `gather` looks for.
+STATING_NAMES = {*_HEIGHT_UNITS, *_COMMON_UNITS, *_SIDE_UNITS, *_SIZE_NAMES, *CHANGING_NAMES, "x", "y"}
+# Relative difference between the steps of positions that are regular: they are printed with six digits, or in 32 bits.
+_STEP_TOLERANCE = 1e-2
+
+
+@attrs.frozen(eq=False)
+class NamedArray:
+    """An array of numbers of a file: its values, what its attributes state, and the names of its axes, if stated."""
+
+    values: RealArray
+    attributes: Mapping[str, Any] = attrs.field(factory=dict)
+    axes: tuple[str, ...] = ()
+
+
+def choose_map(
+    arrays: Mapping[str, NamedArray],
+    texts: Mapping[str, str],
+    variable: str | None,
+    rows: str,
+) -> RawMap:
+    """Return the map among the arrays of a file: the one named, that named `heights`, or the only one.
+
+    `texts` are its texts, by their names, which may state units.
+    """
+    maps = {name: one for name, one in arrays.items() if one.values.ndim == 2 and min(one.values.shape) > 1}
+    name = variable or ("heights" if "heights" in maps else min(maps, default=""))
+    if name not in maps or (variable is None and name != "heights" and len(maps) > 1):
+        found = ", ".join(sorted(maps)) or "none"
+        raise InputError(
+            "its array of heights is not known: give variable= with its name; its real arrays of two dimensions "
+            f"are: {found:.200}"
+        )
+    # What stands beside the map counts before what stands above it.
+    group = name.rpartition("/")[0]
+    beside = _find_beside(arrays, group)
+    return build_map(
+        _mark_invalid(maps[name]),
+        gather(maps[name], beside, _find_beside(texts, group)),
+        rows=rows,
+        line="the first index",
+    )
+
+
+def _find_beside(found: Mapping[str, Any], group: str) -> dict[str, Any]:
+    """Return what stands in the file itself or in a group, by its last name; what is in the group counts."""
+    own = {name.rpartition("/")[2]: one for name, one in found.items() if name.rpartition("/")[0] == group}
+    return {name: one for name, one in found.items() if "/" not in name} | own
+
+
+def _mark_invalid(one: NamedArray) -> RealArray:
+    """Return numbers with NaN outside the range that is stated to be valid."""
+    stated = one.attributes
+    least, largest = stated.get("valid_range", (stated.get("valid_min", -np.inf), stated.get("valid_max", np.inf)))
+    if (least, largest) == (-np.inf, np.inf):
+        return one.values
+    values = np.array(one.values, dtype=np.float64)
+    values[(values < least) | (values > largest)] = np.nan
+    return values
+
+
+def gather(one: NamedArray, arrays: Mapping[str, NamedArray], texts: Mapping[str, str]) -> Stated:
+    """Return what the attributes of an array, and the arrays and texts beside it, state."""
+    scalars = {name: float(other.values.ravel()[0]) for name, other in arrays.items() if other.values.size == 1}
+    # A number as unit is that of metres.
+    units: dict[str, str | float] = {**scalars, **texts}
+    specific, common, lateral = (
+        next((units[name] for name in names if name in units), None)
+        for names in (_HEIGHT_UNITS, _COMMON_UNITS, _SIDE_UNITS)
+    )
+    own = next((one.attributes[name] for name in UNIT_ATTRIBUTES if name in one.attributes), None)
+    stated = (own, specific, common)
+    unit = next((value for value in stated if value is not None), None)
+    changing = {name: value for name, value in scalars.items() if name.lower() in CHANGING_NAMES}
+    changing |= {name: one.attributes[name] for name in one.attributes if name.lower() in CHANGING_NAMES}
+    # A common unit may be that of the sides, too: then these ask for themselves.
+    length = lateral if lateral is not None or common is not None else 1.0
+    found = Stated(
+        unit=unit,
+        factor=float(one.attributes.get("scale_factor", 1.0)),
+        offset=float(one.attributes.get("add_offset", 0.0)),
+        non_measured=tuple(float(one.attributes[name]) for name in MISSING_ATTRIBUTES if name in one.attributes),
+        not_understood=tuple(f"{name} = {value}" for name, value in changing.items()),
+        rows=_name_first(one.axes),
+        length=length,
+    )
+    return _find_places(found, one, arrays) or _find_sides(found, one.values.shape, arrays)
+
+
+def _name_first(axes: tuple[str, ...]) -> str:
+    names = tuple(name.rpartition("/")[2].lower() for name in axes)
+    return names[0] if sorted(names) == ["x", "y"] else ""
+
+
+def _find_sides(stated: Stated, shape: tuple[int, ...], arrays: Mapping[str, NamedArray]) -> Stated:
+    """Return what is stated with the sides of the map from `size`, `lx` and `ly`, or the pitch `dx` and `dy`."""
+    known = {name: arrays[name] for name in _SIZE_NAMES if name in arrays and arrays[name].values.size <= 2}
+    lengths = {str(name): one for name, one in known.items()}
+    units = {
+        next((one.attributes[name] for name in UNIT_ATTRIBUTES if name in one.attributes), None)
+        for one in lengths.values()
+    }
+    if len(units) > 1:
+        raise InputError("its sides are stated in different units: give size=, and keep the heights alone")
+    if units - {None}:
+        stated = attrs.evolve(stated, length=units.pop())
+    values = {name: one.values.ravel().astype(np.float64).tolist() for name, one in lengths.items()}
+    sides = values.get("size") or [*values.get("lx", []), *values.get("ly", [])]
+    if len(sides) == 1 and shape[0] == shape[1]:
+        sides = 2 * sides
+    if len(sides) == 2:
+        stated = attrs.evolve(stated, size=(sides[0], sides[1]))
+    if "dx" in values:
+        stated = attrs.evolve(stated, steps=(values["dx"][0], values.get("dy", values["dx"])[0]))
+    return stated
+
+
+def _find_places(stated: Stated, one: NamedArray, arrays: Mapping[str, NamedArray]) -> Stated | None:
+    """Return what is stated with the steps of the positions `x` and `y` of the points; None without both."""
+    if not {"x", "y"} <= set(arrays):
+        return None
+    places = [arrays[axis].values.ravel().astype(np.float64) for axis in "xy"]
+    counts = tuple(place.size for place in places)
+    shape = one.values.shape
+    if counts not in (shape, shape[::-1]) or min(counts) < 2:
+        return None
+    first = stated.rows or ("x" if counts == shape else "y") if counts[0] != counts[1] else stated.rows
+    steps = [_find_step(place, axis) for place, axis in zip(places, "xy", strict=True)]
+    unit = next((arrays["x"].attributes[name] for name in UNIT_ATTRIBUTES if name in arrays["x"].attributes), None)
+    other = next((arrays["y"].attributes[name] for name in UNIT_ATTRIBUTES if name in arrays["y"].attributes), unit)
+    if unit != other:
+        along_x, along_y = (metres(str(name)) for name in (unit, other))
+        if along_x is None or along_y is None:
+            raise InputError(f"its x are in {str(unit)!a}, its y in {str(other)!a}: give both in one unit of length")
+        steps[1] *= along_y / along_x
+    falling = "".join(axis for axis, step in zip("xy", steps, strict=True) if step < 0.0)
+    return attrs.evolve(
+        stated, rows=first, steps=(abs(steps[0]), abs(steps[1])), falling=falling, length=unit, size=(None, None)
+    )
+
+
+def _find_step(places: RealArray, axis: str) -> float:
+    step = float(places[-1] - places[0]) / (places.size - 1)
+    if not np.isfinite(step) or step == 0.0 or np.abs(np.diff(places) - step).max() > _STEP_TOLERANCE * abs(step):
+        raise InputError(
+            f"its positions {axis} are not regular: interpolate the heights on a regular grid, as by "
+            "scipy.interpolate.griddata"
+        )
+    return step
