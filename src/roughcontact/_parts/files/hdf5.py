@@ -162,10 +162,9 @@ def _is_plain(item: Any, h5py: Any) -> bool:
 def _is_short_text(item: Any, h5py: Any) -> bool:
     """Return whether an item is one short text inside the file, such as the name of a unit."""
     kind = item.id.get_type()
-    is_short = item.size == 1 and (
-        kind.get_class() == h5py.h5t.STRING and not kind.is_variable_str() and item.dtype.itemsize <= MAX_TEXT_BYTES
-    )
-    return is_short and _is_inside(item, h5py)
+    if item.size != 1 or kind.get_class() != h5py.h5t.STRING:
+        return False
+    return (kind.is_variable_str() or kind.get_size() <= MAX_TEXT_BYTES) and _is_inside(item, h5py)
 
 
 def _is_inside(item: Any, h5py: Any) -> bool:

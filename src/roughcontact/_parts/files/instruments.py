@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 import warnings
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,7 @@ import numpy as np
 
 from roughcontact._base.arrays import Array
 from roughcontact._base.units import si
-from roughcontact._parts.files.base import RawMap, SurfaceReader, find_foreign, require_memory_of_map
+from roughcontact._parts.files.base import RawMap, SurfaceReader, find_foreign, readers, require_memory_of_map
 from roughcontact._parts.files.bounds import bound_expansion, require_bounded
 from roughcontact._parts.surfaces import read_topography
 from roughcontact.errors import InputError, MissingPackage, RoughContactError, shorten
@@ -24,10 +25,13 @@ _ENDINGS = ".npz, .npy, .txt, .csv, .tsv, .dat, .asc, .xyz, .prn, .x3p, .mat"
 _MAX_DIFFERENCE = 1.0
 # Names of channels that hold no heights, though some are in a unit of length, as a cantilever's bending.
 _NO_HEIGHTS = re.compile(r"(?i)phase|amplitude|error|deflection|friction|lateral|current|potential|intensity")
+# Formats of SurfaceTopography, by its names, that are read here: there, what they state of themselves is not.
+_OWN_READERS = {"asc": "txt", "xyz": "txt", "npy": "npy", "npz": "npz", "mat": "mat", "h5": "hdf5", "nc": "netcdf"}
 # First bytes by which a format is recognised, characters of a reason that a message repeats, and words in one that only
 # users of the other package understand.
 _MAGIC_BYTES = 512
 _MAX_REASON_CHARACTERS = 120
+_WORDS = re.compile("[A-Za-z]{3,} [A-Za-z]{2,}")
 _FOREIGN_WORDS = re.compile(
     r"(?i)[=`{}\n]|argument|keyword|\binfo\b|dict|codec|parameter|index|attribute|\bNone\b|\w_\w"
 )
@@ -52,7 +56,10 @@ class InstrumentReader(SurfaceReader):
         if foreign := find_foreign(path):
             raise InputError(foreign)
         require_bounded(path)
-        channel, note = _choose_channel(_open(path), path.stat().st_size)
+        found = _open(path)
+        if found.format() in _OWN_READERS:
+            return readers.create(_OWN_READERS[found.format()]).read(path)
+        channel, note = _choose_channel(found, path.stat().st_size)
         try:
             return _read_channel(channel, note)
         except (RoughContactError, MemoryError):
@@ -75,25 +82,35 @@ def _open(path: Path) -> Any:
             f"Files {_ENDINGS} are read without it, .tif by 'roughcontact[files]' and .h5 by "
             "'roughcontact[store]'."
         ) from None
+    kinds = _find_kinds(path)
     try:
-        return open_topography(str(path))
+        found = open_topography(str(path))
     except CannotDetectFileFormat as error:
-        raise InputError(_explain(path, str(error))) from None
+        raise InputError(_explain(kinds, str(error))) from None
+    # Readers of tables find numbers in any damaged file of another kind.
+    if kinds and type(found) not in kinds:
+        raise InputError(_explain(kinds, ""))
+    return found
 
 
-def _explain(path: Path, reasons: str) -> str:
-    """Return why no reader took a file: the reason of the format as which it begins."""
-    from SurfaceTopography.IO import MagicMatch, readers
+def _find_kinds(path: Path) -> list[Any]:
+    """Return the readers of SurfaceTopography as whose files a file begins."""
+    from SurfaceTopography.IO import MagicMatch
+    from SurfaceTopography.IO import readers as known
 
     with path.open("rb") as stream:
         start = stream.read(_MAGIC_BYTES)
-    for reader in readers:
-        if reader.can_read(start) is MagicMatch.YES:
-            tried = re.search(rf"tried {reader.__name__}: \n (.*?)\n\n", reasons, re.S)
-            return (
-                f"it begins as files of {reader.name()} do, but cannot be read{_quote(tried[1] if tried else '')}: it "
-                "is damaged, or of a revision that is not known; export it again, or its heights as text"
-            )
+    return [reader for reader in known if reader.can_read(start) is MagicMatch.YES]
+
+
+def _explain(kinds: Sequence[Any], reasons: str) -> str:
+    """Return why no reader took a file: the reason of the format as which it begins."""
+    for reader in kinds:
+        tried = re.search(rf"tried {reader.__name__}: \n (.*?)\n\n", reasons, re.S)
+        return (
+            f"it begins as files of {reader.name()} do, but cannot be read{_quote(tried[1] if tried else '')}: it is "
+            "damaged, or of a revision that is not known; export it again, or its heights as text"
+        )
     return (
         f"its content fits none of the formats that are read, which are those of {_ENDINGS}, .h5, .tif and of "
         "instruments (.al3d, .opd, .plu, .sur, ...): it is of another kind, or damaged"
@@ -103,7 +120,7 @@ def _explain(path: Path, reasons: str) -> str:
 def _quote(reason: str) -> str:
     """Return the reason of another package in brackets, where users of this one understand it."""
     text = " ".join(reason.split()).rstrip(".")
-    if not text or _FOREIGN_WORDS.search(reason.strip()):
+    if not _WORDS.search(text) or _FOREIGN_WORDS.search(reason.strip()):
         return ""
     return f" ({shorten(text[0].lower() + text[1:], _MAX_REASON_CHARACTERS)})"
 

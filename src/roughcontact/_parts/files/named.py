@@ -29,7 +29,7 @@ _COMMON_UNITS = ("unit", "units")
 _SIDE_UNITS = ("xyunit", "xy_unit", "xyunits", "xunit", "x_unit", "xunits", "lateral_unit", "size_unit")
 _SIZE_NAMES = ("size", "lx", "ly", "dx", "dy")
 # All names that `gather` looks for.
-STATING_NAMES = {*_HEIGHT_UNITS, *_COMMON_UNITS, *_SIDE_UNITS, *_SIZE_NAMES, *CHANGING_NAMES, "x", "y"}
+STATING_NAMES = {*_HEIGHT_UNITS, *_COMMON_UNITS, *_SIDE_UNITS, *_SIZE_NAMES, *CHANGING_NAMES, *"xyXY"}
 # Relative difference between the steps of positions that are regular: they are printed with six digits, or in 32 bits.
 _STEP_TOLERANCE = 1e-2
 
@@ -92,6 +92,7 @@ def _mark_invalid(one: NamedArray) -> RealArray:
 def gather(one: NamedArray, arrays: Mapping[str, NamedArray], texts: Mapping[str, str]) -> Stated:
     """Return what the attributes of an array, and the arrays and texts beside it, state."""
     scalars = {name: float(other.values.ravel()[0]) for name, other in arrays.items() if other.values.size == 1}
+    arrays = {"x": arrays["X"], "y": arrays["Y"], **arrays} if {"X", "Y"} <= set(arrays) else arrays
     # A number as unit is that of metres.
     units: dict[str, str | float] = {**scalars, **texts}
     specific, common, lateral = (
@@ -101,7 +102,8 @@ def gather(one: NamedArray, arrays: Mapping[str, NamedArray], texts: Mapping[str
     own = next((one.attributes[name] for name in UNIT_ATTRIBUTES if name in one.attributes), None)
     stated = (own, specific, common)
     unit = next((value for value in stated if value is not None), None)
-    changing = {name: value for name, value in scalars.items() if name.lower() in CHANGING_NAMES}
+    alike = {name: "an array" for name, other in arrays.items() if other.values.shape == one.values.shape}
+    changing = {name: value for name, value in (scalars | alike).items() if name.lower() in CHANGING_NAMES}
     changing |= {name: one.attributes[name] for name in one.attributes if name.lower() in CHANGING_NAMES}
     # A common unit may be that of the sides, too: then these ask for themselves.
     length = lateral if lateral is not None or common is not None else 1.0
