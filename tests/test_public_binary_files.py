@@ -10,6 +10,7 @@ import hashlib
 import io
 import struct
 import tracemalloc
+import warnings
 import zipfile
 import zlib
 
@@ -27,6 +28,7 @@ SIZE = (48e-6, 111e-6)
 MICROMETRES = (0.8 * np.sin(0.15 * X)[:, None] * np.cos(0.09 * Y) + 0.01 * Y).astype("f4").astype("f8")
 HEIGHTS = 1e-6 * MICROMETRES
 IMAGE = MICROMETRES.T[::-1]
+PIXELS = IMAGE.astype("f4")
 # Bytes that reading or refusing such a file may take.
 MEMORY = 2**23
 
@@ -89,7 +91,7 @@ def npy(values):
     return stream.getvalue()
 
 
-def tiff(values=IMAGE.astype("f4"), **options):
+def tiff(values=PIXELS, **options):
     tifffile = pytest.importorskip("tifffile")
     stream = io.BytesIO()
     tifffile.imwrite(stream, values, **options)
@@ -230,15 +232,15 @@ def datx(shape=SHAPE, values=None):
     with h5py.File(stream, "w") as file:
         rows = [(b"Root", b"Measurement", b"{M}"), (b"{M}", b"Surface", b"{S}"), (b"{S}", b"Path", b"/Data/Surface")]
         file["MetaData"] = np.array(rows, np.dtype([(key, "S64") for key in "abc"]))
-        data = file.create_dataset("Data/Surface", shape=shape, dtype="f8", chunks=(10, 10))
+        data = file.create_dataset("Data/Surface", shape=shape, dtype="f8", chunks=True)
         if values is not None:
             data[:] = values
         data.attrs["Unit"] = ["Meters"]
     return stream.getvalue()
 
 
-def gwyddion(side=24):
-    """A file of Gwyddion whose one field declares a number of columns."""
+def gwyddion(side=24, names=(("Topography", "m"),)):
+    """A file of Gwyddion with fields of these names and units, which declare a number of columns."""
 
     def item(name, kind, content):
         return name.encode() + b"\0" + kind.encode() + content
@@ -246,50 +248,26 @@ def gwyddion(side=24):
     values = HEIGHTS.T.astype("<f8").tobytes()
     inner = item("xres", "i", struct.pack("<i", side)) + item("yres", "i", struct.pack("<i", 37))
     inner += item("xreal", "d", struct.pack("<d", SIZE[0])) + item("yreal", "d", struct.pack("<d", SIZE[1]))
-    unit = b"GwySIUnit\0" + struct.pack("<I", 10) + item("unitstr", "s", b"m\0")[:10]
-    inner += item("si_unit_xy", "o", unit) + item("si_unit_z", "o", unit)
-    inner += item("data", "D", struct.pack("<I", 888) + values)
-    field = b"GwyDataField\0" + struct.pack("<I", len(inner)) + inner
-    content = item("/0/data", "o", field)
+
+    def unit(text):
+        named = item("unitstr", "s", text.encode() + b"\0")
+        return b"GwySIUnit\0" + struct.pack("<I", len(named)) + named
+
+    content = b""
+    for number, (name, height_unit) in enumerate(names):
+        field = inner + item("si_unit_xy", "o", unit("m")) + item("si_unit_z", "o", unit(height_unit))
+        field += item("data", "D", struct.pack("<I", 888) + values)
+        whole = b"GwyDataField\0" + struct.pack("<I", len(field)) + field
+        content += item(f"/{number}/data", "o", whole)
+        content += item(f"/{number}/data/title", "s", name.encode() + b"\0")
     return b"GWYPGwyContainer\0" + struct.pack("<I", len(content)) + content
 
 
-def digital_surf(columns=24, rows=37, **changes):
+def digital_surf(columns=24):
     """A file .sur of Digital Surf; heights in steps of .1 nm."""
-    fields = {"code": b"DIGITAL SURF", "items": 16, "columns": columns, "rows": rows, "dx": 2e-3, "dy": 3e-3} | changes
     text = [b"X", b"Y", b"Z", b"mm", b"mm", b"\xb5m", b"mm", b"mm", b"\xb5m"]
-    head = (
-        struct.pack(
-            "<12s4H30s30s5H8xH5iI3f",
-            fields["code"],
-            0,
-            1,
-            1,
-            2,
-            b"map",
-            b"",
-            0,
-            0,
-            0,
-            0,
-            1,
-            fields["items"],
-            -9999,
-            9999,
-            columns,
-            rows,
-            columns * rows,
-            fields["dx"],
-            fields["dy"],
-            1e-4,
-        )
-        if False
-        else None
-    )
-    head = struct.pack("<12s4H30s30s5H", fields["code"], 0, 1, 1, 2, b"map", b"", 0, 0, 0, 0, 1) + bytes(8)
-    head += struct.pack(
-        "<H2i2iI3f", fields["items"], -9999, 9999, columns, rows, columns * rows, fields["dx"], fields["dy"], 1e-4
-    )
+    head = struct.pack("<12s4H30s30s5H", b"DIGITAL SURF", 0, 1, 1, 2, b"map", b"", 0, 0, 0, 0, 1) + bytes(8)
+    head += struct.pack("<H2i2iI3f", 16, -9999, 9999, columns, 37, columns * 37, 2e-3, 3e-3, 1e-4)
     head += b"".join(word.ljust(16) for word in text) + struct.pack("<3f3H", 1, 1, 1, 0, 0, 0) + bytes(12)
     head += struct.pack("<7Hf", 0, 0, 0, 1, 1, 2026, 1, 0) + bytes(10) + struct.pack("<2H", 0, 0) + bytes(128)
     head += struct.pack("<3f", 0, 0, 0) + bytes(34)
@@ -309,19 +287,18 @@ def sdf(columns=24, kind="b"):
     return ("\n".join([*lines, "*"]) + "\n").encode()
 
 
+# The largest error of the heights that each file holds, m: half a step of its integers, and the digits of its text.
 INSTRUMENTS = {
-    "Gwyddion": ("a.gwy", gwyddion),
-    "Digital Surf": ("a.sur", digital_surf),
-    "ISO 25178-71, binary": ("a.sdf", sdf),
-    "ISO 25178-71, text": ("a.sdf", lambda columns=24: sdf(columns, "a")),
+    "Gwyddion": ("a.gwy", gwyddion, 1e-20),
+    "Digital Surf": ("a.sur", digital_surf, 0.51e-10),
+    "ISO 25178-71, binary": ("a.sdf", sdf, 1e-20),
+    "ISO 25178-71, text": ("a.sdf", lambda columns=24: sdf(columns, "a"), 1e-14),
 }
 
 
 @pytest.fixture
 def instruments():
     # Its imports warn of optional parallel packages.
-    import warnings
-
     with warnings.catch_warnings(action="ignore"):
         pytest.importorskip("SurfaceTopography", exc_type=ImportError)
         import SurfaceTopography.IO  # noqa: F401
@@ -329,19 +306,183 @@ def instruments():
 
 @pytest.mark.parametrize("name", INSTRUMENTS)
 def test_what_instruments_write_is_read(instruments, tmp_path, name):
-    file, make = INSTRUMENTS[name]
+    file, make, error = INSTRUMENTS[name]
     (tmp_path / file).write_bytes(make())
     found = rc.read_surface(tmp_path / file)
     assert found.grid.shape == SHAPE
     assert found.grid.size == pytest.approx(SIZE)
-    rows = [HEIGHTS, HEIGHTS[:, ::-1]]
-    assert min(float(np.abs(found.values - one).max()) for one in rows) < 1e-10
+    np.testing.assert_allclose(found.values, HEIGHTS, atol=error, rtol=0.0)
+
+
+def refuse(path, words, **options):
+    """Require that a file is refused with a sentence that has these words, in little memory."""
+    tracemalloc.start()
+    with pytest.raises(rc.InputError) as caught:
+        rc.read_surface(path, **options)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    sentence = str(caught.value)
+    assert words in sentence
+    assert sentence.isprintable()
+    assert len(sentence) < 500
+    assert peak < MEMORY
 
 
 @pytest.mark.parametrize("name", INSTRUMENTS)
 def test_a_small_file_of_an_instrument_cannot_declare_gigabytes(instruments, tmp_path, name):
-    file, make = INSTRUMENTS[name]
+    file, make, _ = INSTRUMENTS[name]
     (tmp_path / file).write_bytes(make())
     rc.read_surface(tmp_path / file)
     (tmp_path / file).write_bytes(make(30_000))
-    refuse(tmp_path / file, "")
+    refuse(tmp_path / file, {"Gwyddion": "more than", "ISO 25178-71, text": "cannot be read"}.get(name, "30000 x 37"))
+
+
+def compound(block):
+    """A file of Windows as MountainsMap has it, with a deflated block."""
+    return b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1" + bytes(504) + zlib.compress(block)
+
+
+def endless_heap():
+    """A file of HDF5 whose heap of texts has an object without a size: HDF5 would step from it to itself."""
+    head, *heaps = h5({"units": "um"}).split(b"GCOL")
+    return b"GCOL".join([head, *(heap[:12] + bytes(192) + heap[204:] for heap in heaps)])
+
+
+REFUSED = {
+    "HDF5, volts": ("a.h5", lambda: h5({"units": "V"}), "values in 'V', which is not a known unit of length"),
+    "HDF5, a scale": ("a.h5", lambda: h5({"units": "m", "scale": 1e-3}), "'scale = 0.001', which changes"),
+    "HDF5, a mask": ("a.h5", lambda: h5(mask=np.ones(SHAPE, "u1")), "'mask = an array', which changes"),
+    "HDF5, packed with a text": ("a.h5", lambda: h5({"scale_factor": "small"}), "'small' as its scale_factor"),
+    "HDF5, irregular positions": ("a.h5", lambda: h5(x=X**2, y=Y), "its positions x are not regular"),
+    "HDF5, an endless heap": ("a.h5", endless_heap, "its texts are damaged"),
+    "HDF5, objects of Python": ("a.h5", lambda: h5(a=1.0) + b"NUMPY:|O", "objects of Python"),
+    "HDF5, nothing written": ("a.h5", lambda: datx((20_000, 20_000)), "larger than a file of"),
+    "Zygo, nothing written": ("a.datx", lambda: datx((20_000, 20_000)), "larger than a file of"),
+    "any ending, nothing written": ("a.spm", lambda: datx((3000, 3000, 40)), "larger than a file of"),
+    "netCDF, feet": ("a.nc", lambda: netcdf4(units="feet"), "are 2 x 3 apart in 'feet'"),
+    "netCDF classic, nothing written": (
+        "a.nc",
+        lambda: netcdf3().replace(struct.pack(">I", 37), struct.pack(">I", 10**8), 1),
+        "its head states more than it holds",
+    ),
+    "MATLAB, volts": ("a.mat", lambda: mat(heights=MICROMETRES, unit="V"), "values in 'V'"),
+    "MATLAB, a scale": ("a.mat", lambda: mat(heights=MICROMETRES, zscale=0.5), "'zscale = 0.5', which changes"),
+    "numpy, a scale": ("a.npz", lambda: npz(heights=MICROMETRES, scale=1e-3), "'scale = 0.001'"),
+    "numpy, a mask": ("a.npz", lambda: npz(heights=MICROMETRES, mask=np.ones(SHAPE, bool)), "'mask = an array'"),
+    "numpy, sides in a common unit": (
+        "a.npz",
+        lambda: npz(heights=MICROMETRES, unit="um", size=(0.048, 0.111)),
+        "apart in a unit that it does not state",
+    ),
+    "TIFF, upside down": ("a.tif", lambda: tiff(extratags=[(274, "H", 1, 4, True)]), "orientation 4"),
+    "TIFF, feet": ("a.tif", lambda: tiff(**gdal(("unittype", "feet"))), "values in 'feet'"),
+    "TIFF, a curve": (
+        "a.tif",
+        lambda: tiff(imagej=True, metadata={"cf": 2, "c0": 0, "c1": 1, "vunit": "um"}),
+        "not a straight line",
+    ),
+    "Surfer 6, cut": ("a.grd", lambda: surfer6()[:-4], "24 x 37 points, but holds 887"),
+    "Surfer 6, huge": ("a.grd", lambda: surfer6(30_000), "30000 x 37 points, but holds 888"),
+    "Surfer 7, huge": ("a.grd", lambda: surfer7(2**31), "24 x 2147483648 points, but holds 888"),
+    "Surfer 7, turned": ("a.grd", lambda: surfer7(rotation=30.0), "turned by 30"),
+    "Surfer, text with another shape": ("a.grd", lambda: surfer_text(25), "25 x 37 points, but holds 888"),
+    "another grid": ("a.grd", lambda: b"GRD98" + bytes(99), "does not begin as grids of Surfer do"),
+    "X3P, another checksum": ("a.x3p", lambda: x3p(digest="1" * 32), "not those of its checksum"),
+    "X3P, absolute positions": ("a.x3p", lambda: x3p(first="A"), "its x are absolute positions"),
+    "X3P, huge": ("a.x3p", lambda: x3p(size_x=30_000), "bytes, but 8880000 are stated"),
+    "MountainsMap, a bomb": ("a.mnt", lambda: compound(bytes(2**24)), "its blocks expand to more than"),
+    "MountainsMap, compressed": ("a.sur", lambda: b"DSCOMPRESSED" + bytes(600), "a compressed file of MountainsMap"),
+    "JPK": ("a.h5-jpk", h5, "export its heights as .jpk"),
+    "a workbook": (
+        "a.xlsx",
+        lambda: archive({"xl/_rels/a": "", "[Content_Types].xml": ""}),
+        "the sheet of its heights",
+    ),
+    "a workbook by another name": ("a.plux", lambda: archive({"[Content_Types].xml": ""}), "the sheet of its heights"),
+    "an old workbook": ("a.xls", lambda: compound(b"a"), "the sheet of its heights as CSV"),
+    "gzip": ("a.txt.gz", lambda: gzip.compress(b"1 2 3\n"), "gunzip"),
+    "xz": ("a.txt.xz", lambda: b"\xfd7zXZ\0\0", "unpack it first"),
+    "a mesh": ("a.stl", lambda: bytes(80) + struct.pack("<I", 1) + bytes(50), "a mesh in STL"),
+    "a cloud": ("a.las", lambda: b"LASF" + bytes(99), "a cloud of points in LAS"),
+    "a pickle": ("a.pkl", lambda: b"\x80\x04\x8c\x02os.", "an object of Python"),
+    "FITS": ("a.fits", lambda: b"SIMPLE  =                    T".ljust(2880), "an image in FITS"),
+    "no npy": ("a.npy", lambda: b"\xef\xbf\xbdNUMPY" + bytes(99), "does not begin as .npy files do"),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_what_is_not_understood_is_refused_with_a_sentence(tmp_path, name):
+    file, make, words = REFUSED[name]
+    (tmp_path / file).write_bytes(make())
+    if file in ("a.datx", "a.spm", "a.mnt"):
+        with contextlib.suppress(rc.InputError):
+            rc.read_surface(tmp_path / file)
+    refuse(tmp_path / file, words)
+
+
+def test_points_without_data_are_not_measured(tmp_path):
+    values = MICROMETRES.T.copy()
+    values[4, 7] = 1.70141e38
+    missing = np.zeros(SHAPE, bool)
+    missing[7, 4] = True
+    outside = np.where(missing, 99.0, MICROMETRES)
+    masked = np.zeros(SHAPE[::-1], "i1")
+    masked[4, 7] = 1
+    (tmp_path / "6.grd").write_bytes(surfer6(values=values))
+    (tmp_path / "7.grd").write_bytes(surfer7(values=values))
+    (tmp_path / "a.h5").write_bytes(h5({"units": "um", "valid_range": (-9.0, 9.0)}, outside))
+    (tmp_path / "b.h5").write_bytes(h5({"units": "um", "valid_max": 9.0}, outside))
+    (tmp_path / "a.nc").write_bytes(netcdf3(values=outside.T.copy(), missing_value=99.0, units="um"))
+    for name, unit in (("6.grd", "um"), ("7.grd", "um"), ("a.h5", None), ("b.h5", None), ("a.nc", "um")):
+        found = rc.read_surface(tmp_path / name, size=SIZE, unit=unit, non_measured="keep")
+        np.testing.assert_array_equal(found.non_measured, missing)
+    (tmp_path / "a.x3p").write_bytes(x3p(mask=True))
+    found = rc.read_surface(tmp_path / "a.x3p", non_measured="keep")
+    assert np.argwhere(found.non_measured).tolist() == [[1, 1]]
+
+
+def test_the_sentence_of_a_damaged_file_names_its_kind(instruments, tmp_path):
+    (tmp_path / "a.sur").write_bytes(digital_surf()[:200])
+    refuse(tmp_path / "a.sur", "begins as files of Digital Surf SUR do")
+
+
+def test_the_channel_of_heights_is_taken_and_named(instruments, tmp_path):
+    shown = [("Phase", "deg"), ("Height", "m"), ("Deflection", "m"), ("ZSensor", "m")]
+    path = tmp_path / "a.gwy"
+    path.write_bytes(gwyddion(names=shown))
+    assert "channel 'Height' of 3" in rc.read_surface(path).history[0]
+    path.write_bytes(gwyddion(names=[("Phase", "deg"), ("Deflection", "m")]))
+    refuse(path, "it holds no heights, but Deflection")
+
+
+# Draws of damage for each kind; `pytest -m slow` makes more.
+DRAWS = 12
+
+
+def damage(path, make, options, numbers):
+    """Read a file that is damaged at random: it is refused with a sentence, or a map of finite heights."""
+    whole = make()
+    for number in numbers:
+        path.write_bytes(damage_bytes(whole, np.random.default_rng(number)))
+        with contextlib.suppress(rc.InputError):
+            found = rc.read_surface(path, non_measured="keep", **options)
+            assert np.isfinite(found.values).all(), number
+
+
+@pytest.mark.parametrize("name", READ)
+def test_damage_is_a_sentence(tmp_path, name):
+    file, make, options = READ[name]
+    damage(tmp_path / file, make, options, range(DRAWS))
+
+
+@pytest.mark.parametrize("name", INSTRUMENTS)
+def test_damage_of_instruments_files_is_a_sentence(instruments, tmp_path, name):
+    file, make, _ = INSTRUMENTS[name]
+    damage(tmp_path / file, make, {}, range(DRAWS))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", READ | INSTRUMENTS)
+def test_much_damage_is_a_sentence(instruments, tmp_path, name):
+    file, make, options = (READ | INSTRUMENTS)[name]
+    damage(tmp_path / file, make, options if name in READ else {}, range(DRAWS, 300))

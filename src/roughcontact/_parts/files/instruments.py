@@ -26,7 +26,7 @@ _MAX_DIFFERENCE = 1.0
 # Names of channels that hold no heights, though some are in a unit of length, as a cantilever's bending.
 _NO_HEIGHTS = re.compile(r"(?i)phase|amplitude|error|deflection|friction|lateral|current|potential|intensity")
 # Formats of SurfaceTopography, by its names, that are read here: there, what they state of themselves is not.
-_OWN_READERS = {"asc": "txt", "xyz": "txt", "npy": "npy", "npz": "npz", "mat": "mat", "h5": "hdf5", "nc": "netcdf"}
+_OWN_READERS = {"asc": "txt", "xyz": "txt", "npy": "npy", "npz": "npz", "h5": "hdf5", "nc": "netcdf"}
 # First bytes by which a format is recognised, characters of a reason that a message repeats, and words in one that only
 # users of the other package understand.
 _MAGIC_BYTES = 512
@@ -88,7 +88,7 @@ def _open(path: Path) -> Any:
     except CannotDetectFileFormat as error:
         raise InputError(_explain(kinds, str(error))) from None
     # Readers of tables find numbers in any damaged file of another kind.
-    if kinds and type(found) not in kinds:
+    if (kinds and type(found) not in kinds) or not found.channels:
         raise InputError(_explain(kinds, ""))
     return found
 

@@ -58,7 +58,12 @@ class NetcdfReader(SurfaceReader):
             raise InputError(foreign)
         if is_hdf5(path):
             return choose_map(*read_hdf5(path), self.variable, self.rows)
-        arrays, periodic = _read_classic(path)
+        try:
+            arrays, periodic = _read_classic(path)
+        except InputError:
+            raise
+        except (ValueError, TypeError, KeyError, IndexError, AttributeError, AssertionError, OverflowError) as error:
+            raise InputError("its head states more than it holds: it is damaged, or no classic netCDF") from error
         return attrs.evolve(choose_map(arrays, {}, self.variable, self.rows), periodic=periodic)
 
 
@@ -68,7 +73,7 @@ def _read_classic(path: Path) -> tuple[dict[str, NamedArray], bool]:
 
     size = path.stat().st_size
     found = {}
-    with warnings.catch_warnings(action="ignore"), netcdf_file(path, "r", mmap=False) as file:
+    with warnings.catch_warnings(action="ignore"), netcdf_file(path, "r", mmap=True) as file:
         left = bound_expansion(size)
         for name, one in file.variables.items():
             left -= math.prod(one.shape) * one.itemsize()
