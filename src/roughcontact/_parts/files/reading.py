@@ -141,7 +141,8 @@ def read_raw(file: str | Path, reader: str | SurfaceReader = "auto", **options: 
 
 def _explain(error: Exception, file: Path) -> Exception:
     """Return the error for a file that its reader could not read."""
-    foreign = find_foreign(file)
+    # Text that was unpacked is known.
+    foreign = "" if file.suffix.lower() == ".gz" and isinstance(error, InputError) else find_foreign(file)
     if foreign or isinstance(error, InputError):
         return InputError(f"The file {file.name} cannot be used: {foreign or str(error).rstrip('.')}.")
     if isinstance(error, RoughContactError):
