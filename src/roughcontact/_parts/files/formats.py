@@ -85,6 +85,8 @@ class NpyReader(SurfaceReader):
         require_memory_of_map(2.0 * path.stat().st_size)
         with path.open("rb") as file:
             heights = read_npy(file, path.stat().st_size)
+        if heights.dtype.kind not in "biuf" or heights.ndim != 2:
+            return RawMap(heights)
         return build_map(heights, Stated(), rows=self.rows, line="the first index", no_data=self.no_data)
 
 

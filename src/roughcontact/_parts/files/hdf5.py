@@ -20,7 +20,7 @@ from roughcontact._parts.files.base import (
     put_x_first,
     require_memory_of_map,
 )
-from roughcontact._parts.files.headers import metres
+from roughcontact._parts.files.stated import metres
 from roughcontact.errors import InputError, MissingPackage
 
 # Bytes to which compressed arrays may expand, plus a multiple of the file: heights deflate by 1 to 2, zeros by 1000.

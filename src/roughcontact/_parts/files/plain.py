@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import re
-from pathlib import Path
 
 import numpy as np
 
@@ -16,13 +15,13 @@ _WORDS = rb"\*+|-+|bad|n/?a|null|none|no ?data|invalid|missing|[-+]?1\.#\w+"
 _FORTRAN = re.compile(rb"(?<=[0-9.])[dD](?=[-+]?[0-9])")
 
 
-def read_plain(path: Path, encoding: str, separator: str, decimal: str, first: int) -> Array | None:
-    """Return the table of numbers from a line of a file on; None if it is not surely one without exceptions.
+def read_plain(data: bytes, encoding: str, separator: str, decimal: str, first: int) -> Array | None:
+    """Return the table of numbers from a line of a text on; None if it is not surely one without exceptions.
 
     It has the same number of fields in each line, no comment or blank line, no number that is too large, and no mark
     of quotation, decimal comma or word for a non-measured point that could mean anything else.
     """
-    body = _skip_lines(_read_bytes(path, encoding), first - 1).rstrip(b" \t\r\n" if separator != "\t" else b"\r\n")
+    body = _skip_lines(_recode(data, encoding), first - 1).rstrip(b" \t\r\n" if separator != "\t" else b"\r\n")
     if not body or b"#" in body.replace(b"1.#", b""):
         return None
     count = body.count(b"\n") + 1
@@ -43,9 +42,8 @@ def read_plain(path: Path, encoding: str, separator: str, decimal: str, first: i
     return None if found is None or len(found) != count or np.isinf(found).any() else found
 
 
-def _read_bytes(path: Path, encoding: str) -> bytes:
-    """Return the bytes of a file in UTF-8, with the ends of lines of Unix."""
-    data = path.read_bytes()
+def _recode(data: bytes, encoding: str) -> bytes:
+    """Return text in UTF-8, with the ends of lines of Unix."""
     if encoding == "utf-8-sig":
         data = data[3:]
     elif encoding != "utf-8":

@@ -6,7 +6,6 @@ import itertools
 import math
 import re
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 
@@ -32,14 +31,13 @@ _ZYGO_PHASE = 10
 _MAX_HEADER_LINES = 60
 
 
-def read_program(path: Path, rows: str) -> RawMap | None:
-    """Return the map in a file of one of these programs; None if it is of none of them."""
-    with path.open("rb") as file:
-        start = file.read(_BEGINNING_BYTES)
+def read_program(data: bytes, rows: str) -> RawMap | None:
+    """Return the map in the text of one of these programs; None if it is of none of them."""
+    start = data[:_BEGINNING_BYTES]
     reader = next((read for mark, read in _READERS.items() if start.lstrip().startswith(mark)), None)
     if reader is None:
         return None
-    lines = path.read_text(encoding="latin-1").lstrip().splitlines()
+    lines = data.decode("latin-1").lstrip().splitlines()
     try:
         return reader(lines, rows)
     except (ValueError, IndexError, KeyError) as error:

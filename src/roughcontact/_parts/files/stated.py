@@ -23,12 +23,13 @@ _MICRO = str.maketrans({"µ": "u", "μ": "u", "\udcb5": "u"})
 # Relative difference between a stated size and the stated steps times the number of points, or of their distances.
 _SIZE_TOLERANCE = 2e-2
 # Distance of a number of non-measured points from the heights, over their range, and such numbers of programs: nines,
-# the limits of integers, and what is too large for any height in any unit; zero from this number of points on.
+# the limits of integers, and what is too large for any height in any unit; zero from this number of points on, to half
+# of them.
 _MARK_DISTANCE = 2.0
 _MARKS = {99.0, 999.0, 999.25, 999.9, 9999.0, 9999.9, 99999.0, 99999.9, 999999.0, 9999999.0, 99999999.0}
 _MARKS |= {32767.0, 32768.0, 65535.0, 2147483647.0, 2147483648.0, 4294967295.0, 8388607.0, 8388608.0}
 _MIN_MARK = 1e20
-_MIN_ZEROS = 4
+_MIN_ZEROS = 16
 # Characters of what a file states that a message repeats.
 _MAX_QUOTED_CHARACTERS = 60
 
@@ -175,7 +176,6 @@ def _scale(numbers: npt.NDArray[np.generic], stated: Stated) -> Array:
         with np.errstate(over="ignore"):
             marked = np.asarray(one).astype(numbers.dtype) if numbers.dtype.kind == "f" else np.asarray(one)
         values[values == float(marked)] = np.nan
-    values[~np.isfinite(values)] = np.nan
     if stated.factor != 1.0:
         values *= stated.factor
     if stated.offset != 0.0:
@@ -196,7 +196,9 @@ def _refuse_marks(numbers: npt.NDArray[np.generic]) -> None:
                 return
             lowest, highest = float(others.min()), float(others.max())
             distance = max(lowest - mark, mark - highest)
-            if distance > _MARK_DISTANCE * (highest - lowest) > 0.0 and _is_mark(mark, finite.size - others.size):
+            if distance > _MARK_DISTANCE * (highest - lowest) > 0.0 and _is_mark(
+                mark, finite.size - others.size, finite.size
+            ):
                 raise InputError(
                     f"its number {mark:.12g} stands at {finite.size - others.size} points, far from all others "
                     f"({lowest:.6g} to {highest:.6g}), as programs write it where nothing was measured: say so with "
@@ -204,10 +206,10 @@ def _refuse_marks(numbers: npt.NDArray[np.generic]) -> None:
                 )
 
 
-def _is_mark(value: float, count: int) -> bool:
-    """Return whether a number at so many points is one that programs write for a non-measured point."""
+def _is_mark(value: float, count: int, total: int) -> bool:
+    """Return whether a number at so many of all points is one that programs write for a non-measured point."""
     if value == 0.0:
-        return count >= _MIN_ZEROS
+        return _MIN_ZEROS <= count <= total // 2
     return abs(value) in _MARKS or abs(value) >= _MIN_MARK
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import gzip
-import tempfile
 from pathlib import Path
 
 import attrs
@@ -80,14 +79,15 @@ class TextReader(SurfaceReader):
 
     def read(self, path: Path) -> RawMap:
         """Return the map."""
+        # The text is held twice, and then the map.
+        require_memory_of_map(2.0 * path.stat().st_size)
+        data = self._unpack(path) if path.suffix.lower() == _COMPRESSED else path.read_bytes()
         # numpy.savetxt writes a number in at most 25 characters; the map is held twice while it is checked.
-        require_memory_of_map(16.0 / 25.0 * path.stat().st_size)
-        if path.suffix.lower() == _COMPRESSED:
-            return self._read_compressed(path)
-        program = read_program(path, self.rows) if not self.skip_rows else None
+        require_memory_of_map(16.0 / 25.0 * len(data))
+        program = read_program(data, self.rows) if not self.skip_rows else None
         if program is not None:
             return program
-        table = read_table(path, self.separator, self.decimal, self.skip_rows)
+        table = read_table(data, self.separator, self.decimal, self.skip_rows)
         stated = read_header(table.header)
         numbers = table.numbers
         count, columns = numbers.shape
@@ -108,18 +108,16 @@ class TextReader(SurfaceReader):
             require_heights(numbers)
         return build_map(numbers, stated, rows=self.rows, no_data=self.no_data)
 
-    def _read_compressed(self, path: Path) -> RawMap:
-        """Return the map in a text file that gzip has compressed."""
-        name = Path(path.stem)
-        if name.suffix.lower() not in self.suffixes - {_COMPRESSED}:
+    def _unpack(self, path: Path) -> bytes:
+        """Return the text in a file that gzip has compressed."""
+        if Path(path.stem).suffix.lower() not in self.suffixes - {_COMPRESSED}:
             raise InputError("it is compressed by gzip: unpack it first (gunzip)")
         most = _EXPANSION_ALLOWANCE + _MAX_EXPANSION_RATIO * path.stat().st_size
-        with tempfile.TemporaryDirectory() as folder, gzip.open(path) as packed:
-            text = packed.read(most + 1)
-            if len(text) > most:
-                raise InputError(f"it expands to more than {most} bytes: unpack it first (gunzip)")
-            (Path(folder) / name.name).write_bytes(text)
-            return self.read(Path(folder) / name.name)
+        with gzip.open(path) as packed:
+            data = packed.read(most + 1)
+        if len(data) > most:
+            raise InputError(f"it expands to more than {most} bytes: unpack it first (gunzip)")
+        return data
 
     def _read_points(self, numbers: Array, header: tuple[str, ...], stated: Stated) -> RawMap:
         """Return the map of a list of points; the units are those of the names of its columns, or of its header."""

@@ -5,11 +5,11 @@ from __future__ import annotations
 import array
 import codecs
 import contextlib
+import io
 import itertools
 import math
 import re
 from collections.abc import Iterator, Sequence
-from pathlib import Path
 
 import attrs
 import numpy as np
@@ -243,15 +243,16 @@ class Table:
     blank: int | None = None
 
 
-def read_table(path: Path, separator: str = "auto", decimal: str = "auto", skip_rows: int = 0) -> Table:
-    """Return the numbers of a text file and its header; `InputError` with the line if it is not a table of numbers."""
-    with path.open("rb") as file:
-        start = file.read(4)
-    encoding = next((name for mark, name in _BYTE_ORDER_MARKS.items() if start.startswith(mark)), "utf-8")
+def read_table(data: bytes, separator: str = "auto", decimal: str = "auto", skip_rows: int = 0) -> Table:
+    """Return the numbers in the bytes of a text file and its header; `InputError` if they are not a table of numbers.
+
+    The message names the line.
+    """
+    encoding = next((name for mark, name in _BYTE_ORDER_MARKS.items() if data.startswith(mark)), "utf-8")
     # Comments may be in any encoding.
     errors = "surrogateescape" if encoding.startswith("utf-8") else "strict"
     try:
-        with path.open(encoding=encoding, errors=errors) as text:
+        with io.TextIOWrapper(io.BytesIO(data), encoding=encoding, errors=errors) as text:
             header: list[str] = []
             lines = _heights(enumerate(itertools.islice(text, skip_rows, None), skip_rows + 1), header)
             sample = list(itertools.islice(lines, _SAMPLE_LINES))
@@ -261,7 +262,7 @@ def read_table(path: Path, separator: str = "auto", decimal: str = "auto", skip_
             numbers = None
             blank = None
             if not layout.ends(sample[0][1]):
-                numbers = read_plain(path, encoding, layout.separator, layout.decimal, sample[0][0])
+                numbers = read_plain(data, encoding, layout.separator, layout.decimal, sample[0][0])
             if numbers is None:
                 numbers, blank = _read_rows(itertools.chain(sample, lines), layout)
             _require_words(header, layout, numbers.shape[1])

@@ -15,7 +15,7 @@ import numpy as np
 from roughcontact._base.arrays import Array, Pair
 from roughcontact._base.checks import integer
 from roughcontact._parts.files.base import RawMap, SurfaceReader, require_memory_of_map
-from roughcontact._parts.files.headers import metres
+from roughcontact._parts.files.stated import metres
 from roughcontact.errors import InputError, MissingPackage
 
 # Number of the tag with the value of points without data, in geographic images.
