@@ -121,11 +121,6 @@ def surfer7(rows=37, rotation=0.0, values=MICROMETRES.T):
     )
 
 
-def surfer_text(columns=24):
-    rows = "\n".join(" ".join(f"{value:.9g}" for value in row) for row in MICROMETRES.T)
-    return f"DSAA\n{columns} 37\n0 46\n0 108\n-1 1\n{rows}\n".encode()
-
-
 AXIS = "<C{0}><AxisType>{1}</AxisType><DataType>{2}</DataType><Increment>{3}</Increment><Offset>0</Offset></C{0}>"
 
 
@@ -209,7 +204,6 @@ READ = {
     "TIFF, big": ("a.tiff", lambda: tiff(bigtiff=True, compression="zlib"), ALL),
     "Surfer 6": ("a.grd", surfer6, ALL),
     "Surfer 7": ("a.grd", surfer7, ALL),
-    "Surfer, text": ("a.grd", surfer_text, ALL),
     "X3P": ("a.x3p", x3p, {}),
     "X3P without a checksum": ("a.x3p", lambda: x3p(digest="0" * 32), {}),
 }
@@ -334,7 +328,12 @@ def test_a_small_file_of_an_instrument_cannot_declare_gigabytes(instruments, tmp
     (tmp_path / file).write_bytes(make())
     rc.read_surface(tmp_path / file)
     (tmp_path / file).write_bytes(make(30_000))
-    refuse(tmp_path / file, {"Gwyddion": "more than", "ISO 25178-71, text": "cannot be read"}.get(name, "30000 x 37"))
+    refuse(
+        tmp_path / file,
+        {
+            "Gwyddion": "more than",
+        }.get(name, "30000 x 37"),
+    )
 
 
 def compound(block):
@@ -385,8 +384,6 @@ REFUSED = {
     "Surfer 6, huge": ("a.grd", lambda: surfer6(30_000), "30000 x 37 points, but holds 888"),
     "Surfer 7, huge": ("a.grd", lambda: surfer7(2**31), "24 x 2147483648 points, but holds 888"),
     "Surfer 7, turned": ("a.grd", lambda: surfer7(rotation=30.0), "turned by 30"),
-    "Surfer, text with another shape": ("a.grd", lambda: surfer_text(25), "25 x 37 points, but holds 888"),
-    "another grid": ("a.grd", lambda: b"GRD98" + bytes(99), "does not begin as grids of Surfer do"),
     "X3P, another checksum": ("a.x3p", lambda: x3p(digest="1" * 32), "not those of its checksum"),
     "X3P, absolute positions": ("a.x3p", lambda: x3p(first="A"), "its x are absolute positions"),
     "X3P, huge": ("a.x3p", lambda: x3p(size_x=30_000), "bytes, but 8880000 are stated"),
@@ -400,7 +397,7 @@ REFUSED = {
     ),
     "a workbook by another name": ("a.plux", lambda: archive({"[Content_Types].xml": ""}), "the sheet of its heights"),
     "an old workbook": ("a.xls", lambda: compound(b"a"), "the sheet of its heights as CSV"),
-    "gzip": ("a.txt.gz", lambda: gzip.compress(b"1 2 3\n"), "gunzip"),
+    "gzip": ("a.tif.gz", lambda: gzip.compress(tiff()), "gunzip"),
     "xz": ("a.txt.xz", lambda: b"\xfd7zXZ\0\0", "unpack it first"),
     "a mesh": ("a.stl", lambda: bytes(80) + struct.pack("<I", 1) + bytes(50), "a mesh in STL"),
     "a cloud": ("a.las", lambda: b"LASF" + bytes(99), "a cloud of points in LAS"),

@@ -74,10 +74,10 @@ REFUSED = {
         "a.asc",
         ESRI.replace("37", "36") + IMAGE,
         {"size": SIZE},
-        "states 24 columns and 36 rows",
+        "states 24 x 36 points along x and y, but holds 24 x 37",
     ),
     "thousands": ("a.txt", THOUSANDS, {"size": SIZE, "unit": "nm"}, "commas may separate thousands"),
-    "a fourth column": ("a.csv", "x,y,z,intensity\n" + FOURTH, {"size": SIZE}, "with further columns"),
+    "a fourth column": ("a.csv", FOURTH, {"size": SIZE}, "with further columns"),
     "points and sides exchanged": ("a.csv", POINTS, {"size": SIZE[::-1]}, "2 and 2 apart along x and y, but on"),
     "rounded positions": ("a.txt", ROUNDED, {"size": SIZE, "rows": "y"}, "its first row rise in equal steps"),
     "two channels": (

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import math
 import warnings
 from pathlib import Path
@@ -73,7 +74,9 @@ def _read_classic(path: Path) -> tuple[dict[str, NamedArray], bool]:
 
     size = path.stat().st_size
     found = {}
-    with warnings.catch_warnings(action="ignore"), netcdf_file(path, "r", mmap=True) as file:
+    # Of a file, scipy allocates what is declared; of bytes, what is there.
+    stream = io.BytesIO(path.read_bytes())
+    with warnings.catch_warnings(action="ignore"), netcdf_file(stream, "r", mmap=False) as file:
         left = bound_expansion(size)
         for name, one in file.variables.items():
             left -= math.prod(one.shape) * one.itemsize()

@@ -24,18 +24,25 @@ _MIN_LISTED_FRACTION = 0.5
 # Further columns of a list of points that are looked for, and the minimum points of such a list: 3 x 3.
 _MAX_COLUMNS = 8
 _MIN_POINTS = 9
-# Names of columns, divided by blanks or separators, with a unit in brackets.
-_NAME = re.compile(r"[\s,;#\"]+")
+# The name of a column with its unit in brackets or behind it: "X [um]", "z_nm", "height (nm)".
+_NAME = re.compile(r"([^\W\d]+)(?:_([A-Za-zµμ]{1,5}))?\s*(?:[\[(]\s*([^\])]*?)\s*[\])])?")
+_COLUMNS = {"x": ("x",), "y": ("y",), "z": ("z", "height", "heights", "höhe", "hauteur", "elevation", "topography")}
 
 
-def order_columns(points: Array, header: Sequence[str]) -> Array:
-    """Return points with the columns x, y and z, in the order of the names above them; as they are without names."""
+def read_columns(points: Array, header: Sequence[str]) -> tuple[Array, dict[str, str]] | None:
+    """Return the columns x, y and z of a list of points and their units by axis; None without names above them."""
     for line in reversed(header):
-        names = [re.sub(r"[\[(].*", "", name).lower() for name in _NAME.split(line) if name]
-        found = [name for name in names if name in ("x", "y", "z")]
-        if sorted(found) == ["x", "y", "z"]:
-            return points[:, [found.index(name) for name in ("x", "y", "z")]]
-    return points
+        names = [(found[1].lower(), found[2] or found[3] or "") for found in _NAME.finditer(line)]
+        places = {
+            axis: [place for place, (name, _) in enumerate(names) if name in words] for axis, words in _COLUMNS.items()
+        }
+        # A column of numbers of the lines has no name.
+        before = points.shape[1] - len(names)
+        if all(len(found) == 1 for found in places.values()) and before in (0, 1):
+            chosen = [places[axis][0] for axis in "xyz"]
+            units = {axis: names[place][1] for axis, place in zip("xyz", chosen, strict=True) if names[place][1]}
+            return points[:, [place + before for place in chosen]], units
+    return None
 
 
 def refuse_further_columns(table: Array) -> None:
@@ -49,7 +56,7 @@ def refuse_further_columns(table: Array) -> None:
         return
     raise InputError(
         f"each of its {rows} rows holds {columns} numbers, of which the first two are places on a regular grid, as in "
-        "a list of points x y z with further columns: keep the three columns x y z"
+        "a list of points x y z with further columns: keep the three columns x y z, or name them above the numbers"
     )
 
 

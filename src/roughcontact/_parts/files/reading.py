@@ -25,8 +25,15 @@ from roughcontact.errors.door import guarded
 
 _LOGGER = logging.getLogger("roughcontact")
 _FALLBACK_READER = "instrument"
-# First bytes of instruments' files whose ending is that of text files: of Zygo.
-_BEGINNINGS_OF_INSTRUMENTS = (b"\x88\x1b\x03\x6f", b"\x88\x1b\x03\x70", b"\x88\x1b\x03\x71")
+# First bytes of files whose ending is that of text files, and their readers: of Zygo, SDF and Surfer in binary.
+_READERS_BY_BEGINNING = {
+    b"\x88\x1b\x03\x6f": _FALLBACK_READER,
+    b"\x88\x1b\x03\x70": _FALLBACK_READER,
+    b"\x88\x1b\x03\x71": _FALLBACK_READER,
+    b"bISO-1.0": _FALLBACK_READER,
+    b"DSBB": "surfer",
+    b"DSRB": "surfer",
+}
 # Characters of a reader's message that ours repeats.
 _MAX_REASON_CHARACTERS = 200
 # Relative difference between a given size and the size in a file: six digits, as people type them.
@@ -141,7 +148,8 @@ def read_raw(file: str | Path, reader: str | SurfaceReader = "auto", **options: 
 
 def _explain(error: Exception, file: Path) -> Exception:
     """Return the error for a file that its reader could not read."""
-    foreign = find_foreign(file)
+    # Text that was unpacked is known.
+    foreign = "" if file.suffix.lower() == ".gz" and isinstance(error, InputError) else find_foreign(file)
     if foreign or isinstance(error, InputError):
         return InputError(f"The file {file.name} cannot be used: {foreign or str(error).rstrip('.')}.")
     if isinstance(error, RoughContactError):
@@ -171,8 +179,9 @@ def _make_reader(choice: str | SurfaceReader, file: Path, options: dict[str, Any
 
 def _reader_for(file: Path) -> str:
     suffix = file.suffix.lower()
-    if _begins_with(file, _BEGINNINGS_OF_INSTRUMENTS):
-        return _FALLBACK_READER
+    start = _read_start(file)
+    if found := [name for mark, name in _READERS_BY_BEGINNING.items() if start.startswith(mark)]:
+        return found[0]
     for name in readers:
         # A broken plug-in must not keep others from reading their files.
         with contextlib.suppress(InputError):
@@ -181,13 +190,13 @@ def _reader_for(file: Path) -> str:
     return _FALLBACK_READER
 
 
-def _begins_with(file: Path, beginnings: tuple[bytes, ...]) -> bool:
-    """Return whether a file begins with one of some bytes."""
+def _read_start(file: Path) -> bytes:
+    """Return the first bytes of a file, as many as tell its kind; none if it cannot be opened."""
     try:
         with file.open("rb") as stream:
-            return stream.read(max(map(len, beginnings))).startswith(beginnings)
+            return stream.read(max(map(len, _READERS_BY_BEGINNING)))
     except OSError:
-        return False
+        return b""
 
 
 def _require_rows(heights: Array, size: Length | Sequence[Length], file: Path) -> None:

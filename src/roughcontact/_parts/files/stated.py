@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+
 import attrs
 import numpy as np
 import numpy.typing as npt
@@ -20,6 +22,14 @@ _METRES_PER_UNIT |= {"\N{ANGSTROM SIGN}": 1e-10, "inch": 0.0254, "in": 0.0254, "
 _MICRO = str.maketrans({"µ": "u", "μ": "u", "\udcb5": "u"})
 # Relative difference between a stated size and the stated steps times the number of points, or of their distances.
 _SIZE_TOLERANCE = 2e-2
+# Distance of a number of non-measured points from the heights, over their range, and such numbers of programs: nines,
+# the limits of integers, and what is too large for any height in any unit; zero from this number of points on, to half
+# of them.
+_MARK_DISTANCE = 2.0
+_MARKS = {99.0, 999.0, 999.25, 999.9, 9999.0, 9999.9, 99999.0, 99999.9, 999999.0, 9999999.0, 99999999.0}
+_MARKS |= {32767.0, 32768.0, 65535.0, 2147483647.0, 2147483648.0, 4294967295.0, 8388607.0, 8388608.0}
+_MIN_MARK = 1e20
+_MIN_ZEROS = 16
 # Characters of what a file states that a message repeats.
 _MAX_QUOTED_CHARACTERS = 60
 
@@ -89,6 +99,7 @@ def build_map(
     rows: str = "auto",
     line: str = "a line of the file",
     needs_unit: bool = False,
+    no_data: float | str | None = "none",
 ) -> RawMap:
     """Return the map of the numbers of a file, in any type, shape (n, m); what the file states is used or refused.
 
@@ -100,8 +111,15 @@ def build_map(
         What one first index is, in the words of a user.
     needs_unit
         Whether numbers without a stated unit have an unknown one, as in images, instead of metres.
+    no_data
+        The number that stands for a non-measured point, as the user gives it; ``"none"`` if there is none; None if
+        nobody says so: a number that looks like one is asked about.
     """
     require_understood(stated)
+    if isinstance(no_data, float):
+        stated = attrs.evolve(stated, non_measured=(no_data,))
+    elif no_data is None and not stated.non_measured:
+        _refuse_marks(numbers)
     first = _find_rows(stated, rows)
     heights = _scale(numbers, stated)
     heights = put_x_first(heights, first or "x")
@@ -158,12 +176,52 @@ def _scale(numbers: npt.NDArray[np.generic], stated: Stated) -> Array:
         with np.errstate(over="ignore"):
             marked = np.asarray(one).astype(numbers.dtype) if numbers.dtype.kind == "f" else np.asarray(one)
         values[values == float(marked)] = np.nan
-    values[~np.isfinite(values)] = np.nan
     if stated.factor != 1.0:
         values *= stated.factor
     if stated.offset != 0.0:
         values += stated.offset
     return values
+
+
+def _refuse_marks(numbers: npt.NDArray[np.generic]) -> None:
+    """Refuse an extreme number, far from all others, that programs write for a non-measured point."""
+    values = np.asarray(numbers, dtype=np.float64)
+    with np.errstate(invalid="ignore", over="ignore"):
+        finite = values[np.isfinite(values)]
+        if finite.size == 0:
+            return
+        for mark in (float(finite.min()), float(finite.max())):
+            others = finite[finite != mark]
+            if not others.size:
+                return
+            lowest, highest = float(others.min()), float(others.max())
+            distance = max(lowest - mark, mark - highest)
+            if distance > _MARK_DISTANCE * (highest - lowest) > 0.0 and _is_mark(
+                mark, finite.size - others.size, finite.size
+            ):
+                raise InputError(
+                    f"its number {mark:.12g} stands at {finite.size - others.size} points, far from all others "
+                    f"({lowest:.6g} to {highest:.6g}), as programs write it where nothing was measured: say so with "
+                    f"no_data={mark:.12g}, or no_data='none' if it is a height"
+                )
+
+
+def _is_mark(value: float, count: int, total: int) -> bool:
+    """Return whether a number at so many of all points is one that programs write for a non-measured point."""
+    if value == 0.0:
+        return _MIN_ZEROS <= count <= total // 2
+    return abs(value) in _MARKS or abs(value) >= _MIN_MARK
+
+
+def check_no_data(value: float | str | None) -> float | str | None:
+    """Return the number of non-measured points in a file, ``"none"`` or None, or raise `InputError`."""
+    with contextlib.suppress(TypeError, ValueError):
+        if value is not None and not isinstance(value, bool) and np.isfinite(float(value)):
+            return float(value)
+    if value not in (None, "none"):
+        allowed = "a number such as -9999, or 'none' if it holds only heights"
+        raise InputError.about("The number of non-measured points in a file", value, allowed)
+    return value
 
 
 def _require_shape(heights: Array, stated: Stated) -> None:

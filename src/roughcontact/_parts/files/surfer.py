@@ -1,9 +1,8 @@
-"""Grids of Surfer, in their three kinds: text (DSAA), and binary of version 6 (DSBB) and 7 (DSRB)."""
+"""Binary grids of Surfer, of version 6 (DSBB) and 7 (DSRB); those in text are read with other texts."""
 
 from __future__ import annotations
 
 import math
-import re
 import struct
 from pathlib import Path
 
@@ -15,7 +14,7 @@ from roughcontact._parts.files.base import RawMap, SurfaceReader, require_memory
 from roughcontact._parts.files.stated import Stated, build_map
 from roughcontact.errors import InputError
 
-# The value of a point without data in texts and in version 6; version 7 states its own.
+# The value of a point without data in version 6; version 7 states its own.
 _BLANK = 1.70141e38
 # Version 6: numbers of points along x and y, ranges of x, y and z.
 _HEAD_6 = struct.Struct("<4xhh6d")
@@ -28,12 +27,15 @@ _MAX_SECTIONS = 100
 
 @attrs.frozen
 class SurferReader(SurfaceReader):
-    """A grid of Surfer, whose rows are those of y. Its unit of length is not stated: size and unit must be given."""
+    """A binary grid of Surfer, whose rows are those of y; it is known by its first bytes.
+
+    Its unit of length is not stated: size and unit must be given.
+    """
 
     @property
     def suffixes(self) -> frozenset[str]:
-        """Grd."""
-        return frozenset({".grd"})
+        """None."""
+        return frozenset()
 
     def read(self, path: Path) -> RawMap:
         """Return the map."""
@@ -42,23 +44,9 @@ class SurferReader(SurfaceReader):
         data = path.read_bytes()
         kind = data[:4]
         if kind not in _KINDS:
-            raise InputError("it does not begin as grids of Surfer do (DSAA, DSBB or DSRB): export it as text x y z")
+            raise InputError("it does not begin as grids of Surfer do (DSBB or DSRB): export it as text x y z")
         numbers, stated = _KINDS[kind](data)
         return build_map(numbers, stated, line="a row of the grid", needs_unit=True)
-
-
-def _read_text(data: bytes) -> tuple[RealArray, Stated]:
-    words = data.split()
-    head = words[1:9]
-    if len(head) < 8 or not all(re.fullmatch(rb"[0-9]{1,9}", word) for word in head[:2]):
-        raise InputError("its head is incomplete")
-    columns, rows = int(head[0]), int(head[1])
-    try:
-        x0, x1, y0, y1 = (float(word) for word in head[2:6])
-        numbers = np.array([float(word) for word in words[9:]])
-    except ValueError as error:
-        raise InputError(f"it holds what is not a number ({error})") from None
-    return _shape(numbers, columns, rows), _describe(columns, rows, (x1 - x0, y1 - y0))
 
 
 def _read_6(data: bytes) -> tuple[RealArray, Stated]:
@@ -113,4 +101,4 @@ def _describe(columns: int, rows: int, ranges: tuple[float, float]) -> Stated:
     return Stated(rows="y", steps=(ranges[0] / (columns - 1), ranges[1] / (rows - 1)))
 
 
-_KINDS = {b"DSAA": _read_text, b"DSBB": _read_6, b"DSRB": _read_7}
+_KINDS = {b"DSBB": _read_6, b"DSRB": _read_7}

@@ -5,16 +5,17 @@ from __future__ import annotations
 import array
 import codecs
 import contextlib
+import io
 import itertools
 import math
 import re
 from collections.abc import Iterator, Sequence
-from pathlib import Path
 
 import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array
+from roughcontact._parts.files.plain import read_plain
 from roughcontact.errors import InputError
 
 # Separators by the names of those that are awkward to type.
@@ -22,7 +23,7 @@ WORDS = {"tab": "\t", "blank": " "}
 SEPARATORS = (",", ";", "\t", " ")
 # Possible separators of fields, and a number or its part before a decimal comma, before the layout is known.
 _FIELD_SEPARATOR = re.compile(r"[\s,;]")
-_NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
+_NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eEdD][-+]?[0-9]+)?")
 # Fields of a non-measured point, also as the C library of Windows writes them (1.#QNAN).
 _NON_MEASURED = re.compile(
     r"\*+|-+|bad|n/?a|null|none|no ?data|invalid|missing|[-+]?(?:nan|inf(?:inity)?|1\.#\w+)", re.IGNORECASE
@@ -58,6 +59,8 @@ _NO_DATA = re.compile(r"\bno data\b", re.IGNORECASE)
 # A number with commas that may separate thousands, and one without.
 _THOUSANDS = re.compile(r"[-+]?[0-9]{1,3}(?:,[0-9]{3})+")
 _WHOLE = re.compile(r"[-+]?[0-9]+")
+# An exponent of Fortran.
+_FORTRAN = re.compile(r"(?<=[0-9.])[dD](?=[-+]?[0-9])")
 # A comment at the end of a line, but not the mark in 1.#QNAN.
 _COMMENT = re.compile(r"(?:^|(?<=[\s,;]))#.*", re.DOTALL)
 
@@ -230,46 +233,42 @@ def _find_rounding(line: Array) -> float:
 
 @attrs.frozen(eq=False)
 class Table:
-    """The numbers of a text file, shape (rows, numbers in a row), NaN for an empty field, and the lines above them."""
+    """The numbers of a text file, shape (rows, numbers in a row), NaN for an empty field, and the lines above them.
+
+    `blank` is the first line between the numbers that is blank, where not all lines are divided so; else None.
+    """
 
     numbers: Array
     header: tuple[str, ...]
+    blank: int | None = None
 
 
-def read_table(path: Path, separator: str = "auto", decimal: str = "auto", skip_rows: int = 0) -> Table:
-    """Return the numbers of a text file and its header; `InputError` with the line if it is not a table of numbers."""
-    with path.open("rb") as file:
-        start = file.read(4)
-    encoding = next((name for mark, name in _BYTE_ORDER_MARKS.items() if start.startswith(mark)), "utf-8")
+def read_table(data: bytes, separator: str = "auto", decimal: str = "auto", skip_rows: int = 0) -> Table:
+    """Return the numbers in the bytes of a text file and its header; `InputError` if they are not a table of numbers.
+
+    The message names the line.
+    """
+    encoding = next((name for mark, name in _BYTE_ORDER_MARKS.items() if data.startswith(mark)), "utf-8")
     # Comments may be in any encoding.
     errors = "surrogateescape" if encoding.startswith("utf-8") else "strict"
     try:
-        with path.open(encoding=encoding, errors=errors) as text:
+        with io.TextIOWrapper(io.BytesIO(data), encoding=encoding, errors=errors) as text:
             header: list[str] = []
             lines = _heights(enumerate(itertools.islice(text, skip_rows, None), skip_rows + 1), header)
             sample = list(itertools.islice(lines, _SAMPLE_LINES))
             if not sample:
                 raise InputError(_nothing(header))
             layout = find_layout([content for _, content in sample], separator, decimal)
-            numbers = _read_plain(path, encoding, layout, sample[0][0])
+            numbers = None
+            blank = None
+            if not layout.ends(sample[0][1]):
+                numbers = read_plain(data, encoding, layout.separator, layout.decimal, sample[0][0])
             if numbers is None:
-                numbers = _read_rows(itertools.chain(sample, lines), layout)
+                numbers, blank = _read_rows(itertools.chain(sample, lines), layout)
             _require_words(header, layout, numbers.shape[1])
-            return Table(numbers, tuple(header))
+            return Table(numbers, tuple(header), blank)
     except UnicodeError:
         raise InputError(f"it begins like text in {encoding}, but is not: save it as plain text (UTF-8)") from None
-
-
-def _read_plain(path: Path, encoding: str, layout: Layout, first: int) -> Array | None:
-    """Return the rows of numbers from a line on, by numpy; None if there is anything else than numbers among them."""
-    if layout.decimal != ".":
-        return None
-    separator = None if layout.separator == " " else layout.separator
-    try:
-        found = np.loadtxt(path, delimiter=separator, comments=None, skiprows=first - 1, encoding=encoding, ndmin=2)
-    except (ValueError, OverflowError):
-        return None
-    return found if found.size and np.isfinite(found).all() else None
 
 
 def _nothing(header: list[str]) -> str:
@@ -328,8 +327,10 @@ def _unquote(quoted: re.Match[str]) -> str:
     )
 
 
-def _read_rows(lines: Iterator[tuple[int, str]], layout: Layout) -> Array:
+def _read_rows(lines: Iterator[tuple[int, str]], layout: Layout) -> tuple[Array, int | None]:
     numbers = array.array("d")
+    gaps: list[int] = []
+    last = 0
     columns = 0
     rows = 0
     ends = 0
@@ -353,6 +354,8 @@ def _read_rows(lines: Iterator[tuple[int, str]], layout: Layout) -> Array:
                 f"line {place} has {len(row)} numbers, but the lines before it have {columns}: write nan for a point "
                 "that was not measured; if those lines are a header, say how many lines with skip_rows="
             )
+        gaps.extend([place - 1] if last and place > last + 1 else [])
+        last = place
         numbers.extend(row)
         rows += 1
         ends = ends + ended
@@ -361,7 +364,7 @@ def _read_rows(lines: Iterator[tuple[int, str]], layout: Layout) -> Array:
     if padded and ends < rows:
         raise InputError(f"line {padded} has {columns - 1} numbers, but others have {columns}: write nan for its last")
     heights = np.frombuffer(numbers).reshape(rows, columns)
-    return heights[:, :-1] if ends == rows else heights
+    return heights[:, :-1] if ends == rows else heights, gaps[0] if 0 < len(gaps) < rows - 1 else None
 
 
 def _require_words(header: list[str], layout: Layout, columns: int) -> None:
@@ -378,7 +381,8 @@ def _require_words(header: list[str], layout: Layout, columns: int) -> None:
 
 
 def _float(word: str) -> float | None:
-    """Return the number, or None: Python also reads 1_000 and digits of other scripts."""
+    """Return the number, or None: Python also reads 1_000 and digits of other scripts, but not Fortran's 1.0D-03."""
+    word = _FORTRAN.sub("e", word)
     try:
         return float(word) if word.isascii() and "_" not in word else None
     except ValueError:
