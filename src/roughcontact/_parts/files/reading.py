@@ -25,8 +25,8 @@ from roughcontact.errors.door import guarded
 
 _LOGGER = logging.getLogger("roughcontact")
 _FALLBACK_READER = "instrument"
-# First bytes of instruments' files whose ending is that of text files: of Zygo.
-_BEGINNINGS_OF_INSTRUMENTS = (b"\x88\x1b\x03\x6f", b"\x88\x1b\x03\x70", b"\x88\x1b\x03\x71")
+# First bytes of instruments' files whose ending is that of text files: of Zygo, and SDF in binary numbers.
+_BEGINNINGS_OF_INSTRUMENTS = (b"\x88\x1b\x03\x6f", b"\x88\x1b\x03\x70", b"\x88\x1b\x03\x71", b"bISO-", b"bBCR-")
 # Characters of a reader's message that ours repeats.
 _MAX_REASON_CHARACTERS = 200
 # Relative difference between a given size and the size in a file: six digits, as people type them.

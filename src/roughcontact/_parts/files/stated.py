@@ -22,13 +22,14 @@ _METRES_PER_UNIT |= {"\N{ANGSTROM SIGN}": 1e-10, "inch": 0.0254, "in": 0.0254, "
 _MICRO = str.maketrans({"µ": "u", "μ": "u", "\udcb5": "u"})
 # Relative difference between a stated size and the stated steps times the number of points, or of their distances.
 _SIZE_TOLERANCE = 2e-2
-# Distance of a number of non-measured points from the heights, over their range, and such numbers of programs: nines,
-# the limits of integers, and what is too large for any height in any unit; zero from this number of points on, to half
-# of them.
+# Minimum distance of a number of non-measured points from the heights, over their range, and such numbers of programs:
+# nines, and the limits of integers.
 _MARK_DISTANCE = 2.0
 _MARKS = {99.0, 999.0, 999.25, 999.9, 9999.0, 9999.9, 99999.0, 99999.9, 999999.0, 9999999.0, 99999999.0}
 _MARKS |= {32767.0, 32768.0, 65535.0, 2147483647.0, 2147483648.0, 4294967295.0, 8388607.0, 8388608.0}
+# Number that is too large for any height in any unit.
 _MIN_MARK = 1e20
+# Minimum points at which a zero, far from all other numbers, is none of the heights.
 _MIN_ZEROS = 16
 # Characters of what a file states that a message repeats.
 _MAX_QUOTED_CHARACTERS = 60
@@ -194,7 +195,8 @@ def _refuse_marks(numbers: npt.NDArray[np.generic]) -> None:
             others = finite[finite != mark]
             if not others.size:
                 return
-            lowest, highest = float(others.min()), float(others.max())
+            lowest = float(others.min())
+            highest = float(others.max())
             distance = max(lowest - mark, mark - highest)
             if distance > _MARK_DISTANCE * (highest - lowest) > 0.0 and _is_mark(
                 mark, finite.size - others.size, finite.size
