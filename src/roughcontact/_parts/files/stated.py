@@ -14,7 +14,7 @@ from roughcontact.errors import InputError
 
 # Metres in units of length, as instruments and persons write them; the two letters for micro, and its byte in Latin-1,
 # read as UTF-8.
-_METRES_PER_UNIT = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "nm": 1e-9, "pm": 1e-12, "Å": 1e-10}
+_METRES_PER_UNIT = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "km": 1e3, "um": 1e-6, "nm": 1e-9, "pm": 1e-12, "Å": 1e-10}
 _METRES_PER_UNIT |= {"meter": 1.0, "metre": 1.0, "millimeter": 1e-3, "millimetre": 1e-3, "micrometer": 1e-6}
 _METRES_PER_UNIT |= {"micrometre": 1e-6, "nanometer": 1e-9, "nanometre": 1e-9, "mikrometer": 1e-6}
 _METRES_PER_UNIT |= {"micron": 1e-6, "~m": 1e-6, "mum": 1e-6, "ang": 1e-10, "angstrom": 1e-10}
@@ -60,6 +60,8 @@ class Stated:
         Numbers that stand for non-measured points.
     shape
         Numbers of points along x and y; None for one that is not stated.
+    table
+        Numbers of first and of second indices, such as lines and numbers in a line; None for one that is not stated.
     rows
         Axis of the first index, ``"x"`` or ``"y"``; empty where it is not stated.
     falling
@@ -83,6 +85,7 @@ class Stated:
     offset: float = 0.0
     non_measured: tuple[float, ...] = ()
     shape: tuple[int | None, int | None] = (None, None)
+    table: tuple[int | None, int | None] = (None, None)
     rows: str = ""
     falling: str = ""
     size: tuple[float | None, float | None] = (None, None)
@@ -121,11 +124,12 @@ def build_map(
         stated = attrs.evolve(stated, non_measured=(no_data,))
     elif no_data is None and not stated.non_measured:
         _refuse_marks(numbers)
-    first = _find_rows(stated, rows)
+    _require_shape(numbers.shape, stated.table, "lines and numbers in a line")
+    first = _find_rows(stated, rows, numbers.shape)
     heights = _scale(numbers, stated)
     heights = put_x_first(heights, first or "x")
-    _require_shape(heights, stated)
-    if stated.falling:
+    _require_shape(heights.shape, stated.shape, "points along x and y")
+    if stated.falling and first == (stated.rows or first):
         flips = tuple(slice(None, None, -1 if axis in stated.falling else 1) for axis in "xy")
         heights = np.ascontiguousarray(heights[flips])
     unit = _find_unit(stated)
@@ -160,8 +164,11 @@ def require_understood(stated: Stated) -> None:
         raise InputError(f"it holds more than one array, {names:.200}: keep the heights alone")
 
 
-def _find_rows(stated: Stated, rows: str) -> str:
+def _find_rows(stated: Stated, rows: str, table: tuple[int, ...]) -> str:
     """Return the axis of the first index; empty where neither the file nor the user says it."""
+    if rows == "auto" and not stated.rows and stated.shape[0] != stated.shape[1] and None not in stated.shape:
+        # The stated numbers of points along x and y fit one order.
+        return "x" if table == stated.shape else "y" if table == stated.shape[::-1] else ""
     if rows == "auto":
         return stated.rows
     if stated.rows and rows != stated.rows:
@@ -226,13 +233,13 @@ def check_no_data(value: float | str | None) -> float | str | None:
     return value
 
 
-def _require_shape(heights: Array, stated: Stated) -> None:
+def _require_shape(there: tuple[int, ...], stated: tuple[int | None, int | None], what: str) -> None:
     """Refuse numbers of another shape than the file states."""
-    nx, ny = (count or there for count, there in zip(stated.shape, heights.shape, strict=True))
-    if (nx, ny) != heights.shape:
+    n, m = (count or found for count, found in zip(stated, there, strict=True))
+    if (n, m) != there:
         raise InputError(
-            f"it states {nx} x {ny} points along x and y, but holds {heights.shape[0]} x {heights.shape[1]}: it is "
-            "damaged, or holds more than one table"
+            f"it states {n} x {m} {what}, but holds {there[0]} x {there[1]}: it is damaged, or holds more than one "
+            "table"
         )
 
 
@@ -267,6 +274,9 @@ def _find_sides(stated: Stated, shape: tuple[int, int]) -> tuple[Pair | None, Pa
         raise InputError(f"it states sides of {x_side:g} and {y_side:g}, which must be positive")
     if length is not None:
         return (x_side * length, y_side * length), None, ""
+    if (x_side, y_side) == shape:
+        # They are numbers of points.
+        return None, None, ""
     steps = (x_side / shape[0], y_side / shape[1])
     named = "a unit that it does not state" if stated.length is None else repr(stated.length)
     return None, steps, f"its {shape[0]} x {shape[1]} points are {steps[0]:.6g} x {steps[1]:.6g} apart in {named}"

@@ -281,6 +281,7 @@ def _nothing(header: list[str]) -> str:
 def _heights(lines: Iterator[tuple[int, str]], header: list[str]) -> Iterator[tuple[int, str]]:
     """Yield the lines of heights with their line numbers; lines of words before them go into the header."""
     begun = False
+    comments: list[str] = []
     waiting = list[tuple[int, str]]()
     words = ""
     for place, line in lines:
@@ -291,6 +292,7 @@ def _heights(lines: Iterator[tuple[int, str]], header: list[str]) -> Iterator[tu
         if begun and not content and line.strip(" \r\n"):
             # A comment between numbers, such as the name of the next channel.
             words = words or line.strip()
+            comments.append(line.rstrip("\r\n"))
         elif begun and content and words:
             raise InputError(
                 f"the line {words[:_MAX_QUOTED_CHARACTERS]!a} stands between its numbers, as where a second table or "
@@ -307,6 +309,8 @@ def _heights(lines: Iterator[tuple[int, str]], header: list[str]) -> Iterator[tu
             begun = True
             waiting = []
     yield from waiting
+    # Comments below the numbers state as much as those above them.
+    header.extend(comments[:_MAX_HEADER_LINES])
 
 
 def _clean(content: str) -> str:
@@ -411,6 +415,8 @@ def _number(field: str, layout: Layout, place: int, rows: int) -> float:
             return math.nan
         other = "," if layout.decimal == "." else "."
         advice = f"give decimal={other!r} if that is its decimal mark" if other in word else ""
+        if advice and layout.decimal in word:
+            advice = "write numbers without separators of thousands"
         if not advice and rows >= _MIN_ROWS_ABOVE:
             advice = f"{rows} rows of numbers stand above it: if they are all, remove this line and those below it"
         advice = advice or f"lines above the heights that are not heights are skipped with skip_rows={place}"
