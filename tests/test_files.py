@@ -393,8 +393,9 @@ def test_an_image_of_gwyddion_has_its_size_its_unit_and_x_first(tmp_path):
         place = np.unravel_index(surface.values.argmax(), surface.values.shape)
         assert x[place[0]] == x.max()
         assert y[place[1]] == y.max()
+    np.testing.assert_array_equal(rc.read_surface(tmp_path / "image.txt", unit="nm").values, surface.values)
     with pytest.raises(rc.InputError, match="states its own unit of height"):
-        rc.read_surface(tmp_path / "image.txt", unit=1e-9)
+        rc.read_surface(tmp_path / "image.txt", unit=1e-6)
 
 
 def test_many_points_are_filled_as_few_are(monkeypatch):

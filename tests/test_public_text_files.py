@@ -308,7 +308,7 @@ REFUSED = {
     "a calibration": ("a.txt", "Height calibration = 12.5 nm/V\n" + lines(Z), GIVEN, "'Height calibration = 12.5"),
     "an offset": ("a.txt", "# offset: 3.5\n" + lines(Z), GIVEN, "'# offset: 3.5'"),
     "counts above a title": ("a.txt", f"{NX}\t{NY}\t2.0\nZ-data (um)\n" + lines(UP), GIVEN, "skip_rows=2"),
-    "a footer": ("a.txt", lines(Z) + "Mean\t0.1\n", GIVEN, "those below them must be removed"),
+    "a footer": ("a.txt", lines(Z) + "Mean\t0.1\n", GIVEN, "24 rows of numbers stand above it"),
     "pandas with header and index": ("a.csv", lambda: pandas_csv(), GIVEN, "count, as header and index of pandas do"),
     "pandas with an index": ("a.csv", lambda: pandas_csv(header=False), GIVEN, "count, as header and index of pandas"),
     "pandas with a header": ("a.csv", lambda: pandas_csv(index=False), GIVEN, "count, as header and index of pandas"),

@@ -74,7 +74,7 @@ REFUSED = {
         "a.asc",
         ESRI.replace("37", "36") + IMAGE,
         {"size": SIZE},
-        "states 24 x 36 points along x and y, but holds 24 x 37",
+        "states 36 x 24 lines and numbers in a line, but holds 37 x 24",
     ),
     "thousands": ("a.txt", THOUSANDS, {"size": SIZE, "unit": "nm"}, "commas may separate thousands"),
     "a fourth column": ("a.csv", FOURTH, {"size": SIZE}, "with further columns"),

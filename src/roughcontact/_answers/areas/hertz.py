@@ -285,6 +285,8 @@ def _find_areas(solution: ContactSolution) -> HertzAreas:
     error = (
         error + calibration.HERTZ_LAYERED_ERROR * summits.change + calibration.SHARED_LOAD_ERROR * np.abs(1.0 - shared)
     )
+    # On rough surfaces the spread of the curvature has grown with the other patches when its error was set.
+    error = np.maximum(error, summits.crowding)
     unresolved, large = calibration.HERTZ_RESOLUTION_ERROR
     error = error + correction.error + unresolved * curvature_resolution(solution) ** 4 / (1.0 + patches.cells / large)
     common, single = calibration.PLASTIC_ERROR

@@ -95,7 +95,7 @@ OF_READERS: dict[str, tuple[Callable[[str], Any], str]] = {
     "decimal": (str, "decimal mark in text: . or , (found)"),
     "skip_rows": (whole_number, "lines of text above the heights (found)"),
     "rows": (str, "x or y: what one line of the file is (x)"),
-    "no_data": (_no_data, "number of points that were not measured, such as -9999, or none"),
+    "no_data": (_no_data, "number of points not measured: -9999, or none"),
     "variable": (str, "array of a .mat file (heights)"),
     "page": (whole_number, "image of a TIFF file"),
 }

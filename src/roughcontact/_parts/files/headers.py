@@ -22,34 +22,54 @@ _LINES = (
 # A title of heights, with their unit in brackets.
 _TITLE = re.compile(
     r"(?i)[\s#;%\"]*(?:z|heights?|höhen?|hauteurs?|topography|topographie|elevation)[\w \-]*"
-    r"[\[(]([^\])]{1,12})[\])][\s\";,]*"
+    r"(?:[\[(]([^\])]{1,12})[\])]|(?:/|\bin\b)\s*([^\W\d]{1,11}))[\s\";,]*"
 )
 _BRACKET = re.compile(r"\s*[\[(]([^\])]*)[\])]\s*")
 _NUMBER = r"[-+]?(?:[0-9]+[.,]?[0-9]*|[.,][0-9]+)(?:[eE][-+]?[0-9]+)?"
 _VALUE = re.compile(rf"({_NUMBER})\s*(.*)", re.DOTALL)
 # What a number is of one cell for, behind the unit: "nm/pixel".
 _PER_PIXEL = re.compile(r"(?i)\s*(?:/|per)\s*(?:pixel|px|pt|point)s?.*")
-# Numbers of points along x (numbers in a line) and y (lines).
+# Numbers of points along x and y, and of the lines of a table and the numbers in each.
 _COUNTS = {
-    "count x": r"n ?cols?|cols?|columns|(?:number|count) of columns|nx|x ?pixels?|pixels x|x ?points|x ?res|samps/line"
-    r"|horizontal|horizont|spalten|anzahl (?:der )?spalten|spaltenanzahl|width in pixels|points per line",
-    "count y": r"n ?rows?|rows?|(?:number|count) of (?:rows|lines)|ny|y ?pixels?|pixels y|y ?points|y ?res|vertical"
-    r"|vertikal|lines|zeilen|anzahl (?:der )?zeilen|zeilenanzahl|height in pixels",
+    "count x": r"nx|x ?pixels?|pixels x|x ?points|points x|x ?res|horizontal|horizont",
+    "count y": r"ny|y ?pixels?|pixels y|y ?points|points y|y ?res|vertical|vertikal",
+    "columns": r"n ?cols?|cols?|columns|(?:number|count) of columns|samps/line|spalten|anzahl (?:der )?spalten"
+    r"|spaltenanzahl|points per line",
+    "lines": r"n ?rows?|rows?|(?:number|count) of (?:rows|lines)|lines|zeilen|anzahl (?:der )?zeilen|zeilenanzahl",
 }
 # Sides, also in the languages of Gwyddion, and distances of points, along x, along y, and along both; the last words of
 # the steps mean them only with a unit of length.
 _SIDE = r"length|amplitude|real|range|size|scan size|scan range"
 _STEP = r"pixel ?size|pixel ?spacing|spacing|pitch|cell ?size|sampling(?: interval| step)?|pixelgröße|punktabstand"
-_LOOSE_STEP = r"scale|calibration|justierung|resolution|increment|step(?: ?size)?|pixel ?(?:width|height)"
+_LOOSE_STEP = r"calibration|justierung|step ?size"
+_AXIS_STEP = rf"{_STEP}|{_LOOSE_STEP}|scale|resolution|increment|step|pixel ?width|pixel ?height"
+_WIDTH = r"width|breite|šířka|anchura|largeur|larghezza|largura|ширина|幅|폭"
+_HEIGHT = r"height|höhe|výška|altura|hauteur|altezza|высота|高さ|높이"
 _LENGTHS: dict[tuple[str, ...], str] = {
-    ("side x",): rf"width|x ?(?:{_SIDE})|(?:{_SIDE}) x|breite|šířka|anchura|largeur|larghezza|largura|ширина|幅|폭",
-    ("side y",): rf"height|y ?(?:{_SIDE})|(?:{_SIDE}) y|höhe|výška|altura|hauteur|altezza|высота|高さ|높이",
-    ("side x", "side y"): "scan size|scan range|image size|field of view",
-    ("step x",): rf"dx|x ?(?:{_STEP}|{_LOOSE_STEP})|(?:{_STEP}|{_LOOSE_STEP}) x",
-    ("step y",): rf"dy|y ?(?:{_STEP}|{_LOOSE_STEP})|(?:{_STEP}|{_LOOSE_STEP}) y",
-    ("step x", "step y"): rf"(?:(?:xy|lateral) ?)?(?:{_STEP}|{_LOOSE_STEP})",
+    ("side x",): rf"{_WIDTH}|x ?(?:{_SIDE})|(?:{_SIDE}) x",
+    ("side y",): rf"{_HEIGHT}|y ?(?:{_SIDE})|(?:{_SIDE}) y",
+    ("step x",): rf"dx|x ?(?:{_AXIS_STEP})|(?:{_AXIS_STEP}) x",
+    ("step y",): rf"dy|y ?(?:{_AXIS_STEP})|(?:{_AXIS_STEP}) y",
+    ("step x", "step y"): rf"{_STEP}|(?:xy|lateral) ?(?:{_STEP}|{_LOOSE_STEP})",
 }
-_NEEDS_UNIT = re.compile(rf"(?:(?:xy|lateral) ?)?(?:{_LOOSE_STEP})|scan size|scan range|image size|field of view")
+_NEEDS_UNIT = re.compile(rf"(?:xy|lateral) ?(?:{_LOOSE_STEP})")
+# Keys of images, whose lines are those of y, downwards.
+_OF_IMAGES = re.compile(
+    rf"{_WIDTH}|{_HEIGHT}|[xy] ?pixels?|horizont(?:al)?|vertikal|vertical|[xy] amplitude|north|xll\w+"
+)
+# A sentence that states the unit of the heights, or of all lengths.
+_SENTENCE = re.compile(
+    r"(?i).*\b(heights?|z|values?|data|lengths|all(?: \w+)?|dimensions|coordinates|höhen?|werte|längen)\b[^\d:=]{0,30}?"
+    r"\b(?:in|are|is)\b(?: units of)?\s*[\[(]?([^\W\d]{1,11})\b.*",
+    re.DOTALL,
+)
+_OF_ALL = ("lengths", "all", "dimensions", "coordinates", "längen")
+# Words with a number behind them that may change what the numbers mean, anywhere in a line that is not understood.
+_SUSPECT = re.compile(
+    rf"(?i).*\b(?:scale(?! bar)|scaling|factor|multipl\w*|divide\w*|offset|lsb|bit2\w*|no ?data|missing|fill ?value"
+    rf"|per count|counts? per|calibration(?! date))\b(?:[^0-9\n]{{0,20}}?\s|[:=])({_NUMBER})(?!\s*%|[\w:/])",
+    re.DOTALL,
+)
 _UNIT = (
     r"(?:value|data|heights?|z|exported image|map|vertical|höhen?|z ?wert) ?(?:units?|einheit)|units? (?:data|z)|units?"
     r"|einheit(?:en)?|jednotky hodnot|unités?|unità(?: valore)?|unidad(?:es)?(?: de valor)?|値の単位|값 단위"
@@ -70,8 +90,8 @@ _OTHER_CHANNELS = re.compile(
 # Words of keys that change what the numbers mean, and the value by which each of them changes nothing.
 _CHANGING = {
     re.compile(
-        r"bit2\w*|.*\b(?:lsb|counts? per|per count|multiplier|conversion)\b.*|(?:(?:z|heights?|data|value)[ _]?)?"
-        r"(?:scale|factor|scaling|gain|sensitivity|calibration|scale ?factor|calibration factor)"
+        r"bit2\w*|.*\b(?:lsb|counts? per|per count|multiplier|conversion)\b.*|(?:(?:z|heights?|data|value) ?)?"
+        r"(?:scale|factor|scaling|calibration|scale ?factor|calibration factor)|(?:z|heights?) ?(?:gain|sensitivity)"
         r"|(?:scale|factor) (?:data|z)|höhenfaktor|skalierung|faktor"
     ): 1.0,
     re.compile(r"(?:(?:z|heights?|data|value|add)[ _]?)?offset|offset (?:data|z)"): 0.0,
@@ -93,7 +113,7 @@ class _Found:
     def add(self, name: str, value: float | str, line: str) -> None:
         """Keep an item; `InputError` if it is stated twice, with other values."""
         known = self.items.setdefault(name, (value, line))
-        if known[0] != value:
+        if known[0] != value and (_in_metres(known[0]) is None or _in_metres(known[0]) != _in_metres(value)):
             raise InputError(
                 f"its header states {known[1].strip()[:60]!a} and {line.strip()[:60]!a}, which contradict each other, "
                 "as where a second table or channel begins: keep the heights alone"
@@ -112,18 +132,36 @@ class _Found:
         return None if value is None else int(value)
 
 
+def _in_metres(unit: float | str) -> float | None:
+    return unit if isinstance(unit, float) else metres(unit)
+
+
 def read_header(lines: Sequence[str]) -> Stated:
     """Return what a header states; `InputError` where its lines contradict each other."""
     found = _Found()
     for line in lines:
         if title := _TITLE.fullmatch(line):
-            found.add("unit", title[1].strip(), line)
+            found.add("unit", (title[1] or title[2]).strip(), line)
             continue
+        before = len(found.items) + len(found.not_understood)
         for form in _LINES:
             if match := form.fullmatch(line):
                 _read_line(found, match[1], match[2], line)
                 break
+        if len(found.items) + len(found.not_understood) == before:
+            _read_sentence(found, line)
     return _combine(found)
+
+
+def _read_sentence(found: _Found, line: str) -> None:
+    """Keep a unit that a sentence states, and a line that may change what the numbers mean."""
+    sentence = _SENTENCE.fullmatch(line)
+    if sentence and metres(sentence[2]) is not None:
+        found.add("unit", sentence[2], line)
+        if sentence[1].lower().startswith(_OF_ALL):
+            found.add("length", sentence[2], line)
+    elif (suspect := _SUSPECT.match(line)) and float(suspect[1].replace(",", ".")) not in (0.0, 1.0):
+        found.not_understood.append(line)
 
 
 def _read_line(found: _Found, key: str, value: str, line: str) -> None:
@@ -132,12 +170,18 @@ def _read_line(found: _Found, key: str, value: str, line: str) -> None:
     value = re.sub(r"[\"']\s*[,;\t]\s*[\"']?|[\"']", " ", value).strip(" ;,\t")
     number = _VALUE.fullmatch(value)
     if re.fullmatch(_UNIT, key):
+        length = None if number is None else metres(number[2])
         if number is None:
             found.add("unit", value.strip("()[] "), line)
+        elif length is None:
+            found.not_understood.append(line)
+        else:
+            found.add("unit", float(number[1].replace(",", ".")) * length, line)
     elif re.fullmatch(_LATERAL_UNIT, key):
         found.add("length", value.strip("()[] "), line)
-    elif key in ("file format", "type"):
+    elif key == "file format":
         found.add(key, value, line)
+        found.items["image"] = (1.0, line)
     elif re.fullmatch(_CHANNEL, key):
         found.add("channel", value, line)
     elif number is not None:
@@ -148,6 +192,8 @@ def _read_line(found: _Found, key: str, value: str, line: str) -> None:
 def _read_number(found: _Found, key: str, value: float, unit: str, line: str) -> None:
     """Keep what a line with a number states."""
     count = next((name for name, words in _COUNTS.items() if re.fullmatch(words, key)), None)
+    if _OF_IMAGES.fullmatch(key):
+        found.items["image"] = (1.0, line)
     if count is not None and not unit and value == int(value) and value > 0.0:
         found.add(count, value, line)
         return
@@ -197,24 +243,24 @@ def _find_lengths(found: _Found) -> tuple[_Sides, _Sides, str | float | None]:
 
 
 def _combine(found: _Found) -> Stated:
+    nanoscope = any("exported image units" in line.lower() for _, line in found.items.values())
     channel = found.text("channel")
-    unit = found.text("unit")
-    not_understood = list(found.not_understood)
+    unit = found.items.get("unit", (None, ""))[0]
+    # The numbers that NanoScope exports are scaled already.
+    not_understood = [line for line in found.not_understood if not (nanoscope and line.startswith("\\"))]
     if channel and unit is None and _OTHER_CHANNELS.fullmatch(channel):
         not_understood.append(found.items["channel"][1])
     factor = found.number("factor") or 1.0
     bit = found.number("bit")
-    if bit is not None and (unit is None or (metres(unit) or 0.0) == metres(_SPIP_UNIT)):
+    if bit is not None and (unit is None or _in_metres(unit) == metres(_SPIP_UNIT)):
         unit = _SPIP_UNIT
         factor *= bit
     elif bit is not None and bit != 1.0:
         not_understood.append(found.items["bit"][1])
     shape = (found.count("count x"), found.count("count y"))
+    table = (found.count("lines"), found.count("columns"))
     size, steps, length = _find_lengths(found)
-    if found.text("type") == "matrix":
-        # A matrix of Octave has rows and columns, which are no axes.
-        shape = (None, None)
-    is_image = None not in shape or (None not in size and length is not None)
+    is_image = "image" in found.items and (None not in shape or None not in table or None not in size)
     missing = found.number("non measured")
     if missing is None and found.number("xllcorner") is not None:
         missing = _ESRI_NON_MEASURED
@@ -223,7 +269,8 @@ def _combine(found: _Found) -> Stated:
         factor=factor,
         non_measured=() if missing is None else (missing,),
         shape=shape,
-        rows="y" if is_image else "",
+        table=table,
+        rows="y" if is_image or nanoscope else "",
         falling="y" if is_image else "",
         size=size,
         steps=steps,

@@ -25,14 +25,16 @@ _MIN_LISTED_FRACTION = 0.5
 _MAX_COLUMNS = 8
 _MIN_POINTS = 9
 # The name of a column with its unit in brackets or behind it: "X [um]", "z_nm", "height (nm)".
-_NAME = re.compile(r"([^\W\d]+)(?:_([A-Za-zµμ]{1,5}))?\s*(?:[\[(]\s*([^\])]*?)\s*[\])])?")
+_NAME = re.compile(
+    r"([^\W\d_]+)(?:_([A-Za-zµμ]{1,5}))?\s*(?:[\[(]\s*([^\])]*?)\s*[\])]|(?:/|\bin\b)\s*([^\W\d]{1,11}))?"
+)
 _COLUMNS = {"x": ("x",), "y": ("y",), "z": ("z", "height", "heights", "höhe", "hauteur", "elevation", "topography")}
 
 
 def read_columns(points: Array, header: Sequence[str]) -> tuple[Array, dict[str, str]] | None:
     """Return the columns x, y and z of a list of points and their units by axis; None without names above them."""
     for line in reversed(header):
-        names = [(found[1].lower(), found[2] or found[3] or "") for found in _NAME.finditer(line)]
+        names = [(found[1].lower(), found[2] or found[3] or found[4] or "") for found in _NAME.finditer(line)]
         places = {
             axis: [place for place, (name, _) in enumerate(names) if name in words] for axis, words in _COLUMNS.items()
         }

@@ -101,7 +101,7 @@ def _read_zygo(lines: list[str], rows: str) -> RawMap:
     numbers = _read_numbers(parts[1], (count, columns))
     numbers[numbers >= _ZYGO_INVALID_PHASE] = np.nan
     optics = header[_ZYGO_OPTICS].split()
-    scale, wavelength, obliquity = float(optics[1]), float(optics[2]), float(optics[4])
+    scale, wavelength, obliquity = (float(optics[place]) for place in (1, 2, 4))
     orders = _ZYGO_RESOLUTIONS[int(header[_ZYGO_PHASE].split()[0])]
     stated = Stated(
         rows="y",
@@ -147,7 +147,8 @@ def _read_igor(lines: list[str], rows: str) -> RawMap:
     if count is None:
         raise InputError(f"its wave {waves[0].strip()[:40]!a} has not two dimensions")
     words = [line.strip().upper() for line in lines]
-    start, end = words.index("BEGIN"), words.index("END")
+    start = words.index("BEGIN")
+    end = words.index("END")
     numbers = _read_numbers(lines[start + 1 : end], (int(count[1]), int(count[2])))
     scales = {}
     for found in re.finditer(

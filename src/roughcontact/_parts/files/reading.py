@@ -30,7 +30,8 @@ _READERS_BY_BEGINNING = {
     b"\x88\x1b\x03\x6f": _FALLBACK_READER,
     b"\x88\x1b\x03\x70": _FALLBACK_READER,
     b"\x88\x1b\x03\x71": _FALLBACK_READER,
-    b"bISO-1.0": _FALLBACK_READER,
+    b"bISO-": _FALLBACK_READER,
+    b"bBCR-": _FALLBACK_READER,
     b"DSBB": "surfer",
     b"DSRB": "surfer",
 }
@@ -270,8 +271,13 @@ def _require_steps(raw: RawMap, size: Length | Sequence[Length], file: Path) -> 
     if raw.steps is None or raw.heights.ndim != 2 or not raw.heights.size:
         return
     sides = pair(size, "The size of the height map", "m", above=0.0)
-    cells = [side / count for side, count in zip(sides, raw.heights.shape, strict=True)]
-    if abs(cells[0] / cells[1] * raw.steps[1] / raw.steps[0] - 1.0) > _STEP_TOLERANCE:
+    nx, ny = raw.heights.shape
+    cells = (sides[0] / nx, sides[1] / ny)
+    differs = abs(cells[0] / cells[1] * raw.steps[1] / raw.steps[0] - 1.0) > _STEP_TOLERANCE
+    if raw.steps == (1.0, 1.0):
+        # They may be counts: then only sides that are exchanged contradict them.
+        differs = differs and abs(sides[1] / nx / (sides[0] / ny) - 1.0) <= _STEP_TOLERANCE
+    if differs:
         raise InputError(
             f"The points in {file.name} are {raw.steps[0]:.6g} and {raw.steps[1]:.6g} apart along x and y, but on "
             f"{si(sides[0], 'm')} x {si(sides[1], 'm')} its {raw.heights.shape[0]} x {raw.heights.shape[1]} points "

@@ -14,7 +14,7 @@ from roughcontact.errors import InputError
 
 # Metres in units of length, as instruments and persons write them; the two letters for micro, and its byte in Latin-1,
 # read as UTF-8.
-_METRES_PER_UNIT = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "nm": 1e-9, "pm": 1e-12, "Å": 1e-10}
+_METRES_PER_UNIT = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "km": 1e3, "um": 1e-6, "nm": 1e-9, "pm": 1e-12, "Å": 1e-10}
 _METRES_PER_UNIT |= {"meter": 1.0, "metre": 1.0, "millimeter": 1e-3, "millimetre": 1e-3, "micrometer": 1e-6}
 _METRES_PER_UNIT |= {"micrometre": 1e-6, "nanometer": 1e-9, "nanometre": 1e-9, "mikrometer": 1e-6}
 _METRES_PER_UNIT |= {"micron": 1e-6, "~m": 1e-6, "mum": 1e-6, "ang": 1e-10, "angstrom": 1e-10}
@@ -22,13 +22,14 @@ _METRES_PER_UNIT |= {"\N{ANGSTROM SIGN}": 1e-10, "inch": 0.0254, "in": 0.0254, "
 _MICRO = str.maketrans({"µ": "u", "μ": "u", "\udcb5": "u"})
 # Relative difference between a stated size and the stated steps times the number of points, or of their distances.
 _SIZE_TOLERANCE = 2e-2
-# Distance of a number of non-measured points from the heights, over their range, and such numbers of programs: nines,
-# the limits of integers, and what is too large for any height in any unit; zero from this number of points on, to half
-# of them.
+# Minimum distance of a number of non-measured points from the heights, over their range, and such numbers of programs:
+# nines, and the limits of integers.
 _MARK_DISTANCE = 2.0
 _MARKS = {99.0, 999.0, 999.25, 999.9, 9999.0, 9999.9, 99999.0, 99999.9, 999999.0, 9999999.0, 99999999.0}
 _MARKS |= {32767.0, 32768.0, 65535.0, 2147483647.0, 2147483648.0, 4294967295.0, 8388607.0, 8388608.0}
+# Number that is too large for any height in any unit.
 _MIN_MARK = 1e20
+# Minimum points at which a zero, far from all other numbers, is none of the heights.
 _MIN_ZEROS = 16
 # Characters of what a file states that a message repeats.
 _MAX_QUOTED_CHARACTERS = 60
@@ -59,6 +60,8 @@ class Stated:
         Numbers that stand for non-measured points.
     shape
         Numbers of points along x and y; None for one that is not stated.
+    table
+        Numbers of first and of second indices, such as lines and numbers in a line; None for one that is not stated.
     rows
         Axis of the first index, ``"x"`` or ``"y"``; empty where it is not stated.
     falling
@@ -82,6 +85,7 @@ class Stated:
     offset: float = 0.0
     non_measured: tuple[float, ...] = ()
     shape: tuple[int | None, int | None] = (None, None)
+    table: tuple[int | None, int | None] = (None, None)
     rows: str = ""
     falling: str = ""
     size: tuple[float | None, float | None] = (None, None)
@@ -120,11 +124,12 @@ def build_map(
         stated = attrs.evolve(stated, non_measured=(no_data,))
     elif no_data is None and not stated.non_measured:
         _refuse_marks(numbers)
-    first = _find_rows(stated, rows)
+    _require_shape(numbers.shape, stated.table, "lines and numbers in a line")
+    first = _find_rows(stated, rows, numbers.shape)
     heights = _scale(numbers, stated)
     heights = put_x_first(heights, first or "x")
-    _require_shape(heights, stated)
-    if stated.falling:
+    _require_shape(heights.shape, stated.shape, "points along x and y")
+    if stated.falling and first == (stated.rows or first):
         flips = tuple(slice(None, None, -1 if axis in stated.falling else 1) for axis in "xy")
         heights = np.ascontiguousarray(heights[flips])
     unit = _find_unit(stated)
@@ -159,8 +164,11 @@ def require_understood(stated: Stated) -> None:
         raise InputError(f"it holds more than one array, {names:.200}: keep the heights alone")
 
 
-def _find_rows(stated: Stated, rows: str) -> str:
+def _find_rows(stated: Stated, rows: str, table: tuple[int, ...]) -> str:
     """Return the axis of the first index; empty where neither the file nor the user says it."""
+    if rows == "auto" and not stated.rows and stated.shape[0] != stated.shape[1] and None not in stated.shape:
+        # The stated numbers of points along x and y fit one order.
+        return "x" if table == stated.shape else "y" if table == stated.shape[::-1] else ""
     if rows == "auto":
         return stated.rows
     if stated.rows and rows != stated.rows:
@@ -194,7 +202,8 @@ def _refuse_marks(numbers: npt.NDArray[np.generic]) -> None:
             others = finite[finite != mark]
             if not others.size:
                 return
-            lowest, highest = float(others.min()), float(others.max())
+            lowest = float(others.min())
+            highest = float(others.max())
             distance = max(lowest - mark, mark - highest)
             if distance > _MARK_DISTANCE * (highest - lowest) > 0.0 and _is_mark(
                 mark, finite.size - others.size, finite.size
@@ -224,13 +233,13 @@ def check_no_data(value: float | str | None) -> float | str | None:
     return value
 
 
-def _require_shape(heights: Array, stated: Stated) -> None:
+def _require_shape(there: tuple[int, ...], stated: tuple[int | None, int | None], what: str) -> None:
     """Refuse numbers of another shape than the file states."""
-    nx, ny = (count or there for count, there in zip(stated.shape, heights.shape, strict=True))
-    if (nx, ny) != heights.shape:
+    n, m = (count or found for count, found in zip(stated, there, strict=True))
+    if (n, m) != there:
         raise InputError(
-            f"it states {nx} x {ny} points along x and y, but holds {heights.shape[0]} x {heights.shape[1]}: it is "
-            "damaged, or holds more than one table"
+            f"it states {n} x {m} {what}, but holds {there[0]} x {there[1]}: it is damaged, or holds more than one "
+            "table"
         )
 
 
@@ -265,6 +274,9 @@ def _find_sides(stated: Stated, shape: tuple[int, int]) -> tuple[Pair | None, Pa
         raise InputError(f"it states sides of {x_side:g} and {y_side:g}, which must be positive")
     if length is not None:
         return (x_side * length, y_side * length), None, ""
+    if (x_side, y_side) == shape:
+        # They are numbers of points.
+        return None, None, ""
     steps = (x_side / shape[0], y_side / shape[1])
     named = "a unit that it does not state" if stated.length is None else repr(stated.length)
     return None, steps, f"its {shape[0]} x {shape[1]} points are {steps[0]:.6g} x {steps[1]:.6g} apart in {named}"

@@ -128,7 +128,7 @@ class TextReader(SurfaceReader):
         stated = attrs.evolve(
             stated,
             unit=units.get("z", stated.unit),
-            length=units.get("x"),
+            length=units.get("x", stated.length),
             steps=grid.steps or (None, None),
             size=(None, None),
             rows="x",

@@ -52,6 +52,8 @@ _MAX_QUOTED_CHARACTERS = 40
 # Lines of heights from which the layout is found, and lines of a header that are kept.
 _SAMPLE_LINES = 20
 _MAX_HEADER_LINES = 1000
+# Rows of numbers of one length above a line of words from which that line is a footer.
+_MIN_ROWS_ABOVE = 3
 # A quoted field, one with a decimal comma, and what an instrument writes for a non-measured point.
 _QUOTED = re.compile(r'"([^"]*)"')
 _DECIMAL_COMMA = re.compile(r"[-+]?[0-9]*,[0-9]*(?:[eE][-+]?[0-9]+)?")
@@ -279,6 +281,7 @@ def _nothing(header: list[str]) -> str:
 def _heights(lines: Iterator[tuple[int, str]], header: list[str]) -> Iterator[tuple[int, str]]:
     """Yield the lines of heights with their line numbers; lines of words before them go into the header."""
     begun = False
+    comments: list[str] = []
     waiting = list[tuple[int, str]]()
     words = ""
     for place, line in lines:
@@ -289,6 +292,7 @@ def _heights(lines: Iterator[tuple[int, str]], header: list[str]) -> Iterator[tu
         if begun and not content and line.strip(" \r\n"):
             # A comment between numbers, such as the name of the next channel.
             words = words or line.strip()
+            comments.append(line.rstrip("\r\n"))
         elif begun and content and words:
             raise InputError(
                 f"the line {words[:_MAX_QUOTED_CHARACTERS]!a} stands between its numbers, as where a second table or "
@@ -305,6 +309,8 @@ def _heights(lines: Iterator[tuple[int, str]], header: list[str]) -> Iterator[tu
             begun = True
             waiting = []
     yield from waiting
+    # Comments below the numbers state as much as those above them.
+    header.extend(comments[:_MAX_HEADER_LINES])
 
 
 def _clean(content: str) -> str:
@@ -339,7 +345,7 @@ def _read_rows(lines: Iterator[tuple[int, str]], layout: Layout) -> tuple[Array,
         # A line of tabs alone is a row without measured points, where tabs separate.
         if not content.strip() and layout.separator != "\t":
             continue
-        row = _parse(content, layout, place)
+        row = _parse(content, layout, place, rows)
         ended = layout.ends(content)
         columns = columns or len(row)
         # One separator at the end of a row, of some rows or of all, adds no point.
@@ -389,7 +395,7 @@ def _float(word: str) -> float | None:
         return None
 
 
-def _parse(content: str, layout: Layout, place: int) -> array.array[float]:
+def _parse(content: str, layout: Layout, place: int, rows: int) -> array.array[float]:
     fields = layout.split(content)
     # Python reads a number too large for float64 as infinite.
     if content.isascii() and "_" not in content:
@@ -397,11 +403,11 @@ def _parse(content: str, layout: Layout, place: int) -> array.array[float]:
             row = array.array("d", map(float, fields))
             if not np.isinf(row).any():
                 return row
-    return array.array("d", (_number(field, layout, place) for field in fields))
+    return array.array("d", (_number(field, layout, place, rows) for field in fields))
 
 
-def _number(field: str, layout: Layout, place: int) -> float:
-    """Return the number in a field, NaN for a non-measured point."""
+def _number(field: str, layout: Layout, place: int, rows: int) -> float:
+    """Return the number in a field, NaN for a non-measured point; `rows` of numbers stand above it."""
     word = field.strip()
     value = _float(word)
     if value is None:
@@ -409,10 +415,11 @@ def _number(field: str, layout: Layout, place: int) -> float:
             return math.nan
         other = "," if layout.decimal == "." else "."
         advice = f"give decimal={other!r} if that is its decimal mark" if other in word else ""
-        advice = advice or (
-            f"lines above the heights that are not heights are skipped with skip_rows={place}, and those below them "
-            "must be removed"
-        )
+        if advice and layout.decimal in word:
+            advice = "write numbers without separators of thousands"
+        if not advice and rows >= _MIN_ROWS_ABOVE:
+            advice = f"{rows} rows of numbers stand above it: if they are all, remove this line and those below it"
+        advice = advice or f"lines above the heights that are not heights are skipped with skip_rows={place}"
         raise InputError(
             f"line {place} holds {word[:_MAX_QUOTED_CHARACTERS]!a}, which is not a number: write numbers such as "
             f"-1.5e-6, nan for a point that was not measured, and comments behind #; {advice}"
