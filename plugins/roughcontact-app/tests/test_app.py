@@ -845,7 +845,7 @@ def test_reading_a_file_is_held_to_some_memory(server):
 def test_a_map_of_very_many_points_is_for_a_script(monkeypatch, tmp_path):
     monkeypatch.setattr(scene, "_MOST_POINTS", 11)
     np.savez(tmp_path / "a.npz", heights=np.eye(3, 4), size=(3e-6, 4e-6))
-    with pytest.raises(rc.InputError, match="a.npz has 3 x 4 points, but the page takes 11 at most"):
+    with pytest.raises(rc.InputError, match=r"a\.npz has 3 x 4 points, but the page takes 11 at most"):
         scene.inspect_file(scene.Upload(tmp_path / "a.npz", "a.npz"))
 
 

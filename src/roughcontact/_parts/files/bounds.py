@@ -162,6 +162,6 @@ def _count_inflated(data: memoryview, most: int) -> int:
             count += len(stream.decompress(rest, _BLOCK))
             rest = stream.unconsumed_tail
     except zlib.error:
-        # What is no block after some thousand bytes expands for a reader, too, but no further.
+        # What is not a block after some thousand bytes expands for a reader, too, but no further.
         return count if count > most else 0
     return count

@@ -49,7 +49,7 @@ class NpzReader(SurfaceReader):
                 f"its 'periodic' must be True or False, but has {periodic.dtype} of shape {periodic.shape}"
             )
         if heights.ndim != 2 or heights.dtype.kind not in "biuf":
-            # What is no map is refused by `read_surface`, with its shape.
+            # What is not a map is refused by `read_surface`, with its shape.
             lx, ly = np.broadcast_to(1.0 if size is None else size, 2).tolist()
             return RawMap(heights, (lx, ly), metric=True)
         arrays = {name: NamedArray(one) for name, one in data.items() if one.dtype.kind in "biuf"}

@@ -81,11 +81,11 @@ def _find_beside(found: Mapping[str, Any], group: str) -> dict[str, Any]:
 def _mark_invalid(one: NamedArray) -> RealArray:
     """Return numbers with NaN outside the range that is stated to be valid."""
     stated = one.attributes
-    least, largest = stated.get("valid_range", (stated.get("valid_min", -np.inf), stated.get("valid_max", np.inf)))
-    if (least, largest) == (-np.inf, np.inf):
+    smallest, largest = stated.get("valid_range", (stated.get("valid_min", -np.inf), stated.get("valid_max", np.inf)))
+    if (smallest, largest) == (-np.inf, np.inf):
         return one.values
     values = np.array(one.values, dtype=np.float64)
-    values[(values < least) | (values > largest)] = np.nan
+    values[(values < smallest) | (values > largest)] = np.nan
     return values
 
 
