@@ -27,13 +27,14 @@ X, Y = 2.0 * np.arange(24), 3.0 * np.arange(37)
 SIZE = (48e-6, 111e-6)
 MICROMETRES = (0.8 * np.sin(0.15 * X)[:, None] * np.cos(0.09 * Y) + 0.01 * Y).astype("f4").astype("f8")
 HEIGHTS = 1e-6 * MICROMETRES
+GRID = np.meshgrid(X, Y, indexing="ij")
 IMAGE = MICROMETRES.T[::-1]
 PIXELS = IMAGE.astype("f4")
 # Bytes that reading or refusing such a file may take.
 MEMORY = 2**23
 
 
-def h5(attributes=None, values=MICROMETRES, axes=(), **others):
+def h5(attributes=None, values=MICROMETRES, axes=(), of_file=None, **others):
     h5py = pytest.importorskip("h5py")
     stream = io.BytesIO()
     with h5py.File(stream, "w") as file:
@@ -43,6 +44,7 @@ def h5(attributes=None, values=MICROMETRES, axes=(), **others):
             data.dims[axis].label = name
         for name, one in others.items():
             file[name] = one
+        file.attrs.update(of_file or {})
     return stream.getvalue()
 
 
@@ -165,6 +167,12 @@ READ = {
     ),
     "HDF5, axes with labels": ("a.h5", lambda: h5({"units": "um"}, MICROMETRES.T, ("y", "x")), {"size": SIZE}),
     "HDF5, positions": ("a.hdf5", lambda: h5({"units": "um"}, x=X, y=Y), {"size": SIZE}),
+    "HDF5, attributes of the file": ("a.h5", lambda: h5(of_file={"zunit": "um", "lx": SIZE[0], "ly": SIZE[1]}), {}),
+    "HDF5, a pitch beside the heights": ("a.h5", lambda: h5({"unit": "um", "dx": 2e-6, "dy": 3e-6}), {}),
+    "HDF5, positions of all points": ("a.h5", lambda: h5(values=MICROMETRES.T, x=GRID[0].T, y=GRID[1].T), ALL),
+    "netCDF of GMT": ("a.grd", netcdf4, {"unit": "um"}),
+    "netCDF classic of GMT": ("a.grd", lambda: netcdf3(), {"unit": "um"}),
+    "netCDF classic, places on the earth": ("a.nc", lambda: netcdf3(dims=("lat", "lon")), {"unit": "um"}),
     "netCDF-4, y first": (
         "a.nc",
         netcdf4,
@@ -184,6 +192,11 @@ READ = {
     "MATLAB, a number as unit": ("a.mat", lambda: mat(heights=MICROMETRES, zunit=1e-6, lx=SIZE[0], ly=SIZE[1]), {}),
     "numpy, a unit": ("a.npz", lambda: npz(heights=MICROMETRES, zunit="um", size=SIZE), {}),
     "numpy, a common unit": ("a.npz", lambda: npz(heights=MICROMETRES, unit="µm", size=(48.0, 111.0)), {"size": SIZE}),
+    "numpy, positions of all points": (
+        "a.npz",
+        lambda: npz(heights=HEIGHTS.T, x=1e-6 * GRID[0].T, y=1e-6 * GRID[1].T),
+        {"size": SIZE},
+    ),
     "numpy, a pitch": ("a.npz", lambda: npz(heights=HEIGHTS, dx=2e-6, dy=3e-6), {}),
     "numpy, in single precision": ("a.npy", lambda: npy(MICROMETRES.astype("f4")), ALL),
     "TIFF": ("a.tif", lambda: tiff(), ALL),
@@ -364,6 +377,7 @@ REFUSED = {
         lambda: netcdf3().replace(struct.pack(">I", 37), struct.pack(">I", 10**8), 1),
         "its head states more than it holds",
     ),
+    "HDF5, a scale of the file": ("a.h5", lambda: h5(of_file={"scale": 0.5}), "'scale = 0.5', which changes"),
     "MATLAB, volts": ("a.mat", lambda: mat(heights=MICROMETRES, unit="V"), "values in 'V'"),
     "MATLAB, a scale": ("a.mat", lambda: mat(heights=MICROMETRES, zscale=0.5), "'zscale = 0.5', which changes"),
     "numpy, a scale": ("a.npz", lambda: npz(heights=MICROMETRES, scale=1e-3), "'scale = 0.001'"),
@@ -433,6 +447,27 @@ def test_points_without_data_are_not_measured(tmp_path):
     for name, unit in (("6.grd", "um"), ("7.grd", "um"), ("a.h5", None), ("b.h5", None), ("a.nc", "um")):
         found = rc.read_surface(tmp_path / name, size=SIZE, unit=unit, non_measured="keep")
         np.testing.assert_array_equal(found.non_measured, missing)
+    # A stated number is used, one that is not stated is asked about.
+    marked = np.where(missing, -9999.0, MICROMETRES)
+    (tmp_path / "c.h5").write_bytes(h5({"units": "um", "nodata": -9999.0}, marked))
+    np.testing.assert_array_equal(
+        rc.read_surface(tmp_path / "c.h5", size=SIZE, non_measured="keep").non_measured, missing
+    )
+    bare = {
+        "d.h5": h5({}, marked),
+        "d.mat": mat(heights=marked),
+        "d.npz": npz(heights=marked),
+        "d.nc": netcdf3(values=marked.T.copy()),
+        "d.tif": tiff(marked.T[::-1].astype("f4")),
+    }
+    for name, content in bare.items():
+        (tmp_path / name).write_bytes(content)
+        refuse(tmp_path / name, "no_data=-9999, or no_data='none'")
+        options = {"size": SIZE} if name == "d.npz" else ALL
+        found = rc.read_surface(tmp_path / name, **options, no_data=-9999.0, non_measured="keep")
+        np.testing.assert_array_equal(found.non_measured, missing)
+    (tmp_path / "d.npz").write_bytes(npz(heights=marked, size=SIZE, periodic=False))
+    assert rc.read_surface(tmp_path / "d.npz").non_measured is None
     (tmp_path / "a.x3p").write_bytes(x3p(mask=True))
     found = rc.read_surface(tmp_path / "a.x3p", non_measured="keep")
     assert np.argwhere(found.non_measured).tolist() == [[1, 1]]

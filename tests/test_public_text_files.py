@@ -195,6 +195,11 @@ def without(values):
 OCTAVE = "# Created by Octave 9.2\n# name: z\n# type: matrix\n# rows: 24\n# columns: 37\n"
 ROUNDED = "\t".join(f"{0.137 * k:.2f}" for k in range(NX)) + "\n"
 DOUBLE = gwyddion() + lines(DOWN) + "\n" + gwyddion("Phase", unit="deg") + lines(30.0 * DOWN)
+TITLED = "{}\n" + "".join(
+    f"{x * 1e-3:.4f},{y * 1e-3:.4f},{z:.4f}\n"
+    for y, row in zip(Y[0], Z.T, strict=True)
+    for x, z in zip(X[:, 0], row, strict=True)
+)
 # The file, its text or bytes, and the options with which it is read.
 READ = {
     "Gwyddion": ("a.txt", gwyddion() + lines(DOWN), {}),
@@ -283,6 +288,23 @@ READ = {
     "Fortran": ("a.dat", lines(Z, "  ", "{:.6E}").replace("E", "D"), GIVEN),
     "Fortran, fixed": ("a.prn", lines(Z, "", "{:11.4f}"), GIVEN),
     "C of Windows": ("a.txt", lines(without(Z), missing="-1.#IND"), GIVEN),
+    "Mountains, names of several words": ("a.csv", TITLED.format("X position (mm),Y position (mm),Height (um)"), {}),
+    "points with units below the names": ("a.csv", TITLED.format("X,Y,Z\nmm,mm,um"), {}),
+    "points with units in brackets": ("a.csv", TITLED.format("X,Y,Z\n[mm],[mm],[um]"), {}),
+    "Tecplot": ("a.dat", TITLED.format('VARIABLES = "X [mm]", "Y [mm]", "Z [um]"\nZONE I=24, J=37, F=POINT'), {}),
+    "COMSOL": ("a.txt", "% Length unit: um\n% x y h (um)\n" + points(separator=" "), {}),
+    "items of one line": ("a.txt", "# dx = 2 um, dy = 3 um, zunit = um\n" + lines(Z), {"rows": "x"}),
+    "items of JSON": ("a.txt", '# {"dx": "2 um", "dy": "3 um", "zunit": "nm"}\n' + lines(1e3 * Z), {"rows": "x"}),
+    "steps and sides that fit one order": (
+        "a.txt",
+        f"X size: {NX * DX} um\nY size: {NY * DY} um\nStep X: {DX} um\nStep Y: {DY} um\nZ unit: um\n" + lines(UP),
+        {},
+    ),
+    "MATLAB, shown": ("a.txt", "z =\n\n   1.0e-06 *\n\n" + lines(Z, "", "{:12.4f}"), {"size": SIZE}),
+    "Wyko, as CSV": ("a.csv", wyko().replace("\t", ","), {}),
+    "Excel, errors": ("a.csv", lines(without(Z), ",", missing="#N/A"), GIVEN),
+    "Excel, errors in German": ("a.csv", lines(without(Z), ";", missing="#NV", decimal=","), GIVEN),
+    "microinches": ("a.csv", "Height (µin)\n" + lines(Z / 0.0254, ",", "{:.8f}"), {"size": SIZE}),
     "compressed": ("a.csv.gz", gzip.compress(lines(Z, ",").encode()), GIVEN),
     "compressed, Gwyddion": ("a.txt.gz", gzip.compress((gwyddion() + lines(DOWN)).encode()), {}),
 }
@@ -338,6 +360,14 @@ REFUSED = {
     "1e30 without a header": ("a.txt", lines(without(Z), missing="1e30"), GIVEN, "no_data=1e+30"),
     "0 without a header": ("a.txt", lines(without(Z + 90.0), missing="0"), GIVEN, "no_data=0"),
     "two tables with a blank line": ("a.txt", lines(Z) + "\n" + lines(2.0 * Z), GIVEN, "blank line"),
+    "-10000 without a header": ("a.txt", lines(without(Z), missing="-10000"), GIVEN, "no_data=-10000"),
+    "steps of integers": ("a.txt", "# height resolution = 1 nm/digit\n" + lines(Z), GIVEN, "1 nm/digit"),
+    "counts of integers": ("a.txt", "# 1 count = 2 nm\n" + lines(Z), GIVEN, "# 1 count = 2 nm"),
+    "a factor in words": ("a.txt", "# values x 1000\n" + lines(Z), GIVEN, "# values x 1000"),
+    "depths": ("a.txt", "Depth (um)\n" + lines(-Z), GIVEN, "'Depth (um)', which changes"),
+    "depths of points": ("a.csv", "x,y,depth\n" + points(-Z, ","), GIVEN, "its third column is a depth"),
+    "a unit of an unknown name": ("a.txt", "# Jednostka: nm\n" + lines(Z), GIVEN, "'# Jednostka: nm', which changes"),
+    "Wyko, cut": ("a.asc", wyko()[:150], {}, "it begins as 'Wyko ASCII Data File Format 0"),
     "sides in landscape": ("a.txt", gwyddion().replace("µm", "km", 2) + lines(DOWN), {}, "size"),
     "metres by mistake": ("a.txt", gwyddion().replace("µm", "m", 2) + lines(DOWN), {}, "more than 1 m"),
 }

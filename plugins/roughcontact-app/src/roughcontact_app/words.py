@@ -23,7 +23,7 @@ _CONTROLS = {
     "say how many lines with skip_rows=": "delete them",
     "skip the lines that are not heights with skip_rows=": "delete the lines that are not heights",
     "skip them with skip_rows=": "delete that row",
-    ", and omit that line; of text, skip_rows= skips it": ", and delete that line",
+    " (in text, skip_rows= skips the line)": "",
     ", as by scipy.interpolate.griddata": "",
     "write the heights with numpy.savez(path, heights=heights, size=(lx, ly))": "write one row for each x",
     "do not overlap with an offset of": "do not overlap with a shift of",

@@ -19,7 +19,15 @@ class NpzReader(SurfaceReader):
     """``numpy.savez(path, heights=..., size=(lx, ly), periodic=...)``; size and periodic are optional.
 
     `size` may be replaced by `dx` and `dy`; a `unit` of the heights, such as ``"um"`` or 1e-6, is used.
+
+    Parameters
+    ----------
+    no_data
+        The number that stands for a non-measured point, or ``"none"``; one that looks so is asked about, unless the
+        file has `periodic`, as this package writes it.
     """
+
+    no_data: float | str | None = attrs.field(default=None, converter=check_no_data)
 
     @property
     def suffixes(self) -> frozenset[str]:
@@ -35,6 +43,7 @@ class NpzReader(SurfaceReader):
             raise InputError("it holds no array named 'heights'")
         heights = data.pop("heights")
         size = data.get("size")
+        no_data = "none" if self.no_data is None and "periodic" in data else self.no_data
         periodic = data.pop("periodic", np.array(False))
         if size is not None and (size.dtype.kind not in "iuf" or size.shape not in ((), (1,), (2,))):
             raise InputError(
@@ -54,10 +63,11 @@ class NpzReader(SurfaceReader):
             return RawMap(heights, (lx, ly), metric=True)
         arrays = {name: NamedArray(one) for name, one in data.items() if one.dtype.kind in "biuf"}
         texts = {name: str(one.item()) for name, one in data.items() if one.dtype.kind == "U" and one.size == 1}
-        stated = attrs.evolve(gather(NamedArray(heights), arrays, texts), rows="x", periodic=bool(periodic))
+        stated = gather(NamedArray(heights), arrays, texts)
+        stated = attrs.evolve(stated, rows=stated.rows or "x", periodic=bool(periodic))
         # Without a unit they are metres.
-        found = build_map(heights, stated, line="the first index")
-        return attrs.evolve(found, metric=True)
+        found = build_map(heights, stated, line="the first index", no_data=no_data)
+        return attrs.evolve(found, metric=True, rows=found.rows if stated.rows == "y" else "")
 
 
 @attrs.frozen

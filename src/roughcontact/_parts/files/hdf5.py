@@ -9,15 +9,17 @@ from typing import Any
 import attrs
 import numpy as np
 
-from roughcontact._parts.files.base import RawMap, SurfaceReader, check_rows, require_memory_of_map
+from roughcontact._parts.files.base import RawMap, require_memory_of_map
 from roughcontact._parts.files.bounds import bound_expansion, require_sound_hdf5
 from roughcontact._parts.files.named import (
     CHANGING_NAMES,
     MISSING_ATTRIBUTES,
     PACKING_ATTRIBUTES,
+    STATING_ATTRIBUTES,
     UNIT_ATTRIBUTES,
     VALID_ATTRIBUTES,
     NamedArray,
+    NamedArrayReader,
     choose_map,
 )
 from roughcontact.errors import InputError, MissingPackage
@@ -49,7 +51,14 @@ def read_hdf5(path: Path) -> tuple[dict[str, NamedArray], dict[str, str]]:
     size = path.stat().st_size
     left = bound_expansion(size)
     with path.open("rb") as stream, h5py.File(stream, "r") as file:
-        for name, item in _find_items(file, h5py).items():
+        items, groups = _find_items(file, h5py)
+        for path_of_group, group in groups.items():
+            for name, value in _read_statements(group, h5py).items():
+                if isinstance(value, str):
+                    texts[f"{path_of_group}{name}"] = value
+                else:
+                    arrays[f"{path_of_group}{name}"] = NamedArray(value)
+        for name, item in items.items():
             left -= math.prod(item.shape) * item.dtype.itemsize
             if left < 0:
                 raise InputError(f"its arrays are larger than a file of {size} bytes can hold")
@@ -75,9 +84,22 @@ def _read_attributes(item: Any, h5py: Any) -> dict[str, Any]:
             if len(numbers) != (2 if name == "valid_range" else 1):
                 raise InputError(f"it states {len(numbers)} numbers as its {name}")
             found[name] = tuple(numbers) if len(numbers) == 2 else numbers[0]
+        elif name in STATING_ATTRIBUTES:
+            value = np.asarray(_read_plain(item, name, h5py))
+            found[name] = value if value.dtype.kind in "iuf" else _read_text(value)
         elif name.lower() in CHANGING_NAMES:
             found[name] = _read_text(_read_plain(item, name, h5py))
-    return {name: value for name, value in found.items() if value != ""}
+    return {name: value for name, value in found.items() if not isinstance(value, str) or value}
+
+
+def _read_statements(group: Any, h5py: Any) -> dict[str, Any]:
+    """Return the attributes of a group that state sides or units, or change what numbers mean: texts and arrays."""
+    found: dict[str, Any] = {}
+    for name in group.attrs:
+        if name in STATING_ATTRIBUTES or name.lower() in CHANGING_NAMES:
+            value = np.asarray(_read_plain(group, name, h5py))
+            found[name] = value if value.dtype.kind in "iuf" else _read_text(value)
+    return {name: value for name, value in found.items() if not isinstance(value, str) or value}
 
 
 def _read_plain(item: Any, name: str, h5py: Any) -> Any:
@@ -123,9 +145,10 @@ def _name_axes(item: Any, h5py: Any) -> tuple[str, ...]:
     return tuple(str(axis[0].name).rpartition("/")[2] if len(axis) else "" for axis in item.dims)
 
 
-def _find_items(file: Any, h5py: Any) -> dict[str, Any]:
-    """Return the arrays of numbers, and texts, in a file and its groups that stand in the file, by their paths."""
+def _find_items(file: Any, h5py: Any) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return the arrays of numbers, and texts, in a file and its groups that stand in the file, and these, by paths."""
     found = {}
+    all_groups = {"": file}
     groups = [("", file)]
     # Links may form circles.
     seen = {h5py.h5o.get_info(file.id).addr}
@@ -145,9 +168,10 @@ def _find_items(file: Any, h5py: Any) -> dict[str, Any]:
             seen.add(address)
             if isinstance(item, h5py.Group):
                 groups.append((f"{path}{name}/", item))
+                all_groups[f"{path}{name}/"] = item
             elif isinstance(item, h5py.Dataset) and (_is_plain(item, h5py) or _is_short_text(item, h5py)):
                 found[f"{path}{name}"] = item
-    return found
+    return found, all_groups
 
 
 def _is_plain(item: Any, h5py: Any) -> bool:
@@ -175,15 +199,8 @@ def _is_inside(item: Any, h5py: Any) -> bool:
     return is_inside and not stored.get_external_count() and filters <= _FILTERS
 
 
-def check_variable(value: str | None) -> str | None:
-    """Return the name of an array in a file, or raise `InputError`."""
-    if value is not None and (not isinstance(value, str) or not value):
-        raise InputError.about("The variable in a file", value, "the name of an array in it")
-    return value
-
-
 @attrs.frozen
-class Hdf5Reader(SurfaceReader):
+class Hdf5Reader(NamedArrayReader):
     """An array of numbers in an HDF5 file, first index x, as ``h5py.File(path, "w")["heights"] = heights`` writes it.
 
     The sides of the map are read as from .mat files. It needs h5py.
@@ -195,10 +212,9 @@ class Hdf5Reader(SurfaceReader):
         dimensions.
     rows
         ``"x"`` or ``"y"``: the axis of the first index, the smallest first; by default x.
+    no_data
+        The number that stands for a non-measured point, or ``"none"``; one that looks so is asked about.
     """
-
-    variable: str | None = attrs.field(default=None, converter=check_variable)
-    rows: str = attrs.field(default="auto", converter=check_rows)
 
     @property
     def suffixes(self) -> frozenset[str]:
@@ -209,4 +225,4 @@ class Hdf5Reader(SurfaceReader):
         """Return the map."""
         require_memory_of_map(2.0 * path.stat().st_size)
         arrays, texts = read_hdf5(path)
-        return choose_map(arrays, texts, self.variable, self.rows)
+        return choose_map(arrays, texts, self)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Sequence
 from typing import TypeAlias
@@ -9,13 +10,14 @@ from typing import TypeAlias
 import attrs
 
 from roughcontact._parts.files.stated import Stated, metres
+from roughcontact._parts.files.text import SHOWN_FACTOR
 from roughcontact.errors import InputError
 
 # A line "key: value", "key = value", "key<tab or ; or ,>value", or "key value", behind a mark of comments or none.
 _MARKS = r"[\s#;%\\*/\"'>]*"
 _KEY = r"([^\W\d][^\n:=：,;\t\"]{0,50}?)"
 _LINES = (
-    re.compile(rf"{_MARKS}{_KEY}\s*[:=：]\s*(\S.{{0,120}}?)\s*", re.DOTALL),
+    re.compile(rf"{_MARKS}{_KEY}[\"']?\s*[:=：]\s*(\S.{{0,120}}?)\s*", re.DOTALL),
     re.compile(rf"{_MARKS}{_KEY}[\"']?\s*[,;\t]\s*(\S.{{0,120}}?)\s*", re.DOTALL),
     re.compile(rf"{_MARKS}([^\W\d]\w{{0,40}})\s+(\S.{{0,80}}?)\s*", re.DOTALL),
 )
@@ -24,6 +26,14 @@ _TITLE = re.compile(
     r"(?i)[\s#;%\"]*(?:z|heights?|höhen?|hauteurs?|topography|topographie|elevation)[\w \-]*"
     r"(?:[\[(]([^\])]{1,12})[\])]|(?:/|\bin\b)\s*([^\W\d]{1,11}))[\s\";,]*"
 )
+# A title of depths, and words that say which way is positive; heights are positive outwards.
+_DEPTHS = re.compile(
+    r"(?i)[\s#;%\"]*(?:depths?|tiefen?|profondeurs?)\s*(?:[\[(/].*|\bin\b.*)?|.*\bpositive (?:is )?down.*"
+    r"|.*\bdown\w* (?:is )?positive\b.*",
+    re.DOTALL,
+)
+# What separates the items of one line: "dx = 2 um, dy = 3 um".
+_ITEMS = re.compile(r"[,;]\s*(?=[\"']?[^\W\d][\w .\-]{0,30}[\"']?\s*[:=])")
 _BRACKET = re.compile(r"\s*[\[(]([^\])]*)[\])]\s*")
 _NUMBER = r"[-+]?(?:[0-9]+[.,]?[0-9]*|[.,][0-9]+)(?:[eE][-+]?[0-9]+)?"
 _VALUE = re.compile(rf"({_NUMBER})\s*(.*)", re.DOTALL)
@@ -33,13 +43,13 @@ _PER_PIXEL = re.compile(r"(?i)\s*(?:/|per)\s*(?:pixel|px|pt|point)s?.*")
 _COUNTS = {
     "count x": r"nx|x ?pixels?|pixels x|x ?points|points x|x ?res|horizontal|horizont",
     "count y": r"ny|y ?pixels?|pixels y|y ?points|points y|y ?res|vertical|vertikal",
-    "columns": r"n ?cols?|cols?|columns|(?:number|count) of columns|samps/line|spalten|anzahl (?:der )?spalten"
+    "columns": r"points|n ?cols?|cols?|columns|(?:number|count) of columns|samps/line|spalten|anzahl (?:der )?spalten"
     r"|spaltenanzahl|points per line",
     "lines": r"n ?rows?|rows?|(?:number|count) of (?:rows|lines)|lines|zeilen|anzahl (?:der )?zeilen|zeilenanzahl",
 }
 # Sides, also in the languages of Gwyddion, and distances of points, along x, along y, and along both; the last words of
 # the steps mean them only with a unit of length.
-_SIDE = r"length|amplitude|real|range|size|scan size|scan range"
+_SIDE = r"length|amplitude|real|range|size|image size|scan size|scan range"
 _STEP = r"pixel ?size|pixel ?spacing|spacing|pitch|cell ?size|sampling(?: interval| step)?|pixelgröße|punktabstand"
 _LOOSE_STEP = r"calibration|justierung|step ?size"
 _AXIS_STEP = rf"{_STEP}|{_LOOSE_STEP}|scale|resolution|increment|step|pixel ?width|pixel ?height"
@@ -70,12 +80,18 @@ _SUSPECT = re.compile(
     rf"|per count|counts? per|calibration(?! date))\b(?:[^0-9\n]{{0,20}}?\s|[:=])({_NUMBER})(?!\s*%|[\w:/])",
     re.DOTALL,
 )
+# What one step of integers is: "1 nm/digit", "1 count = 1 nm"; and a factor behind a word: "heights x 1000".
+_SUSPECT_STEPS = re.compile(
+    r"(?i).*(?:/|\bper\s+)\s*(?:digit|count|lsb|bit|dn|level)\b.*"
+    r"|.*\b1 (?:digit|count|lsb|bit|dn|level)\s*(?:=|is)\s*\d.*|.*\b(?:heights?|values?|data|z)\s*[x×*]\s*10.*",
+    re.DOTALL,
+)
 _UNIT = (
     r"(?:value|data|heights?|z|exported image|map|vertical|höhen?|z ?wert) ?(?:units?|einheit)|units? (?:data|z)|units?"
     r"|einheit(?:en)?|jednotky hodnot|unités?|unità(?: valore)?|unidad(?:es)?(?: de valor)?|値の単位|값 단위"
     r"|единицы измерения"
 )
-_LATERAL_UNIT = r"(?:x|y|xy|lateral) ?units?|units? (?:x|y|xy)|lateral units?"
+_LATERAL_UNIT = r"(?:x|y|xy|lateral|length) ?units?|units? (?:x|y|xy)|lateral units?"
 _NON_MEASURED = (
     r"no ?data(?: value)?|null(?: value)?|(?:missing|invalid|bad|void|blank|undefined|fill|filler) ?value|blank"
 )
@@ -139,9 +155,12 @@ def _in_metres(unit: float | str) -> float | None:
 def read_header(lines: Sequence[str]) -> Stated:
     """Return what a header states; `InputError` where its lines contradict each other."""
     found = _Found()
-    for line in lines:
+    for line in itertools.chain.from_iterable(map(_divide, lines)):
         if title := _TITLE.fullmatch(line):
             found.add("unit", (title[1] or title[2]).strip(), line)
+            continue
+        if factor := SHOWN_FACTOR.fullmatch(line):
+            found.add("factor", float(factor[1]), line)
             continue
         before = len(found.items) + len(found.not_understood)
         for form in _LINES:
@@ -153,6 +172,12 @@ def read_header(lines: Sequence[str]) -> Stated:
     return _combine(found)
 
 
+def _divide(line: str) -> list[str]:
+    """Return the items of a line that has several, as of JSON; else the line."""
+    items = _ITEMS.split(line.strip(" \t{}#%"))
+    return items if len(items) > 1 and all(re.search("[:=]", item) for item in items) else [line]
+
+
 def _read_sentence(found: _Found, line: str) -> None:
     """Keep a unit that a sentence states, and a line that may change what the numbers mean."""
     sentence = _SENTENCE.fullmatch(line)
@@ -160,8 +185,15 @@ def _read_sentence(found: _Found, line: str) -> None:
         found.add("unit", sentence[2], line)
         if sentence[1].lower().startswith(_OF_ALL):
             found.add("length", sentence[2], line)
-    elif (suspect := _SUSPECT.match(line)) and float(suspect[1].replace(",", ".")) not in (0.0, 1.0):
+    elif _is_suspect(line):
         found.not_understood.append(line)
+
+
+def _is_suspect(line: str) -> bool:
+    """Return whether a line may change what the numbers mean."""
+    suspect = _SUSPECT.match(line)
+    has_factor = suspect is not None and float(suspect[1].replace(",", ".")) not in (0.0, 1.0)
+    return has_factor or any(form.fullmatch(line) for form in (_SUSPECT_STEPS, _DEPTHS))
 
 
 def _read_line(found: _Found, key: str, value: str, line: str) -> None:
@@ -187,6 +219,9 @@ def _read_line(found: _Found, key: str, value: str, line: str) -> None:
     elif number is not None:
         unit = (_PER_PIXEL.sub("", number[2]) or (bracket[1] if bracket else "")).strip(" ()[]")
         _read_number(found, key, float(number[1].replace(",", ".")), unit, line)
+    elif metres(value) is not None:
+        # A unit of something, under a name that is not known.
+        found.not_understood.append(line)
 
 
 def _read_number(found: _Found, key: str, value: float, unit: str, line: str) -> None:
@@ -239,7 +274,7 @@ def _find_lengths(found: _Found) -> tuple[_Sides, _Sides, str | float | None]:
     side, bare_side, step, bare_step = pairs
     if None not in side or None not in step:
         return side, step, 1.0
-    return bare_side, bare_step, None
+    return bare_side, bare_step, unit
 
 
 def _combine(found: _Found) -> Stated:

@@ -16,10 +16,10 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import RealArray
-from roughcontact._parts.files.base import RawMap, SurfaceReader, check_rows, require_memory_of_map
+from roughcontact._parts.files.base import RawMap, require_memory_of_map
 from roughcontact._parts.files.bounds import bound_expansion
-from roughcontact._parts.files.hdf5 import MAX_TEXT_BYTES, check_variable, read_hdf5
-from roughcontact._parts.files.named import NamedArray, choose_map
+from roughcontact._parts.files.hdf5 import MAX_TEXT_BYTES, read_hdf5
+from roughcontact._parts.files.named import NamedArray, NamedArrayReader, choose_map
 from roughcontact.errors import InputError
 
 # Bytes of the head of a file, and maximum bytes of the name of an array.
@@ -148,7 +148,7 @@ def _read_letters(name: str, letters: tuple[int, memoryview], order: str) -> dic
 
 
 @attrs.frozen
-class MatReader(SurfaceReader):
+class MatReader(NamedArrayReader):
     """``save('map.mat', 'heights', 'size')``: an array of numbers in a .mat file of MATLAB or scipy, first index x.
 
     The sides of the map are read from `size`, from `lx` and `ly`, or by the pitch from `dx` and `dy`, where there are
@@ -161,10 +161,9 @@ class MatReader(SurfaceReader):
     rows
         ``"x"`` or ``"y"``: the axis of the first index, the smallest first; by default x. MATLAB's `meshgrid` makes a
         row for each y.
+    no_data
+        The number that stands for a non-measured point, or ``"none"``; one that looks so is asked about.
     """
-
-    variable: str | None = attrs.field(default=None, converter=check_variable)
-    rows: str = attrs.field(default="auto", converter=check_rows)
 
     @property
     def suffixes(self) -> frozenset[str]:
@@ -174,4 +173,4 @@ class MatReader(SurfaceReader):
     def read(self, path: Path) -> RawMap:
         """Return the map."""
         require_memory_of_map(2.0 * path.stat().st_size)
-        return choose_map(*read_mat(path), self.variable, self.rows)
+        return choose_map(*read_mat(path), self)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Mapping
 from typing import Any
 
@@ -9,27 +10,34 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import RealArray
-from roughcontact._parts.files.base import RawMap
-from roughcontact._parts.files.stated import Stated, build_map, metres
+from roughcontact._parts.files.base import RawMap, SurfaceReader, check_rows
+from roughcontact._parts.files.stated import Stated, build_map, check_no_data, metres
 from roughcontact.errors import InputError
 
 # Attributes of an array that are read: its unit, packing, the values of non-measured points, and the valid ones.
 UNIT_ATTRIBUTES = ("units", "unit", "Units", "Unit")
 MISSING_ATTRIBUTES = ("_FillValue", "missing_value")
+# Names of the number of non-measured points.
+_MISSING_NAMES = ("nodata", "no_data", "nodata_value", "fill_value", "fillvalue")
 VALID_ATTRIBUTES = ("valid_range", "valid_min", "valid_max")
 PACKING_ATTRIBUTES = ("scale_factor", "add_offset")
 # Names that change what numbers mean, and have no meaning on which all agree.
 CHANGING_NAMES = frozenset(
     {"scale", "z_scale", "zscale", "scaling", "factor", "z_factor", "gain", "multiplier", "offset", "z_offset", "lsb"}
-    | {"nodata", "no_data", "nodata_value", "fill_value", "fillvalue", "invalid", "mask", "valid", "bit2nm"}
+    | {"invalid", "mask", "valid", "bit2nm", *_MISSING_NAMES}
 )
 # Names of arrays that state the unit of the heights, the unit of everything, and that of the sides.
 _HEIGHT_UNITS = ("zunit", "z_unit", "zunits", "z_units", "height_unit", "height_units", "heights_unit")
 _COMMON_UNITS = ("unit", "units")
 _SIDE_UNITS = ("xyunit", "xy_unit", "xyunits", "xunit", "x_unit", "xunits", "lateral_unit", "size_unit")
+_SPECIFIC_UNITS = frozenset({*_HEIGHT_UNITS, *_SIDE_UNITS})
 _SIZE_NAMES = ("size", "lx", "ly", "dx", "dy")
-# All names that `gather` looks for.
-STATING_NAMES = {*_HEIGHT_UNITS, *_COMMON_UNITS, *_SIDE_UNITS, *_SIZE_NAMES, *CHANGING_NAMES, *"xyXY"}
+# Names of the axes, and of the positions along them.
+_AXES = {"x": "x", "lon": "x", "longitude": "x", "easting": "x", "col": "x", "column": "x"}
+_AXES |= {"y": "y", "lat": "y", "latitude": "y", "northing": "y", "row": "y"}
+# Names of sides and units that may be attributes, too; and all names that `gather` looks for.
+STATING_ATTRIBUTES = frozenset({*_HEIGHT_UNITS, *_COMMON_UNITS, *_SIDE_UNITS, *_SIZE_NAMES})
+STATING_NAMES = {*STATING_ATTRIBUTES, *CHANGING_NAMES, *"xyXY"}
 # Relative difference between the steps of positions that are regular: they are printed with six digits, or in 32 bits.
 _STEP_TOLERANCE = 1e-2
 
@@ -43,19 +51,34 @@ class NamedArray:
     axes: tuple[str, ...] = ()
 
 
+def check_variable(value: str | None) -> str | None:
+    """Return the name of an array in a file, or raise `InputError`."""
+    if value is not None and (not isinstance(value, str) or not value):
+        raise InputError.about("The variable in a file", value, "the name of an array in it")
+    return value
+
+
+@attrs.frozen
+class NamedArrayReader(SurfaceReader):
+    """A reader of files of named arrays; see its subclasses for the options."""
+
+    variable: str | None = attrs.field(default=None, converter=check_variable)
+    rows: str = attrs.field(default="auto", converter=check_rows)
+    no_data: float | str | None = attrs.field(default=None, converter=check_no_data)
+
+
 def choose_map(
     arrays: Mapping[str, NamedArray],
     texts: Mapping[str, str],
-    variable: str | None,
-    rows: str,
+    reader: NamedArrayReader,
 ) -> RawMap:
-    """Return the map among the arrays of a file: the one named, that named `heights`, or the only one.
+    """Return the map among the arrays of a file: the one that the reader names, `heights`, or the only one.
 
     `texts` are its texts, by their names, which may state units.
     """
     maps = {name: one for name, one in arrays.items() if one.values.ndim == 2 and min(one.values.shape) > 1}
-    name = variable or ("heights" if "heights" in maps else min(maps, default=""))
-    if name not in maps or (variable is None and name != "heights" and len(maps) > 1):
+    name = reader.variable or ("heights" if "heights" in maps else min(maps, default=""))
+    if name not in maps or (reader.variable is None and name != "heights" and len(maps) > 1):
         found = ", ".join(sorted(maps)) or "none"
         raise InputError(
             "its array of heights is not known: give variable= with its name; its real arrays of two dimensions "
@@ -67,8 +90,9 @@ def choose_map(
     return build_map(
         _mark_invalid(maps[name]),
         gather(maps[name], beside, _find_beside(texts, group)),
-        rows=rows,
+        rows=reader.rows,
         line="the first index",
+        no_data=reader.no_data,
     )
 
 
@@ -91,27 +115,35 @@ def _mark_invalid(one: NamedArray) -> RealArray:
 
 def gather(one: NamedArray, arrays: Mapping[str, NamedArray], texts: Mapping[str, str]) -> Stated:
     """Return what the attributes of an array, and the arrays and texts beside it, state."""
+    own = {name: np.asarray(value) for name, value in one.attributes.items() if name in _SIZE_NAMES}
+    arrays = {**arrays, **{name: NamedArray(value) for name, value in own.items() if value.dtype.kind in "iuf"}}
+    texts = {**texts, **{name: str(value) for name, value in one.attributes.items() if name in _SPECIFIC_UNITS}}
     scalars = {name: float(other.values.ravel()[0]) for name, other in arrays.items() if other.values.size == 1}
-    arrays = {"x": arrays["X"], "y": arrays["Y"], **arrays} if {"X", "Y"} <= set(arrays) else arrays
+    arrays = {_AXES.get(name.lower(), name): other for name, other in arrays.items()} | dict(arrays)
     # A number as unit is that of metres.
     units: dict[str, str | float] = {**scalars, **texts}
     specific, common, lateral = (
         next((units[name] for name in names if name in units), None)
         for names in (_HEIGHT_UNITS, _COMMON_UNITS, _SIDE_UNITS)
     )
-    own = next((one.attributes[name] for name in UNIT_ATTRIBUTES if name in one.attributes), None)
-    stated = (own, specific, common)
+    named = next((one.attributes[name] for name in UNIT_ATTRIBUTES if name in one.attributes), None)
+    stated = (named, specific, common)
     unit = next((value for value in stated if value is not None), None)
     alike = {name: "an array" for name, other in arrays.items() if other.values.shape == one.values.shape}
     changing = {name: value for name, value in (scalars | alike).items() if name.lower() in CHANGING_NAMES}
     changing |= {name: one.attributes[name] for name in one.attributes if name.lower() in CHANGING_NAMES}
+    missing = [float(one.attributes[name]) for name in MISSING_ATTRIBUTES if name in one.attributes]
+    for name in [name for name in changing if name.lower() in _MISSING_NAMES]:
+        with contextlib.suppress(TypeError, ValueError):
+            missing.append(float(changing[name]))
+            del changing[name]
     # A common unit may be that of the sides, too: then these ask for themselves.
     length = lateral if lateral is not None or common is not None else 1.0
     found = Stated(
         unit=unit,
         factor=float(one.attributes.get("scale_factor", 1.0)),
         offset=float(one.attributes.get("add_offset", 0.0)),
-        non_measured=tuple(float(one.attributes[name]) for name in MISSING_ATTRIBUTES if name in one.attributes),
+        non_measured=tuple(missing),
         not_understood=tuple(f"{name} = {value}" for name, value in changing.items()),
         rows=_name_first(one.axes),
         length=length,
@@ -120,7 +152,7 @@ def gather(one: NamedArray, arrays: Mapping[str, NamedArray], texts: Mapping[str
 
 
 def _name_first(axes: tuple[str, ...]) -> str:
-    names = tuple(name.rpartition("/")[2].lower() for name in axes)
+    names = [_AXES.get(name.rpartition("/")[2].lower(), "") for name in axes]
     return names[0] if sorted(names) == ["x", "y"] else ""
 
 
@@ -151,12 +183,19 @@ def _find_places(stated: Stated, one: NamedArray, arrays: Mapping[str, NamedArra
     """Return what is stated with the steps of the positions `x` and `y` of the points; None without both."""
     if not {"x", "y"} <= set(arrays):
         return None
-    places = [arrays[axis].values.ravel().astype(np.float64) for axis in "xy"]
-    counts = tuple(place.size for place in places)
     shape = one.values.shape
+    both = [arrays[axis].values.astype(np.float64) for axis in "xy"]
+    first = stated.rows
+    if both[0].shape == both[1].shape == shape and len(shape) == 2 and min(shape) > 1:
+        # As meshgrid writes them: x is constant along the index of y.
+        first = "x" if np.ptp(both[0][:, 0]) >= np.ptp(both[0][0]) else "y"
+        both = [places[:, 0] if axis == first else places[0] for axis, places in zip("xy", both, strict=True)]
+    places = [place.ravel() for place in both]
+    counts = tuple(place.size for place in places)
     if counts not in (shape, shape[::-1]) or min(counts) < 2:
         return None
-    first = stated.rows or ("x" if counts == shape else "y") if counts[0] != counts[1] else stated.rows
+    if not first and counts[0] != counts[1]:
+        first = "x" if counts == shape else "y"
     steps = [_find_step(place, axis) for place, axis in zip(places, "xy", strict=True)]
     unit = next((arrays["x"].attributes[name] for name in UNIT_ATTRIBUTES if name in arrays["x"].attributes), None)
     other = next((arrays["y"].attributes[name] for name in UNIT_ATTRIBUTES if name in arrays["y"].attributes), unit)

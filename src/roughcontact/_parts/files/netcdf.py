@@ -11,9 +11,9 @@ from typing import Any
 import attrs
 import numpy as np
 
-from roughcontact._parts.files.base import RawMap, SurfaceReader, check_rows, find_foreign, require_memory_of_map
+from roughcontact._parts.files.base import RawMap, find_foreign, require_memory_of_map
 from roughcontact._parts.files.bounds import bound_expansion, is_hdf5
-from roughcontact._parts.files.hdf5 import check_variable, read_hdf5
+from roughcontact._parts.files.hdf5 import read_hdf5
 from roughcontact._parts.files.named import (
     CHANGING_NAMES,
     MISSING_ATTRIBUTES,
@@ -21,6 +21,7 @@ from roughcontact._parts.files.named import (
     UNIT_ATTRIBUTES,
     VALID_ATTRIBUTES,
     NamedArray,
+    NamedArrayReader,
     choose_map,
 )
 from roughcontact.errors import InputError
@@ -31,7 +32,7 @@ _PERIODIC = "periodic"
 
 
 @attrs.frozen
-class NetcdfReader(SurfaceReader):
+class NetcdfReader(NamedArrayReader):
     """An array of numbers in a netCDF file; the names and positions of its axes are read.
 
     Version 4 needs h5py.
@@ -42,10 +43,9 @@ class NetcdfReader(SurfaceReader):
         Name of the array; by default `heights`, or the only one with two dimensions.
     rows
         ``"x"`` or ``"y"``: the axis of the first index, where the names of the axes do not say it; by default x.
+    no_data
+        The number that stands for a non-measured point, or ``"none"``; one that looks so is asked about.
     """
-
-    variable: str | None = attrs.field(default=None, converter=check_variable)
-    rows: str = attrs.field(default="auto", converter=check_rows)
 
     @property
     def suffixes(self) -> frozenset[str]:
@@ -58,14 +58,14 @@ class NetcdfReader(SurfaceReader):
         if foreign := find_foreign(path):
             raise InputError(foreign)
         if is_hdf5(path):
-            return choose_map(*read_hdf5(path), self.variable, self.rows)
+            return choose_map(*read_hdf5(path), self)
         try:
             arrays, periodic = _read_classic(path)
         except InputError:
             raise
         except (ValueError, TypeError, KeyError, IndexError, AttributeError, AssertionError, OverflowError) as error:
             raise InputError("its head states more than it holds: it is damaged, or no classic netCDF") from error
-        return attrs.evolve(choose_map(arrays, {}, self.variable, self.rows), periodic=periodic)
+        return attrs.evolve(choose_map(arrays, {}, self), periodic=periodic)
 
 
 def _read_classic(path: Path) -> tuple[dict[str, NamedArray], bool]:

@@ -37,10 +37,14 @@ def read_program(data: bytes, rows: str) -> RawMap | None:
     reader = next((read for mark, read in _READERS.items() if start.lstrip().startswith(mark)), None)
     if reader is None:
         return None
-    lines = data.decode("latin-1").lstrip().splitlines()
+    text = data.decode("latin-1").lstrip()
+    lines = text.splitlines()
+    if lines[0].count(",") > 1:
+        # Saved again as CSV.
+        lines = text.replace(",", "\t").replace('"', "").splitlines()
     try:
         return reader(lines, rows)
-    except (ValueError, IndexError, KeyError) as error:
+    except (ValueError, IndexError, KeyError, StopIteration) as error:
         if isinstance(error, InputError):
             raise
         raise InputError(f"it begins as {lines[0][:40]!a} does, but does not go on so: it is damaged") from None

@@ -34,7 +34,12 @@ _READERS_BY_BEGINNING = {
     b"bBCR-": _FALLBACK_READER,
     b"DSBB": "surfer",
     b"DSRB": "surfer",
+    b"CDF\x01": "netcdf",
+    b"CDF\x02": "netcdf",
 }
+# The ending of text files by Surfer and of netCDF by GMT, whose version 4 begins as HDF5 does.
+_NETCDF_ENDING = ".grd"
+_HDF5 = b"\x89HDF"
 # Characters of a reader's message that ours repeats.
 _MAX_REASON_CHARACTERS = 200
 # Relative difference between a given size and the size in a file: six digits, as people type them.
@@ -183,6 +188,8 @@ def _reader_for(file: Path) -> str:
     start = _read_start(file)
     if found := [name for mark, name in _READERS_BY_BEGINNING.items() if start.startswith(mark)]:
         return found[0]
+    if suffix == _NETCDF_ENDING and start.startswith(_HDF5):
+        return "netcdf"
     for name in readers:
         # A broken plug-in must not keep others from reading their files.
         with contextlib.suppress(InputError):

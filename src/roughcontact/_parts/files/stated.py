@@ -19,6 +19,7 @@ _METRES_PER_UNIT |= {"meter": 1.0, "metre": 1.0, "millimeter": 1e-3, "millimetre
 _METRES_PER_UNIT |= {"micrometre": 1e-6, "nanometer": 1e-9, "nanometre": 1e-9, "mikrometer": 1e-6}
 _METRES_PER_UNIT |= {"micron": 1e-6, "~m": 1e-6, "mum": 1e-6, "ang": 1e-10, "angstrom": 1e-10}
 _METRES_PER_UNIT |= {"\N{ANGSTROM SIGN}": 1e-10, "inch": 0.0254, "in": 0.0254, "mil": 2.54e-5, "thou": 2.54e-5}
+_METRES_PER_UNIT |= {"inches": 0.0254, "uin": 2.54e-8, "microinch": 2.54e-8, "microinches": 2.54e-8}
 _MICRO = str.maketrans({"µ": "u", "μ": "u", "\udcb5": "u"})
 # Relative difference between a stated size and the stated steps times the number of points, or of their distances.
 _SIZE_TOLERANCE = 2e-2
@@ -27,6 +28,8 @@ _SIZE_TOLERANCE = 2e-2
 _MARK_DISTANCE = 2.0
 _MARKS = {99.0, 999.0, 999.25, 999.9, 9999.0, 9999.9, 99999.0, 99999.9, 999999.0, 9999999.0, 99999999.0}
 _MARKS |= {32767.0, 32768.0, 65535.0, 2147483647.0, 2147483648.0, 4294967295.0, 8388607.0, 8388608.0}
+# Distance, over the range of the heights, at which any whole number at several points is none of them.
+_MIN_OUTLYING = 1000.0
 # Number that is too large for any height in any unit.
 _MIN_MARK = 1e20
 # Minimum points at which a zero, far from all other numbers, is none of the heights.
@@ -157,7 +160,7 @@ def require_understood(stated: Stated) -> None:
         quoted = stated.not_understood[0].strip()[:_MAX_QUOTED_CHARACTERS]
         raise InputError(
             f"it states {quoted!a}, which changes what its numbers mean and is not understood: write the heights "
-            "themselves, with nan for points that were not measured, and omit that line; of text, skip_rows= skips it"
+            "themselves, with nan for points that were not measured, and omit that (in text, skip_rows= skips the line)"
         )
     if len(stated.channels) > 1:
         names = ", ".join(repr(name) for name in stated.channels)
@@ -166,14 +169,20 @@ def require_understood(stated: Stated) -> None:
 
 def _find_rows(stated: Stated, rows: str, table: tuple[int, ...]) -> str:
     """Return the axis of the first index; empty where neither the file nor the user says it."""
-    if rows == "auto" and not stated.rows and stated.shape[0] != stated.shape[1] and None not in stated.shape:
+    shape = tuple(_count(*one) for one in zip(stated.shape, stated.size, stated.steps, strict=True))
+    if rows == "auto" and not stated.rows and shape[0] != shape[1] and None not in shape:
         # The stated numbers of points along x and y fit one order.
-        return "x" if table == stated.shape else "y" if table == stated.shape[::-1] else ""
+        return "x" if table == shape else "y" if table == shape[::-1] else ""
     if rows == "auto":
         return stated.rows
     if stated.rows and rows != stated.rows:
         raise InputError(f"it states that its rows are those of {stated.rows}: omit rows=")
     return rows
+
+
+def _count(count: int | None, side: float | None, step: float | None) -> int | None:
+    """Return the number of points along an axis, as stated, or that of the stated steps in the stated side."""
+    return count if count is not None or not side or not step else round(side / step)
 
 
 def _scale(numbers: npt.NDArray[np.generic], stated: Stated) -> Array:
@@ -194,32 +203,46 @@ def _scale(numbers: npt.NDArray[np.generic], stated: Stated) -> Array:
 def _refuse_marks(numbers: npt.NDArray[np.generic]) -> None:
     """Refuse an extreme number, far from all others, that programs write for a non-measured point."""
     values = np.asarray(numbers, dtype=np.float64)
-    with np.errstate(invalid="ignore", over="ignore"):
-        finite = values[np.isfinite(values)]
-        if finite.size == 0:
+    # No copy of the numbers is made: maps are large.
+    known = np.isfinite(values)
+    total = int(np.count_nonzero(known))
+    lowest, highest = _find_range(values, known)
+    for mark in (lowest, highest):
+        others = known & (values != mark)
+        count = total - int(np.count_nonzero(others))
+        if count == total:
             return
-        for mark in (float(finite.min()), float(finite.max())):
-            others = finite[finite != mark]
-            if not others.size:
-                return
-            lowest = float(others.min())
-            highest = float(others.max())
-            distance = max(lowest - mark, mark - highest)
-            if distance > _MARK_DISTANCE * (highest - lowest) > 0.0 and _is_mark(
-                mark, finite.size - others.size, finite.size
-            ):
-                raise InputError(
-                    f"its number {mark:.12g} stands at {finite.size - others.size} points, far from all others "
-                    f"({lowest:.6g} to {highest:.6g}), as programs write it where nothing was measured: say so with "
-                    f"no_data={mark:.12g}, or no_data='none' if it is a height"
-                )
+        low, high = _find_range(values, others)
+        span = high - low
+        distance = max(low - mark, mark - high)
+        if distance > _MARK_DISTANCE * span > 0.0 and _is_mark(mark, count, total, distance / span):
+            raise InputError(
+                f"its number {_name(mark)} stands at {count} points, far from all others ({low:.6g} to {high:.6g}), as "
+                "programs write it where nothing was measured: say so with "
+                f"no_data={_name(mark)}, or no_data='none' if it is a height"
+            )
 
 
-def _is_mark(value: float, count: int, total: int) -> bool:
-    """Return whether a number at so many of all points is one that programs write for a non-measured point."""
+def _name(mark: float) -> str:
+    """Return a number with as few digits as state it exactly."""
+    short = f"{mark:.12g}"
+    return short if float(short) == mark else repr(mark)
+
+
+def _find_range(values: Array, chosen: npt.NDArray[np.bool_]) -> tuple[float, float]:
+    with np.errstate(invalid="ignore"):
+        return (
+            float(np.min(values, where=chosen, initial=np.inf)),
+            float(np.max(values, where=chosen, initial=-np.inf)),
+        )
+
+
+def _is_mark(value: float, count: int, total: int, distance: float) -> bool:
+    """Return whether a number at so many of all points, far from them over their range, is one of no height."""
     if value == 0.0:
         return _MIN_ZEROS <= count <= total // 2
-    return abs(value) in _MARKS or abs(value) >= _MIN_MARK
+    is_outlying = count > 1 and value == round(value) and distance > _MIN_OUTLYING
+    return is_outlying or abs(value) in _MARKS or abs(value) >= _MIN_MARK
 
 
 def check_no_data(value: float | str | None) -> float | str | None:

@@ -26,7 +26,9 @@ _FIELD_SEPARATOR = re.compile(r"[\s,;]")
 _NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eEdD][-+]?[0-9]+)?")
 # Fields of a non-measured point, also as the C library of Windows writes them (1.#QNAN).
 _NON_MEASURED = re.compile(
-    r"\*+|-+|bad|n/?a|null|none|no ?data|invalid|missing|[-+]?(?:nan|inf(?:inity)?|1\.#\w+)", re.IGNORECASE
+    r"\*+|-+|bad|n/?a|null|none|no ?data|invalid|missing|[-+]?(?:nan|inf(?:inity)?|1\.#\w+)"
+    r"|#(?:n/a|nv|num!|value!|div/0!|ref!)",
+    re.IGNORECASE,
 )
 # Lines with a single comma, between digits.
 _SINGLE_COMMA_LINES = re.compile(r"(?:[-+]?[0-9]+,[0-9]+(?:\n|\Z))+")
@@ -63,8 +65,10 @@ _THOUSANDS = re.compile(r"[-+]?[0-9]{1,3}(?:,[0-9]{3})+")
 _WHOLE = re.compile(r"[-+]?[0-9]+")
 # An exponent of Fortran.
 _FORTRAN = re.compile(r"(?<=[0-9.])[dD](?=[-+]?[0-9])")
-# A comment at the end of a line, but not the mark in 1.#QNAN.
-_COMMENT = re.compile(r"(?:^|(?<=[\s,;]))#.*", re.DOTALL)
+# A comment at the end of a line, but not the mark in 1.#QNAN, nor an error of Excel.
+# A factor that MATLAB shows above a matrix.
+SHOWN_FACTOR = re.compile(r"\s*([0-9.]+e[-+][0-9]+) \*\s*")
+_COMMENT = re.compile(r"(?:^|(?<=[\s,;]))#(?!n/a|nv\b|num!|value!|div/0!|ref!).*", re.DOTALL | re.IGNORECASE)
 
 
 def is_non_measured(word: str) -> bool:
@@ -77,6 +81,8 @@ def holds_heights(content: str) -> bool | None:
 
     None: it may, because all its fields stand for non-measured points.
     """
+    if SHOWN_FACTOR.fullmatch(content):
+        return False
     fields = _FIELD_SEPARATOR.split(content)
     if all(map(is_non_measured, fields)):
         # A line of dashes is the rule below a title.

@@ -15,7 +15,7 @@ import numpy as np
 from roughcontact._base.arrays import Array, Pair
 from roughcontact._base.checks import integer
 from roughcontact._parts.files.base import RawMap, SurfaceReader, readers, require_memory_of_map
-from roughcontact._parts.files.stated import Stated, build_map, metres
+from roughcontact._parts.files.stated import Stated, build_map, check_no_data, metres
 from roughcontact.errors import InputError, MissingPackage
 
 # Number of the tag with the value of points without data, in geographic images.
@@ -58,9 +58,12 @@ class TiffReader(SurfaceReader):
     ----------
     page
         Which image of several, from 0.
+    no_data
+        The number that stands for a non-measured point, or ``"none"``; one that looks so is asked about.
     """
 
     page: int | None = attrs.field(default=None, converter=_page)
+    no_data: float | str | None = attrs.field(default=None, converter=check_no_data)
 
     @property
     def suffixes(self) -> frozenset[str]:
@@ -88,7 +91,7 @@ class TiffReader(SurfaceReader):
             stated = _read_stated(page, imagej, file.ome_metadata)
             image = _read_pixels(page)
             words = _describe_print(page, stated)
-        found = build_map(image, stated, line="a line of the image", needs_unit=True)
+        found = build_map(image, stated, line="a line of the image", needs_unit=True, no_data=self.no_data)
         return attrs.evolve(found, hint=found.hint or words)
 
     def _choose(self, file: Any) -> Any:
