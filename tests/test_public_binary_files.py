@@ -417,6 +417,8 @@ REFUSED = {
     "a cloud": ("a.las", lambda: b"LASF" + bytes(99), "a cloud of points in LAS"),
     "a pickle": ("a.pkl", lambda: b"\x80\x04\x8c\x02os.", "an object of Python"),
     "FITS": ("a.fits", lambda: b"SIMPLE  =                    T".ljust(2880), "an image in FITS"),
+    "numpy, one number": ("a.npy", lambda: npy(np.ones((1, 1))), "no more than one number"),
+    "numpy, records": ("a.npy", lambda: npy(np.ones(SHAPE, [("z", "f8")])), "not of numbers: save the heights alone"),
     "no npy": ("a.npy", lambda: b"\xef\xbf\xbdNUMPY" + bytes(99), "does not begin as .npy files do"),
 }
 
@@ -476,6 +478,9 @@ def test_points_without_data_are_not_measured(tmp_path):
 def test_the_sentence_of_a_damaged_file_names_its_kind(instruments, tmp_path):
     (tmp_path / "a.sur").write_bytes(digital_surf()[:200])
     refuse(tmp_path / "a.sur", "begins as files of Digital Surf SUR do")
+    # 100 integers of 16 bits are no heights of the earth by another name.
+    (tmp_path / "a.raw").write_bytes(bytes(range(200)))
+    refuse(tmp_path / "a.raw", "its content fits none of the formats")
 
 
 def test_the_channel_of_heights_is_taken_and_named(instruments, tmp_path):

@@ -27,6 +27,9 @@ _MAX_DIFFERENCE = 1.0
 _NO_HEIGHTS = re.compile(r"(?i)phase|amplitude|error|deflection|friction|lateral|current|potential|intensity")
 # Formats of SurfaceTopography, by its names, that are read here: there, what they state of themselves is not.
 _OWN_READERS = {"asc": "txt", "xyz": "txt", "npy": "npy", "npz": "npz", "h5": "hdf5", "nc": "netcdf"}
+# Formats of which a file may have any first bytes, with the endings by which they are known instead. The reader of
+# MATLAB's files would allocate what any of them declares; ours reads those, so that it has none.
+_ENDINGS_OF_GREEDY = {"hgt": ".hgt", "ibw": ".ibw", "mat": "none"}
 # First bytes by which a format is recognised, characters of a reason that a message repeats, and words in one that only
 # users of the other package understand.
 _MAGIC_BYTES = 512
@@ -75,40 +78,46 @@ def _open(path: Path) -> Any:
         # Its imports warn of optional parallel packages.
         with warnings.catch_warnings(action="ignore"):
             from SurfaceTopography import open_topography
-            from SurfaceTopography.Exceptions import CannotDetectFileFormat
     except ImportError:
         raise MissingPackage(
             f"Reading {path.name} needs the package SurfaceTopography: pip install SurfaceTopography. "
             f"Files {_ENDINGS} are read without it, .tif by 'roughcontact[files]' and .h5 by "
             "'roughcontact[store]'."
         ) from None
-    kinds = _find_kinds(path)
-    try:
-        found = open_topography(str(path))
-    except CannotDetectFileFormat as error:
-        raise InputError(_explain(kinds, str(error))) from None
-    # Readers of tables find numbers in any damaged file of another kind.
-    if (kinds and type(found) not in kinds) or not found.channels:
-        raise InputError(_explain(kinds, ""))
-    return found
+    sure, possible = _find_kinds(path)
+    reasons: list[str] = []
+    for kind in sure or possible:
+        # Each broken file fails in its own way.
+        try:
+            found = open_topography(str(path), format=kind.format())
+            if found.channels:
+                return found
+        except Exception as error:
+            reasons.append(str(error))
+    raise InputError(_explain(sure, reasons))
 
 
-def _find_kinds(path: Path) -> list[Any]:
-    """Return the readers of SurfaceTopography as whose files a file begins."""
+def _find_kinds(path: Path) -> tuple[list[Any], list[Any]]:
+    """Return the readers of SurfaceTopography as whose files a file surely, and as whose it possibly begins."""
     from SurfaceTopography.IO import MagicMatch
     from SurfaceTopography.IO import readers as known
 
     with path.open("rb") as stream:
         start = stream.read(_MAGIC_BYTES)
-    return [reader for reader in known if reader.can_read(start) is MagicMatch.YES]
+    ending = path.suffix.lower()
+    allowed = [reader for reader in known if _ENDINGS_OF_GREEDY.get(reader.format(), ending) == ending]
+    sure, possible = (
+        [reader for reader in allowed if reader.can_read(start) is match]
+        for match in (MagicMatch.YES, MagicMatch.MAYBE)
+    )
+    return sure, possible
 
 
-def _explain(kinds: Sequence[Any], reasons: str) -> str:
+def _explain(kinds: Sequence[Any], reasons: Sequence[str]) -> str:
     """Return why no reader took a file: the reason of the format as which it begins."""
-    for reader in kinds:
-        tried = re.search(rf"tried {reader.__name__}: \n (.*?)\n\n", reasons, re.S)
+    if kinds:
         return (
-            f"it begins as files of {reader.name()} do, but cannot be read{_quote(tried[1] if tried else '')}: it is "
+            f"it begins as files of {kinds[0].name()} do, but cannot be read{_quote(next(iter(reasons), ''))}: it is "
             "damaged, or of a revision that is not known; export it again, or its heights as text"
         )
     return (

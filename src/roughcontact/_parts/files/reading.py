@@ -25,7 +25,7 @@ from roughcontact.errors.door import guarded
 
 _LOGGER = logging.getLogger("roughcontact")
 _FALLBACK_READER = "instrument"
-# First bytes of files whose ending is that of text files, and their readers: of Zygo, SDF and Surfer in binary.
+# First bytes of files whose ending does not tell the reader: of Zygo, SDF and Surfer in binary, MATLAB, and netCDF.
 _READERS_BY_BEGINNING = {
     b"\x88\x1b\x03\x6f": _FALLBACK_READER,
     b"\x88\x1b\x03\x70": _FALLBACK_READER,
@@ -34,6 +34,7 @@ _READERS_BY_BEGINNING = {
     b"bBCR-": _FALLBACK_READER,
     b"DSBB": "surfer",
     b"DSRB": "surfer",
+    b"MATLAB 5.0 MAT": "mat",
     b"CDF\x01": "netcdf",
     b"CDF\x02": "netcdf",
 }
@@ -68,8 +69,8 @@ def read_surface(
     Parameters
     ----------
     path
-        The file. npz, npy and text files are read by numpy, heights in m, first index x; all others
-        by the package SurfaceTopography, units converted to SI.
+        The file. npz, npy and text files have heights in m, first index x, where they state nothing else; those of
+        instruments are read by the package SurfaceTopography.
     size
         Sides of the domain (x, y) or of both, m; needed where the file does not state it, and checked
         where it does.
@@ -87,6 +88,7 @@ def read_surface(
         Fields of the reader. For text files ``separator=``, ``decimal=`` and ``skip_rows=``: separator and decimal mark
         of the numbers, and how many lines at the beginning are not heights, if they are not found correctly. For text,
         npy and mat files ``rows=``: whether they have a row for each ``"x"``, as is assumed, or for each ``"y"``.
+        For text and arrays ``no_data=``: the number of non-measured points, such as -9999, or ``"none"``.
 
     Raises
     ------
@@ -149,6 +151,8 @@ def read_raw(file: str | Path, reader: str | SurfaceReader = "auto", **options: 
         raise InputError(
             f"The reader {chosen!r} must return a RawMap with an array of heights, but returned {raw!r:.80}."
         )
+    if raw.heights.size < 2:
+        raise InputError(f"The file {file.name} cannot be used: it holds no more than one number, not a height map.")
     return raw
 
 
