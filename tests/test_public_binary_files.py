@@ -168,6 +168,8 @@ READ = {
     "HDF5, axes with labels": ("a.h5", lambda: h5({"units": "um"}, MICROMETRES.T, ("y", "x")), {"size": SIZE}),
     "HDF5, positions": ("a.hdf5", lambda: h5({"units": "um"}, x=X, y=Y), {"size": SIZE}),
     "HDF5, attributes of the file": ("a.h5", lambda: h5(of_file={"zunit": "um", "lx": SIZE[0], "ly": SIZE[1]}), {}),
+    "HDF5, capitals": ("a.h5", lambda: h5({"UNITS": "um"}), {"size": SIZE}),
+    "HDF5, a size of pixels": ("a.h5", lambda: h5({"unit_z": "um", "pixel_size": (2e-6, 3e-6)}), {}),
     "HDF5, a pitch beside the heights": ("a.h5", lambda: h5({"unit": "um", "dx": 2e-6, "dy": 3e-6}), {}),
     "HDF5, positions of all points": ("a.h5", lambda: h5(values=MICROMETRES.T, x=GRID[0].T, y=GRID[1].T), ALL),
     "netCDF of GMT": ("a.grd", netcdf4, {"unit": "um"}),
@@ -381,6 +383,11 @@ REFUSED = {
     "MATLAB, volts": ("a.mat", lambda: mat(heights=MICROMETRES, unit="V"), "values in 'V'"),
     "MATLAB, a scale": ("a.mat", lambda: mat(heights=MICROMETRES, zscale=0.5), "'zscale = 0.5', which changes"),
     "numpy, a scale": ("a.npz", lambda: npz(heights=MICROMETRES, scale=1e-3), "'scale = 0.001'"),
+    "numpy, a scale of heights": (
+        "a.npz",
+        lambda: npz(heights=MICROMETRES, height_scale=1e-6),
+        "'height_scale = 1e-06'",
+    ),
     "numpy, a mask": ("a.npz", lambda: npz(heights=MICROMETRES, mask=np.ones(SHAPE, bool)), "'mask = an array'"),
     "numpy, sides in a common unit": (
         "a.npz",

@@ -744,7 +744,7 @@ def test_uploads_lie_in_a_private_folder_that_ends_with_the_session():
 def test_the_oldest_uploads_give_way(client, server, monkeypatch):
     monkeypatch.setattr("roughcontact_app.uploads._LARGEST_SUM", 60)
     digests = [
-        client.upload("a.csv", f"1 2\n3 {number}.0000000000000000000000\n".encode())[1]["digest"] for number in range(3)
+        client.upload("a.csv", f"1 2\n3 {number}.000000000000000000000\n".encode())[1]["digest"] for number in range(3)
     ]
     assert [client.post("api/file", digest)["here"] for digest in digests] == [False, True, True]
 

@@ -23,8 +23,8 @@ _LINES = (
 )
 # A title of heights, with their unit in brackets.
 _TITLE = re.compile(
-    r"(?i)[\s#;%\"]*(?:z|heights?|höhen?|hauteurs?|topography|topographie|elevation)[\w \-]*"
-    r"(?:[\[(]([^\])]{1,12})[\])]|(?:/|\bin\b)\s*([^\W\d]{1,11}))[\s\";,]*"
+    r"(?i)[\s#;%\"]*(?:z|heights?|höhen?|hauteurs?|altitudes?|topography|topographie|elevation)[\w \-]*"
+    r"(?:[\[(]([^\])]{1,12})[\])]|(?:/|\b(?:in|en)\b)\s*([^\W\d]{1,11}))[\s\";,]*"
 )
 # A title of depths, and words that say which way is positive; heights are positive outwards.
 _DEPTHS = re.compile(
@@ -34,6 +34,8 @@ _DEPTHS = re.compile(
 )
 # What separates the items of one line: "dx = 2 um, dy = 3 um".
 _ITEMS = re.compile(r"[,;]\s*(?=[\"']?[^\W\d][\w .\-]{0,30}[\"']?\s*[:=])")
+# A title such as height_nm.
+_JOINT_TITLE = re.compile(r"(?i)[\s#;%\"]*(?:z|heights?)_([^\W\d_]{1,4})[\s\";,]*")
 _BRACKET = re.compile(r"\s*[\[(]([^\])]*)[\])]\s*")
 _NUMBER = r"[-+]?(?:[0-9]+[.,]?[0-9]*|[.,][0-9]+)(?:[eE][-+]?[0-9]+)?"
 _VALUE = re.compile(rf"({_NUMBER})\s*(.*)", re.DOTALL)
@@ -158,6 +160,11 @@ def read_header(lines: Sequence[str]) -> Stated:
     for line in itertools.chain.from_iterable(map(_divide, lines)):
         if title := _TITLE.fullmatch(line):
             found.add("unit", (title[1] or title[2]).strip(), line)
+            continue
+        joint = _JOINT_TITLE.fullmatch(line)
+        alone = joint[1] if joint else line.strip(' \t#;%"')
+        if metres(alone) is not None:
+            found.add("unit", alone, line)
             continue
         if factor := SHOWN_FACTOR.fullmatch(line):
             found.add("factor", float(factor[1]), line)

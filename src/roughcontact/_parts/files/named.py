@@ -15,7 +15,7 @@ from roughcontact._parts.files.stated import Stated, build_map, check_no_data, m
 from roughcontact.errors import InputError
 
 # Attributes of an array that are read: its unit, packing, the values of non-measured points, and the valid ones.
-UNIT_ATTRIBUTES = ("units", "unit", "Units", "Unit")
+UNIT_ATTRIBUTES = ("units", "unit", "Units", "Unit", "UNITS", "UNIT")
 MISSING_ATTRIBUTES = ("_FillValue", "missing_value")
 # Names of the number of non-measured points.
 _MISSING_NAMES = ("nodata", "no_data", "nodata_value", "fill_value", "fillvalue")
@@ -24,14 +24,19 @@ PACKING_ATTRIBUTES = ("scale_factor", "add_offset")
 # Names that change what numbers mean, and have no meaning on which all agree.
 CHANGING_NAMES = frozenset(
     {"scale", "z_scale", "zscale", "scaling", "factor", "z_factor", "gain", "multiplier", "offset", "z_offset", "lsb"}
+    | {"height_scale", "scale_z", "height_factor", "conversion", "conversion_factor", "to_metres", "to_meters"}
     | {"invalid", "mask", "valid", "bit2nm", *_MISSING_NAMES}
 )
 # Names of arrays that state the unit of the heights, the unit of everything, and that of the sides.
-_HEIGHT_UNITS = ("zunit", "z_unit", "zunits", "z_units", "height_unit", "height_units", "heights_unit")
-_COMMON_UNITS = ("unit", "units")
+_HEIGHT_UNITS = (
+    *("zunit", "z_unit", "zunits", "z_units", "height_unit", "height_units", "heights_unit", "heights_units"),
+    *("unit_z", "units_z", "zUnit", "zUnits", "ZUnit", "heightUnit", "heightUnits"),
+)
+_COMMON_UNITS = UNIT_ATTRIBUTES
 _SIDE_UNITS = ("xyunit", "xy_unit", "xyunits", "xunit", "x_unit", "xunits", "lateral_unit", "size_unit")
 _SPECIFIC_UNITS = frozenset({*_HEIGHT_UNITS, *_SIDE_UNITS})
-_SIZE_NAMES = ("size", "lx", "ly", "dx", "dy")
+_PITCH_NAMES = ("pixel_size", "pixelsize", "pixelSize", "cell_size", "cellsize", "pitch")
+_SIZE_NAMES = ("size", "lx", "ly", "dx", "dy", *_PITCH_NAMES)
 # Names of the axes, and of the positions along them.
 _AXES = {"x": "x", "lon": "x", "longitude": "x", "easting": "x", "col": "x", "column": "x"}
 _AXES |= {"y": "y", "lat": "y", "latitude": "y", "northing": "y", "row": "y"}
@@ -174,6 +179,9 @@ def _find_sides(stated: Stated, shape: tuple[int, ...], arrays: Mapping[str, Nam
         sides = 2 * sides
     if len(sides) == 2:
         stated = attrs.evolve(stated, size=(sides[0], sides[1]))
+    pitch = next((values[name] for name in _PITCH_NAMES if name in values), None)
+    if pitch is not None:
+        stated = attrs.evolve(stated, steps=(pitch[0], pitch[-1]))
     if "dx" in values:
         stated = attrs.evolve(stated, steps=(values["dx"][0], values.get("dy", values["dx"])[0]))
     return stated

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Iterator, Sequence
 
@@ -31,7 +32,7 @@ _NAME = re.compile(
 )
 # A field with a name of several words: "X position (mm)"; what separates fields; and a word of Tecplot before them.
 _FIELD = re.compile(
-    r"[\s\"'#%]*([^\W\d_]+)\b[^\[(/]*?(?:[\[(]\s*([^\])]*?)\s*[\])]|(?:/|\bin\b)\s*([^\W\d]{1,11}))?[\s\"']*"
+    r"[\s\"'#%]*([^\W\d][^\[(/]*?)\s*(?:[\[(]\s*([^\])]*?)\s*[\])]|(?:/|\bin\b)\s*([^\W\d]{1,11}))?[\s\"']*"
 )
 _SEPARATOR = re.compile(r"[,;\t]")
 _VARIABLES = re.compile(r"(?i)^\s*variables\s*=")
@@ -70,11 +71,18 @@ def read_columns(points: Array, header: Sequence[str]) -> tuple[Array, dict[str,
 
 
 def _list_names(line: str) -> Iterator[list[tuple[str, str]]]:
-    """Yield the names in a line with their units, as words, and as fields of which the first word counts."""
+    """Yield the names in a line with their units, as words, and as fields of several words."""
     line = _VARIABLES.sub("", line)
     yield [(found[1].lower(), found[2] or found[3] or found[4] or "") for found in _NAME.finditer(line)]
     fields = [found for field in _SEPARATOR.split(line) if (found := _FIELD.fullmatch(field))]
-    yield [(found[1].lower(), found[2] or found[3] or "") for found in fields]
+    yield [(_find_name(found[1]), found[2] or found[3] or "") for found in fields]
+
+
+def _find_name(words: str) -> str:
+    """Return the word of a field that names a column of points, or its first one."""
+    found = words.lower().split()
+    known = {*itertools.chain.from_iterable(_COLUMNS.values()), *_DEPTHS}
+    return next((word for word in found if word in known), next(iter(found), ""))
 
 
 def _list_units(line: str, count: int) -> list[str]:
