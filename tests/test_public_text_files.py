@@ -370,6 +370,12 @@ REFUSED = {
     "a factor in words": ("a.txt", "# values x 1000\n" + lines(Z), GIVEN, "# values x 1000"),
     "depths": ("a.txt", "Depth (um)\n" + lines(-Z), GIVEN, "'Depth (um)', which changes"),
     "depths of points": ("a.csv", "x,y,depth\n" + points(-Z, ","), GIVEN, "its third column is a depth"),
+    "a unit in another encoding": (
+        "a.txt",
+        "# 値の単位: um\n".encode("shift-jis") + lines(Z).encode(),
+        GIVEN,
+        "which changes",
+    ),
     "a unit of an unknown name": ("a.txt", "# Jednostka: nm\n" + lines(Z), GIVEN, "'# Jednostka: nm', which changes"),
     "Wyko, cut": ("a.asc", wyko()[:150], {}, "it begins as 'Wyko ASCII Data File Format 0"),
     "sides in landscape": ("a.txt", gwyddion().replace("µm", "km", 2) + lines(DOWN), {}, "size"),

@@ -88,6 +88,8 @@ _SUSPECT_STEPS = re.compile(
     r"|.*\b1 (?:digit|count|lsb|bit|dn|level)\s*(?:=|is)\s*\d.*|.*\b(?:heights?|values?|data|z)\s*[x×*]\s*10.*",
     re.DOTALL,
 )
+# The value of a key in letters of another encoding, whose bytes stand for themselves.
+_UNIT_BEHIND = re.compile(r".*[\udc80-\udcff].*[:=]\s*([^\s:=]+)\s*", re.DOTALL)
 _UNIT = (
     r"(?:value|data|heights?|z|exported image|map|vertical|höhen?|z ?wert) ?(?:units?|einheit)|units? (?:data|z)|units?"
     r"|einheit(?:en)?|jednotky hodnot|unités?|unità(?: valore)?|unidad(?:es)?(?: de valor)?|値の単位|값 단위"
@@ -200,7 +202,9 @@ def _is_suspect(line: str) -> bool:
     """Return whether a line may change what the numbers mean."""
     suspect = _SUSPECT.match(line)
     has_factor = suspect is not None and float(suspect[1].replace(",", ".")) not in (0.0, 1.0)
-    return has_factor or any(form.fullmatch(line) for form in (_SUSPECT_STEPS, _DEPTHS))
+    unit = _UNIT_BEHIND.fullmatch(line)
+    has_unit = unit is not None and metres(unit[1]) is not None
+    return has_factor or has_unit or any(form.fullmatch(line) for form in (_SUSPECT_STEPS, _DEPTHS))
 
 
 def _read_line(found: _Found, key: str, value: str, line: str) -> None:
