@@ -74,7 +74,7 @@ def test_filling_makes_no_summit_and_continues_planes():
     ("name", "content", "words"),
     [
         ("map.npz", b"not a zip", "cannot be read"),
-        ("map.npy", b"", "cannot be read"),
+        ("map.npy", b"", "does not begin as .npy files do"),
         ("map.txt", b"1 2 3\n\n4 5\n", "line 3 has 2 numbers, but the lines before it have 3: write nan"),
         ("map.txt", b"1 2\nx y\n", "line 2 holds 'x', which is not a number: .* comments behind #"),
         ("map.csv", b"1,2,\n3,4\n5,6,7\n", "line 2 has 2 numbers, but others have 3"),
@@ -93,7 +93,7 @@ def test_filling_makes_no_summit_and_continues_planes():
         ("map.txt", b"1 2\n3 1+2j\n", r"line 2 holds '1.2j', which is not a number"),
         ("map.txt", b"1 2\n3 1_000\n", "line 2 holds '1_000', which is not a number"),
         ("map.txt", b"1 2\n3 0x10\n", "line 2 holds '0x10', which is not a number"),
-        ("map.txt", b"1 2\n3 1d-6\n", "line 2 holds '1d-6', which is not a number"),
+        ("map.txt", b"1 2\n3 1x-6\n", "line 2 holds '1x-6', which is not a number"),
         ("map.txt", "1 2\n3 \uff14\n".encode(), r"line 2 holds '.uff14', which is not a number"),
         ("map.txt", "1 2\n3 \u22124\n".encode(), r"line 2 holds '.u22124', which is not a number"),
         ("map.txt", b"1 2\n3 \xb5\n", r"line 2 holds '.udcb5', which is not a number"),
@@ -393,8 +393,9 @@ def test_an_image_of_gwyddion_has_its_size_its_unit_and_x_first(tmp_path):
         place = np.unravel_index(surface.values.argmax(), surface.values.shape)
         assert x[place[0]] == x.max()
         assert y[place[1]] == y.max()
+    np.testing.assert_array_equal(rc.read_surface(tmp_path / "image.txt", unit="nm").values, surface.values)
     with pytest.raises(rc.InputError, match="states its own unit of height"):
-        rc.read_surface(tmp_path / "image.txt", unit=1e-9)
+        rc.read_surface(tmp_path / "image.txt", unit=1e-6)
 
 
 def test_many_points_are_filled_as_few_are(monkeypatch):
@@ -511,7 +512,7 @@ class TestFilesThatHoldNoHeights:
     def test_of_no_known_format_name_those_that_are_read(self, tmp_path):
         pytest.importorskip("SurfaceTopography", exc_type=ImportError)
         (tmp_path / "a.bin").write_bytes(bytes(range(256)))
-        with pytest.raises(rc.InputError, match=r"none of the formats that are read, .* \.npz, .*\.tif .*\.x3p"):
+        with pytest.raises(rc.InputError, match=r"none of the formats that are read, .* \.npz, .*\.x3p.*\.tif"):
             rc.read_surface(tmp_path / "a.bin")
 
 

@@ -656,7 +656,7 @@ MAPS = {
     "small numbers": ("npz", deflated_map((2**12, 3000), "|i1"), "declares 12288000 numbers, more than a file of"),
     "a pickle": ("npy", npy(np.array([rc.Love()], dtype=object)), "an array of type object"),
     "a huge map": ("npy", npy_of_shape((2**20, 2**20)), "declares an array of type float64 and shape"),
-    "records": ("npy", npy(np.zeros(3, dtype=[("a", "f8")])), "declares an array of type"),
+    "records": ("npy", npy(np.zeros(3, dtype=[("a", "f8")])), "holds an array of type"),
     "texts": ("npy", npy(np.array([["a", "b"]])), "must be an array of real numbers"),
     "nothing": ("npz", b"", "cannot be read as a height map"),
     "endless numbers": ("txt", b"1 " + b"9" * 10_000 + b"\n2 3\n", "line 1 holds 9+, which is too large"),

@@ -45,7 +45,7 @@ def test_what_scipy_writes_is_read_back(tmp_path_factory, heights, compressed):
     path = tmp_path_factory.getbasetemp() / "written.mat"
     others = {"text": "abc", "cells": np.array(["a", 1.0], dtype=object), "record": {"x": np.eye(3)}, "none": []}
     scipy.io.savemat(path, {"heights": heights, **others, "z": 1j * np.eye(3)}, do_compression=compressed)
-    found = read_raw(path)
+    found = read_raw(path, no_data="none")
     np.testing.assert_array_equal(found.heights, heights.astype(np.float64))
     assert found.heights.dtype == np.float64
     assert found.size is None
@@ -76,20 +76,21 @@ def test_the_only_map_is_taken_and_others_are_chosen(tmp_path):
         ({"lx": 5e-6, "ly": 7e-6}, (5e-6, 7e-6)),
         ({"dx": 1e-6}, (5e-6, 7e-6)),
         ({"dx": 1e-6, "dy": 2e-6}, (5e-6, 14e-6)),
-        ({"dx": 1.0}, None),
-        ({"size": 5e-6}, None),
-        ({"lx": 5e-6}, None),
-        ({"dx": np.nan}, None),
-        ({"dx": -1e-6}, None),
-        ({"size": [1e-6, 2e-6, 3e-6]}, None),
+        ({"dx": 1.0}, "sides of 5 and 7 m, more than 1 m"),
+        ({"size": 5e-6}, "does not state the size"),
+        ({"lx": 5e-6}, "does not state the size"),
+        ({"dx": np.nan}, "sides of nan and nan, which must be positive"),
+        ({"dx": -1e-6}, "must be positive"),
+        ({"size": [1e-6, 2e-6, 3e-6]}, "does not state the size"),
+        ({"size": [5e-6, 7e-6], "dx": 2e-6}, "which contradict each other"),
     ],
 )
 def test_the_size_is_read_where_it_is_certain(tmp_path, lengths, size):
     scipy.io.savemat(tmp_path / "map.mat", {"heights": HEIGHTS, **lengths})
     write_hdf5(tmp_path / "new.mat", heights=HEIGHTS, **{name: np.atleast_2d(value) for name, value in lengths.items()})
     for name in ("map.mat", "new.mat"):
-        if size is None:
-            with pytest.raises(rc.InputError, match="does not state the size"):
+        if isinstance(size, str):
+            with pytest.raises(rc.InputError, match=size):
                 rc.read_surface(tmp_path / name)
         else:
             surface = rc.read_surface(tmp_path / name)
@@ -99,7 +100,7 @@ def test_the_size_is_read_where_it_is_certain(tmp_path, lengths, size):
 
 def test_a_size_in_another_unit_is_repeated(tmp_path):
     scipy.io.savemat(tmp_path / "map.mat", {"heights": 1e6 * HEIGHTS, "dx": 1.0, "dy": 2.0})
-    with pytest.raises(rc.InputError, match=r"\(its dx is 1, its dy is 2\): give size="):
+    with pytest.raises(rc.InputError, match=r"states sides of 5 and 14 m, .*: give size="):
         rc.read_surface(tmp_path / "map.mat")
     surface = rc.read_surface(tmp_path / "map.mat", size=(5e-6, 14e-6), unit=1e-6)
     np.testing.assert_allclose(surface.values, HEIGHTS)

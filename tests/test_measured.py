@@ -60,7 +60,7 @@ def test_a_measured_map_goes_through_the_command_line(measured_maps, tmp_path, c
 
 def test_a_broken_instrument_file_is_named(tmp_path):
     (tmp_path / "map.sur").write_bytes(b"DIGITAL SURF" + bytes(100))
-    with pytest.raises(rc.InputError, match=r"map\.sur cannot be used: its content fits none of the formats"):
+    with pytest.raises(rc.InputError, match=r"map\.sur cannot be used: it begins as files of Digital Surf SUR do, but"):
         rc.read_surface(tmp_path / "map.sur")
 
 

@@ -319,7 +319,7 @@ def test_maps_of_files_are_compared_with_the_memory(tmp_path, monkeypatch):
     row = b"0.000000000000000000e+00 " * 1200 + b"\n"
     (tmp_path / "map.txt").write_bytes(row * 1200)
     monkeypatch.setattr("roughcontact._base.machine.available_memory", lambda: 2**24)
-    for name, needed in (("map.npy", 21.97), ("map.npz", 21.97), ("map.txt", 21.97)):
+    for name, needed in (("map.npy", 21.97), ("map.npz", 21.97), ("map.txt", 68.67)):
         with pytest.raises(rc.InputError, match=rf"{name} cannot be used: it needs {needed} MiB of memory, but"):
             rc.read_surface(tmp_path / name, size=1.0)
 

@@ -115,7 +115,7 @@ def test_images_and_lists_state_their_axes(tmp_path):
     path.write_text(header + "\n".join(" ".join(map(str, row)) for row in image), encoding="utf-8")
     for rows in ("auto", "y"):
         np.testing.assert_allclose(rc.read_surface(path, rows=rows).values, 1e-9 * image[::-1].T, rtol=1e-12)
-    with pytest.raises(rc.InputError, match="width and height of an image, whose rows are those of y: omit rows="):
+    with pytest.raises(rc.InputError, match="states that its rows are those of y: omit rows="):
         rc.read_surface(path, rows="x")
     x, y = np.meshgrid(np.arange(12.0), np.arange(8.0))
     points = tmp_path / "points.xyz"

@@ -74,10 +74,10 @@ REFUSED = {
         "a.asc",
         ESRI.replace("37", "36") + IMAGE,
         {"size": SIZE},
-        "states 24 columns and 36 rows",
+        "states 36 x 24 lines and numbers in a line, but holds 37 x 24",
     ),
     "thousands": ("a.txt", THOUSANDS, {"size": SIZE, "unit": "nm"}, "commas may separate thousands"),
-    "a fourth column": ("a.csv", "x,y,z,intensity\n" + FOURTH, {"size": SIZE}, "with further columns"),
+    "a fourth column": ("a.csv", FOURTH, {"size": SIZE}, "with further columns"),
     "points and sides exchanged": ("a.csv", POINTS, {"size": SIZE[::-1]}, "2 and 2 apart along x and y, but on"),
     "rounded positions": ("a.txt", ROUNDED, {"size": SIZE, "rows": "y"}, "its first row rise in equal steps"),
     "two channels": (
@@ -146,7 +146,7 @@ class TestHdf5:
             file.create_dataset("heights", data=values).attrs.update(attributes)
         np.testing.assert_allclose(rc.read_surface(tmp_path / "a.h5", size=SIZE).values, HEIGHTS, atol=1e-15)
         with pytest.raises(rc.InputError, match="states its own unit"):
-            rc.read_surface(tmp_path / "a.h5", size=SIZE, unit="nm")
+            rc.read_surface(tmp_path / "a.h5", size=SIZE, unit="mm")
 
     def test_mark_non_measured_points(self, tmp_path):
         h5py = pytest.importorskip("h5py")
@@ -160,7 +160,7 @@ class TestHdf5:
         h5py = pytest.importorskip("h5py")
         with h5py.File(tmp_path / "a.h5", "w") as file:
             file.create_dataset("heights", data=HEIGHTS).attrs["units"] = "V"
-        with pytest.raises(rc.InputError, match="stated in 'V'"):
+        with pytest.raises(rc.InputError, match="values in 'V'"):
             rc.read_surface(tmp_path / "a.h5", size=SIZE)
 
     @pytest.mark.parametrize("ending", ["datx", "h5", "nid"])
@@ -275,10 +275,11 @@ class TestCell:
         assert rc.read_surface(path, cell=("2um", 2e-6), unit="um").grid.size == pytest.approx(SIZE)
         assert rc.read_surface(path, cell="2um", unit="um").grid.size == pytest.approx(SIZE)
 
-    def test_is_not_given_beside_a_size_and_agrees_with_the_file(self, tmp_path):
+    def test_agrees_with_a_size_and_with_the_file(self, tmp_path):
         path = write(tmp_path, "a.txt", table(MICROMETRES))
-        with pytest.raises(rc.InputError, match="size= or cell=, not both"):
-            rc.read_surface(path, cell=2e-6, size=SIZE)
+        assert rc.read_surface(path, cell=2e-6, size=SIZE).size == pytest.approx(SIZE)
+        with pytest.raises(rc.InputError, match="give size= or cell= alone"):
+            rc.read_surface(path, cell=3e-6, size=SIZE)
         stated = write(tmp_path, "b.txt", GWYDDION + IMAGE)
         assert rc.read_surface(stated, cell=2e-6).grid.size == pytest.approx(SIZE)
         with pytest.raises(rc.InputError, match="states its own size"):

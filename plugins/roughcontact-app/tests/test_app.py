@@ -30,7 +30,7 @@ from roughcontact._solve.solution.plausibility import PLAUSIBILITY_RULES
 from roughcontact._solve.solution.summary import list_all_warnings
 from roughcontact.typing import Step, gather_warnings, write_column
 
-from roughcontact_app import AppServer, Session, preview, work
+from roughcontact_app import AppServer, Session, preview, scene, work
 from roughcontact_app.answers import describe_solutions, list_cycle_states, list_warnings, make_table, tabulate_cycle
 from roughcontact_app.command import _shown
 from roughcontact_app.connections import LIMIT
@@ -91,8 +91,9 @@ class Client:
         assert "Traceback" not in sentence
         return sentence
 
-    def upload(self, name, content):
-        status, _, body = self.request("POST", f"api/upload?name={urllib.parse.quote(name)}", content)
+    def upload(self, name, content, body=""):
+        query = f"name={urllib.parse.quote(name)}&body={body}"
+        status, _, body = self.request("POST", f"api/upload?{query}", content)
         return status, json.loads(body)
 
     def state(self, run):
@@ -743,7 +744,7 @@ def test_uploads_lie_in_a_private_folder_that_ends_with_the_session():
 def test_the_oldest_uploads_give_way(client, server, monkeypatch):
     monkeypatch.setattr("roughcontact_app.uploads._LARGEST_SUM", 60)
     digests = [
-        client.upload("a.csv", f"1 2\n3 {number}0000000000000000000000\n".encode())[1]["digest"] for number in range(3)
+        client.upload("a.csv", f"1 2\n3 {number}.000000000000000000000\n".encode())[1]["digest"] for number in range(3)
     ]
     assert [client.post("api/file", digest)["here"] for digest in digests] == [False, True, True]
 
@@ -779,11 +780,11 @@ def test_a_slow_file_holds_up_no_other_page_and_gives_way_to_the_next_of_its_own
     slow, answers = Client(server), []
     slow.page = "slow"
     page = server.session._page("slow")
-    process = stop(page._inspector)
+    process = stop(page._idle[0])
     reading = threading.Thread(target=lambda: answers.append(slow.upload("slow.csv", b"1 2\n3 5\n")))
     reading.start()
     end = time.monotonic() + PATIENCE
-    while not page._is_inspecting:
+    while not page._reading:
         assert time.monotonic() < end
         time.sleep(0.01)
     status, found = client.upload("other.csv", b"1 2\n3 6\n")
@@ -796,6 +797,56 @@ def test_a_slow_file_holds_up_no_other_page_and_gives_way_to_the_next_of_its_own
     assert "Reading slow.csv was stopped, since another file was chosen." in answers[0][1]["error"]
     assert not process.is_alive()
     assert slow.upload("last.csv", b"1 2\n3 8\n")[0] == 200
+
+
+def test_two_maps_are_read_at_once(server):
+    """That of the counterbody does not end the reading of that of the body, nor the other way round."""
+    both, answers = Client(server), {}
+    both.page = "both"
+    page = server.session._page("both")
+
+    def read(body):
+        answers[body] = both.upload(f"{body}map.csv", f"1 2\n3 {len(body)}\n".encode(), body)
+
+    process = stop(page._idle[0])
+    readings = [threading.Thread(target=read, args=(body,)) for body in ("", "counterbody_")]
+    for count, reading in enumerate(readings, start=1):
+        reading.start()
+        end = time.monotonic() + PATIENCE
+        while len(page._reading) < count and reading.is_alive():
+            assert time.monotonic() < end
+            time.sleep(0.01)
+    readings[1].join(PATIENCE)
+    assert answers["counterbody_"][0] == 200
+    assert readings[0].is_alive()
+    os.kill(process.pid, signal.SIGCONT)
+    readings[0].join(PATIENCE)
+    assert answers[""][0] == 200
+    assert answers[""][1]["facts"]["shape"] == [2, 2]
+    assert not page._reading
+    # Two processes now wait for files; no name makes more.
+    assert both.upload("third.csv", b"1 2\n3 9\n", "third_")[0] == 200
+    assert len(page._idle) == 2
+
+
+def test_reading_a_file_is_held_to_some_memory(server):
+    page = server.session._page("held")
+    worker = page._idle[0]
+    task = server.session._task("inspect", read_settings({}), page.folder)
+    assert worker.do(task | {"memory": 2**30}) == {}
+    # Beside what is in use, some gigabytes may be reserved by threads: none is left beyond them.
+    process = worker._process
+    limit = Path(f"/proc/{process.pid}/limits").read_text()
+    (line,) = (line for line in limit.splitlines() if line.startswith("Max address space"))
+    used = int(Path(f"/proc/{process.pid}/statm").read_text().split()[0]) * os.sysconf("SC_PAGE_SIZE")
+    assert int(line.split()[3]) < used + 4 * 2**30
+
+
+def test_a_map_of_very_many_points_is_for_a_script(monkeypatch, tmp_path):
+    monkeypatch.setattr(scene, "_MOST_POINTS", 11)
+    np.savez(tmp_path / "a.npz", heights=np.eye(3, 4), size=(3e-6, 4e-6))
+    with pytest.raises(rc.InputError, match=r"a\.npz has 3 x 4 points, but the page takes 11 at most"):
+        scene.inspect_file(scene.Upload(tmp_path / "a.npz", "a.npz"))
 
 
 def test_the_processes_of_many_pages_are_bounded():

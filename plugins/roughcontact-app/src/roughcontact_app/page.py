@@ -10,7 +10,7 @@ from roughcontact_app.process import TaskEnded, Worker
 
 
 class Page:
-    """What reads and plans for one page: a process for the files that it sends, another for all else.
+    """What reads and plans for one page: a process for the file of each body, another for all else.
 
     Parameters
     ----------
@@ -27,14 +27,16 @@ class Page:
         # One change of the form after the other: the process keeps the last surface.
         self._maker = Worker()
         self.making = threading.RLock()
-        self._inspector = Worker()
         self._lock = threading.Lock()
-        self._is_inspecting = False
+        self._idle = [Worker()]
+        # What reads the file of a body, by its name.
+        self._reading: dict[str, Worker] = {}
 
     def start(self) -> None:
         """Start the processes, so that the first tasks need not wait for them."""
         self._maker.start()
-        self._inspector.start()
+        for inspector in self._idle:
+            inspector.start()
 
     def make(self, task: dict[str, Any], what: str) -> dict[str, Any]:
         """Return the result of a task, after those before it; `what` begins the sentence if it takes too long."""
@@ -43,31 +45,34 @@ class Page:
                 task, self._patience, late=f"{what} {self._late}: choose fewer cells, or solve it in a script."
             )
 
-    def inspect(self, task: dict[str, Any], name: str) -> dict[str, Any]:
-        """Return the facts of a file; one that is still being read is given up for it."""
+    def inspect(self, task: dict[str, Any], name: str, body: str) -> dict[str, Any]:
+        """Return the facts of a file for a body; one that is still being read for it is given up."""
         with self._lock:
-            if self._is_inspecting:
-                # The former reading finds that it is no longer the last one.
-                former = self._inspector
-                self._inspector = Worker()
-                former.close()
-            inspector = self._inspector
-            self._is_inspecting = True
+            former = self._reading.get(body)
+            inspector = self._idle.pop() if self._idle else Worker()
+            self._reading[body] = inspector
+        if former is not None:
+            # The former reading finds that it is no longer the last one.
+            former.close()
         advice = "check that it is a height map, or read it with roughcontact.read_surface in a script."
         try:
             return inspector.do(task, self._patience, late=f"Reading the file {name} {self._late}: {advice}")
         except TaskEnded as ended:
-            if inspector is self._inspector:
+            if inspector is self._reading.get(body):
                 raise
             raise TaskEnded(f"Reading {name} was stopped, since another file was chosen.") from ended
         finally:
             with self._lock:
-                self._is_inspecting = self._is_inspecting and inspector is not self._inspector
+                if inspector is self._reading.get(body):
+                    del self._reading[body]
+                    self._idle.append(inspector)
 
     def close(self) -> None:
         """End its processes for good."""
-        self._maker.close()
-        self._inspector.close()
+        with self._lock:
+            inspectors = [*self._idle, *self._reading.values()]
+        for worker in (self._maker, *inspectors):
+            worker.close()
 
     @property
     def _late(self) -> str:

@@ -135,7 +135,7 @@ def _serve(pipe: Connection) -> None:
     while True:
         task = json.loads(tasks.get())
         # A file may expand to more than its reader tells beforehand.
-        limit_address_space()
+        limit_address_space(most=task.get("memory"))
         try:
             message: dict[str, Any] = {"result": run(task, lambda event: _send(pipe, {"event": event}))}
         # Whatever a file or a plug-in does becomes a sentence.

@@ -53,6 +53,8 @@ EXAMPLES: dict[str, Callable[[], HeightMap]] = {
     one.__name__: one for one in (examples.ground_ring, examples.ball, examples.lapped_plate, examples.honed_liner)
 }
 _MEASURED = ("file", "example")
+# Points of a map that the page takes: it is read, drawn and planned while somebody waits. 8192 x 8192.
+_MOST_POINTS = 2**26
 # Settings of each of two files.
 _OF_FILES = ("file_name", "size_x", "size_y", "height_unit", "rows", "non_measured")
 _FORMS: dict[str, str | int] = {"plane": "plane", "quadratic": 2, "sphere": "sphere"}
@@ -254,9 +256,16 @@ def _facts(raw: RawMap) -> dict[str, object]:
 
 def _read_raw(upload: Upload) -> RawMap:
     try:
-        return read_raw(upload.path)
+        raw = read_raw(upload.path)
     except (InputError, MissingPackage) as error:
         raise _renamed(error, upload) from error
+    if raw.heights.size > _MOST_POINTS:
+        shape = " x ".join(map(str, raw.heights.shape))
+        raise InputError(
+            f"The file {upload.name} has {shape} points, but the page takes {_MOST_POINTS:.3g} at most: cut the map, "
+            "or solve it in a script."
+        )
+    return raw
 
 
 def _read(settings: Settings, upload: Upload | None, prefix: str = "") -> tuple[HeightMap, int]:

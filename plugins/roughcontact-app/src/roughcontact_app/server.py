@@ -21,6 +21,7 @@ from roughcontact.errors.door import translated
 from roughcontact_app import connections
 from roughcontact_app.process import TaskEnded
 from roughcontact_app.session import Session
+from roughcontact_app.settings import PREFIXES
 
 # The loopback address: no other machine can reach it.
 HOST = "127.0.0.1"
@@ -228,7 +229,7 @@ class _Handler(BaseHTTPRequestHandler):
         if path in actions:
             self._send_json(actions[path](self._read_json(), self._page))
         elif path == "api/file":
-            self._send_json(session.find_upload(str(self._read_json()), self._page))
+            self._send_json(session.find_upload(str(self._read_json()), self._page, self._body))
         elif parts[:2] == ["api", "cancel"] and (job := session.jobs.find("/".join(parts[2:]))):
             self._read_json()
             session.jobs.cancel(job)
@@ -237,13 +238,22 @@ class _Handler(BaseHTTPRequestHandler):
             raise Refusal(http.HTTPStatus.NOT_FOUND, "There is nothing at this address, or this run is not known.")
 
     def _upload(self) -> None:
-        names = parse_qs(self.path.partition("?")[2], max_num_fields=4).get("name", [])
         size = self._length()
         try:
             self.server.session.uploads.require_size(size)
         except RoughContactError as error:
             raise Refusal(http.HTTPStatus.REQUEST_ENTITY_TOO_LARGE, str(error)) from None
-        self._send_json(self.server.session.upload(self.rfile, size, names[0] if names else "", self._page))
+        self._send_json(self.server.session.upload(self.rfile, size, self._query("name"), self._page, self._body))
+
+    def _query(self, name: str) -> str:
+        """Return what a request says behind the question mark; empty if it does not."""
+        return parse_qs(self.path.partition("?")[2], max_num_fields=4).get(name, [""])[0]
+
+    @property
+    def _body(self) -> str:
+        """The beginning of the settings of the body that a file is for."""
+        named = self._query("body")
+        return named if named in PREFIXES else ""
 
     @property
     def _page(self) -> str:

@@ -19,6 +19,9 @@ from roughcontact_app.scene import EXAMPLES, list_materials
 from roughcontact_app.settings import DEFAULTS, Settings, read_settings
 from roughcontact_app.uploads import StoredFile, Uploads, known_endings
 
+# Bytes that reading a file may take: some for libraries, and a multiple of its bytes, of which a height may have one.
+_LIBRARIES = 2**29
+_OVER_FILE = 40
 # Seconds that reading a map, or planning a solve, may take.
 _PATIENCE = 120.0
 # Pages whose processes are kept; that of the page that was used longest ago is started again when it is needed.
@@ -56,19 +59,20 @@ class Session:
             "responses": [attrs.asdict(box) for box in TICK_BOXES.values()],
         }
 
-    def upload(self, source: BufferedIOBase, size: int, name: str, page: str) -> dict[str, Any]:
-        """Return digest, name and facts of a file that a page sends."""
-        return self._inspect(self.uploads.receive(source, size, name), page)
+    def upload(self, source: BufferedIOBase, size: int, name: str, page: str, body: str = "") -> dict[str, Any]:
+        """Return digest, name and facts of a file that a page sends for one of its bodies."""
+        return self._inspect(self.uploads.receive(source, size, name), page, body)
 
-    def find_upload(self, digest: str, page: str) -> dict[str, Any]:
+    def find_upload(self, digest: str, page: str, body: str = "") -> dict[str, Any]:
         """Return whether a file is still here, with its name and facts."""
         file = self.uploads.find(digest)
-        return {"here": False} if file is None else {"here": True, **self._inspect(file, page)}
+        return {"here": False} if file is None else {"here": True, **self._inspect(file, page, body)}
 
-    def _inspect(self, file: StoredFile, page: str) -> dict[str, Any]:
+    def _inspect(self, file: StoredFile, page: str, body: str) -> dict[str, Any]:
         reader = self._page(page)
         task = self._task("inspect", read_settings({"file": file.digest}), reader.folder)
-        return {"digest": file.digest, "name": file.name, "facts": reader.inspect(task, file.name)}
+        task["memory"] = _LIBRARIES + _OVER_FILE * file.size
+        return {"digest": file.digest, "name": file.name, "facts": reader.inspect(task, file.name, body)}
 
     def show_surface(self, data: object, page: str) -> dict[str, Any]:
         """Return numbers, warnings and the name of the picture of the surface that the settings describe."""

@@ -277,7 +277,9 @@ def read_npy(file: IO[bytes], size: int, most: int | None = None) -> RealArray:
     shape, fortran_order, dtype = read(start)
     count = math.prod(shape)
     left = size - file.seek(start.tell())
-    if dtype.kind not in "biufU" or min(shape, default=0) < 0 or count * dtype.itemsize > left:
+    if dtype.kind not in "biufU":
+        raise ValueError(f"it holds an array of type {str(dtype)[:40]}, not of numbers: save the heights alone")
+    if min(shape, default=0) < 0 or count * dtype.itemsize > left:
         raise ValueError(f"it declares an array of type {dtype} and shape {shape} in {left} bytes")
     if most is not None and count > most:
         raise ValueError(f"it declares {count} numbers, more than a file of its size may hold")

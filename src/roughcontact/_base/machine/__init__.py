@@ -126,10 +126,11 @@ def available_memory(root: Path = Path("/")) -> int | None:
 
 
 @guarded
-def limit_address_space(root: Path = Path("/")) -> None:
+def limit_address_space(root: Path = Path("/"), *, most: int | None = None) -> None:
     """Limit this process to the memory that is available now, where the system can: beyond it, MemoryError is raised.
 
-    It may be called again when more or less is available.
+    It may be called again when more or less is available. `most` bounds the bytes that are taken from now on, beside
+    the address space that threads and libraries only reserve.
     """
     with contextlib.suppress(ImportError, OSError, ValueError):
         import resource
@@ -138,6 +139,8 @@ def limit_address_space(root: Path = Path("/")) -> None:
         resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
         available = available_memory(root)
         used = int((root / "proc/self/statm").read_text().split()[0]) * os.sysconf("SC_PAGE_SIZE")
+        if most is not None:
+            available = most if available is None else min(available, most)
         if available is not None:
             limits = (used + available + _RESERVED_BYTES, soft, hard)
             limit = min(limit for limit in limits if limit != resource.RLIM_INFINITY)

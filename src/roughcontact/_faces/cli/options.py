@@ -84,12 +84,18 @@ def _load(text: str) -> Load:
     raise argparse.ArgumentTypeError(f"{shown}; write it like 2.5N, 100MPa or 50nm")
 
 
+def _no_data(text: str) -> float | str:
+    """Return the number of non-measured points, or ``"none"``, for argparse."""
+    return text if text == "none" else NUMBER(text)
+
+
 # The options of the readers of files, with their converters and help texts.
 OF_READERS: dict[str, tuple[Callable[[str], Any], str]] = {
     "separator": (str, "separator in text: , ; tab blank (found)"),
     "decimal": (str, "decimal mark in text: . or , (found)"),
     "skip_rows": (whole_number, "lines of text above the heights (found)"),
     "rows": (str, "x or y: what one line of the file is (x)"),
+    "no_data": (_no_data, "number of points not measured: -9999, or none"),
     "variable": (str, "array of a .mat file (heights)"),
     "page": (whole_number, "image of a TIFF file"),
 }

@@ -19,24 +19,60 @@ from roughcontact._base.units import outlined
 
 _PICTURE_ADVICE = "export the heights themselves, as text or TIFF in 32-bit floating point"
 _DOCUMENT_ADVICE = "export the heights themselves, as text"
+_POINTS_ADVICE = "export the heights on a regular grid, as text x y z"
+_PACKED_ADVICE = "unpack it first"
 # The first bytes of files without heights, their kind, and advice.
 _FOREIGN_KINDS = {
     b"\x89PNG": ("a PNG picture", _PICTURE_ADVICE),
     b"\xff\xd8\xff": ("a JPEG picture", _PICTURE_ADVICE),
     b"GIF8": ("a GIF picture", _PICTURE_ADVICE),
+    b"8BPS": ("a picture of Photoshop", _PICTURE_ADVICE),
+    b"\0\0\0\x0cjP  ": ("a JPEG picture", _PICTURE_ADVICE),
+    b"RIFF": ("a picture or a film", _PICTURE_ADVICE),
     b"%PDF": ("a PDF document", _DOCUMENT_ADVICE),
+    b"{\\rtf": ("a text with its layout (RTF)", _DOCUMENT_ADVICE),
     b"<!doctype html": ("a page of HTML", _DOCUMENT_ADVICE),
     b"<html": ("a page of HTML", _DOCUMENT_ADVICE),
     b"<?xml": ("an XML document", _DOCUMENT_ADVICE),
     b"<vtkfile": ("image data of VTK", _DOCUMENT_ADVICE),
-    b"ply\n": ("a cloud of points in PLY", "export the heights on a regular grid, as text x y z"),
-    b"ply\r\n": ("a cloud of points in PLY", "export the heights on a regular grid, as text x y z"),
+    b"# vtk datafile": ("data of VTK", _DOCUMENT_ADVICE),
+    b"ply\n": ("a cloud of points in PLY", _POINTS_ADVICE),
+    b"ply\r\n": ("a cloud of points in PLY", _POINTS_ADVICE),
+    b"LASF": ("a cloud of points in LAS", _POINTS_ADVICE),
+    b"ASTM-E57": ("a cloud of points in E57", _POINTS_ADVICE),
+    b"# .PCD": ("a cloud of points in PCD", _POINTS_ADVICE),
+    b"VERSION .7": ("a cloud of points in PCD", _POINTS_ADVICE),
+    b"simple  =": ("an image in FITS", _PICTURE_ADVICE),
+    b"PAR1": ("a table in Parquet", _DOCUMENT_ADVICE),
+    b"SQLite format": ("a data base of SQLite", _DOCUMENT_ADVICE),
+    b"DSCOMPRESSED": ("a compressed file of MountainsMap", "save it without compression, or export it as text"),
     b"\x1f\x8b": ("compressed by gzip", "unpack it first (gunzip)"),
+    b"BZh": ("compressed by bzip2", _PACKED_ADVICE),
+    b"\xfd7zXZ": ("compressed by xz", _PACKED_ADVICE),
+    b"7z\xbc\xaf": ("a 7z archive", _PACKED_ADVICE),
+    b"Rar!": ("a RAR archive", _PACKED_ADVICE),
+    b"\x28\xb5\x2f\xfd": ("compressed by Zstandard", _PACKED_ADVICE),
 }
+# Endings of files without heights that have no first bytes of their own.
+_FOREIGN_ENDINGS = {
+    ".bmp": ("a picture of Windows", _PICTURE_ADVICE),
+    ".xls": ("a workbook of an office program", "save the sheet of its heights as CSV"),
+    ".doc": ("a document of an office program", _DOCUMENT_ADVICE),
+    ".stl": ("a mesh in STL", _POINTS_ADVICE),
+    ".obj": ("a mesh in OBJ", _POINTS_ADVICE),
+    ".e57": ("a cloud of points in E57", _POINTS_ADVICE),
+    ".pkl": ("an object of Python, which may do anything when it is read", "save the heights with numpy.save"),
+    ".pickle": ("an object of Python, which may do anything when it is read", "save the heights with numpy.save"),
+    ".h5-jpk": ("a file of JPK whose numbers have a scale that is not read", "export its heights as .jpk, or as text"),
+}
+# First members of ZIP archives by which office programs are known, and the place of their names.
+_OFFICE_MEMBERS = (b"[content_types].xml", b"_rels/", b"xl/", b"word/", b"docprops/", b"mimetypeapplication/vnd.oasis")
+_NAME_IN_ZIP = 30
 # The first bytes of files by their ending; other formats have none of their own.
 _BEGINNINGS = {
     ".al3d": (b"aliconaimaging\0",),
     ".gwy": (b"gwyp",),
+    ".npy": (b"\x93numpy",),
     ".opdx": (b"vca data",),
     ".plux": (b"pk\3\4",),
     ".sur": (b"digital surf", b"dscompressed"),
@@ -71,6 +107,8 @@ class RawMap:
         Distances of its points along x and y, in a unit that it does not state; None where it states none.
     rows
         In words, what a line of the file is: one x, or one y; empty where it has no lines.
+    unit
+        Unit of the heights that the file states, m, already applied; None where it states none.
     """
 
     heights: Array = attrs.field(repr=outlined)
@@ -82,6 +120,7 @@ class RawMap:
     needs_rows: bool = False
     steps: Pair | None = None
     rows: str = ""
+    unit: float | None = None
 
 
 def check_rows(value: str) -> str:
@@ -152,17 +191,21 @@ def find_foreign(file: Path) -> str:
         )
     if b"<vtkfile" in start:
         start = b"<vtkfile"
+    ending = file.suffix.lower()
     # The files of some instruments, and numpy's, are archives too.
-    if start.startswith(b"pk\x03\x04") and file.suffix.lower() in (".xlsx", ".xlsm", ".ods"):
-        return "it is a workbook of an office program: save the sheet of its heights as CSV"
-    if start.startswith(b"pk\x03\x04") and file.suffix.lower() == ".zip":
-        return "it is a ZIP archive: unpack it first"
+    if start.startswith(b"pk\x03\x04"):
+        if start[_NAME_IN_ZIP:].startswith(_OFFICE_MEMBERS):
+            return "it is a document of an office program: save the sheet of its heights as CSV"
+        if ending == ".zip":
+            return "it is a ZIP archive: unpack it first"
+    if ending in _FOREIGN_ENDINGS:
+        kind, advice = _FOREIGN_ENDINGS[ending]
+        return f"it is {kind}, not a height map: {advice}"
     for mark, (kind, advice) in _FOREIGN_KINDS.items():
         if start.startswith(mark.lower()):
             return f"it is {kind}, not a height map: {advice}"
     if start and not start.strip(b"\0"):
         return f"it begins with {len(start)} bytes of zero, so that it is damaged: export the heights again"
-    ending = file.suffix.lower()
     if not start.startswith(_BEGINNINGS.get(ending, b"")):
         return f"it does not begin as {ending} files do, so that it is damaged or has another format"
     return ""

@@ -16,8 +16,10 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import RealArray
-from roughcontact._parts.files.base import RawMap, SurfaceReader, check_rows, require_memory_of_map
-from roughcontact._parts.files.hdf5 import bound_expansion, check_variable, choose_map, read_hdf5
+from roughcontact._parts.files.base import RawMap, require_memory_of_map
+from roughcontact._parts.files.bounds import bound_expansion
+from roughcontact._parts.files.hdf5 import MAX_TEXT_BYTES, read_hdf5
+from roughcontact._parts.files.named import NamedArray, NamedArrayReader, choose_map
 from roughcontact.errors import InputError
 
 # Bytes of the head of a file, and maximum bytes of the name of an array.
@@ -32,12 +34,16 @@ _COMPRESSED_ELEMENT = 15
 _NUMERIC_CLASSES = range(6, 16)
 _COMPLEX_FLAG = 0x0800
 _LOGICAL_FLAG = 0x0200
+# The class of texts, and the encodings of their letters by the type of data; that of UTF-8 has no order of bytes.
+_CHAR_CLASS = 4
+_UTF_8 = 16
+_TEXT_ENCODINGS = {4: "utf-16", _UTF_8: "utf-8", 17: "utf-16"}
 # The signature of HDF5, behind the head of a file by MATLAB.
 _HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
 
-def read_mat(path: Path) -> dict[str, RealArray]:
-    """Return the real two-dimensional arrays of numbers in a .mat file by name, shape (rows, columns).
+def read_mat(path: Path) -> tuple[dict[str, NamedArray], dict[str, str]]:
+    """Return the real two-dimensional arrays of numbers in a .mat file, shape (rows, columns), and its texts, by name.
 
     `InputError` if it is damaged or of another kind; `MissingPackage` if it is of version 7.3 and h5py is missing.
     """
@@ -49,13 +55,15 @@ def read_mat(path: Path) -> dict[str, RealArray]:
             or b"MATLAB 7.3" in start[:20]
         ):
             # HDF5 lists the dimensions of MATLAB backwards.
-            return {name: array.T for name, array in read_hdf5(path)[0].items()}
+            found, texts = read_hdf5(path)
+            return {name: NamedArray(one.values.T, one.attributes) for name, one in found.items()}, texts
         file.seek(len(start))
         data = file.read()
     if start[126:128] not in (b"IM", b"MI"):
         raise InputError("it is not a .mat file of level 5 or 7.3: save it with save('map.mat', 'heights', '-v7')")
     order = "<" if start[126:128] == b"IM" else ">"
-    arrays: dict[str, RealArray] = {}
+    arrays: dict[str, NamedArray] = {}
+    texts = {}
     # Bytes for all arrays together.
     left = bound_expansion(len(data))
     for kind, content in _elements(data, order):
@@ -64,8 +72,12 @@ def read_mat(path: Path) -> dict[str, RealArray]:
             left -= len(content)
         elif kind != _MATRIX_ELEMENT:
             continue
-        arrays |= _read_matrix(content, order)
-    return arrays
+        for name, one in _read_matrix(content, order).items():
+            if isinstance(one, str):
+                texts[name] = one
+            else:
+                arrays[name] = NamedArray(one)
+    return arrays, texts
 
 
 def _elements(data: bytes | memoryview, order: str) -> Iterator[tuple[int, memoryview]]:
@@ -99,14 +111,17 @@ def _inflate(content: memoryview, order: str, most: int) -> memoryview:
     return inner if kind == _MATRIX_ELEMENT else memoryview(b"")
 
 
-def _read_matrix(content: memoryview, order: str) -> dict[str, RealArray]:
-    """Return an array by its name, or nothing if it is of another kind."""
+def _read_matrix(content: memoryview, order: str) -> dict[str, RealArray | str]:
+    """Return an array, or a text, by its name, or nothing if it is of another kind."""
     parts = _elements(content, order)
     flags, dimensions, name, numbers = (next(parts, (0, memoryview(b""))) for _ in range(4))
     if len(flags[1]) != 8 or len(dimensions[1]) != 8 or len(name[1]) > _MAX_NAME_BYTES:
         return {}
     (flag,) = struct.unpack_from(f"{order}I", flags[1])
     shape = struct.unpack(f"{order}ii", dimensions[1])
+    text = bytes(name[1]).decode("ascii", "replace")
+    if flag & 0xFF == _CHAR_CLASS and shape[0] == 1:
+        return _read_letters(text, numbers, order)
     if (
         flag & 0xFF not in _NUMERIC_CLASSES
         or flag & (_COMPLEX_FLAG | _LOGICAL_FLAG)
@@ -114,7 +129,6 @@ def _read_matrix(content: memoryview, order: str) -> dict[str, RealArray]:
         or numbers[0] not in _NUMBER_TYPES
     ):
         return {}
-    text = bytes(name[1]).decode("ascii", "replace")
     kind = np.dtype(f"{order}{_NUMBER_TYPES[numbers[0]]}")
     if len(numbers[1]) != math.prod(shape) * kind.itemsize:
         raise InputError(
@@ -124,8 +138,17 @@ def _read_matrix(content: memoryview, order: str) -> dict[str, RealArray]:
     return {text: np.frombuffer(numbers[1], dtype=kind).reshape(shape, order="F")}
 
 
+def _read_letters(name: str, letters: tuple[int, memoryview], order: str) -> dict[str, RealArray | str]:
+    """Return a short text by its name, or nothing if it is of another kind."""
+    kind, data = letters
+    if kind not in _TEXT_ENCODINGS or len(data) > MAX_TEXT_BYTES:
+        return {}
+    encoding = _TEXT_ENCODINGS[kind] + ({"<": "-le", ">": "-be"}[order] if kind != _UTF_8 else "")
+    return {name: bytes(data).decode(encoding, "replace").strip("\0 ")}
+
+
 @attrs.frozen
-class MatReader(SurfaceReader):
+class MatReader(NamedArrayReader):
     """``save('map.mat', 'heights', 'size')``: an array of numbers in a .mat file of MATLAB or scipy, first index x.
 
     The sides of the map are read from `size`, from `lx` and `ly`, or by the pitch from `dx` and `dy`, where there are
@@ -138,10 +161,9 @@ class MatReader(SurfaceReader):
     rows
         ``"x"`` or ``"y"``: the axis of the first index, the smallest first; by default x. MATLAB's `meshgrid` makes a
         row for each y.
+    no_data
+        The number that stands for a non-measured point, or ``"none"``; one that looks so is asked about.
     """
-
-    variable: str | None = attrs.field(default=None, converter=check_variable)
-    rows: str = attrs.field(default="auto", converter=check_rows)
 
     @property
     def suffixes(self) -> frozenset[str]:
@@ -151,4 +173,4 @@ class MatReader(SurfaceReader):
     def read(self, path: Path) -> RawMap:
         """Return the map."""
         require_memory_of_map(2.0 * path.stat().st_size)
-        return choose_map(read_mat(path), self.variable, self.rows)
+        return choose_map(*read_mat(path), self)

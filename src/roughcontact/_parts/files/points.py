@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import itertools
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from roughcontact._base.arrays import Array
 from roughcontact._parts.files.base import RawMap
+from roughcontact._parts.files.stated import metres
 from roughcontact.errors import InputError
 
 # Rounding of printed positions in a list of points, over the step.
@@ -24,18 +26,69 @@ _MIN_LISTED_FRACTION = 0.5
 # Further columns of a list of points that are looked for, and the minimum points of such a list: 3 x 3.
 _MAX_COLUMNS = 8
 _MIN_POINTS = 9
-# Names of columns, divided by blanks or separators, with a unit in brackets.
-_NAME = re.compile(r"[\s,;#\"]+")
+# The name of a column with its unit in brackets or behind it: "X [um]", "z_nm", "height (nm)".
+_NAME = re.compile(
+    r"([^\W\d_]+)(?:_([A-Za-zµμ]{1,5}))?\s*(?:[\[(]\s*([^\])]*?)\s*[\])]|(?:/|\bin\b)\s*([^\W\d]{1,11}))?"
+)
+# A field with a name of several words: "X position (mm)"; what separates fields; and a word of Tecplot before them.
+_FIELD = re.compile(
+    r"[\s\"'#%]*([^\W\d][^\[(/]*?)\s*(?:[\[(]\s*([^\])]*?)\s*[\])]|(?:/|\bin\b)\s*([^\W\d]{1,11}))?[\s\"']*"
+)
+_SEPARATOR = re.compile(r"[,;\t]")
+_VARIABLES = re.compile(r"(?i)^\s*variables\s*=")
+_DEPTHS = frozenset({"depth", "depths", "tiefe", "profondeur"})
+_HEIGHTS = ("z", "h", "height", "heights", "höhe", "hauteur", "elevation", "topography")
+_COLUMNS = {
+    "x": ("x",),
+    "y": ("y",),
+    "z": ("z", "h", "height", "heights", "höhe", "hauteur", "elevation", "topography"),
+}
 
 
-def order_columns(points: Array, header: Sequence[str]) -> Array:
-    """Return points with the columns x, y and z, in the order of the names above them; as they are without names."""
-    for line in reversed(header):
-        names = [re.sub(r"[\[(].*", "", name).lower() for name in _NAME.split(line) if name]
-        found = [name for name in names if name in ("x", "y", "z")]
-        if sorted(found) == ["x", "y", "z"]:
-            return points[:, [found.index(name) for name in ("x", "y", "z")]]
-    return points
+def read_columns(points: Array, header: Sequence[str]) -> tuple[Array, dict[str, str]] | None:
+    """Return the columns x, y and z of a list of points and their units by axis; None without names above them."""
+    count = points.shape[1]
+    for place in reversed(range(len(header))):
+        for names in _list_names(header[place]):
+            # A column of numbers of the lines has no name.
+            before = count - len(names)
+            places = {
+                axis: [place for place, (name, _) in enumerate(names) if name in words]
+                for axis, words in _COLUMNS.items()
+            }
+            if before not in (0, 1) or any(len(places[axis]) != 1 for axis in "xy"):
+                continue
+            if _DEPTHS.intersection(name for name, _ in names):
+                raise InputError("its third column is a depth, positive downwards: write heights, positive outwards")
+            if len(places["z"]) != 1:
+                continue
+            chosen = [places[axis][0] for axis in "xyz"]
+            below = _list_units(header[place + 1], len(names)) if place + 1 < len(header) else []
+            found = below or [unit for _, unit in names]
+            units = {axis: found[place] for axis, place in zip("xyz", chosen, strict=True) if found[place]}
+            return points[:, [place + before for place in chosen]], units
+    return None
+
+
+def _list_names(line: str) -> Iterator[list[tuple[str, str]]]:
+    """Yield the names in a line with their units, as words, and as fields of several words."""
+    line = _VARIABLES.sub("", line)
+    yield [(found[1].lower(), found[2] or found[3] or found[4] or "") for found in _NAME.finditer(line)]
+    fields = [found for field in _SEPARATOR.split(line) if (found := _FIELD.fullmatch(field))]
+    yield [(_find_name(found[1]), found[2] or found[3] or "") for found in fields]
+
+
+def _find_name(words: str) -> str:
+    """Return the word of a field that names a column of points, or its first one."""
+    found = words.lower().split()
+    known = {*itertools.chain.from_iterable(_COLUMNS.values()), *_DEPTHS}
+    return next((word for word in found if word in known), next(iter(found), ""))
+
+
+def _list_units(line: str, count: int) -> list[str]:
+    """Return the units in a line of so many units alone; empty if it is another line."""
+    words = [word.strip(" []()\"'#%") for word in (_SEPARATOR.split(line) if _SEPARATOR.search(line) else line.split())]
+    return words if len(words) == count and all(not word or metres(word) for word in words) and any(words) else []
 
 
 def refuse_further_columns(table: Array) -> None:
@@ -49,7 +102,7 @@ def refuse_further_columns(table: Array) -> None:
         return
     raise InputError(
         f"each of its {rows} rows holds {columns} numbers, of which the first two are places on a regular grid, as in "
-        "a list of points x y z with further columns: keep the three columns x y z"
+        "a list of points x y z with further columns: keep the three columns x y z, or name them above the numbers"
     )
 
 

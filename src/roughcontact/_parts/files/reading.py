@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import inspect
 import logging
+import math
 import os
 from collections.abc import Sequence
 from pathlib import Path
@@ -24,8 +25,22 @@ from roughcontact.errors.door import guarded
 
 _LOGGER = logging.getLogger("roughcontact")
 _FALLBACK_READER = "instrument"
-# First bytes of instruments' files whose ending is that of text files: of Zygo.
-_BEGINNINGS_OF_INSTRUMENTS = (b"\x88\x1b\x03\x6f", b"\x88\x1b\x03\x70", b"\x88\x1b\x03\x71")
+# First bytes of files whose ending does not tell the reader: of Zygo, SDF and Surfer in binary, MATLAB, and netCDF.
+_READERS_BY_BEGINNING = {
+    b"\x88\x1b\x03\x6f": _FALLBACK_READER,
+    b"\x88\x1b\x03\x70": _FALLBACK_READER,
+    b"\x88\x1b\x03\x71": _FALLBACK_READER,
+    b"bISO-": _FALLBACK_READER,
+    b"bBCR-": _FALLBACK_READER,
+    b"DSBB": "surfer",
+    b"DSRB": "surfer",
+    b"MATLAB 5.0 MAT": "mat",
+    b"CDF\x01": "netcdf",
+    b"CDF\x02": "netcdf",
+}
+# The ending of text files by Surfer and of netCDF by GMT, whose version 4 begins as HDF5 does.
+_NETCDF_ENDING = ".grd"
+_HDF5 = b"\x89HDF"
 # Characters of a reader's message that ours repeats.
 _MAX_REASON_CHARACTERS = 200
 # Relative difference between a given size and the size in a file: six digits, as people type them.
@@ -34,6 +49,8 @@ _SIZE_TOLERANCE = 1e-6
 _STEP_TOLERANCE = 0.02
 # Relative difference of the sides of square cells: sizes are given with three digits.
 _SQUARE_CELL_TOLERANCE = 5e-3
+# Longest side that a file is believed to state, m: longer ones are in another unit, as of maps of a landscape.
+_MAX_SIDE = 1.0
 
 
 @guarded
@@ -52,8 +69,8 @@ def read_surface(
     Parameters
     ----------
     path
-        The file. npz, npy and text files are read by numpy, heights in m, first index x; all others
-        by the package SurfaceTopography, units converted to SI.
+        The file. npz, npy and text files have heights in m, first index x, where they state nothing else; those of
+        instruments are read by the package SurfaceTopography.
     size
         Sides of the domain (x, y) or of both, m; needed where the file does not state it, and checked
         where it does.
@@ -71,6 +88,7 @@ def read_surface(
         Fields of the reader. For text files ``separator=``, ``decimal=`` and ``skip_rows=``: separator and decimal mark
         of the numbers, and how many lines at the beginning are not heights, if they are not found correctly. For text,
         npy and mat files ``rows=``: whether they have a row for each ``"x"``, as is assumed, or for each ``"y"``.
+        For text and arrays ``no_data=``: the number of non-measured points, such as -9999, or ``"none"``.
 
     Raises
     ------
@@ -95,24 +113,7 @@ def read_surface(
     choice(non_measured, "The treatment of non-measured points", TREATMENTS)
     file = checks.path(path, "The height map")
     raw = read_raw(file, reader, **options)
-    size = _find_size(size, cell, raw)
-    given = size if raw.size is None else raw.size
-    if given is None:
-        known = f" ({raw.hint})" if raw.hint else ""
-        # Who looks up the size has the unit at hand too.
-        in_metres = unit is None and not raw.metric and not raw.needs_unit
-        taken = " Its heights are taken as m: give unit='um' too if they are µm." if in_metres else ""
-        raise InputError(
-            f"The file {file.name} does not state the size of its domain{known}: give size=(x, y), m (on the command "
-            f"line --size), or cell=, the distance of its points.{taken}"
-        )
-    if size is not None and raw.size is not None:
-        sides = pair(size, "The size of the height map", "m", above=0.0)
-        if not np.allclose(sides, raw.size, rtol=_SIZE_TOLERANCE, atol=0.0):
-            raise InputError(
-                f"The file {file.name} states its own size, {si(raw.size[0], 'm')} x {si(raw.size[1], 'm')}, "
-                f"which is not the size given: leave size= out."
-            )
+    given = _choose_size(_find_size(size, cell, raw), raw, unit, file)
     if raw.needs_rows:
         _require_rows(raw.heights, given, file)
     _require_steps(raw, given, file)
@@ -121,11 +122,12 @@ def read_surface(
     )
     surface = HeightMap(heights, given, periodic=raw.periodic, non_measured=mask)
     scale = _unit(raw, unit, file)
-    in_units = "" if unit is None else f", heights in units of {si(scale, 'm')}"
+    told = scale if raw.unit is None else raw.unit
+    in_units = "" if unit is None and raw.unit is None else f", heights in units of {si(told, 'm')}"
     in_units += f", {raw.rows}" if raw.rows else ""
     # Free the heights of the file before new ones are made.
     del raw, heights
-    values = surface.values if unit is None else surface.values * scale
+    values = surface.values if scale == 1.0 else surface.values * scale
     _LOGGER.info("read %s%s: %s%s", file.name, done, surface.grid, in_units)
     return attrs.evolve(surface, heights=values, history=(f"read from {file.name}{done}: {surface.grid}{in_units}",))
 
@@ -149,12 +151,15 @@ def read_raw(file: str | Path, reader: str | SurfaceReader = "auto", **options: 
         raise InputError(
             f"The reader {chosen!r} must return a RawMap with an array of heights, but returned {raw!r:.80}."
         )
+    if raw.heights.size < 2:
+        raise InputError(f"The file {file.name} cannot be used: it holds no more than one number, not a height map.")
     return raw
 
 
 def _explain(error: Exception, file: Path) -> Exception:
     """Return the error for a file that its reader could not read."""
-    foreign = find_foreign(file)
+    # Text that was unpacked is known.
+    foreign = "" if file.suffix.lower() == ".gz" and isinstance(error, InputError) else find_foreign(file)
     if foreign or isinstance(error, InputError):
         return InputError(f"The file {file.name} cannot be used: {foreign or str(error).rstrip('.')}.")
     if isinstance(error, RoughContactError):
@@ -184,8 +189,11 @@ def _make_reader(choice: str | SurfaceReader, file: Path, options: dict[str, Any
 
 def _reader_for(file: Path) -> str:
     suffix = file.suffix.lower()
-    if _begins_with(file, _BEGINNINGS_OF_INSTRUMENTS):
-        return _FALLBACK_READER
+    start = _read_start(file)
+    if found := [name for mark, name in _READERS_BY_BEGINNING.items() if start.startswith(mark)]:
+        return found[0]
+    if suffix == _NETCDF_ENDING and start.startswith(_HDF5):
+        return "netcdf"
     for name in readers:
         # A broken plug-in must not keep others from reading their files.
         with contextlib.suppress(InputError):
@@ -194,13 +202,13 @@ def _reader_for(file: Path) -> str:
     return _FALLBACK_READER
 
 
-def _begins_with(file: Path, beginnings: tuple[bytes, ...]) -> bool:
-    """Return whether a file begins with one of some bytes."""
+def _read_start(file: Path) -> bytes:
+    """Return the first bytes of a file, as many as tell its kind; none if it cannot be opened."""
     try:
         with file.open("rb") as stream:
-            return stream.read(max(map(len, beginnings))).startswith(beginnings)
+            return stream.read(max(map(len, _READERS_BY_BEGINNING)))
     except OSError:
-        return False
+        return b""
 
 
 def _require_rows(heights: Array, size: Length | Sequence[Length], file: Path) -> None:
@@ -225,13 +233,48 @@ def _require_rows(heights: Array, size: Length | Sequence[Length], file: Path) -
 def _find_size(
     size: Length | Sequence[Length] | None, cell: Length | Sequence[Length] | None, raw: RawMap
 ) -> Length | Sequence[Length] | None:
-    """Return the size that is given, or that of the given cells; `InputError` if both are given."""
+    """Return the size that is given, or that of the given cells; `InputError` if both are given and differ."""
     if cell is None or raw.heights.ndim != 2:
         return size
-    if size is not None:
-        raise InputError("Give size= or cell=, not both: the size is that of a cell times the number of points.")
     sides = pair(cell, "The cell of the height map", "m", above=0.0)
-    return (sides[0] * raw.heights.shape[0], sides[1] * raw.heights.shape[1])
+    nx, ny = raw.heights.shape
+    found = (sides[0] * nx, sides[1] * ny)
+    if size is not None and not np.allclose(pair(size, "The size of the height map", "m", above=0.0), found, rtol=1e-6):
+        raise InputError(
+            f"Cells of {si(sides[0], 'm')} x {si(sides[1], 'm')} make {nx} x {ny} points {si(found[0], 'm')} x "
+            f"{si(found[1], 'm')} large, which is not the size given: give size= or cell= alone."
+        )
+    return found
+
+
+def _choose_size(
+    size: Length | Sequence[Length] | None, raw: RawMap, unit: Length | str | None, file: Path
+) -> Length | Sequence[Length]:
+    """Return the size of the map, as given or stated; `InputError` if there is none, or if they differ."""
+    if raw.size is not None and max(raw.size) > _MAX_SIDE and size is None:
+        raise InputError(
+            f"The file {file.name} states sides of {raw.size[0]:g} and {raw.size[1]:g} m, more than "
+            f"{_MAX_SIDE:g} m, so that they may be in another unit: give size=(x, y), m (on the command line --size)."
+        )
+    if raw.size is not None and max(raw.size) <= _MAX_SIDE:
+        if size is not None and not np.allclose(
+            pair(size, "The size of the height map", "m", above=0.0), raw.size, rtol=_SIZE_TOLERANCE, atol=0.0
+        ):
+            raise InputError(
+                f"The file {file.name} states its own size, {si(raw.size[0], 'm')} x {si(raw.size[1], 'm')}, "
+                f"which is not the size given: leave size= out."
+            )
+        return raw.size
+    if size is not None:
+        return size
+    known = f" ({raw.hint})" if raw.hint else ""
+    # Who looks up the size has the unit at hand too.
+    in_metres = unit is None and not raw.metric and not raw.needs_unit
+    taken = " Its heights are taken as m: give unit='um' too if they are µm." if in_metres else ""
+    raise InputError(
+        f"The file {file.name} does not state the size of its domain{known}: give size=(x, y), m (on the command line "
+        f"--size), or cell=, the distance of its points.{taken}"
+    )
 
 
 def _require_steps(raw: RawMap, size: Length | Sequence[Length], file: Path) -> None:
@@ -239,8 +282,13 @@ def _require_steps(raw: RawMap, size: Length | Sequence[Length], file: Path) -> 
     if raw.steps is None or raw.heights.ndim != 2 or not raw.heights.size:
         return
     sides = pair(size, "The size of the height map", "m", above=0.0)
-    cells = [side / count for side, count in zip(sides, raw.heights.shape, strict=True)]
-    if abs(cells[0] / cells[1] * raw.steps[1] / raw.steps[0] - 1.0) > _STEP_TOLERANCE:
+    nx, ny = raw.heights.shape
+    cells = (sides[0] / nx, sides[1] / ny)
+    differs = abs(cells[0] / cells[1] * raw.steps[1] / raw.steps[0] - 1.0) > _STEP_TOLERANCE
+    if raw.steps == (1.0, 1.0):
+        # They may be counts: then only sides that are exchanged contradict them.
+        differs = differs and abs(sides[1] / nx / (sides[0] / ny) - 1.0) <= _STEP_TOLERANCE
+    if differs:
         raise InputError(
             f"The points in {file.name} are {raw.steps[0]:.6g} and {raw.steps[1]:.6g} apart along x and y, but on "
             f"{si(sides[0], 'm')} x {si(sides[1], 'm')} its {raw.heights.shape[0]} x {raw.heights.shape[1]} points "
@@ -257,10 +305,14 @@ def _unit(raw: RawMap, given: float | str | None, file: Path) -> float:
         )
     if given is None:
         return 1.0
-    if raw.metric:
-        raise InputError(f"The file {file.name} states its own unit of height: leave unit= out.")
     what = "The unit of the heights"
     if isinstance(given, str):
         # "um" alone is "1um".
-        return number(f"1{given}" if given[:1].isalpha() else given, what, "m", above=0.0)
-    return number(given, what, "m, such as 1e-6 for µm", above=0.0)
+        unit = number(f"1{given}" if given[:1].isalpha() else given, what, "m", above=0.0)
+    else:
+        unit = number(given, what, "m, such as 1e-6 for µm", above=0.0)
+    if not raw.metric:
+        return unit
+    if raw.unit is None or not math.isclose(raw.unit, unit, rel_tol=_SIZE_TOLERANCE):
+        raise InputError(f"The file {file.name} states its own unit of height: leave unit= out.")
+    return 1.0

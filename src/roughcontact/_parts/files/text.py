@@ -5,16 +5,17 @@ from __future__ import annotations
 import array
 import codecs
 import contextlib
+import io
 import itertools
 import math
 import re
 from collections.abc import Iterator, Sequence
-from pathlib import Path
 
 import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array
+from roughcontact._parts.files.plain import read_plain
 from roughcontact.errors import InputError
 
 # Separators by the names of those that are awkward to type.
@@ -22,10 +23,12 @@ WORDS = {"tab": "\t", "blank": " "}
 SEPARATORS = (",", ";", "\t", " ")
 # Possible separators of fields, and a number or its part before a decimal comma, before the layout is known.
 _FIELD_SEPARATOR = re.compile(r"[\s,;]")
-_NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
+_NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eEdD][-+]?[0-9]+)?")
 # Fields of a non-measured point, also as the C library of Windows writes them (1.#QNAN).
 _NON_MEASURED = re.compile(
-    r"\*+|-+|bad|n/?a|null|none|no ?data|invalid|missing|[-+]?(?:nan|inf(?:inity)?|1\.#\w+)", re.IGNORECASE
+    r"\*+|-+|bad|n/?a|null|none|no ?data|invalid|missing|[-+]?(?:nan|inf(?:inity)?|1\.#\w+)"
+    r"|#(?:n/a|nv|num!|value!|div/0!|ref!)",
+    re.IGNORECASE,
 )
 # Lines with a single comma, between digits.
 _SINGLE_COMMA_LINES = re.compile(r"(?:[-+]?[0-9]+,[0-9]+(?:\n|\Z))+")
@@ -51,6 +54,8 @@ _MAX_QUOTED_CHARACTERS = 40
 # Lines of heights from which the layout is found, and lines of a header that are kept.
 _SAMPLE_LINES = 20
 _MAX_HEADER_LINES = 1000
+# Rows of numbers of one length above a line of words from which that line is a footer.
+_MIN_ROWS_ABOVE = 3
 # A quoted field, one with a decimal comma, and what an instrument writes for a non-measured point.
 _QUOTED = re.compile(r'"([^"]*)"')
 _DECIMAL_COMMA = re.compile(r"[-+]?[0-9]*,[0-9]*(?:[eE][-+]?[0-9]+)?")
@@ -58,8 +63,12 @@ _NO_DATA = re.compile(r"\bno data\b", re.IGNORECASE)
 # A number with commas that may separate thousands, and one without.
 _THOUSANDS = re.compile(r"[-+]?[0-9]{1,3}(?:,[0-9]{3})+")
 _WHOLE = re.compile(r"[-+]?[0-9]+")
-# A comment at the end of a line, but not the mark in 1.#QNAN.
-_COMMENT = re.compile(r"(?:^|(?<=[\s,;]))#.*", re.DOTALL)
+# An exponent of Fortran.
+_FORTRAN = re.compile(r"(?<=[0-9.])[dD](?=[-+]?[0-9])")
+# A comment at the end of a line, but not the mark in 1.#QNAN, nor an error of Excel.
+# A factor that MATLAB shows above a matrix.
+SHOWN_FACTOR = re.compile(r"\s*([0-9.]+e[-+][0-9]+) \*\s*")
+_COMMENT = re.compile(r"(?:^|(?<=[\s,;]))#(?!n/a|nv\b|num!|value!|div/0!|ref!).*", re.DOTALL | re.IGNORECASE)
 
 
 def is_non_measured(word: str) -> bool:
@@ -72,6 +81,8 @@ def holds_heights(content: str) -> bool | None:
 
     None: it may, because all its fields stand for non-measured points.
     """
+    if SHOWN_FACTOR.fullmatch(content):
+        return False
     fields = _FIELD_SEPARATOR.split(content)
     if all(map(is_non_measured, fields)):
         # A line of dashes is the rule below a title.
@@ -230,46 +241,42 @@ def _find_rounding(line: Array) -> float:
 
 @attrs.frozen(eq=False)
 class Table:
-    """The numbers of a text file, shape (rows, numbers in a row), NaN for an empty field, and the lines above them."""
+    """The numbers of a text file, shape (rows, numbers in a row), NaN for an empty field, and the lines above them.
+
+    `blank` is the first line between the numbers that is blank, where not all lines are divided so; else None.
+    """
 
     numbers: Array
     header: tuple[str, ...]
+    blank: int | None = None
 
 
-def read_table(path: Path, separator: str = "auto", decimal: str = "auto", skip_rows: int = 0) -> Table:
-    """Return the numbers of a text file and its header; `InputError` with the line if it is not a table of numbers."""
-    with path.open("rb") as file:
-        start = file.read(4)
-    encoding = next((name for mark, name in _BYTE_ORDER_MARKS.items() if start.startswith(mark)), "utf-8")
+def read_table(data: bytes, separator: str = "auto", decimal: str = "auto", skip_rows: int = 0) -> Table:
+    """Return the numbers in the bytes of a text file and its header; `InputError` if they are not a table of numbers.
+
+    The message names the line.
+    """
+    encoding = next((name for mark, name in _BYTE_ORDER_MARKS.items() if data.startswith(mark)), "utf-8")
     # Comments may be in any encoding.
     errors = "surrogateescape" if encoding.startswith("utf-8") else "strict"
     try:
-        with path.open(encoding=encoding, errors=errors) as text:
+        with io.TextIOWrapper(io.BytesIO(data), encoding=encoding, errors=errors) as text:
             header: list[str] = []
             lines = _heights(enumerate(itertools.islice(text, skip_rows, None), skip_rows + 1), header)
             sample = list(itertools.islice(lines, _SAMPLE_LINES))
             if not sample:
                 raise InputError(_nothing(header))
             layout = find_layout([content for _, content in sample], separator, decimal)
-            numbers = _read_plain(path, encoding, layout, sample[0][0])
+            numbers = None
+            blank = None
+            if not layout.ends(sample[0][1]):
+                numbers = read_plain(data, encoding, layout.separator, layout.decimal, sample[0][0])
             if numbers is None:
-                numbers = _read_rows(itertools.chain(sample, lines), layout)
+                numbers, blank = _read_rows(itertools.chain(sample, lines), layout)
             _require_words(header, layout, numbers.shape[1])
-            return Table(numbers, tuple(header))
+            return Table(numbers, tuple(header), blank)
     except UnicodeError:
         raise InputError(f"it begins like text in {encoding}, but is not: save it as plain text (UTF-8)") from None
-
-
-def _read_plain(path: Path, encoding: str, layout: Layout, first: int) -> Array | None:
-    """Return the rows of numbers from a line on, by numpy; None if there is anything else than numbers among them."""
-    if layout.decimal != ".":
-        return None
-    separator = None if layout.separator == " " else layout.separator
-    try:
-        found = np.loadtxt(path, delimiter=separator, comments=None, skiprows=first - 1, encoding=encoding, ndmin=2)
-    except (ValueError, OverflowError):
-        return None
-    return found if found.size and np.isfinite(found).all() else None
 
 
 def _nothing(header: list[str]) -> str:
@@ -280,6 +287,7 @@ def _nothing(header: list[str]) -> str:
 def _heights(lines: Iterator[tuple[int, str]], header: list[str]) -> Iterator[tuple[int, str]]:
     """Yield the lines of heights with their line numbers; lines of words before them go into the header."""
     begun = False
+    comments: list[str] = []
     waiting = list[tuple[int, str]]()
     words = ""
     for place, line in lines:
@@ -290,6 +298,7 @@ def _heights(lines: Iterator[tuple[int, str]], header: list[str]) -> Iterator[tu
         if begun and not content and line.strip(" \r\n"):
             # A comment between numbers, such as the name of the next channel.
             words = words or line.strip()
+            comments.append(line.rstrip("\r\n"))
         elif begun and content and words:
             raise InputError(
                 f"the line {words[:_MAX_QUOTED_CHARACTERS]!a} stands between its numbers, as where a second table or "
@@ -306,6 +315,8 @@ def _heights(lines: Iterator[tuple[int, str]], header: list[str]) -> Iterator[tu
             begun = True
             waiting = []
     yield from waiting
+    # Comments below the numbers state as much as those above them.
+    header.extend(comments[:_MAX_HEADER_LINES])
 
 
 def _clean(content: str) -> str:
@@ -328,8 +339,10 @@ def _unquote(quoted: re.Match[str]) -> str:
     )
 
 
-def _read_rows(lines: Iterator[tuple[int, str]], layout: Layout) -> Array:
+def _read_rows(lines: Iterator[tuple[int, str]], layout: Layout) -> tuple[Array, int | None]:
     numbers = array.array("d")
+    gaps: list[int] = []
+    last = 0
     columns = 0
     rows = 0
     ends = 0
@@ -338,7 +351,7 @@ def _read_rows(lines: Iterator[tuple[int, str]], layout: Layout) -> Array:
         # A line of tabs alone is a row without measured points, where tabs separate.
         if not content.strip() and layout.separator != "\t":
             continue
-        row = _parse(content, layout, place)
+        row = _parse(content, layout, place, rows)
         ended = layout.ends(content)
         columns = columns or len(row)
         # One separator at the end of a row, of some rows or of all, adds no point.
@@ -353,6 +366,8 @@ def _read_rows(lines: Iterator[tuple[int, str]], layout: Layout) -> Array:
                 f"line {place} has {len(row)} numbers, but the lines before it have {columns}: write nan for a point "
                 "that was not measured; if those lines are a header, say how many lines with skip_rows="
             )
+        gaps.extend([place - 1] if last and place > last + 1 else [])
+        last = place
         numbers.extend(row)
         rows += 1
         ends = ends + ended
@@ -361,7 +376,7 @@ def _read_rows(lines: Iterator[tuple[int, str]], layout: Layout) -> Array:
     if padded and ends < rows:
         raise InputError(f"line {padded} has {columns - 1} numbers, but others have {columns}: write nan for its last")
     heights = np.frombuffer(numbers).reshape(rows, columns)
-    return heights[:, :-1] if ends == rows else heights
+    return heights[:, :-1] if ends == rows else heights, gaps[0] if 0 < len(gaps) < rows - 1 else None
 
 
 def _require_words(header: list[str], layout: Layout, columns: int) -> None:
@@ -378,14 +393,15 @@ def _require_words(header: list[str], layout: Layout, columns: int) -> None:
 
 
 def _float(word: str) -> float | None:
-    """Return the number, or None: Python also reads 1_000 and digits of other scripts."""
+    """Return the number, or None: Python also reads 1_000 and digits of other scripts, but not Fortran's 1.0D-03."""
+    word = _FORTRAN.sub("e", word)
     try:
         return float(word) if word.isascii() and "_" not in word else None
     except ValueError:
         return None
 
 
-def _parse(content: str, layout: Layout, place: int) -> array.array[float]:
+def _parse(content: str, layout: Layout, place: int, rows: int) -> array.array[float]:
     fields = layout.split(content)
     # Python reads a number too large for float64 as infinite.
     if content.isascii() and "_" not in content:
@@ -393,11 +409,11 @@ def _parse(content: str, layout: Layout, place: int) -> array.array[float]:
             row = array.array("d", map(float, fields))
             if not np.isinf(row).any():
                 return row
-    return array.array("d", (_number(field, layout, place) for field in fields))
+    return array.array("d", (_number(field, layout, place, rows) for field in fields))
 
 
-def _number(field: str, layout: Layout, place: int) -> float:
-    """Return the number in a field, NaN for a non-measured point."""
+def _number(field: str, layout: Layout, place: int, rows: int) -> float:
+    """Return the number in a field, NaN for a non-measured point; `rows` of numbers stand above it."""
     word = field.strip()
     value = _float(word)
     if value is None:
@@ -405,10 +421,11 @@ def _number(field: str, layout: Layout, place: int) -> float:
             return math.nan
         other = "," if layout.decimal == "." else "."
         advice = f"give decimal={other!r} if that is its decimal mark" if other in word else ""
-        advice = advice or (
-            f"lines above the heights that are not heights are skipped with skip_rows={place}, and those below them "
-            "must be removed"
-        )
+        if advice and layout.decimal in word:
+            advice = "write numbers without separators of thousands"
+        if not advice and rows >= _MIN_ROWS_ABOVE:
+            advice = f"{rows} rows of numbers stand above it: if they are all, remove this line and those below it"
+        advice = advice or f"lines above the heights that are not heights are skipped with skip_rows={place}"
         raise InputError(
             f"line {place} holds {word[:_MAX_QUOTED_CHARACTERS]!a}, which is not a number: write numbers such as "
             f"-1.5e-6, nan for a point that was not measured, and comments behind #; {advice}"

@@ -14,15 +14,23 @@ import numpy as np
 
 from roughcontact._base.arrays import Array, Pair
 from roughcontact._base.checks import integer
-from roughcontact._parts.files.base import RawMap, SurfaceReader, require_memory_of_map
-from roughcontact._parts.files.headers import metres
+from roughcontact._parts.files.base import RawMap, SurfaceReader, readers, require_memory_of_map
+from roughcontact._parts.files.stated import Stated, build_map, check_no_data, metres
 from roughcontact.errors import InputError, MissingPackage
 
 # Number of the tag with the value of points without data, in geographic images.
 _NODATA_TAG = 42113
-# Number of the tag in which GDAL keeps its items, and those that change what pixels mean.
+# Number of the tag in which GDAL keeps its items, and those that say what pixels mean.
 _GDAL_TAG = 42112
-_GDAL_SCALE = re.compile(r'role="(?:scale|offset)"[^<]*')
+_GDAL_ITEM = re.compile(r'role="(scale|offset|unittype)"[^>]*>([^<]*)<')
+# Number of the tag with the sides of the pixels of a map of the earth, and of that with the heights of Park Systems.
+_PIXEL_SCALE_TAG = 33550
+_PARK_TAG = 50434
+# Attributes of OME with the sides of the pixels, and their units.
+_OME_SIZE = re.compile(r'PhysicalSize([XY])="([0-9.eE+-]+)"')
+_OME_UNIT = re.compile(r'PhysicalSize([XY])Unit="([^"]*)"')
+# What ImageJ writes as a unit where none was set.
+_NO_UNITS = ("", "gray value", "grey value", "pixel", "pixels", "inch")
 # Bytes to which an image may expand, plus a multiple of its file.
 _EXPANSION_ALLOWANCE = 2**22
 _MAX_EXPANSION_RATIO = 50
@@ -50,9 +58,12 @@ class TiffReader(SurfaceReader):
     ----------
     page
         Which image of several, from 0.
+    no_data
+        The number that stands for a non-measured point, or ``"none"``; one that looks so is asked about.
     """
 
     page: int | None = attrs.field(default=None, converter=_page)
+    no_data: float | str | None = attrs.field(default=None, converter=check_no_data)
 
     @property
     def suffixes(self) -> frozenset[str]:
@@ -70,18 +81,18 @@ class TiffReader(SurfaceReader):
         # tifffile logs oddities of a file; real errors become an `InputError`.
         logging.getLogger("tifffile").addHandler(logging.NullHandler())
         with TiffFile(path) as file:
+            if _PARK_TAG in file.pages.first.tags:
+                # Its image is a picture; the heights stand in a tag, which the reader of instruments knows.
+                return readers.create("instrument").read(path)
             page = self._choose(file)
             _require_heights(page, path.stat().st_size)
             _require_honest(page, file.filehandle)
             imagej = file.imagej_metadata or {}
+            stated = _read_stated(page, imagej, file.ome_metadata)
             image = _read_pixels(page)
-            unit = _calibrate(image, page, imagej)
-            size, words = _find_size(page, imagej)
-        heights = np.ascontiguousarray(image[::-1].T, dtype=np.float64)
-        heights[~np.isfinite(heights)] = np.nan
-        if unit is not None:
-            heights *= unit
-        return RawMap(heights, size, hint=words, metric=unit is not None, needs_unit=unit is None)
+            words = _describe_print(page, stated)
+        found = build_map(image, stated, line="a line of the image", needs_unit=True, no_data=self.no_data)
+        return attrs.evolve(found, hint=found.hint or words)
 
     def _choose(self, file: Any) -> Any:
         count = len(file.pages)
@@ -124,7 +135,7 @@ def _require_honest(page: Any, stream: Any) -> None:
 
 def _read_pixels(page: Any) -> Array:
     try:
-        image = np.asarray(page.asarray(maxworkers=1), dtype=np.float64)
+        return np.asarray(page.asarray(maxworkers=1))
     except ValueError as error:
         if "imagecodecs" in str(error):
             name = page.compression.name.lower()
@@ -133,13 +144,25 @@ def _read_pixels(page: Any) -> Array:
                 "without compression."
             ) from None
         raise
+
+
+def _read_stated(page: Any, imagej: dict[str, Any], ome: str | None) -> Stated:
+    """Return what the tags of an image, and the texts of ImageJ, OME and GDAL in it, state."""
+    orientation = page.tags.get("Orientation")
+    if orientation is not None and int(orientation.value) != 1:
+        raise InputError(
+            f"its first pixel is not that at the top on the left (orientation {orientation.value}): save it upright"
+        )
+    stated = Stated(rows="y", falling="y")
     tag = page.tags.get(_NODATA_TAG)
     if tag is not None:
-        # It is written with other digits than the pixels have.
-        with np.errstate(over="ignore", invalid="ignore"):
-            stated = np.array(_read_nodata(str(tag.value))).astype(page.dtype).astype(np.float64)
-        image[image == stated] = np.nan
-    return image
+        stated = attrs.evolve(stated, non_measured=(_read_nodata(str(tag.value)),))
+    stated = _read_items(stated, page)
+    stated = _read_calibration(stated, imagej)
+    for found in (_read_ome(stated, ome), _read_resolution(stated, page, imagej), _read_geographic(stated, page)):
+        if found is not None:
+            return found
+    return stated
 
 
 def _read_nodata(text: str) -> float:
@@ -149,43 +172,99 @@ def _read_nodata(text: str) -> float:
         raise InputError(f"its value of points without data, {text[:20]!a}, is not a number") from None
 
 
-def _calibrate(image: Array, page: Any, imagej: dict[str, Any]) -> float | None:
-    """Convert pixels to what the file says that they stand for; return its unit, m, or None if it is not a length."""
+def _read_items(stated: Stated, page: Any) -> Stated:
+    """Return what is stated with the unit, scale and offset of GDAL."""
     tag = page.tags.get(_GDAL_TAG)
-    if tag is not None and (found := _GDAL_SCALE.search(str(tag.value))):
-        raise InputError(
-            f"it states a scale or an offset of its pixels ({found[0][:60]!a}), which is not applied: write the "
-            "heights themselves"
-        )
+    if tag is None:
+        return stated
+    items = {role.lower(): text.strip() for role, text in _GDAL_ITEM.findall(str(tag.value))}
+    numbers = [items.get("scale", "1"), items.get("offset", "0")]
+    try:
+        factor, offset = map(float, numbers)
+    except ValueError:
+        raise InputError(f"its scale and offset are {', '.join(numbers)[:40]!a}, which are not numbers") from None
+    unit = items.get("unittype") or None
+    return attrs.evolve(stated, factor=factor, offset=offset, unit=unit)
+
+
+def _read_calibration(stated: Stated, imagej: dict[str, Any]) -> Stated:
+    """Return what is stated with the calibration of ImageJ."""
     if "c0" not in imagej and "c1" not in imagej:
-        return None
+        return stated
     # ImageJ numbers its functions; 0 is the straight line c0 + c1 v.
     if int(imagej.get("cf", 0)) != 0:
         raise InputError("its pixels are calibrated by a function of ImageJ that is not a straight line: write heights")
-    image *= float(imagej.get("c1", 1.0))
-    image += float(imagej.get("c0", 0.0))
-    return metres(_clean_unit(imagej.get("vunit", "")))
+    unit = _clean_unit(imagej.get("vunit", ""))
+    # Grey values are the unit of images without one.
+    known = unit and unit.lower() not in _NO_UNITS
+    return attrs.evolve(
+        stated,
+        factor=float(imagej.get("c1", 1.0)),
+        offset=float(imagej.get("c0", 0.0)),
+        unit=unit if known else None,
+    )
 
 
 def _clean_unit(unit: object) -> str:
-    return str(unit).replace("\\u00B5", "µ").strip('"')
+    return str(unit).replace("\\u00B5", "µ").strip('" ')
 
 
-def _find_size(page: Any, imagej: dict[str, Any]) -> tuple[Pair | None, str]:
-    """Return the sides (x, y), m, if they are certain, and a hint in words."""
+def _read_ome(stated: Stated, text: str | None) -> Stated | None:
+    """Return what is stated with the size of pixels of OME; None without one."""
+    sizes = dict(_OME_SIZE.findall(text or ""))
+    if not {"X", "Y"} <= set(sizes):
+        return None
+    units = {"X": "µm", "Y": "µm"} | dict(_OME_UNIT.findall(text or ""))
+    x, y = (float(sizes[axis]) * (metres(units[axis]) or math.nan) for axis in "XY")
+    return attrs.evolve(stated, steps=(x, y), length=1.0) if x * y > 0.0 else None
+
+
+def _read_resolution(stated: Stated, page: Any, imagej: dict[str, Any]) -> Stated | None:
+    """Return what is stated with the distance of pixels, where it is certain; None elsewhere."""
+    found = _find_pixels_per_unit(page)
+    if found is None:
+        return None
+    named = _clean_unit(imagej.get("unit", ""))
+    if named and named.lower() not in _NO_UNITS:
+        along = (named, _clean_unit(imagej.get("yunit", named)))
+        known = [metres(one) for one in along]
+        x, y = (one / count if one else 1.0 / count for one, count in zip(known, found, strict=True))
+        if None not in known:
+            return attrs.evolve(stated, steps=(x, y), length=1.0)
+        return attrs.evolve(stated, steps=(x, y), length=named) if along[0] == along[1] and None in known else None
+    unit = _find_unit(page)
+    if unit is None or min(found) / unit <= _MIN_MEASURED_RESOLUTION:
+        return None
+    return attrs.evolve(stated, steps=(unit / found[0], unit / found[1]), length=1.0)
+
+
+def _find_pixels_per_unit(page: Any) -> Pair | None:
     per_unit = [page.tags.get(name) for name in ("XResolution", "YResolution")]
     if any(tag is None or len(tag.value) != 2 or 0 in tag.value for tag in per_unit):
-        return None, ""
+        return None
     x, y = (tag.value[0] / tag.value[1] for tag in per_unit if tag is not None)
-    rows, columns = page.shape
-    stated = metres(_clean_unit(imagej.get("unit", "")))
-    along_y = metres(_clean_unit(imagej["yunit"])) if "yunit" in imagej else stated
-    if (along_y is None) is not (stated is None):
-        return None, ""
+    return x, y
+
+
+def _find_unit(page: Any) -> float | None:
+    """Return the metres in the unit of the resolution; None where it has none."""
     tag = page.tags.get("ResolutionUnit")
-    unit = _METRES_PER_UNIT.get(int(tag.value)) if stated is None and tag is not None else stated
-    if unit is None:
-        return None, ""
-    if stated is not None or min(x, y) / unit > _MIN_MEASURED_RESOLUTION:
-        return (columns / x * unit, rows / y * (along_y or unit)), ""
-    return None, f"its resolution of {x * 0.0254 / unit:.4g} dots per inch may be that of a screen or a printer"
+    return None if tag is None else _METRES_PER_UNIT.get(int(tag.value))
+
+
+def _read_geographic(stated: Stated, page: Any) -> Stated | None:
+    """Return what is stated with the pixels of a map of the earth, in a unit that is not looked for; None without."""
+    tag = page.tags.get(_PIXEL_SCALE_TAG)
+    if tag is None or np.size(tag.value) < 2:
+        return None
+    x, y = (float(value) for value in tag.value[:2])
+    return attrs.evolve(stated, steps=(x, y), length=None) if min(x, y) > 0.0 else None
+
+
+def _describe_print(page: Any, stated: Stated) -> str:
+    """Return in words a resolution that may be that of a screen or a printer."""
+    found = _find_pixels_per_unit(page)
+    unit = _find_unit(page)
+    if stated.steps != (None, None) or found is None or unit is None:
+        return ""
+    return f"its resolution of {found[0] * 0.0254 / unit:.4g} dots per inch may be that of a screen or a printer"

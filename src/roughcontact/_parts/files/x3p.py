@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
+import re
 import zipfile
 from pathlib import Path
 from xml.etree import ElementTree
@@ -10,34 +12,15 @@ from xml.etree import ElementTree
 import attrs
 import numpy as np
 
-from roughcontact._base.archive import require_expansion
 from roughcontact._base.arrays import Array
 from roughcontact._parts.files.base import RawMap, SurfaceReader, find_foreign, name_rows, require_memory_of_map
+from roughcontact._parts.files.bounds import require_bounded_archive
 from roughcontact.errors import InputError
 
-# Endings of descriptions in the archives of instruments, and their maximum bytes: parsed XML takes twenty times more.
-_DESCRIPTION_ENDINGS = (".xml", ".txt")
-_MAX_DESCRIPTION_BYTES = 2**22
 # Types of numbers by their letter: integers of 16 and 32 bits, floating-point numbers of 32 and 64.
 _TYPES = {"I": "<i2", "L": "<i4", "F": "<f4", "D": "<f8"}
-
-
-def require_bounded_archive(path: Path) -> None:
-    """Refuse an archive that expands to far more than its bytes: its reader would not check the memory."""
-    with path.open("rb") as file:
-        if not zipfile.is_zipfile(file):
-            return
-        with zipfile.ZipFile(file) as archive:
-            require_expansion(archive, path.stat().st_size, "export it without compression", deflated=True)
-            texts = [
-                member.file_size
-                for member in archive.infolist()
-                if member.filename.lower().endswith(_DESCRIPTION_ENDINGS)
-            ]
-    if max(texts, default=0) > _MAX_DESCRIPTION_BYTES:
-        raise InputError(
-            f"a description in it has {max(texts)} bytes, more than {_MAX_DESCRIPTION_BYTES}: it is damaged"
-        )
+# A checksum by MD5; some programs write none, or a place-holder.
+_DIGEST = re.compile(r"(?!0{32})[0-9a-f]{32}")
 
 
 @attrs.frozen
@@ -89,7 +72,7 @@ def _read_surface(archive: zipfile.ZipFile) -> RawMap:
     if valid is not None and valid.text:
         bits = np.frombuffer(_read_member(archive, folder, valid.text.strip(), (count + 7) // 8), np.uint8)
         heights[np.unpackbits(bits, bitorder="little")[:count] == 0] = np.nan
-    # x runs fastest, y downwards as in an image.
+    # x runs fastest.
     image = heights.reshape(sizes[1], sizes[0])
     return RawMap(
         np.ascontiguousarray(image.T),
@@ -151,6 +134,7 @@ def _read_heights(archive: zipfile.ZipFile, root: ElementTree.Element, folder: s
             raise InputError(f"its heights are of the type {letter[:20]!a}, which is not one of {', '.join(_TYPES)}")
         dtype = np.dtype(_TYPES[letter])
         data = _read_member(archive, folder, link.text.strip(), count * dtype.itemsize)
+        _require_digest(root, data)
         return np.frombuffer(data, dtype=dtype).astype(np.float64)
     data_list = _find(root, "DataList")
     if data_list is None:
@@ -162,6 +146,14 @@ def _read_heights(archive: zipfile.ZipFile, root: ElementTree.Element, folder: s
         return np.array([float(word) if word else math.nan for word in words])
     except ValueError as error:
         raise InputError(f"a height in its description is not a number ({error})") from None
+
+
+def _require_digest(root: ElementTree.Element, data: bytes) -> None:
+    """Refuse heights that are not those of the checksum, where the description has one."""
+    element = _find(root, "MD5ChecksumPointData")
+    stated = "" if element is None else (element.text or "").strip().lower()
+    if _DIGEST.fullmatch(stated) and stated != hashlib.md5(data, usedforsecurity=False).hexdigest():
+        raise InputError("its heights are not those of its checksum: it is damaged")
 
 
 def _read_member(archive: zipfile.ZipFile, folder: str, name: str, size: int) -> bytes:

@@ -36,6 +36,7 @@ _READING = (
     "decimal",
     "skip_rows",
     "rows",
+    "no_data",
     "variable",
     "page",
 )

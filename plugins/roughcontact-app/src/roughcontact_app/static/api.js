@@ -24,5 +24,6 @@ export const get = (path) => request(path, {});
 export const post = (path, data) =>
   request(path, { method: "POST", body: JSON.stringify(data), headers: { "Content-Type": "application/json" } });
 
-export const upload = (file) =>
-  request(`api/upload?name=${encodeURIComponent(file.name)}`, { method: "POST", body: file });
+// The prefix is that of the settings of the body that the file is for: each body's file is read for itself.
+export const upload = (file, prefix) =>
+  request(`api/upload?name=${encodeURIComponent(file.name)}&body=${prefix}`, { method: "POST", body: file });

@@ -36,7 +36,7 @@ export class MapFile {
     this.say(`Reading ${file.name} ...`);
     this.onChange();
     try {
-      const found = await upload(file);
+      const found = await upload(file, this.prefix);
       if (this.reading === file) this.accept(found);
     } catch (error) {
       if (this.reading === file) this.refuse(file.name, error.message);
@@ -84,7 +84,7 @@ export class MapFile {
     this.forget();
     this.input.value = "";
     const { [`${this.prefix}file`]: digest, [`${this.prefix}file_name`]: name } = settings.read();
-    const known = settings.isFile(this.kind) && digest ? await post("api/file", digest).catch(() => ({ here: false })) : null;
+    const known = settings.isFile(this.kind) && digest ? await post(`api/file?body=${this.prefix}`, digest).catch(() => ({ here: false })) : null;
     this.say("");
     if (known?.here) {
       this.facts = known.facts;

@@ -1,0 +1,228 @@
+"""The map among the named arrays of a file of HDF5, netCDF, MATLAB or numpy, and what they state of each other."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Mapping
+from typing import Any
+
+import attrs
+import numpy as np
+
+from roughcontact._base.arrays import RealArray
+from roughcontact._parts.files.base import RawMap, SurfaceReader, check_rows
+from roughcontact._parts.files.stated import Stated, build_map, check_no_data, metres
+from roughcontact.errors import InputError
+
+# Attributes of an array that are read: its unit, packing, the values of non-measured points, and the valid ones.
+UNIT_ATTRIBUTES = ("units", "unit", "Units", "Unit", "UNITS", "UNIT")
+MISSING_ATTRIBUTES = ("_FillValue", "missing_value")
+# Names of the number of non-measured points.
+_MISSING_NAMES = ("nodata", "no_data", "nodata_value", "fill_value", "fillvalue")
+VALID_ATTRIBUTES = ("valid_range", "valid_min", "valid_max")
+PACKING_ATTRIBUTES = ("scale_factor", "add_offset")
+# Names that change what numbers mean, and have no meaning on which all agree.
+CHANGING_NAMES = frozenset(
+    {"scale", "z_scale", "zscale", "scaling", "factor", "z_factor", "gain", "multiplier", "offset", "z_offset", "lsb"}
+    | {"height_scale", "scale_z", "height_factor", "conversion", "conversion_factor", "to_metres", "to_meters"}
+    | {"invalid", "mask", "valid", "bit2nm", *_MISSING_NAMES}
+)
+# Names of arrays that state the unit of the heights, the unit of everything, and that of the sides.
+_HEIGHT_UNITS = (
+    *("zunit", "z_unit", "zunits", "z_units", "height_unit", "height_units", "heights_unit", "heights_units"),
+    *("unit_z", "units_z", "zUnit", "zUnits", "ZUnit", "heightUnit", "heightUnits"),
+)
+_COMMON_UNITS = UNIT_ATTRIBUTES
+_SIDE_UNITS = ("xyunit", "xy_unit", "xyunits", "xunit", "x_unit", "xunits", "lateral_unit", "size_unit")
+_SPECIFIC_UNITS = frozenset({*_HEIGHT_UNITS, *_SIDE_UNITS})
+_PITCH_NAMES = ("pixel_size", "pixelsize", "pixelSize", "cell_size", "cellsize", "pitch")
+_SIZE_NAMES = ("size", "lx", "ly", "dx", "dy", *_PITCH_NAMES)
+# Names of the axes, and of the positions along them.
+_AXES = {"x": "x", "lon": "x", "longitude": "x", "easting": "x", "col": "x", "column": "x"}
+_AXES |= {"y": "y", "lat": "y", "latitude": "y", "northing": "y", "row": "y"}
+# Names of sides and units that may be attributes, too; and all names that `gather` looks for.
+STATING_ATTRIBUTES = frozenset({*_HEIGHT_UNITS, *_COMMON_UNITS, *_SIDE_UNITS, *_SIZE_NAMES})
+STATING_NAMES = {*STATING_ATTRIBUTES, *CHANGING_NAMES, *"xyXY"}
+# Relative difference between the steps of positions that are regular: they are printed with six digits, or in 32 bits.
+_STEP_TOLERANCE = 1e-2
+
+
+@attrs.frozen(eq=False)
+class NamedArray:
+    """An array of numbers of a file: its values, what its attributes state, and the names of its axes, if stated."""
+
+    values: RealArray
+    attributes: Mapping[str, Any] = attrs.field(factory=dict)
+    axes: tuple[str, ...] = ()
+
+
+def check_variable(value: str | None) -> str | None:
+    """Return the name of an array in a file, or raise `InputError`."""
+    if value is not None and (not isinstance(value, str) or not value):
+        raise InputError.about("The variable in a file", value, "the name of an array in it")
+    return value
+
+
+@attrs.frozen
+class NamedArrayReader(SurfaceReader):
+    """A reader of files of named arrays; see its subclasses for the options."""
+
+    variable: str | None = attrs.field(default=None, converter=check_variable)
+    rows: str = attrs.field(default="auto", converter=check_rows)
+    no_data: float | str | None = attrs.field(default=None, converter=check_no_data)
+
+
+def choose_map(
+    arrays: Mapping[str, NamedArray],
+    texts: Mapping[str, str],
+    reader: NamedArrayReader,
+) -> RawMap:
+    """Return the map among the arrays of a file: the one that the reader names, `heights`, or the only one.
+
+    `texts` are its texts, by their names, which may state units.
+    """
+    maps = {name: one for name, one in arrays.items() if one.values.ndim == 2 and min(one.values.shape) > 1}
+    name = reader.variable or ("heights" if "heights" in maps else min(maps, default=""))
+    if name not in maps or (reader.variable is None and name != "heights" and len(maps) > 1):
+        found = ", ".join(sorted(maps)) or "none"
+        raise InputError(
+            "its array of heights is not known: give variable= with its name; its real arrays of two dimensions "
+            f"are: {found:.200}"
+        )
+    # What stands beside the map counts before what stands above it.
+    group = name.rpartition("/")[0]
+    beside = _find_beside(arrays, group)
+    return build_map(
+        _mark_invalid(maps[name]),
+        gather(maps[name], beside, _find_beside(texts, group)),
+        rows=reader.rows,
+        line="the first index",
+        no_data=reader.no_data,
+    )
+
+
+def _find_beside(found: Mapping[str, Any], group: str) -> dict[str, Any]:
+    """Return what stands in the file itself or in a group, by its last name; what is in the group counts."""
+    own = {name.rpartition("/")[2]: one for name, one in found.items() if name.rpartition("/")[0] == group}
+    return {name: one for name, one in found.items() if "/" not in name} | own
+
+
+def _mark_invalid(one: NamedArray) -> RealArray:
+    """Return numbers with NaN outside the range that is stated to be valid."""
+    stated = one.attributes
+    smallest, largest = stated.get("valid_range", (stated.get("valid_min", -np.inf), stated.get("valid_max", np.inf)))
+    if (smallest, largest) == (-np.inf, np.inf):
+        return one.values
+    values = np.array(one.values, dtype=np.float64)
+    values[(values < smallest) | (values > largest)] = np.nan
+    return values
+
+
+def gather(one: NamedArray, arrays: Mapping[str, NamedArray], texts: Mapping[str, str]) -> Stated:
+    """Return what the attributes of an array, and the arrays and texts beside it, state."""
+    own = {name: np.asarray(value) for name, value in one.attributes.items() if name in _SIZE_NAMES}
+    arrays = {**arrays, **{name: NamedArray(value) for name, value in own.items() if value.dtype.kind in "iuf"}}
+    texts = {**texts, **{name: str(value) for name, value in one.attributes.items() if name in _SPECIFIC_UNITS}}
+    scalars = {name: float(other.values.ravel()[0]) for name, other in arrays.items() if other.values.size == 1}
+    arrays = {_AXES.get(name.lower(), name): other for name, other in arrays.items()} | dict(arrays)
+    # A number as unit is that of metres.
+    units: dict[str, str | float] = {**scalars, **texts}
+    specific, common, lateral = (
+        next((units[name] for name in names if name in units), None)
+        for names in (_HEIGHT_UNITS, _COMMON_UNITS, _SIDE_UNITS)
+    )
+    named = next((one.attributes[name] for name in UNIT_ATTRIBUTES if name in one.attributes), None)
+    stated = (named, specific, common)
+    unit = next((value for value in stated if value is not None), None)
+    alike = {name: "an array" for name, other in arrays.items() if other.values.shape == one.values.shape}
+    changing = {name: value for name, value in (scalars | alike).items() if name.lower() in CHANGING_NAMES}
+    changing |= {name: one.attributes[name] for name in one.attributes if name.lower() in CHANGING_NAMES}
+    missing = [float(one.attributes[name]) for name in MISSING_ATTRIBUTES if name in one.attributes]
+    for name in [name for name in changing if name.lower() in _MISSING_NAMES]:
+        with contextlib.suppress(TypeError, ValueError):
+            missing.append(float(changing[name]))
+            del changing[name]
+    # A common unit may be that of the sides, too: then these ask for themselves.
+    length = lateral if lateral is not None or common is not None else 1.0
+    found = Stated(
+        unit=unit,
+        factor=float(one.attributes.get("scale_factor", 1.0)),
+        offset=float(one.attributes.get("add_offset", 0.0)),
+        non_measured=tuple(missing),
+        not_understood=tuple(f"{name} = {value}" for name, value in changing.items()),
+        rows=_name_first(one.axes),
+        length=length,
+    )
+    return _find_places(found, one, arrays) or _find_sides(found, one.values.shape, arrays)
+
+
+def _name_first(axes: tuple[str, ...]) -> str:
+    names = [_AXES.get(name.rpartition("/")[2].lower(), "") for name in axes]
+    return names[0] if sorted(names) == ["x", "y"] else ""
+
+
+def _find_sides(stated: Stated, shape: tuple[int, ...], arrays: Mapping[str, NamedArray]) -> Stated:
+    """Return what is stated with the sides of the map from `size`, `lx` and `ly`, or the pitch `dx` and `dy`."""
+    known = {name: arrays[name] for name in _SIZE_NAMES if name in arrays and arrays[name].values.size <= 2}
+    lengths = {str(name): one for name, one in known.items()}
+    units = {
+        next((one.attributes[name] for name in UNIT_ATTRIBUTES if name in one.attributes), None)
+        for one in lengths.values()
+    }
+    if len(units) > 1:
+        raise InputError("its sides are stated in different units: give size=, and keep the heights alone")
+    if units - {None}:
+        stated = attrs.evolve(stated, length=units.pop())
+    values = {name: one.values.ravel().astype(np.float64).tolist() for name, one in lengths.items()}
+    sides = values.get("size") or [*values.get("lx", []), *values.get("ly", [])]
+    if len(sides) == 1 and shape[0] == shape[1]:
+        sides = 2 * sides
+    if len(sides) == 2:
+        stated = attrs.evolve(stated, size=(sides[0], sides[1]))
+    pitch = next((values[name] for name in _PITCH_NAMES if name in values), None)
+    if pitch is not None:
+        stated = attrs.evolve(stated, steps=(pitch[0], pitch[-1]))
+    if "dx" in values:
+        stated = attrs.evolve(stated, steps=(values["dx"][0], values.get("dy", values["dx"])[0]))
+    return stated
+
+
+def _find_places(stated: Stated, one: NamedArray, arrays: Mapping[str, NamedArray]) -> Stated | None:
+    """Return what is stated with the steps of the positions `x` and `y` of the points; None without both."""
+    if not {"x", "y"} <= set(arrays):
+        return None
+    shape = one.values.shape
+    both = [arrays[axis].values.astype(np.float64) for axis in "xy"]
+    first = stated.rows
+    if both[0].shape == both[1].shape == shape and len(shape) == 2 and min(shape) > 1:
+        # As meshgrid writes them: x is constant along the index of y.
+        first = "x" if np.ptp(both[0][:, 0]) >= np.ptp(both[0][0]) else "y"
+        both = [places[:, 0] if axis == first else places[0] for axis, places in zip("xy", both, strict=True)]
+    places = [place.ravel() for place in both]
+    counts = tuple(place.size for place in places)
+    if counts not in (shape, shape[::-1]) or min(counts) < 2:
+        return None
+    if not first and counts[0] != counts[1]:
+        first = "x" if counts == shape else "y"
+    steps = [_find_step(place, axis) for place, axis in zip(places, "xy", strict=True)]
+    unit = next((arrays["x"].attributes[name] for name in UNIT_ATTRIBUTES if name in arrays["x"].attributes), None)
+    other = next((arrays["y"].attributes[name] for name in UNIT_ATTRIBUTES if name in arrays["y"].attributes), unit)
+    if unit != other:
+        along_x, along_y = (metres(str(name)) for name in (unit, other))
+        if along_x is None or along_y is None:
+            raise InputError(f"its x are in {str(unit)!a}, its y in {str(other)!a}: give both in one unit of length")
+        steps[1] *= along_y / along_x
+    falling = "".join(axis for axis, step in zip("xy", steps, strict=True) if step < 0.0)
+    return attrs.evolve(
+        stated, rows=first, steps=(abs(steps[0]), abs(steps[1])), falling=falling, length=unit, size=(None, None)
+    )
+
+
+def _find_step(places: RealArray, axis: str) -> float:
+    step = float(places[-1] - places[0]) / (places.size - 1)
+    if not np.isfinite(step) or step == 0.0 or np.abs(np.diff(places) - step).max() > _STEP_TOLERANCE * abs(step):
+        raise InputError(
+            f"its positions {axis} are not regular: interpolate the heights on a regular grid, as by "
+            "scipy.interpolate.griddata"
+        )
+    return step

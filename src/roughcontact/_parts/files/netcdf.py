@@ -1,0 +1,112 @@
+"""Arrays of netCDF: version 4 is HDF5; the classic kind is read by scipy."""
+
+from __future__ import annotations
+
+import io
+import math
+import warnings
+from pathlib import Path
+from typing import Any
+
+import attrs
+import numpy as np
+
+from roughcontact._parts.files.base import RawMap, find_foreign, require_memory_of_map
+from roughcontact._parts.files.bounds import bound_expansion, is_hdf5
+from roughcontact._parts.files.hdf5 import read_hdf5
+from roughcontact._parts.files.named import (
+    CHANGING_NAMES,
+    MISSING_ATTRIBUTES,
+    PACKING_ATTRIBUTES,
+    UNIT_ATTRIBUTES,
+    VALID_ATTRIBUTES,
+    NamedArray,
+    NamedArrayReader,
+    choose_map,
+)
+from roughcontact.errors import InputError
+
+# Names by which SurfaceTopography marks points that were not measured, and an axis along which the map repeats.
+_MASK = "mask"
+_PERIODIC = "periodic"
+
+
+@attrs.frozen
+class NetcdfReader(NamedArrayReader):
+    """An array of numbers in a netCDF file; the names and positions of its axes are read.
+
+    Version 4 needs h5py.
+
+    Parameters
+    ----------
+    variable
+        Name of the array; by default `heights`, or the only one with two dimensions.
+    rows
+        ``"x"`` or ``"y"``: the axis of the first index, where the names of the axes do not say it; by default x.
+    no_data
+        The number that stands for a non-measured point, or ``"none"``; one that looks so is asked about.
+    """
+
+    @property
+    def suffixes(self) -> frozenset[str]:
+        """Nc, nc4 and cdf."""
+        return frozenset({".nc", ".nc4", ".cdf"})
+
+    def read(self, path: Path) -> RawMap:
+        """Return the map."""
+        require_memory_of_map(4.0 * path.stat().st_size)
+        if foreign := find_foreign(path):
+            raise InputError(foreign)
+        if is_hdf5(path):
+            return choose_map(*read_hdf5(path), self)
+        try:
+            arrays, periodic = _read_classic(path)
+        except InputError:
+            raise
+        except (ValueError, TypeError, KeyError, IndexError, AttributeError, AssertionError, OverflowError) as error:
+            raise InputError("its head states more than it holds: it is damaged, or no classic netCDF") from error
+        return attrs.evolve(choose_map(arrays, {}, self), periodic=periodic)
+
+
+def _read_classic(path: Path) -> tuple[dict[str, NamedArray], bool]:
+    """Return the arrays of a classic netCDF file by name, and whether both axes are stated to be periodic."""
+    from scipy.io import netcdf_file
+
+    size = path.stat().st_size
+    found = {}
+    # Of a file, scipy allocates what is declared; of bytes, what is there.
+    stream = io.BytesIO(path.read_bytes())
+    with warnings.catch_warnings(action="ignore"), netcdf_file(stream, "r", mmap=False) as file:
+        left = bound_expansion(size)
+        for name, one in file.variables.items():
+            left -= math.prod(one.shape) * one.itemsize()
+            if left < 0:
+                raise InputError(f"its arrays are larger than a file of {size} bytes can hold")
+            values = np.array(one.data)
+            if values.dtype.kind in "iuf" and values.ndim <= 2:
+                found[name] = NamedArray(values, _read_attributes(vars(one)), tuple(one.dimensions))
+        axes = [file.variables[axis] for axis in "xy" if axis in file.variables]
+        periodic = len(axes) == 2 and all(int(getattr(axis, _PERIODIC, 0)) for axis in axes)
+    mask = found.pop(_MASK, None)
+    for name, array in found.items():
+        if mask is not None and array.values.shape == mask.values.shape:
+            marked = np.array(array.values, dtype=np.float64)
+            marked[mask.values != 0] = np.nan
+            found[name] = attrs.evolve(array, values=marked)
+    return found, periodic
+
+
+def _read_attributes(stored: dict[str, Any]) -> dict[str, Any]:
+    """Return what the attributes of an array state of its numbers."""
+    numbers = (*PACKING_ATTRIBUTES, *MISSING_ATTRIBUTES, *VALID_ATTRIBUTES)
+    found: dict[str, Any] = {}
+    for name in UNIT_ATTRIBUTES:
+        if name in stored:
+            found[name] = bytes(stored[name]).decode("utf-8", "replace").strip("\0 ")
+    for name in numbers:
+        if name in stored:
+            values = np.ravel(stored[name])
+            if values.dtype.kind not in "iuf" or values.size != (2 if name == "valid_range" else 1):
+                raise InputError(f"its {name} is not a number")
+            found[name] = tuple(map(float, values)) if values.size == 2 else float(values[0])
+    return found | {name: stored[name] for name in stored if name.lower() in CHANGING_NAMES}
