@@ -16,6 +16,7 @@ import numpy as np
 from roughcontact._base.arrays import Array, Mask
 from roughcontact._base.checks import callback
 from roughcontact._base.machine.progress import ChangeProgress, count_done, tell_both
+from roughcontact._base.registry import find_view
 from roughcontact._base.tables import Table
 from roughcontact._base.units import WIDTH, Estimate, Length, si, write_column
 from roughcontact._parts.grid import Load
@@ -161,9 +162,7 @@ class AdhesionCycle:
 
     def plot(self, *, axes: Any = None, dark: bool = False) -> Any:
         """Draw the force of both branches over the approach (extra ``plot``); see `ContactSolution.plot`."""
-        from roughcontact.plotting import draw_cycle
-
-        return draw_cycle(self, axes, dark)
+        return find_view("cycle")(self, axes, dark)
 
     @property
     def warnings(self) -> tuple[str, ...]:

@@ -16,6 +16,7 @@ import numpy as np
 from roughcontact._base import checks
 from roughcontact._base.arrays import Array, read_only
 from roughcontact._base.machine.progress import ChangeProgress, tell_both
+from roughcontact._base.registry import find_view
 from roughcontact._base.tables import Table
 from roughcontact._base.units import Estimate, PlainText, counted, outlined
 from roughcontact._parts.grid import Load
@@ -204,9 +205,7 @@ class FrictionalPath(Sequence[FrictionalSolution]):
 
     def plot(self, *, axes: Any = None, dark: bool = False) -> Any:
         """Draw the tangential force over the displacement (extra ``plot``); see `ContactSolution.plot`."""
-        from roughcontact.plotting import draw_loop
-
-        return draw_loop(self, axes, dark)
+        return find_view("path")(self, axes, dark)
 
     @overload
     def to_html(self, path: None = None) -> str: ...
