@@ -8,7 +8,7 @@ import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, overload
+from typing import Any, overload
 
 import attrs
 import numpy as np
@@ -23,23 +23,25 @@ from roughcontact._parts.grid import Load
 from roughcontact._parts.interactions import Coulomb, FrictionLaw
 from roughcontact._solve.problem.coupled import CoupledSolve
 from roughcontact._solve.problem.friction_certificate import require_frictional
-from roughcontact._solve.problem.friction_plan import list_omitted_shear, list_pair, write_rows
+from roughcontact._solve.problem.friction_plan import (
+    list_omitted_shear,
+    list_pair,
+    require_memory_of_friction,
+    write_rows,
+)
 from roughcontact._solve.problem.increments import (
     GIVEN_INCREMENTS,
     follow_steps,
     list_steps,
     refine_steps,
 )
-from roughcontact._solve.problem.memory import require_memory_of_friction
+from roughcontact._solve.problem.scene import Scene
 from roughcontact._solve.problem.step_numbers import StepNumbers, list_cell_errors, numbers_of
 from roughcontact._solve.problem.task import limit_load
 from roughcontact._solve.solution import FrictionalSolution, page_or_file, read_estimate, read_path, write_path, writers
 from roughcontact._solve.solvers import Step
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
-
-if TYPE_CHECKING:
-    from roughcontact._solve.problem.problem import ContactProblem
 
 # States that a picture draws in each step, and the states of a path of which it draws more.
 _DRAWN_STATES = 10
@@ -338,7 +340,7 @@ def resolve_friction(friction: object) -> FrictionLaw:
 
 
 def run_path(
-    problem: ContactProblem,
+    problem: Scene,
     normal: Mapping[str, object],
     tangential: Mapping[str, object],
     friction: object,
@@ -375,7 +377,7 @@ def run_path(
 
 @guarded
 def run_slide(
-    problem: ContactProblem,
+    problem: Scene,
     normal: Mapping[str, object],
     friction: object,
     direction: object,
