@@ -179,7 +179,13 @@ class HeightMap(Surface):
         return f"<HeightMap {self.grid}{periodic}{lost}>"
 
     def __str__(self) -> str:
-        return fit("\n".join(write_facts([*list_facts(self), *(("warning", text) for text in self.warnings)])))
+        return fit(
+            "\n".join(
+                write_facts(
+                    [*list_facts(self._sample(None), self.history), *(("warning", text) for text in self.warnings)]
+                )
+            )
+        )
 
     def _repr_html_(self) -> str:
         page: str = find_view("map")(self)
