@@ -17,17 +17,14 @@ import roughcontact
 
 ROOT = Path(roughcontact.__file__).parent
 PAGE = Path(__file__).parent.parent / "docs" / "extend" / "architecture.md"
-# These open the figures above them when they are called.
-DRAWING = ("plot", "plot_3d", "draw", "_repr_html_")
 # What the methods of a solution return is named in its annotations.
 ANNOTATED = {(f"roughcontact._solve.solution.{name}", "roughcontact.responses") for name in ("contact", "frictional")}
 
 
 class Import(NamedTuple):
-    """A module that another one imports: inside which function, and whether for annotations alone."""
+    """A module that another one imports, and whether for annotations alone."""
 
     name: str
-    function: str
     is_annotation: bool
 
 
@@ -60,10 +57,8 @@ def room_of(name):
 def imported_modules(path):
     """Yield the modules of the package that a file imports, at its top, inside a function or for annotations."""
     tree = ast.parse(path.read_text(encoding="utf-8"))
-    inside, annotations = {}, set()
+    annotations = set()
     for node in ast.walk(tree):
-        if isinstance(node, ast.FunctionDef):
-            inside |= dict.fromkeys(map(id, ast.walk(node)), node.name)
         if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
             annotations.update(map(id, ast.walk(node)))
     for node in ast.walk(tree):
@@ -71,17 +66,10 @@ def imported_modules(path):
             for alias in node.names:
                 inner = f"{node.module}.{alias.name}"
                 name = inner if inner in NAMES else node.module
-                yield Import(name, inside.get(id(node), ""), id(node) in annotations)
+                yield Import(name, id(node) in annotations)
 
 
-def opens_figures(one):
-    return one.name == "roughcontact.plotting" and one.function in DRAWING
-
-
-IMPORTS = {
-    name: {one for one in imported_modules(path) if one.name != "roughcontact" and not opens_figures(one)}
-    for name, path in NAMES.items()
-}
+IMPORTS = {name: {one for one in imported_modules(path) if one.name != "roughcontact"} for name, path in NAMES.items()}
 
 
 def test_the_folders_are_the_storeys():

@@ -3,48 +3,18 @@
 Nothing of matplotlib is loaded until something is drawn.
 """
 
-from roughcontact._faces.panels.base import Panel, panels
-from roughcontact._faces.panels.curves import add_key, draw_band, scale_axes
-from roughcontact._faces.panels.figures import make_figure, plot, save_figure
-from roughcontact._faces.panels.maps import draw_map, draw_mask, name_colors
-from roughcontact._faces.panels.notebook import show_map
-from roughcontact._faces.panels.results import (
-    StudyNames,
-    draw_column,
-    draw_cycle,
-    draw_loop,
-    draw_report,
-    draw_study,
-)
-from roughcontact._faces.panels.solid import view_solution, view_surface
-from roughcontact._faces.panels.theme import DARK, LIGHT, Theme, style, theme_of
-from roughcontact._parts.surfaces import SampledSurface
-
-__all__ = [
-    "DARK",
-    "LIGHT",
-    "Panel",
-    "SampledSurface",
-    "StudyNames",
-    "Theme",
-    "add_key",
-    "draw_band",
-    "draw_column",
-    "draw_cycle",
-    "draw_loop",
-    "draw_map",
-    "draw_mask",
-    "draw_report",
-    "draw_study",
-    "make_figure",
-    "name_colors",
-    "panels",
-    "plot",
-    "save_figure",
-    "scale_axes",
-    "show_map",
-    "style",
-    "theme_of",
-    "view_solution",
-    "view_surface",
-]
+from roughcontact._faces.panels.base import Panel as Panel
+from roughcontact._faces.panels.base import panels as panels
+from roughcontact._faces.panels.curves import add_key as add_key
+from roughcontact._faces.panels.curves import draw_band as draw_band
+from roughcontact._faces.panels.curves import scale_axes as scale_axes
+from roughcontact._faces.panels.figures import make_figure as make_figure
+from roughcontact._faces.panels.maps import draw_map as draw_map
+from roughcontact._faces.panels.maps import draw_mask as draw_mask
+from roughcontact._faces.panels.maps import name_colors as name_colors
+from roughcontact._faces.panels.theme import DARK as DARK
+from roughcontact._faces.panels.theme import LIGHT as LIGHT
+from roughcontact._faces.panels.theme import Theme as Theme
+from roughcontact._faces.panels.theme import style as style
+from roughcontact._faces.panels.theme import theme_of as theme_of
+from roughcontact._parts.surfaces import SampledSurface as SampledSurface

@@ -6,6 +6,7 @@ distribution; this package enters its own classes by entry points too.
 
 from __future__ import annotations
 
+import functools
 import inspect
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
@@ -185,6 +186,13 @@ class Registry(Generic[T]):
         what = f"What is registered as {self._a_kind}{where}"
         allowed = f"a class derived from {self.base.__name__}"
         raise InputError.about(what, cls, allowed)
+
+
+@functools.cache
+def find_view(name: str) -> Callable[..., Any]:
+    """Return the function that draws one kind of result, named by an entry point: no lower storey imports it."""
+    found: Callable[..., Any] = next(iter(entry_points(group="roughcontact.views", name=name))).load()
+    return found
 
 
 def registries() -> Mapping[str, Registry[Any]]:

@@ -14,6 +14,7 @@ from roughcontact._answers.laws import formats
 from roughcontact._base import checks
 from roughcontact._base.archive import replacing
 from roughcontact._base.arrays import Array, Pair, read_only
+from roughcontact._base.registry import find_view
 from roughcontact._base.tables import Table
 from roughcontact._base.units import Estimate, ShownAsPrinted, counted, outlined, si
 from roughcontact.errors import InputError
@@ -336,9 +337,7 @@ class InterfaceLaw:
         matplotlib.axes.Axes
             The axes.
         """
-        from roughcontact.plotting import draw_column
-
-        return draw_column(self.pressures, self[column], self.fit(column), axes, checks.flag(dark, "dark="))
+        return find_view("law")(self.pressures, self[column], self.fit(column), axes, checks.flag(dark, "dark="))
 
 
 def interpolation_warning(pressures: Array, largest: float) -> tuple[str, ...]:

@@ -44,7 +44,7 @@ _FIELD_CONVERTERS: dict[str, tuple[Callable[[str], Any], str | None]] = {
 
 def describe_map(surface: rc.HeightMap) -> str:
     """Return size, cells and roughness of a height map, and its warnings, in lines of at most 80 columns."""
-    lines = write_facts(list_facts(surface))
+    lines = write_facts(list_facts(surface._sample(None), surface.history))
     if not surface.periodic:
         lines.append("spectrum      of the heights times a Hann window:")
     lines.append(str(roughness(surface.values, surface.grid, periodic=surface.periodic)))

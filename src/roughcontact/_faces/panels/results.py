@@ -21,6 +21,7 @@ from roughcontact._solve.problem import AdhesionCycle, FrictionalPath, Sweep
 from roughcontact._solve.solution import Estimate
 from roughcontact._work.reports.error import ErrorReport
 from roughcontact._work.reports.error.result import ReportRow, find_varying_parts, group_by_setup
+from roughcontact._work.studies import StudyNames
 from roughcontact.errors import InputError
 
 # Minimum load over the maximum one, of the loads for which a unit is chosen.
@@ -161,17 +162,6 @@ def draw_loop(path: FrictionalPath, axes: Any, dark: bool = False) -> Any:
         if len(shown) > 1:
             add_key(axes)
     return axes
-
-
-@attrs.frozen
-class StudyNames:
-    """The columns of a study that a figure shows: see `StudyResult.plot`; `spread` has the standard deviation of y."""
-
-    x: str
-    y: str
-    spread: str
-    color: str = ""
-    over: str = ""
 
 
 def draw_study(table: Table, names: StudyNames, axes: Any, dark: bool = False) -> Any:

@@ -12,7 +12,7 @@ import numpy as np
 
 from roughcontact._base.arrays import Array, Mask
 from roughcontact._base.checks import Part, flag
-from roughcontact._base.registry import Registry
+from roughcontact._base.registry import Registry, find_view
 from roughcontact._base.units import outlined
 from roughcontact._parts.grid import Grid
 from roughcontact._parts.surfaces.resampling import check_interpolation, shift_by_half_cell
@@ -186,11 +186,9 @@ class Surface(Part, abc.ABC):
         matplotlib.axes.Axes or matplotlib.figure.Figure
             The axes of one panel, or the figure of several.
         """
-        from roughcontact.plotting import plot
-
         if panel is None and grid is not None and not isinstance(grid, Grid):
             grid, panel = None, grid
-        return plot("surface", self._sample(grid), panel, axes, flag(dark, "dark="))
+        return find_view("panels")("surface", self._sample(grid), panel, axes, flag(dark, "dark="))
 
     def plot_3d(self, grid: Grid | None = None, *, exaggeration: float | None = None, dark: bool = False) -> Any:
         """Return the heights in three dimensions (extra ``vtk``): a `pyvista.Plotter`, to show or to save.
@@ -204,9 +202,7 @@ class Surface(Part, abc.ABC):
         dark
             Whether the background is dark.
         """
-        from roughcontact.plotting import view_surface
-
-        return view_surface(self._sample(grid), exaggeration, dark)
+        return find_view("surface-3d")(self._sample(grid), exaggeration, dark)
 
     def _sample(self, grid: Any) -> SampledSurface:
         """Return the heights on a grid, or on its own, with NaN at non-measured points."""

@@ -3,37 +3,35 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
+
+import numpy as np
 
 from roughcontact._base.units import counted, percent, si
-
-if TYPE_CHECKING:
-    from roughcontact._parts.surfaces.heightmap import HeightMap
+from roughcontact._parts.surfaces.base import SampledSurface
 
 # Characters of the names beside the facts.
 _LABEL_WIDTH = 14
 
 
-def list_facts(height_map: HeightMap) -> list[tuple[str, str]]:
-    """Return cells, size, heights, history and non-measured points of a map, each with its name."""
-    grid = height_map.grid
-    heights = height_map.values
-    missing = height_map.non_measured
-    measured = heights if missing is None else heights[~missing]
+def list_facts(sampled: SampledSurface, history: Iterable[str], warnings: Iterable[str] = ()) -> list[tuple[str, str]]:
+    """Return cells, size, heights, history, non-measured points and warnings of a map, each with its name."""
+    grid = sampled.grid
+    measured = sampled.heights[np.isfinite(sampled.heights)]
+    missing = sampled.heights.size - measured.size
     low, high, rms, dx, dy = (
         si(float(value), "m") for value in (measured.min(), measured.max(), measured.std(), *grid.spacing)
     )
     facts = [
-        ("grid", f"{grid}{', periodic' if height_map.periodic else ''}, cells of {dx} x {dy}"),
+        ("grid", f"{grid}{', periodic' if sampled.periodic else ''}, cells of {dx} x {dy}"),
         ("heights", f"{low} to {high}"),
         ("Sq", f"{rms} about the mean"),
-        *(("history", text) for text in height_map.history),
+        *(("history", text) for text in history),
     ]
-    if missing is not None:
-        count = int(missing.sum())
-        text = f"{count} of {counted(missing.size, 'point')} ({percent(count / missing.size)})"
+    if missing:
+        share = percent(missing / sampled.heights.size)
+        text = f"{missing} of {counted(sampled.heights.size, 'point')} ({share})"
         facts.append(("non-measured", text))
-    return facts
+    return [*facts, *(("warning", text) for text in warnings)]
 
 
 def write_facts(facts: Iterable[tuple[str, str]]) -> list[str]:

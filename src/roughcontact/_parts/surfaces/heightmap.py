@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from roughcontact._base.arrays import Array, Mask, Pair, frozen_array, restore_state
 from roughcontact._base.checks import choice, instance_of, integer, measured_heights, number, pair
+from roughcontact._base.registry import find_view
 from roughcontact._base.units import Quantity, fit, printable, si
 from roughcontact._parts.grid import Grid
 from roughcontact._parts.surfaces import statistics as forms
@@ -178,12 +179,17 @@ class HeightMap(Surface):
         return f"<HeightMap {self.grid}{periodic}{lost}>"
 
     def __str__(self) -> str:
-        return fit("\n".join(write_facts([*list_facts(self), *(("warning", text) for text in self.warnings)])))
+        return fit(
+            "\n".join(
+                write_facts(
+                    [*list_facts(self._sample(None), self.history), *(("warning", text) for text in self.warnings)]
+                )
+            )
+        )
 
     def _repr_html_(self) -> str:
-        from roughcontact.plotting import show_map
-
-        return show_map(self)
+        page: str = find_view("map")(self)
+        return page
 
     @classmethod
     def from_topography(cls, topography: Any, *, non_measured: str = "refuse") -> HeightMap:

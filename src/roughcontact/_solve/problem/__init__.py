@@ -21,9 +21,9 @@ from roughcontact._solve.problem.description import (
 )
 from roughcontact._solve.problem.expressions import ExpressionWriter, NotInAScript, describe_part, write_number
 from roughcontact._solve.problem.friction_certificate import require_frictional
-from roughcontact._solve.problem.friction_plan import explain_with_friction, include_friction
+from roughcontact._solve.problem.friction_plan import explain_with_friction, include_friction, memory_of_friction
 from roughcontact._solve.problem.increments import Increment, list_loads, list_targets
-from roughcontact._solve.problem.memory import memory_of_friction, require_memory_of_solve
+from roughcontact._solve.problem.memory import require_memory_of_solve
 from roughcontact._solve.problem.path import (
     AS_GIVEN,
     FrictionalPath,

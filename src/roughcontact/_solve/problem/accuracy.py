@@ -6,7 +6,7 @@ import contextlib
 import copy
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import TypeVar
 
 import attrs
 import numpy as np
@@ -18,12 +18,13 @@ from roughcontact._parts.grid import Grid, Load
 from roughcontact._parts.surfaces import bilinear
 from roughcontact._solve.problem.body import Body
 from roughcontact._solve.problem.memory import require_memory_of_solve
+from roughcontact._solve.problem.run import run_solve
+from roughcontact._solve.problem.scene import Scene
 from roughcontact._solve.solution import DEFAULT_AREA, Accuracy, ContactSolution, Trial
 from roughcontact._solve.solvers import Step
 from roughcontact.errors import InputError, NotEnoughMemory
 
-if TYPE_CHECKING:
-    from roughcontact._solve.problem.problem import ContactProblem
+S = TypeVar("S", bound=Scene)
 
 # Maximum algebraic error, over the requested standard deviation: the rule of Ern and Vohralik, SIAM J. Sci. Comput. 35
 # (2013) A1761, https://doi.org/10.1137/120896918.
@@ -57,9 +58,7 @@ _NO_HEIGHTS_REASON = (
 )
 
 
-def resample_problem(
-    problem: ContactProblem, shape: tuple[int, int], interpolation: str | None = None
-) -> ContactProblem:
+def resample_problem(problem: S, shape: tuple[int, int], interpolation: str | None = None) -> S:
     """Return the problem on another number of cells; see `roughcontact.on_grid`."""
     grid = Grid(shape, problem.plan.grid.size)
     if interpolation is not None:
@@ -113,7 +112,7 @@ class Target:
 
 
 def solve_within(
-    problem: ContactProblem,
+    problem: Scene,
     load: Load,
     target: Target,
     tolerance: float | None,
@@ -142,7 +141,7 @@ def solve_within(
             free_x, free_y = problem.boundary.free_axes
             start = bilinear(solution.pressure, rung.plan.grid.shape, periodic=(not free_x, not free_y))
         try:
-            solution = rung.solve(**load.arguments, start=start, throw=False, on_step=on_step)
+            solution = run_solve(rung, load, start, throw=False, on_step=on_step)
         except InputError as error:
             # The memory is checked again before a solve, because the heights take some.
             if solution is None:
@@ -167,7 +166,7 @@ def solve_within(
     )
 
 
-def with_tolerance(problem: ContactProblem, tolerance: float) -> ContactProblem:
+def with_tolerance(problem: S, tolerance: float) -> S:
     """Return the same problem with another tolerance; heights and convolution are reused."""
     solver = problem.plan.solver.with_tolerance(tolerance)
     plan = attrs.evolve(problem.plan, solver=solver)
@@ -178,13 +177,13 @@ def with_tolerance(problem: ContactProblem, tolerance: float) -> ContactProblem:
     return changed
 
 
-def tolerance_within(problem: ContactProblem, area_within: float | None, peak_within: float | None) -> float:
+def tolerance_within(problem: Scene, area_within: float | None, peak_within: float | None) -> float:
     """Return the tolerance of the solver with which `ContactProblem.solve` reaches an accuracy."""
     target = Target.of(area_within, peak_within)
     return (problem if target is None else _choose_tolerance(problem, target)).plan.solver.tolerance
 
 
-def _choose_tolerance(problem: ContactProblem, target: Target) -> ContactProblem:
+def _choose_tolerance(problem: S, target: Target) -> S:
     """Return the problem with the tolerance that the target allows; a solver that was given keeps its own."""
     if not isinstance(problem.solver, str):
         return problem
@@ -194,11 +193,11 @@ def _choose_tolerance(problem: ContactProblem, target: Target) -> ContactProblem
     return problem
 
 
-def _has_map(problem: ContactProblem) -> bool:
+def _has_map(problem: Scene) -> bool:
     return any(body.own_grid is not None for body in (problem.body, problem.counterbody))
 
 
-def _coarsest(problem: ContactProblem) -> ContactProblem:
+def _coarsest(problem: S) -> S:
     """Return the problem on the coarsest grid that resolves the curvature of its heights; maps are not coarsened."""
     shape = problem.plan.grid.shape
     stride = 1
@@ -230,7 +229,7 @@ def _mean_square_curvature(gap: Array, grid: Grid) -> float:
     return total
 
 
-def _is_confirmed(rung: ContactProblem, problem: ContactProblem, trials: list[Trial]) -> bool:
+def _is_confirmed(rung: Scene, problem: Scene, trials: list[Trial]) -> bool:
     """Return whether a grid agrees with the previous one, or a finer one has no sharper heights."""
     if len(trials) > 1:
         one, other = trials[-2:]
@@ -252,7 +251,7 @@ def _is_confirmed(rung: ContactProblem, problem: ContactProblem, trials: list[Tr
     return _mean_square_curvature(problem.initial_gap, problem.plan.grid) >= _MIN_CONFIRMED_FRACTION * sharp
 
 
-def _refine(problem: ContactProblem, trials: list[Trial], target: Target) -> ContactProblem:
+def _refine(problem: S, trials: list[Trial], target: Target) -> S:
     """Return the problem on the grid that should meet the target; `InputError` with the reason if there is none."""
     excess = target.excess(trials[-1])
     order = _FIRST_ORDER

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Protocol
+from functools import partial
+from typing import Protocol
 
 import numpy as np
 
@@ -11,12 +12,11 @@ from roughcontact._base.arrays import Array
 from roughcontact._base.machine.progress import ChangeProgress, count_done
 from roughcontact._parts.grid import Load
 from roughcontact._solve.problem.plan import SolvePlan
+from roughcontact._solve.problem.run import run_solve
+from roughcontact._solve.problem.scene import Scene
 from roughcontact._solve.problem.sweep import Sweep, report_states, run_sweep
 from roughcontact._solve.solution import TRAPPED_CELLS, ContactSolution, describe_range
 from roughcontact.errors import InputError
-
-if TYPE_CHECKING:
-    from roughcontact._solve.problem.problem import ContactProblem
 
 
 class Solve(Protocol):
@@ -36,9 +36,9 @@ def require_resolved(plan: SolvePlan) -> None:
         raise InputError(f"A path cannot be followed: {reason}.")
 
 
-def solve_loads(problem: ContactProblem, loads: tuple[Load, ...], change: ChangeProgress) -> Sweep:
+def solve_loads(problem: Scene, loads: tuple[Load, ...], change: ChangeProgress) -> Sweep:
     """Return the solutions at all loads, with adhesion in their order."""
-    solve = report_states(problem._solve, count_done(change, len(loads), "load"))
+    solve = report_states(partial(run_solve, problem), count_done(change, len(loads), "load"))
     return run_sweep(solve, loads) if problem.adhesion is None else follow_loads(solve, loads)
 
 

@@ -95,7 +95,7 @@ class CoupledSolve(FrictionalContact):
     def press(self, load: Load) -> ContactSolution:
         """Return the frictionless contact: that of `ContactProblem.solve`; the last one is kept."""
         if load not in self._known:
-            found = self.problem.solve(**load.arguments, on_step=self.on_step)
+            found = run_solve(self.problem, load, on_step=self.on_step)
             self._known.clear()
             self._known[load] = found
         return self._known[load]
@@ -233,7 +233,7 @@ class CoupledSolve(FrictionalContact):
         gap, load, datum = self._change_gap(lifted, load)
         inner = min(max(_INNER_ERROR * error, _TIGHTEST_INNER * self.tolerance), _LOOSEST_INNER * self.tolerance)
         problem = with_tolerance(self.problem, min(inner, 1.0))
-        found = run_solve(problem, gap, load, pressure, None)
+        found = run_solve(problem, load, pressure, throw=False, gap=gap)
         # It solves the changed gap, which is not that of the problem.
         found = attrs.evolve(found, origin=None)
         return attrs.evolve(found, initial_gap=found.initial_gap + datum, approach=found.approach + datum)

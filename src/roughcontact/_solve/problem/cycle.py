@@ -8,7 +8,7 @@ import textwrap
 from collections.abc import Iterable
 from functools import cached_property
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, overload
+from typing import Any, overload
 
 import attrs
 import numpy as np
@@ -16,12 +16,14 @@ import numpy as np
 from roughcontact._base.arrays import Array, Mask
 from roughcontact._base.checks import callback
 from roughcontact._base.machine.progress import ChangeProgress, count_done, tell_both
+from roughcontact._base.registry import find_view
 from roughcontact._base.tables import Table
 from roughcontact._base.units import WIDTH, Estimate, Length, si, write_column
 from roughcontact._parts.grid import Load
 from roughcontact._solve.problem.adhesive_path import Solve, cells_of, follow_loads, open_gap, require_resolved
 from roughcontact._solve.problem.plan import SolvePlan
 from roughcontact._solve.problem.pull_off import find_minimum, refine_around_lowest
+from roughcontact._solve.problem.scene import Scene
 from roughcontact._solve.problem.sweep import Sweep, make_table, report_states
 from roughcontact._solve.problem.task import bind_interaction, limit_load
 from roughcontact._solve.solution import (
@@ -33,9 +35,6 @@ from roughcontact._solve.solution import (
 )
 from roughcontact._solve.solvers import LinearisedGap, surface_stiffness
 from roughcontact.errors import InputError
-
-if TYPE_CHECKING:
-    from roughcontact._solve.problem.problem import ContactProblem
 
 # Energy lost in a step, over the work done in it and over that of the lowest force, above which it is a jump: the
 # sum of both. The trapezoidal rule errs by a twelfth of the work where a force falls by a factor of e in a step.
@@ -161,9 +160,7 @@ class AdhesionCycle:
 
     def plot(self, *, axes: Any = None, dark: bool = False) -> Any:
         """Draw the force of both branches over the approach (extra ``plot``); see `ContactSolution.plot`."""
-        from roughcontact.plotting import draw_cycle
-
-        return draw_cycle(self, axes, dark)
+        return find_view("cycle")(self, axes, dark)
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -209,13 +206,13 @@ def list_states(cycle: AdhesionCycle) -> Table:
     return Table(columns, {"approach": "m", "force": "N"}, left=("branch", ""))
 
 
-def find_stability(problem: ContactProblem, solution: ContactSolution) -> float:
+def find_stability(problem: Scene, solution: ContactSolution) -> float:
     """Return how far a state with adhesion is from a jump: 1 far away, 0 at one, negative where it is unstable."""
     held = "" if solution.origin is None else next(iter(solution.origin.load))
     return linearise(problem, solution, holds_approach=held == "approach").find_margin()
 
 
-def linearise(problem: ContactProblem, solution: ContactSolution, *, holds_approach: bool) -> LinearisedGap:
+def linearise(problem: Scene, solution: ContactSolution, *, holds_approach: bool) -> LinearisedGap:
     """Return the linear problem of small changes of a solution with adhesion, at a given approach or load.
 
     Its pressures are in E* over the cell, times the unit of the heights.

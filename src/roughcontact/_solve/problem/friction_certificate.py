@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import attrs
 import numpy as np
@@ -13,7 +12,9 @@ from roughcontact._base.units import Estimate
 from roughcontact._parts.grid import Load
 from roughcontact._parts.interactions import FrictionLaw, shear_limit
 from roughcontact._parts.materials import PairConstants
+from roughcontact._solve.convolvers import ShearConvolution
 from roughcontact._solve.problem.run import certify, verify_solution
+from roughcontact._solve.problem.scene import Scene
 from roughcontact._solve.problem.task import make_task, pressure_unit
 from roughcontact._solve.solution import (
     ContactSolution,
@@ -26,11 +27,6 @@ from roughcontact._solve.solution import (
 )
 from roughcontact._solve.solvers import Outcome, magnitude, natural_residual
 from roughcontact.errors import InputError
-
-if TYPE_CHECKING:
-    from roughcontact._solve.convolvers import ShearConvolution
-    from roughcontact._solve.problem.body import InitialGap
-    from roughcontact._solve.problem.problem import ContactProblem
 
 # Rounding of tangential forces and of the friction cone.
 FORCE_TOLERANCE = 1e-10
@@ -98,7 +94,7 @@ class FrictionalContact:
         The friction law.
     """
 
-    problem: ContactProblem
+    problem: Scene
     law: FrictionLaw
 
     @cached_property
@@ -282,22 +278,22 @@ class StrengthBound:
         return np.minimum(self.strength, CAUSED_TRACTIONS * largest)
 
 
-def require_frictional(problem: ContactProblem) -> None:
+def require_frictional(problem: Scene) -> None:
     """Raise `InputError` unless a problem has a contact with friction; its shear convolution is prepared."""
     if problem.adhesion is not None:
         raise InputError("Friction with adhesion is not known: omit adhesion=.")
     _ = problem.shear_convolution
 
 
-def verify_state(problem: ContactProblem, gap: InitialGap, solution: ContactSolution | FrictionalSolution) -> None:
+def verify_state(problem: Scene, solution: ContactSolution | FrictionalSolution) -> None:
     """Recompute the certificate of a solution, with friction or without; see `ContactProblem.verify`."""
     if isinstance(solution, FrictionalSolution):
         verify_frictional(problem, solution)
     else:
-        verify_solution(problem.plan, problem.convolution, gap, solution)
+        verify_solution(problem.plan, problem.convolution, problem._gap, solution)
 
 
-def verify_frictional(problem: ContactProblem, solution: FrictionalSolution) -> None:
+def verify_frictional(problem: Scene, solution: FrictionalSolution) -> None:
     """Recompute the certificate of a solution from both states; see `FrictionalSolution.verify`."""
     run = FrictionalContact(problem, solution.friction)
     origin = solution.contact.origin
@@ -312,7 +308,7 @@ def verify_frictional(problem: ContactProblem, solution: FrictionalSolution) -> 
         if solution.contact.status.success and not contact.status.success:
             raise InputError(f"Its contact is not in equilibrium: the recomputed residuals are {contact.residuals}.")
     else:
-        problem.verify(contact)
+        verify_solution(problem.plan, problem.convolution, problem._gap, contact)
     found = FoundTractions(contact, solution.shear, np.zeros(2), solution.status, solution.passes, solution.iterations)
     start = run.fields_of(solution.before)
     again, fields = run.judge(contact, solution.state, solution.given, solution.before, start, found, 0.0)

@@ -7,8 +7,13 @@ import attrs
 from roughcontact._base.units import PlainText, binary
 from roughcontact._parts.interactions import FrictionLaw
 from roughcontact._parts.materials import PairConstants, pair_constants
-from roughcontact._solve.problem.memory import memory_of_friction
+from roughcontact._solve.problem.memory import require_arrays
 from roughcontact._solve.problem.plan import OMITTED_FRICTION, SolvePlan
+
+# Memory of steady sliding at light contact, in the same arrays, without and with a free boundary, for like and unlike
+# bodies, and of each further state of a path; measured by tests/test_memory.py. Most of it are symbols of shear.
+_FRICTION_ARRAYS = {False: (32.0, 40.5), True: (36.0, 50.5)}
+_STATE_ARRAYS = (5.0, 8.5)
 
 
 def include_friction(plan: SolvePlan) -> SolvePlan:
@@ -25,6 +30,22 @@ def explain_with_friction(plan: SolvePlan, law: FrictionLaw, states: int = 1) ->
     memory = f"{binary(memory_of_friction(plan, states))} with friction, at light contact"
     rows = [("friction", repr(law)), *list_pair(pair), ("memory", memory), *list_omitted_shear(pair)]
     return PlainText("\n".join([str(include_friction(plan)), *write_rows(rows)]))
+
+
+def require_memory_of_friction(plan: SolvePlan, states: int = 1) -> None:
+    """Refuse a problem of which a contact with friction, or a path of so many states, does not fit into memory.
+
+    Light contact is assumed; `InputError` if Poisson's ratio of a material is not known.
+    """
+    what = "A contact with friction" if states == 1 else f"A path of {states} states"
+    require_arrays(memory_of_friction(plan, states), what, plan.grid, plan.boundary, plan.memory_limit)
+
+
+def memory_of_friction(plan: SolvePlan, states: int = 1) -> int:
+    """Return the peak memory of a contact with friction, or of a path of so many states, at light contact, bytes."""
+    coupled = pair_constants(*plan.materials).beta != 0.0
+    arrays = _FRICTION_ARRAYS[plan.boundary.has_free_axis][coupled] + (states - 1) * _STATE_ARRAYS[coupled]
+    return int(8 * plan.grid.cells * arrays)
 
 
 def list_pair(pair: PairConstants, passes: int | None = None) -> list[tuple[str, str]]:

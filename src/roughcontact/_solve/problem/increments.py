@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import attrs
 import numpy as np
@@ -15,6 +14,7 @@ from roughcontact._base.units import Estimate, WarningText, counted
 from roughcontact._parts.grid import Load
 from roughcontact._solve.problem.coupled import CoupledSolve
 from roughcontact._solve.problem.friction_certificate import FrictionalFields
+from roughcontact._solve.problem.scene import Scene
 from roughcontact._solve.problem.step_numbers import (
     StepNumbers,
     extrapolate_numbers,
@@ -24,9 +24,6 @@ from roughcontact._solve.problem.step_numbers import (
 from roughcontact._solve.problem.task import limit_load
 from roughcontact._solve.solution import FrictionalSolution, FrictionalState, TangentialLoad
 from roughcontact.errors import InputError
-
-if TYPE_CHECKING:
-    from roughcontact._solve.problem.problem import ContactProblem
 
 # Minimum increments of a step by "auto", whose errors show their order with those of half and a quarter as many; the
 # maximum, and the changes from half as many at which it ends: of the displacement over
@@ -113,7 +110,7 @@ def is_single(normal: Mapping[str, object]) -> bool:
     return len(values) == 1 and (isinstance(values[0], str) or not isinstance(values[0], Iterable))
 
 
-def list_loads(problem: ContactProblem, normal: Mapping[str, object]) -> tuple[Load, ...]:
+def list_loads(problem: Scene, normal: Mapping[str, object]) -> tuple[Load, ...]:
     """Return the normal loads of a path; `InputError` if the bodies cannot carry one of them."""
     loads = (Load.of(**normal),) if is_single(normal) else Load.unloading_sequence(**normal)
     for load in loads:

@@ -3,17 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from roughcontact._base.machine import require_memory
 from roughcontact._parts.grid import Boundary, Grid
-from roughcontact._parts.materials import pair_constants
 from roughcontact.errors.door import guarded
-
-if TYPE_CHECKING:
-    from roughcontact._solve.problem.plan import SolvePlan
 
 # Fractions of the cells in contact below the pressure limit, without and with a free boundary, and the peak memory of a
 # solve there, in float64 arrays of the grid (docs/studies/memory.py); more contact takes no more. Vectors hold only the
@@ -22,10 +17,6 @@ _CONTACT_FRACTIONS = {False: (0.0, 0.4), True: (0.0, 0.1, 0.4)}
 _ARRAYS_AT_FRACTIONS = {False: (8.0, 11.4), True: (11.5, 12.7, 15.2)}
 # Minimum arrays if vectors hold all cells, as for other solvers and the direct sum; measured by tests/test_memory.py.
 UNRESTRICTED_ARRAYS = 14.0
-# Memory of steady sliding at light contact, in the same arrays, without and with a free boundary, for like and unlike
-# bodies, and of each further state of a path; measured by tests/test_memory.py. Most of it are symbols of shear.
-_FRICTION_ARRAYS = {False: (32.0, 40.5), True: (36.0, 50.5)}
-_STATE_ARRAYS = (5.0, 8.5)
 # Divisor of the sides of the largest proposed grid, so that they can be halved to coarser grids.
 _SIDE_MULTIPLE = 32
 
@@ -43,22 +34,6 @@ def require_memory_of_solve(grid: Grid, boundary: Boundary, limit: int | None = 
     `limit` is the memory that it may take, bytes; None: the memory of the machine.
     """
     require_arrays(memory_of_solve(grid, boundary, 0.0), "A solve", grid, boundary, limit)
-
-
-def require_memory_of_friction(plan: SolvePlan, states: int = 1) -> None:
-    """Refuse a problem of which a contact with friction, or a path of so many states, does not fit into memory.
-
-    Light contact is assumed; `InputError` if Poisson's ratio of a material is not known.
-    """
-    what = "A contact with friction" if states == 1 else f"A path of {states} states"
-    require_arrays(memory_of_friction(plan, states), what, plan.grid, plan.boundary, plan.memory_limit)
-
-
-def memory_of_friction(plan: SolvePlan, states: int = 1) -> int:
-    """Return the peak memory of a contact with friction, or of a path of so many states, at light contact, bytes."""
-    coupled = pair_constants(*plan.materials).beta != 0.0
-    arrays = _FRICTION_ARRAYS[plan.boundary.has_free_axis][coupled] + (states - 1) * _STATE_ARRAYS[coupled]
-    return int(8 * plan.grid.cells * arrays)
 
 
 def require_arrays(needed: int, what: str, grid: Grid, boundary: Boundary, limit: int | None) -> None:

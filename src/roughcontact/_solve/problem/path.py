@@ -8,7 +8,7 @@ import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, overload
+from typing import Any, overload
 
 import attrs
 import numpy as np
@@ -16,29 +16,32 @@ import numpy as np
 from roughcontact._base import checks
 from roughcontact._base.arrays import Array, read_only
 from roughcontact._base.machine.progress import ChangeProgress, tell_both
+from roughcontact._base.registry import find_view
 from roughcontact._base.tables import Table
 from roughcontact._base.units import Estimate, PlainText, counted, outlined
 from roughcontact._parts.grid import Load
 from roughcontact._parts.interactions import Coulomb, FrictionLaw
 from roughcontact._solve.problem.coupled import CoupledSolve
 from roughcontact._solve.problem.friction_certificate import require_frictional
-from roughcontact._solve.problem.friction_plan import list_omitted_shear, list_pair, write_rows
+from roughcontact._solve.problem.friction_plan import (
+    list_omitted_shear,
+    list_pair,
+    require_memory_of_friction,
+    write_rows,
+)
 from roughcontact._solve.problem.increments import (
     GIVEN_INCREMENTS,
     follow_steps,
     list_steps,
     refine_steps,
 )
-from roughcontact._solve.problem.memory import require_memory_of_friction
+from roughcontact._solve.problem.scene import Scene
 from roughcontact._solve.problem.step_numbers import StepNumbers, list_cell_errors, numbers_of
 from roughcontact._solve.problem.task import limit_load
 from roughcontact._solve.solution import FrictionalSolution, page_or_file, read_estimate, read_path, write_path, writers
 from roughcontact._solve.solvers import Step
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
-
-if TYPE_CHECKING:
-    from roughcontact._solve.problem.problem import ContactProblem
 
 # States that a picture draws in each step, and the states of a path of which it draws more.
 _DRAWN_STATES = 10
@@ -204,9 +207,7 @@ class FrictionalPath(Sequence[FrictionalSolution]):
 
     def plot(self, *, axes: Any = None, dark: bool = False) -> Any:
         """Draw the tangential force over the displacement (extra ``plot``); see `ContactSolution.plot`."""
-        from roughcontact.plotting import draw_loop
-
-        return draw_loop(self, axes, dark)
+        return find_view("path")(self, axes, dark)
 
     @overload
     def to_html(self, path: None = None) -> str: ...
@@ -339,7 +340,7 @@ def resolve_friction(friction: object) -> FrictionLaw:
 
 
 def run_path(
-    problem: ContactProblem,
+    problem: Scene,
     normal: Mapping[str, object],
     tangential: Mapping[str, object],
     friction: object,
@@ -376,7 +377,7 @@ def run_path(
 
 @guarded
 def run_slide(
-    problem: ContactProblem,
+    problem: Scene,
     normal: Mapping[str, object],
     friction: object,
     direction: object,

@@ -3,51 +3,36 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from functools import cached_property
 from typing import Any
 
 import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array
-from roughcontact._base.checks import callback, choice, flag, instance_of
-from roughcontact._base.machine import limit_of_memory, thread_count
+from roughcontact._base.checks import callback, choice, flag
 from roughcontact._base.machine.progress import show_progress
 from roughcontact._base.units import Estimate, Force, Length, Pressure
-from roughcontact._parts.grid import Boundary, Grid, Load, as_boundary
-from roughcontact._parts.interactions import FrictionLaw, Interaction
-from roughcontact._parts.kernels import InfluenceKernel
-from roughcontact._solve.convolvers import Convolver, PreparedConvolution, ShearConvolution
+from roughcontact._parts.grid import Load
+from roughcontact._parts.interactions import FrictionLaw
 from roughcontact._solve.problem.accuracy import Target, solve_within, with_tolerance
 from roughcontact._solve.problem.adhesive_path import solve_loads
-from roughcontact._solve.problem.body import RIGID_FLAT, Body, InitialGap, find_initial_gap
 from roughcontact._solve.problem.cycle import AdhesionCycle, list_approaches, run_cycle
 from roughcontact._solve.problem.friction_certificate import verify_state
 from roughcontact._solve.problem.increments import Increment
-from roughcontact._solve.problem.memory import require_memory_of_solve
 from roughcontact._solve.problem.path import FrictionalPath, run_path, run_slide
-from roughcontact._solve.problem.plan import SolvePlan, make_plan
 from roughcontact._solve.problem.pull_off import find_pull_off
 from roughcontact._solve.problem.required_load import RequiredLoad, find_load_of_area, find_required_load
 from roughcontact._solve.problem.run import computing, require_success, run_solve
+from roughcontact._solve.problem.scene import Scene
 from roughcontact._solve.problem.sweep import Sweep
-from roughcontact._solve.problem.task import limit_load, prepare_convolution, prepare_shear
+from roughcontact._solve.problem.task import limit_load
 from roughcontact._solve.solution import DEFAULT_AREA, AreaEstimator, ContactSolution, FrictionalSolution, Response
-from roughcontact._solve.solvers import Solver, Step
+from roughcontact._solve.solvers import Step
 from roughcontact.errors import InputError
-
-# Arguments for the machine: they change no bit of a solution, and are not part of its problem.
-_MACHINE_ARGUMENTS = ("threads", "memory_limit")
-
-_is_body = instance_of(Body, "Each side of a contact", "a Body(surface, material)")
-_is_interaction = attrs.validators.optional(
-    instance_of(Interaction, "The adhesion", "an Interaction such as Exponential(work=0.05, range=2e-9)")
-)
-_is_grid = attrs.validators.optional(instance_of(Grid, "The grid", "a Grid(shape, size)"))
 
 
 @attrs.frozen(eq=False)
-class ContactProblem:
+class ContactProblem(Scene):
     """Normal, frictionless contact of two rough bodies on half-spaces, which may attract each other.
 
     Parameters
@@ -87,92 +72,6 @@ class ContactProblem:
     >>> print(solution.peak_pressure())
     2.1762 GPa +- 0.004 %
     """
-
-    body: Body = attrs.field(validator=_is_body)
-    counterbody: Body = attrs.field(default=RIGID_FLAT, validator=_is_body)
-    grid: Grid | None = attrs.field(default=None, kw_only=True, validator=_is_grid)
-    boundary: Boundary = attrs.field(default=Boundary.FREE, converter=as_boundary, kw_only=True)
-    kernel: str | InfluenceKernel = attrs.field(default="love", kw_only=True)
-    convolver: str | Convolver = attrs.field(default="auto", kw_only=True)
-    solver: str | Solver = attrs.field(default="auto", kw_only=True)
-    adhesion: Interaction | None = attrs.field(default=None, kw_only=True, validator=_is_interaction)
-    threads: int | str = attrs.field(default="auto", converter=thread_count, kw_only=True)
-    memory_limit: int | None = attrs.field(default=None, converter=limit_of_memory, kw_only=True)
-
-    def __attrs_post_init__(self) -> None:
-        # The plan checks that the parts fit together.
-        _ = self.plan
-
-    @cached_property
-    def plan(self) -> SolvePlan:
-        """The parts of a solve, and its omitted steps."""
-        return make_plan(
-            self.body,
-            self.counterbody,
-            self._gap,
-            grid=self._grid,
-            boundary=self.boundary,
-            kernel=self.kernel,
-            convolver=self.convolver,
-            solver=self.solver,
-            threads=self.threads,
-            memory_limit=self.memory_limit,
-            adhesion=self.adhesion,
-        )
-
-    @cached_property
-    def convolution(self) -> PreparedConvolution:
-        """The prepared convolution in dimensionless variables: lengths in cells, E* = 1."""
-        return prepare_convolution(self.plan)
-
-    @cached_property
-    def shear_convolution(self) -> ShearConvolution:
-        """The map from tractions to displacements, in the variables of `convolution`; normal contact needs none.
-
-        `InputError` if the boundary or the kernel has none, Poisson's ratio is not known, or it exceeds the memory.
-        """
-        return prepare_shear(self.plan, self.convolution)
-
-    @property
-    def initial_gap(self) -> Array:
-        """Gap before deformation when the summits just touch, shape (nx, ny), m, at least zero."""
-        return self._gap.values
-
-    @property
-    def summit(self) -> float:
-        """Maximum of the sum of both heights, m, where the bodies touch first."""
-        return self._gap.summit
-
-    @cached_property
-    def _gap(self) -> InitialGap:
-        # The heights come after the check of the memory.
-        require_memory_of_solve(self._grid, self.boundary, self.memory_limit)
-        return find_initial_gap(self.body, self.counterbody, self._grid, self.convolver)
-
-    @cached_property
-    def _grid(self) -> Grid:
-        own = (body.own_grid for body in (self.body, self.counterbody))
-        grid = self.grid or next((grid for grid in own if grid is not None), None)
-        if grid is None:
-            raise InputError("The surfaces carry no grid of their own: give grid=Grid(shape, size).")
-        return grid
-
-    @property
-    def parts(self) -> dict[str, Any]:
-        """The arguments that determine its solutions, by name: all but `threads` and `memory_limit`."""
-        found = attrs.asdict(self, recurse=False, filter=lambda field, _: field.name not in _MACHINE_ARGUMENTS)
-        if self.adhesion is None:
-            # Solutions without adhesion are named and saved as they were before there was any.
-            del found["adhesion"]
-        return found
-
-    def explain(self) -> str:
-        """Return the parts of a solve, and its omitted steps with their reasons, in words."""
-        return str(self.plan)
-
-    def __repr__(self) -> str:
-        bodies = " on ".join(type(body.surface).__name__ for body in (self.body, self.counterbody))
-        return f"<ContactProblem {self._grid}, {self.boundary}: {bodies}>"
 
     def solve(
         self,
@@ -237,7 +136,7 @@ class ContactProblem:
         if target is None:
             problem = self if tolerance is None else with_tolerance(self, tolerance)
             closed = np.zeros(self._grid.shape) if branch == "unloading" else None
-            return problem._solve(load, start, throw=throw, on_step=on_step, start_gap=closed)
+            return run_solve(problem, load, start, throw=throw, on_step=on_step, start_gap=closed)
         solution = solve_within(self, load, target, tolerance, on_step, start)
         return require_success(solution) if throw else solution
 
@@ -485,7 +384,7 @@ class ContactProblem:
             If it is not a solution of this problem, or its fields, residuals and status contradict each other.
         """
         with computing(self):
-            verify_state(self, self._gap, solution)
+            verify_state(self, solution)
 
     def _solve(
         self,
@@ -496,5 +395,4 @@ class ContactProblem:
         on_step: Callable[[Step], None] | None = None,
         start_gap: Array | None = None,
     ) -> ContactSolution:
-        solution = run_solve(self, self._gap, load, start, on_step, start_gap)
-        return require_success(solution) if throw else solution
+        return run_solve(self, load, start, throw=throw, on_step=on_step, start_gap=start_gap)

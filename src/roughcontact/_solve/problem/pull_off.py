@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, TypeAlias
+from functools import partial
+from typing import TypeAlias
 
 import attrs
 import numpy as np
@@ -15,6 +16,8 @@ from roughcontact._parts.grid import Load
 from roughcontact._parts.interactions import Exponential, ShortRange
 from roughcontact._solve.problem.adhesive_path import Solve, cells_of, follow, require_resolved
 from roughcontact._solve.problem.plan import SolvePlan
+from roughcontact._solve.problem.run import run_solve
+from roughcontact._solve.problem.scene import Scene
 from roughcontact._solve.problem.sweep import Sweep
 from roughcontact._solve.solution import (
     ContactSolution,
@@ -22,9 +25,6 @@ from roughcontact._solve.solution import (
     find_cut_tension,
     warn_of_border,
 )
-
-if TYPE_CHECKING:
-    from roughcontact._solve.problem.problem import ContactProblem
 
 # Steps of the approach on the way to pull-off, and by how much of the lowest force the force must have risen behind it.
 _MAX_STEPS = 200
@@ -55,12 +55,12 @@ _STRAIGHT = 1e-6
 OnStateToPullOff: TypeAlias = Callable[[ContactSolution, int | None], object]
 
 
-def find_pull_off(problem: ContactProblem, on_state: OnStateToPullOff | None = None) -> Estimate:
+def find_pull_off(problem: Scene, on_state: OnStateToPullOff | None = None) -> Estimate:
     """Return the minimum of the force on unloading from zero load; see `ContactProblem.pull_off`."""
     require_resolved(problem.plan)
     tell: OnStateToPullOff = on_state or (lambda state, left: None)
     is_limit = isinstance(problem.adhesion, ShortRange)
-    first = _ToldStates(problem._solve, tell, paths=2 if is_limit else 1)
+    first = _ToldStates(partial(run_solve, problem), tell, paths=2 if is_limit else 1)
     found = _follow_to_pull_off(first, problem.plan)
     if not is_limit:
         return found
@@ -68,7 +68,7 @@ def find_pull_off(problem: ContactProblem, on_state: OnStateToPullOff | None = N
     assert isinstance(law, Exponential)
     longer = attrs.evolve(problem, adhesion=Exponential(law.work, _LONGER * law.range))
     # By a longer range the way is about as long.
-    second = _ToldStates(longer._solve, tell, left=first.count)
+    second = _ToldStates(partial(run_solve, longer), tell, left=first.count)
     return _extrapolate_range(found, _follow_to_pull_off(second, longer.plan), problem.initial_gap)
 
 

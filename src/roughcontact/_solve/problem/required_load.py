@@ -6,7 +6,7 @@ import contextlib
 import itertools
 import math
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import attrs
 import numpy as np
@@ -16,6 +16,7 @@ from roughcontact._base.checks import number
 from roughcontact._base.units import EXAMPLES, Estimate, ShownAsPrinted, WarningText, parse_quantity, si
 from roughcontact._parts.grid import Load
 from roughcontact._parts.surfaces import rms_slope
+from roughcontact._solve.problem.scene import Scene
 from roughcontact._solve.problem.sweep import predict_pressure
 from roughcontact._solve.problem.task import maximum_pressure
 from roughcontact._solve.solution import (
@@ -29,9 +30,6 @@ from roughcontact._solve.solution import (
 )
 from roughcontact.errors import InputError
 from roughcontact.errors.door import Answer, guarded
-
-if TYPE_CHECKING:
-    from roughcontact._solve.problem.problem import ContactProblem
 
 Solve = Callable[[Load, Array | None], ContactSolution]
 
@@ -131,7 +129,7 @@ class _Point:
 
 @guarded
 def find_required_load(
-    problem: ContactProblem,
+    problem: Scene,
     solve: Solve,
     answer: object,
     value: object,
@@ -149,7 +147,7 @@ def find_required_load(
 
 
 def find_load_of_area(
-    problem: ContactProblem, solve: Solve, fraction: object, estimator: str | AreaEstimator
+    problem: Scene, solve: Solve, fraction: object, estimator: str | AreaEstimator
 ) -> ContactSolution:
     """Return the solution at the load of an area; see `ContactProblem.solve_area`."""
     if problem.adhesion is not None:
@@ -206,9 +204,7 @@ class _Search:
     tells the next load, the parabola through three points once they are on both sides.
     """
 
-    def __init__(
-        self, problem: ContactProblem, solve: Solve, response: Response[Any], name: str, wanted: object
-    ) -> None:
+    def __init__(self, problem: Scene, solve: Solve, response: Response[Any], name: str, wanted: object) -> None:
         plan = problem.plan
         self._solve = solve
         self._response = response

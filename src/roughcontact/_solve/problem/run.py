@@ -7,7 +7,7 @@ import logging
 import math
 import time
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import attrs
 import numpy as np
@@ -21,6 +21,7 @@ from roughcontact._parts.interactions import BoundInteraction
 from roughcontact._solve.convolvers import DCFFT, CircularFFT, Direct, PreparedConvolution
 from roughcontact._solve.problem.body import InitialGap
 from roughcontact._solve.problem.plan import SolvePlan
+from roughcontact._solve.problem.scene import Scene
 from roughcontact._solve.problem.task import LOAD_TOLERANCE, make_task, pressure_unit
 from roughcontact._solve.solution import (
     AdhesiveConditions,
@@ -33,9 +34,6 @@ from roughcontact._solve.solution import (
 from roughcontact._solve.solvers import Outcome, Step, Task
 from roughcontact.errors import InputError, NotConverged
 from roughcontact.errors.door import guarded
-
-if TYPE_CHECKING:
-    from roughcontact._solve.problem.problem import ContactProblem
 
 _LOGGER = logging.getLogger("roughcontact")
 # Wave numbers at which the effective modulus is sampled: about 24 per decade on a grid of 1000 cells a side.
@@ -342,15 +340,21 @@ def _sample_directions(plan: SolvePlan) -> tuple[float, ...] | None:
 
 
 def run_solve(
-    problem: ContactProblem,
-    gap: InitialGap,
+    problem: Scene,
     load: Load,
-    start: Array | None,
-    on_step: Callable[[Step], None] | None,
+    start: Array | None = None,
+    *,
+    throw: bool = True,
+    on_step: Callable[[Step], None] | None = None,
     start_gap: Array | None = None,
+    gap: InitialGap | None = None,
 ) -> ContactSolution:
-    """Return the certified solution at a load, which may be unfinished."""
+    """Return the certified solution at a load, on the gap of the problem or another one.
+
+    If it is not certified it is returned unfinished, or raised in `NotConverged` where `throw` is true.
+    """
     started = time.perf_counter()
+    gap = gap or problem._gap
     with computing(problem):
         solution = _solve(problem, gap, load, start, on_step, started, start_gap)
         if solution.status is Status.SEPARATED and start_gap is None:
@@ -365,11 +369,12 @@ def run_solve(
         solution.iterations,
         solution.seconds,
     )
-    return attrs.evolve(solution, origin=Origin(problem.parts, load.arguments, source=problem))
+    solution = attrs.evolve(solution, origin=Origin(problem.parts, load.arguments, source=problem))
+    return require_success(solution) if throw else solution
 
 
 def _try_other_states(
-    problem: ContactProblem, gap: InitialGap, load: Load, on_step: Callable[[Step], None] | None, started: float
+    problem: Scene, gap: InitialGap, load: Load, on_step: Callable[[Step], None] | None, started: float
 ) -> ContactSolution | None:
     """Return a state that carries a load found from that at zero load, or from full contact; None without one.
 
@@ -387,7 +392,7 @@ def _try_other_states(
 
 
 @contextlib.contextmanager
-def computing(problem: ContactProblem) -> Iterator[None]:
+def computing(problem: Scene) -> Iterator[None]:
     """Limit the threads used inside the context to those of a problem."""
     threads = problem.plan.thread_choice[0]
     with use_threads(threads), problem.convolution.use_threads(threads):
@@ -395,7 +400,7 @@ def computing(problem: ContactProblem) -> Iterator[None]:
 
 
 def _solve(
-    problem: ContactProblem,
+    problem: Scene,
     gap: InitialGap,
     load: Load,
     start: Array | None,

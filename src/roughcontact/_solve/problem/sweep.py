@@ -12,6 +12,7 @@ import numpy as np
 
 from roughcontact._base.arrays import Array
 from roughcontact._base.checks import flag, item_of
+from roughcontact._base.registry import find_view
 from roughcontact._base.tables import Table, make_dataset
 from roughcontact._base.units import Estimate, counted, si
 from roughcontact._parts.grid import Load
@@ -133,9 +134,7 @@ class Sweep:
 
     def plot(self, panel: Any = None, *, axes: Any = None, dark: bool = False) -> Any:
         """Draw the results over the load (extra ``plot``); see `ContactSolution.plot`."""
-        from roughcontact.plotting import plot
-
-        return plot("sweep", self, panel, axes, flag(dark, "dark="))
+        return find_view("panels")("sweep", self, panel, axes, flag(dark, "dark="))
 
     def to_pandas(self) -> Any:
         """Return the results as a `pandas.DataFrame`, a row for each load (extra ``table``).

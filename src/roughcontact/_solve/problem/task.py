@@ -12,7 +12,7 @@ from roughcontact._parts.interactions import BoundInteraction, Interaction
 from roughcontact._parts.kernels import BoundKernel
 from roughcontact._parts.materials import pair_constants
 from roughcontact._solve.convolvers import PreparedConvolution, ShearConvolution
-from roughcontact._solve.problem.memory import require_memory_of_friction
+from roughcontact._solve.problem.friction_plan import require_memory_of_friction
 from roughcontact._solve.problem.plan import SolvePlan
 from roughcontact._solve.solvers import Task
 from roughcontact.errors import InputError

@@ -12,6 +12,7 @@ import numpy as np
 
 from roughcontact._base import checks
 from roughcontact._base.arrays import Array
+from roughcontact._base.registry import find_view
 from roughcontact._base.units import Estimate, Force, Length, Pressure, Quantity
 from roughcontact._parts.materials import Material
 from roughcontact._parts.surfaces import HeightMap
@@ -425,18 +426,14 @@ class ContactSolution(ContactFields):
         matplotlib.axes.Axes or matplotlib.figure.Figure
             The axes of one panel, or the figure of several.
         """
-        from roughcontact.plotting import plot
-
-        return plot("solution", self, panel, axes, checks.flag(dark, "dark="))
+        return find_view("panels")("solution", self, panel, axes, checks.flag(dark, "dark="))
 
     def plot_3d(self, *, exaggeration: float | None = None, dark: bool = False) -> Any:
         """Return a `pyvista.Plotter` of the combined heights in space, coloured by the pressure (extra ``vtk``).
 
         Heights are drawn `exaggeration` times as high; None: 0.12 domains from peak to valley, at most.
         """
-        from roughcontact.plotting import view_solution
-
-        return view_solution(self, exaggeration, dark)
+        return find_view("solution-3d")(self, exaggeration, dark)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str], *, verify: bool = True) -> ContactSolution:

@@ -19,7 +19,7 @@ from roughcontact._work.studies.asking import (
 from roughcontact._work.studies.coatings import LAYERED, find_layer_class
 from roughcontact._work.studies.form import Form, build_problem
 from roughcontact._work.studies.record import Record
-from roughcontact._work.studies.result import StudyResult
+from roughcontact._work.studies.result import StudyNames, StudyResult
 from roughcontact._work.studies.shares import Share
 from roughcontact._work.studies.study import Study
 
@@ -32,6 +32,7 @@ __all__ = [
     "ResponseForm",
     "Share",
     "Study",
+    "StudyNames",
     "StudyResult",
     "add_answers",
     "ask_states",

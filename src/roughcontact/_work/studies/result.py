@@ -13,6 +13,7 @@ import numpy as np
 
 from roughcontact._base.arrays import RealArray
 from roughcontact._base.checks import flag, item_of
+from roughcontact._base.registry import find_view
 from roughcontact._base.tables import Table, make_dataset
 from roughcontact._base.units import Estimate, counted
 from roughcontact._parts.grid import FIRST_LOADING, Load
@@ -34,6 +35,17 @@ _UNITS = {
 _NO_AREA = (np.nan, np.nan)
 # Solves whose answers are printed: the first and the last ones of a longer study.
 _MAX_PRINTED_ROWS = 40
+
+
+@attrs.frozen
+class StudyNames:
+    """The columns of a study that a figure shows: see `StudyResult.plot`; `spread` has the standard deviation of y."""
+
+    x: str
+    y: str
+    spread: str
+    color: str = ""
+    over: str = ""
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -134,8 +146,6 @@ class StudyResult:
         >>> axes.get_xlabel(), axes.get_ylabel()
         ('load, MPa', 'area blend, µm²')
         """
-        from roughcontact.plotting import StudyNames, draw_study
-
         table = self._table
         estimated = [name for name in table.columns if name.startswith("area ")]
         y = estimated[0] if y == "area" and estimated else y
@@ -144,7 +154,8 @@ class StudyResult:
                 raise InputError.unknown("column", name, table.columns)
         near = (y.replace("area ", "uncertainty ", 1), f"{y}_uncertainty")
         spread = next((name for name in near if name != y and name in table.columns), "")
-        return draw_study(table, StudyNames(x, y, spread, color or "", over or ""), axes, flag(dark, "dark="))
+        names = StudyNames(x, y, spread, color or "", over or "")
+        return find_view("study")(table, names, axes, flag(dark, "dark="))
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
         """Write the columns of `to_pandas` to a CSV file, completely or not at all.

@@ -12,6 +12,7 @@ import numpy as np
 from roughcontact._base import checks
 from roughcontact._base.arrays import Array
 from roughcontact._base.checks import choice, number
+from roughcontact._base.registry import find_view
 from roughcontact._base.tables import Table
 from roughcontact._base.units import counted, fit, si
 from roughcontact._work.reports.error.reference import QUANTITIES, UNITS, KnownAnswer
@@ -295,9 +296,7 @@ class ErrorReport:
 
         Needs matplotlib, and raises `MissingPackage` without it.
         """
-        from roughcontact.plotting import draw_report
-
-        draw_report(self, checks.path(path, "The picture"))
+        find_view("error-report")(self, checks.path(path, "The picture"))
 
     def _make_head(self) -> list[str]:
         """Return the description of the problem, and the reference."""
