@@ -282,12 +282,16 @@ def path_to_text(path: rc.FrictionalPath, asked: Asked = _NOTHING) -> str:
     lines += [f"warning      {name_options(text, ('substeps',))}" for text in path.warnings]
     if asked.answers:
         table = path.table()
-        along = [f"tangential_{axis}" for axis, pushed in zip("xy", path.loop.force[1:].T, strict=True) if pushed.any()]
+        along = [name for name in ("tangential_x", "tangential_y") if any(map(_is_pushed, table.columns[name]))]
         numbers = range(1, len(path) + 1)
         heads = Table({"state": numbers, **{name: table.columns[name] for name in along}}, table.units)
         names = [f"state {number}" for number in numbers]
         lines += ["", *write_rows_of_answers(heads, names, asked.answers, asked.reasons)]
     return fit("\n".join(lines))
+
+
+def _is_pushed(force: float | rc.Estimate) -> bool:
+    return (force.value if isinstance(force, rc.Estimate) else force) != 0.0
 
 
 def _without_warnings(found: rc.Estimate) -> rc.Estimate:
