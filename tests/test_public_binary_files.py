@@ -254,7 +254,8 @@ def gwyddion(side=24, names=(("Topography", "m"),)):
     def item(name, kind, content):
         return name.encode() + b"\0" + kind.encode() + content
 
-    values = HEIGHTS.T.astype("<f8").tobytes()
+    # The first line is the upper one, as in its text.
+    values = HEIGHTS.T[::-1].astype("<f8").tobytes()
     inner = item("xres", "i", struct.pack("<i", side)) + item("yres", "i", struct.pack("<i", 37))
     inner += item("xreal", "d", struct.pack("<d", SIZE[0])) + item("yreal", "d", struct.pack("<d", SIZE[1]))
 

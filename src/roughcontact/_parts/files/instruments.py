@@ -14,7 +14,14 @@ import numpy as np
 
 from roughcontact._base.arrays import Array
 from roughcontact._base.units import si
-from roughcontact._parts.files.base import RawMap, SurfaceReader, find_foreign, readers, require_memory_of_map
+from roughcontact._parts.files.base import (
+    RawMap,
+    SurfaceReader,
+    find_foreign,
+    name_rows,
+    readers,
+    require_memory_of_map,
+)
 from roughcontact._parts.files.bounds import bound_expansion, require_bounded
 from roughcontact._parts.surfaces import read_topography
 from roughcontact.errors import InputError, MissingPackage, RoughContactError, shorten
@@ -30,6 +37,8 @@ _OWN_READERS = {"asc": "txt", "xyz": "txt", "npy": "npy", "npz": "npz", "h5": "h
 # Formats of which a file may have any first bytes, with the endings by which they are known instead. The reader of
 # MATLAB's files would allocate what any of them declares; ours reads those, so that it has none.
 _ENDINGS_OF_GREEDY = {"hgt": ".hgt", "ibw": ".ibw", "mat": "none"}
+# Formats whose first line is the upper one, as in the text of the same program; SurfaceTopography puts it at y = 0.
+_DOWNWARDS = {"gwy"}
 # First bytes by which a format is recognised, characters of a reason that a message repeats, and words in one that only
 # users of the other package understand.
 _MAGIC_BYTES = 512
@@ -64,7 +73,8 @@ class InstrumentReader(SurfaceReader):
             return readers.create(_OWN_READERS[found.format()]).read(path)
         channel, note = _choose_channel(found, path.stat().st_size)
         try:
-            return _read_channel(channel, note)
+            raw = _read_channel(channel, note)
+            return _turn_up(raw) if found.format() in _DOWNWARDS else raw
         except (RoughContactError, MemoryError):
             raise
         # Each broken file fails in its own way.
@@ -170,6 +180,12 @@ def _read_channel(channel: Any, note: str) -> RawMap:
     heights, sides, periodic = read_topography(topography)
     size = None if channel.physical_sizes is None else sides
     return RawMap(_require_heights(heights), size, periodic, metric=True, rows=note)
+
+
+def _turn_up(raw: RawMap) -> RawMap:
+    """Return a map whose first line is the upper one with y upwards."""
+    notes = filter(None, (raw.rows, name_rows("y", downwards=True)))
+    return attrs.evolve(raw, heights=np.ascontiguousarray(raw.heights[:, ::-1]), rows=", ".join(notes))
 
 
 def _name_sides(sides: Any) -> str:
