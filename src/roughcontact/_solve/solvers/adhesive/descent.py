@@ -34,6 +34,10 @@ _FULL = 0.7
 # Slope at the end of a line search over that at its start, and trials at most.
 _FLAT = 0.1
 _TRIALS = 12
+# Rise of the tension of a cell in one step, over that by its slope, up to which the true one counts. A wave of the load
+# between that of its strip and full contact would else be leapt over: 6 of 120 rough contacts, 14 of 24 waves; with 2
+# two and none, with 1.5 none and one, with 1 none and none for 5 % more products (benchmarks/adhesion_branches.py).
+_MAX_RISE = 1.5
 # Rounds of Newton's method for the shift that keeps the mean of a step, and the sum over that of magnitudes that is
 # rounding in float32.
 _ROUNDS = 30
@@ -70,10 +74,17 @@ class AdhesiveDescent:
         What is minimised.
     dtype
         The precision of the iterations.
+
+    Attributes
+    ----------
+    cautious
+        Whether steps are made as if the tension of closing cells rose no faster than by its slope, so that they do not
+        leap over a state of equilibrium: from far away, but not near the end, where it does not matter.
     """
 
     def __init__(self, problem: GapProblem, dtype: Precision) -> None:
         self.problem = problem
+        self.cautious = True
         self.dtype = dtype
         stiffness = problem.stiffness
         self._inverse = stiffness.of_precision(dtype)
@@ -336,6 +347,8 @@ class AdhesiveDescent:
 
         self._map(update)
         self.tension, self._trial = self._trial, self.tension
+        if self.cautious:
+            self._map(lambda tile: self._attract(self._inside(self.gap, tile), self.tension, tile))
         self._step = step
         self._change = change
         self._curvature = part * (end - slope)
@@ -405,8 +418,19 @@ class AdhesiveDescent:
             np.maximum(gap, 0.0, out=gap)
         trial = self._trial[tile.inner]
         trial[:] = tile.interaction.tension(gap)
+        if self.cautious:
+            np.minimum(trial, self._limit_tension(tile, inside, part), out=trial)
         np.subtract(trial, self.tension[tile.inner], out=gap)
         return sum_of_products(gap, inside)
+
+    def _limit_tension(self, tile: _Tile, step: RealArray, part: float) -> RealArray:
+        """Return the largest tension after a part of a cautious step, of a tile."""
+        assert tile.interaction is not None
+        limit: RealArray = tile.interaction.slope(np.maximum(self._inside(self.gap, tile), 0.0))
+        limit *= np.minimum(step, 0.0)
+        limit *= self.dtype(_MAX_RISE * part)
+        limit += self.tension[tile.inner]
+        return limit
 
 
 def _rows_of(rows: slice, values: Array) -> Array:
