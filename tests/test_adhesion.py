@@ -257,6 +257,36 @@ class TestEnergy:
         np.testing.assert_allclose(first.pressure, second.pressure, atol=1e-4 * first.pressure.max())
         assert first.convolutions < second.convolutions
 
+    @pytest.mark.parametrize(
+        ("surface", "shape", "size", "law", "pressure"),
+        [
+            (
+                rc.SelfAffineSurface(hurst=0.874, rms_slope=0.1, shortest=2.08e-7, longest=1.39e-6, seed=947930913),
+                (50, 58),
+                (1.5e-6, 0.58e-6),
+                rc.Dugdale(work=0.1277, strength=32.56e6, smoothing=0.3),
+                0.0,
+            ),
+            (
+                rc.SelfAffineSurface(hurst=0.808, rms_slope=0.1, shortest=3.49e-7, longest=9.28e-7, seed=1939494715),
+                (54, 63),
+                (0.54e-6, 1.89e-6),
+                rc.ShortRange(work=0.1541),
+                0.814e6,
+            ),
+        ],
+        ids=["cells 3:1 without a load", "cells 1:3 under a load"],
+    )
+    def test_no_stable_state_is_leapt_over(self, surface, shape, size, law, pressure):
+        body = rc.Body(surface, rc.Elastic(1e9, 0.0))
+        problem = rc.ContactProblem(body, grid=rc.Grid(shape, size), boundary="periodic", adhesion=law)
+        smallest = attrs.evolve(problem, solver="majorise").solve(pressure=pressure)
+        largest = problem.solve(pressure=pressure, branch="unloading")
+        found = problem.solve(pressure=pressure)
+        np.testing.assert_array_equal(found.contact, smallest.contact)
+        assert found.contact.sum() < largest.contact.sum()
+        assert found.convolutions < 150
+
 
 class TestLoads:
     """Loads of any sign, and how they end."""
