@@ -26,6 +26,7 @@ from roughcontact._faces.cli.answers import (
 )
 from roughcontact._faces.cli.cycle import plan_cycle_outputs, refuse_for_cycle, solve_cycle
 from roughcontact._faces.cli.friction import (
+    explain_friction,
     friction_of,
     plan_friction_outputs,
     refuse_for_friction,
@@ -132,7 +133,7 @@ examples:
         with show_progress("reading the maps", quiet=options.quiet) as change:
             problem = problem_of(options)
         if options.explain or options.dry_run:
-            plan = fit(problem.explain())
+            plan = fit(problem.explain() if law is None else explain_friction(options, problem, law))
             print(plan, end="\n" if options.dry_run else "\n\n", file=sys.stderr if piped else None)
         loads = loads_of(options)
         if options.tangential is None or options.loads is None:

@@ -51,6 +51,8 @@ _MAX_CELL_ASPECT = 1e8
 # Maximum length, m, and modulus, Pa, and inverse of the minimum, so that forces, areas and curvatures stay within the
 # 1e308 of float64.
 _MAX_MAGNITUDE = 1e40
+# What the plan of a contact with friction does not omit: how its text begins.
+OMITTED_FRICTION = "friction"
 _OMITTED_IMAGES = {
     Boundary.FREE: "images of the domain: the boundary is free",
     Boundary.PERIODIC: "padding: the domain repeats, every image counts",
@@ -363,7 +365,8 @@ def _list_omitted(bodies: tuple[Body, Body], boundary: Boundary, *, capped: bool
     beta = _find_coupling(bodies)
     if beta > MAX_UNCOUPLED_BETA:
         texts.append(
-            f"friction, which would change the pressure between these unlike bodies, Dundurs' beta = {beta:.2g}"
+            f"{OMITTED_FRICTION}, which would change the pressure between these unlike bodies, "
+            f"Dundurs' beta = {beta:.2g}"
         )
     texts.append("the repulsive part of the law: the wall is hard" if adhesive else "adhesion: none is given")
     if boundary is Boundary.PERIODIC:
