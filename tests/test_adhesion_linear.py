@@ -204,7 +204,7 @@ class TestAnswer:
     def test_the_margin_is_met_on_the_way(self, boundary):
         solution = Scene(boundary).solve(**APPROACH)
         margin = AdhesiveTangent(solution).solve(np.ones(SQUARE[0])).margin
-        assert margin == pytest.approx(solution.stability().value, rel=0.15)
+        assert margin == pytest.approx(solution.stability().value, rel=1e-3)
 
 
 class TestStiffness:

@@ -259,7 +259,8 @@ def warn_of_border(solution: ContactSolution) -> ContactWarning | None:
 def find_cut_tension(solution: ContactSolution) -> tuple[float, float]:
     """Return the largest tension at a free border over the largest of all, and about the force beyond it, N.
 
-    The tension is continued by the fall from the last but one row of cells to the last.
+    Each line of cells across the border is continued by its fall from the last but one cell to the last, over no more
+    cells than are attracted along it before the border.
     """
     tension = solution.tension
     largest = 0.0 if tension is None else float(tension.max())
@@ -271,11 +272,13 @@ def find_cut_tension(solution: ContactSolution) -> tuple[float, float]:
         rows = np.moveaxis(tension, axis, 0)
         if not free or len(rows) < 2:
             continue
-        for last, before in ((rows[0], rows[1]), (rows[-1], rows[-2])):
+        for inwards in (rows, rows[::-1]):
+            last = inwards[0]
             ratio = max(ratio, float(last.max()) / largest)
-            fall = float(last.sum()) / max(float(before.sum()), float(last.sum()), 1e-300)
-            force += float(last.sum()) * min(fall / max(1.0 - fall, 1e-3), float(len(rows)))
-    return ratio, force * solution.grid.cell_area
+            fall = last / np.maximum(np.maximum(inwards[1], last), 1e-300)
+            attracted = np.logical_and.accumulate(inwards >= 0.5 * last, axis=0).sum(axis=0)
+            force += float(np.sum(last * np.minimum(fall / np.maximum(1.0 - fall, 1e-3), attracted)))
+    return ratio, min(force * solution.grid.cell_area, abs(solution.force))
 
 
 def interpolate_peak(solution: ContactSolution) -> Estimate:

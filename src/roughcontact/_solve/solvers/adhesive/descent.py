@@ -382,11 +382,7 @@ class AdhesiveDescent:
             full = clipped and part == 1.0 and wanted > _FULL
             if full or abs(end) <= -_FLAT * slope or (end < 0.0 and part >= longest):
                 break
-            if math.isfinite(high):
-                margin = 0.1 * (high - low)
-                part = min(max(wanted, low + margin), high - margin)
-            else:
-                part = min(wanted, longest)
+            part = min(wanted, longest)
         return part, end, wanted
 
     def _slope_at(self, part: float, step: RealArray, slope: float, curvature: float) -> float:
