@@ -723,3 +723,26 @@ class TestOrders:
         exact = sweeps[1] + (sweeps[1] - sweeps[0]) / (math.sqrt(2.0) - 1.0)
         assert found.value == pytest.approx(exact, rel=0.04)
         assert abs(found.value - exact) < 2.0 * found.uncertainty
+
+
+class TestPicture:
+    def test_a_loop_is_drawn_with_the_states_between_its_turns(self):
+        """Of two turns and an end a picture drew a line, whose area was zero."""
+        problem, force = make_ball(9)
+        pushed = 0.7 * FRICTION * force
+        turns = [(pushed, 0.0), (-pushed, 0.0), (pushed, 0.0)]
+        path = problem.path(force=force, tangential_force=turns, friction=FRICTION)
+        drawn = path.drawn_loop
+        x, y = drawn.displacement[:, 0], drawn.force[:, 0]
+        closed = slice(len(x) // 3, None)
+        area = abs(float(np.trapezoid(y[closed], x[closed])))
+        lost = sum(one.dissipated.value for one in path.numbers[1:])
+        assert area == pytest.approx(lost, rel=0.05)
+        np.testing.assert_allclose(y[10::10], path.loop.force[1:, 0], rtol=1e-9)
+        line = path.plot().lines[0]
+        assert len(line.get_xdata()) == len(x) == 31
+
+    def test_a_path_of_unlike_bodies_is_drawn_as_it_is(self):
+        problem, force = make_ball(6, ALUMINIUM)
+        path = problem.path(force=force, tangential_force=[(0.1 * force, 0.0)], friction=FRICTION, substeps=2)
+        assert path.drawn_loop is path.loop

@@ -144,6 +144,17 @@ class Grid:
         return self.size[0] * self.size[1]
 
     @property
+    def resolved(self) -> Grid:
+        """The grid itself, with square cells where an axis has a single one, along which nothing varies, as of lines.
+
+        Its sides are the lengths that the cells resolve.
+        """
+        if 1 not in self.shape:
+            return self
+        side = self.spacing[self.shape.index(1) - 1]
+        return Grid(self.shape, (self.shape[0] * side, self.shape[1] * side))
+
+    @property
     def x(self) -> Array:
         """Cell centres along x, shape (nx, 1), m; the origin is the centre of the domain."""
         return _centres(self.shape[0], self.size[0])[:, np.newaxis]

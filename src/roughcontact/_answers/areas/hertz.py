@@ -279,7 +279,7 @@ def _find_areas(solution: ContactSolution) -> HertzAreas:
     area = area * growth
     constant, square, fourth = calibration.HERTZ_ERROR
     # The error of positions grows with the longer side of a cell.
-    oblong = (max(solution.grid.spacing) / min(solution.grid.spacing)) ** 0.25
+    oblong = (max(solution.grid.resolved.spacing) / min(solution.grid.resolved.spacing)) ** 0.25
     slight = constant * oblong * summits.spread / (summits.spread + calibration.EVEN_SPREAD)
     error = calibration.MIN_HERTZ_ERROR + slight + square * summits.spread**2 + fourth * summits.spread**4
     error = (

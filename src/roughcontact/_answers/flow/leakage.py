@@ -18,7 +18,7 @@ from roughcontact._answers.flow.network import (
 from roughcontact._base import checks
 from roughcontact._base.arrays import Array, Mask, Pair, RealArray, read_only
 from roughcontact._base.checks import number
-from roughcontact._base.units import ContactWarning, Estimate, Quantity, ShownAsPrinted, percent, si
+from roughcontact._base.units import Estimate, Quantity, ShownAsPrinted, WarningText, percent, si
 from roughcontact._parts.grid import Grid
 from roughcontact._solve.solution import ContactSolution, Response, responses
 from roughcontact.errors import InputError, NotConverged
@@ -291,14 +291,14 @@ class GapFlow(Response[Leakage]):
             along, across = across, along
         network = make_network(gap, open_cells, aspect=across / along, periodic=periodic)
         if network is not None:
-            return self._measure(solution, network, open_cells, across / along)
+            return self._measure(solution, network, open_cells)
         warnings = _list_warnings(solution)
         if find_paths(open_cells, periodic=periodic, corners=True).any():
             text = "The two sides are joined through corners of cells alone: refine the grid."
-            warnings = (*warnings, ContactWarning(text, "resolution"))
+            warnings = (*warnings, WarningText(text, "resolution"))
         return Leakage(grid=solution.grid, **attrs.asdict(self), warnings=warnings)
 
-    def _measure(self, solution: ContactSolution, network: FlowNetwork, open_cells: Mask, aspect: float) -> Leakage:
+    def _measure(self, solution: ContactSolution, network: FlowNetwork, open_cells: Mask) -> Leakage:
         """Return the flow through a network, with its uncertainty and its throat."""
         grid = solution.grid
         periodic = not solution.boundary.free_axes[1 - self.axis]
@@ -308,6 +308,8 @@ class GapFlow(Response[Leakage]):
         faces, lost = network.dissipation(pressure)
         flow = float(lost.sum())
         ends = network.find_ends(pressure)
+        dx, dy = grid.resolved.spacing
+        aspect = dy / dx if self.axis == 0 else dx / dy
         gap_error = solution.residuals.error * solution.residuals.scale / network.widest
         relative = estimate_uncertainty(
             network, faces, lost, open_cells, aspect=aspect, periodic=periodic, gap_error=gap_error
@@ -320,7 +322,7 @@ class GapFlow(Response[Leakage]):
         warnings = (*_list_warnings(solution), *_judge_throat(throat, min(grid.shape)))
         if not warnings and relative > _MAX_RELATIVE_STD:
             text = "The grid hardly determines the flow, whose uncertainty is above 10 %: refine the grid."
-            warnings = (ContactWarning(text, "uncertainty", relative),)
+            warnings = (WarningText(text, "uncertainty", relative),)
         unit = flow_unit(self.viscosity, self.pressure_drop, network.widest)
         mean = float(np.mean(np.where(find_open_cells(solution), solution.gap, 0.0))) / network.widest
         return Leakage(
@@ -354,10 +356,10 @@ def find_open_cells(solution: ContactSolution) -> Mask:
 
 def _list_warnings(solution: ContactSolution) -> tuple[str, ...]:
     """Return why the gap must not be trusted."""
-    warnings = [] if solution.status.success else [ContactWarning(f"The contact is {solution.status}.", "convergence")]
+    warnings = [] if solution.status.success else [WarningText(f"The contact is {solution.status}.", "convergence")]
     if solution.non_measured is not None and (count := int(np.count_nonzero(solution.non_measured))):
         text = f"{count} non-measured cells are taken as closed: their gap is not known."
-        warnings.append(ContactWarning(text, "non-measured points", count))
+        warnings.append(WarningText(text, "non-measured points", count))
     return tuple(warnings)
 
 
@@ -366,8 +368,8 @@ def _judge_throat(throat: Throat, cells: int) -> tuple[str, ...]:
     warnings = []
     if throat.cells < min(_MIN_THROAT_CELLS, cells) and throat.fraction >= _MIN_LOSS_FRACTION:
         text = f"The critical throat is {throat.cells:.3g} cells across, below {_MIN_THROAT_CELLS:g}: refine the grid."
-        warnings.append(ContactWarning(text, "resolution", throat.cells))
+        warnings.append(WarningText(text, "resolution", throat.cells))
     if throat.gap < _MOLECULAR_GAP:
         text = f"The gap in the critical throat is {si(throat.gap, 'm', 3)}, of molecular size."
-        warnings.append(ContactWarning(text, "molecular gap", throat.gap))
+        warnings.append(WarningText(text, "molecular gap", throat.gap))
     return tuple(warnings)

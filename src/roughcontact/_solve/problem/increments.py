@@ -10,7 +10,7 @@ import numpy as np
 
 from roughcontact._base import checks
 from roughcontact._base.arrays import Array, Pair
-from roughcontact._base.units import ContactWarning, Estimate, counted
+from roughcontact._base.units import Estimate, WarningText, counted
 from roughcontact._parts.grid import Load
 from roughcontact._solve.problem.coupled import CoupledSolve
 from roughcontact._solve.problem.friction_certificate import FrictionalFields
@@ -36,7 +36,7 @@ _LARGEST_RATIO = 4.0
 _LIMIT_STD = 0.5
 # Sine of the angle between two changes of load below which they have one direction.
 _ONE_DIRECTION = 1e-9
-GIVEN_INCREMENTS = ContactWarning(
+GIVEN_INCREMENTS = WarningText(
     "the number of increments was given, so that the error of the increments is not known: leave it to substeps='auto'",
     "increments",
 )
@@ -262,7 +262,7 @@ def refine_steps(
             f"{count} increments of a step are not enough: from half as many the numbers change by {change:.2g} times "
             "what is admissible; give more steps"
         )
-        warning = (ContactWarning(text, "increments", change),)
+        warning = (WarningText(text, "increments", change),)
     moved = find_amplitude(steps)
     numbers = [
         numbers_of(steps[place], moved)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -40,6 +41,9 @@ from roughcontact.errors.door import guarded
 if TYPE_CHECKING:
     from roughcontact._solve.problem.problem import ContactProblem
 
+# States that a picture draws in each step, and the states of a path of which it draws more.
+_DRAWN_STATES = 10
+_MAX_REFINED_STATES = 12
 # Numbers over the largest of their kind that a table shows as zero.
 _TABLE_ROUNDING = 1e-9
 # Why a step has its increments, if their number was given.
@@ -150,6 +154,25 @@ class FrictionalPath(Sequence[FrictionalSolution]):
         parts = [part for one in self.numbers for part in (*one.displacement, one.dissipated, one.stick_area)]
         found = [text for part in parts for text in part.warnings]
         return tuple(dict.fromkeys([*found, *(text for state in self.states for text in state.contact.warnings)]))
+
+    @cached_property
+    def drawn_loop(self) -> TangentialLoop:
+        """The loop with states between those of the path, which a picture needs: a turn alone is a straight line.
+
+        Where the path has many states, its increments are not exact, or its problem is not known, it is `loop`.
+        """
+        origin = self.states[0].contact.origin
+        exact = self.pressed is not None and all(count == 1 for count in self.increments)
+        if origin is None or origin.source is None or not exact or len(self) > _MAX_REFINED_STATES:
+            return self.loop
+        parts = np.arange(1, _DRAWN_STATES + 1)[:, np.newaxis] / _DRAWN_STATES
+        ends = np.array([(0.0, 0.0), *(state.given.values for state in self.states)])
+        targets = np.concatenate([old + parts * (new - old) for old, new in itertools.pairwise(ends)])
+        # To the last bit: the turns are states of the path.
+        targets[_DRAWN_STATES - 1 :: _DRAWN_STATES] = ends[1:]
+        along = {self.states[0].given.kind: targets.tolist()}
+        path: FrictionalPath = origin.source.path(**origin.load, **along, friction=self.states[0].friction, substeps=1)
+        return path.loop
 
     def table(self) -> Table:
         """Return a row for each step, in SI units; see `roughcontact.typing.Table`."""

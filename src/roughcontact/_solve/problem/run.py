@@ -320,7 +320,7 @@ def _are_close(given: Array, right: Array, allowed: float) -> bool:
 
 def _sample_modulus(plan: SolvePlan) -> tuple[tuple[float, ...], tuple[float, ...]] | None:
     """Return inverse wave numbers, from a tenth of a cell to the domain, m, and the effective modulus at each, Pa."""
-    lengths = np.geomspace(0.1 * min(plan.grid.spacing), max(plan.grid.size), _SAMPLED_WAVE_NUMBERS)
+    lengths = np.geomspace(0.1 * min(plan.grid.resolved.spacing), max(plan.grid.resolved.size), _SAMPLED_WAVE_NUMBERS)
     moduli = plan.kernel.effective_modulus(1.0 / lengths, 1.0 / plan.modulus)
     if moduli is None:
         return None
