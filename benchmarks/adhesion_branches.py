@@ -52,7 +52,7 @@ def draw_rough(seed: int) -> Case:
     shape = [int(n) for n in random.integers(LARGEST // 2, LARGEST + 1, 2)]
     size = (shape[0] * sides[0] * CELL, shape[1] * sides[1] * CELL)
     cell = max(sides) * CELL
-    shortest = cell * math.exp(random.uniform(math.log(6.0), math.log(14.0)))
+    shortest = min(cell * math.exp(random.uniform(math.log(6.0), math.log(14.0))), 0.5 * max(size))
     surface = rc.SelfAffineSurface(
         hurst=random.uniform(0.4, 0.95), rms_slope=SLOPE, shortest=shortest,
         longest=max(max(size) / random.uniform(1.0, 3.0), 1.3 * shortest), seed=int(random.integers(2**31)),

@@ -13,7 +13,7 @@ from roughcontact._base.arrays import Array, Mask
 from roughcontact._base.units import Estimate
 from roughcontact._parts.grid import Load, extend
 from roughcontact._parts.interactions import Exponential, ShortRange
-from roughcontact._solve.problem.adhesive_path import Solve, cells_of, follow, require_resolved
+from roughcontact._solve.problem.adhesive_path import Solve, cells_of, follow, open_gap, require_resolved
 from roughcontact._solve.problem.plan import SolvePlan
 from roughcontact._solve.problem.sweep import Sweep
 from roughcontact._solve.solution import (
@@ -37,14 +37,15 @@ _PROMISE = 5e-4
 # Relative standard deviation of the lowest force, set on 400 balls and 100 rough surfaces in random places
 # (benchmarks/adhesion_classes.py): because the edge of the contact sticks to the cells, by exp(-cells) of the cohesive
 # length over the root of the cells of a patch; because a patch has few cells, and its maximum; and by the path.
-_STICKING = 1.0
-# The first share grows, with this power, where the tension falls over a small part of the gaps at which it acts: below
-# strength^2 / (steepest slope x work of adhesion) of 1/4, that of a Dugdale law of smoothing 0.2; on balls of 0.05 on.
-_SMOOTH = 0.25
-_SHARPNESS = 1.2
+_STICKING = 0.7
 _COARSE = 1.8
 _COARSEST = 0.14
 _PATH = 2e-4
+# The tension of a sharp law ends within a cell, and cells count what lies within its edge: standard deviation over the
+# attraction, times the cells of a patch to the power 3/4, as of the lattice points in a disc, and its fall with the
+# cells over which the tension falls. On 48 balls under Dugdale laws of smoothing 0.1 and 40 under smooth ones.
+_COUNTED = 0.8
+_COUNTED_FALL = 2.5
 # Ratio of two ranges from which pull-off is extrapolated to none, and the power of the range by which it goes there:
 # 1.5 for short ranges, less for those that cells resolve. On balls of 8 to 40 cells in the contact radius of Johnson,
 # 1.2 errs by a fifth of the change.
@@ -238,16 +239,23 @@ def find_minimum(sweep: Sweep, warnings: tuple[str, ...]) -> Estimate:
 def _find_grid_error(state: ContactSolution) -> float:
     """Return the relative standard deviation of the lowest force by the size of the cells."""
     size = count_patch_cells(_find_attracted(state), state.boundary)
-    sticking = _STICKING * math.exp(-cells_of(state)) / math.sqrt(size) * _find_sharpness(state) ** _SHARPNESS
-    return math.hypot(sticking, min(_COARSE * size ** (-4.0 / 3.0), _COARSEST), _PATH)
+    sticking = _STICKING * math.exp(-cells_of(state)) / math.sqrt(size)
+    counted = _COUNTED * math.exp(-_COUNTED_FALL * _count_falling_cells(state)) * size**-0.75
+    counted *= _find_attraction(state) / max(abs(state.force), 1e-300)
+    return math.hypot(sticking, min(math.hypot(_COARSE * size ** (-4.0 / 3.0), counted), _COARSEST), _PATH)
 
 
-def _find_sharpness(state: ContactSolution) -> float:
-    """Return how much smaller the gaps are over which the tension falls than those of a smooth law; one at least."""
+def _count_falling_cells(state: ContactSolution) -> float:
+    """Return over how many cells the tension falls at the edge of what is attracted."""
     assert state.origin is not None
     law = state.origin.source.plan.interaction
-    fall: float = np.min(np.square(law.strength) / law.work) / law.steepest
-    return max(_SMOOTH / fall, 1.0)
+    gap = open_gap(state)
+    falls = np.where(gap > 0.0, -law.slope(gap), 0.0)
+    around = extend(gap, 1, state.boundary)
+    steps = np.hypot(around[2:, 1:-1] - around[:-2, 1:-1], around[1:-1, 2:] - around[1:-1, :-2])
+    rise = 0.5 * float(np.sum(falls * steps))
+    height: float = np.max(law.strength) / law.steepest
+    return height * float(falls.sum()) / rise if rise > 0.0 else math.inf
 
 
 def _find_attracted(state: ContactSolution) -> Mask:
