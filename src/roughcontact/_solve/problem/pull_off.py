@@ -42,9 +42,10 @@ _COARSE = 1.8
 _COARSEST = 0.14
 _PATH = 2e-4
 # The tension of a sharp law ends within a cell, and cells count what lies within its edge: standard deviation over the
-# attraction, times the cells of a patch to the power 3/4, as of the lattice points in a disc, and its fall with the
-# cells over which the tension falls. On 48 balls under Dugdale laws of smoothing 0.1 and 40 under smooth ones.
-_COUNTED = 0.8
+# attraction, times the cells of a patch to the power 3/4, as of the lattice points in a disc, of which long cells bring
+# fewer; and its fall with the cells over which the tension falls. On 48 balls under Dugdale laws of smoothing 0.1 and
+# 40 under smooth ones, on cells of 1 : 1 to 3 : 1.
+_COUNTED = 0.7
 _COUNTED_FALL = 2.5
 # Ratio of two ranges from which pull-off is extrapolated to none, and the power of the range by which it goes there:
 # 1.5 for short ranges, less for those that cells resolve. On balls of 8 to 40 cells in the contact radius of Johnson,
@@ -240,9 +241,16 @@ def _find_grid_error(state: ContactSolution) -> float:
     """Return the relative standard deviation of the lowest force by the size of the cells."""
     size = count_patch_cells(_find_attracted(state), state.boundary)
     sticking = _STICKING * math.exp(-cells_of(state)) / math.sqrt(size)
-    counted = _COUNTED * math.exp(-_COUNTED_FALL * _count_falling_cells(state)) * size**-0.75
-    counted *= _find_attraction(state) / max(abs(state.force), 1e-300)
-    return math.hypot(sticking, min(math.hypot(_COARSE * size ** (-4.0 / 3.0), counted), _COARSEST), _PATH)
+    coarse = math.hypot(_COARSE * size ** (-4.0 / 3.0), _find_counting_error(state, size))
+    return math.hypot(sticking, min(coarse, _COARSEST), _PATH)
+
+
+def _find_counting_error(state: ContactSolution, size: float) -> float:
+    """Return the relative standard deviation of the lowest force as cells count what a sharp law attracts."""
+    sides = state.grid.spacing
+    points = size * math.sqrt(min(sides) / max(sides))
+    pull = _find_attraction(state) / max(abs(state.force), 1e-300)
+    return pull * _COUNTED * points**-0.75 * math.exp(-_COUNTED_FALL * _count_falling_cells(state))
 
 
 def _count_falling_cells(state: ContactSolution) -> float:
