@@ -269,7 +269,10 @@ def draw(folder: Path = FIGURES, cells: int = 128) -> None:
 
 # What the page shows.
 RANGE = ("cells", "n_c", "pull-off", "stated, %", "area, loading", "area, unloading")
-CLASSES = ("pull-off-free", "pull-off-short-range", "pull-off-rough", "area-free", "area-rough", "gap-rough")
+CLASSES = (
+    *("pull-off-free", "pull-off-short-range", "pull-off-short-range-rough", "pull-off-rough"),
+    *("area-free", "area-rough", "gap-rough"),
+)
 TABLES = {
     "adhesion-classes": DocTable(
         make_class_rows, seconds=250, shown=pick(["class", "held-out: error, %", "held-out: within two, %"], CLASSES)

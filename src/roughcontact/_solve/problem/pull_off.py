@@ -156,7 +156,7 @@ def _extrapolate_range(shorter: Estimate, longer: Estimate, start: ContactSoluti
     error = math.hypot(longer.uncertainty, _EXTRAPOLATION_ERROR * change) if is_extrapolated else abs(change)
     too_strong, unlike = _find_unlike_summits(start)
     error = math.hypot(shorter.uncertainty, error, unlike * value)
-    return attrs.evolve(shorter, value=(1.0 - too_strong) * value, uncertainty=error)
+    return attrs.evolve(shorter, value=value if is_straight else (1.0 - too_strong) * value, uncertainty=error)
 
 
 def _find_unlike_summits(start: ContactSolution) -> tuple[float, float]:
@@ -167,11 +167,17 @@ def _find_unlike_summits(start: ContactSolution) -> tuple[float, float]:
     attracted = _find_attracted(start)
     around = extend(start.initial_gap, 1, start.boundary)
     bends = np.zeros(start.grid.shape)
-    for axis, side in enumerate(start.grid.spacing):
+    inside = np.ones(start.grid.shape, dtype=bool)
+    for axis, (side, free) in enumerate(zip(start.grid.spacing, start.boundary.free_axes, strict=True)):
         lines = np.moveaxis(around, axis, 0)[:, 1:-1]
         bends += np.moveaxis(np.diff(lines, 2, axis=0), 0, axis) / side**2
-    mean = abs(float(bends[attracted].mean()))
-    differing = min(float(bends.std()) / mean, 1.0) if mean > 0.0 else 0.0
+        if free:
+            # The cells repeated beyond a border bend it.
+            np.moveaxis(inside, axis, 0)[[0, -1]] = False
+    if not (attracted & inside).any():
+        return 0.0, _UNLIKE
+    mean = abs(float(bends[attracted & inside].mean()))
+    differing = min(float(bends[inside].std()) / mean, 1.0) if mean > 0.0 else 0.0
     few = differing * min(_UNLIKE_FEW / count_patch_cells(attracted, start.boundary), _UNLIKE_FEWEST)
     return _TOO_STRONG * few, math.hypot(_UNLIKE * differing, few)
 
