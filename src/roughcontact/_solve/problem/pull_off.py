@@ -256,7 +256,7 @@ def _find_counting_error(state: ContactSolution, size: float) -> float:
     sides = state.grid.spacing
     points = size * math.sqrt(min(sides) / max(sides))
     pull = _find_attraction(state) / max(abs(state.force), 1e-300)
-    return pull * _COUNTED * points**-0.75 * math.exp(-_COUNTED_FALL * _count_falling_cells(state))
+    return pull * _COUNTED * math.pow(points, -0.75) * math.exp(-_COUNTED_FALL * _count_falling_cells(state))
 
 
 def _count_falling_cells(state: ContactSolution) -> float:
