@@ -275,7 +275,7 @@ CLASSES = (
 )
 TABLES = {
     "adhesion-classes": DocTable(
-        make_class_rows, seconds=250, shown=pick(["class", "held-out: error, %", "held-out: within two, %"], CLASSES)
+        make_class_rows, seconds=350, shown=pick(["class", "held-out: error, %", "held-out: within two, %"], CLASSES)
     ),
     "adhesion-balls": DocTable(make_ball_rows, seconds=30, shown=pick(lines=("0.1", "0.5", "5"))),
     "adhesion-stiffness": DocTable(
