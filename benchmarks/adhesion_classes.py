@@ -17,6 +17,7 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import NamedTuple
 
+import attrs
 import numpy as np
 from adhesion_reference import RADIUS, WORK, load_answers, make_laws
 from area_classes import HEADER, SPLITS, print_rows
@@ -150,6 +151,40 @@ def short_range(split: str) -> Iterator[Case]:
         yield Case(problem, ask_pull_off, limit.pull_off, 0.0, label, group)
 
 
+def rough_short_range(split: str) -> Iterator[Case]:
+    """Pull-off of rough surfaces in the limit of a short range, to which finer cells extrapolate."""
+    random = generator("adhesion rough short range", split)
+    for number in range(CASES // 2):
+        sides = (1.0, (1.0, 1.0, 1.0 / 3.0, 3.0, 2.0)[number % 5])
+        wave = log_uniform(random, 5.0, 14.0) * max(sides)
+        waves = random.permutation([float(random.uniform(2.0, 3.5)), float(random.choice([1.5, 3.0]))])
+        shape = [
+            max(round(n * wave / side), 8) + int(random.integers(0, 2)) for n, side in zip(waves, sides, strict=True)
+        ]
+        size = (shape[0] * sides[0], shape[1] * sides[1])
+        surface = rc.SelfAffineSurface(
+            hurst=float(random.uniform(0.3, 0.95)), rms_slope=0.1, shortest=wave, longest=max(size),
+            seed=int(random.integers(2**31)),
+        )  # fmt: skip
+        work = log_uniform(random, 0.02, 1.0) * 0.1**2
+        boundary = ("periodic", "periodic", ("free", "periodic"), "free")[number % 4]
+        coarse, middle, fine = (
+            rc.ContactProblem(
+                rc.Body(surface, ELASTIC), grid=rc.Grid((factor * shape[0], factor * shape[1]), size),
+                boundary=boundary, adhesion=rc.ShortRange(work), threads=1,
+            )
+            for factor in (1, 2, 4)
+        )  # fmt: skip
+        shorter, shortest = (
+            attrs.evolve(each, adhesion=each.plan.interaction).pull_off().value for each in (middle, fine)
+        )
+        # Pull-off goes to the limit as the power 1.2 of the range, which falls by the root of two.
+        change = (shortest - shorter) / (2.0**0.6 - 1.0)
+        limit = shortest + (change if abs(change) < 0.25 * abs(shortest) else 0.0)
+        label = f"{shape[0]} x {shape[1]} of 1 x {sides[1]:g}, {boundary}, {number}"
+        yield Case(coarse, ask_pull_off, limit, 0.5 * abs(change / limit), label, str(boundary))
+
+
 def rough(kind: str, split: str) -> Iterator[Case]:
     """Periodic rough surfaces, of which the fine grid knows the answer."""
     random = generator("adhesion rough", kind, split)
@@ -212,6 +247,7 @@ CLASSES: dict[str, Callable[[str], Iterator[Case]]] = {
     "pull-off-free": partial(balls, "pull-off", "free"),
     "pull-off-wrapped": partial(balls, "pull-off", "wrapped"),
     "pull-off-short-range": short_range,
+    "pull-off-short-range-rough": rough_short_range,
     "pull-off-rough": partial(rough, "pull-off"),
     "area-free": partial(balls, "area", "free"),
     "area-wrapped": partial(balls, "area", "wrapped"),

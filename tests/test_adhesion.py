@@ -2,6 +2,7 @@
 
 import itertools
 import math
+from functools import partial
 
 import attrs
 import numpy as np
@@ -256,6 +257,36 @@ class TestEnergy:
         np.testing.assert_array_equal(first.contact, second.contact)
         np.testing.assert_allclose(first.pressure, second.pressure, atol=1e-4 * first.pressure.max())
         assert first.convolutions < second.convolutions
+
+    @pytest.mark.parametrize(
+        ("surface", "shape", "size", "law", "pressure"),
+        [
+            (
+                rc.SelfAffineSurface(hurst=0.874, rms_slope=0.1, shortest=2.08e-7, longest=1.39e-6, seed=947930913),
+                (50, 58),
+                (1.5e-6, 0.58e-6),
+                rc.Dugdale(work=0.1277, strength=32.56e6, smoothing=0.3),
+                0.0,
+            ),
+            (
+                rc.SelfAffineSurface(hurst=0.808, rms_slope=0.1, shortest=3.49e-7, longest=9.28e-7, seed=1939494715),
+                (54, 63),
+                (0.54e-6, 1.89e-6),
+                rc.ShortRange(work=0.1541),
+                0.814e6,
+            ),
+        ],
+        ids=["cells 3:1 without a load", "cells 1:3 under a load"],
+    )
+    def test_no_stable_state_is_leapt_over(self, surface, shape, size, law, pressure):
+        body = rc.Body(surface, rc.Elastic(1e9, 0.0))
+        problem = rc.ContactProblem(body, grid=rc.Grid(shape, size), boundary="periodic", adhesion=law)
+        smallest = attrs.evolve(problem, solver="majorise").solve(pressure=pressure)
+        largest = problem.solve(pressure=pressure, branch="unloading")
+        found = problem.solve(pressure=pressure)
+        np.testing.assert_array_equal(found.contact, smallest.contact)
+        assert found.contact.sum() < largest.contact.sum()
+        assert found.convolutions < 150
 
 
 class TestLoads:
@@ -649,3 +680,92 @@ class TestBorderAndRange:
         law = rc.Exponential("50mJ/m2", range_)
         problem = rc.ContactProblem(tip, grid=rc.Grid((32, 32), 300e-9), adhesion=law)
         assert any(words in text for text in problem.plan.warnings)
+
+    @pytest.mark.parametrize("shape", [(24, 24), (30, 30), (36, 24)])
+    def test_no_less_than_what_is_cut_off_is_counted(self, shape):
+        tip = rc.Body(rc.ParaboloidSurface(1e-6), rc.Elastic(70e9, 0.3))
+        size = (shape[0] * 5e-9, shape[1] * 5e-9)
+        for law in (rc.Exponential(0.05, 5e-9), rc.VanDerWaals(0.05, 3e-9)):
+            found = rc.ContactProblem(tip, grid=rc.Grid(shape, size), adhesion=law).pull_off()
+            # All of it is 2 pi w R.
+            assert abs(found.value + 2.0 * math.pi * 0.05 * 1e-6) < 2.0 * found.uncertainty
+            assert found.uncertainty <= abs(found.value)
+
+    def test_a_patch_at_the_border_of_a_rough_surface_hides_no_more_than_the_force(self):
+        problem = press_rough(SURFACES[102], (33, 29), 1.0, "free", 0.13)
+        found = problem.pull_off()
+        assert "border tension" in [text.rule for text in found.warnings]
+        assert found.uncertainty <= 2.0 * abs(found.value)
+
+
+# Longest and shortest wave of rough surfaces of slope 0.1, in cells, and their Hurst exponent.
+SURFACES = {102: (27.0, 9.0, 0.8), 7: (24.0, 8.0, 0.6), 8: (30.0, 6.0, 0.9)}
+
+
+def press_rough(waves, shape, ratio, boundary, work, seed=102, law=rc.ShortRange):
+    """Return a problem of a rough surface on cells of 1 : ratio, and a law of a work of adhesion, in hundredths."""
+    longest, shortest, hurst = waves
+    surface = rc.SelfAffineSurface(hurst=hurst, rms_slope=0.1, shortest=shortest, longest=longest, seed=seed)
+    grid = rc.Grid(shape, (float(shape[0]), ratio * shape[1]))
+    body = rc.Body(surface, rc.Elastic(1.0, 0.0))
+    return rc.ContactProblem(body, grid=grid, boundary=boundary, adhesion=law(0.01 * work), threads=1)
+
+
+def follow_finely(problem, step):
+    """Return the lowest force on a path of short steps from zero load, until the attraction cannot pull lower."""
+    state = problem.solve(pressure=0.0)
+    lowest = 0.0
+    while float(state.tension.sum()) * problem.grid.cell_area > -lowest:
+        state = problem.sweep(approach=[state.approach, state.approach - step])[-1]
+        lowest = min(lowest, state.force)
+    return lowest
+
+
+class TestRoughPullOff:
+    @pytest.mark.parametrize(("ratio", "shape"), [(1.0, (24, 31)), (3.0, (31, 9)), (1 / 3, (27, 72))])
+    @pytest.mark.parametrize("seed", [3, 4, 5])
+    def test_no_summit_that_holds_later_is_missed(self, ratio, shape, seed):
+        law = partial(rc.Exponential, range=0.1)
+        problem = press_rough(SURFACES[8], shape, ratio, "periodic", 0.1, seed, law)
+        found = problem.pull_off()
+        lowest = follow_finely(problem, 0.01 * np.ptp(problem.initial_gap))
+        assert found.value <= lowest * (1.0 - 2e-3)
+
+    @pytest.mark.parametrize(("ratio", "shape"), [(1.0, (27, 24)), (3.0, (32, 11)), (1 / 3, (21, 64))])
+    def test_a_short_range_is_as_uncertain_as_unlike_summits_make_it(self, ratio, shape):
+        waves = SURFACES[7] if ratio <= 1.0 else (36.0, 24.0, 0.6)
+        coarse = press_rough(waves, shape, ratio, "periodic", 0.2).pull_off()
+        fine = press_rough(waves, tuple(4 * n for n in shape), ratio, "periodic", 0.2)
+        fine = attrs.evolve(fine, grid=rc.Grid(fine.grid.shape, (float(shape[0]), ratio * shape[1]))).pull_off()
+        assert coarse.value < 0.0
+        assert 0.1 < coarse.uncertainty / abs(coarse.value) < 1.0
+        assert abs(coarse.value - fine.value) < 2.0 * math.hypot(coarse.uncertainty, fine.uncertainty)
+
+    def test_a_cycle_knows_that_its_range_is_no_limit(self):
+        tip = rc.Body(rc.ParaboloidSurface(1e-6, (3e-9, 8e-9)), rc.Elastic(1e7, 0.49))
+        problem = rc.ContactProblem(tip, grid=rc.Grid((32, 48), 3e-6), adhesion=rc.ShortRange(0.05))
+        approach = np.linspace(-4e-7, 2e-8, 9)
+        found = problem.cycle(approach=approach).pull_off
+        alone = attrs.evolve(problem, adhesion=problem.plan.interaction).cycle(approach=approach).pull_off
+        limit = -1.5 * math.pi * 0.05 * 1e-6
+        assert found.value == alone.value
+        assert found.value < 1.02 * limit
+        assert abs(found.value - limit) < 2.0 * math.sqrt(found.uncertainty**2 - alone.uncertainty**2)
+
+    @pytest.mark.parametrize("ratio", [1.0, 1 / 3])
+    def test_a_sharp_law_sticks_more_than_its_cohesive_length_says(self, ratio):
+        random = np.random.default_rng(13)
+        errors = []
+        for smoothing in (0.05, 0.05, 0.1, 0.1, 0.1, 0.1):
+            strength = 0.45 * 0.5 * (math.pi * 0.05 * (16 / 9) * 1e18 / 1e-6) ** (1 / 3)
+            law = rc.Dugdale(0.05, strength, smoothing)
+            cell = law.cohesive_cells((1.0, 1.0), 1e9) / random.uniform(2.6, 3.4)
+            side = 2.0 * 1.4 * (4.5 * math.pi * 0.05 * 1e-12 / 1e9) ** (1 / 3)
+            shape = (math.ceil(side / cell), math.ceil(side / cell / ratio))
+            place = random.uniform(-0.5, 0.5, 2) * cell
+            tip = rc.Body(rc.ParaboloidSurface(1e-6, tuple(place)), rc.Elastic(1e9, 0.0))
+            grid = rc.Grid(shape, (shape[0] * cell, shape[1] * cell * ratio))
+            found = rc.ContactProblem(tip, grid=grid, adhesion=law).pull_off()
+            exact = MaugisDugdale(1e-6, 1e9, 0.05, strength).pull_off
+            errors.append(abs(found.value - exact) / math.hypot(found.uncertainty, 5e-4 * exact))
+        assert np.sum(np.array(errors) < 2.0) >= 5

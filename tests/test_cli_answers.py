@@ -614,7 +614,7 @@ STICKY = ["--young", "5MPa", "--poisson", "0.5", "--adhesion", "exponential", "w
         (["law", "wave.npz", "--loads", "1MPa..2MPa", *STEEL], "load 3 of 3"),
         (["solve", "rough.npz", "--cycle", "-2um", "1um", "--states", "3", *STICKY], "state 5 of 5"),
         (["solve", "rough.npz", "--loads", "20uN", "0N", "-20uN", *STICKY], "load 3 of 3, force -20 µN: 48 x 48 cells"),
-        (["solve", "ball.npz", "--force", "0N", "--pull-off", *STICKY], "pull-off, state 19 of about 19, force -"),
+        (["solve", "ball.npz", "--force", "0N", "--pull-off", *STICKY], r"pull-off, state (\d+) of about \1, force -"),
         (["solve", "rough.npz", "--force", "10mN", "--stiffness", "--peak-pressure", *STEEL], "answer 2 of 2"),
         (["stability", "wave.npz", "--pressure", "50MPa", *STEEL], "tighter tolerance"),
     ],
@@ -631,7 +631,7 @@ def test_progress_says_what_is_solved_and_how_long_it_takes(monkeypatch, capsys,
     with contextlib.suppress(SystemExit):
         main([str(one) for one in arguments])
     drawn = terminal.getvalue().split("\r")
-    assert any(words in text for text in drawn), drawn
+    assert any(re.search(words, text) for text in drawn), drawn
     assert any(re.match(r" *\d+ % \|.{10}\| \d\d:\d\d < (\d\d:\d\d|\?)  ", text) for text in drawn), drawn
 
 

@@ -123,6 +123,46 @@ def test_closed_forms():
     assert dugdale.steepest == pytest.approx(math.pi * 1e14 / (4 * 0.2 * 0.05), rel=1e-14)
 
 
+class _Linear(Interaction):
+    """A law of one's own, whose tension falls linearly: with an array of strengths it varies from cell to cell."""
+
+    def __init__(self, strength):
+        self.largest = strength
+
+    def tension(self, gap):
+        return self.largest * np.maximum(1.0 - gap / 1e-8, 0.0)
+
+    def slope(self, gap):
+        return np.where(gap < 1e-8, -self.largest / 1e-8, 0.0)
+
+    def energy(self, gap):
+        return -0.5e-8 * self.largest * np.maximum(1.0 - gap / 1e-8, 0.0) ** 2
+
+
+def test_work_and_strength_of_a_law_of_ones_own_are_numbers_or_arrays():
+    assert type(_Linear(5e6).work) is float
+    assert type(_Linear(5e6).strength) is float
+    strengths = np.array([[1e6, 2e6, 4e6]])
+    np.testing.assert_allclose(_Linear(strengths).work, 0.5e-8 * strengths, rtol=1e-15)
+    np.testing.assert_array_equal(_Linear(strengths).strength, strengths)
+
+
+@pytest.mark.parametrize("ask", ["resolve", "cohesive_cells"])
+@pytest.mark.parametrize(
+    ("spacing", "modulus", "what"),
+    [((0.0, 0.0), 1e9, "The cell"), ((1e-8, np.nan), 1e9, "The cell"), ((1e-8, 3e-8), 0.0, "The contact modulus")],
+)
+def test_cells_and_moduli_that_no_grid_has(ask, spacing, modulus, what):
+    law = ShortRange(0.05) if ask == "resolve" else Exponential(0.05, 1e-9)
+    with pytest.raises(rc.InputError, match=what):
+        getattr(law, ask)(spacing, modulus)
+
+
+def test_a_short_range_has_no_units_without_a_grid():
+    with pytest.raises(rc.InputError, match="depends on the grid"):
+        ShortRange(0.05).scaled(1e-9, 1e6)
+
+
 def test_work_and_range_may_vary_from_cell_to_cell():
     work = np.array([[0.01, 0.02, 0.03]])
     for law in (Exponential(work, 2e-9), Dugdale(work, 1e7), VanDerWaals(work, 1e-9), ShortRange(work)):

@@ -205,8 +205,9 @@ def make_cycle_rows() -> list[list[str]]:
                 f"{count_cells(make_elastomer(cells, ELASTOMER_LAW)):.1f}",
                 f"{1e-3 * cycle.pull_in.value / area:.2f}",
                 f"{1e-3 * cycle.pull_off.value / area:.2f}",
-                f"{1e3 * loss.value / area:.3f}",
-                f"{1e3 * loss.uncertainty / area:.3f}",
+                # Rounding decides whether a patch near a jump joins, and moves the loss by a part of what is stated.
+                f"{1e3 * loss.value / area:.1f}",
+                f"{1e3 * loss.uncertainty / area:.1f}",
                 f"{len(cycle.jumps)}",
             ]
         )
@@ -268,10 +269,13 @@ def draw(folder: Path = FIGURES, cells: int = 128) -> None:
 
 # What the page shows.
 RANGE = ("cells", "n_c", "pull-off", "stated, %", "area, loading", "area, unloading")
-CLASSES = ("pull-off-free", "pull-off-short-range", "pull-off-rough", "area-free", "area-rough", "gap-rough")
+CLASSES = (
+    *("pull-off-free", "pull-off-short-range", "pull-off-short-range-rough", "pull-off-rough"),
+    *("area-free", "area-rough", "gap-rough"),
+)
 TABLES = {
     "adhesion-classes": DocTable(
-        make_class_rows, seconds=250, shown=pick(["class", "held-out: error, %", "held-out: within two, %"], CLASSES)
+        make_class_rows, seconds=350, shown=pick(["class", "held-out: error, %", "held-out: within two, %"], CLASSES)
     ),
     "adhesion-balls": DocTable(make_ball_rows, seconds=30, shown=pick(lines=("0.1", "0.5", "5"))),
     "adhesion-stiffness": DocTable(

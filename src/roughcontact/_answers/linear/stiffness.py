@@ -318,7 +318,8 @@ def _find_pull_std(solution: ContactSolution, answer: Array, value: float) -> fl
     # Cells that pull alike in a ring around the contact, whose sides are 4/pi times its length.
     count = total**2 / float(np.einsum("i,i->", pull, pull))
     width = count / (0.25 * math.pi * max(count_sides(solution), 1))
-    stuck = _STUCK_STD * math.exp(-_STUCK_FALL * law.cohesive_cells(solution.grid.resolved.spacing, solution.modulus))
+    cells = law.cohesive_cells(solution.grid.resolved.spacing, solution.surface_modulus)
+    stuck = _STUCK_STD * math.exp(-_STUCK_FALL * cells)
     return math.hypot(_PULL_STD * total * solution.grid.cell_area / width, stuck * value)
 
 

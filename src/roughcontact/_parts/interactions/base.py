@@ -11,7 +11,7 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array, Pair, RealArray
-from roughcontact._base.checks import Part
+from roughcontact._base.checks import Part, number, pair
 from roughcontact._base.registry import Registry
 from roughcontact.errors import InputError
 
@@ -90,7 +90,8 @@ class Interaction(Part, abc.ABC):
 
         Below 2.5 the edge of the contact starts to stick to the cells: use a longer range, or smaller cells.
         """
-        return modulus / (self.steepest * max(spacing))
+        longer = max(pair(spacing, "The cell", "m", above=0.0))
+        return number(modulus, "The contact modulus", "Pa", above=0.0) / (self.steepest * longer)
 
     def resolve(self, spacing: Pair, modulus: float) -> Interaction:
         """Return the law for a grid and a contact modulus, Pa; by default itself."""

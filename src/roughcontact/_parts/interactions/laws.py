@@ -8,7 +8,7 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array, Pair, RealArray, restore_state
-from roughcontact._base.checks import number, number_or_array
+from roughcontact._base.checks import number, number_or_array, pair
 from roughcontact._base.units import Quantity
 from roughcontact._parts.interactions.base import Interaction
 from roughcontact.errors import InputError
@@ -328,7 +328,9 @@ class ShortRange(Interaction):
 
     def resolve(self, spacing: Pair, modulus: float) -> Exponential:
         """Return the exponential law with the shortest range that cells of a spacing, m, resolve at a modulus, Pa."""
-        return Exponential(self.work, np.sqrt(_RESOLVED * self.work * (max(spacing) / modulus)))
+        longer = max(pair(spacing, "The cell", "m", above=0.0))
+        stiff = number(modulus, "The contact modulus", "Pa", above=0.0)
+        return Exponential(self.work, np.sqrt(_RESOLVED * self.work * (longer / stiff)))
 
     def tension(self, gap: RealArray) -> RealArray:
         """Raise `InputError`: the law depends on the grid."""
@@ -339,6 +341,10 @@ class ShortRange(Interaction):
         raise self._refusal()
 
     def energy(self, gap: RealArray) -> RealArray:
+        """Raise `InputError`: the law depends on the grid."""
+        raise self._refusal()
+
+    def scaled(self, length: float, pressure: float) -> Interaction:
         """Raise `InputError`: the law depends on the grid."""
         raise self._refusal()
 

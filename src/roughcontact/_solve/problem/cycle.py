@@ -22,7 +22,7 @@ from roughcontact._base.units import WIDTH, Estimate, Length, si, write_column
 from roughcontact._parts.grid import Load
 from roughcontact._solve.problem.adhesive_path import Solve, cells_of, follow_loads, open_gap, require_resolved
 from roughcontact._solve.problem.plan import SolvePlan
-from roughcontact._solve.problem.pull_off import find_minimum, refine_around_lowest
+from roughcontact._solve.problem.pull_off import find_lowest
 from roughcontact._solve.problem.scene import Scene
 from roughcontact._solve.problem.sweep import Sweep, make_table, report_states
 from roughcontact._solve.problem.task import bind_interaction, limit_load
@@ -94,12 +94,12 @@ class AdhesionCycle:
     @cached_property
     def pull_in(self) -> Estimate:
         """Minimum of the force on loading, N: that at which the surfaces snap together."""
-        return find_minimum(refine_around_lowest(self.loading), self.warnings)
+        return find_lowest(self.loading, self.warnings)
 
     @cached_property
     def pull_off(self) -> Estimate:
         """Minimum of the force on unloading, N: that at which they come apart; solved more finely than the states."""
-        return find_minimum(refine_around_lowest(self.unloading), self.warnings)
+        return find_lowest(self.unloading, self.warnings)
 
     @property
     def jumps(self) -> tuple[tuple[float, float], ...]:

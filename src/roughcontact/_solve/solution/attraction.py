@@ -250,7 +250,7 @@ def warn_of_border(solution: ContactSolution) -> WarningText | None:
     if ratio <= _MAX_BORDER_TENSION:
         return None
     text = (
-        f"the tension at the free border is {100 * ratio:.2g} % of its maximum, and what lies beyond is cut off: "
+        f"the tension at the free border is {100 * ratio:.3g} % of its maximum, and what lies beyond is cut off: "
         "enlarge the domain, or make it periodic if the surface repeats"
     )
     return WarningText(text, "border tension", ratio)
@@ -259,7 +259,9 @@ def warn_of_border(solution: ContactSolution) -> WarningText | None:
 def find_cut_tension(solution: ContactSolution) -> tuple[float, float]:
     """Return the largest tension at a free border over the largest of all, and about the force beyond it, N.
 
-    The tension is continued by the fall from the last but one row of cells to the last.
+    Each line of cells across the border is continued by its fall from the last but one cell to the last, over no more
+    cells than are attracted along it before the border. Where the contact itself is cut, its pressure bears most of the
+    tension, as within the domain.
     """
     tension = solution.tension
     largest = 0.0 if tension is None else float(tension.max())
@@ -267,15 +269,19 @@ def find_cut_tension(solution: ContactSolution) -> tuple[float, float]:
         return 0.0, 0.0
     ratio = 0.0
     force = 0.0
+    net = min(abs(solution.force) / (float(tension.sum()) * solution.grid.cell_area), 1.0)
     for axis, free in enumerate(solution.boundary.free_axes):
         rows = np.moveaxis(tension, axis, 0)
         if not free or len(rows) < 2:
             continue
-        for last, before in ((rows[0], rows[1]), (rows[-1], rows[-2])):
+        shares = np.where(np.moveaxis(solution.contact, axis, 0), net, 1.0)
+        for inwards, share in ((rows, shares[0]), (rows[::-1], shares[-1])):
+            last = inwards[0]
             ratio = max(ratio, float(last.max()) / largest)
-            fall = float(last.sum()) / max(float(before.sum()), float(last.sum()), 1e-300)
-            force += float(last.sum()) * min(fall / max(1.0 - fall, 1e-3), float(len(rows)))
-    return ratio, force * solution.grid.cell_area
+            fall = last / np.maximum(np.maximum(inwards[1], last), 1e-300)
+            attracted = np.logical_and.accumulate(inwards >= 0.5 * last, axis=0).sum(axis=0)
+            force += float(np.sum(share * last * np.minimum(fall / np.maximum(1.0 - fall, 1e-3), attracted)))
+    return ratio, min(force * solution.grid.cell_area, abs(solution.force))
 
 
 def interpolate_peak(solution: ContactSolution) -> Estimate:

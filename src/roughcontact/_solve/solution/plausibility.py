@@ -315,7 +315,7 @@ def _find_single_cells(solution: ContactSolution) -> Finding:
     name = "cells per contact"
     forces = solution.patches.forces
     single = float(forces[solution.patches.cells == 1].sum() / forces.sum())
-    ratio = solution.mean_pressure / solution.modulus
+    ratio = solution.mean_pressure / solution.surface_modulus
     text = f"{_percent(single)} of the load is on contacts of a single cell"
     if ratio < _MIN_PRESSURE_RATIO and single > PLAUSIBILITY_RULES[name].admissible:
         light = f"the mean pressure is {si(solution.mean_pressure, 'Pa')}, {ratio:.2g} of E*"

@@ -140,7 +140,8 @@ def find_stiffness_sampling(solution: ContactSolution, stiffness: float) -> floa
     if not free[0]:
         return _keep_known(rough)
     # A flat punch as large as the domain, or the ellipse in which a ball touches, yields too, everywhere alike.
-    flat = _find_punch_stiffness(_find_window(solution).size, solution.modulus)
+    sides = _find_window(solution).size
+    flat = _find_punch_stiffness(sides, float(solution.effective_modulus(1.0 / math.sqrt(sides[0] * sides[1]))))
     flat *= _ELLIPSE_FACTOR if _has_form(solution) else 1.0
     return _keep_known(rough * max(1.0 - stiffness / flat, _MIN_ROUGH_FRACTION))
 
@@ -279,7 +280,7 @@ def _find_unevenness(solution: ContactSolution, window: _Window, waves: Waves) -
     cells = window.shape[0] * window.shape[1]
     pressures = solution.pressure.ravel()[solution.patches.members]
     fraction = pressures.size / cells
-    load = float(pressures.sum()) / cells / (solution.modulus * math.sqrt(square))
+    load = float(pressures.sum()) / cells / (solution.surface_modulus * math.sqrt(square))
     # Persson's area.
     usual = (1.0 + _USUAL_EXCESS * (1.0 - fraction) ** 2) * math.erf(math.sqrt(2.0) * load)
     steep = max(math.log(usual / fraction), 0.0)

@@ -28,6 +28,8 @@ from roughcontact._solve.solvers.base import (
 )
 from roughcontact._solve.solvers.conjugate import ProjectedConjugateGradient
 
+# Error of the gap, over the scale, below which no step leaps to another state.
+_NEAR = 1e-2
 # Fraction of the tolerance at which a descent ends, so that its verification in float64 meets it.
 _MARGIN = 0.7
 # Error, over the scale, that a descent in float32 may reach.
@@ -196,6 +198,7 @@ class _Run:
             if self._left == 0:
                 return Status.MAXIMUM_ITERATIONS
             self._left -= 1
+            descent.cautious = error > _NEAR
             idle = 0 if error < 0.5 * best else idle + 1
             best = min(best, error)
             rounded = descent.dtype is np.float32 and best < _ROUNDED
