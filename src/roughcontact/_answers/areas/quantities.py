@@ -210,16 +210,16 @@ class MeanGap(Quantity):
     def find(self, solution: ContactSolution, area: Area) -> Estimate:
         """Return the mean gap; see `Quantity.find`."""
         shift, std = find_shift(solution)
-        gap, non_measured_std = fill_gap(solution)
+        filled = fill_gap(solution)
         # Where cells are saturated the bodies flow instead of overlapping.
-        gap = np.where(solution.saturated, 0.0, gap)
+        gap = np.where(solution.saturated, 0.0, filled.values)
         beyond = _correct_mean(gap, solution.boundary)
         outside = 1.0 if not solution.boundary.has_free_axis else 1.0 - area.fraction
         cut, cut_std = find_cut_shift(solution)
         part = (1.0 - area.fraction) ** calibration.CUT_GAP_EXPONENT
         value = float(np.mean(gap)) + beyond - shift * outside + cut * part
         uncertainty = math.hypot(
-            std * outside, non_measured_std, cut_std * part, calibration.MEAN_CORRECTION_ERROR * beyond
+            std * outside, filled.mean_std, cut_std * part, calibration.MEAN_CORRECTION_ERROR * beyond
         )
         if solution.contact.all():
             # The rest of the gap is the error of the solve.

@@ -44,7 +44,7 @@ _DISTINCT_FRACTION = 0.3
 # surface through the holes has some.
 _MAX_HOLE_FRACTION = 0.5
 _MAX_NOISE_HOLE_FRACTION = 0.05
-# Mean power of the waves shorter than two cells, over the least band, above which the bands below a steep fall are
+# Mean power of the waves shorter than two cells, over the lowest band, above which the bands below a steep fall are
 # noise, which is the same everywhere: 0.7 to 2 with noise of 0.1 to 3 % of Sq, at most 0.53 on creased, clipped and
 # blurred maps. Factor of the mean over the median of an exponential distribution.
 _FLOOR_FRACTION = 0.65

@@ -39,6 +39,10 @@ _MEAN_GAP_STD = 0.5
 # Standard deviation of the gap far from measured points over that of the measured gap; set on balls, cylinders and
 # rough contacts with margins and blobs.
 _DEEP_SCATTER = 2.0
+# Standard deviation of the mean gap, because the measured points carry what the others would have carried, over the
+# fraction of that load: part of the mean gap, or of the approach where that is less, as for a ball. Set on rough
+# contacts and rough balls with blobs and margins.
+_LOST_LOAD_STD = (0.25, 0.67)
 # Minimum overlap of a touching point, over p h / E* around it: 1.1 for one cell in a uniform pressure (exact).
 _TOUCHING_OVERLAP = 0.3
 # Steps to the cells around one.
@@ -89,34 +93,74 @@ def _overlaps(gap: Array, solution: ContactSolution, missing: Mask) -> Mask:
     return result
 
 
-def fill_gap(solution: ContactSolution) -> tuple[Array, float]:
-    """Return the gap with values at all non-measured points, shape `grid.shape`, m, and the uncertainty of its mean, m.
+@attrs.frozen(eq=False)
+class FilledGap:
+    """The gap with values at all non-measured points.
 
-    Points that would touch get no gap; the uncertainty is the standard deviation by these points. Far from measured
-    points nothing is known of the gap: there it is, on a free domain, the form through the measured gap, and all ways
-    to continue it count.
+    Attributes
+    ----------
+    values
+        Gap, shape `grid.shape`, m; zero at non-measured points that would touch.
+    std
+        Standard deviation of each gap by non-measured points, shape `grid.shape`, m; zero at measured points.
+    mean_std
+        Standard deviation of the mean gap by non-measured points, m.
+    """
+
+    values: Array
+    std: Array
+    mean_std: float
+
+
+def fill_gap(solution: ContactSolution) -> FilledGap:
+    """Return the gap with values at all non-measured points, and their uncertainty.
+
+    Far from measured points nothing is known of the gap: there it is, on a free domain, the form through the measured
+    gap, and all ways to continue it count.
     """
     from scipy import ndimage
 
     solution = heal(solution)
     missing = _NON_MEASURED.get(solution)
     if missing is None:
-        return solution.gap, 0.0
+        return FilledGap(solution.gap, np.zeros(solution.grid.shape), 0.0)
     harmonic = fill(np.where(missing, np.nan, solution.gap))
     gap = _bend_near(harmonic, missing, ~missing, solution)
-    holes, _ = ndimage.label(missing)
+    holes = np.asarray(ndimage.label(missing)[0], dtype=np.intp)
     differences = np.bincount(holes[missing], weights=(gap - harmonic)[missing])
-    std = _MEAN_GAP_STD * float(np.linalg.norm(differences)) / missing.size
+    mean_std = _MEAN_GAP_STD * float(np.linalg.norm(differences)) / missing.size
+    mean_std = math.hypot(mean_std, _find_lost_load_std(solution, missing, holes, gap))
+    std = np.where(missing, _MEAN_GAP_STD * np.abs(gap - harmonic), 0.0)
     gap = np.where(missing, np.maximum(gap, 0.0), gap)
+    if solution.non_measured is not None:
+        gap[solution.non_measured] = 0.0
     deep = missing & ~grow(~missing, _BENDING_RANGE, solution.boundary)
     if not deep.any():
-        return gap, std
-    ways = [gap, np.where(deep, float(gap[~missing].mean()), gap)]
+        return FilledGap(gap, std, mean_std)
+    measured = gap[~missing]
+    ways = [gap, np.where(deep, float(measured.mean()), gap)]
     if all(solution.boundary.free_axes):
         form = _continue_form(gap, missing | (solution.contact_pressure > 0.0))
         ways.insert(0, np.where(deep, form, gap))
     means = [float(np.mean(way)) for way in ways]
-    return ways[0], math.hypot(std, max(means) - min(means), _scatter_of_mean(gap, missing, deep))
+    spread = np.hypot(np.ptp(ways, axis=0), float(measured.std()))
+    mean_std = math.hypot(mean_std, max(means) - min(means), _scatter_of_mean(gap, missing, deep))
+    return FilledGap(ways[0], np.where(deep, spread, std), mean_std)
+
+
+def _find_lost_load_std(solution: ContactSolution, missing: Mask, holes: IntArray, gap: Array) -> float:
+    """Return the standard deviation of the mean gap by the load that non-measured points would have carried, m.
+
+    They would have carried as much as the points around their holes; around a single one the neighbours do.
+    """
+    if not solution.contact.any():
+        return 0.0
+    weight = 1.0 - 1.0 / np.sqrt(np.bincount(holes[missing]))[holes[missing]]
+    fields = (solution.contact.astype(np.float64), solution.contact_pressure)
+    known = [(fill(np.where(missing, np.nan, field)), float(np.sum(field, where=~missing))) for field in fields]
+    lost = max(float(np.sum(weight * field[missing])) / total for field, total in known if total > 0.0)
+    of_gap, of_approach = _LOST_LOAD_STD
+    return lost * min(of_gap * float(np.mean(gap)), of_approach * abs(solution.approach))
 
 
 def _continue_form(gap: Array, omitted: Mask) -> Array:

@@ -265,8 +265,8 @@ class ErrorReport:
     def advice(self, area: float = 0.005) -> str:
         """Return in a sentence which case reaches a relative error of the area at the lowest cost.
 
-        It adds the cells that the other estimators need. A case counts only if its standard deviation is no larger
-        than that error, and all finer grids of the report are accurate enough too: a coarse grid may be right by
+        It adds the cells that the other estimators need. A case counts only if its standard deviation is at most
+        that error, and all finer grids of the report are accurate enough too: a coarse grid may be right by
         chance.
         """
         advice = advise(self.rows, self.reference, area)
