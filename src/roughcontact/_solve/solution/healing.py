@@ -130,22 +130,31 @@ def fill_gap(solution: ContactSolution) -> FilledGap:
     differences = np.bincount(holes[missing], weights=(gap - harmonic)[missing])
     mean_std = _MEAN_GAP_STD * float(np.linalg.norm(differences)) / missing.size
     mean_std = math.hypot(mean_std, _find_lost_load_std(solution, missing, holes, gap))
-    std = np.where(missing, _MEAN_GAP_STD * np.abs(gap - harmonic), 0.0)
+    unknown = _find_unknown_fraction(missing, solution.boundary)
+    measured = gap[~missing]
+    std = np.hypot(np.where(missing, _MEAN_GAP_STD * (gap - harmonic), 0.0), unknown * float(measured.std()))
     gap = np.where(missing, np.maximum(gap, 0.0), gap)
     if solution.non_measured is not None:
         gap[solution.non_measured] = 0.0
-    deep = missing & ~grow(~missing, _BENDING_RANGE, solution.boundary)
+    mean_std = math.hypot(mean_std, _scatter_of_mean(gap, missing, float(unknown.sum())))
+    deep = unknown == 1.0
     if not deep.any():
         return FilledGap(gap, std, mean_std)
-    measured = gap[~missing]
     ways = [gap, np.where(deep, float(measured.mean()), gap)]
     if all(solution.boundary.free_axes):
         form = _continue_form(gap, missing | (solution.contact_pressure > 0.0))
         ways.insert(0, np.where(deep, form, gap))
     means = [float(np.mean(way)) for way in ways]
-    spread = np.hypot(np.ptp(ways, axis=0), float(measured.std()))
-    mean_std = math.hypot(mean_std, max(means) - min(means), _scatter_of_mean(gap, missing, deep))
-    return FilledGap(ways[0], np.where(deep, spread, std), mean_std)
+    mean_std = math.hypot(mean_std, max(means) - min(means))
+    return FilledGap(ways[0], np.hypot(std, np.ptp(ways, axis=0)), mean_std)
+
+
+def _find_unknown_fraction(missing: Mask, boundary: Boundary) -> Array:
+    """Return how little the neighbours tell of the gap, shape `missing.shape`: from 0 at measured points to 1."""
+    unknown = missing.astype(np.float64)
+    for depth in range(_BENDING_RANGE, 0, -1):
+        unknown[missing & grow(~missing, depth, boundary)] = (depth / (_BENDING_RANGE + 1)) ** 2
+    return unknown
 
 
 def _find_lost_load_std(solution: ContactSolution, missing: Mask, holes: IntArray, gap: Array) -> float:
@@ -172,8 +181,8 @@ def _continue_form(gap: Array, omitted: Mask) -> Array:
         return gap
 
 
-def _scatter_of_mean(gap: Array, missing: Mask, deep: Mask) -> float:
-    """Return the standard deviation of the mean gap because the gap scatters where it is not known, m."""
+def _scatter_of_mean(gap: Array, missing: Mask, count: float) -> float:
+    """Return the standard deviation of the mean gap because the gap scatters at `count` points where it is unknown, m."""
     measured = ~missing
     departure = np.where(measured, gap - float(gap[measured].mean()), 0.0)
     lengths = []
@@ -182,7 +191,6 @@ def _scatter_of_mean(gap: Array, missing: Mask, deep: Mask) -> float:
         correlation = np.fft.irfft(spectrum.sum(axis=1 - axis))[: gap.shape[axis]]
         fallen = np.flatnonzero(correlation < 0.5 * correlation[0])
         lengths.append(float(fallen[0]) if fallen.size else float(gap.shape[axis]))
-    count = int(np.count_nonzero(deep))
     independent = max(count / (4.0 * math.pi * lengths[0] * lengths[1]), 1.0)
     return _DEEP_SCATTER * count / gap.size * float(gap[measured].std()) / math.sqrt(independent)
 
