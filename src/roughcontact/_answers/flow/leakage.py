@@ -32,8 +32,9 @@ _MIN_LOSS_FRACTION = 0.1
 # Relative uncertainty above which flows may err by more than 10 %: 92 % of the errors are below the uncertainty, and
 # none is above 9.8 % in 141 contacts without this warning (benchmarks/response_classes.py, three times its cases).
 _MAX_RELATIVE_STD = 0.1
-# The same for parts of it whose errors have one sign: of a gap around sharp edges, and of non-measured points.
-_MAX_COMMON_STD = 0.05
+# The same where most of it is that of the gap around sharp edges, whose errors have one sign, or of non-measured points.
+# Set on pillars and mesas.
+_MAX_GAP_STD = 0.065
 # Pressure, over the mean in contact, below which cells beside open ones may be open on a finer grid. Set on craters.
 _LIGHT_PRESSURE = 0.5
 # Power of the gap with which the flow grows.
@@ -391,12 +392,13 @@ def _judge_closure(solution: ContactSolution, open_cells: Mask, axis: int) -> tu
 
 def _judge_uncertainty(relative: float, of_gap: float, of_holes: float) -> tuple[str, ...]:
     """Return why the flow may err by more than 10 %, from its relative standard deviation and two parts of it."""
-    if of_holes > max(_MAX_COMMON_STD, of_gap):
+    if of_holes > max(_MAX_GAP_STD, of_gap):
         text = (
             "The gap at non-measured points, continued from their neighbours, hardly determines the flow: measure them."
         )
         return (ContactWarning(text, "non-measured points", of_holes),)
-    if relative > _MAX_RELATIVE_STD or of_gap > _MAX_COMMON_STD:
+    allowed = _MAX_GAP_STD if 2.0 * of_gap > relative else _MAX_RELATIVE_STD
+    if relative > allowed:
         text = "The grid hardly determines the flow, which may err by more than 10 %: refine the grid."
         return (ContactWarning(text, "uncertainty", relative),)
     return ()

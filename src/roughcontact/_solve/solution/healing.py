@@ -182,7 +182,7 @@ def _continue_form(gap: Array, omitted: Mask) -> Array:
 
 
 def _scatter_of_mean(gap: Array, missing: Mask, count: float) -> float:
-    """Return the standard deviation of the mean gap because the gap scatters at `count` points where it is unknown, m."""
+    """Return the standard deviation of the mean gap, m, because the gap scatters at `count` points."""
     measured = ~missing
     departure = np.where(measured, gap - float(gap[measured].mean()), 0.0)
     lengths = []
