@@ -7,9 +7,11 @@ import math
 import attrs
 import numpy as np
 import pytest
+from scipy.special import zeta
 
 import roughcontact as rc
 from exact_contacts import MODULUS, distances, with_fields
+from roughcontact._answers.areas import calibration
 from roughcontact._answers.areas.hertz import _average_cells, _find_low_cells, _pair_cells, hertz_areas
 from roughcontact._answers.areas.spline import Spline
 from roughcontact._answers.areas.summits import (
@@ -42,7 +44,7 @@ def test_the_far_field_of_point_loads_is_that_of_boussinesq():
     cells, forces = [(5, 7), (12, 30), (30, 20)], [1e3, 3e3, 2e3]
     solution = points(grid, cells, forces)
     x, y = (np.array([cell[k] for cell in cells]) * grid.spacing[k] for k in (0, 1))
-    found, step = find_far_field(solution, x, y), 1e-3
+    found, step = find_far_field(solution, x, y, np.zeros_like(x)), 1e-3
     for k in range(3):
         others = [((x[n], y[n]), forces[n]) for n in range(3) if n != k]
 
@@ -57,6 +59,36 @@ def test_the_far_field_of_point_loads_is_that_of_boussinesq():
         np.testing.assert_allclose(found.curvature[:, k], np.array(bend) / step**2, rtol=0.0, atol=1e-4 * scale)
 
 
+@pytest.mark.parametrize("width", [0.9, 9.0, 90.0])
+@pytest.mark.parametrize("boundary", ["free-periodic", "periodic-free"])
+def test_the_far_field_of_a_row_of_loads_on_narrow_and_wide_domains(width, boundary):
+    """The images at L, 2 L, 3 L ... on both sides bend the surface along the row by 4 zeta(3) F / (pi E* L^3)."""
+    order = slice(None) if boundary == "free-periodic" else slice(None, None, -1)
+    grid = rc.Grid((9, 12)[order], (width, 9.0)[order])
+    solution = points(grid, [(4, 5)[order]], [5e3], boundary)
+    x, y = (np.array([2.0]), np.array([3.0]))
+    found = find_far_field(solution, x, y, np.zeros(1))
+    load = 5e3 / (np.pi * MODULUS * 9.0**3) * zeta(3)
+    across, _, along = found.curvature[order, 0]
+    assert along == pytest.approx(4.0 * load, rel=0.01)
+    assert across == pytest.approx(-2.0 * load, rel=0.01)
+
+
+@pytest.mark.parametrize("boundary", ["free", "wrapped", "periodic"])
+def test_loads_that_are_no_points_have_an_error_by_their_axes(boundary):
+    """Two loads across the border of a wrapped or periodic domain are near each other."""
+    grid = rc.Grid((40, 30), (40.0, 90.0))
+    solution = points(grid, [(2, 5), (37, 5)], [1e3, 4e3], boundary)
+    x, y = np.array([2.0, 37.0]), np.array([15.0, 15.0])
+    axes = np.array([0.5, 0.2])
+    apart = 35.0 if boundary == "free" else 5.0
+    found = find_far_field(solution, x, y, axes)
+    factor, most = calibration.FAR_FIELD_ERROR
+    expected = np.array([4e3, 1e3]) / (np.pi * MODULUS * apart**3) * min(factor * 0.29 / apart**2, most)
+    np.testing.assert_allclose(found.error, expected, rtol=0.02)
+    np.testing.assert_array_less(0.0, found.slope[0] * np.array((1.0, -1.0)) * (1.0 if boundary == "free" else -1.0))
+
+
 @pytest.mark.parametrize("sides", [(10.0, 10.0), (10.0, 15.0), (20.0, 10.0)])
 @pytest.mark.parametrize("count", [1, 4])
 def test_the_far_field_of_a_lattice_of_loads(sides, count):
@@ -66,7 +98,7 @@ def test_the_far_field_of_a_lattice_of_loads(sides, count):
     cells = [(3 + 8 * i, 4 + 9 * j) for i in range(repeats[0]) for j in range(repeats[1])]
     solution = points(grid, cells, [5e3] * count, "periodic")
     x, y = (np.array([cell[k] for cell in cells]) * grid.spacing[k] for k in (0, 1))
-    found = find_far_field(solution, x + 0.3, y - 37.0)
+    found = find_far_field(solution, x + 0.3, y - 37.0, np.zeros_like(x))
     steps = np.arange(-400, 401)
     a, b = np.meshgrid(steps * sides[0], steps * sides[1], indexing="ij")
     radius = np.hypot(a, b)

@@ -111,7 +111,7 @@ def test_takes_laws_directions_displacements_and_normal_loads(ball, capsys, prob
     law = ["--friction", "limited-coulomb", "coefficient=0.3", "strength=200MPa"]
     found = json.loads(solve(capsys, ball, *law, "--tangential", "10nm,-5nm", "--json")[1].out)
     expected = problem.path(force=1.0, displacement=[(10e-9, -5e-9)], friction=rc.LimitedCoulomb(0.3, 200e6))
-    assert found["states"][0]["tangential_y"] == pytest.approx(expected.loop.force[1, 1], rel=1e-12)
+    assert found["states"][0]["tangential_y"]["value"] == pytest.approx(expected.loop.force[1, 1], rel=1e-12)
     several = ["--friction", "30%", "--tangential", "0.1N", "0.2N", "--substeps", "2", "--json"]
     status, printed = solve(capsys, ball, *several, load=("--loads", "0.8N", "1N"))
     assert status == 3
@@ -141,7 +141,7 @@ def test_takes_laws_directions_displacements_and_normal_loads(ball, capsys, prob
         ((*SLIDE, "45"), "write it like 30deg"),
         ((*SLIDE, "--tangential", "0.1N"), "not allowed with argument"),
         ((*SLIDE, "--substeps", "2"), "--substeps is for loads along the surface"),
-        ((*SLIDE, "--report", "x.html"), "--report with friction is of a path: give --tangential instead of --slide"),
+        ((*SLIDE, "--report", "x.pdf"), "a file that ends in .html"),
         ((*SLIDE, "-o", "state.vti"), "must be a file that ends in .npz"),
         ((*SLIDE, "--friction", "5", "--counterbody-young", "21GPa"), "Friction times Dundurs' beta is"),
         ((*LOOP, "--first-yield", "yield_stress=1GPa"), "'first-yield' is not for a contact with friction"),
@@ -235,6 +235,45 @@ def test_sliding_writes_files_that_other_commands_read(ball, capsys, sliding, tm
     assert picture.read_bytes()[:4] == b"\x89PNG"
     np.testing.assert_array_equal(rc.FrictionalSolution.load(saved).shear, sliding.shear)
     assert run(capsys, "info", saved)[1].out.strip() == fit(str(sliding))
+
+
+def test_the_report_of_sliding_slides_again(ball, capsys, sliding, tmp_path):
+    report = tmp_path / "sliding.html"
+    solve(capsys, ball, *SLIDE, "120deg", "--report", report, "--stress", "depths=10um")
+    page = report.read_text(encoding="utf-8")
+    assert "stress von mises" in page
+    assert "friction, which would" not in page
+    assert "beta 0, gamma" in page
+    script = script_of(page).replace("state.npz", str(tmp_path / "state.npz"))
+    sliding.save(tmp_path / "state.npz")
+    made = {}
+    exec(script, made)
+    np.testing.assert_array_equal(made["state"].shear, sliding.shear)
+    assert "steady sliding" in sliding.to_html()
+
+
+@pytest.mark.parametrize("way", [("--tangential", "0.1N"), ("--slide",)])
+def test_a_dry_run_does_not_say_that_friction_is_omitted(ball, capsys, way):
+    unlike = ("--counterbody-young", "3GPa", "--friction", "0.3", *way, "--dry-run")
+    status, printed = solve(capsys, ball, *unlike)
+    text = " ".join(printed.out.split())
+    assert status == 0
+    assert "omitted friction" not in text
+    assert "friction Coulomb(coefficient=0.3)" in text
+    assert "normal and tangential solves in turn" in text
+
+
+def test_complete_unloading(ball, capsys, tmp_path):
+    loads = ("--friction", "0.3", "--tangential", "0.1N", "0N", "--substeps", "2")
+    report = tmp_path / "path.html"
+    status, printed = solve(capsys, ball, *loads, "--json", "--report", report, load=("--loads", "1N", "0N"))
+    assert status == 3
+    state = json.loads(printed.out)["states"][-1]
+    assert (state["force"], state["approach"], state["status"]) == (0.0, 0.0, "CONVERGED")
+    assert "force=[1.0, 0.0]" in script_of(report.read_text(encoding="utf-8"))
+    status, printed = solve(capsys, ball, *loads, load=("--loads", "0N", "1N"))
+    assert status == 2
+    assert "above 0" in printed.err
 
 
 def test_sliding_is_for_one_load(ball, capsys):

@@ -13,6 +13,7 @@ import pytest
 from scipy import integrate
 
 import roughcontact as rc
+from roughcontact._solve.problem.friction_certificate import FoundTractions, FrictionalContact
 from roughcontact._solve.solvers import ProjectedShearCG, ShearTask
 from roughcontact.errors import InputError
 from roughcontact.reference import (
@@ -312,7 +313,7 @@ class TestUnlikeBodies:
         problem, force = make_ball(16, STEEL, rc.Rigid())
         friction = ratio * beta_of(problem)
         path = problem.path(force=[force], tangential_force=(0.0, 0.0), friction=friction)
-        assert stick_ratio(path[0], path.numbers[0].stick_area.value) == pytest.approx(punch, abs=0.01)
+        assert stick_ratio(path[0], path.numbers[0].stick_area.value) == pytest.approx(punch, abs=0.012)
 
     @pytest.mark.parametrize("friction", [0.3, 1.0, 4.0])
     def test_sliding_wave(self, friction):
@@ -723,3 +724,235 @@ class TestOrders:
         exact = sweeps[1] + (sweeps[1] - sweeps[0]) / (math.sqrt(2.0) - 1.0)
         assert found.value == pytest.approx(exact, rel=0.04)
         assert abs(found.value - exact) < 2.0 * found.uncertainty
+
+
+class TestPicture:
+    def test_a_loop_is_drawn_with_the_states_between_its_turns(self):
+        """Of two turns and an end a picture drew a line, whose area was zero."""
+        problem, force = make_ball(9)
+        pushed = 0.7 * FRICTION * force
+        turns = [(pushed, 0.0), (-pushed, 0.0), (pushed, 0.0)]
+        path = problem.path(force=force, tangential_force=turns, friction=FRICTION)
+        drawn = path.drawn_loop
+        x, y = drawn.displacement[:, 0], drawn.force[:, 0]
+        closed = slice(len(x) // 3, None)
+        area = abs(float(np.trapezoid(y[closed], x[closed])))
+        lost = sum(one.dissipated.value for one in path.numbers[1:])
+        assert area == pytest.approx(lost, rel=0.05)
+        np.testing.assert_allclose(y[10::10], path.loop.force[1:, 0], rtol=1e-9)
+        line = path.plot().lines[0]
+        assert len(line.get_xdata()) == len(x) == 31
+
+    def test_a_path_of_unlike_bodies_is_drawn_as_it_is(self):
+        problem, force = make_ball(6, ALUMINIUM)
+        path = problem.path(force=force, tangential_force=[(0.1 * force, 0.0)], friction=FRICTION, substeps=2)
+        assert path.drawn_loop is path.loop
+
+
+class TestUnloading:
+    """A path may end where the bodies come apart."""
+
+    @pytest.mark.parametrize("other", [STEEL, ALUMINIUM])
+    def test_the_state_at_a_load_of_zero_carries_nothing(self, other, tmp_path):
+        problem = make_rough(ALUMINIUM, other, shape=(24, 16))
+        loads = {"tangential_force": [(0.004, 0.0), (0.002, 0.003), (0.0, 0.0)], "friction": FRICTION}
+        path = problem.path(force=[0.03, 0.05, 0.0], **loads, substeps=2)
+        state = path[-1]
+        assert not state.pressure.any()
+        assert not state.shear.any()
+        assert not state.stick.any()
+        assert (state.force, state.approach, state.elastic_energy) == (0.0, 0.0, 0.0)
+        assert state.residuals.energy < 1e-12
+        path.save(tmp_path / "path.npz")
+        kept = rc.FrictionalPath.load(tmp_path / "path.npz")[-1]
+        assert kept.displacement == state.displacement
+        problem.verify(kept)
+        problem.verify(kept.contact)
+        # The smallest load leaves hardly more.
+        near = problem.path(force=[0.03, 0.05, 1e-6], **loads, substeps=2)[-1]
+        largest = max(math.hypot(*one.displacement) for one in path)
+        assert np.abs(np.subtract(near.displacement, state.displacement)).max() < 1e-4 * largest
+        for changes in ({"shear": state.shear + 1.0}, {"elastic_energy": 1e-12}):
+            with pytest.raises(InputError):
+                problem.verify(attrs.evolve(state, **changes))
+        forged = attrs.evolve(state.contact, pressure=state.pressure + 1.0)
+        with pytest.raises(InputError):
+            problem.verify(attrs.evolve(state, contact=forged))
+
+    def test_what_sticks_throughout_comes_back(self):
+        problem, force = make_ball(5)
+        pushed = 0.4 * FRICTION * force
+        loads = {"force": [force, 0.0], "tangential_force": [(0.0, pushed), (0.0, 0.0)], "friction": FRICTION}
+        path = problem.path(**loads)
+        moved, lost = path.numbers[1].displacement[1], path.numbers[1].dissipated
+        assert abs(moved.value) < 0.02 * path.numbers[0].displacement[1].value
+        assert abs(moved.value) < 2.0 * moved.uncertainty
+        assert lost.value < 1e-3 * path[0].elastic_energy
+
+    def test_a_given_displacement_is_kept(self):
+        problem = make_rough(STEEL, STEEL, shape=(16, 24))
+        path = problem.path(
+            approach=[2e-8, 0.0], displacement=[(2e-9, 0.0), (3e-9, 1e-9)], friction=FRICTION, substeps=2
+        )
+        assert path[-1].displacement == pytest.approx((3e-9, 1e-9))
+        # All that was stored is lost, and what the last step added.
+        assert path.numbers[-1].dissipated.value > 0.0
+        assert path[-1].tangential_force == (0.0, 0.0)
+
+    @pytest.mark.parametrize(
+        ("force", "words"),
+        [
+            ([0.02, 0.0, 0.02], "zero before the last one"),
+            ([0.0, 0.02, 0.02], "above 0"),
+            ([0.02, 0.02, -0.01], "above 0"),
+            ([0.02, 0.01, 0.0], "slide"),
+        ],
+    )
+    def test_where_they_cannot_come_apart(self, force, words):
+        problem = make_rough(STEEL, STEEL, shape=(16, 12))
+        with pytest.raises(InputError, match=words):
+            problem.path(force=force, tangential_force=(1e-4, 0.0), friction=FRICTION, substeps=1)
+
+
+class TestErrorsOfTheCells:
+    """What the size of the cells leaves in the numbers of a path is stated, against cells of a third."""
+
+    @staticmethod
+    def _make(fine, cells=6.0, stretch=1.0, place=(0.3, -0.2)):
+        count = 2 * math.ceil(1.3 * cells)
+        body = rc.Body(rc.ParaboloidSurface(RADIUS, (place[0] * CELL, place[1] * CELL)), STEEL)
+        shape = (fine * count, round(fine * count * stretch))
+        grid = rc.Grid(shape, (count * CELL, count * CELL))
+        problem = rc.ContactProblem(body, rc.Body(rc.FlatSurface(), STEEL), grid=grid, threads=1)
+        return problem, 4 * problem.plan.modulus * (cells * CELL) ** 3 / (3 * RADIUS)
+
+    @pytest.mark.parametrize(
+        ("first", "second", "stretch"),
+        [
+            ((0.1, 0.0), (0.0, 0.04), 1.0),  # Slip is narrower than a cell.
+            ((0.0, 0.35), (0.3, 0.3), 1.0),
+            ((0.45, 0.0), (0.5, 0.1), 0.5),
+            ((0.6, 0.0), (-0.2, 0.0), 2.0),
+        ],
+    )
+    def test_the_energy_lost_in_each_step(self, first, second, stretch):
+        found, fine = (
+            problem.path(
+                force=force,
+                tangential_force=[tuple(part * FRICTION * force for part in push) for push in (first, second)],
+                friction=FRICTION,
+                substeps=substeps,
+            )
+            for (problem, force), substeps in (
+                (self._make(1, stretch=stretch), "auto"),
+                (self._make(3, stretch=stretch), 4),
+            )
+        )
+        for ours, right in zip(found.numbers, fine.numbers, strict=True):
+            assert abs(ours.dissipated.value - right.dissipated.value) < 2.0 * ours.dissipated.uncertainty
+
+    def test_slip_that_no_cell_sees(self):
+        """Light loading loses a 36th of the work times the part of the force of sliding."""
+        problem, force = self._make(1)
+        exact = CattaneoMindlin(force, RADIUS, problem.plan.modulus, FRICTION, MINDLIN)
+        pushed = 0.02 * FRICTION * force
+        lost = problem.path(force=force, tangential_force=[(pushed, 0.0)], friction=FRICTION).numbers[0].dissipated
+        assert lost.value < 1e-6 * pushed * exact.displacement(pushed)
+        assert abs(lost.value - 0.02 * pushed * exact.displacement(pushed) / 36.0) < 2.0 * lost.uncertainty
+        assert lost.uncertainty < 0.01 * pushed * exact.displacement(pushed)
+
+    def test_the_force_of_a_given_displacement(self):
+        problem, force = self._make(1, cells=4.0, stretch=0.5)
+        exact = CattaneoMindlin(force, RADIUS, problem.plan.modulus, FRICTION, MINDLIN)
+        pushed = 0.4 * FRICTION * force
+        path = problem.path(force=force, displacement=[(exact.displacement(pushed), 0.0)], friction=FRICTION)
+        x, _ = path.numbers[0].tangential_force
+        assert abs(x.value - pushed) < 2.0 * x.uncertainty < 0.2 * pushed
+        assert path.loop.force[1, 0] == x.value == path.table().columns["tangential_x"][0].value
+        given = problem.path(force=force, tangential_force=[(pushed, 0.0)], friction=FRICTION)
+        assert given.numbers[0].tangential_force[0] == rc.Estimate(given[0].tangential_force[0], 0.0, "N")
+
+    def test_all_that_sticks_is_the_real_contact_area(self):
+        problem, force = self._make(1, cells=5.0, place=(0.1, 0.4))
+        path = problem.path(force=force, tangential_force=[(1e-6 * force, 0.0)], friction=FRICTION)
+        area = path[0].contact.area()
+        assert path.numbers[0].stick_area.value == pytest.approx(area.value)
+        assert path.numbers[0].stick_area.uncertainty == pytest.approx(area.uncertainty, rel=0.1)
+        assert path[0].slip_area.value == 0.0
+
+    def test_the_drift_of_unlike_bodies_under_pressure_alone(self):
+        """A ball that lies anywhere between the cells does not drift."""
+        ball = rc.ParaboloidSurface(RADIUS, (0.3 * CELL, 0.1 * CELL))
+        grid = rc.Grid((18, 14), (18 * CELL, 14 * CELL))
+        problem = rc.ContactProblem(rc.Body(ball, ALUMINIUM), rc.Body(rc.FlatSurface(), STEEL), grid=grid, threads=1)
+        force = 4 * problem.plan.modulus * (5 * CELL) ** 3 / (3 * RADIUS)
+        path = problem.path(force=[force], tangential_force=[(0.0, 0.0)], friction=0.2)
+        for drift in path.numbers[0].displacement:
+            assert abs(drift.value) < 2.0 * drift.uncertainty < 0.02 * path[0].approach
+
+
+class TestMasksAndScales:
+    """Non-measured points carry nothing, and residuals have no unit."""
+
+    def test_unlike_bodies_with_points_that_were_not_measured(self):
+        heights = ROUGH.heights(rc.Grid((32, 24), (32 * CELL, 24 * CELL)))
+        holes = np.zeros((32, 24), bool)
+        holes[3:9, 5:11] = True
+        holes[20:, 18:22] = True
+        marked, sunk = (
+            rc.ContactProblem(
+                rc.Body(rc.HeightMap(np.where(holes, low, heights), (32 * CELL, 24 * CELL), **parts), ALUMINIUM),
+                rc.Body(rc.FlatSurface(), STEEL),
+                boundary="free",
+                threads=1,
+            )
+            for low, parts in ((np.nan, {}), (heights.min() - 1e-6, {}))
+        )
+        loads = {"force": 0.02, "tangential_force": [(0.001, 0.002)], "friction": FRICTION, "substeps": 2}
+        found, right = (problem.path(**loads)[0] for problem in (marked, sunk))
+        assert not found.pressure[holes].any()
+        np.testing.assert_allclose(found.pressure, right.pressure, atol=1e-3 * right.pressure.max())
+        np.testing.assert_allclose(found.displacement, right.displacement, rtol=1e-3)
+        assert found.passes <= right.passes + 1
+        marked.verify(found)
+
+    def test_points_that_were_not_measured_never_touch(self):
+        """They are sunk where the approach exceeds all heights, for unlike bodies in each alternation."""
+        grid = rc.Grid((24, 20), (24 * CELL, 20 * CELL))
+        heights = 1e-9 * np.cos(2 * np.pi * grid.x / grid.size[0]) * np.cos(2 * np.pi * grid.y / grid.size[1])
+        holes = np.zeros(grid.shape, bool)
+        holes[8:16, 6:14] = True
+        body = rc.Body(rc.HeightMap(np.where(holes, np.nan, heights), grid.size), ALUMINIUM)
+        problem = rc.ContactProblem(body, rc.Body(rc.FlatSurface(), STEEL), threads=1)
+        state = problem.path(force=0.1, tangential_force=[(0.005, 0.01)], friction=FRICTION, substeps=1)[0]
+        assert state.contact.initial_gap[holes].max() > 10.0 * problem.plan.peak_to_valley
+        assert not state.pressure[holes].any()
+        assert state.passes < 40
+        problem.verify(state)
+
+    def test_energy_that_slip_would_gain_has_no_unit(self):
+        """Reversed, the traction of sliding cells would gain what it loses."""
+        residuals = []
+        for scale in (1.0, 1e3):
+            problem = rc.ContactProblem(
+                rc.Body(ROUGH, rc.Elastic(200e9 * scale, 0.3)),
+                rc.Body(rc.FlatSurface(), rc.Elastic(200e9 * scale, 0.3)),
+                grid=rc.Grid((24, 16), (24 * CELL, 16 * CELL)),
+                boundary="periodic",
+                threads=1,
+            )
+            loads = {"force": 0.02 * scale, "tangential_force": [(0.004 * scale, 0.0)], "friction": FRICTION}
+            run = FrictionalContact(problem, rc.Coulomb(FRICTION))
+            state = problem.path(**loads)[0]
+            wrong = attrs.evolve(state.state, shear=-state.shear)
+            found = FoundTractions(state.contact, wrong.shear, np.zeros(2), state.status, 1, 0)
+            start = run.fields_of(state.before)
+            again, _ = run.judge(state.contact, wrong, state.given, state.before, start, found, 0.0)
+            assert not again.status.success
+            residuals.append(again.residuals.dissipation)
+            limit = state.limit
+            gained = -float((wrong.shear * again.slip).sum())
+            cell = 0.5 * sum(problem.shear_convolution.own) * problem.plan.peak_to_valley / run.unit
+            assert residuals[-1] == pytest.approx(gained / (cell * limit.max() * limit.sum()))
+        assert residuals[0] == pytest.approx(residuals[1], rel=1e-6)
+        assert 0.0 < residuals[0] < 10.0

@@ -174,6 +174,99 @@ def test_hertz_line(boundary, half_width, allowed, place, aspect, along):
     assert abs(found.value - stiffness) <= 3 * found.uncertainty
 
 
+def press_line(length, along, boundary, kernel, wavy, transposed=False):
+    """Return the contact of a cylinder or a wave, 41 cells on 0.4 mm, under 60 kN/m."""
+    turn = -1 if transposed else 1
+    grid = rc.Grid((41, along)[::turn], (4e-4, length)[::turn])
+    x = grid.y if transposed else grid.x
+    heights = -(x**2) / (2 * RADIUS)
+    if wavy:
+        heights = 1e-6 * np.cos(2 * np.pi * (x / 4e-4 - 0.1)) - 2e-7 * np.cos(4 * np.pi * x / 4e-4)
+    body = rc.Body(rc.HeightMap(heights * np.ones(grid.shape), size=grid.size), STEEL)
+    problem = rc.ContactProblem(body, grid=grid, boundary=boundary, kernel=kernel)
+    return problem.solve(force=6e4 * length)
+
+
+def find_line_answers(solution, length, axis):
+    """Return the answers of a line, those that grow with its length over it, with their uncertainties."""
+    leak = solution.leakage(axis=1 - axis, viscosity=1e-3, pressure_drop=1e5)
+    extensive = {
+        "area": solution.area(),
+        "perimeter": solution.response("perimeter"),
+        "stiffness": solution.stiffness(),
+        "conductance": solution.conductance(50.0, 1e-6),
+        **{
+            f"tangential {name}": solution.response(rc.responses.create("tangential-stiffness", axis=number))
+            for name, number in (("across", axis), ("along", 1 - axis))
+        },
+    }
+    intensive = {
+        "peak": solution.peak_pressure(),
+        "approach": solution.response("approach"),
+        "mean gap": solution.response("mean-gap"),
+        "stress": solution.stress().maximum,
+    }
+    found = {name: (answer.value / length, answer.uncertainty / length) for name, answer in extensive.items()}
+    found["leak"] = leak.value * length, leak.uncertainty * length
+    return found | {name: (answer.value, answer.uncertainty) for name, answer in intensive.items()}
+
+
+@pytest.mark.parametrize(
+    ("boundary", "kernel"),
+    [(FREE_PERIODIC, "love"), (rc.Boundary.PERIODIC, "love"), (rc.Boundary.PERIODIC, "fourier")],
+)
+@pytest.mark.parametrize("wavy", [False, True])
+def test_answers_do_not_depend_on_the_length_of_a_line(boundary, kernel, wavy):
+    turned = PERIODIC_FREE if boundary is FREE_PERIODIC else boundary
+    square = press_line(4e-4 / 41, 1, boundary, kernel, wavy)
+    expected = find_line_answers(square, 4e-4 / 41, 0)
+    for length, transposed in ((1.0, True), (3e-6, False)):
+        solution = press_line(length, 1, turned if transposed else boundary, kernel, wavy, transposed)
+        assert len(solution.warnings) == len(square.warnings)
+        for name, (value, uncertainty) in find_line_answers(solution, length, int(transposed)).items():
+            assert value == pytest.approx(expected[name][0], rel=1e-3), name
+            assert uncertainty == pytest.approx(expected[name][1], rel=0.05, abs=1e-5 * value), name
+
+
+@pytest.mark.parametrize("length", [1.0, 1e-6])
+def test_wave_of_one_cell_along_it_is_westergaards(length):
+    exact = rc.reference.Westergaard(1e-6, 4e-4, MODULUS)
+    grid = rc.Grid((1, 600), (length, 4e-4))
+    heights = 1e-6 * np.cos(2 * np.pi * (grid.y / 4e-4 - 0.1037))
+    body = rc.Body(rc.HeightMap(heights, size=grid.size), STEEL)
+    solution = rc.ContactProblem(body, grid=grid, boundary="periodic").solve(pressure=2e8)
+    ratio = 2e8 / exact.full_contact_pressure
+    answers = {
+        2 * exact.half_width(2e8) * length: solution.area(),
+        2 * math.sqrt(2e8 * exact.full_contact_pressure): solution.peak_pressure(),
+        # The integral of the displacement over the load (Johnson 1985, eq. 13.8).
+        1e-6 * ratio * (1 - math.log(ratio)): solution.response("approach"),
+        exact.full_contact_pressure / 1e-6 / -math.log(ratio) * grid.area: solution.stiffness(),
+    }
+    for value, found in answers.items():
+        assert found.value == pytest.approx(value, rel=3e-3)
+        assert abs(found.value - value) <= 3 * found.uncertainty + 1e-4 * value
+        assert found.uncertainty <= 0.02 * value
+
+
+@pytest.mark.parametrize("boundary", [FREE_PERIODIC, PERIODIC_FREE])
+def test_first_yield_of_a_line_of_one_cell(boundary):
+    solution = press_roller(12.2, 60, boundary, along=1, aspect=1e6)
+    found = solution.first_yield(4e7)
+    # The von Mises stress in the middle plane, plane strain (Johnson 1985, eq. 4.49).
+    s = np.linspace(0.3, 1.5, 4001)
+    root = np.sqrt(1 + s**2)
+    x, z = -((1 + 2 * s**2) / root - 2 * s), -1 / root
+    y = 0.3 * (x + z)
+    highest = np.sqrt(0.5 * ((x - y) ** 2 + (y - z) ** 2 + (z - x) ** 2)).max()
+    pressure = 4e7 / highest
+    exact = math.pi * pressure**2 * RADIUS / MODULUS * solution.grid.size[1 - boundary.free_axis]
+    assert found.force.value == pytest.approx(exact, rel=5e-3)
+    assert abs(found.force.value - exact) <= 3 * found.force.uncertainty
+    assert found.force.uncertainty <= 0.02 * exact
+    assert not found.warnings
+
+
 def test_a_given_approach_finds_the_load():
     by_load = press_roller(9.0, 40)
     problem = rc.ContactProblem(

@@ -18,7 +18,7 @@ import first_day_mistakes as study  # noqa: E402
 
 ROWS = [line for line in study.PAGE.read_text(encoding="utf-8").partition(study.HEAD)[2].splitlines() if line]
 STEEL = rc.Elastic(210e9, 0.3)
-ARGUMENTS = ("size", "unit", "decimal")
+ARGUMENTS = ("size", "cell", "unit", "decimal")
 
 
 @pytest.fixture(scope="module")

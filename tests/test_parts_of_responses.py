@@ -21,6 +21,7 @@ from roughcontact._answers.flow.network import (
     make_network,
 )
 from roughcontact._answers.flow.percolation import _BLOCKS, _CORNERS, _SIDES, _is_open
+from roughcontact._answers.linear.conductance import _list_points
 from roughcontact._answers.linear.stiffness import _find_loss, _find_trust, _measure_rows
 from roughcontact._answers.subsurface.first_yield import _choose_load, _find_slope
 from roughcontact._answers.subsurface.maximum import PlanePeak, _fit_parabola, find_maximum
@@ -322,3 +323,11 @@ def test_the_maximum_between_depths_is_that_over_their_logarithm():
     assert surface.warnings == ("the maximum lies at the surface, where it depends on the grid",)
     flat = find_maximum(depths, [PlanePeak(1.0, 0.0, 0.0)] * 5, 1.0, 0.1)
     assert flat.value == 1.0
+
+
+@pytest.mark.parametrize("s", [1e-5, 1e-3, 0.1, 1.0])
+def test_the_waves_of_a_flow_through_a_disc_reach_from_wide_to_thin_layers(s):
+    """The integral of exp(-s x) sin(x)^2 / x^2 is arctan(2 / s) - s / 4 ln(1 + 4 / s^2)."""
+    x, (isothermal, _, _) = _list_points()
+    exact = math.atan(2.0 / s) - 0.25 * s * math.log1p(4.0 / s**2)
+    assert isothermal @ np.exp(-s * x) == pytest.approx(exact, rel=1e-6)

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import integrate
 
-from roughcontact import reference
+from roughcontact import InputError, reference
 
 FORCES = st.floats(1e-6, 1e6)
 RADII = st.floats(1e-6, 1e2)
@@ -41,6 +41,13 @@ def test_elliptic_hertz_tends_to_the_sphere(force, radius, modulus):
     assert nearly.p_max == pytest.approx(sphere.p_max, rel=1e-8)
     assert nearly.approach == pytest.approx(sphere.approach, rel=1e-8)
     assert nearly.semi_axes == pytest.approx(sphere.semi_axes, rel=1e-8)
+
+
+@pytest.mark.parametrize("sharp", [1e-6, 1.0, 1e3])
+def test_only_the_ratio_of_the_radii_says_that_an_ellipse_is_too_slender(sharp):
+    reference.hertz_elliptic(1.0, (sharp, 0.9e24 * sharp), 1e11)
+    with pytest.raises(InputError, match="cylinders"):
+        reference.hertz_elliptic(1.0, (1.1e24 * sharp, sharp), 1e11)
 
 
 def test_elliptic_hertz_bends_the_surface_to_the_paraboloid():

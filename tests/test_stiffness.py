@@ -224,6 +224,21 @@ def test_a_contact_patch_that_the_grid_does_not_show(seed):
         )
 
 
+def test_the_uncertainty_of_a_large_contact_is_of_the_size_of_its_error():
+    errors, stated = [], []
+    for seed in range(3):
+        surface = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.05, shortest=0.2, longest=1.0, rolloff=0.5, seed=seed)
+        body = rc.Body(surface, rc.Elastic(1e9, 0.0))
+        found = [
+            rc.ContactProblem(body, grid=rc.Grid(cells, 1.0), boundary="periodic").solve(pressure=3e7).stiffness()
+            for cells in ((96, 96), (192, 192))
+        ]
+        errors.append(abs(found[0].value - found[1].value))
+        stated.append(found[0].uncertainty)
+        assert errors[-1] < 2.0 * math.hypot(*(one.uncertainty for one in found))
+    assert np.median(stated) < 2.5 * np.median(errors)
+
+
 def test_bounds_on_a_rough_ball():
     grid = rc.Grid((96, 96), 96.0)
     ball = -(grid.x**2 + grid.y**2) / 2000.0

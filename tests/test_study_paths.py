@@ -82,6 +82,14 @@ def test_the_records_are_those_of_paths_by_hand(finished):
         assert result.solution(record).force == path[-1].force
 
 
+def test_the_time_of_a_record_is_that_of_all_its_states(finished):
+    _, result = finished
+    for record in result:
+        path = result.path(record)
+        assert record.seconds == pytest.approx(path.pressed.seconds + sum(state.seconds for state in path))
+        assert path.pressed.seconds > 0.0
+
+
 def test_answers_are_those_of_the_state_at_the_end_of_the_path(tmp_path):
     """The stress counts the traction, which raises it by two thirds here, also where records are read again."""
     steel = rc.Elastic(210e9, 0.3)
@@ -242,6 +250,8 @@ def test_the_command_prints_and_writes_the_energy(study_file, capsys):
     plan = " ".join(capsys.readouterr().out.split())
     assert "path tangential force (20 mN, 0 N), (-20 mN, 5 mN) under each normal load; LimitedCoulomb(" in plan
     assert "for the normal contacts alone" in plan
+    assert "omitted friction" not in plan
+    assert "coupling normal and tangential solves in turn" in plan
     assert main(["run", str(study_file)]) in (0, 3)
     out = capsys.readouterr().out
     assert "energy lost" in " ".join(out.split())

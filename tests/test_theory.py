@@ -244,6 +244,13 @@ class TestBeside:
             # Only that the domain is 1 m long.
             assert [text for text in solution.warnings if "1 m long" not in text] == []
 
+    @pytest.mark.parametrize("shape", [(384, 128), (128, 384)])
+    def test_the_longer_sides_of_the_cells_resolve_the_waves_or_not(self, shape):
+        """Waves of 2.5 such sides are not resolved, those of 6 are, whichever axis has them."""
+        for cells, known in ((2.5, False), (6.0, True)):
+            surface, _ = rough(hurst=0.5, shortest=cells / 128, longest=0.12, rolloff=0.12, seed=5)
+            assert (solve(surface, rc.Grid(shape, 1.0), 0.1).theory is not None) == known
+
     @pytest.mark.parametrize(
         "make",
         [

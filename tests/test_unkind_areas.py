@@ -13,6 +13,7 @@ import roughcontact as rc
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "benchmarks"))
 
+import image_constants
 import unkind_classes
 
 from roughcontact.reference import hertz_elliptic
@@ -153,3 +154,10 @@ def test_approach_of_ellipses_on_long_cells():
         found = solution.response("approach")
         assert abs(found.value - exact.approach) <= 2.0 * found.uncertainty
         assert found.uncertainty < 1e-3 * found.value
+
+
+@pytest.mark.parametrize("case", list(image_constants.list_ellipses(4, 15)), ids=lambda case: str(case.boundary))
+def test_areas_and_pressures_of_ellipses_beside_their_own_images_are_within_two(case):
+    """Hertz's closed form of a single ellipse does not hold there: areas erred by up to 18 %, stated to 1e-6."""
+    for error, std in image_constants.measure(case)[1:]:
+        assert abs(error) <= 2.0 * std

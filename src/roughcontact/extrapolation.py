@@ -10,7 +10,7 @@ import numpy as np
 
 from roughcontact._base.arrays import Array
 from roughcontact._base.checks import MAX_MAGNITUDE, number
-from roughcontact._base.units import ContactWarning
+from roughcontact._base.units import WarningText
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 
@@ -76,7 +76,7 @@ def exponential(cells: Sequence[float], values: Sequence[float]) -> Extrapolatio
     scales = np.geomspace(0.05 * x[0], 50.0 * x[-1], 400)
     t, limit, slope, residual, warnings = _fit_curve(x, y, scales, lambda t: np.exp(-x / t))
     if not 0.5 * x[0] <= t <= x[-1]:
-        warnings += (ContactWarning(f"the decay length t = {t:.3g} cells lies outside the data", "decay length", t),)
+        warnings += (WarningText(f"the decay length t = {t:.3g} cells lies outside the data", "decay length", t),)
     return Extrapolation("exponential", limit, {"A0": limit, "k": slope, "t": t}, residual, warnings)
 
 
@@ -90,7 +90,7 @@ def power_law(cells: Sequence[float], values: Sequence[float]) -> Extrapolation:
     h = x[0] / x
     q, limit, slope, residual, warnings = _fit_curve(x, y, np.geomspace(0.05, 20.0, 400), lambda q: h**q)
     if not _PLAUSIBLE_ORDERS[0] <= q <= _PLAUSIBLE_ORDERS[1]:
-        warnings += (ContactWarning(f"the order q = {q:.3g} is not plausible", "order", q),)
+        warnings += (WarningText(f"the order q = {q:.3g} is not plausible", "order", q),)
     return Extrapolation("power law", limit, {"A0": limit, "c": float(slope * x[0] ** q), "q": q}, residual, warnings)
 
 
@@ -132,12 +132,12 @@ def richardson(cells: Sequence[float], values: Sequence[float], order: float | N
     q = order if order is not None else _observe_order(x, y)
     if not math.isfinite(q) or q <= 0.0:
         text = "the three finest values do not converge with a positive order; the finest is returned"
-        warnings += (ContactWarning(text, "order", q),)
+        warnings += (WarningText(text, "order", q),)
         return Extrapolation("Richardson", float(y[-1]), {"q": q}, 0.0, warnings)
     growth = (x[-1] / x[-2]) ** q
     value = float(y[-1] + (y[-1] - y[-2]) / (growth - 1.0))
     if order is None and not _PLAUSIBLE_ORDERS[0] <= q <= _PLAUSIBLE_ORDERS[1]:
-        warnings += (ContactWarning(f"the observed order q = {q:.3g} is not plausible", "order", q),)
+        warnings += (WarningText(f"the observed order q = {q:.3g} is not plausible", "order", q),)
     # The finest unused grid shows how well one order describes the data.
     used = 2 if order is not None else 3
     misfit = 0.0
@@ -147,7 +147,7 @@ def richardson(cells: Sequence[float], values: Sequence[float], order: float | N
         if misfit > _MAX_MISFIT * abs(error):
             off = misfit / abs(error)
             text = f"the error of the next coarser grid is off by {100 * off:.0f} %"
-            warnings += (ContactWarning(text, "misfit", off),)
+            warnings += (WarningText(text, "misfit", off),)
     return Extrapolation("Richardson", value, {"q": float(q)}, misfit, warnings + _check_monotone(y))
 
 
@@ -203,12 +203,12 @@ def _fit_curve(
         exactly = x.size == _FITTED_PARAMETERS
         verb, end = ("determine", " exactly: the misfit says nothing") if exactly else ("cannot determine", "")
         text = f"{x.size} grids {verb} {_FITTED_PARAMETERS} parameters{end}"
-        warnings += (ContactWarning(text, "few grids", x.size),)
+        warnings += (WarningText(text, "few grids", x.size),)
     step = abs(limit - float(y[-1]))
     if residual > _MAX_MISFIT * step:
         part = f"{100 * residual / step:.0f} % of" if step > 0.0 else "more than"
         text = f"the curve misses the data by {part} its step beyond the finest grid"
-        warnings += (ContactWarning(text, "misfit", residual),)
+        warnings += (WarningText(text, "misfit", residual),)
     return scale, limit, slope, residual, warnings + _check_monotone(y)
 
 
@@ -216,7 +216,7 @@ def _check_monotone(y: Array) -> tuple[str, ...]:
     steps = np.diff(y)
     monotone = (steps >= 0.0).all() or (steps <= 0.0).all()
     text = "the values do not change monotonically with the grid"
-    return () if monotone else (ContactWarning(text, "monotony"),)
+    return () if monotone else (WarningText(text, "monotony"),)
 
 
 def _observe_order(x: Array, y: Array) -> float:

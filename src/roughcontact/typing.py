@@ -26,7 +26,7 @@ results      `ContactFields`, `Accuracy`, `Trial`, `Residuals`, `ContactPatches`
              `ErrorReport`, `KnownAnswer`, `ReportRow`, `Timing`, `StabilityReport`, `Check`, `Verdict`,
              `MatchedPair`, `Separated`, `PartialSlip`, `FrettingLoop`, `InterfaceLaw`, `LawColumn`, `PowerFit`,
              `TheoryBeside`, `Stickiness`, `AdhesionCycle`, `Stress`, `StressField`, `StressMaximum`, `YieldPoint`,
-             `ContactWarning`
+             `WarningText`
 arrays       `Array` (float64), `RealArray` (float32 or float64), `IntArray`, `Mask` (bool), `Pair` (x, y)
 arguments    `Quantity`, `Length`, `Pressure`, `Force`: numbers in SI units, or texts with a unit
 parts        `Part`, the base of all
@@ -45,11 +45,11 @@ from roughcontact._base.checks import Part
 from roughcontact._base.machine import available_memory, available_threads, limit_address_space
 from roughcontact._base.tables import Table
 from roughcontact._base.units import (
-    ContactWarning,
     Force,
     Length,
     Pressure,
     Quantity,
+    WarningText,
     binary,
     quantity,
     si,
@@ -195,7 +195,6 @@ __all__ = [
     "ContactConditions",
     "ContactFields",
     "ContactPatches",
-    "ContactWarning",
     "ConvolutionSetup",
     "Cycle",
     "ErrorReport",
@@ -274,6 +273,7 @@ __all__ = [
     "Trial",
     "Verdict",
     "Violation",
+    "WarningText",
     "WaveMatrix",
     "Whole",
     "YieldPoint",

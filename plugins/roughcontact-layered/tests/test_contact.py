@@ -1,3 +1,4 @@
+import math
 import subprocess
 import sys
 
@@ -151,3 +152,40 @@ def test_layers_of_the_substrate_change_no_area_beside_images(boundary):
     one, other = (each.solve(pressure=1.4e6) for each in (problem, layered))
     for estimator in ("hertz", "blend"):
         assert other.area(estimator).value == pytest.approx(one.area(estimator).value, rel=1e-9)
+
+
+def press_coated_line(length, boundary, transposed, young):
+    turn = -1 if transposed else 1
+    grid = rc.Grid((45, 1)[::turn], (3e-4, length)[::turn])
+    steel = rc.Elastic(young=210e9, poisson=0.3)
+    roller = rc.Body(rc.ParaboloidSurface((10e-3, math.inf)[::turn], (2e-6, 0.0)[::turn]), steel)
+    kernel = LayeredKernel(Layer(young, 0.25, 12e-6, conductivity=20.0), substrate=steel)
+    problem = rc.ContactProblem(roller, rc.Body(rc.FlatSurface(), steel), grid=grid, boundary=boundary, kernel=kernel)
+    return problem.solve(force=5e4 * length)
+
+
+@pytest.mark.parametrize(
+    ("boundary", "young"),
+    [
+        ("periodic", 60e9),
+        ("periodic", 700e9),
+        pytest.param(("free", "periodic"), 700e9, marks=pytest.mark.slow),  # coefficients of three grids
+    ],
+)
+def test_answers_of_a_coated_line_do_not_depend_on_its_length(boundary, young):
+    def find(length, transposed):
+        turned = boundary if isinstance(boundary, str) or not transposed else boundary[::-1]
+        solution = press_coated_line(length, turned, transposed, young)
+        tangential = rc.responses.create("tangential-stiffness", axis=int(transposed))
+        extensive = solution.area(), solution.stiffness(), solution.response(tangential), solution.conductance(50.0)
+        stress = (solution.stress().maximum,) if boundary == "periodic" else ()
+        intensive = solution.peak_pressure(), solution.response("approach"), solution.response("mean-gap"), *stress
+        pairs = [(one.value / length, one.uncertainty / length) for one in extensive]
+        return np.array(pairs + [(one.value, one.uncertainty) for one in intensive])
+
+    expected = find(3e-4 / 45, transposed=False)
+    for length, transposed in ((1.0, False), (1e-3, True)):
+        found = find(length, transposed)
+        np.testing.assert_allclose(found[:, 0], expected[:, 0], rtol=1e-3)
+        relative, known = (pairs[:, 1] / pairs[:, 0] for pairs in (found, expected))
+        np.testing.assert_allclose(relative, known, rtol=0.05, atol=1e-5)

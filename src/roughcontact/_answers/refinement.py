@@ -326,7 +326,7 @@ def beyond_resolution(
     maps = [found for surface in sides for found in find_maps(surface)]
     if not maps:
         raise InputError("The problem has no height map: its surfaces are known at every point.")
-    cell = max(max(found.grid.spacing) for found in maps)
+    cell = max(max(found.grid.resolved.spacing) for found in maps)
     waves = _list_wavelengths(cutoffs, cell)
     if resolved is not None:
         resolved = number(resolved, "The shortest resolved wavelength", "m", at_least=_NYQUIST_CELLS * cell)

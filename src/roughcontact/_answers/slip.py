@@ -17,7 +17,7 @@ from roughcontact._answers.linear.tangential import (
 )
 from roughcontact._base.arrays import Array, Mask, Pair, read_only
 from roughcontact._base.checks import flag, integer, number
-from roughcontact._base.units import ContactWarning, Quantity, ShownAsPrinted, outlined, si
+from roughcontact._base.units import Quantity, ShownAsPrinted, WarningText, outlined, si
 from roughcontact._parts.grid import Boundary, Load, list_borders
 from roughcontact._parts.materials import MAX_UNCOUPLED_BETA, Material, pair_constants
 from roughcontact._solve.problem import predict_pressure, problem_of
@@ -277,12 +277,12 @@ class CiavarellaJaeger(Response[PartialSlip]):
         energy = _widen(_dissipate(solution, stuck, 4.0 * self.friction**2 * ratio), _ENERGY_STD * anisotropy)
         if energy.uncertainty > _MAX_ENERGY_STD * energy.value and energy.uncertainty > 0.0:
             text = "the slip zone is too narrow for this grid to resolve the dissipated energy"
-            warnings += (ContactWarning(text, "resolution"),)
+            warnings += (WarningText(text, "resolution"),)
         if neglected > 0.0 and sliding > 0.0:
             energy = _widen(energy, _COUPLED_ENERGY_STD * neglected / sliding)
         warnings += stick_area.warnings
         warnings += tuple(
-            ContactWarning(str(one.status), "convergence") for one in (solution, stuck) if not one.status.success
+            WarningText(str(one.status), "convergence") for one in (solution, stuck) if not one.status.success
         )
         return PartialSlip(
             tangential_force=self.tangential_force,
@@ -329,7 +329,7 @@ def _judge_coupling(materials: tuple[Material, Material], friction: float, *, un
         f"displacement too small by {100.0 * _COUPLED_DISPLACEMENT_STD * saturation:.2g} % and a stick area too "
         f"large by {100.0 * _COUPLED_STICK_STD * saturation:.2g} %; problem.path(...) contains it"
     )
-    return (ContactWarning(text, "coupling", abs(beta)),)
+    return (WarningText(text, "coupling", abs(beta)),)
 
 
 def _find_ratio(contact: ContactSolution, stuck: ContactSolution, axis: int) -> float:
@@ -420,7 +420,7 @@ def _approach_std(contact: ContactSolution, stuck: ContactSolution) -> float:
         return 0.0
     sliding = 1.0 - stuck.force / contact.force
     different = sliding / math.hypot(sliding, _CANCELLATION_FORCE)
-    different *= max(contact.grid.spacing) / min(contact.grid.spacing)
+    different *= max(contact.grid.resolved.spacing) / min(contact.grid.resolved.spacing)
     shifts = (different * find_shift(one)[1] for one in (contact, stuck))
     solved = (one.residuals.error * one.residuals.scale for one in (contact, stuck))
     std = math.hypot(*shifts, *solved)

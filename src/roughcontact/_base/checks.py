@@ -169,7 +169,7 @@ def pair(
     at_least: float | None = None,
 ) -> Pair:
     """Return one value or two as an (x, y) pair of finite floats, or raise `InputError`."""
-    is_list = isinstance(value, (tuple, list, np.ndarray)) and np.ndim(value)
+    is_list = isinstance(value, (tuple, list)) or (isinstance(value, np.ndarray) and value.ndim > 0)
     items: list[Any] = list(value) if is_list else [value, value]  # type: ignore[arg-type]
     if len(items) != 2:
         raise InputError.about(what, value, f"one value or two, (x, y) ({unit or 'no unit'})")

@@ -220,7 +220,7 @@ def outlined(value: Any) -> str:
     return repr(value)
 
 
-class ContactWarning(str):
+class WarningText(str):
     """Why a number or a contact must not be trusted, in a sentence that suits every reader.
 
     Parameters
@@ -245,7 +245,7 @@ class ContactWarning(str):
     rule: str
     value: float
 
-    def __new__(cls, text: str, rule: str = "", value: float = math.nan) -> ContactWarning:
+    def __new__(cls, text: str, rule: str = "", value: float = math.nan) -> WarningText:
         made = super().__new__(cls, text)
         made.rule = rule
         made.value = value
@@ -255,10 +255,10 @@ class ContactWarning(str):
         return str(self), self.rule, self.value
 
 
-def warn_about(name: str, warning: str) -> ContactWarning:
+def warn_about(name: str, warning: str) -> WarningText:
     """Return the warning of an estimate with the name of the quantity, such as the contact area."""
     value: float = getattr(warning, "value", math.nan)
-    return ContactWarning(f"The {name} is uncertain: {warning}", f"{name}: {kind_of(warning)}", value)
+    return WarningText(f"The {name} is uncertain: {warning}", f"{name}: {kind_of(warning)}", value)
 
 
 def kind_of(warning: str) -> str:

@@ -144,6 +144,17 @@ class Grid:
         return self.size[0] * self.size[1]
 
     @property
+    def resolved(self) -> Grid:
+        """The grid itself, with square cells where an axis has a single one, along which nothing varies, as of lines.
+
+        Its sides are the lengths that the cells resolve.
+        """
+        if 1 not in self.shape:
+            return self
+        side = self.spacing[self.shape.index(1) - 1]
+        return Grid(self.shape, (self.shape[0] * side, self.shape[1] * side))
+
+    @property
     def x(self) -> Array:
         """Cell centres along x, shape (nx, 1), m; the origin is the centre of the domain."""
         return _centres(self.shape[0], self.size[0])[:, np.newaxis]
@@ -268,6 +279,21 @@ class Load:
     def signed_sequence(cls, **given: object) -> tuple[Load, ...]:
         """Return the loads of the one list that is given, as `sequence` does, of any sign; see `signed`."""
         return cls._of_list(given, None)
+
+    @classmethod
+    def unloading_sequence(cls, **given: object) -> tuple[Load, ...]:
+        """Return the loads of the one list that is given, as `sequence` does; the last of several may be zero."""
+        loads = cls._of_list(given, None)
+        name = f"A load of {loads[0].kind}=[...]"
+        last = len(loads) - 1
+        for place, load in enumerate(loads):
+            if load.value == 0.0 and 0 < place < last:
+                raise InputError(
+                    f"{name} is zero before the last one: the bodies come apart there. Follow another path from there."
+                )
+            if load.value != 0.0 or place < last or last == 0:
+                number(load.value, name, load.unit, above=0.0)
+        return loads
 
     @classmethod
     def _of_list(cls, given: dict[str, object], above: float | None) -> tuple[Load, ...]:

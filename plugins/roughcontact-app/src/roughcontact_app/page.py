@@ -59,7 +59,7 @@ class Page:
         except TaskEnded as ended:
             if inspector is self._inspector:
                 raise
-            raise TaskEnded(f"The file {name} was not read to its end: this page has sent another one.") from ended
+            raise TaskEnded(f"Reading {name} was stopped, since another file was chosen.") from ended
         finally:
             with self._lock:
                 self._is_inspecting = self._is_inspecting and inspector is not self._inspector

@@ -21,7 +21,6 @@ _CONTROLS = {
     ", and give size=": ", and fill in both sides",
     "save the map with numpy.save": "save the map as .npy or .mat",
     "say how many lines with skip_rows=": "delete them",
-    "lines above the heights that are not heights are skipped with skip_rows=": "delete lines that are not heights",
     "skip the lines that are not heights with skip_rows=": "delete the lines that are not heights",
     "skip them with skip_rows=": "delete that row",
     ", as by scipy.interpolate.griddata": "",
@@ -33,6 +32,7 @@ _CONTROLS = {
 # What holds a name or a number of the file, of a shape or of a part of the solve, and what the page says instead.
 _PATTERNS: dict[re.Pattern[str], str | Callable[[re.Match[str]], str]] = {
     re.compile(r"ContactSolution\.load\(.*?\) reads it, and the command"): "the command",
+    re.compile(r"lines above the heights that are not .*removed"): "delete lines that are not heights",
     re.compile(r"give decimal='.' if that is its decimal mark"): "write decimals with points",
     re.compile(r"\b(got|shape) \((\d+(?:, \d+)*),?\)"): lambda found: f"{found[1]} {found[2].replace(', ', ' x ')}",
     re.compile(r"(?<=[ ,])([A-Z][A-Za-z]+)\(((?:\w+=[^()]+)?)\)"): lambda found: _name_part(found[1], found[2]),

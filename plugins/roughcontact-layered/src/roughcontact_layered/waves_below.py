@@ -40,7 +40,8 @@ def sum_waves(find: FindWaves, load: str, qx: Array, qy: Array, spacing: tuple[f
     roughcontact.InputError
         If the layers are much thinner than a cell.
     """
-    orders = [_count_orders(side, reach) for side in spacing]
+    # A wave that is uniform along an axis has no aliases there.
+    orders = [_count_orders(side, reach) if q.any() else 0 for side, q in zip(spacing, (qx, qy), strict=True)]
     table = _Table(find, load, _smallest(qx, qy), _DECAYED / reach)
     total = np.zeros((6, qx.shape[0], qy.shape[1]))
     for m in range(-orders[0], orders[0] + 1):

@@ -387,7 +387,7 @@ def find_cut_shift(solution: ContactSolution) -> tuple[float, float]:
                 at = row, beside[1 - axis]
                 unknown += weight * float(np.sum(pressure[at] ** 2, where=elastic[at]))
     energies = np.array((border, unknown))
-    modulus = float(solution.effective_modulus(1.0 / math.sqrt(solution.grid.cell_area)))
+    modulus = float(solution.effective_modulus(1.0 / math.sqrt(solution.grid.resolved.cell_area)))
     shift, std = (
         np.transpose((calibration.CUT_BORDER_EXCESS, calibration.CUT_NON_MEASURED_EXCESS))
         @ energies

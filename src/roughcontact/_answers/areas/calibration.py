@@ -195,3 +195,13 @@ LAYERED_POSITION_STD = 0.1
 HERTZ_LENGTH = 0.5
 # Relative standard deviation of Hertz's area, times the logarithm of the change of E* over two octaves. Measured: 0.31.
 HERTZ_LAYERED_ERROR = 0.4
+
+# --- benchmarks/image_constants.py: ellipses in domains that repeat, against four times finer grids -------------------
+
+# Standard deviation of the curvature by another contact as a point load, over F / (pi E* r^3): times the sum of the
+# squares of both major semi-axes over the square of the distance r, and its largest value. Set on 24 ellipses: over the
+# smaller principal curvature, their areas err by 0.3 to 1.0 of the first, and by 0.05 to 0.11 of the second.
+FAR_FIELD_ERROR = (0.7, 0.12)
+# Relative standard deviation of Hertz's area in a wrapped domain, over the excess of the contact's length over half the
+# side, relative to that half. Set on the same ellipses: 0.015 to 0.04.
+WRAPPED_ERROR = 0.05

@@ -95,6 +95,26 @@ def find_cut_patches(solution: ContactSolution) -> Mask:
     return find_patches_of(solution, find_cut_cells(solution))
 
 
+def find_spanning_patches(solution: ContactSolution) -> Mask:
+    """Return which patches have cells all along a periodic axis, as lines have, shape (count,)."""
+    patches = solution.patches
+    spanning = np.zeros(patches.count, dtype=bool)
+    places = split(patches.members, solution.grid.shape[1])
+    for axis, free in enumerate(solution.boundary.free_axes):
+        side = solution.grid.shape[axis]
+        long = np.flatnonzero(patches.cells >= side)
+        if free or long.size == 0:
+            continue
+        number = np.full(patches.count, -1)
+        number[long] = np.arange(long.size)
+        owner = number[patches.member_labels - 1]
+        at = places[axis] if axis else solution.parts.rows(places[axis])
+        reached = np.zeros((long.size, side))
+        reached[owner[owner >= 0], at[owner >= 0]] = 1.0
+        spanning[long] |= (solution.parts.total(reached) > 0.0).all(axis=1)
+    return spanning
+
+
 def find_patches_of(solution: ContactSolution, marked: Mask) -> Mask:
     """Return which patches have marked cells, shape (count,)."""
     counts = np.bincount(solution.patches.labels[marked], minlength=solution.patches.count + 1)

@@ -297,7 +297,7 @@ def trace_contour(solution: ContactSolution, sharp: Mask, stride: int = 1) -> Co
     # Beside non-measured points the contact ends with the cells.
     counted = jagged | beside
     size = (stride * solution.grid.spacing[0], stride * solution.grid.spacing[1])
-    distance = find_distances(solution, k, touching, size)
+    distance = find_distances(solution, k, touching, stride)
     parts, chords, euler = measure_polygons(distance, touching, kind, size)
     parts = np.where(counted, inside / 4.0 * (size[0] * size[1]), parts)
     alike = _count_alike(solution.parts, parts / (size[0] * size[1]), chords / size[0], distance)
@@ -373,7 +373,7 @@ def _place_straight_edges(
     # The polygons are to be enlarged by the mean shift of edges in all directions.
     across = np.where(inside[0] == inside[3], *grid.spacing)[chosen]
     parts = parts.copy()
-    parts[chosen] = (found - solution.edge_shift * math.sqrt(grid.cell_area) / across) * grid.cell_area
+    parts[chosen] = (found - solution.edge_shift * math.sqrt(grid.resolved.cell_area) / across) * grid.cell_area
     across_edges = np.zeros(straight.size)
     across_edges[patch[chosen]] = across
     return solution.parts.highest(across_edges), parts
@@ -406,13 +406,15 @@ def _count_alike(whole: Whole, parts: Array, chords: Array, distance: Corners) -
 
 def find_modulus_change(solution: ContactSolution) -> float:
     """Return the logarithm of the change of E* over two octaves of wavelength at the edge; zero without layers."""
-    length = calibration.EDGE_LENGTH * math.sqrt(solution.grid.cell_area)
+    length = calibration.EDGE_LENGTH * math.sqrt(solution.grid.resolved.cell_area)
     shorter, longer = solution.effective_modulus(np.array([2.0, 0.5]) / length)
     return abs(math.log(longer / shorter))
 
 
-def find_distances(solution: ContactSolution, k: IntArray, contact: Mask, size: tuple[float, float]) -> Corners:
-    """Return the signed distance from the edge at the corners `k` of dual cells, shape (4, n), m."""
+def find_distances(solution: ContactSolution, k: IntArray, contact: Mask, stride: int = 1) -> Corners:
+    """Return the signed distance from the edge at the corners `k`, `stride` apart, of dual cells, shape (4, n), m."""
+    dx, dy = solution.grid.resolved.spacing
+    size = (stride * dx, stride * dy)
     step = np.sqrt(size[0] * size[1])
     modulus = solution.effective_modulus(1.0 / (calibration.EDGE_LENGTH * step))
     inside = np.square(solution.pressure.ravel().take(k) / modulus)

@@ -12,7 +12,7 @@ from roughcontact._answers.areas.cells import count_saturated, find_cut_cells, f
 from roughcontact._answers.areas.contour import Contour, find_modulus_change, trace_contour
 from roughcontact._answers.areas.curvature import curvature_resolution, find_filled, lay_ratio, rim_ratio
 from roughcontact._base.arrays import Array, Mask
-from roughcontact._base.units import ContactWarning
+from roughcontact._base.units import WarningText
 from roughcontact._parts.grid import extend, grow, list_borders
 from roughcontact._solve.solution import Area, ContactSolution, Estimate
 
@@ -173,11 +173,17 @@ def trace_edges(solution: ContactSolution) -> TracedEdges:
     coarse = _correct(solution, two, 2)
     cell = solution.grid.cell_area
     cells = solution.patches.cells
-    step = math.sqrt(cell)
-    oblong = math.sqrt(max(solution.grid.spacing) / min(solution.grid.spacing))
+    # Cells along which nothing varies err alike: their edges count as those of square ones.
+    square = solution.grid.resolved.cell_area
+    step = math.sqrt(square)
+    oblong = math.sqrt(max(solution.grid.resolved.spacing) / min(solution.grid.resolved.spacing))
     # The edge of a patch varies at least as half the edge of a disc of as many cells.
-    half_disc = np.sqrt(np.pi * cell * np.concatenate(([0], cells)))
-    std = calibration.EDGE_AREA_STD * np.sqrt(_SIDES_PER_LENGTH * np.maximum(one.length, half_disc) / step) * cell
+    half_disc = np.sqrt(np.pi * square * np.concatenate(([0], cells)))
+    std = (
+        calibration.EDGE_AREA_STD
+        * np.sqrt(_SIDES_PER_LENGTH * np.maximum(one.length * square / cell, half_disc) / step)
+        * cell
+    )
     ratio = curvature_resolution(solution)
     lay = lay_ratio(solution)
     strip = step * one.length
@@ -185,7 +191,7 @@ def trace_edges(solution: ContactSolution) -> TracedEdges:
     position = calibration.EDGE_POSITION_STD * (1.0 + calibration.LAY_POSITION_FACTOR * (1.0 - lay))
     position += calibration.LAYERED_POSITION_STD * find_modulus_change(solution)
     counted = np.concatenate(([1.0], cells))
-    width = _measure_width(fine, one.length, cell, counted)
+    width = _measure_width(fine, one.length, square, counted)
     small = 1.0 + (calibration.SMALL_PATCH_WIDTH / width) ** 2
     narrow = np.where(width < _MAX_SLENDER_RATIO * counted, width, counted) < _MIN_SURROUNDED_CELLS
     meeting = cell * one.meeting
@@ -222,7 +228,10 @@ def trace_edges(solution: ContactSolution) -> TracedEdges:
             _slender_std(lay) * (1.0 - width / counted) ** 6 / (1.0 + width / _WIDE_PATCH_WIDTH),
         ),
         oblong=oblong,
-        pieces=max(1.0, lay**calibration.LAY_PIECES_EXPONENT * float(np.sum(one.length / one.alike)) * waves / step),
+        pieces=max(
+            1.0,
+            lay**calibration.LAY_PIECES_EXPONENT * float(np.sum(one.length / one.alike)) * square / cell * waves / step,
+        ),
         straight=straight,
     )
 
@@ -273,7 +282,7 @@ def _measure_width(area: Array, length: Array, cell: float, cells: Array) -> Arr
 
 def _correct(solution: ContactSolution, edge: Contour, stride: int) -> Array:
     """Return the areas inside the smooth edges whose chords are the sides of the polygons."""
-    step = np.sqrt(solution.grid.cell_area)
+    step = np.sqrt(solution.grid.resolved.cell_area)
     cut_off = CUT_OFF_CELLS * stride**2 * edge.euler * solution.grid.cell_area
     return np.asarray(np.maximum(edge.area + solution.edge_shift * step * edge.length + cut_off, 0.0))
 
@@ -366,7 +375,7 @@ def _judge_uncertainty(what: str, value: float, std: float, warnings: tuple[str,
     if warnings or std <= _MAX_RELATIVE_STD * abs(value):
         return warnings
     text = f"the grid hardly determines {what}, whose uncertainty is above 5 %: refine the grid"
-    return (ContactWarning(text, "uncertainty", std / abs(value) if value else math.inf),)
+    return (WarningText(text, "uncertainty", std / abs(value) if value else math.inf),)
 
 
 def list_warnings(solution: ContactSolution, curvature_resolution: float) -> tuple[str, ...]:
@@ -378,18 +387,18 @@ def list_warnings(solution: ContactSolution, curvature_resolution: float) -> tup
             f"the shortest waves have about {waves:.2g} cells; the area needs about 8 "
             "(a finer grid of a measured map adds no heights)"
         )
-        warnings.append(ContactWarning(text, "resolution", waves))
+        warnings.append(WarningText(text, "resolution", waves))
     small = solution.patches.small_fraction
     if small > _MAX_SMALL_FRACTION and curvature_resolution > _MAX_SMOOTH_RATIO:
         text = f"{100 * small:.3g} % of the counted area is in patches of fewer than four cells"
-        warnings.append(ContactWarning(text, "small patches", small))
+        warnings.append(WarningText(text, "small patches", small))
     change = find_modulus_change(solution)
     if change > _MAX_MODULUS_CHANGE:
         text = (
             f"the modulus changes by a factor of {math.exp(change):.2g} between wavelengths of about a cell, as on a "
             "thin layer: refine the grid"
         )
-        warnings.append(ContactWarning(text, "layer", math.exp(change)))
+        warnings.append(WarningText(text, "layer", math.exp(change)))
     if not solution.status.success:
-        warnings.append(ContactWarning("the solution is not converged", "convergence"))
+        warnings.append(WarningText("the solution is not converged", "convergence"))
     return tuple(warnings)

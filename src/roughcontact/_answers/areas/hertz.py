@@ -279,12 +279,14 @@ def _find_areas(solution: ContactSolution) -> HertzAreas:
     area = area * growth
     constant, square, fourth = calibration.HERTZ_ERROR
     # The error of positions grows with the longer side of a cell.
-    oblong = (max(solution.grid.spacing) / min(solution.grid.spacing)) ** 0.25
+    oblong = (max(solution.grid.resolved.spacing) / min(solution.grid.resolved.spacing)) ** 0.25
     slight = constant * oblong * summits.spread / (summits.spread + calibration.EVEN_SPREAD)
     error = calibration.MIN_HERTZ_ERROR + slight + square * summits.spread**2 + fourth * summits.spread**4
     error = (
         error + calibration.HERTZ_LAYERED_ERROR * summits.change + calibration.SHARED_LOAD_ERROR * np.abs(1.0 - shared)
     )
+    # On rough surfaces the spread of the curvature has grown with the other patches when its error was set.
+    error = np.maximum(error, summits.crowding)
     unresolved, large = calibration.HERTZ_RESOLUTION_ERROR
     error = error + correction.error + unresolved * curvature_resolution(solution) ** 4 / (1.0 + patches.cells / large)
     common, single = calibration.PLASTIC_ERROR

@@ -33,7 +33,7 @@ def _find_edge(solution: ContactSolution) -> tuple[DualCells, IntArray, IntArray
     i, j = dual.find_edge(solution.contact)
     k = dual.corners(i, j)
     touching = solution.contact.ravel()[k]
-    return dual, i, j, k, touching, find_distances(solution, k, touching, solution.grid.spacing)
+    return dual, i, j, k, touching, find_distances(solution, k, touching)
 
 
 def edge_law(solution: ContactSolution) -> float:

@@ -16,7 +16,7 @@ from roughcontact._answers.areas.hertz import find_sharpness, hertz_areas
 from roughcontact._answers.areas.quantities import Quantity
 from roughcontact._answers.areas.summits import Summits
 from roughcontact._base.arrays import Array, IntArray, Mask, RealArray
-from roughcontact._base.units import ContactWarning
+from roughcontact._base.units import WarningText
 from roughcontact._parts.grid import extend, grow
 from roughcontact._solve.solution import Area, ContactSolution, Estimate, find_peak_sampling, responses
 
@@ -34,11 +34,11 @@ _THIRD_DIFFERENCE = np.array((-0.5, 1.0, 0.0, -1.0, 0.5))
 _MAX_QUARTIC_CHANGE = 0.2
 # Distance of the maximum from the centre of the highest cell, in cells along an axis: half the diagonal.
 _MAX_OFFSET_CELLS = 0.71
-_SHARP_EDGE_WARNING = ContactWarning(
+_SHARP_EDGE_WARNING = WarningText(
     "the maximum lies at a sharp edge or at the border, where the pressure is unbounded: its value depends on the grid",
     "sharp edge",
 )
-_NON_MEASURED_WARNING = ContactWarning(
+_NON_MEASURED_WARNING = WarningText(
     "points inside the contact were not measured: beside them the pressure is unbounded, and depends on the grid",
     "non-measured points",
 )

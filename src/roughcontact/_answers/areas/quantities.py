@@ -13,6 +13,7 @@ from roughcontact._answers.areas.approach import find_cut_shift, find_hidden_ris
 from roughcontact._answers.areas.cells import (
     count_crossings,
     find_cut_patches,
+    find_spanning_patches,
     measure_sides,
 )
 from roughcontact._answers.areas.curvature import average_curvature, bend_kurtosis, curvature_resolution, lay_ratio
@@ -84,8 +85,12 @@ class EdgeLength(Quantity):
         if area.patches is None or area.value == 0.0:
             length = measure_sides(solution) * math.pi / 4.0
             return Estimate(length, calibration.COUNTED_LENGTH_ERROR * length, "m", area.warnings)
+        if _is_line(solution):
+            length = measure_sides(solution)
+            return Estimate(length, _STRAIGHT_LENGTH_ERROR * length, "m", area.warnings)
         edges = trace_edges(solution)
         cell = solution.grid.cell_area
+        step = math.sqrt(solution.grid.resolved.cell_area)
         mean, difference, spread, _ = (
             part[1:] for part in average_curvature(solution, np.flatnonzero(solution.contact))
         )
@@ -93,12 +98,17 @@ class EdgeLength(Quantity):
         even = is_elliptic(mean, difference, spread)
         # For edges at a border and beside non-measured points the area does not give the length.
         cut_off = find_beside_non_measured(solution) | find_cut_patches(solution)
+        spanning = find_spanning_patches(solution)
         straight = edges.straight[1:]
-        single = np.where(even & ~(cut_off | straight), 1.0 / (1.0 + (spread / calibration.UNEVEN_SPREAD) ** 4), 0.0)
+        single = np.where(
+            even & ~(cut_off | spanning | straight), 1.0 / (1.0 + (spread / calibration.UNEVEN_SPREAD) ** 4), 0.0
+        )
         # Large patches may have holes or span the domain, so that no smooth convex edge bounds their quotient.
         large = solution.patches.cells >= _LARGE_PATCH_CELLS
-        inside = np.maximum(edges.area[1:] - np.where(large, 0.0, CUT_OFF_CELLS) * cell, 0.3 * cell)
-        traced = np.maximum(edges.length[1:] ** 2 / (4.0 * np.pi * inside), np.where(large | cut_off, 0.0, 1.0))
+        inside = np.maximum(edges.area[1:] - np.where(large | spanning, 0.0, CUT_OFF_CELLS) * cell, 0.3 * cell)
+        traced = np.maximum(
+            edges.length[1:] ** 2 / (4.0 * np.pi * inside), np.where(large | cut_off | spanning, 0.0, 1.0)
+        )
         around = 2.0 * np.sqrt(np.pi * area.patches)
         lobed = np.where(straight, 0.0, (1.0 - single) * np.sqrt(traced) * around)
         # Contacts at summits between the cells have the rest of the area.
@@ -109,8 +119,8 @@ class EdgeLength(Quantity):
         exact = float(np.sum(edges.length[1:], where=straight))
         # Nothing of a sharp edge is traced; the circle of a small patch has it.
         sharp = float(np.sum(edges.sharp_length[1:], where=large & ~straight)) * calibration.SHARP_LENGTH
-        corners = math.pi * math.sqrt(cell * np.count_nonzero(edges.sharp_length[1:] > 0.0))
-        slender = math.log(max(solution.grid.spacing) / min(solution.grid.spacing))
+        corners = math.pi * step * math.sqrt(np.count_nonzero(edges.sharp_length[1:] > 0.0))
+        slender = math.log(max(solution.grid.resolved.spacing) / min(solution.grid.resolved.spacing))
         along_cells = calibration.SHARP_LENGTH_ERROR * (1.0 + calibration.SLENDER_LENGTH_ERROR * slender)
         sharp_std = math.hypot(along_cells * sharp, corners if sharp > 0.0 else 0.0)
         uneven = calibration.UNEVEN_LENGTH_ERROR * edges.curvature_resolution + calibration.LOBED_LENGTH_ERROR
@@ -122,12 +132,12 @@ class EdgeLength(Quantity):
         relative = math.hypot(calibration.LENGTH_ERROR, 0.5 * area.uncertainty / area.value)
         diagonal = 0.0
         if length > 0.0 and is_diagonal(solution, lay):
-            width = 2.0 * min(area.value, solution.grid.area - area.value) / (length * math.sqrt(cell))
+            width = 2.0 * min(area.value, solution.grid.area - area.value) / (length * step)
             diagonal = (
                 calibration.DIAGONAL_LENGTH_ERROR * length * (1.0 + calibration.DIAGONAL_STRIP_WIDTH / max(width, 1.0))
             )
         untraced = float(edges.untraced_std.sum())
-        crossings = count_crossings(solution) * math.sqrt(cell)
+        crossings = count_crossings(solution) * step
         length += calibration.UNTRACED_CUT_LENGTH[0] * crossings + exact + sharp
         # Sides of the cells count networks of ridges well, whose traced edges are short.
         counted = math.pi / 4.0 * measure_sides(solution)
@@ -147,6 +157,12 @@ class EdgeLength(Quantity):
             networks,
         )
         return warn_if_uncertain(length, std, "m", area.warnings)
+
+
+def _is_line(solution: ContactSolution) -> bool:
+    """Return whether nothing varies along a periodic axis, for it has a single cell."""
+    axes = zip(solution.grid.shape, solution.boundary.free_axes, strict=True)
+    return any(side == 1 and not free for side, free in axes)
 
 
 @responses.register("patches")

@@ -102,44 +102,59 @@ def _place_points(square: float, fourth: float) -> tuple[Array, Array, Array]:
 
 @attrs.frozen(eq=False)
 class FarField:
-    """Slope, (2, count), and xx, xy and yy curvature, (3, count), 1/m, of the displacement by the other patches."""
+    """Displacement by the other patches: slope, (2, count), and xx, xy and yy curvature, (3, count), 1/m.
+
+    `error` is the standard deviation of the curvature, (count,), 1/m, because the loads are no points.
+    """
 
     slope: Array
     curvature: Array
+    error: Array
 
     @classmethod
     def zero(cls, count: int) -> FarField:
         """Return the far field of contacts without others."""
-        return cls(np.zeros((2, count)), np.zeros((3, count)))
+        return cls(np.zeros((2, count)), np.zeros((3, count)), np.zeros(count))
 
 
-def find_far_field(solution: ContactSolution, x: Array, y: Array) -> FarField:
+def find_far_field(solution: ContactSolution, x: Array, y: Array, semi_axis: Array) -> FarField:
     r"""Return the far field at contacts in (x, y), m, that carry the forces of the solution's patches.
 
     A point load displaces the surface by F / (pi E* r), whose second derivatives are
     F (3 x^2 / r^5 - 1 / r^3) / (pi E*) and the like (Johnson, Contact Mechanics, section 3.2,
-    https://doi.org/10.1017/CBO9781139171731). On layers E* is that of waves as long as the distance.
+    https://doi.org/10.1017/CBO9781139171731). On layers E* is that of waves as long as the distance. The major
+    semi-axes of the contacts, m, tell how far they are from points.
     """
     forces = solution.patches.forces
     count = x.size
     if count == 0:
         return FarField.zero(count)
     radius = math.sqrt(_NEAR_CONTACTS * solution.grid.area / (np.pi * count))
+    if solution.boundary.mixed:
+        # A narrow domain repeats as a row, in which contacts are further apart than in the plane.
+        row = solution.grid.size[1 - solution.boundary.free_axis]
+        radius = max(radius, 0.5 * _NEAR_CONTACTS * row / count)
     one, other, dx, dy = _pair_contacts(solution, x, y, radius)
     square = dx * dx + dy * dy
     distance = np.sqrt(square)
     cube = 1.0 / (np.pi * solution.effective_modulus(1.0 / distance) * square * distance)
     parts = (-dx, -dy, 3.0 * dx * dx / square - 1.0, 3.0 * dx * dy / square, 3.0 * dy * dy / square - 1.0)
     sums = np.zeros((len(parts), count))
+    error = np.zeros(count)
+    relative = np.minimum(
+        calibration.FAR_FIELD_ERROR[0] * (semi_axis[one] ** 2 + semi_axis[other] ** 2) / square,
+        calibration.FAR_FIELD_ERROR[1],
+    )
     # Each pair counts from both sides; from the other one the slope has the opposite sign.
     for here, there, sign in ((one, other, 1.0), (other, one, -1.0)):
         load = forces[there] * cube
         for k, part in enumerate(parts):
             sums[k] += np.bincount(here, load * part, minlength=count) * (sign if k < 2 else 1.0)
+        error += np.bincount(here, load * relative, minlength=count)
     if solution.boundary is Boundary.PERIODIC:
         # A uniform pressure outside of a circle bends the surface alike in all directions.
         sums[2::2] += solution.mean_pressure / (radius * float(solution.effective_modulus(1.0 / radius)))
-    return FarField(sums[:2], sums[2:])
+    return FarField(sums[:2], sums[2:], error)
 
 
 def _pair_contacts(
@@ -150,11 +165,12 @@ def _pair_contacts(
 
     size = np.array(solution.grid.size)
     points = np.stack((x, y), axis=1)
-    repeats = np.array(solution.boundary.repeats)
+    # In a wrapped domain as well, but only the nearest image counts.
+    repeats = ~np.array(solution.boundary.free_axes)
     # Rounding may leave the size itself.
     inside = points % size
     points = np.where(repeats, np.where(inside < size, inside, 0.0), points)
-    if repeats.any() and 2.0 * radius >= size[repeats].min():
+    if any(solution.boundary.repeats) and 2.0 * radius >= size[repeats].min():
         return _pair_images(points, size, radius, repeats)
     pairs = cKDTree(points, boxsize=np.where(repeats, size, 0.0)).query_pairs(radius, output_type="ndarray")
     one, other = np.ascontiguousarray(pairs.T)
@@ -204,6 +220,9 @@ class Summits:
         Half the sum of the principal curvatures, far field included, 1/m.
     spread
         Standard deviation of the curvature over the ellipse, relative to its mean.
+    crowding
+        Standard deviation of the curvature by the other patches over the smaller principal curvature; in a wrapped
+        domain also by the contact itself.
     change
         Logarithm of the change of the modulus over two octaves at the size of the contact.
     far
@@ -218,6 +237,7 @@ class Summits:
     angle: Array
     curvature: Array
     spread: Array
+    crowding: Array
     change: Array
     far: FarField
 
@@ -257,11 +277,12 @@ def find_summits(solution: ContactSolution, spline: Spline) -> Summits:
     ones = np.ones(patches.count)
     zeros = np.zeros(patches.count)
     far = FarField.zero(patches.count)
-    found = Summits(ones > 0.0, row, column, patches.areas, ones, zeros, ones, zeros, zeros, far)
+    found = Summits(ones > 0.0, row, column, patches.areas, ones, zeros, ones, zeros, zeros, zeros, far)
     u, v, weights = points_of_hertz()
     for turn in range(_ELLIPSE_ROUNDS):
         if turn == _FAR_FIELD_ROUND:
-            found = attrs.evolve(found, far=find_far_field(solution, found.row * dx, found.column * dy))
+            far = find_far_field(solution, found.row * dx, found.column * dy, found.semi_axis)
+            found = attrs.evolve(found, far=far)
         x, y = found.place(u, v)
         last = turn == _ELLIPSE_ROUNDS - 1
         degrees = (2,) if last else (2, 1)
@@ -275,8 +296,11 @@ def find_summits(solution: ContactSolution, spline: Spline) -> Summits:
     variance = squares[0] + 2.0 * squares[1] + squares[2]
     found = attrs.evolve(found, spread=np.sqrt(variance) / found.curvature)
     xx, xy, yy = curvature
-    known = found.known & is_elliptic(found.curvature, np.hypot(0.5 * (xx - yy), xy), found.spread)
-    return attrs.evolve(found, known=known & ~_find_near_border(solution, found) & ~find_beside_non_measured(solution))
+    difference = np.hypot(0.5 * (xx - yy), xy)
+    known = found.known & is_elliptic(found.curvature, difference, found.spread)
+    known &= ~_find_near_border(solution, found) & ~find_beside_non_measured(solution)
+    smaller = np.where(known, found.curvature - difference, 1.0)
+    return attrs.evolve(found, known=known, crowding=_find_crowding(solution, found, smaller))
 
 
 def find_centroids(solution: ContactSolution) -> tuple[Array, Array]:
@@ -386,6 +410,17 @@ def _find_near_border(solution: ContactSolution, found: Summits) -> Mask:
         reach = extent / step
         near |= free & ((at < reach) | (at > n - 1 - reach))
     return near
+
+
+def _find_crowding(solution: ContactSolution, found: Summits, smaller: Array) -> Array:
+    """Return the standard deviation of the curvature by others, and by a contact itself around a wrapped domain."""
+    crowding = found.far.error / smaller
+    if solution.boundary is not Boundary.WRAPPED:
+        return np.asarray(crowding)
+    # The ends of contacts longer than half the domain act on each other around it, and not along the contact.
+    parts = (4.0 * extent / side - 1.0 for extent, side in zip(found.extents, solution.grid.size, strict=True))
+    longest = np.maximum.reduce([np.zeros_like(crowding), *parts])
+    return np.asarray(np.maximum(crowding, calibration.WRAPPED_ERROR * longest))
 
 
 def find_beside_non_measured(solution: ContactSolution) -> Mask:

@@ -18,7 +18,7 @@ from roughcontact._answers.flow.network import (
 from roughcontact._base import checks
 from roughcontact._base.arrays import Array, Mask, Pair, RealArray, read_only
 from roughcontact._base.checks import number
-from roughcontact._base.units import ContactWarning, Estimate, Quantity, ShownAsPrinted, percent, si
+from roughcontact._base.units import Estimate, Quantity, ShownAsPrinted, WarningText, percent, si
 from roughcontact._parts.grid import Grid, grow
 from roughcontact._solve.solution import ContactSolution, FilledGap, Response, fill_gap, responses
 from roughcontact.errors import InputError, NotConverged
@@ -32,7 +32,7 @@ _MIN_LOSS_FRACTION = 0.1
 # Relative uncertainty above which flows may err by more than 10 %: 92 % of the errors are below the uncertainty, and
 # none is above 9.8 % in 141 contacts without this warning (benchmarks/response_classes.py, three times its cases).
 _MAX_RELATIVE_STD = 0.1
-# The same where most of it is that of the gap around sharp edges, whose errors have one sign, or of non-measured points.
+# The same where most of it is that of the gap around sharp edges, whose errors have one sign, or of holes.
 # Set on pillars and mesas.
 _MAX_GAP_STD = 0.065
 # Pressure, over the mean in contact, below which cells beside open ones may be open on a finer grid. Set on craters.
@@ -303,11 +303,11 @@ class GapFlow(Response[Leakage]):
             along, across = across, along
         network = make_network(gap, open_cells, aspect=across / along, periodic=periodic)
         if network is not None:
-            return self._measure(solution, network, filled, across / along)
+            return self._measure(solution, network, filled)
         warnings = (*_list_warnings(solution), *_judge_closure(solution, open_cells, self.axis))
         return Leakage(grid=solution.grid, **attrs.asdict(self), warnings=warnings)
 
-    def _measure(self, solution: ContactSolution, network: FlowNetwork, filled: FilledGap, aspect: float) -> Leakage:
+    def _measure(self, solution: ContactSolution, network: FlowNetwork, filled: FilledGap) -> Leakage:
         """Return the flow through a network, with its uncertainty and its throat."""
         grid = solution.grid
         is_open = find_open_cells(solution, filled.values)
@@ -320,6 +320,8 @@ class GapFlow(Response[Leakage]):
         faces, lost = network.dissipation(pressure)
         flow = float(lost.sum())
         ends = network.find_ends(pressure)
+        dx, dy = grid.resolved.spacing
+        aspect = dy / dx if self.axis == 0 else dx / dy
         gap_error = solution.residuals.error * solution.residuals.scale / network.widest
         relative = estimate_uncertainty(
             network, faces, lost, open_cells, aspect=aspect, periodic=periodic, gap_error=gap_error
@@ -371,7 +373,7 @@ def find_open_cells(solution: ContactSolution, gap: Array) -> Mask:
 
 def _list_warnings(solution: ContactSolution) -> tuple[str, ...]:
     """Return why the gap must not be trusted."""
-    warnings = [] if solution.status.success else [ContactWarning(f"The contact is {solution.status}.", "convergence")]
+    warnings = [] if solution.status.success else [WarningText(f"The contact is {solution.status}.", "convergence")]
     return tuple(warnings)
 
 
@@ -380,13 +382,13 @@ def _judge_closure(solution: ContactSolution, open_cells: Mask, axis: int) -> tu
     periodic = not solution.boundary.free_axes[1 - axis]
     if find_paths(open_cells, periodic=periodic, corners=True).any():
         text = "The two sides are joined through corners of cells alone: refine the grid."
-        return (ContactWarning(text, "resolution"),)
+        return (WarningText(text, "resolution"),)
     pressure = solution.contact_pressure
     light = pressure < _LIGHT_PRESSURE * pressure.mean(where=solution.contact)
     beside = light & grow(~solution.contact, 1, solution.boundary)
     if find_paths(open_cells | (beside if axis == 0 else beside.T), periodic=periodic).any():
         text = "Cells with little pressure close the last path: refine the grid."
-        return (ContactWarning(text, "resolution"),)
+        return (WarningText(text, "resolution"),)
     return ()
 
 
@@ -396,11 +398,11 @@ def _judge_uncertainty(relative: float, of_gap: float, of_holes: float) -> tuple
         text = (
             "The gap at non-measured points, continued from their neighbours, hardly determines the flow: measure them."
         )
-        return (ContactWarning(text, "non-measured points", of_holes),)
+        return (WarningText(text, "non-measured points", of_holes),)
     allowed = _MAX_GAP_STD if 2.0 * of_gap > relative else _MAX_RELATIVE_STD
     if relative > allowed:
         text = "The grid hardly determines the flow, which may err by more than 10 %: refine the grid."
-        return (ContactWarning(text, "uncertainty", relative),)
+        return (WarningText(text, "uncertainty", relative),)
     return ()
 
 
@@ -409,8 +411,8 @@ def _judge_throat(throat: Throat, cells: int) -> tuple[str, ...]:
     warnings = []
     if throat.cells < min(_MIN_THROAT_CELLS, cells) and throat.fraction >= _MIN_LOSS_FRACTION:
         text = f"The critical throat is {throat.cells:.3g} cells across, below {_MIN_THROAT_CELLS:g}: refine the grid."
-        warnings.append(ContactWarning(text, "resolution", throat.cells))
+        warnings.append(WarningText(text, "resolution", throat.cells))
     if throat.gap < _MOLECULAR_GAP:
         text = f"The gap in the critical throat is {si(throat.gap, 'm', 3)}, of molecular size."
-        warnings.append(ContactWarning(text, "molecular gap", throat.gap))
+        warnings.append(WarningText(text, "molecular gap", throat.gap))
     return tuple(warnings)

@@ -8,7 +8,7 @@ import numpy as np
 
 from roughcontact._answers.linear.tangent import LinearSolution, Tangent, require_found
 from roughcontact._base.arrays import Array, Mask, read_only
-from roughcontact._base.units import ContactWarning
+from roughcontact._base.units import WarningText
 from roughcontact._parts.grid import Boundary
 from roughcontact._solve.problem import computing, linearise, problem_of
 from roughcontact._solve.solution import ContactSolution
@@ -101,9 +101,9 @@ def tangent_of(solution: ContactSolution) -> Tangent | AdhesiveTangent:
     return Tangent(solution) if solution.tension is None else AdhesiveTangent(solution)
 
 
-def describe_jump(margin: float) -> ContactWarning | None:
+def describe_jump(margin: float) -> WarningText | None:
     """Return a warning if a stability margin is that of a state near a jump."""
     if margin >= _NEAR_JUMP_MARGIN:
         return None
     text = "the state is close to a jump: a slightly other load may separate or join the surfaces"
-    return ContactWarning(text, "near a jump", margin)
+    return WarningText(text, "near a jump", margin)

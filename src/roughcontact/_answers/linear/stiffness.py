@@ -12,7 +12,7 @@ from roughcontact._answers.areas.cells import count_sides, find_sharp_edges
 from roughcontact._answers.areas.curvature import curvature_resolution
 from roughcontact._answers.linear.adhesive_tangent import describe_jump, tangent_of
 from roughcontact._base.arrays import Array, IntArray, Mask
-from roughcontact._base.units import ContactWarning
+from roughcontact._base.units import WarningText
 from roughcontact._parts.grid import Boundary, Grid, list_borders
 from roughcontact._solve.problem import find_stability, problem_of
 from roughcontact._solve.solution import Area, ContactSolution, Estimate, Response, find_stiffness_sampling, responses
@@ -93,14 +93,15 @@ def correct_edges(
     """
     count = solution.patches.count
     cell = solution.grid.cell_area
+    step = math.sqrt(solution.grid.resolved.cell_area)
     cells_of = solution.patches.sum(cells.astype(np.float64))
     lost, sides, squares, along = _measure_rows(solution, answer, cells)
     # A film that yields more than a cell makes the pressure even at the edge: the cells then act with their own area.
-    faded = 1.0 - 1.0 / (1.0 + _FILM_FADING * film * modulus / math.sqrt(cell))
+    faded = 1.0 - 1.0 / (1.0 + _FILM_FADING * film * modulus / step)
     lost *= 1.0 - faded
     acting = np.maximum(cells_of - lost, 0.3 * cells_of) * cell
     known = _find_areas(solution, cells_of, acting, area)
-    width = np.where(sides > 0.0, 2.0 * acting / np.maximum(0.25 * np.pi * sides, 1e-300), np.inf) / math.sqrt(cell)
+    width = np.where(sides > 0.0, 2.0 * acting / np.maximum(0.25 * np.pi * sides, 1e-300), np.inf) / step
     factor = _EDGE_FACTOR * (1.0 - _NARROW_RADIUS_CELLS / np.maximum(width, 2.0 * _NARROW_RADIUS_CELLS))
     slope = factor * squares * cell / (np.maximum(sides, 1e-300) * modulus)
     # The stiffness of a single spot is proportional to the root of its area.
@@ -128,18 +129,18 @@ def correct_edges(
     open_part = max(1.0 - float(in_film.sum()) / total, 0.0) if total > 0.0 else 0.0
     by_area = growing / nominal * area.uncertainty if nominal > 0.0 else 0.0
     # The longer sides of the cells place the edge.
-    oblong = max(solution.grid.spacing) / math.sqrt(cell)
+    oblong = max(solution.grid.resolved.spacing) / step
     by_patch = stiffness * (oblong / np.maximum(width, 0.5)) ** 1.5
     by_cells = open_part * _POSITION_STD * math.sqrt(float(np.sum(by_patch**2)))
     # Near full contact the stiffness grows much faster than the area.
     common = open_part * _COMMON_STD * ratio**1.5 * math.sqrt(total * max(total, 2.0 * growing))
-    unseen = open_part * 2.0 * modulus * _HIDDEN_RADIUS_FACTOR * math.sqrt(min(ratio, 1.0) * cell)
+    unseen = open_part * 2.0 * modulus * _HIDDEN_RADIUS_FACTOR * math.sqrt(min(ratio, 1.0)) * cell / step
     return EdgeCorrection(correction, math.hypot(by_area, by_cells, unsure, common, unseen))
 
 
 def edge_length(grid: Grid) -> float:
     """Return the inverse of the wave number at an edge of a contact, m."""
-    return EDGE_LENGTH * math.sqrt(grid.cell_area)
+    return EDGE_LENGTH * math.sqrt(grid.resolved.cell_area)
 
 
 def _find_trust(solution: ContactSolution, ratio: float) -> float:
@@ -317,7 +318,7 @@ def _find_pull_std(solution: ContactSolution, answer: Array, value: float) -> fl
     # Cells that pull alike in a ring around the contact, whose sides are 4/pi times its length.
     count = total**2 / float(np.einsum("i,i->", pull, pull))
     width = count / (0.25 * math.pi * max(count_sides(solution), 1))
-    stuck = _STUCK_STD * math.exp(-_STUCK_FALL * law.cohesive_cells(solution.grid.spacing, solution.modulus))
+    stuck = _STUCK_STD * math.exp(-_STUCK_FALL * law.cohesive_cells(solution.grid.resolved.spacing, solution.modulus))
     return math.hypot(_PULL_STD * total * solution.grid.cell_area / width, stuck * value)
 
 
@@ -330,10 +331,10 @@ def require_mean_gap(solution: ContactSolution, what: str) -> None:
         )
 
 
-def describe_full_contact(what: str) -> ContactWarning:
+def describe_full_contact(what: str) -> WarningText:
     """Return the warning that a number, named by `what`, is infinite in full contact on a periodic boundary."""
     text = f"the surfaces touch everywhere, so that the interface yields nothing and its {what} is infinite"
-    return ContactWarning(text, "full contact")
+    return WarningText(text, "full contact")
 
 
 def list_warnings(solution: ContactSolution, warnings: tuple[str, ...]) -> tuple[str, ...]:
@@ -342,4 +343,4 @@ def list_warnings(solution: ContactSolution, warnings: tuple[str, ...]) -> tuple
     if not solution.parts.total(sum(np.count_nonzero(edge) for edge in list_borders(own, solution.boundary))):
         return warnings
     text = "the contact reaches the border of a free domain, which counts as its edge"
-    return (*warnings, ContactWarning(text, "edge contact"))
+    return (*warnings, WarningText(text, "edge contact"))

@@ -12,7 +12,7 @@ from roughcontact._answers.linear.stiffness import find_normal_answer
 from roughcontact._answers.linear.tangent import Tangent
 from roughcontact._base import checks
 from roughcontact._base.arrays import Array
-from roughcontact._base.units import ContactWarning
+from roughcontact._base.units import WarningText
 from roughcontact._parts.kernels import SupportsTangential, has_layers
 from roughcontact._parts.materials import MAX_UNCOUPLED_BETA, pair_constants
 from roughcontact._solve.problem import ContactProblem, problem_of
@@ -200,7 +200,7 @@ class TangentialStiffness(Response[Estimate]):
                     f"the coupling of normal and tangential displacement on layers, Dundurs' beta = {beta:.2g}, is "
                     f"neglected: expect a stiffness too small by up to {100.0 * _COUPLING_STD * beta**2:.2g} %"
                 )
-                warnings = (*warnings, ContactWarning(text, "coupling", beta))
+                warnings = (*warnings, WarningText(text, "coupling", beta))
         else:
             ratio = find_compliance_ratio(solution, normal.field, self.axis)
             ratio *= find_energy_ratio(solution, normal.field, self.axis, coupled=True)
@@ -234,7 +234,8 @@ def _compare_on_layers(
     normal, tangential = (
         Tangent(solution, kernel=one).solve(unit, _LAYERED_TOLERANCE).product for one in (None, shear)
     )
-    waves = np.geomspace(1.0 / max(solution.grid.size), 1.0 / min(solution.grid.spacing), _WAVES)
+    resolved = solution.grid.resolved
+    waves = np.geomspace(1.0 / max(resolved.size), 1.0 / min(resolved.spacing), _WAVES)
     beta = float(np.abs(kernel.coupling(waves, bound.compliance, pair)).max())
     # Waves on cells much smaller than they are.
     ends = np.array([[0.0], [1.0]])
@@ -248,5 +249,5 @@ def _compare_on_layers(
 def _find_scatter(solution: ContactSolution, answer: Array) -> float:
     """Return the root of the sum over the patches of the square of their part of the answer over their cells."""
     parts = solution.patches.sum(answer) / float(answer.sum())
-    oblong = max(solution.grid.spacing) / math.sqrt(solution.grid.cell_area)
+    oblong = max(solution.grid.resolved.spacing) / math.sqrt(solution.grid.resolved.cell_area)
     return oblong * math.sqrt(float(np.sum(parts**2 / solution.patches.cells)))

@@ -8,9 +8,10 @@ from collections.abc import Callable, Sequence
 import attrs
 import numpy as np
 
+from roughcontact._answers.areas.cells import find_spanning_patches
 from roughcontact._answers.subsurface.field import StressField, maximum_shear, shear_invariant, von_mises
 from roughcontact._base.arrays import Array, RealArray
-from roughcontact._base.units import ContactWarning, Estimate, percent, si
+from roughcontact._base.units import Estimate, WarningText, percent, si
 from roughcontact._parts.grid import Boundary
 from roughcontact._solve.solution import ContactSolution
 
@@ -163,7 +164,7 @@ def find_maximum(depths: Array, peaks: Sequence[PlanePeak], scale: float, cell: 
     elif not at_surface:
         end = "the smallest" if top == 0 else "the largest"
         text = f"the maximum lies at {end} of the depths, {si(depth, 'm')}: beyond it there may be a larger one"
-        warnings.append(ContactWarning(text, "depths", depth))
+        warnings.append(WarningText(text, "depths", depth))
     cells = depth / cell
     if cells < _MIN_DEPTH_CELLS:
         warnings.append(warn_of_depth(cells))
@@ -202,19 +203,30 @@ def find_maxima_of_layers(
     return found
 
 
-def warn_of_depth(cells: float) -> ContactWarning:
+def warn_of_depth(cells: float) -> WarningText:
     """Return the warning that a maximum lies so few cells below the surface."""
     place = f"only {cells:.2g} cells below" if cells > 0.0 else "at"
-    return ContactWarning(f"the maximum lies {place} the surface, where it depends on the grid", "resolution", cells)
+    return WarningText(f"the maximum lies {place} the surface, where it depends on the grid", "resolution", cells)
 
 
 def default_depths(solution: ContactSolution) -> Array:
     """Return depths in which the maximum of the stress is found, m, ascending."""
-    cell = max(solution.grid.spacing)
-    patches = solution.patches
-    radius = math.sqrt(float(patches.areas.max()) / math.pi) if patches.count else 0.0
-    last = max(
-        _MIN_LAST_DEPTH_CELLS * cell, min(_LAST_DEPTH_RADII * radius, _MAX_LAST_DEPTH_SIDES * max(solution.grid.size))
-    )
+    resolved = solution.grid.resolved
+    cell = max(resolved.spacing)
+    longest = _MAX_LAST_DEPTH_SIDES * max(resolved.size)
+    last = max(_MIN_LAST_DEPTH_CELLS * cell, min(_LAST_DEPTH_RADII * _find_largest_radius(solution), longest))
     count = math.ceil(math.log(last / (_FIRST_DEPTH_CELLS * cell)) / math.log(_DEPTH_RATIO)) + 1
     return np.asarray(np.geomspace(_FIRST_DEPTH_CELLS * cell, last, count), dtype=np.float64)
+
+
+def _find_largest_radius(solution: ContactSolution) -> float:
+    """Return the radius of a disc as large as the largest patch, or half the width of a strip, m."""
+    patches = solution.patches
+    if patches.count == 0:
+        return 0.0
+    largest = int(patches.cells.argmax())
+    radius = math.sqrt(float(patches.cells[largest]) * solution.grid.resolved.cell_area / math.pi)
+    if not find_spanning_patches(solution)[largest]:
+        return radius
+    edge = float(patches.perimeters[largest])
+    return max(radius, 2.0 * float(patches.areas[largest]) / edge) if edge > 0.0 else math.inf

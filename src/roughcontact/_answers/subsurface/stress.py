@@ -41,7 +41,7 @@ from roughcontact._base import checks
 from roughcontact._base.arrays import Array, RealArray, frozen_array, read_only
 from roughcontact._base.checks import choice, number, numbers
 from roughcontact._base.machine import require_memory, use_threads
-from roughcontact._base.units import ContactWarning, ShownAsPrinted, outlined, si
+from roughcontact._base.units import ShownAsPrinted, WarningText, outlined, si
 from roughcontact._parts.grid import Boundary, Grid, list_borders
 from roughcontact._parts.kernels import Love, SupportsStress
 from roughcontact._solve.problem import ContactProblem, problem_of
@@ -54,7 +54,7 @@ Measure: TypeAlias = Callable[[RealArray], RealArray]
 _MAX_LOAD_RATIO = 1e6
 # Largest depth, in sides of the domain, for which the stress is computed.
 _MAX_DEPTH_SIDES = 100.0
-_SHARP_EDGE_WARNING = ContactWarning(
+_SHARP_EDGE_WARNING = WarningText(
     "the contact has a sharp edge or reaches the border, where the stress is unbounded: it depends on the grid",
     "sharp edge",
 )
@@ -91,10 +91,10 @@ class Stress(ShownAsPrinted, Answer):
     @property
     def warnings(self) -> tuple[str, ...]:
         """Why the stress must not be trusted, in sentences; empty without a reason."""
-        warnings = [] if self.solution.status.success else [ContactWarning(str(self.solution.status), "convergence")]
+        warnings = [] if self.solution.status.success else [WarningText(str(self.solution.status), "convergence")]
         if self.solution.boundary is Boundary.WRAPPED:
             text = "beyond the wrapped border nothing lies for the stress, as if the boundary were free"
-            warnings.append(ContactWarning(text, "wrapped boundary"))
+            warnings.append(WarningText(text, "wrapped boundary"))
         return tuple(warnings)
 
     def __len__(self) -> int:
@@ -223,9 +223,9 @@ class Stress(ShownAsPrinted, Answer):
 
     def _find_in_layers(self, place: int) -> dict[int, StressMaximum]:
         peaks = [peak[place] for peak in self._peaks]
-        layers = self._layers
-        interfaces = np.empty(0) if layers is None else np.append(layers.interfaces, layers.base_depth)
-        return find_maxima_of_layers(np.unique(self.depths), interfaces, peaks, self._scale, max(self._grid.spacing))
+        interfaces = [] if self._layers is None else [*self._layers.interfaces, self._layers.base_depth]
+        cell = max(self._grid.resolved.spacing)
+        return find_maxima_of_layers(np.unique(self.depths), np.array(interfaces), peaks, self._scale, cell)
 
     def _judge(self, found: StressMaximum, measure: Measure, *, at_surface: bool) -> StressMaximum:
         """Return a maximum beside the peak at the edge of a sliding contact, if at the surface, with warnings."""
@@ -453,7 +453,7 @@ class StressBelow(Response[Stress]):
         base = math.inf if layers is None else layers.base_depth
         if float(depths.max()) > base:
             raise InputError.about("A depth", float(depths.max()), f"at most {si(base, 'm')}, down to the rigid base")
-        deepest = _MAX_DEPTH_SIDES * max(solution.grid.size)
+        deepest = _MAX_DEPTH_SIDES * max(solution.grid.resolved.size)
         if float(depths.max()) > deepest:
             allowed = f"at most {si(deepest, 'm')}, {_MAX_DEPTH_SIDES:g} times the side of the domain"
             raise InputError.about("A depth", float(depths.max()), allowed, "Depths are in metres.")

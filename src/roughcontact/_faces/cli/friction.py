@@ -40,9 +40,11 @@ from roughcontact._solve.problem import (
     Increment,
     describe_estimate,
     describe_state,
+    explain_with_friction,
     find_path_inputs,
     find_versions,
     format_json,
+    require_frictional,
     run_slide,
 )
 from roughcontact._work.studies import Answers, add_answers, write_report
@@ -92,10 +94,6 @@ def refuse_for_friction(options: argparse.Namespace) -> None:
             shown = f"--{name.replace('_', '-')}"
             raise rc.InputError(f"{shown} is for loads without friction: omit it with {given}.")
     if options.slide is not None:
-        if options.report is not None:
-            raise rc.InputError(
-                "--report with friction is of a path: give --tangential instead of --slide, or omit it."
-            )
         if options.loads is not None:
             raise rc.InputError("--slide is for one load: give that instead of --loads.")
         return
@@ -126,6 +124,14 @@ def plan_friction_outputs(options: argparse.Namespace, maps: list[Path]) -> list
         require_place(path, [path], maps)
         files.append(path)
     return files + plan_report(options.report, maps)
+
+
+def explain_friction(options: argparse.Namespace, problem: rc.ContactProblem, law: rc.FrictionLaw) -> str:
+    """Return the plan of a path or of steady sliding, in words."""
+    require_frictional(problem)
+    # A path begins with the state under the normal load alone.
+    states = 1 if options.tangential is None else 1 + len(options.tangential)
+    return explain_with_friction(problem.plan, law, states)
 
 
 def solve_friction(
@@ -276,7 +282,7 @@ def path_to_text(path: rc.FrictionalPath, asked: Asked = _NOTHING) -> str:
     lines += [f"warning      {name_options(text, ('substeps',))}" for text in path.warnings]
     if asked.answers:
         table = path.table()
-        along = [name for name in ("tangential_x", "tangential_y") if any(table.columns[name])]
+        along = [f"tangential_{axis}" for axis, pushed in zip("xy", path.loop.force[1:].T, strict=True) if pushed.any()]
         numbers = range(1, len(path) + 1)
         heads = Table({"state": numbers, **{name: table.columns[name] for name in along}}, table.units)
         names = [f"state {number}" for number in numbers]

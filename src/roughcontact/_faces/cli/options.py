@@ -89,7 +89,7 @@ OF_READERS: dict[str, tuple[Callable[[str], Any], str]] = {
     "separator": (str, "separator in text: , ; tab blank (found)"),
     "decimal": (str, "decimal mark in text: . or , (found)"),
     "skip_rows": (whole_number, "lines of text above the heights (found)"),
-    "rows": (str, "x or y: the axis along which the rows of a file follow each other (x)"),
+    "rows": (str, "x or y: what one line of the file is (x)"),
     "variable": (str, "array of a .mat file (heights)"),
     "page": (whole_number, "image of a TIFF file"),
 }

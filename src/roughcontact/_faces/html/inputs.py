@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
 
@@ -27,7 +28,14 @@ from roughcontact._solve.problem import (
     describe_part,
     write_number,
 )
-from roughcontact._solve.solution import ContactSolution, describe_work, find_load, key_of_origin, versions
+from roughcontact._solve.solution import (
+    ContactSolution,
+    FrictionalSolution,
+    describe_work,
+    find_load,
+    key_of_origin,
+    versions,
+)
 
 _READ = 'rc.ContactSolution.load("solution.npz")'
 _FROM_FILE = """\
@@ -38,6 +46,9 @@ problem = rc.ContactProblem(**saved.origin.problem)"""
 _OF_SOLUTION = ("solution.save(\"solution.npz\") writes, or 'Fields (.npz)' on the page,", _READ)
 _OF_CYCLE = ('cycle.loading[0].save("solution.npz") writes', _READ)
 _OF_PATH = ('path.save("path.npz") writes', 'rc.FrictionalPath.load("path.npz")[0].contact')
+_OF_STATE = ('state.save("state.npz") writes', 'rc.FrictionalSolution.load("state.npz").contact')
+# Digits of an angle in degrees that rounding leaves.
+_ANGLE_DIGITS = 10
 # Where the name of a file stands in the history of a map.
 _FILE_IN_HISTORY = re.compile(r"read from (.+?)(?:, \d+ non-measured.*|: \d+ x .*|)", re.DOTALL)
 _WORD_BORDER = re.compile(r"(?<=[a-z0-9])(?=[A-Z])")
@@ -82,6 +93,22 @@ def write_path_script(problem: ContactProblem, path: FrictionalPath) -> str:
     return (
         f"{_write_problem(problem, _OF_PATH, *writer.modules)}\npath = problem.path({', '.join(given)})\nprint(path)\n"
     )
+
+
+def write_state_script(problem: ContactProblem, state: FrictionalSolution) -> str:
+    """Return a Python script of steady sliding; empty if no line makes its law, or the state is one of a path."""
+    writer = ExpressionWriter()
+    load = find_load(state.contact)
+    try:
+        law = writer.write(state.friction)
+    except NotInAScript:
+        return ""
+    if not state.is_steady or load is None:
+        return ""
+    x, y = state.given.values
+    angle = write_number(round(math.degrees(math.atan2(y, x)), _ANGLE_DIGITS))
+    given = f"{load.kind}={write_number(load.value)}, friction={law}, direction={angle}"
+    return f"{_write_problem(problem, _OF_STATE, *writer.modules)}\nstate = problem.slide({given})\nprint(state)\n"
 
 
 def write_cycle_script(problem: ContactProblem, cycle: AdhesionCycle) -> str:

@@ -24,6 +24,7 @@ from roughcontact._faces.html.inputs import (
     write_cycle_script,
     write_path_script,
     write_script,
+    write_state_script,
 )
 from roughcontact._faces.html.parts import (
     draw_curve,
@@ -46,19 +47,23 @@ from roughcontact._solve.problem import (
     FrictionalPath,
     Sweep,
     describe_cycle,
+    explain_with_friction,
     find_problem,
+    include_friction,
     list_states,
 )
 from roughcontact._solve.solution import (
     DEFAULT_AREA,
     MORE_THAN_METALS,
     ContactSolution,
+    FrictionalSolution,
     SolutionWriter,
     areas,
     describe_maps,
     exceeds_metals,
     list_all_warnings,
     list_answers,
+    list_state,
     name_load,
     note_loads,
     versions,
@@ -192,6 +197,7 @@ class HtmlWriter(SolutionWriter):
         problem, missing = find_problem(last)
         results = {"energy lost": str(attrs.evolve(path.dissipated, warnings=())), "friction": repr(path[0].friction)}
         script = "" if problem is None else write_path_script(problem, path)
+        plan = "" if problem is None else f"{include_friction(problem.plan)}\n{path.explain()}"
         return _make_page(
             counted(len(path), "state"),
             [
@@ -202,7 +208,29 @@ class HtmlWriter(SolutionWriter):
                 ),
                 section("The last state", _make_answer(last)),
                 _make_figures(last),
-                *_make_details(last, problem, missing, script, path.explain()),
+                *_make_details(last, problem, missing, script, plan or path.explain()),
+            ],
+        )
+
+    def state_text(self, state: FrictionalSolution, answers: Answers = _NO_ANSWERS) -> str:
+        """Return the page of one state with friction, or of steady sliding, with what responses have answered."""
+        contact = state.contact
+        problem, missing = find_problem(contact)
+        results = {name.capitalize(): quantity(text) for name, text in list_state(state).items()}
+        plan = "" if problem is None else explain_with_friction(problem.plan, state.friction)
+        script = "" if problem is None else write_state_script(problem, state)
+        return _make_page(
+            "steady sliding" if state.is_steady else "friction",
+            [
+                _make_head(contact, problem, loads_of([contact])),
+                make_verdict([state]),
+                table(results | {"Friction": escape(repr(state.friction))}, "The answer", class_="answer"),
+                _NOTE,
+                make_warnings(list_all_warnings(contact)),
+                make_responses(answers, [contact]),
+                section("The normal contact", _make_answer(contact)),
+                _make_figures(contact),
+                *_make_details(contact, problem, missing, script, plan),
             ],
         )
 
@@ -295,9 +323,9 @@ def _make_states(
 
 
 def _make_details(
-    solution: ContactSolution, problem: ContactProblem | None, missing: str, script: str | None = None, steps: str = ""
+    solution: ContactSolution, problem: ContactProblem | None, missing: str, script: str | None = None, plan: str = ""
 ) -> list[str]:
-    """Return inputs, certificate, versions, script, citation and plan; a path has its own script and steps."""
+    """Return inputs, certificate, versions, script, citation and plan; with friction script and plan are others."""
     return [
         section("Inputs", table(list_inputs(solution, problem), "What was solved"), note(missing)),
         '<div class="columns">',
@@ -306,7 +334,7 @@ def _make_details(
         "</div>",
         _make_script(solution, problem) if script is None else _show_script(script),
         _make_citation(problem),
-        _make_plan(problem, steps),
+        _make_plan(problem, plan),
     ]
 
 
@@ -337,6 +365,6 @@ def _make_citation(problem: ContactProblem | None) -> str:
     return section("Cite", element("ul", "".join(texts)), bibtex)
 
 
-def _make_plan(problem: ContactProblem | None, steps: str) -> str:
-    texts = [*([] if problem is None else [problem.explain()]), *([steps] if steps else [])]
-    return section("Plan", *(element("pre", escape(text)) for text in texts)) if texts else ""
+def _make_plan(problem: ContactProblem | None, plan: str) -> str:
+    text = plan or ("" if problem is None else problem.explain())
+    return section("Plan", element("pre", escape(text))) if text else ""

@@ -144,7 +144,7 @@ def draw_cycle(cycle: AdhesionCycle, axes: Any, dark: bool = False) -> Any:
 def draw_loop(path: FrictionalPath, axes: Any, dark: bool = False) -> Any:
     """Draw the tangential force over the displacement; see `FrictionalPath.plot`."""
     axes = _own_axes(axes, dark)
-    loop = path.loop
+    loop = path.drawn_loop
     force_factor, force_unit = prefixed(float(np.abs(loop.force).max()), "N")
     length_factor, length_unit = prefixed(float(np.abs(loop.displacement).max()), "m")
     theme = theme_of(axes)

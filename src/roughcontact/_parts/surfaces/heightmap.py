@@ -469,7 +469,7 @@ def _check_cutoff(value: Quantity | None, grid: Grid) -> float | None:
     if value is None:
         return None
     cutoff = number(value, "The cut-off wavelength", "m", above=0.0)
-    shortest = 2.0 * max(grid.spacing)
+    shortest = 2.0 * max(grid.resolved.spacing)
     if cutoff < shortest * (1.0 - 1e-9):
         raise InputError.about("The cut-off wavelength", cutoff, f"at least two cells, {shortest:g} m")
     return cutoff

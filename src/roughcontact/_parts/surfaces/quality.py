@@ -9,7 +9,7 @@ import numpy as np
 import scipy.fft
 
 from roughcontact._base.arrays import Array, Mask
-from roughcontact._base.units import ContactWarning, si
+from roughcontact._base.units import WarningText, si
 from roughcontact._parts.grid import Grid
 from roughcontact._parts.surfaces.filling import smooth_over
 from roughcontact._parts.surfaces.statistics import mean_in_bands, power_spectrum
@@ -78,18 +78,18 @@ def list_map_warnings(
     part, unit = _take_middle(heights, non_measured)
     if min(part.shape) < _MIN_CELLS or float(np.ptp(part)) == 0.0:
         return ()
-    cell = max(grid.spacing)
+    cell = max(grid.resolved.spacing)
     period = _find_period(part)
     if period > 0.0:
         text = (
             f"the map looks interpolated (its differences repeat every {period:.2g} cells): use it as it was measured"
         )
-        return (ContactWarning(text, "interpolated map", period),)
+        return (WarningText(text, "interpolated map", period),)
     levels = _levels(part)
     steps = np.diff(levels) / float(np.median(np.diff(levels)))
     if _MIN_LEVELS < levels.size < _MAX_LEVELS and np.abs(steps - np.rint(steps)).max() < _STEP_TOLERANCE:
         text = "the heights of the map rise in steps as large as their differences: measure with finer steps"
-        return (ContactWarning(text, "stepped map"),)
+        return (WarningText(text, "stepped map"),)
     warnings = []
     filled = _find_filled(part)
     if levels.size <= _DISTINCT_FRACTION * part.size:
@@ -98,7 +98,7 @@ def list_map_warnings(
         share = f"about {100.0 * float(filled.mean()):.2g} % of the points of the map"
         known = f"{share} are filled from their neighbours: where they touch, the contact is a guess"
         text = known if was_filled else f"{share} look filled in: mark them non-measured"
-        warnings.append(ContactWarning(text, "filled points", float(filled.mean())))
+        warnings.append(WarningText(text, "filled points", float(filled.mean())))
     # The edges of harmonic patches look like noise.
     spectrum = _judge_spectrum(smooth_over(part, filled) if filled.any() else part, cell, unit)
     holes = filled if non_measured is None else filled | _middle(non_measured)
@@ -185,7 +185,7 @@ def _find_filled(part: Array) -> Mask:
     return filled
 
 
-def _judge_spectrum(part: Array, cell: float, unit: float) -> tuple[ContactWarning, ...]:
+def _judge_spectrum(part: Array, cell: float, unit: float) -> tuple[WarningText, ...]:
     """Return signs of blur or noise in heights over `unit`, m, with cells of `cell`, m."""
     qx, qy, power = power_spectrum(part)
     wavenumbers = np.hypot(qx, qy)
@@ -210,13 +210,13 @@ def _judge_spectrum(part: Array, cell: float, unit: float) -> tuple[ContactWarni
                 f"waves below about {si(wave * cell, 'm', 2)} ({wave:.2g} cells) are faint in the map, as after "
                 "optical blur or interpolation: a finer grid cannot bring them back"
             )
-            warnings.append(ContactWarning(text, "blurred map", wave * cell))
+            warnings.append(WarningText(text, "blurred map", wave * cell))
         if noisy:
             noise = unit * math.sqrt(floor * part.size)
             text = f"{_MOSTLY_NOISE}, of about {si(noise, 'm', 2)}, {_FILTER_NOISE}"
-            return (*warnings, ContactWarning(text, _NOISE_RULE, noise))
+            return (*warnings, WarningText(text, _NOISE_RULE, noise))
     if slopes[-1] > max(_NOISE_SLOPE, min(0.0, float(np.mean(slopes[2:5])) + _NOISE_RISE)):
-        warnings.append(ContactWarning(f"{_MOSTLY_NOISE}, {_FILTER_NOISE}", _NOISE_RULE))
+        warnings.append(WarningText(f"{_MOSTLY_NOISE}, {_FILTER_NOISE}", _NOISE_RULE))
     return tuple(warnings)
 
 

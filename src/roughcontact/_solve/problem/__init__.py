@@ -21,8 +21,9 @@ from roughcontact._solve.problem.description import (
 )
 from roughcontact._solve.problem.expressions import ExpressionWriter, NotInAScript, describe_part, write_number
 from roughcontact._solve.problem.friction_certificate import require_frictional
-from roughcontact._solve.problem.increments import Increment, StepNumbers, list_targets
-from roughcontact._solve.problem.memory import require_memory_of_solve
+from roughcontact._solve.problem.friction_plan import explain_with_friction, include_friction
+from roughcontact._solve.problem.increments import Increment, list_loads, list_targets
+from roughcontact._solve.problem.memory import memory_of_friction, require_memory_of_solve
 from roughcontact._solve.problem.path import (
     AS_GIVEN,
     FrictionalPath,
@@ -46,6 +47,7 @@ from roughcontact._solve.problem.slabs import (
     plan_slabs,
     solve_slabs,
 )
+from roughcontact._solve.problem.step_numbers import StepNumbers
 from roughcontact._solve.problem.sweep import Sweep, make_table, order_of_solving, predict_pressure, run_sweep
 from roughcontact._solve.problem.task import LOAD_TOLERANCE, bind_kernel, make_task, maximum_pressure, pressure_unit
 
@@ -85,6 +87,7 @@ __all__ = [
     "describe_state",
     "describe_value",
     "ending_all",
+    "explain_with_friction",
     "find_inputs",
     "find_path_inputs",
     "find_problem",
@@ -96,7 +99,9 @@ __all__ = [
     "follow",
     "follow_loads",
     "format_json",
+    "include_friction",
     "linearise",
+    "list_loads",
     "list_states",
     "list_targets",
     "load",
@@ -105,6 +110,7 @@ __all__ = [
     "make_table",
     "make_task",
     "maximum_pressure",
+    "memory_of_friction",
     "order_of_solving",
     "plan_slabs",
     "predict_pressure",

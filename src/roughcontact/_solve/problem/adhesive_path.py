@@ -30,7 +30,7 @@ def require_resolved(plan: SolvePlan) -> None:
     """Raise `InputError` unless there is adhesion and the cells resolve it well enough to follow a path."""
     if plan.interaction is None:
         raise InputError("Without adhesion= nothing is pulled apart: give the problem a law, such as Exponential.")
-    cells = plan.interaction.cohesive_cells(plan.grid.spacing, plan.surface_modulus)
+    cells = plan.interaction.cohesive_cells(plan.grid.resolved.spacing, plan.surface_modulus)
     if cells < TRAPPED_CELLS:
         reason = describe_range(plan.interaction, plan.grid, plan.surface_modulus)
         raise InputError(f"A path cannot be followed: {reason}.")
@@ -78,5 +78,5 @@ def open_gap(state: ContactSolution) -> Array:
 def cells_of(state: ContactSolution) -> float:
     assert state.origin is not None
     plan = state.origin.source.plan
-    cells: float = plan.interaction.cohesive_cells(plan.grid.spacing, plan.surface_modulus)
+    cells: float = plan.interaction.cohesive_cells(plan.grid.resolved.spacing, plan.surface_modulus)
     return cells

@@ -1,21 +1,32 @@
-"""The increments of the steps of a path, and the limits of its numbers for infinitely many of them."""
+"""The steps of a path, and their increments: as many as the numbers need."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING
 
 import attrs
 import numpy as np
 
 from roughcontact._base import checks
 from roughcontact._base.arrays import Array, Pair
-from roughcontact._base.units import ContactWarning, Estimate, counted
+from roughcontact._base.units import Estimate, WarningText, counted
 from roughcontact._parts.grid import Load
 from roughcontact._solve.problem.coupled import CoupledSolve
 from roughcontact._solve.problem.friction_certificate import FrictionalFields
+from roughcontact._solve.problem.step_numbers import (
+    StepNumbers,
+    extrapolate_numbers,
+    list_cell_errors,
+    numbers_of,
+)
+from roughcontact._solve.problem.task import limit_load
 from roughcontact._solve.solution import FrictionalSolution, FrictionalState, TangentialLoad
 from roughcontact.errors import InputError
+
+if TYPE_CHECKING:
+    from roughcontact._solve.problem.problem import ContactProblem
 
 # Minimum increments of a step by "auto", whose errors show their order with those of half and a quarter as many; the
 # maximum, and the changes from half as many at which it ends: of the displacement over
@@ -28,37 +39,12 @@ _STICK_TOLERANCE = 3e-2
 # Minimum displacement over the approach, and energy lost over the elastic energy, that count.
 _MIN_DISPLACEMENT = 1e-2
 _MIN_LOSS = 1e-2
-# Ratios of two changes in a row, half an order and two, and the standard deviation of a limit over the largest of these
-# changes and what is extrapolated: set on paths with turns, from the first touch and of unlike bodies, against 64
-# increments.
-_SMALLEST_RATIO = math.sqrt(2.0)
-_LARGEST_RATIO = 4.0
-_LIMIT_STD = 0.5
 # Sine of the angle between two changes of load below which they have one direction.
 _ONE_DIRECTION = 1e-9
-GIVEN_INCREMENTS = ContactWarning(
+GIVEN_INCREMENTS = WarningText(
     "the number of increments was given, so that the error of the increments is not known: leave it to substeps='auto'",
     "increments",
 )
-
-
-@attrs.frozen(eq=False, kw_only=True)
-class StepNumbers:
-    """Numbers of one step, extrapolated to infinitely many increments.
-
-    Attributes
-    ----------
-    displacement
-        Along x and y, m.
-    dissipated
-        Energy lost in the step, J.
-    stick_area
-        Area that sticks at its end, m2.
-    """
-
-    displacement: tuple[Estimate, Estimate]
-    dissipated: Estimate
-    stick_area: Estimate
 
 
 @attrs.frozen(eq=False)
@@ -127,10 +113,18 @@ def is_single(normal: Mapping[str, object]) -> bool:
     return len(values) == 1 and (isinstance(values[0], str) or not isinstance(values[0], Iterable))
 
 
+def list_loads(problem: ContactProblem, normal: Mapping[str, object]) -> tuple[Load, ...]:
+    """Return the normal loads of a path; `InputError` if the bodies cannot carry one of them."""
+    loads = (Load.of(**normal),) if is_single(normal) else Load.unloading_sequence(**normal)
+    for load in loads:
+        limit_load(problem.plan, problem.initial_gap, load)
+    return loads
+
+
 def list_steps(run: CoupledSolve, normal: Mapping[str, object], tangential: Mapping[str, object]) -> list[PathStep]:
     """Return the steps of a path, that of pressing first if the normal load is constant."""
     single = is_single(normal)
-    loads = (Load.of(**normal),) if single else Load.sequence(**normal)
+    loads = list_loads(run.problem, normal)
     targets = list_targets(tangential)
     if len(targets) not in (1, len(loads)) and not single:
         raise InputError(
@@ -217,7 +211,13 @@ def follow_steps(
             parts.append(part)
             tell(Increment(segment.number, segments[-1].number, number, increments, part))
         steps.append(_join(run, parts, begin, fields, is_exact=bool(segment.exact)))
-    return steps
+    return [_add_error(step, error.dissipated) for step, error in zip(steps, list_cell_errors(steps), strict=True)]
+
+
+def _add_error(step: FrictionalSolution, error: float) -> FrictionalSolution:
+    """Return a step whose energy lost has another standard deviation beside its own, J."""
+    lost = step.dissipated
+    return attrs.evolve(step, dissipated=attrs.evolve(lost, uncertainty=math.hypot(lost.uncertainty, error)))
 
 
 def _join(
@@ -231,11 +231,10 @@ def _join(
     """Return the last increment of a step with slip, energy lost and cost of all of them."""
     value = math.fsum(part.dissipated.value for part in parts)
     unsure = 0.0 if is_exact else math.fsum(part.dissipated.uncertainty for part in parts)
-    lost = Estimate(value, math.hypot(unsure, parts[-1].cell_errors[1] * value), "J")
     return attrs.evolve(
         parts[-1],
         slip=(end.relative - begin.relative) * run.length,
-        dissipated=lost,
+        dissipated=Estimate(value, unsure, "J"),
         passes=max(part.passes for part in parts),
         iterations=sum(part.iterations for part in parts),
         increments=len(parts),
@@ -262,13 +261,12 @@ def refine_steps(
             f"{count} increments of a step are not enough: from half as many the numbers change by {change:.2g} times "
             "what is admissible; give more steps"
         )
-        warning = (ContactWarning(text, "increments", change),)
-    moved = find_amplitude(steps)
+        warning = (WarningText(text, "increments", change),)
     numbers = [
-        numbers_of(steps[place], moved)
+        numbers_of(steps[place], error)
         if all(one.exact for one in segments[: place + 1])
-        else _extrapolate([sweep[place] for sweep in sweeps], moved, warning)
-        for place in range(len(segments))
+        else extrapolate_numbers([sweep[place] for sweep in sweeps], error, warning)
+        for place, error in enumerate(list_cell_errors(steps))
     ]
     reasons = [
         segment.exact or f"doubled until the numbers change by {change:.2g} of what is admissible"
@@ -302,66 +300,3 @@ def _compare(coarse: Sequence[FrictionalSolution], fine: Sequence[FrictionalSolu
         *areas,
     )
     return max(changes)
-
-
-def find_amplitude(steps: Sequence[FrictionalSolution]) -> float:
-    """Return the largest tangential displacement of the steps, m."""
-    return max(math.hypot(*step.displacement) for step in steps)
-
-
-def numbers_of(step: FrictionalSolution, amplitude: float, warnings: tuple[str, ...] = ()) -> StepNumbers:
-    """Return the numbers of a step as they are, of a path with a largest displacement."""
-    error = _displacement_error(step, amplitude)
-    x, y = (Estimate(value, error, "m", warnings) for value in step.displacement)
-    return StepNumbers(
-        displacement=(x, y),
-        dissipated=attrs.evolve(step.dissipated, warnings=warnings),
-        stick_area=attrs.evolve(step.stick_area, warnings=warnings),
-    )
-
-
-def _displacement_error(step: FrictionalSolution, amplitude: float) -> float:
-    """Return the standard deviation of the displacement by the size of the cells, m; zero if it is given."""
-    return 0.0 if step.given.kind == "displacement" else step.cell_errors[0] * amplitude
-
-
-def _extrapolate(sweeps: Sequence[FrictionalSolution], amplitude: float, warnings: tuple[str, ...]) -> StepNumbers:
-    """Return the limits of infinitely many increments, from the last three numbers of increments, each twice the other.
-
-    The order of the error is observed: it is one where a direction turns, and a half where normal and tangential load
-    grow together from the first touch.
-    """
-    fine = sweeps[-1]
-
-    def extend(values: Sequence[float], unit: str, known: float, low: float, high: float) -> Estimate:
-        limit, error = _find_limit([np.array([value]) for value in values])
-        return Estimate(min(max(float(limit[0]), low), high), math.hypot(error, known), unit, warnings)
-
-    limit, error = _find_limit([np.array(step.displacement) for step in sweeps])
-    by_cells = _displacement_error(fine, amplitude)
-    x, y = (Estimate(float(value), math.hypot(error, by_cells), "m", warnings) for value in limit)
-    touching = int(np.count_nonzero(fine.contact.contact)) * fine.grid.cell_area
-    lost = [step.dissipated.value for step in sweeps]
-    stick = [step.stick_area.value for step in sweeps]
-    return StepNumbers(
-        displacement=(x, y),
-        dissipated=extend(lost, "J", fine.cell_errors[1] * lost[-1], 0.0, math.inf),
-        stick_area=extend(stick, "m2", fine.stick_area.uncertainty, 0.0, touching),
-    )
-
-
-def _find_limit(values: Sequence[Array]) -> tuple[Array, float]:
-    r"""Return the limit of three vectors of one, two and four times as many increments, and its standard deviation.
-
-    With changes a and b the error falls by :math:`r = a \cdot b / b^2` where the increments are halved, and
-    :math:`b / (r - 1)` is left (Aitken). Where the changes do not fall there is no order, and both count.
-    """
-    first = values[1] - values[0]
-    last = values[2] - values[1]
-    square = float(last @ last)
-    if square == 0.0:
-        return values[2], 0.0
-    ratio = float(first @ last) / square
-    left = last / (min(max(ratio, _SMALLEST_RATIO), _LARGEST_RATIO) - 1.0)
-    sizes = [math.hypot(*one) for one in (first, last, left)]
-    return values[2] + left, _LIMIT_STD * max(sizes) if ratio > 1.0 else sizes[0] + sizes[1]

@@ -50,10 +50,15 @@ def require_memory_of_friction(plan: SolvePlan, states: int = 1) -> None:
 
     Light contact is assumed; `InputError` if Poisson's ratio of a material is not known.
     """
+    what = "A contact with friction" if states == 1 else f"A path of {states} states"
+    require_arrays(memory_of_friction(plan, states), what, plan.grid, plan.boundary, plan.memory_limit)
+
+
+def memory_of_friction(plan: SolvePlan, states: int = 1) -> int:
+    """Return the peak memory of a contact with friction, or of a path of so many states, at light contact, bytes."""
     coupled = pair_constants(*plan.materials).beta != 0.0
     arrays = _FRICTION_ARRAYS[plan.boundary.has_free_axis][coupled] + (states - 1) * _STATE_ARRAYS[coupled]
-    what = "A contact with friction" if states == 1 else f"A path of {states} states"
-    require_arrays(int(8 * plan.grid.cells * arrays), what, plan.grid, plan.boundary, plan.memory_limit)
+    return int(8 * plan.grid.cells * arrays)
 
 
 def require_arrays(needed: int, what: str, grid: Grid, boundary: Boundary, limit: int | None) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -21,16 +22,15 @@ from roughcontact._parts.grid import Load
 from roughcontact._parts.interactions import Coulomb, FrictionLaw
 from roughcontact._solve.problem.coupled import CoupledSolve
 from roughcontact._solve.problem.friction_certificate import require_frictional
+from roughcontact._solve.problem.friction_plan import list_omitted_shear, list_pair, write_rows
 from roughcontact._solve.problem.increments import (
     GIVEN_INCREMENTS,
-    StepNumbers,
-    find_amplitude,
     follow_steps,
     list_steps,
-    numbers_of,
     refine_steps,
 )
 from roughcontact._solve.problem.memory import require_memory_of_friction
+from roughcontact._solve.problem.step_numbers import StepNumbers, list_cell_errors, numbers_of
 from roughcontact._solve.problem.task import limit_load
 from roughcontact._solve.solution import FrictionalSolution, page_or_file, read_estimate, read_path, write_path, writers
 from roughcontact._solve.solvers import Step
@@ -40,6 +40,9 @@ from roughcontact.errors.door import guarded
 if TYPE_CHECKING:
     from roughcontact._solve.problem.problem import ContactProblem
 
+# States that a picture draws in each step, and the states of a path of which it draws more.
+_DRAWN_STATES = 10
+_MAX_REFINED_STATES = 12
 # Numbers over the largest of their kind that a table shows as zero.
 _TABLE_ROUNDING = 1e-9
 # Why a step has its increments, if their number was given.
@@ -121,7 +124,7 @@ class FrictionalPath(Sequence[FrictionalSolution]):
         """Tangential force over displacement, from the start of the path."""
         start = self.pressed
         forces = [(0.0, 0.0) if start is None else start.tangential_force]
-        forces += [state.tangential_force for state in self.states]
+        forces += [(one.tangential_force[0].value, one.tangential_force[1].value) for one in self.numbers]
         moved = [(0.0, 0.0) if start is None else start.displacement]
         moved += [(one.displacement[0].value, one.displacement[1].value) for one in self.numbers]
         unsure = [(0.0, 0.0)]
@@ -151,11 +154,30 @@ class FrictionalPath(Sequence[FrictionalSolution]):
         found = [text for part in parts for text in part.warnings]
         return tuple(dict.fromkeys([*found, *(text for state in self.states for text in state.contact.warnings)]))
 
+    @cached_property
+    def drawn_loop(self) -> TangentialLoop:
+        """The loop with states between those of the path, which a picture needs: a turn alone is a straight line.
+
+        Where the path has many states, its increments are not exact, or its problem is not known, it is `loop`.
+        """
+        origin = self.states[0].contact.origin
+        exact = self.pressed is not None and all(count == 1 for count in self.increments)
+        if origin is None or origin.source is None or not exact or len(self) > _MAX_REFINED_STATES:
+            return self.loop
+        parts = np.arange(1, _DRAWN_STATES + 1)[:, np.newaxis] / _DRAWN_STATES
+        ends = np.array([(0.0, 0.0), *(state.given.values for state in self.states)])
+        targets = np.concatenate([old + parts * (new - old) for old, new in itertools.pairwise(ends)])
+        # To the last bit: the turns are states of the path.
+        targets[_DRAWN_STATES - 1 :: _DRAWN_STATES] = ends[1:]
+        along = {self.states[0].given.kind: targets.tolist()}
+        path: FrictionalPath = origin.source.path(**origin.load, **along, friction=self.states[0].friction, substeps=1)
+        return path.loop
+
     def table(self) -> Table:
         """Return a row for each step, in SI units; see `roughcontact.typing.Table`."""
         columns: dict[str, Any] = {
             "force": np.array([state.force for state in self.states]),
-            **{f"tangential_{axis}": _without_rounding(self.loop.force[1:])[:, k] for k, axis in enumerate("xy")},
+            **{f"tangential_{axis}": self._forces(k) for k, axis in enumerate("xy")},
             **{f"displacement_{axis}": self._displacements(k) for k, axis in enumerate("xy")},
             "dissipated": [one.dissipated for one in self.numbers],
             "stick_area": [one.stick_area for one in self.numbers],
@@ -164,6 +186,15 @@ class FrictionalPath(Sequence[FrictionalSolution]):
         }
         units = {"force": "N", "tangential_x": "N", "tangential_y": "N", "approach": "m"}
         return Table(columns, units)
+
+    def _forces(self, axis: int) -> Any:
+        values = _without_rounding(self.loop.force[1:])[:, axis]
+        if self.states[0].given.kind != "displacement":
+            return values
+        return [
+            attrs.evolve(one.tangential_force[axis], value=value)
+            for one, value in zip(self.numbers, values.tolist(), strict=True)
+        ]
 
     def _displacements(self, axis: int) -> list[Estimate]:
         values = _without_rounding(self.loop.displacement[1:])[:, axis].tolist()
@@ -192,31 +223,19 @@ class FrictionalPath(Sequence[FrictionalSolution]):
         """Return the constants of the pair, the increments with their reasons, and what was omitted, in words."""
         first = self.states[0]
         pair = first.pair
-        coupled = pair.beta != 0.0
         passes = max(state.passes for state in self.states)
-        omitted = []
-        if not coupled:
-            omitted.append("displacement across the surface by the traction, and along it by pressure: beta = 0")
-        if pair.gamma == 0.0:
-            omitted.append("displacement along x by traction along y: gamma = 0")
-        if not coupled and self.pressed is not None:
-            omitted.append("tangential solve of pressing: without a tangential load nothing moves")
+        omitted = list_omitted_shear(pair)
+        if pair.beta == 0.0 and self.pressed is not None:
+            omitted.append(("omitted", "tangential solve of pressing: without a tangential load nothing moves"))
         rows = [
-            ("pair", f"beta {pair.beta:.4g}, gamma {pair.gamma:.4g}"),
-            (
-                "coupling",
-                f"normal and tangential solves in turn, at most {passes} of each in an increment"
-                if coupled
-                else "none: one solve of each",
-            ),
-            ("components", "xx, yy, xy" + (", zx, zy" if coupled else "")),
+            *list_pair(pair, passes),
             *(
                 (f"step {number}", f"{counted(count, 'increment')}: {reason}")
                 for number, (count, reason) in enumerate(zip(self.increments, self.reasons, strict=True), 1)
             ),
-            *(("omitted", text) for text in omitted),
+            *omitted,
         ]
-        return PlainText("\n".join(f"{label:<10} {text}" for label, text in rows))
+        return PlainText("\n".join(write_rows(rows)))
 
     def verify(self) -> None:
         """Recompute the certificate of each state; `InputError` if one contradicts itself or the state before."""
@@ -278,20 +297,30 @@ def load_path(file: Path, *, verify: bool, key: str = "", law: FrictionLaw | Non
     states, pressed, notes = read_path(file, FrictionalSolution, verify=verify, law=law)
     if key not in ("", notes.get("key")):
         raise InputError(f"The file {file.name} does not hold the path with the key {key}.")
-    numbers = tuple(
-        StepNumbers(
-            displacement=(read_estimate(one["displacement"][0]), read_estimate(one["displacement"][1])),
-            dissipated=read_estimate(one["dissipated"]),
-            stick_area=read_estimate(one["stick_area"]),
-        )
-        for one in notes["numbers"]
-    )
+    if len(notes["numbers"]) != len(states):
+        raise InputError(f"The file {file.name} is damaged: its numbers are not those of its states.")
+    numbers = tuple(_read_numbers(one, state) for one, state in zip(notes["numbers"], states, strict=True))
     return FrictionalPath(
         states=states,
         pressed=pressed,
         numbers=numbers,
         increments=tuple(int(count) for count in notes["increments"]),
         reasons=tuple(str(text) for text in notes["reasons"]),
+    )
+
+
+def _read_numbers(stored: Mapping[str, Any], state: FrictionalSolution) -> StepNumbers:
+    def read_pair(name: str) -> tuple[Estimate, Estimate]:
+        x, y = map(read_estimate, stored[name])
+        return x, y
+
+    # Files of the first version do not state the error of the force.
+    pushed = tuple(Estimate(value, 0.0, "N") for value in state.tangential_force)
+    return StepNumbers(
+        displacement=read_pair("displacement"),
+        tangential_force=read_pair("tangential_force") if "tangential_force" in stored else (pushed[0], pushed[1]),
+        dissipated=read_estimate(stored["dissipated"]),
+        stick_area=read_estimate(stored["stick_area"]),
     )
 
 
@@ -327,14 +356,11 @@ def run_path(
     run = CoupledSolve(problem, law)
     segments = list_steps(run, normal, tangential)
     require_memory_of_friction(problem.plan, states=len(segments))
-    for segment in segments:
-        limit_load(problem.plan, problem.initial_gap, segment.end)
     has_pressing = segments[0].number == 0
     if count is not None or all(segment.exact for segment in segments):
         steps = follow_steps(run, segments, count or 1, tell)
         warning = () if all(segment.exact for segment in segments) else (GIVEN_INCREMENTS,)
-        moved = find_amplitude(steps)
-        numbers = [numbers_of(step, moved, warning) for step in steps]
+        numbers = [numbers_of(step, error, warning) for step, error in zip(steps, list_cell_errors(steps), strict=True)]
         reasons = [segment.exact or AS_GIVEN for segment in segments]
     else:
         steps, numbers, reasons = refine_steps(run, segments, tell)

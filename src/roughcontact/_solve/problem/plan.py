@@ -51,6 +51,8 @@ _MAX_CELL_ASPECT = 1e8
 # Maximum length, m, and modulus, Pa, and inverse of the minimum, so that forces, areas and curvatures stay within the
 # 1e308 of float64.
 _MAX_MAGNITUDE = 1e40
+# What the plan of a contact with friction does not omit: how its text begins.
+OMITTED_FRICTION = "friction"
 _OMITTED_IMAGES = {
     Boundary.FREE: "images of the domain: the boundary is free",
     Boundary.PERIODIC: "padding: the domain repeats, every image counts",
@@ -237,7 +239,7 @@ class SolvePlan:
         law = self.interaction
         if law is None:
             return []
-        cells = law.cohesive_cells(self.grid.spacing, self.surface_modulus)
+        cells = law.cohesive_cells(self.grid.resolved.spacing, self.surface_modulus)
         strength = si(float(np.max(law.strength)), "Pa")
         resolved = f"cohesive length {cells:.3g} cells ({RESOLVED_CELLS:g} are enough)"
         return [
@@ -308,8 +310,9 @@ def make_plan(
         raise InputError(f"The pressure limit is an array of shape {limit.shape}, but the grid has {grid.shape} cells.")
     capped = bool(np.isfinite(limit).any())
     solver.require(capped=capped)
-    surface_modulus = find_surface_modulus(kernel, grid, modulus)
-    interaction = None if adhesion is None else _resolve_interaction(adhesion, grid, surface_modulus, solver)
+    interaction = None
+    if adhesion is not None:
+        interaction = _resolve_interaction(adhesion, grid, find_surface_modulus(kernel, grid, modulus), solver)
     plan = SolvePlan(
         grid=grid,
         boundary=boundary,
@@ -339,7 +342,7 @@ def make_plan(
 
 def find_surface_modulus(kernel: InfluenceKernel, grid: Grid, modulus: float) -> float:
     """Return the contact modulus of the shortest waves on a grid, Pa; see `SolvePlan.surface_modulus`."""
-    found = kernel.effective_modulus(np.array([1.0 / max(grid.spacing)]), 1.0 / modulus)
+    found = kernel.effective_modulus(np.array([1.0 / max(grid.resolved.spacing)]), 1.0 / modulus)
     return modulus if found is None else float(found[0])
 
 
@@ -347,7 +350,7 @@ def _resolve_interaction(adhesion: Interaction, grid: Grid, modulus: float, solv
     """Return the law for the grid, after a check that the solver and the grid fit it."""
     if not solver.adhesive:
         raise InputError(f"The solver {solver!r} knows no tension: with adhesion choose solver='auto' or 'majorise'.")
-    law = adhesion.resolve(grid.spacing, modulus)
+    law = adhesion.resolve(grid.resolved.spacing, modulus)
     kind: Any = type(law)
     for field in attrs.fields(kind) if attrs.has(kind) else ():
         shape = np.shape(getattr(law, field.name))
@@ -382,7 +385,8 @@ def _list_omitted(bodies: tuple[Body, Body], boundary: Boundary, *, capped: bool
     beta = _find_coupling(bodies)
     if beta > MAX_UNCOUPLED_BETA:
         texts.append(
-            f"friction, which would change the pressure between these unlike bodies, Dundurs' beta = {beta:.2g}"
+            f"{OMITTED_FRICTION}, which would change the pressure between these unlike bodies, "
+            f"Dundurs' beta = {beta:.2g}"
         )
     texts.append("the repulsive part of the law: the wall is hard" if adhesive else "adhesion: none is given")
     if boundary is Boundary.PERIODIC:

@@ -13,7 +13,7 @@ import numpy as np
 
 from roughcontact._base.arrays import Array
 from roughcontact._base.checks import number
-from roughcontact._base.units import EXAMPLES, ContactWarning, Estimate, ShownAsPrinted, parse_quantity, si
+from roughcontact._base.units import EXAMPLES, Estimate, ShownAsPrinted, WarningText, parse_quantity, si
 from roughcontact._parts.grid import Load
 from roughcontact._parts.surfaces import rms_slope
 from roughcontact._solve.problem.sweep import predict_pressure
@@ -403,11 +403,11 @@ class _Search:
         slope = (slopes[0] * other - slopes[1] * one) / (other - one)
         return slope if slope * slopes[0] > 0.0 else slopes[0]
 
-    def _warn_of_level(self, slope: float) -> tuple[ContactWarning, ...]:
+    def _warn_of_level(self, slope: float) -> tuple[WarningText, ...]:
         """Return a warning if the answer does not change with the load."""
         if slope > 0.0:
             return ()
-        return (ContactWarning(f"the {self._name} does not change with the load here", "level"),)
+        return (WarningText(f"the {self._name} does not change with the load here", "level"),)
 
     def _say_range(self) -> str:
         unit = self._points[0].answer.unit

@@ -252,7 +252,8 @@ def verify_solution(
     if gap.non_measured is not None:
         # The solve may have deepened them.
         gap = gap.with_depth(max(plan.peak_to_valley, float(solution.initial_gap[gap.non_measured].max())))
-    load = Load.of(**solution.origin.load) if plan.interaction is None else Load.signed(**solution.origin.load)
+    # A path with friction may end in a load of zero; other loads that are not above zero are refused as a task.
+    load = Load.signed(**solution.origin.load)
     task = make_task(plan, solution.initial_gap, load)
     if (solution.tension is None) is not (plan.interaction is None):
         raise InputError("Its tension contradicts the adhesion of its problem.")
@@ -320,7 +321,7 @@ def _are_close(given: Array, right: Array, allowed: float) -> bool:
 
 def _sample_modulus(plan: SolvePlan) -> tuple[tuple[float, ...], tuple[float, ...]] | None:
     """Return inverse wave numbers, from a tenth of a cell to the domain, m, and the effective modulus at each, Pa."""
-    lengths = np.geomspace(0.1 * min(plan.grid.spacing), max(plan.grid.size), _SAMPLED_WAVE_NUMBERS)
+    lengths = np.geomspace(0.1 * min(plan.grid.resolved.spacing), max(plan.grid.resolved.size), _SAMPLED_WAVE_NUMBERS)
     moduli = plan.kernel.effective_modulus(1.0 / lengths, 1.0 / plan.modulus)
     if moduli is None:
         return None

@@ -14,7 +14,7 @@ from roughcontact._solve.solution.attraction import (
 from roughcontact._solve.solution.conditions import ContactConditions, Violation
 from roughcontact._solve.solution.contact import ContactSolution
 from roughcontact._solve.solution.fields import ContactFields, ContactPatches, find_patches
-from roughcontact._solve.solution.frictional import FrictionalSolution
+from roughcontact._solve.solution.frictional import FrictionalSolution, find_slip_width, list_state
 from roughcontact._solve.solution.frictional_files import read_estimate, read_path, write_path
 from roughcontact._solve.solution.frictional_state import FrictionalResiduals, FrictionalState, TangentialLoad
 from roughcontact._solve.solution.healing import FilledGap, fill_gap, heal
@@ -102,6 +102,7 @@ __all__ = [
     "find_patches",
     "find_peak_sampling",
     "find_scene",
+    "find_slip_width",
     "find_stiffness_sampling",
     "format_sampling",
     "gather_warnings",
@@ -111,6 +112,7 @@ __all__ = [
     "list_answers",
     "list_estimates",
     "list_quantities",
+    "list_state",
     "name_load",
     "note_loads",
     "page_or_file",

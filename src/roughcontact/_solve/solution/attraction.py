@@ -14,7 +14,7 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array, Mask
-from roughcontact._base.units import ContactWarning, Estimate, si
+from roughcontact._base.units import Estimate, WarningText, si
 from roughcontact._parts.grid import Boundary, Grid, extend, grow
 from roughcontact._parts.interactions import BoundInteraction, Interaction, ShortRange
 
@@ -206,17 +206,17 @@ def _count_cohesive_cells(solution: ContactSolution, origin: Origin) -> float | 
     if solution.tension is None or origin.missing:
         return None
     law: Interaction = origin.problem["adhesion"]
-    spacing = solution.grid.spacing
+    spacing = solution.grid.resolved.spacing
     modulus = solution.surface_modulus
     return law.resolve(spacing, modulus).cohesive_cells(spacing, modulus)
 
 
-def describe_range(law: Interaction, grid: Grid, modulus: float) -> ContactWarning | None:
+def describe_range(law: Interaction, grid: Grid, modulus: float) -> WarningText | None:
     """Return a warning if the cells do not resolve the range of a law; None if they do."""
-    cells = law.cohesive_cells(grid.spacing, modulus)
+    cells = law.cohesive_cells(grid.resolved.spacing, modulus)
     if cells >= RESOLVED_CELLS:
         return None
-    side = si(max(grid.spacing) * cells / RESOLVED_CELLS, "m", 2)
+    side = si(max(grid.resolved.spacing) * cells / RESOLVED_CELLS, "m", 2)
     longer = math.sqrt(RESOLVED_CELLS / cells)
     stuck = "sticks" if cells < TRAPPED_CELLS else "starts to stick"
     factor = math.sqrt(_FACTOR_CELLS / cells)
@@ -226,7 +226,7 @@ def describe_range(law: Interaction, grid: Grid, modulus: float) -> ContactWarni
         f"the cohesive length E*/max|ds/dg| has {cells:.2g} cells, so that the edge of the contact {stuck} to the "
         f"cells and pull-off may be {off}: use cells of at most {side}, or a range {longer:.2g} times as long"
     )
-    return ContactWarning(text, "cohesive length", cells)
+    return WarningText(text, "cohesive length", cells)
 
 
 def warn_of_attraction(solution: ContactSolution, origin: Origin) -> tuple[str, ...]:
@@ -239,12 +239,12 @@ def warn_of_attraction(solution: ContactSolution, origin: Origin) -> tuple[str, 
     law: Interaction = origin.problem["adhesion"]
     modulus = solution.surface_modulus
     found = [warn_of_border(solution)]
-    if law.resolve(solution.grid.spacing, modulus) is law:
+    if law.resolve(solution.grid.resolved.spacing, modulus) is law:
         found.append(describe_range(law, solution.grid, modulus))
     return tuple(filter(None, found))
 
 
-def warn_of_border(solution: ContactSolution) -> ContactWarning | None:
+def warn_of_border(solution: ContactSolution) -> WarningText | None:
     """Return a warning if the tension reaches a free border, beyond which it is cut off; None otherwise."""
     ratio, _ = find_cut_tension(solution)
     if ratio <= _MAX_BORDER_TENSION:
@@ -253,7 +253,7 @@ def warn_of_border(solution: ContactSolution) -> ContactWarning | None:
         f"the tension at the free border is {100 * ratio:.2g} % of its maximum, and what lies beyond is cut off: "
         "enlarge the domain, or make it periodic if the surface repeats"
     )
-    return ContactWarning(text, "border tension", ratio)
+    return WarningText(text, "border tension", ratio)
 
 
 def find_cut_tension(solution: ContactSolution) -> tuple[float, float]:

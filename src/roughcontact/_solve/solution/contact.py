@@ -122,7 +122,7 @@ class ContactSolution(ContactFields):
             raise InputError(
                 f"The area estimator {chosen!r} returned {area!r}, which is not an Area of finite numbers."
             )
-        area = judge_maps(area, self._maps, self.grid.cell_area)
+        area = judge_maps(area, self._maps, self.grid.resolved.cell_area)
         area = area if self.origin is None else widen_area(area, self, self.origin)
         return attrs.evolve(area, relative_sampling=find_area_sampling(self))
 

@@ -245,7 +245,7 @@ class ContactFields(AskedOf):
     @property
     def surface_modulus(self) -> float:
         """Contact modulus of the shortest waves, Pa: that of a layer on the body where the cells are finer than it."""
-        return float(self.effective_modulus(1.0 / max(self.grid.spacing)))
+        return float(self.effective_modulus(1.0 / max(self.grid.resolved.spacing)))
 
     def effective_modulus(self, wavenumber: float | Array) -> Array:
         """Return the effective contact modulus E*, Pa, of pressure waves with these wave numbers, rad/m."""

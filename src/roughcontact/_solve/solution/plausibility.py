@@ -10,7 +10,7 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array, Mask
-from roughcontact._base.units import ContactWarning, si
+from roughcontact._base.units import WarningText, si
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._parts.materials import Elastic, ElasticPerfectlyPlastic, Material
 from roughcontact._parts.surfaces import border_jump, rms_slope
@@ -161,7 +161,7 @@ class Finding:
         rule = PLAUSIBILITY_RULES[self.rule]
         if not self.value > rule.admissible:
             return ""
-        return ContactWarning(f"{self.text[0].upper()}{self.text[1:]}. {rule.advice}", self.rule, self.value)
+        return WarningText(f"{self.text[0].upper()}{self.text[1:]}. {rule.advice}", self.rule, self.value)
 
 
 def find_scene(initial_gap: Array, grid: Grid, boundary: Boundary, materials: Iterable[Material]) -> list[Finding]:
@@ -177,7 +177,9 @@ def find_contact(solution: ContactSolution, materials: Iterable[Material]) -> li
     if not solution.contact.any():
         return [Finding(name, math.nan, "there is no contact") for name in names]
     peak = float(solution.pressure.max()) / solution.surface_modulus
-    approach = solution.approach / min(solution.grid.size)
+    # A line has no side along the axis of its single cell.
+    sides = zip(solution.grid.size, solution.grid.shape, strict=True)
+    approach = solution.approach / min(side for side, count in sides if count > 1)
     edge = _find_edge_contact(solution)
     return [
         _find_isotropy(solution, materials),
@@ -239,8 +241,8 @@ def _list_moduli(materials: Iterable[Material]) -> list[str]:
 def _list_lengths(initial_gap: Array, grid: Grid) -> list[str]:
     texts = []
     largest = float(initial_gap.max())
-    side = max(grid.size)
-    cell = min(grid.spacing)
+    side = max(grid.resolved.size)
+    cell = min(grid.resolved.spacing)
     heights = float(initial_gap.max(where=_measured(initial_gap), initial=0.0))
     slope = rms_slope(np.minimum(initial_gap, heights), grid)
     if heights > side or slope > _MAX_RMS_SLOPE:

@@ -15,8 +15,8 @@ from roughcontact._base.arrays import Array, as_shape, read_only
 from roughcontact._base.checks import Part, number
 from roughcontact._base.machine import require_memory
 from roughcontact._base.registry import Registry
-from roughcontact._base.units import ContactWarning, ShownAsPrinted, prefixed, with_spread
 from roughcontact._base.units import Estimate as Estimate
+from roughcontact._base.units import ShownAsPrinted, WarningText, prefixed, with_spread
 from roughcontact._parts.surfaces import HeightMap
 from roughcontact.errors import InputError
 
@@ -41,7 +41,7 @@ _MAX_UNDECIDED_FRACTION = 0.05
 # Additional standard deviation of the position of the edge of saturated cells, cells: the elastic ring around them is
 # narrow. Measured on 60 balls whose maximum pressure by Hertz is 1.15 to 2.5 times the limit.
 _SATURATED_EDGE_STD = 0.055
-_RUN_IN_WARNING = ContactWarning(
+_RUN_IN_WARNING = WarningText(
     "cells at the pressure limit hardly overlap, as on run-in surfaces: their saturated part is not determined",
     "run in",
 )

@@ -171,7 +171,7 @@ def find_sampling_warning(solution: ContactSolution) -> str:
     if found.unevenness > _MAX_UNEVENNESS:
         return "the roughness changes along the map, places far away may differ more"
     if found.height > _FEW_WAVES and found.lay > _MIN_LAY_RATIO:
-        return "few marks of the lay cross the map, so that places far away may be rougher or smoother"
+        return "the map is only a few grooves wide, so that places far away may be rougher or smoother"
     if solution.patches.count < _MIN_PATCHES and not solution.contact.all():
         return "too few summits touch to tell how much others differ"
     return ""
@@ -407,7 +407,7 @@ def _find_chance(solution: ContactSolution, window: _Window, waves: Waves, squar
     part = solution.initial_gap[tuple(slice(at, at + n) for at, n in zip(first, shape, strict=True))]
     whole = shape == window.shape
     repeats = whole and not solution.boundary.has_free_axis
-    if not repeats:
+    if not repeats and min(shape) >= _MIN_PLANE_CELLS:
         part = part - polynomial(part, 2 if _has_form(solution) else 1, None)
     chance = 0.0
     if not whole:

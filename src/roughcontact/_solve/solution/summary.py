@@ -115,7 +115,7 @@ def describe_maps(maps: Sequence[HeightMap]) -> str:
     """Return a note on the roughness that measured maps do not include; empty without maps."""
     if not maps:
         return ""
-    shortest = si(2.0 * max(max(one.grid.spacing) for one in maps), "m", 3)
+    shortest = si(2.0 * max(max(one.grid.resolved.spacing) for one in maps), "m", 3)
     return f"roughness shorter than {shortest} is not included"
 
 

@@ -120,7 +120,7 @@ def find_stickiness(solution: ContactSolution) -> Stickiness | None:
     if solution.tension is None or solution.origin is None or solution.origin.missing or not _has_spectrum(solution):
         return None
     given: Interaction = solution.origin.problem["adhesion"]
-    law = given.resolve(solution.grid.spacing, solution.surface_modulus)
+    law = given.resolve(solution.grid.resolved.spacing, solution.surface_modulus)
     if np.ndim(law.work) or np.ndim(law.strength):
         return None
     work = float(law.work)
@@ -170,7 +170,7 @@ def _is_resolved(waves: Waves, grid: Grid) -> bool:
     """Return whether there are many waves without a lay, most of them longer than four cells."""
     square = waves.square
     slope = waves.sum(square)
-    cell = max(grid.spacing) / grid.spacing[0]
+    cell = max(grid.resolved.spacing) / grid.spacing[0]
     short = waves.sum(np.where(square > (0.5 * np.pi / cell) ** 2 * (1.0 + 1e-9), square, 0.0))
     few = waves.spread(1.0) > _MAX_HEIGHT_ERROR * waves.sum(1.0) or waves.spread(square) > _MAX_SLOPE_ERROR * slope
     return not few and short <= _MAX_UNRESOLVED_FRACTION * slope and find_lay(waves)[0] <= _MAX_LAY_RATIO

@@ -319,22 +319,25 @@ def ask_states(
 
 @guarded
 def write_report(
-    solutions: Sequence[ContactSolution] | AdhesionCycle | FrictionalPath, path: Path, answers: Answers = _NO_ANSWERS
+    solutions: Sequence[ContactSolution] | AdhesionCycle | FrictionalPath | FrictionalSolution,
+    path: Path,
+    answers: Answers = _NO_ANSWERS,
 ) -> None:
-    """Write the report of one load or several, of a cycle or a path, with what responses have answered.
+    """Write the report of one load or several, of a cycle, a path or a state with friction, with answers of responses.
 
     Parameters
     ----------
     solutions
-        The solutions, cycle or path.
+        The solutions, cycle, path or state.
     path
         The HTML file.
     answers
         The results of each response by its name, one for each solution or row of the table.
     """
     writer: Any = writers.create("html")
-    if isinstance(solutions, (AdhesionCycle, FrictionalPath)):
-        write = writer.cycle_text if isinstance(solutions, AdhesionCycle) else writer.path_text
+    if isinstance(solutions, (AdhesionCycle, FrictionalPath, FrictionalSolution)):
+        ways = {AdhesionCycle: writer.cycle_text, FrictionalPath: writer.path_text}
+        write = ways.get(type(solutions), writer.state_text)
         page_or_file(lambda: write(solutions, answers), path)
         return
     several = len(solutions) > 1

@@ -10,7 +10,15 @@ import attrs
 from roughcontact._base.checks import integer
 from roughcontact._parts.grid import Load
 from roughcontact._parts.interactions import FrictionLaw
-from roughcontact._solve.problem import ContactProblem, FrictionalPath, list_targets, resolve_friction
+from roughcontact._solve.problem import (
+    ContactProblem,
+    FrictionalPath,
+    SolvePlan,
+    explain_with_friction,
+    list_targets,
+    memory_of_friction,
+    resolve_friction,
+)
 from roughcontact._solve.solution import Status, TangentialLoad, scalars_of
 from roughcontact.errors import InputError
 
@@ -63,6 +71,14 @@ class Shearing:
         """Return the states at the loads along the surface, under a normal load."""
         along: dict[str, Any] = {self.kind: [one.values for one in self.loads]}
         return problem.path(**load.arguments, **along, friction=self.friction, substeps=self.substeps)
+
+    def explain(self, problem: ContactProblem) -> str:
+        """Return the plan of a path, in words."""
+        return explain_with_friction(problem.plan, self.friction, 1 + len(self.loads))
+
+    def memory_of(self, plan: SolvePlan) -> int:
+        """Return the peak memory of a path, or of its normal contact with all cells in contact, bytes."""
+        return max(plan.memory, memory_of_friction(plan, 1 + len(self.loads)))
 
     @property
     def parts(self) -> list[Any]:

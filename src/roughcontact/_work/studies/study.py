@@ -73,6 +73,7 @@ def describe_study(
         The loads along the surface that follow each load.
     """
     plans = [problem.plan for _, problem in known]
+    memory = [plan.memory if shearing is None else shearing.memory_of(plan) for plan in plans]
     kind = loads[0].kind
     count = math.prod(map(len, axes.values())) * len(loads)
     cells = sum(plan.grid.cells for plan in plans) / len(plans) * count
@@ -82,7 +83,7 @@ def describe_study(
     rows += [
         ("solves", f"{count}: {' x '.join(f'{len(values)} of {name}' for name, values in lists.items())}"),
         ("work", f"{cells / 1e6:.3g} million cells in all, about {_TYPICAL_CONVOLUTIONS} convolutions for each"),
-        ("memory", f"at most {binary(max(plan.memory for plan in plans))} for one solve"),
+        ("memory", f"at most {binary(max(memory))} for one solve"),
         ("time", f"about {_format_time(seconds)} in one process on this machine, within a factor of three"),
     ]
     if sampled:
@@ -90,7 +91,8 @@ def describe_study(
     if shearing is not None:
         rows.insert(len(lists), ("path", str(shearing)))
         rows.append(("", "for the normal contacts alone: each step of a path takes several solves more"))
-    texts = [f"{name}:\n{problem.explain()}" for name, problem in known]
+    plan_of = ContactProblem.explain if shearing is None else shearing.explain
+    texts = [f"{name}:\n{plan_of(problem)}" for name, problem in known]
     return PlainText("\n\n".join([*texts, "\n".join(f"{label:<10} {text}" for label, text in rows)]))
 
 

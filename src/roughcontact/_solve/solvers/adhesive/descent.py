@@ -22,8 +22,10 @@ Precision: TypeAlias = type[np.float32] | type[np.float64]
 _CHANGED = 0.05
 # Minimum weight of a cell of a held mean, over the mean of the weights.
 _SMALLEST_WEIGHT = 1e-3
-# Step lengths in units of the direction: the first, the maximum, and the one after a fall-back to the gradient.
-_FIRST = 1.0
+# Step lengths in units of the direction: the first, the maximum, and the one after a fall-back to the gradient. With a
+# first of 1, strips of Johnson's wave leap to full contact from an alpha of 0.48, with 0.1 from 0.56, for 9 % more
+# products on rough surfaces.
+_FIRST = 0.1
 _LONGEST_STEP = 4.0
 _CAREFUL = 0.3
 # Maximum part of a step that is not clipped, and the part where the slope is taken to vanish that does not rise.

@@ -78,7 +78,7 @@ class ProjectedConjugateGradient(Solver):
     climbs_grids: ClassVar[bool] = True
     omitted: ClassVar[tuple[str, ...]] = (
         "float64 inside the iterations: float32 is enough, and every result is verified in float64",
-        "cells that cannot touch: the vectors of the solver leave them out",
+        "cells that cannot touch: only those that can are solved",
     )
 
     tolerance: float = attrs.field(converter=positive_tolerance, default=DEFAULT_TOLERANCE)

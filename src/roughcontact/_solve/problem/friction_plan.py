@@ -1,0 +1,53 @@
+"""The plan of a contact with friction, in words: that of its normal contact, the pair of bodies, and its memory."""
+
+from __future__ import annotations
+
+import attrs
+
+from roughcontact._base.units import PlainText, binary
+from roughcontact._parts.interactions import FrictionLaw
+from roughcontact._parts.materials import PairConstants, pair_constants
+from roughcontact._solve.problem.memory import memory_of_friction
+from roughcontact._solve.problem.plan import OMITTED_FRICTION, SolvePlan
+
+
+def include_friction(plan: SolvePlan) -> SolvePlan:
+    """Return the plan of the normal contact, of which friction is not omitted."""
+    return attrs.evolve(plan, omitted=tuple(text for text in plan.omitted if not text.startswith(OMITTED_FRICTION)))
+
+
+def explain_with_friction(plan: SolvePlan, law: FrictionLaw, states: int = 1) -> str:
+    """Return the plan of a contact with friction, or of a path of so many states, in words.
+
+    `InputError` if Poisson's ratio of a material is not known.
+    """
+    pair = pair_constants(*plan.materials)
+    memory = f"{binary(memory_of_friction(plan, states))} with friction, at light contact"
+    rows = [("friction", repr(law)), *list_pair(pair), ("memory", memory), *list_omitted_shear(pair)]
+    return PlainText("\n".join([str(include_friction(plan)), *write_rows(rows)]))
+
+
+def list_pair(pair: PairConstants, passes: int | None = None) -> list[tuple[str, str]]:
+    """Return how the solves of a pair of bodies depend on each other, with the largest number of passes if known."""
+    coupled = pair.beta != 0.0
+    at_most = "" if passes is None else f", at most {passes} of each in an increment"
+    return [
+        ("pair", f"beta {pair.beta:.4g}, gamma {pair.gamma:.4g}"),
+        ("coupling", f"normal and tangential solves in turn{at_most}" if coupled else "none: one solve of each"),
+        ("components", "xx, yy, xy" + (", zx, zy" if coupled else "")),
+    ]
+
+
+def list_omitted_shear(pair: PairConstants) -> list[tuple[str, str]]:
+    """Return what a pair of bodies does not need, with the reasons."""
+    texts = []
+    if pair.beta == 0.0:
+        texts.append("displacement across the surface by the traction, and along it by pressure: beta = 0")
+    if pair.gamma == 0.0:
+        texts.append("displacement along x by traction along y: gamma = 0")
+    return [("omitted", text) for text in texts]
+
+
+def write_rows(rows: list[tuple[str, str]]) -> list[str]:
+    """Return lines with a label in front of each text."""
+    return [f"{label:<10} {text}" for label, text in rows]
