@@ -176,7 +176,7 @@ def test_explain_says_what_runs_and_what_is_omitted():
 
 @pytest.mark.parametrize("shape", [(256, 96), (45, 130), (31, 33)])
 def test_explain_lists_the_grids_of_the_solve(shape):
-    """On a periodic boundary, where no part is left out."""
+    """On a periodic boundary, where no part is omitted."""
     size = (1e-6 * shape[0], 1e-6 * shape[1])
     wave = rc.Body(rc.WavySurface(1e-7, (size[0] / 3, size[1] / 2)), STEEL)
     problem = rc.ContactProblem(wave, grid=rc.Grid(shape, size), boundary="periodic")
