@@ -63,7 +63,7 @@ class TestOptionsInSentences:
     def test_of_a_table_without_a_size(self, run):
         status, _, err = run("solve", "table.csv", *LOADED)
         assert status == 2
-        assert err.endswith("give --size X Y. Its heights are taken as m: give --unit um too if they are µm.")
+        assert err.endswith(SIZE_AND_UNIT)
 
     def test_of_two_maps_on_different_grids(self, run):
         status, _, err = run("solve", "rough.npz", "other.npz", *LOADED)
@@ -79,6 +79,10 @@ class TestOptionsInSentences:
 
 
 # A call, an argument, a name of a module, or a class.
+SIZE_AND_UNIT = (
+    "give --size X Y, or --cell, the distance of its points. "
+    "Its heights are taken as m: give --unit um too if they are µm."
+)
 PYTHON = re.compile(r"\w\(|\w=|\brc\.|\w\.\w+\(|\b[A-Z][a-z]+[A-Z]\w+|on the command line")
 
 
@@ -102,13 +106,13 @@ class TestAdvice:
         status, out, _ = run(*tilted, "--explain", "--report", "report.html")
         assert status == 3
         assert "Subtract the plane (detrend)." in " ".join(out.split())
-        assert "keep them non-measured" in " ".join(out.split())
+        assert "where they touch, the contact is a guess" in " ".join(out.split())
         warned = [text for text in out.split("warning ")[1:] if "modulus E*" not in text]
         assert not any(PYTHON.search(text) for text in warned)
         page = Path("report.html").read_text(encoding="utf-8")
         section = page[page.index("<h2>Warnings</h2>") :].partition("</div>")[0]
         assert "Subtract the plane (detrend)." in section
-        assert "keep them non-measured" in section
+        assert "where they touch, the contact is a guess" in section
         assert not PYTHON.search(re.sub(r"<[^>]*>", " ", section))
 
     def test_of_several_loads_and_a_jump_at_the_border(self, run, tilted):
@@ -228,9 +232,9 @@ class TestMapsInWords:
     def test_a_table_without_a_size_is_asked_for_its_unit_too(self, run):
         _, _, err = run("info", "table.csv")
         text = " ".join(err.split())
-        assert "give --size X Y. Its heights are taken as m: give --unit um too if they are µm." in text
+        assert SIZE_AND_UNIT in text
         _, _, err = run("info", "table.csv", "--unit", "um")
-        assert err.rstrip().endswith("give --size X Y.")
+        assert err.rstrip().endswith("give --size X Y, or --cell, the distance of its points.")
 
     def test_sq_is_that_about_the_mean(self, run):
         rough = rc.HeightMap(ROUGH.heights(GRID), GRID.size).detrend(2)

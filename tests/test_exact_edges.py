@@ -37,7 +37,7 @@ def test_the_distance_from_a_straight_edge_is_exact(shape, cell, angle):
     mixed = touching.any(axis=0) & ~touching.all(axis=0)
     k, touching = k[:, mixed], touching[:, mixed]
     assert k.size
-    found = find_distances(solution, k, touching, cell)
+    found = find_distances(solution, k, touching)
     np.testing.assert_allclose(found, depth.ravel()[k], rtol=1e-9, atol=1e-9)
 
 

@@ -54,7 +54,7 @@ def test_unit_and_size_must_be_given(tmp_path):
     with pytest.raises(rc.InputError, match=r"does not state the size .*: give size=.*--size"):
         rc.read_surface(tmp_path / "map.tif", unit=1e-9)
     # Heights without a unit are not taken as m in an image.
-    with pytest.raises(rc.InputError, match=r"line --size\)\.$"):
+    with pytest.raises(rc.InputError, match=r"line --size\), or cell=, the distance of its points\.$"):
         rc.read_surface(tmp_path / "map.tif")
     with pytest.raises(rc.InputError, match=r"numbers without a unit: give .* unit=1e-9 .*--unit 1nm"):
         rc.read_surface(tmp_path / "map.tif", size=(4e-6, 3e-6))

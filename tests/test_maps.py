@@ -127,14 +127,34 @@ class TestWarnings:
         assert not any("noise" in text for text in calm)
         assert any("noise" in text for text in noisy)
 
-    def test_points_that_were_filled_on_reading_are_to_be_kept(self, tmp_path, run):
+    @pytest.mark.parametrize(("shape", "size"), [((97, 131), (97e-6, 131e-6)), ((192, 64), (192e-6, 192e-6))])
+    @pytest.mark.parametrize("shortest", [3, 4])
+    def test_noise_on_smooth_heights_is_not_taken_for_blur(self, shape, size, shortest):
+        """Whatever the sides of the cells: the spectrum falls to the level of the noise, and stays there."""
+        grid = rc.Grid(shape, size)
+        surface = rc.SelfAffineSurface(
+            hurst=0.8,
+            rms_height=80e-9,
+            longest=80e-6,
+            rolloff=40e-6,
+            shortest=shortest * max(grid.spacing),
+            seed=shortest,
+        )
+        noise = 0.7e-9 * np.random.default_rng(4).standard_normal(shape)
+        (warning,) = rc.HeightMap(surface.heights(grid) + noise, size=size).warnings
+        assert warning.startswith("the shortest waves of the map are mostly noise, of about ")
+        assert warning.rule == "noise"
+        assert warning.value == pytest.approx(0.7e-9, rel=0.15)
+        assert rc.HeightMap(surface.heights(grid), size=size).warnings == ()
+
+    def test_points_that_were_filled_on_reading_may_touch(self, tmp_path, run):
         lost = np.random.default_rng(2).random((96, 96)) < 0.05
         np.savez(tmp_path / "map.npz", heights=np.where(lost, np.nan, crop().values), size=(96e-6, 96e-6))
         (text,) = rc.read_surface(tmp_path / "map.npz", non_measured="fill").warnings
-        assert "of the points of the map are filled from their neighbours, and may touch: keep them" in text
+        assert "map are filled from their neighbours: where they touch, the contact is a guess" in text
         assert rc.read_surface(tmp_path / "map.npz", non_measured="keep").warnings == ()
         _, out, _ = run("info", tmp_path / "map.npz", "--non-measured", "fill")
-        assert "and may touch: keep them non-measured" in " ".join(out.split())
+        assert "where they touch, the contact is a guess" in " ".join(out.split())
         status, out, _ = run("info", tmp_path / "map.npz", "--non-measured", "keep")
         assert status == 0
         assert "warning" not in out
@@ -359,8 +379,9 @@ class TestNonMeasuredInMemory:
         assert whole.history == ()
         with pytest.raises(rc.InputError, match="No point of the height map was measured"):
             rc.HeightMap(np.full((4, 4), np.nan), 1e-6, non_measured="fill")
-        with pytest.raises(rc.InputError, match="or 'fill' to fill them from their neighbours, but got 'keep'"):
-            rc.HeightMap(holed, self.SIZE, non_measured="keep")
+        np.testing.assert_array_equal(rc.HeightMap(holed, self.SIZE, non_measured="keep").non_measured, lost)
+        with pytest.raises(rc.InputError, match="but got 'drop'"):
+            rc.HeightMap(holed, self.SIZE, non_measured="drop")
 
     def test_they_never_touch(self, heights, lost):
         steel = rc.Elastic(210e9, 0.3)

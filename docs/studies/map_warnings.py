@@ -88,6 +88,9 @@ def spoiled(rng: np.random.Generator) -> Iterator[tuple[str, str, np.ndarray]]:
         yield f"steps of {step:g} Sq", "steps", np.rint(heights / (step * rms)) * step * rms
     mask = ndimage.gaussian_filter(white, 1.0)
     yield "5 % of the points filled", "filling", fill(np.where(mask > np.quantile(mask, 0.95), np.nan, heights))
+    for shortest in (4.0, 6.0):
+        cut = draw(rng, shortest)
+        yield f"{shortest:g} cells on the shortest wave, noise of 0.9 % of Sq", "noise", cut + 0.009 * cut.std() * white
 
 
 def measure(first: int, count: int) -> dict[str, tuple[str, float]]:

@@ -281,6 +281,21 @@ class Load:
         return cls._of_list(given, None)
 
     @classmethod
+    def unloading_sequence(cls, **given: object) -> tuple[Load, ...]:
+        """Return the loads of the one list that is given, as `sequence` does; the last of several may be zero."""
+        loads = cls._of_list(given, None)
+        name = f"A load of {loads[0].kind}=[...]"
+        last = len(loads) - 1
+        for place, load in enumerate(loads):
+            if load.value == 0.0 and 0 < place < last:
+                raise InputError(
+                    f"{name} is zero before the last one: the bodies come apart there. Follow another path from there."
+                )
+            if load.value != 0.0 or place < last or last == 0:
+                number(load.value, name, load.unit, above=0.0)
+        return loads
+
+    @classmethod
     def _of_list(cls, given: dict[str, object], above: float | None) -> tuple[Load, ...]:
         kind, values = _the_one(given, f"Give exactly one list of loads: {_LOAD_ARGUMENTS}")
         try:

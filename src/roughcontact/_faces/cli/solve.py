@@ -45,7 +45,7 @@ from roughcontact._faces.cli.required_load import ANSWER, refuse_for_wanted, sol
 from roughcontact._faces.cli.responses import add_responses, ask, refuse_pull_off, responses_of
 from roughcontact._parts.grid import Load
 from roughcontact._parts.surfaces import find_maps
-from roughcontact._solve.problem import follow_loads, run_sweep, tolerance_within
+from roughcontact._solve.problem import follow_loads, list_loads, run_sweep, tolerance_within
 from roughcontact._solve.solution import require_with_friction
 
 
@@ -134,7 +134,12 @@ examples:
         if options.explain or options.dry_run:
             plan = fit(problem.explain())
             print(plan, end="\n" if options.dry_run else "\n\n", file=sys.stderr if piped else None)
-        loads = tuple(problem.require_load(**load.arguments) for load in loads_of(options))
+        loads = loads_of(options)
+        if options.tangential is None or options.loads is None:
+            loads = tuple(problem.require_load(**load.arguments) for load in loads)
+        else:
+            # The last load of a path may be zero.
+            loads = list_loads(problem, {loads[0].kind: [load.value for load in loads]})
         if options.cycle is not None:
             problem.require_cycle(approach=options.cycle)
         if options.dry_run:

@@ -21,7 +21,7 @@ from roughcontact._solve.problem.description import (
 )
 from roughcontact._solve.problem.expressions import ExpressionWriter, NotInAScript, describe_part, write_number
 from roughcontact._solve.problem.friction_certificate import require_frictional
-from roughcontact._solve.problem.increments import Increment, StepNumbers, list_targets
+from roughcontact._solve.problem.increments import Increment, StepNumbers, list_loads, list_targets
 from roughcontact._solve.problem.memory import require_memory_of_solve
 from roughcontact._solve.problem.path import (
     AS_GIVEN,
@@ -97,6 +97,7 @@ __all__ = [
     "follow_loads",
     "format_json",
     "linearise",
+    "list_loads",
     "list_states",
     "list_targets",
     "load",

@@ -26,16 +26,26 @@ from roughcontact._solve.problem.friction_certificate import (
     StrengthBound,
     stack_along,
 )
-from roughcontact._solve.problem.run import computing, run_solve
+from roughcontact._solve.problem.run import certify, computing, run_solve
+from roughcontact._solve.problem.task import make_task
 from roughcontact._solve.solution import (
     ContactConditions,
     ContactSolution,
     FrictionalSolution,
     FrictionalState,
+    Origin,
     Status,
     TangentialLoad,
 )
-from roughcontact._solve.solvers import ProjectedShearCG, ShearOutcome, ShearTask, Step, magnitude, project_to_discs
+from roughcontact._solve.solvers import (
+    Outcome,
+    ProjectedShearCG,
+    ShearOutcome,
+    ShearTask,
+    Step,
+    magnitude,
+    project_to_discs,
+)
 from roughcontact.errors import InputError, NotConverged
 
 _LOGGER = logging.getLogger("roughcontact")
@@ -63,6 +73,8 @@ _MAX_CONCENTRATION = 1e3
 _REACHED_BOUND = 1.0 - 1e-6
 _BOUND_GROWTH = 4.0
 _BOUND_SHRINKAGE = 0.5
+# Depth of the summit, which touches last, over the peak-to-valley height: rounding of equal heights.
+_SUMMIT_DEPTH = 1e-12
 # Growth of the pressure at which a law must not give less.
 _PROBED_GROWTH = 1.25
 
@@ -102,11 +114,11 @@ class CoupledSolve(FrictionalContact):
         """
         started = time.perf_counter()
         with computing(self.problem):
-            found = (
-                self._step_coupled(load, tangential, start)
-                if self.shear.coupled
-                else self._step_like(load, tangential, start)
-            )
+            if load.value == 0.0:
+                found = self._unload(load, tangential, start)
+            else:
+                step = self._step_coupled if self.shear.coupled else self._step_like
+                found = step(load, tangential, start)
             solution, fields = self._certify(load, tangential, found, before, start, started)
         _LOGGER.info("increment to %s, %s: %s, %.3g s", load, tangential, solution.status.name, solution.seconds)
         return _require_success(solution), fields
@@ -124,6 +136,21 @@ class CoupledSolve(FrictionalContact):
             )
             solution, _ = self._certify(load, tangential, found, before, self.fields_of(before), started)
         return _require_success(solution)
+
+    def _unload(self, load: Load, tangential: TangentialLoad, start: FrictionalFields) -> FoundTractions:
+        """Return bodies that just touch; unless it is given, the displacement is the slip where they touch last."""
+        plan = self.problem.plan
+        shape = plan.grid.shape
+        gap = self.problem._gap.values
+        nothing = Outcome(pressure=np.zeros(shape), status=Status.CONVERGED, iterations=0, convolutions=0, errors=())
+        contact = certify(plan, self.problem.convolution, gap, make_task(plan, gap, load), nothing, seconds=0.0)
+        contact = attrs.evolve(contact, origin=Origin(self.problem.parts, load.arguments, source=self.problem))
+        self._require_stick(tangential, np.zeros(shape))
+        moved = np.array(tangential.values) / self.length
+        if tangential.kind == "tangential_force":
+            # Without load only the summit touches, and sticks: the limit of ever smaller loads.
+            moved = start.relative[:, gap <= gap.min() + _SUMMIT_DEPTH * self.length].mean(axis=1)
+        return FoundTractions(contact, np.zeros((2, *shape)), moved, Status.CONVERGED, 1, 0)
 
     def _step_like(self, load: Load, tangential: TangentialLoad, start: FrictionalFields) -> FoundTractions:
         """Solve once for the pressure, and once for the traction."""

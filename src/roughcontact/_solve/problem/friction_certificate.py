@@ -303,7 +303,7 @@ def verify_frictional(problem: ContactProblem, solution: FrictionalSolution) -> 
     origin = solution.contact.origin
     if origin is None or not solution.grid.matches(problem.plan.grid):
         raise InputError(f"It is not a solution at a load, on the grid of the problem, {problem.plan.grid}.")
-    load = Load.of(**origin.load)
+    load = Load.signed(**origin.load)
     contact = solution.contact
     if run.shear.coupled:
         contact = run.certify_contact(contact, load, np.asarray(solution.shear))

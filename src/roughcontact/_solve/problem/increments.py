@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING
 
 import attrs
 import numpy as np
@@ -14,8 +15,12 @@ from roughcontact._base.units import Estimate, WarningText, counted
 from roughcontact._parts.grid import Load
 from roughcontact._solve.problem.coupled import CoupledSolve
 from roughcontact._solve.problem.friction_certificate import FrictionalFields
+from roughcontact._solve.problem.task import limit_load
 from roughcontact._solve.solution import FrictionalSolution, FrictionalState, TangentialLoad
 from roughcontact.errors import InputError
+
+if TYPE_CHECKING:
+    from roughcontact._solve.problem.problem import ContactProblem
 
 # Minimum increments of a step by "auto", whose errors show their order with those of half and a quarter as many; the
 # maximum, and the changes from half as many at which it ends: of the displacement over
@@ -127,10 +132,18 @@ def is_single(normal: Mapping[str, object]) -> bool:
     return len(values) == 1 and (isinstance(values[0], str) or not isinstance(values[0], Iterable))
 
 
+def list_loads(problem: ContactProblem, normal: Mapping[str, object]) -> tuple[Load, ...]:
+    """Return the normal loads of a path; `InputError` if the bodies cannot carry one of them."""
+    loads = (Load.of(**normal),) if is_single(normal) else Load.unloading_sequence(**normal)
+    for load in loads:
+        limit_load(problem.plan, problem.initial_gap, load)
+    return loads
+
+
 def list_steps(run: CoupledSolve, normal: Mapping[str, object], tangential: Mapping[str, object]) -> list[PathStep]:
     """Return the steps of a path, that of pressing first if the normal load is constant."""
     single = is_single(normal)
-    loads = (Load.of(**normal),) if single else Load.sequence(**normal)
+    loads = list_loads(run.problem, normal)
     targets = list_targets(tangential)
     if len(targets) not in (1, len(loads)) and not single:
         raise InputError(

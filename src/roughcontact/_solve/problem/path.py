@@ -350,8 +350,6 @@ def run_path(
     run = CoupledSolve(problem, law)
     segments = list_steps(run, normal, tangential)
     require_memory_of_friction(problem.plan, states=len(segments))
-    for segment in segments:
-        limit_load(problem.plan, problem.initial_gap, segment.end)
     has_pressing = segments[0].number == 0
     if count is not None or all(segment.exact for segment in segments):
         steps = follow_steps(run, segments, count or 1, tell)

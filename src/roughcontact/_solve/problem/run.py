@@ -252,7 +252,8 @@ def verify_solution(
     if gap.non_measured is not None:
         # The solve may have deepened them.
         gap = gap.with_depth(max(plan.peak_to_valley, float(solution.initial_gap[gap.non_measured].max())))
-    load = Load.of(**solution.origin.load) if plan.interaction is None else Load.signed(**solution.origin.load)
+    # A path with friction may end in a load of zero; other loads that are not above zero are refused as a task.
+    load = Load.signed(**solution.origin.load)
     task = make_task(plan, solution.initial_gap, load)
     if (solution.tension is None) is not (plan.interaction is None):
         raise InputError("Its tension contradicts the adhesion of its problem.")

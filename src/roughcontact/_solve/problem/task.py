@@ -95,7 +95,12 @@ def bind_interaction(plan: SolvePlan, law: Interaction) -> BoundInteraction:
 
 
 def limit_load(plan: SolvePlan, initial_gap: Array, load: Load) -> Load:
-    """Return the load as the mean pressure or the approach that the bodies can carry; see `make_task`."""
+    """Return the load as the mean pressure or the approach that the bodies can carry; see `make_task`.
+
+    A load of zero, of bodies that do not attract each other, is an approach of zero: they just touch.
+    """
+    if load.value == 0.0 and plan.interaction is None:
+        return Load("approach", 0.0)
     if load.kind == "approach":
         plan.solver.require(approach=True)
         return _limit_approach(plan, initial_gap, load)
