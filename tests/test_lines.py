@@ -431,3 +431,30 @@ def test_flow_along_a_line_and_across():
     gap = solution.gap[:, 0]
     width = solution.grid.spacing[0]
     assert along.value == pytest.approx(np.sum(gap**3) * width * 1e5 / (12e-3 * solution.grid.size[1]), rel=1e-6)
+
+
+# --- rollers that end ------------------------------------------------------------------------------------------------
+
+
+def press_crowned(boundary, crown, rough=0.0, shape=(45, 97), place=0.0):
+    """Return the contact of a roller of 10 mm with a crown, m, on 400 µm x 3 mm."""
+    surface = rc.ParaboloidSurface(exchange((10e-3, crown), boundary), exchange((0.0, place), boundary))
+    if rough:
+        surface += rc.SelfAffineSurface(hurst=0.8, rms_height=rough, shortest=7e-5, longest=2e-4, seed=2)
+    grid = rc.Grid(exchange(shape, boundary), exchange((400e-6, 3e-3), boundary))
+    return rc.ContactProblem(rc.Body(surface, STEEL), grid=grid, boundary=boundary).solve(force=20.0)
+
+
+@pytest.mark.parametrize("boundary", [FREE_PERIODIC, PERIODIC_FREE])
+def test_a_roller_that_ends_is_called_one_of_a_row(boundary):
+    """Its approach is 15 to 37 % less than that of a single one, which ends before the border."""
+
+    def row(**parts):
+        return [text for text in press_crowned(boundary, **parts).warnings if "one of a row" in text]
+
+    assert row(crown=1.0)
+    assert row(crown=1.0, rough=5e-8, place=3e-4)
+    assert not row(crown=math.inf)
+    assert not row(crown=math.inf, rough=3e-7)
+    # The contact goes on across the border.
+    assert not row(crown=100.0)
