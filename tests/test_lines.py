@@ -458,3 +458,26 @@ def test_a_roller_that_ends_is_called_one_of_a_row(boundary):
     assert not row(crown=math.inf, rough=3e-7)
     # The contact goes on across the border.
     assert not row(crown=100.0)
+
+
+@pytest.mark.parametrize("boundary", [FREE_PERIODIC, PERIODIC_FREE])
+@pytest.mark.parametrize("name", ["logarithmic", "rounded ends", "flat behind the ends"])
+def test_a_profile_that_ends_is_called_one_of_a_row(name, boundary):
+    """On cells 1:3, away from the middle; a straight one, jolted alike by a step within the contact, is not."""
+    across, along = ((np.arange(count) + 0.5) / count - 0.5 for count in (40, 51))
+    place = np.abs(along - 0.03)
+    drop = {
+        "logarithmic": -np.log(1.0 - np.minimum(place / 0.55, 0.999) ** 2),
+        "rounded ends": np.maximum(place - 0.33, 0.0) ** 2 / 0.02,
+        "flat behind the ends": np.where(place < 0.3, 0.0, 1.0),
+    }[name]
+    profiles = {"ends": drop, "straight": np.where(place < 0.3, 0.0, 1e-3)}
+    found = {}
+    for kind, profile in profiles.items():
+        heights = -((400e-6 * across[:, None]) ** 2) / 20e-3 - 4e-6 * profile
+        size = exchange((400e-6, 1.53e-3), boundary)
+        surface = rc.HeightMap(heights if boundary is FREE_PERIODIC else heights.T, size=size, periodic=False)
+        solution = rc.ContactProblem(rc.Body(surface, STEEL), boundary=boundary).solve(force=15.0)
+        found[kind] = [text for text in solution.warnings if "one of a row" in text]
+    assert found["ends"]
+    assert not found["straight"]

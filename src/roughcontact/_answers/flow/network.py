@@ -324,8 +324,7 @@ def estimate_uncertainty(
     near = oblong / _find_distances(network, open_cells, aspect=aspect, periodic=periodic)
     squared, cubed = (float(np.sum(lost * near**power)) / flow for power in (2, 3))
     residual = 3.0 * gap_error * float(np.sum(lost / network.film)) / flow
-    edge = _EDGE_WEIGHT * oblong * cubed
-    return math.hypot(_THROAT_WEIGHT * math.sqrt(rule * squared), _RULE_WEIGHT * rule, edge, residual)
+    return math.hypot(_THROAT_WEIGHT * math.sqrt(rule * squared), _RULE_WEIGHT * rule, _EDGE_WEIGHT * cubed, residual)
 
 
 def _compare_rules(network: FlowNetwork, faces: Array, flow: float) -> float:
