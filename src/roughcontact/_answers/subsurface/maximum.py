@@ -22,9 +22,13 @@ _GRID_ERROR_TERMS = (0.012, 0.004)
 _INTERPOLATION_ERROR = 0.3
 # Smallest relative error: by float32 and by the tolerance of the solver.
 MIN_RELATIVE_ERROR = 2e-4
+# The same under lines, whose straight edges err alike, over 1/n^1.5. Set on cylinders at random places.
+_STRAIGHT_STD = 0.015
 # Depth in cells below which the stress depends on the shape of the cells at the edges of the contact, and errs as the
 # maximum pressure does.
 MIN_DEPTH_CELLS = 2.0
+# Weight of the relative uncertainty of that pressure. Set on rough surfaces of two to four cells a shortest wave.
+_PEAK_WEIGHT = 0.7
 # Relative standard deviation of the maximum from which it may err by more than 10 %.
 _MAX_RELATIVE_STD = 0.05
 # Relative error of a maximum at the surface inside a contact, where cells may smooth a larger one at its edge.
@@ -204,11 +208,19 @@ def find_maxima_of_layers(
     return found
 
 
-def judge_depth(found: StressMaximum, cells: float, peak: Estimate) -> StressMaximum:
-    """Return a maximum so few cells below the surface, which errs as the maximum pressure, warned of if by much."""
-    relative = math.hypot(found.uncertainty / found.value, peak.uncertainty / peak.value)
+def judge_depth(found: StressMaximum, solution: ContactSolution) -> StressMaximum:
+    """Return a maximum with the uncertainty of its depth in cells, warned of where it may err by more than 10 %."""
+    cells = found.depth / max(solution.grid.resolved.spacing)
+    if found.value <= 0.0:
+        return found
+    relative = found.uncertainty / found.value
+    if find_spanning_patches(solution).any():
+        relative = math.hypot(relative, _STRAIGHT_STD / max(cells, 1.0) ** 1.5)
     warnings = found.warnings
-    if relative > _MAX_RELATIVE_STD:
+    if cells < MIN_DEPTH_CELLS:
+        peak = solution.peak_pressure()
+        relative = math.hypot(relative, _PEAK_WEIGHT * peak.uncertainty / peak.value)
+    if cells < MIN_DEPTH_CELLS and relative > _MAX_RELATIVE_STD:
         place = f"only {cells:.2g} cells below" if cells > 0.0 else "at"
         text = f"the maximum lies {place} the surface, where it depends on the grid"
         warnings = (*warnings, WarningText(text, "resolution", cells))

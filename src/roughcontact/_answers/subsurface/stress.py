@@ -236,13 +236,11 @@ class Stress(ShownAsPrinted, Answer):
         return attrs.evolve(found, warnings=(*self.warnings, *found.warnings))
 
     def _judge_place(self, found: StressMaximum) -> StressMaximum:
-        """Return a maximum that is as uncertain as its place: at sharp edges, or few cells below the surface."""
-        cells = found.depth / max(self._grid.resolved.spacing)
-        near = cells < MIN_DEPTH_CELLS
+        """Return a maximum that is as uncertain as its place, at sharp edges or some cells below the surface."""
+        near = found.depth < MIN_DEPTH_CELLS * max(self._grid.resolved.spacing)
         if self._reaches_border or ((near or found.warnings) and self._has_sharp_edge):
             return attrs.evolve(found, uncertainty=abs(found.value), warnings=(*found.warnings, _SHARP_EDGE_WARNING))
-        judged = near and found.value > 0.0
-        return judge_depth(found, cells, self.solution.peak_pressure()) if judged else found
+        return judge_depth(found, self.solution)
 
     def _compare_with_edge(self, found: StressMaximum, measure: Measure) -> StressMaximum:
         """Return the larger one of a maximum between the cells and the peak at an edge, which the cells smooth."""
