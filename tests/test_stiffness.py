@@ -195,7 +195,7 @@ def test_open_circle_near_full_contact():
 
 
 def press_waves(cells, size, periods, share):
-    """Return the contact of waves, at a share of the pressure of full contact."""
+    """Return the contact of waves, at a fraction of the pressure of full contact."""
     grid = rc.Grid(cells, size)
     q = [2 * math.pi * number / side for number, side in zip(periods, size, strict=True)]
     heights = 1e-3 * (np.cos(q[0] * (grid.x - 0.37)) + np.cos(q[1] * (grid.y - 0.63)))

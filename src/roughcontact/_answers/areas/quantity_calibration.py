@@ -17,9 +17,9 @@ BLUNT_PEAK_ERROR = 0.05
 BLUNT_SHARPNESS = 0.1
 # Factor of a along straight strips, whose cells have the same error, no unit.
 STRIP_PEAK_FACTOR = 3.0
-# Relative standard deviation of the maximum pressure under a straight strip, whose edges lie between the cells, over the
-# power 3/4 of the bend of p^2: 1.7 (h/a)^1.5. And standard deviation by the residual, over E* times the gap left in
-# contact over the side of a cell. Set on lines on stiff and soft coatings, of 4 to 400 cells.
+# Relative error (1 sd) of the maximum pressure by straight edges between the cells, over the 3/4 power of the bend
+# of p^2, which is 1.7 (h/a)^1.5. And the standard deviation by the residual, over E* times the gap left in contact over
+# the side of a cell. Set on lines on stiff and soft coatings, of 4 to 400 cells.
 STRAIGHT_PEAK_STD = 0.004
 RESIDUAL_PEAK_STD = 0.08
 # Smallest relative standard deviation where a neighbour is open: of compact patches; its increase on ridges (twice on
