@@ -9,7 +9,7 @@ import hypothesis
 import hypothesis.strategies as st
 import numpy as np
 import pytest
-from scipy import integrate
+from scipy import integrate, ndimage
 
 import roughcontact as rc
 from roughcontact._answers.flow import network as networks
@@ -305,12 +305,61 @@ def test_what_flows_in_at_each_cell_flows_out():
     assert "flow factor" in str(flow)
 
 
-def test_non_measured_cells_are_closed_and_counted():
-    missing = np.zeros((8, 8), dtype=bool)
-    missing[3, :5] = True
-    flow = with_gap(np.full((8, 8), 1e-6), non_measured=missing).leakage(axis=0, **WATER)
-    assert "5 non-measured cells" in flow.warnings[0]
-    assert np.isnan(flow.fluid_pressure[missing]).all()
+@pytest.mark.parametrize("axis", [0, 1])
+def test_the_gap_at_non_measured_points_is_continued(axis):
+    """A parallel gap stays one, whatever stands at the points that were lost."""
+    lost = np.zeros((9, 27), dtype=bool)
+    lost[3, :5] = lost[6:8, 12:14] = lost[1, 20] = True
+    whole = with_gap(np.full(lost.shape, 1e-6)).leakage(axis=axis, **WATER)
+    flow = with_gap(np.where(lost, 3e-6, 1e-6), non_measured=lost).leakage(axis=axis, **WATER)
+    assert flow.value == pytest.approx(whole.value, rel=1e-9)
+    assert flow.uncertainty == pytest.approx(0.0, abs=1e-6 * flow.value)
+    assert flow.warnings == ()
+    assert np.isfinite(flow.fluid_pressure).all()
+
+
+def test_non_measured_points_that_would_touch_are_closed():
+    lost = np.zeros((16, 16), dtype=bool)
+    lost[:, 7:9] = True
+    gap = np.where(np.abs(np.arange(16) - 7.5) < 4.0, 0.0, 1e-6) * np.ones((16, 1))
+    solution = with_gap(gap, (gap == 0.0) & ~lost, non_measured=lost)
+    assert not solution.leakage(axis=1, **WATER).connected
+    assert solution.leakage(axis=0, **WATER).connected
+
+
+@pytest.mark.parametrize(
+    ("shape", "size", "boundary"),
+    [((81, 27), (81e-6, 81e-6), "periodic"), ((24, 160), (24e-6, 160e-6), "free"), ((63, 77), (63e-6, 77e-6), "free")],
+)
+@pytest.mark.parametrize("how", ["points", "blobs", "margin"])
+def test_flow_and_mean_gap_with_lost_points_are_within_two(how, shape, size, boundary):
+    grid = rc.Grid(shape, size)
+    heights = rc.SelfAffineSurface(
+        hurst=0.8, rms_slope=0.1, shortest=7.0 * max(grid.spacing), longest=0.9 * min(size), seed=shape[0]
+    ).heights(grid)
+    random = np.random.default_rng(shape[1]).random(shape)
+    lost = random < 0.05
+    if how == "blobs":
+        lost = ndimage.maximum_filter(random < 0.003, 4, mode="constant")
+    elif how == "margin":
+        lost = np.zeros(shape, dtype=bool)
+        lost[: shape[0] // 8] = lost[:, -shape[1] // 9 :] = True
+    whole, holed = (
+        rc.ContactProblem(
+            rc.Body(
+                rc.HeightMap(heights, size, periodic=boundary == "periodic", non_measured=one), rc.Elastic(1e11, 0.3)
+            ),
+            boundary=boundary,
+        ).solve(pressure=2e8)
+        for one in (None, lost)
+    )
+    asked = [lambda one, axis=axis: one.leakage(axis=axis, **WATER) for axis in (0, 1)]
+    for ask in [*asked, lambda one: one.response("mean-gap")]:
+        true, found = ask(whole), ask(holed)
+        assert abs(found.value - true.value) <= 2.0 * found.uncertainty
+        assert found.warnings or abs(found.value - true.value) <= 0.1 * true.value
+        if how == "points":
+            assert found.uncertainty < 0.1 * found.value
 
 
 def test_iteration_finds_the_flow_of_elimination():

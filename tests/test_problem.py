@@ -174,6 +174,31 @@ def test_explain_says_what_runs_and_what_is_omitted():
     assert "none is given" not in text
 
 
+@pytest.mark.parametrize("shape", [(256, 96), (45, 130), (31, 33)])
+def test_explain_lists_the_grids_of_the_solve(shape):
+    """On a periodic boundary, where no part is omitted."""
+    size = (1e-6 * shape[0], 1e-6 * shape[1])
+    wave = rc.Body(rc.WavySurface(1e-7, (size[0] / 3, size[1] / 2)), STEEL)
+    problem = rc.ContactProblem(wave, grid=rc.Grid(shape, size), boundary="periodic")
+    (*coarse, _) = problem.solve(pressure=1e7).levels
+    lines = [line for line in problem.explain().splitlines() if line.startswith("solved on")]
+    assert len(lines) == min(len(coarse), 1)
+    for level in coarse:
+        assert "{} x {}".format(*level.shape) in lines[0]
+    careful = attrs.evolve(problem, solver="polonsky-keer")
+    assert "solved on" not in careful.explain()
+
+
+def test_explain_says_what_is_done_with_non_measured_points():
+    heights = np.array(rough().values)
+    heights[3, 5:8] = np.nan
+    kept = rc.ContactProblem(rc.Body(rc.HeightMap(heights, GRID.size), STEEL)).explain()
+    assert "3 of 1920 points were not measured: they carry nothing" in kept
+    filled = rc.ContactProblem(rc.Body(rc.HeightMap(heights, GRID.size, non_measured="fill"), STEEL)).explain()
+    assert "not measured" not in filled
+    assert "3 of 1920 points non-measured and filled from their neighbours" in filled
+
+
 def test_the_grid_of_a_map_is_used():
     assert rc.ContactProblem(rc.Body(rough(), STEEL)).plan.grid == GRID
     assert rc.ContactProblem(rc.Body(rc.WavySurface(1e-6, 1e-5) + rough(), STEEL)).plan.grid == GRID

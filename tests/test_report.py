@@ -8,6 +8,7 @@ import math
 import re
 from pathlib import Path
 
+import attrs
 import numpy as np
 import pytest
 
@@ -123,6 +124,26 @@ def test_advice_is_the_cheapest_case_that_is_accurate_not_by_chance():
         "For an area error of 0.5 %: 128 x 128 cells with blend, 0.02 s; "
         "cell-count needs more than 256 x 256 cells (error 7.4 % in 0.72 s); perimeter needs 256 x 256 cells (0.08 s)."
     )
+
+
+def test_no_case_is_advised_whose_small_error_is_chance():
+    """All grids may be right by chance, as the finest ones of an estimator with a large scatter."""
+    wide = [attrs.evolve(made_up("blend", 24, 0.001, 0.001), area_uncertainty=0.097), LUCKY[2], LUCKY[3]]
+    assert report_of(*wide).advice(area=0.005).startswith("For an area error of 0.5 %: 128 x 128 cells with blend")
+    assert "24 x 24 cells" in report_of(*wide).advice(area=0.1)
+    assert "no case is accurate enough; the nearest is 24 x 24 cells with blend (9.7 %," in report_of(wide[0]).advice()
+    other = attrs.evolve(made_up("level-set", 128, 0.0003, 0.02), area_uncertainty=0.036)
+    assert "level-set needs more than 128 x 128 cells (uncertainty 3.6 % in 0.02 s)" in report_of(*wide, other).advice()
+
+
+def test_the_advice_of_a_wave_is_not_the_luckiest_grid():
+    """Of waves of four cells 20 to 24 cells a side err by 0.1 to 1 %, at an uncertainty of 4 to 8 %."""
+    wave = rc.Body(rc.WavySurface(0.5e-6, 12.5e-6), STEEL)
+    problem = rc.ContactProblem(wave, grid=rc.Grid((96, 96), 50e-6), boundary="periodic")
+    report = rc.error_vs_time(problem, pressure=1e9, cells=[24, 48, 96], areas=["blend"], repeats=1)
+    assert report.rows[0].error("area") < 0.02
+    assert report.rows[0].area_uncertainty > 0.02 * report.rows[0].area
+    assert report.advice(area=0.02).startswith("For an area error of 2 %: 48 x 48 cells with blend")
 
 
 def test_advice_states_what_is_not_resolved():

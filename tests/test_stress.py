@@ -391,11 +391,18 @@ def test_an_array_beyond_the_memory_is_refused(monkeypatch):
 def test_the_maximum_says_why_it_must_not_be_trusted():
     solution, _, _ = press_ball(3.0, (32, 32))
     shallow = solution.stress().maximum
-    assert "only 1.4 cells" in " ".join(shallow.warnings)
+    # It errs by 0.5 %, though the contact is 3 cells wide.
+    assert shallow.warnings == ()
     assert shallow.uncertainty > 0.003 * shallow.value
     ends = solution.stress([1.5e-5, 3e-5]).maximum
     assert "smallest of the depths" in " ".join(ends.warnings)
     assert "uncertain" in str(ends)
+    # Three cells a wave hide summits: the stress is as uncertain as the maximum pressure.
+    coarse, _ = rough(24, 3, aspect=2)
+    found = coarse.stress().maximum
+    peak = coarse.peak_pressure()
+    assert found.uncertainty / found.value >= 0.7 * peak.uncertainty / peak.value > 0.02
+    assert "cells below the surface, where it depends on the grid" in " ".join(found.warnings)
     bordering, _ = rough(48, 1, "free", load=0.02)
     found = bordering.stress().maximum
     assert found.uncertainty == found.value

@@ -333,9 +333,11 @@ def _find_aligned(solution: ContactSolution) -> float:
 def _find_spread(bend: Bend, cells: Array) -> float:
     """Return the standard deviation of the shift of smooth heights over their second difference, no unit."""
     # Equal patches have the same error; errors of different ones average out.
-    alike = min(1.0, float(np.sum(bend.load * bend.spread)) ** 2)
-    number = 1.0 + (1.0 / float(np.sum(bend.load**2)) - 1.0) * alike
-    few = calibration.SMALL_PATCH_GAP_STD * float(np.sum(bend.load / np.sqrt(cells)))
+    squares = float(np.sum(bend.load**2))
+    unlike = min(1.0, float(np.sum(bend.load * bend.spread)) ** 2 + bend.load.size * squares - 1.0)
+    number = 1.0 + (1.0 / squares - 1.0) * unlike
+    equal, different = calibration.SMALL_PATCH_GAP_STD
+    few = (equal + (different - equal) * unlike) * float(np.sum(bend.load / np.sqrt(cells)))
     ratio = min(bend.resolution, 1.0)
     own = (calibration.PATCH_GAP_STD + few * (1.0 + ratio)) / math.sqrt(number)
     edge = calibration.SATURATED_GAP_STD * bend.saturated**2 * bend.width / number

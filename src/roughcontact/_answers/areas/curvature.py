@@ -17,7 +17,7 @@ _SECOND_DIFFERENCE = (-205.0 / 72.0, 8.0 / 5.0, -1.0 / 5.0, 8.0 / 315.0, -1.0 / 
 # Offset of the outermost cell of that difference, in cells.
 _DIFFERENCE_REACH = len(_SECOND_DIFFERENCE) - 1
 # Resolution, rim and lay ratio of solutions that still exist: several estimates ask for them.
-_RATIOS_OF_SOLUTIONS: WeakKeyDictionary[ContactSolution, tuple[float, float, float]] = WeakKeyDictionary()
+_RATIOS_OF_SOLUTIONS: WeakKeyDictionary[ContactSolution, tuple[float, float, float, float]] = WeakKeyDictionary()
 # Number of cells that give the mean squares of differences to about 1 %.
 _SAMPLE_CELLS = 100_000
 # Cells below which a patch does not show how the curvature varies under it, so that the cells around it are used.
@@ -147,19 +147,24 @@ def lay_ratio(solution: ContactSolution) -> float:
     return _measure_heights(solution)[2]
 
 
-def _measure_heights(solution: ContactSolution) -> tuple[float, float, float]:
-    """Return resolution, rim ratio and lay ratio."""
+def bend_kurtosis(solution: ContactSolution) -> float:
+    """Return the kurtosis of the second differences under the contact: 3 of Gaussian heights, large at creases."""
+    return _measure_heights(solution)[3]
+
+
+def _measure_heights(solution: ContactSolution) -> tuple[float, float, float, float]:
+    """Return resolution, rim ratio, lay ratio and kurtosis of the second differences."""
     solution = heal(solution)
     if solution not in _RATIOS_OF_SOLUTIONS:
         _RATIOS_OF_SOLUTIONS[solution] = _find_ratios(solution)
     return _RATIOS_OF_SOLUTIONS[solution]
 
 
-def _find_ratios(solution: ContactSolution) -> tuple[float, float, float]:
+def _find_ratios(solution: ContactSolution) -> tuple[float, float, float, float]:
     whole = solution.parts
     chosen = whole.sample(np.flatnonzero(whole.own(solution.contact)), _SAMPLE_CELLS)
     if whole.total(chosen.size) == 0:
-        return 0.0, 0.0, 1.0
+        return 0.0, 0.0, 1.0, 0.0
     *lines, rising, falling = _gather_lines(solution, chosen, 2, 4)
     bends = [pairs[0] - 2.0 * here for here, pairs in lines]
     fourth = sum(whole.mean((pairs[1] - 4.0 * pairs[0] + 6.0 * here) ** 2) for here, pairs in lines)
@@ -174,7 +179,13 @@ def _find_ratios(solution: ContactSolution) -> tuple[float, float, float]:
     inner, outer = whole.total(np.array([np.count_nonzero(inside), np.count_nonzero(~inside)]))
     middle = abs(whole.mean(laplacian[inside])) if inner else 0.0
     rim = whole.mean(laplacian[~inside]) / middle if middle > 0.0 and outer else 0.0
-    return math.sqrt(fourth / second) if second > 0.0 else 0.0, rim, _find_lay(whole, xx, xy, yy)
+    ratio = 0.0
+    kurtosis = 0.0
+    if second > 0.0:
+        ratio = math.sqrt(fourth / second)
+        # In units of the mean square, so that no height leaves the range of float64.
+        kurtosis = 2.0 * sum(whole.mean((bend / math.sqrt(second)) ** 4) for bend in bends)
+    return ratio, rim, _find_lay(whole, xx, xy, yy), kurtosis
 
 
 def _find_lay(whole: Whole, xx: Array, xy: Array, yy: Array) -> float:

@@ -303,7 +303,12 @@ def _find_areas(solution: ContactSolution) -> HertzAreas:
 
 
 def _find_uneven_deficit(spread: Array) -> Array:
-    """Return the relative deficit of Hertz's area where the curvature varies over the patch."""
+    """Return the relative deficit of Hertz's area where the curvature varies over the patch.
+
+    To first order the curvature that counts is its mean weighted with Hertz's pressure. The pressure rises where the
+    curvature does, so that the mean weighted with it is larger and the area from it smaller: for heights r^2 and r^4 by
+    0.30 v^2 of small spreads v, whichever sign the second has.
+    """
     first, even, large = calibration.HERTZ_DEFICIT
     square = spread**2
     return np.asarray(first * square**2 / ((even + square) * (1.0 + large * square)))

@@ -88,7 +88,7 @@ class PeakPressure(Quantity):
         sharp = sharp or bool(_find_cut(solution, highest[top])) or bool(find_cut_patches(solution).any())
         more = _NON_MEASURED_WARNING if _meets_non_measured(solution) else _SHARP_EDGE_WARNING if sharp else None
         pointed = peak * _find_point_error(solution, highest[top : top + 1], int(patches.cells[top]))
-        uncertainty = math.hypot(float(std[top]), pointed) if more is None else peak
+        uncertainty = math.hypot(float(std[top]), pointed, _find_residual_std(solution)) if more is None else peak
         peak = min(peak, float(limit.max()))
         return warn_if_uncertain(peak, uncertainty, "Pa", area.warnings if more is None else (*area.warnings, more))
 
@@ -131,6 +131,14 @@ def _find_point_error(solution: ContactSolution, highest: IntArray, cells: int) 
     return float(sharp * cells**-0.25)
 
 
+def _find_residual_std(solution: ContactSolution) -> float:
+    """Return the standard deviation of the pressure because the gap in contact is not zero, Pa."""
+    step = math.sqrt(solution.grid.resolved.cell_area)
+    modulus = float(solution.effective_modulus(1.0 / step))
+    gap = solution.residuals.error * solution.residuals.scale
+    return calibration.RESIDUAL_PEAK_STD * modulus * gap / step
+
+
 def _fit_quadratics(solution: ContactSolution, highest: IntArray, sharpness: Array) -> tuple[Array, Array]:
     """Return the maximum of a quadratic through p^2, and its relative error."""
     near = _gather(solution, solution.pressure**2, highest, 2)
@@ -166,6 +174,7 @@ def _fit_quadratics(solution: ContactSolution, highest: IntArray, sharpness: Arr
     oblique = np.where(peaked, fxy**2 / np.where(peaked, fxx * fyy, 1.0), 0.0)
     uneven = (second + blunt) * across + third * skew + fourth * across**3
     error = across * (np.where(alike, calibration.STRIP_PEAK_FACTOR, 1.0) * first + (1.0 - 0.5 * oblique) * uneven)
+    error = np.where(alike, np.hypot(error, calibration.STRAIGHT_PEAK_STD * np.abs(across) ** 0.75), error)
     inner = np.minimum.reduce([along_x[1], along_x[3], along_y[1], along_y[3]]) > 0.0
     inner &= ~_find_cut(solution, highest)
     # A parabola through an open cell is too low.

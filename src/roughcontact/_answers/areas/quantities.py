@@ -16,7 +16,7 @@ from roughcontact._answers.areas.cells import (
     find_spanning_patches,
     measure_sides,
 )
-from roughcontact._answers.areas.curvature import average_curvature, curvature_resolution, lay_ratio
+from roughcontact._answers.areas.curvature import average_curvature, bend_kurtosis, curvature_resolution, lay_ratio
 from roughcontact._answers.areas.edges import CUT_OFF_CELLS, is_diagonal, trace_edges, warn_if_uncertain
 from roughcontact._answers.areas.hertz import hertz_areas
 from roughcontact._answers.areas.summits import find_axes_ratio, find_beside_non_measured, is_elliptic
@@ -40,6 +40,8 @@ _STRAIGHT_LENGTH_ERROR = 1e-9
 _LARGE_PATCH_CELLS = 100
 # Numbers of cells below which a patch may be a part of another one, or other patches may be missing beside it.
 _SMALL_PATCH_CELLS = (4, 9)
+# Kurtosis of the second differences of Gaussian heights.
+_GAUSSIAN_KURTOSIS = 3.0
 # Weights of the three outermost centres in the outward slope at the border, to second order.
 _BORDER_SLOPE_WEIGHTS = np.array((2.0, -3.0, 1.0))
 
@@ -226,21 +228,30 @@ class MeanGap(Quantity):
     def find(self, solution: ContactSolution, area: Area) -> Estimate:
         """Return the mean gap; see `Quantity.find`."""
         shift, std = find_shift(solution)
-        gap, non_measured_std = fill_gap(solution)
+        std *= _find_crease_factor(solution)
+        filled = fill_gap(solution)
         # Where cells are saturated the bodies flow instead of overlapping.
-        gap = np.where(solution.saturated, 0.0, gap)
+        gap = np.where(solution.saturated, 0.0, filled.values)
         beyond = _correct_mean(gap, solution.boundary)
         outside = 1.0 if not solution.boundary.has_free_axis else 1.0 - area.fraction
         cut, cut_std = find_cut_shift(solution)
         part = (1.0 - area.fraction) ** calibration.CUT_GAP_EXPONENT
         value = float(np.mean(gap)) + beyond - shift * outside + cut * part
         uncertainty = math.hypot(
-            std * outside, non_measured_std, cut_std * part, calibration.MEAN_CORRECTION_ERROR * beyond
+            std * outside, filled.mean_std, cut_std * part, calibration.MEAN_CORRECTION_ERROR * beyond
         )
         if solution.contact.all():
             # The rest of the gap is the error of the solve.
             return Estimate(max(value, 0.0), math.hypot(uncertainty, float(np.ptp(gap))), "m", area.warnings)
         return warn_if_uncertain(max(value, 0.0), uncertainty, "m", area.warnings)
+
+
+def _find_crease_factor(solution: ContactSolution) -> float:
+    """Return the factor of the standard deviation of the mean gap at creases and steps, which heights of waves lack."""
+    if curvature_resolution(solution) < calibration.MIN_CREASE_RATIO:
+        return 1.0
+    highest = calibration.MAX_CREASE_FACTOR
+    return min(max(math.sqrt(bend_kurtosis(solution) / _GAUSSIAN_KURTOSIS), 1.0), highest)
 
 
 def _correct_mean(gap: Array, boundary: Boundary) -> float:

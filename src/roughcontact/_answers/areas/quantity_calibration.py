@@ -17,6 +17,11 @@ BLUNT_PEAK_ERROR = 0.05
 BLUNT_SHARPNESS = 0.1
 # Factor of a along straight strips, whose cells have the same error, no unit.
 STRIP_PEAK_FACTOR = 3.0
+# Relative error (1 sd) of the maximum pressure by straight edges between the cells, over the 3/4 power of the bend
+# of p^2, which is 1.7 (h/a)^1.5. And the standard deviation by the residual, over E* times the gap left in contact over
+# the side of a cell. Set on lines on stiff and soft coatings, of 4 to 400 cells.
+STRAIGHT_PEAK_STD = 0.004
+RESIDUAL_PEAK_STD = 0.08
 # Smallest relative standard deviation where a neighbour is open: of compact patches; its increase on ridges (twice on
 # rows of single cells); and its increase times the number of cells; no unit.
 OPEN_NEIGHBOUR_ERROR = (0.1, 0.12, 4.0)
@@ -69,10 +74,10 @@ GAP_EXCESS = 1.7
 # Cells of a patch that has half of that excess.
 HALF_EXCESS_CELLS = 10.0
 # Standard deviation of the mean gap over h^2 times that curvature: common to all patches; of one patch; of one patch,
-# times the root of its cells; and over the ratio; no unit.
+# times the root of its cells, where all are equal and where they differ; and over the ratio; no unit.
 COMMON_GAP_STD = 0.002
 PATCH_GAP_STD = 0.012
-SMALL_PATCH_GAP_STD = 0.15
+SMALL_PATCH_GAP_STD = (0.15, 0.1)
 UNRESOLVED_GAP_STD = 0.008
 # The same of one patch over the square of the fraction of the load on saturated cells and over the fourth root of its
 # cells, as the error of an edge between whole cells grows, no unit.
@@ -81,6 +86,10 @@ SATURATED_GAP_STD = 0.08
 # oblique direction, no unit. Set on strips.
 ALIGNED_GAP_STD = 0.07
 OBLIQUE_GAP_STD = 0.02
+# Resolution ratio from which the standard deviation of the mean gap grows with the root of the kurtosis of the second
+# differences under the contact, and the largest factor. Set on pillars, mesas, dimples, craters and rounded flats.
+MIN_CREASE_RATIO = 1.3
+MAX_CREASE_FACTOR = 3.0
 # Rim ratios between which the rims of flats that were run in become sharp.
 RIM_RATIOS = (1.5, 2.5)
 # Excess of the mean gap over h^2 times the curvature at sharp rims, over the ratio and over the fourth root of the

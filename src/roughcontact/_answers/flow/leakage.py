@@ -19,8 +19,8 @@ from roughcontact._base import checks
 from roughcontact._base.arrays import Array, Mask, Pair, RealArray, read_only
 from roughcontact._base.checks import number
 from roughcontact._base.units import Estimate, Quantity, ShownAsPrinted, WarningText, percent, si
-from roughcontact._parts.grid import Grid
-from roughcontact._solve.solution import ContactSolution, Response, responses
+from roughcontact._parts.grid import Grid, grow
+from roughcontact._solve.solution import ContactSolution, FilledGap, Response, fill_gap, responses
 from roughcontact.errors import InputError, NotConverged
 
 # Number of cells, by decreasing loss, that are tried as the centre of the critical throat.
@@ -32,6 +32,16 @@ _MIN_LOSS_FRACTION = 0.1
 # Relative uncertainty above which flows may err by more than 10 %: 92 % of the errors are below the uncertainty, and
 # none is above 9.8 % in 141 contacts without this warning (benchmarks/response_classes.py, three times its cases).
 _MAX_RELATIVE_STD = 0.1
+# The same where most of it is that of the gap around sharp edges, whose errors have one sign, or of holes.
+# Set on pillars and mesas.
+_MAX_GAP_STD = 0.065
+# Pressure, over the mean in contact, below which cells beside open ones may be open on a finer grid. Set on craters.
+_LIGHT_PRESSURE = 0.5
+# Power of the gap with which the flow grows.
+_GAP_EXPONENT = 3.0
+# Weight of the uncertainty of the gap at non-measured points, which are throats more often than others. Set on rough
+# contacts with points, blobs and margins that are lost.
+_HOLE_WEIGHT = 1.5
 # Gap below which a liquid does not flow as a continuum, m: some molecules of water.
 _MOLECULAR_GAP = 1e-9
 
@@ -250,6 +260,7 @@ class GapFlow(Response[Leakage]):
     .. math:: \nabla \cdot \left(\frac{g^3}{12 \eta} \nabla p\right) = 0
 
     with the gap g on the open cells (Reynolds 1886, doi:10.1098/rstl.1886.0005). The liquid does not move the bodies.
+    At non-measured points the gap is continued from their neighbours.
 
     Parameters
     ----------
@@ -281,8 +292,9 @@ class GapFlow(Response[Leakage]):
         NotConverged
             If the flow does not converge.
         """
-        gap = solution.gap
-        open_cells = find_open_cells(solution)
+        filled = fill_gap(solution)
+        gap = filled.values
+        open_cells = find_open_cells(solution, gap)
         along, across = solution.grid.spacing
         periodic = not solution.boundary.free_axes[1 - self.axis]
         if self.axis == 1:
@@ -291,16 +303,16 @@ class GapFlow(Response[Leakage]):
             along, across = across, along
         network = make_network(gap, open_cells, aspect=across / along, periodic=periodic)
         if network is not None:
-            return self._measure(solution, network, open_cells)
-        warnings = _list_warnings(solution)
-        if find_paths(open_cells, periodic=periodic, corners=True).any():
-            text = "The two sides are joined through corners of cells alone: refine the grid."
-            warnings = (*warnings, WarningText(text, "resolution"))
+            return self._measure(solution, network, filled)
+        warnings = (*_list_warnings(solution), *_judge_closure(solution, open_cells, self.axis))
         return Leakage(grid=solution.grid, **attrs.asdict(self), warnings=warnings)
 
-    def _measure(self, solution: ContactSolution, network: FlowNetwork, open_cells: Mask) -> Leakage:
+    def _measure(self, solution: ContactSolution, network: FlowNetwork, filled: FilledGap) -> Leakage:
         """Return the flow through a network, with its uncertainty and its throat."""
         grid = solution.grid
+        is_open = find_open_cells(solution, filled.values)
+        open_cells = is_open if self.axis == 0 else is_open.T
+        gap_std = filled.std if self.axis == 0 else filled.std.T
         periodic = not solution.boundary.free_axes[1 - self.axis]
         pressure, converged = solve_network(network)
         if not converged:
@@ -316,15 +328,18 @@ class GapFlow(Response[Leakage]):
         )
         # The flow grows with the cube of the gap, whose own error the cells of the flow do not show.
         known = solution.response("mean-gap") if solution.tension is None else None
+        of_gap = 0.0
         if known is not None and known.value > 0.0:
-            relative = math.hypot(relative, 3.0 * known.uncertainty / known.value)
+            of_gap = _GAP_EXPONENT * known.uncertainty / known.value
+        std_of_cells = gap_std.reshape(-1)[network.cells] / (network.film * network.widest)
+        of_holes = _HOLE_WEIGHT * _GAP_EXPONENT * float(np.sum(lost * std_of_cells)) / flow
+        relative = math.hypot(relative, of_gap, of_holes)
         throat = find_throat(network, lost, open_cells, grid, self.axis, periodic=periodic)
         warnings = (*_list_warnings(solution), *_judge_throat(throat, min(grid.shape)))
-        if not warnings and relative > _MAX_RELATIVE_STD:
-            text = "The grid hardly determines the flow, whose uncertainty is above 10 %: refine the grid."
-            warnings = (WarningText(text, "uncertainty", relative),)
+        if not warnings:
+            warnings = _judge_uncertainty(relative, of_gap, of_holes)
         unit = flow_unit(self.viscosity, self.pressure_drop, network.widest)
-        mean = float(np.mean(np.where(find_open_cells(solution), solution.gap, 0.0))) / network.widest
+        mean = float(np.mean(np.where(is_open, filled.values, 0.0))) / network.widest
         return Leakage(
             grid=grid,
             **attrs.asdict(self),
@@ -346,21 +361,49 @@ def flow_unit(viscosity: float, pressure_drop: float, gap: float) -> float:
     return gap * gap / (12.0 * viscosity) * gap * pressure_drop
 
 
-def find_open_cells(solution: ContactSolution) -> Mask:
-    """Return the cells through which liquid flows: without pressure and measured."""
-    if not np.isfinite(solution.gap).all():
+def find_open_cells(solution: ContactSolution, gap: Array) -> Mask:
+    """Return the cells through which liquid flows: without pressure, and open in a gap that is known everywhere, m.
+
+    Non-measured points are open where the gap of their neighbours, continued, is.
+    """
+    if not np.isfinite(gap).all():
         raise InputError("The gap is not finite everywhere, so that no flow through it can be computed.")
-    open_cells = ~solution.contact & (solution.gap > 0.0)
-    return open_cells if solution.non_measured is None else open_cells & ~solution.non_measured
+    return ~solution.contact & (gap > 0.0)
 
 
 def _list_warnings(solution: ContactSolution) -> tuple[str, ...]:
     """Return why the gap must not be trusted."""
     warnings = [] if solution.status.success else [WarningText(f"The contact is {solution.status}.", "convergence")]
-    if solution.non_measured is not None and (count := int(np.count_nonzero(solution.non_measured))):
-        text = f"{count} non-measured cells are taken as closed: their gap is not known."
-        warnings.append(WarningText(text, "non-measured points", count))
     return tuple(warnings)
+
+
+def _judge_closure(solution: ContactSolution, open_cells: Mask, axis: int) -> tuple[str, ...]:
+    """Return why a finer grid may join the two sides, that no path of open cells joins, shape (along, across)."""
+    periodic = not solution.boundary.free_axes[1 - axis]
+    if find_paths(open_cells, periodic=periodic, corners=True).any():
+        text = "The two sides are joined through corners of cells alone: refine the grid."
+        return (WarningText(text, "resolution"),)
+    pressure = solution.contact_pressure
+    light = pressure < _LIGHT_PRESSURE * pressure.mean(where=solution.contact)
+    beside = light & grow(~solution.contact, 1, solution.boundary)
+    if find_paths(open_cells | (beside if axis == 0 else beside.T), periodic=periodic).any():
+        text = "Cells with little pressure close the last path: refine the grid."
+        return (WarningText(text, "resolution"),)
+    return ()
+
+
+def _judge_uncertainty(relative: float, of_gap: float, of_holes: float) -> tuple[str, ...]:
+    """Return why the flow may err by more than 10 %, from its relative standard deviation and two parts of it."""
+    if of_holes > max(_MAX_GAP_STD, of_gap):
+        text = (
+            "The gap at non-measured points, continued from their neighbours, hardly determines the flow: measure them."
+        )
+        return (WarningText(text, "non-measured points", of_holes),)
+    allowed = _MAX_GAP_STD if 2.0 * of_gap > relative else _MAX_RELATIVE_STD
+    if relative > allowed:
+        text = "The grid hardly determines the flow, which may err by more than 10 %: refine the grid."
+        return (WarningText(text, "uncertainty", relative),)
+    return ()
 
 
 def _judge_throat(throat: Throat, cells: int) -> tuple[str, ...]:

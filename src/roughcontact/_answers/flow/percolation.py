@@ -15,7 +15,7 @@ from roughcontact._base.units import ShownAsPrinted, si
 from roughcontact._parts.grid import Load
 from roughcontact._parts.surfaces import rms_slope
 from roughcontact._solve.problem import ContactProblem, maximum_pressure, predict_pressure
-from roughcontact._solve.solution import ContactSolution, Estimate
+from roughcontact._solve.solution import ContactSolution, Estimate, fill_gap
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 
@@ -158,7 +158,7 @@ def _solve(problem: ContactProblem, pressure: float, near: list[ContactSolution]
 
 def _is_open(solution: ContactSolution, axis: int, width: int) -> bool:
     """Return whether a path of a width joins the two sides."""
-    open_cells = find_open_cells(solution)
+    open_cells = find_open_cells(solution, fill_gap(solution).values)
     periodic = not solution.boundary.free_axes[1 - axis]
     open_cells = open_cells if axis == 0 else open_cells.T
     if width == _BLOCKS:

@@ -10,6 +10,7 @@ import attrs
 import numpy as np
 from scipy import special
 
+from roughcontact._answers.areas.edges import warn_if_uncertain
 from roughcontact._answers.linear.stiffness import (
     correct_edges,
     describe_full_contact,
@@ -175,6 +176,7 @@ class ContactConductance(Response[Conductance]):
             currents = analogy * (parts * (total / float(parts.sum())) + correction.patches)
             std = analogy * correction.uncertainty
         value = float(np.sum(currents))
+        warnings = warn_if_uncertain(value, std, "W/K", warnings).warnings
         return Conductance(value, std, value / solution.grid.area, currents, constriction, film, warnings)
 
 

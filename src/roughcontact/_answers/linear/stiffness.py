@@ -10,6 +10,7 @@ import numpy as np
 from roughcontact._answers.areas.calibration import EDGE_LENGTH
 from roughcontact._answers.areas.cells import count_sides, find_sharp_edges
 from roughcontact._answers.areas.curvature import curvature_resolution
+from roughcontact._answers.areas.edges import warn_if_uncertain
 from roughcontact._answers.linear.adhesive_tangent import describe_jump, tangent_of
 from roughcontact._base.arrays import Array, IntArray, Mask
 from roughcontact._base.units import WarningText
@@ -125,6 +126,7 @@ def correct_edges(
         # Both parts mostly cancel, and how fast the first fades depends on the shape.
         unsure += _CORRECTION_STD * abs(float(of_film.sum())) + faded * float(np.sum(slope * lost)) * cell
         growing += float(in_film.sum())
+    correction = _bound_loss(correction, stiffness, slope * acting + in_film)
     # The part of the displacement that is not in the film is at the edges.
     open_part = max(1.0 - float(in_film.sum()) / total, 0.0) if total > 0.0 else 0.0
     by_area = growing / nominal * area.uncertainty if nominal > 0.0 else 0.0
@@ -136,6 +138,18 @@ def correct_edges(
     common = open_part * _COMMON_STD * ratio**1.5 * math.sqrt(total * max(total, 2.0 * growing))
     unseen = open_part * 2.0 * modulus * _HIDDEN_RADIUS_FACTOR * math.sqrt(min(ratio, 1.0)) * cell / step
     return EdgeCorrection(correction, math.hypot(by_area, by_cells, unsure, common, unseen))
+
+
+def _bound_loss(correction: Array, stiffness: Array, growing: Array) -> Array:
+    """Return the corrections, whose negative ones leave a positive stiffness: near full contact the compliance grows.
+
+    The stiffness of a spot grows with the root of its area, to which the correction is linear. Where it grows much
+    faster, its inverse vanishes with the open area: linear to it, dS becomes dS / (1 - dS / S).
+    """
+    power = growing / np.maximum(stiffness, 1e-300)
+    beyond = np.clip(1.0 - 0.5 / np.maximum(power, 0.5), 0.0, 1.0)
+    loss = np.maximum(-correction / np.maximum(stiffness, 1e-300), 0.0)
+    return np.asarray(correction / (1.0 + beyond * loss))
 
 
 def edge_length(grid: Grid) -> float:
@@ -305,7 +319,7 @@ def find_normal_answer(solution: ContactSolution, what: str) -> NormalAnswer:
         std = correction.uncertainty
     if solution.tension is not None:
         std = math.hypot(std, _find_pull_std(solution, answer.values, value))
-    return NormalAnswer(answer.values, value, std, warnings)
+    return NormalAnswer(answer.values, value, std, warn_if_uncertain(value, std, "N/m", warnings).warnings)
 
 
 def _find_pull_std(solution: ContactSolution, answer: Array, value: float) -> float:

@@ -6,6 +6,7 @@ import math
 
 import attrs
 
+from roughcontact._answers.areas.edges import warn_if_uncertain
 from roughcontact._answers.subsurface.maximum import StressMaximum
 from roughcontact._answers.subsurface.stress import StressBelow, body_name, coefficient, degrees
 from roughcontact._base.arrays import Array
@@ -153,8 +154,8 @@ class FirstYield(Response[YieldPoint]):
         slope = max(_find_slope(trials, _UNCERTAINTY_LOAD_DISTANCE), _MIN_SLOPE)
         relative = math.hypot(last.maximum.uncertainty / last.maximum.value, last.excess) / slope
         force = last.solution.force * math.exp(-last.excess / slope)
-        warnings = last.maximum.warnings
-        return YieldPoint(Estimate(force, relative * force, "N", warnings), last.maximum, last.solution, last.layer)
+        found = warn_if_uncertain(force, relative * force, "N", last.maximum.warnings)
+        return YieldPoint(found, last.maximum, last.solution, last.layer)
 
     def _measure(self, solution: ContactSolution) -> _Trial:
         below = StressBelow(None, self.body, friction=self.friction, direction=self.direction)

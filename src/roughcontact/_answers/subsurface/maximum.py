@@ -22,8 +22,15 @@ _GRID_ERROR_TERMS = (0.012, 0.004)
 _INTERPOLATION_ERROR = 0.3
 # Smallest relative error: by float32 and by the tolerance of the solver.
 MIN_RELATIVE_ERROR = 2e-4
-# Depth in cells below which the stress depends on the shape of the cells at the edges of the contact.
-_MIN_DEPTH_CELLS = 2.0
+# The same under lines, whose straight edges err alike, over 1/n^1.5. Set on cylinders at random places.
+_STRAIGHT_STD = 0.015
+# Depth in cells below which the stress depends on the shape of the cells at the edges of the contact, and errs as the
+# maximum pressure does.
+MIN_DEPTH_CELLS = 2.0
+# Weight of the relative uncertainty of that pressure. Set on rough surfaces of two to four cells a shortest wave.
+_PEAK_WEIGHT = 0.7
+# Relative standard deviation of the maximum from which it may err by more than 10 %.
+_MAX_RELATIVE_STD = 0.05
 # Relative error of a maximum at the surface inside a contact, where cells may smooth a larger one at its edge.
 _SURFACE_ERROR = 0.03
 # Distance of the depths on both sides of an interface, over its depth: that of rounding.
@@ -166,8 +173,6 @@ def find_maximum(depths: Array, peaks: Sequence[PlanePeak], scale: float, cell: 
         text = f"the maximum lies at {end} of the depths, {si(depth, 'm')}: beyond it there may be a larger one"
         warnings.append(WarningText(text, "depths", depth))
     cells = depth / cell
-    if cells < _MIN_DEPTH_CELLS:
-        warnings.append(warn_of_depth(cells))
     if at_surface:
         relative = _SURFACE_ERROR
     else:
@@ -203,10 +208,23 @@ def find_maxima_of_layers(
     return found
 
 
-def warn_of_depth(cells: float) -> WarningText:
-    """Return the warning that a maximum lies so few cells below the surface."""
-    place = f"only {cells:.2g} cells below" if cells > 0.0 else "at"
-    return WarningText(f"the maximum lies {place} the surface, where it depends on the grid", "resolution", cells)
+def judge_depth(found: StressMaximum, solution: ContactSolution) -> StressMaximum:
+    """Return a maximum with the uncertainty of its depth in cells, warned of where it may err by more than 10 %."""
+    cells = found.depth / max(solution.grid.resolved.spacing)
+    if found.value <= 0.0:
+        return found
+    relative = found.uncertainty / found.value
+    if find_spanning_patches(solution).any():
+        relative = math.hypot(relative, _STRAIGHT_STD / max(cells, 1.0) ** 1.5)
+    warnings = found.warnings
+    if cells < MIN_DEPTH_CELLS:
+        peak = solution.peak_pressure()
+        relative = math.hypot(relative, _PEAK_WEIGHT * peak.uncertainty / peak.value)
+    if cells < MIN_DEPTH_CELLS and relative > _MAX_RELATIVE_STD:
+        place = f"only {cells:.2g} cells below" if cells > 0.0 else "at"
+        text = f"the maximum lies {place} the surface, where it depends on the grid"
+        warnings = (*warnings, WarningText(text, "resolution", cells))
+    return attrs.evolve(found, uncertainty=relative * found.value, warnings=warnings)
 
 
 def default_depths(solution: ContactSolution) -> Array:

@@ -25,6 +25,7 @@ from roughcontact._answers.subsurface.field import (
 )
 from roughcontact._answers.subsurface.free import FreePlanes
 from roughcontact._answers.subsurface.maximum import (
+    MIN_DEPTH_CELLS,
     MIN_RELATIVE_ERROR,
     PlanePeak,
     StressMaximum,
@@ -32,7 +33,7 @@ from roughcontact._answers.subsurface.maximum import (
     find_maxima_of_layers,
     find_shear,
     find_von_mises,
-    warn_of_depth,
+    judge_depth,
     with_interfaces,
 )
 from roughcontact._answers.subsurface.mixed import ExchangedPlanes, MixedPlanes
@@ -140,7 +141,7 @@ class Stress(ShownAsPrinted, Answer):
         value, uncertainty = edge.extrapolate(maximum_principal)
         uncertainty = max(uncertainty, MIN_RELATIVE_ERROR * abs(value)) * self._scale
         found = StressMaximum(value * self._scale, uncertainty, edge.x, edge.y, 0.0, self.warnings)
-        return self._warn_of_edges(found)
+        return self._judge_place(found)
 
     @property
     def estimates(self) -> dict[str, StressMaximum]:
@@ -231,21 +232,23 @@ class Stress(ShownAsPrinted, Answer):
         """Return a maximum beside the peak at the edge of a sliding contact, if at the surface, with warnings."""
         if at_surface and self.traction is not None and (self.depths == 0.0).any():
             found = self._compare_with_edge(found, measure)
-        if self._reaches_border or found.warnings:
-            found = self._warn_of_edges(found)
+        found = self._judge_place(found)
         return attrs.evolve(found, warnings=(*self.warnings, *found.warnings))
+
+    def _judge_place(self, found: StressMaximum) -> StressMaximum:
+        """Return a maximum that is as uncertain as its place, at sharp edges or some cells below the surface."""
+        near = found.depth < MIN_DEPTH_CELLS * max(self._grid.resolved.spacing)
+        if self._reaches_border or ((near or found.warnings) and self._has_sharp_edge):
+            return attrs.evolve(found, uncertainty=abs(found.value), warnings=(*found.warnings, _SHARP_EDGE_WARNING))
+        return judge_depth(found, self.solution)
 
     def _compare_with_edge(self, found: StressMaximum, measure: Measure) -> StressMaximum:
         """Return the larger one of a maximum between the cells and the peak at an edge, which the cells smooth."""
         value, uncertainty = (part * self._scale for part in self._edge.extrapolate(measure))
         if value > found.value:
-            warning = warn_of_depth(0.0)
-            return StressMaximum(value, uncertainty, self._edge.x, self._edge.y, 0.0, warnings=(warning,))
+            return StressMaximum(value, uncertainty, self._edge.x, self._edge.y, 0.0)
         above = max(value + uncertainty - found.value, 0.0)
-        # Inside the contact the stress at the surface is as uncertain as the pressure.
-        peak = self.solution.peak_pressure()
-        inside = found.value * peak.uncertainty / peak.value if found.depth == 0.0 else 0.0
-        return attrs.evolve(found, uncertainty=math.hypot(found.uncertainty, above, inside))
+        return attrs.evolve(found, uncertainty=math.hypot(found.uncertainty, above))
 
     @cached_property
     def _edge(self) -> EdgeStress:
@@ -254,11 +257,6 @@ class Stress(ShownAsPrinted, Answer):
         return find_edge_stress(
             self._field(0.0, (1, 1)), pressure, traction, self._poisson_at(0.0), self.solution.boundary
         )
-
-    def _warn_of_edges(self, found: StressMaximum) -> StressMaximum:
-        if not (self._reaches_border or self._has_sharp_edge):
-            return found
-        return attrs.evolve(found, uncertainty=abs(found.value), warnings=(*found.warnings, _SHARP_EDGE_WARNING))
 
     @property
     def _reaches_border(self) -> bool:

@@ -32,7 +32,7 @@ from roughcontact._solve.convolvers import Convolver, Direct, convolvers
 from roughcontact._solve.problem.body import Body, InitialGap
 from roughcontact._solve.problem.memory import UNRESTRICTED_ARRAYS, memory_of_solve, require_arrays
 from roughcontact._solve.solution import RESOLVED_CELLS, areas, describe_range, find_scene, responses
-from roughcontact._solve.solvers import ProjectedConjugateGradient, Solver, solvers
+from roughcontact._solve.solvers import ProjectedConjugateGradient, Solver, halve_shape, solvers
 from roughcontact.errors import InputError
 
 _AUTO_SOLVER = "projected-cg"
@@ -192,6 +192,8 @@ class SolvePlan:
         histories = [(f"heights {number}", "; ".join(steps)) for number, steps in enumerate(self.histories, 1) if steps]
         rows = [
             ("grid", f"{self.grid}, boundary {self.boundary}"),
+            *self._describe_coarse_grids(),
+            *self._describe_non_measured(),
             (
                 "bodies",
                 f"contact modulus {si(self.modulus, 'Pa')}, peak to valley {si(self.peak_to_valley, 'm')}, "
@@ -214,6 +216,24 @@ class SolvePlan:
 
     def __repr__(self) -> str:
         return str(self)
+
+    def _describe_coarse_grids(self) -> list[tuple[str, str]]:
+        if not self.solver.climbs_grids:
+            return []
+        shapes = [self.grid.shape]
+        while (coarser := halve_shape(shapes[0])) != shapes[0]:
+            shapes.insert(0, coarser)
+        if len(shapes) == 1:
+            return []
+        ladder = ", ".join(f"{nx} x {ny}" for nx, ny in shapes)
+        part = ", or on the part that can touch" if self.boundary.has_free_axis else ""
+        return [("solved on", f"{ladder} cells{part}: each grid starts from the coarser one, unless a start is given")]
+
+    def _describe_non_measured(self) -> list[tuple[str, str]]:
+        if self.non_measured is None:
+            return []
+        found = f"{int(np.count_nonzero(self.non_measured))} of {self.grid.cells} points were not measured"
+        return [("points", f"{found}: they carry nothing, and answers continue the gap of their neighbours there")]
 
     def _describe_adhesion(self) -> list[tuple[str, str]]:
         law = self.interaction

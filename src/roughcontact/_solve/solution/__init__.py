@@ -17,7 +17,7 @@ from roughcontact._solve.solution.fields import ContactFields, ContactPatches, f
 from roughcontact._solve.solution.frictional import FrictionalSolution, find_slip_width, list_state
 from roughcontact._solve.solution.frictional_files import read_estimate, read_path, write_path
 from roughcontact._solve.solution.frictional_state import FrictionalResiduals, FrictionalState, TangentialLoad
-from roughcontact._solve.solution.healing import fill_gap, heal
+from roughcontact._solve.solution.healing import FilledGap, fill_gap, heal
 from roughcontact._solve.solution.origin import Accuracy, Origin, Trial, key_of_origin, solution_key, versions
 from roughcontact._solve.solution.plausibility import PLAUSIBILITY_RULES, Rule, exceeds_metals, find_contact, find_scene
 from roughcontact._solve.solution.results import (
@@ -71,6 +71,7 @@ __all__ = [
     "ContactPatches",
     "ContactSolution",
     "Estimate",
+    "FilledGap",
     "FrictionalResiduals",
     "FrictionalSolution",
     "FrictionalState",

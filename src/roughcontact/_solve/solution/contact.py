@@ -129,7 +129,7 @@ class ContactSolution(ContactFields):
 
     @cached_property
     def _place(self) -> PlaceStatistics | None:
-        return find_place_statistics(heal(self))
+        return find_place_statistics(heal(self), self.non_measured)
 
     @cached_property
     def _maps(self) -> tuple[HeightMap, ...]:

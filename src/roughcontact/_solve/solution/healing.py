@@ -39,6 +39,10 @@ _MEAN_GAP_STD = 0.5
 # Standard deviation of the gap far from measured points over that of the measured gap; set on balls, cylinders and
 # rough contacts with margins and blobs.
 _DEEP_SCATTER = 2.0
+# Standard deviation of the mean gap, because the measured points carry what the others would have carried, over the
+# fraction of that load: part of the mean gap, or of the approach where that is less, as for a ball. Set on rough
+# contacts and rough balls with blobs and margins.
+_LOST_LOAD_STD = (0.25, 0.67)
 # Minimum overlap of a touching point, over p h / E* around it: 1.1 for one cell in a uniform pressure (exact).
 _TOUCHING_OVERLAP = 0.3
 # Steps to the cells around one.
@@ -89,34 +93,83 @@ def _overlaps(gap: Array, solution: ContactSolution, missing: Mask) -> Mask:
     return result
 
 
-def fill_gap(solution: ContactSolution) -> tuple[Array, float]:
-    """Return the gap with values at all non-measured points, shape `grid.shape`, m, and the uncertainty of its mean, m.
+@attrs.frozen(eq=False)
+class FilledGap:
+    """The gap with values at all non-measured points.
 
-    Points that would touch get no gap; the uncertainty is the standard deviation by these points. Far from measured
-    points nothing is known of the gap: there it is, on a free domain, the form through the measured gap, and all ways
-    to continue it count.
+    Attributes
+    ----------
+    values
+        Gap, shape `grid.shape`, m; zero at non-measured points that would touch.
+    std
+        Standard deviation of each gap by non-measured points, shape `grid.shape`, m; zero at measured points.
+    mean_std
+        Standard deviation of the mean gap by non-measured points, m.
+    """
+
+    values: Array
+    std: Array
+    mean_std: float
+
+
+def fill_gap(solution: ContactSolution) -> FilledGap:
+    """Return the gap with values at all non-measured points, and their uncertainty.
+
+    Far from measured points nothing is known of the gap: there it is, on a free domain, the form through the measured
+    gap, and all ways to continue it count.
     """
     from scipy import ndimage
 
     solution = heal(solution)
     missing = _NON_MEASURED.get(solution)
     if missing is None:
-        return solution.gap, 0.0
+        return FilledGap(solution.gap, np.zeros(solution.grid.shape), 0.0)
     harmonic = fill(np.where(missing, np.nan, solution.gap))
     gap = _bend_near(harmonic, missing, ~missing, solution)
-    holes, _ = ndimage.label(missing)
+    holes = np.asarray(ndimage.label(missing)[0], dtype=np.intp)
     differences = np.bincount(holes[missing], weights=(gap - harmonic)[missing])
-    std = _MEAN_GAP_STD * float(np.linalg.norm(differences)) / missing.size
+    mean_std = _MEAN_GAP_STD * float(np.linalg.norm(differences)) / missing.size
+    mean_std = math.hypot(mean_std, _find_lost_load_std(solution, missing, holes, gap))
+    unknown = _find_unknown_fraction(missing, solution.boundary)
+    measured = gap[~missing]
+    std = np.hypot(np.where(missing, _MEAN_GAP_STD * (gap - harmonic), 0.0), unknown * float(measured.std()))
     gap = np.where(missing, np.maximum(gap, 0.0), gap)
-    deep = missing & ~grow(~missing, _BENDING_RANGE, solution.boundary)
+    if solution.non_measured is not None:
+        gap[solution.non_measured] = 0.0
+    mean_std = math.hypot(mean_std, _scatter_of_mean(gap, missing, float(unknown.sum())))
+    deep = unknown == 1.0
     if not deep.any():
-        return gap, std
-    ways = [gap, np.where(deep, float(gap[~missing].mean()), gap)]
+        return FilledGap(gap, std, mean_std)
+    ways = [gap, np.where(deep, float(measured.mean()), gap)]
     if all(solution.boundary.free_axes):
         form = _continue_form(gap, missing | (solution.contact_pressure > 0.0))
         ways.insert(0, np.where(deep, form, gap))
     means = [float(np.mean(way)) for way in ways]
-    return ways[0], math.hypot(std, max(means) - min(means), _scatter_of_mean(gap, missing, deep))
+    mean_std = math.hypot(mean_std, max(means) - min(means))
+    return FilledGap(ways[0], np.hypot(std, np.ptp(ways, axis=0)), mean_std)
+
+
+def _find_unknown_fraction(missing: Mask, boundary: Boundary) -> Array:
+    """Return how little the neighbours tell of the gap, shape `missing.shape`: from 0 at measured points to 1."""
+    unknown = missing.astype(np.float64)
+    for depth in range(_BENDING_RANGE, 0, -1):
+        unknown[missing & grow(~missing, depth, boundary)] = (depth / (_BENDING_RANGE + 1)) ** 2
+    return unknown
+
+
+def _find_lost_load_std(solution: ContactSolution, missing: Mask, holes: IntArray, gap: Array) -> float:
+    """Return the standard deviation of the mean gap by the load that non-measured points would have carried, m.
+
+    They would have carried as much as the points around their holes; around a single one the neighbours do.
+    """
+    if not solution.contact.any():
+        return 0.0
+    weight = 1.0 - 1.0 / np.sqrt(np.bincount(holes[missing]))[holes[missing]]
+    fields = (solution.contact.astype(np.float64), solution.contact_pressure)
+    known = [(fill(np.where(missing, np.nan, field)), float(np.sum(field, where=~missing))) for field in fields]
+    lost = max(float(np.sum(weight * field[missing])) / total for field, total in known if total > 0.0)
+    of_gap, of_approach = _LOST_LOAD_STD
+    return lost * min(of_gap * float(np.mean(gap)), of_approach * abs(solution.approach))
 
 
 def _continue_form(gap: Array, omitted: Mask) -> Array:
@@ -128,8 +181,8 @@ def _continue_form(gap: Array, omitted: Mask) -> Array:
         return gap
 
 
-def _scatter_of_mean(gap: Array, missing: Mask, deep: Mask) -> float:
-    """Return the standard deviation of the mean gap because the gap scatters where it is not known, m."""
+def _scatter_of_mean(gap: Array, missing: Mask, count: float) -> float:
+    """Return the standard deviation of the mean gap, m, because the gap scatters at `count` points."""
     measured = ~missing
     departure = np.where(measured, gap - float(gap[measured].mean()), 0.0)
     lengths = []
@@ -138,7 +191,6 @@ def _scatter_of_mean(gap: Array, missing: Mask, deep: Mask) -> float:
         correlation = np.fft.irfft(spectrum.sum(axis=1 - axis))[: gap.shape[axis]]
         fallen = np.flatnonzero(correlation < 0.5 * correlation[0])
         lengths.append(float(fallen[0]) if fallen.size else float(gap.shape[axis]))
-    count = int(np.count_nonzero(deep))
     independent = max(count / (4.0 * math.pi * lengths[0] * lengths[1]), 1.0)
     return _DEEP_SCATTER * count / gap.size * float(gap[measured].std()) / math.sqrt(independent)
 

@@ -41,6 +41,12 @@ _MIN_PRESSURE_RATIO = 1e-7
 _LIGHT_BORDER_PRESSURE = 0.25
 # Maximum rms slope of a surface, 84 degrees; heights in mm, read as m, have some 10 to 1000.
 _MAX_RMS_SLOPE = 10.0
+# Parts of the length of a roller whose means are its profile.
+_CROWN_PARTS = 16
+# Bend and departure of a mean profile over the range of the heights below which they are rounding.
+_EXACT_BEND = 1e-12
+# Largest ratio to the variation inside that is said.
+_LARGEST_CROWN = 100.0
 # Minimum cells along an axis: of fewer all are near the border.
 _MIN_CELLS = 16
 
@@ -81,6 +87,15 @@ PLAUSIBILITY_RULES = {
         3,
         "rms step across the border over that between neighbours; waves of eight cells have one",
         "Beyond the border the domain repeats: subtract the tilt, use a surface that repeats, or a free boundary.",
+    ),
+    "crown": Rule(
+        5,
+        5,
+        "bend of the mean profile across the periodic border over that inside, or its fall there over its scatter, "
+        "where the other axis is free and no contact reaches that border: 5.5 to 7 of a crowned roller, more of one "
+        "with ends, 3 of a wave; above 5 on 1 % of straight rough ones",
+        "Beyond the border the domain repeats, so that the contact is one of a row, and its approach is counted from "
+        "the side of the domain: for a single roller choose a free boundary, for a line without end a straight one.",
     ),
     "isotropy": Rule(
         0,
@@ -173,7 +188,17 @@ def find_scene(initial_gap: Array, grid: Grid, boundary: Boundary, materials: It
 
 def find_contact(solution: ContactSolution, materials: Iterable[Material]) -> list[Finding]:
     """Return the findings on half-space, domain and grid of a solved contact."""
-    names = ("isotropy", "edge contact", "tilt", "cells per contact", "slope", "maximum pressure", "approach", "theory")
+    names = (
+        "crown",
+        "isotropy",
+        "edge contact",
+        "tilt",
+        "cells per contact",
+        "slope",
+        "maximum pressure",
+        "approach",
+        "theory",
+    )
     if not solution.contact.any():
         return [Finding(name, math.nan, "there is no contact") for name in names]
     peak = float(solution.pressure.max()) / solution.surface_modulus
@@ -182,6 +207,7 @@ def find_contact(solution: ContactSolution, materials: Iterable[Material]) -> li
     approach = solution.approach / min(side for side, count in sides if count > 1)
     edge = _find_edge_contact(solution)
     return [
+        _find_crown(solution),
         _find_isotropy(solution, materials),
         edge,
         _find_tilt(solution, edge),
@@ -267,6 +293,35 @@ def _find_jump(initial_gap: Array, boundary: Boundary) -> Finding:
         return Finding(name, math.nan, "the boundary is free: nothing lies beyond it")
     jump = max(border_jump(initial_gap, axis) for axis in (0, 1) if not boundary.free_axes[axis])
     return Finding(name, jump, f"the heights jump across the border by {jump:.3g} times the step between cells")
+
+
+def _find_crown(solution: ContactSolution) -> Finding:
+    """Return how much a roller ends at the periodic border, if contacts end before it.
+
+    It is the change of the slope across the border over the median of those inside, so that neither a jump nor steep
+    ends count, or the fall of both ends below the median over the median departure from it, as of ends that are flat.
+    """
+    name = "crown"
+    if not solution.boundary.mixed:
+        return Finding(name, math.nan, "the boundary is the same along both axes")
+    axis = 1 - solution.boundary.free_axis
+    if solution.non_measured is not None or solution.grid.shape[axis] < _MIN_CELLS:
+        return Finding(name, math.nan, f"not judged with non-measured points, or on fewer than {_MIN_CELLS} cells")
+    if solution.contact.take([0, -1], axis).any():
+        return Finding(name, 0.0, "contacts reach the periodic border")
+    profile = solution.initial_gap.mean(axis=1 - axis)
+    # Means over parts of the length, so that roughness on it hardly counts.
+    ends = np.linspace(0.0, profile.size, _CROWN_PARTS + 1)
+    sums = np.interp(ends, np.arange(profile.size + 1), np.concatenate(([0.0], np.cumsum(profile))))
+    means = np.diff(sums) / np.diff(ends)
+    slopes = np.diff(means)
+    departures = means - np.median(means)
+    rounding = _EXACT_BEND * float(np.ptp(solution.initial_gap))
+    bend = float(slopes[-1] - slopes[0]) / max(float(np.median(np.abs(slopes[2:] - slopes[:-2]))), rounding)
+    fall = min(departures[0], departures[-1]) / max(float(np.median(np.abs(departures))), rounding)
+    # Straight profiles do not vary inside.
+    end = min(max(bend, float(fall), 0.0), _LARGEST_CROWN)
+    return Finding(name, end, f"the roller ends at the periodic border, by {end:.3g} times what it varies inside")
 
 
 def _find_edge_contact(solution: ContactSolution) -> Finding:

@@ -35,6 +35,8 @@ _PART_FACTORS = {2: 10.0, 4: 20.0}
 _STRIPS = (2, 4, 8)
 # Cells along a side from which slopes are taken at most.
 _SAMPLED_CELLS = 192
+# Minimum fraction of measured points.
+_MIN_KNOWN_FRACTION = 0.25
 # Multiple of the variance of the slopes of a Gaussian surface that passes for chance.
 _CHANCE = 3.0
 # Of Gaussian surfaces: maximum of the mean square pressure over the squared mean, minimum excess of the area at small
@@ -176,8 +178,11 @@ def find_sampling_warning(solution: ContactSolution) -> str:
     return ""
 
 
-def find_place_statistics(solution: ContactSolution) -> PlaceStatistics | None:
-    """Return the statistics of the place; None where no other places are known, or without a contact or roughness."""
+def find_place_statistics(solution: ContactSolution, non_measured: Mask | None = None) -> PlaceStatistics | None:
+    """Return the statistics of the place; None where no other places are known, or without a contact or roughness.
+
+    The roughness at non-measured points, shape `grid.shape`, is not known, whatever gap the solution has there.
+    """
     if not _is_sampled(solution) or not solution.contact.any():
         return None
     window = _find_window(solution)
@@ -186,9 +191,14 @@ def find_place_statistics(solution: ContactSolution) -> PlaceStatistics | None:
         return None
     height = min(waves.spread(1.0) / waves.sum(1.0), _MAX_HEIGHT_ERROR)
     lay = min(find_lay(waves)[0], _MAX_LAY_RATIO)
-    elasticity = _find_elasticity(solution.patches.members.size / (window.shape[0] * window.shape[1]))
+    known = np.ones(window.shape, dtype=bool)
+    if non_measured is not None:
+        known = ~non_measured[window.slices]
+    if known.mean() < _MIN_KNOWN_FRACTION:
+        return None
+    elasticity = _find_elasticity(min(solution.patches.members.size / np.count_nonzero(known), 1.0))
     tiles = _compare_tiles(solution, window, elasticity) * lay**_TILE_LAY_EXPONENT
-    unevenness = _find_unevenness(solution, window, waves)
+    unevenness = _find_unevenness(solution, window, waves, known)
     return None if unevenness is None else PlaceStatistics(tiles, elasticity, height, lay, unevenness)
 
 
@@ -199,6 +209,12 @@ class _Window:
     first: tuple[int, int]
     shape: tuple[int, int]
     size: tuple[float, float]
+
+    @property
+    def slices(self) -> tuple[slice, slice]:
+        """The cells along both axes."""
+        i, j = (slice(at, at + cells) for at, cells in zip(self.first, self.shape, strict=True))
+        return i, j
 
 
 def _find_window(solution: ContactSolution) -> _Window:
@@ -256,7 +272,7 @@ def _compare_tiles(solution: ContactSolution, window: _Window, elasticity: float
     return math.sqrt((count * found + _PATCH_WEIGHT * usual) / (count + _PATCH_WEIGHT))
 
 
-def _find_unevenness(solution: ContactSolution, window: _Window, waves: Waves) -> float | None:
+def _find_unevenness(solution: ContactSolution, window: _Window, waves: Waves, measured: Mask) -> float | None:
     r"""Return the relative standard deviation of the rms slope in contact beyond that of a Gaussian surface.
 
     None where the cells that are compared are flat, or their upper half is, as on a map of a few steps.
@@ -271,13 +287,13 @@ def _find_unevenness(solution: ContactSolution, window: _Window, waves: Waves) -
     parts are strips. Few steep summits have two other signs: pressures that spread more than those of a Gaussian
     surface, and a contact smaller than its.
     """
-    heights, slopes = _sample_slopes(solution, window)
-    square = float(slopes.mean())
+    heights, slopes, compared = _sample_slopes(solution, window, measured)
     # The contact knows only the upper half.
-    upper = heights < heights.mean()
+    upper = compared & (heights < heights.mean(where=compared))
     if not slopes[upper].any():
         return None
-    cells = window.shape[0] * window.shape[1]
+    square = float(slopes.mean(where=compared))
+    cells = np.count_nonzero(measured)
     pressures = solution.pressure.ravel()[solution.patches.members]
     fraction = pressures.size / cells
     load = float(pressures.sum()) / cells / (solution.surface_modulus * math.sqrt(square))
@@ -294,9 +310,8 @@ def _find_unevenness(solution: ContactSolution, window: _Window, waves: Waves) -
         if counts == (1, 1):
             return 0.0
         known = _sum_tiles(upper.astype(np.float64), counts)
-        part = np.divide(_sum_tiles(slopes, counts), mean * known, out=np.ones(counts), where=known > 0.0)
         loads, _ = _share(solution, window, per_side)
-        return _find_excess(loads, part, _CHANCE * chance)
+        return _find_excess(loads, _sum_tiles(slopes, counts), mean * known, _CHANCE * chance)
 
     tiles = vary(_TILES)
     long = max(factor * (vary(per_side) - tiles) for per_side, factor in _PART_FACTORS.items())
@@ -307,8 +322,15 @@ def _find_unevenness(solution: ContactSolution, window: _Window, waves: Waves) -
     return math.hypot(changes, _SPREAD_FACTOR * spread, _STEEP_FACTOR * steep)
 
 
-def _find_excess(loads: Array, part: Array, chance: float) -> float:
-    """Return the variance of the mean square slope in contact, by parts and their loads, beyond that by chance."""
+def _find_excess(loads: Array, slopes: Array, usual: Array, chance: float) -> float:
+    """Return the variance of the mean square slope in contact, by parts and their loads, beyond that by chance.
+
+    `slopes` are the sums of the squares in each part, `usual` those that are expected; without any it does not count.
+    """
+    known = usual > 0.0
+    if np.count_nonzero(known) < 2:
+        return 0.0
+    part = slopes[known] / usual[known]
     return float(np.sum(loads**2)) * max(float(np.var(part, ddof=1)) - part.size * chance, 0.0)
 
 
@@ -340,33 +362,40 @@ def _vary_across_lay(
     for count in _STRIPS:
         strip = number(rows[:, np.newaxis], columns, count).ravel()
         known = np.bincount(strip, weights=upper.ravel(), minlength=count)
-        sums = np.bincount(strip, weights=slopes.ravel(), minlength=count)
-        part = np.divide(sums, mean * known, out=np.ones(count), where=known > 0.0)
+        sums = np.asarray(np.bincount(strip, weights=slopes.ravel(), minlength=count), dtype=np.float64)
         touching = number(i - window.first[0], j - window.first[1], count)
         loads = np.bincount(touching, weights=fractions, minlength=count)
-        found.append(_find_excess(np.asarray(loads, dtype=np.float64), part, chance))
+        found.append(_find_excess(np.asarray(loads, dtype=np.float64), sums, mean * known, chance))
     return (1.0 - across**-2) * max(found)
 
 
-def _sample_slopes(solution: ContactSolution, window: _Window) -> tuple[Array, Array]:
-    """Return gaps within a window and their squared slopes, of every so many cells, on a free boundary less a form."""
-    gap = solution.initial_gap
+def _sample_slopes(solution: ContactSolution, window: _Window, measured: Mask) -> tuple[Array, Array, Mask]:
+    """Return gaps within a window and their squared slopes, of every so many cells, and which of them are measured.
+
+    On a free boundary they are less their plane, or a form.
+    """
+    gap = solution.initial_gap[window.slices]
     degree = 0 if not solution.boundary.has_free_axis else 2 if _has_form(solution) else 1
-    taken = [
-        np.arange(at, at + cells, math.ceil(cells / _SAMPLED_CELLS))
-        for at, cells in zip(window.first, window.shape, strict=True)
-    ]
+    taken = [np.arange(0, cells, math.ceil(cells / _SAMPLED_CELLS)) for cells in window.shape]
     heights = gap[np.ix_(*taken)]
+    compared = measured[np.ix_(*taken)]
     squares = np.zeros(heights.shape)
     for axis, step in enumerate(solution.grid.spacing):
         ends = list(taken)
-        last = window.first[axis] + window.shape[axis] - 1
-        ends[axis] = np.minimum(taken[axis] + 1, last)
+        ends[axis] = np.minimum(taken[axis] + 1, window.shape[axis] - 1)
         starts = list(taken)
-        starts[axis] = np.maximum(ends[axis] - 1, window.first[axis])
+        starts[axis] = np.maximum(ends[axis] - 1, 0)
         slopes = (gap[np.ix_(*ends)] - gap[np.ix_(*starts)]) / step
-        squares += (slopes - polynomial(slopes, degree - 1, None) if degree else slopes) ** 2
-    return np.asarray(heights - polynomial(heights, degree, None) if degree else heights), squares
+        both = measured[np.ix_(*ends)] & measured[np.ix_(*starts)]
+        compared = compared & both
+        squares += (slopes - polynomial(slopes, degree - 1, _invert(both)) if degree else slopes) ** 2
+    heights = heights - polynomial(heights, degree, _invert(compared)) if degree else heights
+    return np.asarray(heights), np.where(compared, squares, 0.0), compared
+
+
+def _invert(measured: Mask) -> Mask | None:
+    """Return which points are not measured; None without any."""
+    return None if measured.all() else ~measured
 
 
 def _find_chance(solution: ContactSolution, window: _Window, waves: Waves, square: float) -> float:
@@ -411,7 +440,7 @@ def _find_long_waves(solution: ContactSolution, window: _Window) -> Waves | None
     """Return the waves of coarse heights, on a free boundary less their plane or form; None for flat surfaces."""
     cells = window.shape
     shape = (min(cells[0], _COARSE_CELLS), min(cells[1], _COARSE_CELLS))
-    gap = solution.initial_gap[tuple(slice(at, at + n) for at, n in zip(window.first, cells, strict=True))]
+    gap = solution.initial_gap[window.slices]
     counts = np.outer(*(np.diff(_find_edges(n, full)) for n, full in zip(shape, cells, strict=True)))
     coarse = _sum_tiles(gap, shape) / counts
     repeats = not solution.boundary.has_free_axis

@@ -163,6 +163,9 @@ class Solver(Part, abc.ABC):
     omitted: ClassVar[tuple[str, ...]] = ()
     """Steps that its solves omit and why, for ``explain()``."""
 
+    climbs_grids: ClassVar[bool] = False
+    """Whether its solves start on coarser grids (`halve_shape`), for ``explain()``."""
+
     adhesive: ClassVar[bool] = False
     """Whether it can treat an interaction of the surfaces, `Task.interaction`."""
 

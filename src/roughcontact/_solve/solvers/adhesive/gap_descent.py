@@ -78,6 +78,7 @@ class GapDescent(Solver):
     """
 
     adhesive: ClassVar[bool] = True
+    climbs_grids: ClassVar[bool] = True
     omitted: ClassVar[tuple[str, ...]] = (
         "float64 inside the iterations: float32 is enough, and every result is verified in float64",
     )

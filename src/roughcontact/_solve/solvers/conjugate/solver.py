@@ -75,6 +75,7 @@ class ProjectedConjugateGradient(Solver):
     converged: the conditions of contact hold within the tolerance
     """
 
+    climbs_grids: ClassVar[bool] = True
     omitted: ClassVar[tuple[str, ...]] = (
         "float64 inside the iterations: float32 is enough, and every result is verified in float64",
         "cells that cannot touch: only those that can are solved",

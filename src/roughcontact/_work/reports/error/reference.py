@@ -190,9 +190,9 @@ def _is_smooth(problem: ContactProblem, interpolation: str | None) -> bool:
         return False
     if all(surface.own_grid is None for surface in surfaces):
         return problem.plan.pressure_limit.ndim == 0
-    nx, ny = problem.plan.grid.shape
+    nx, ny = (max(n // 2, 2) for n in problem.plan.grid.shape)
     try:
-        on_grid(problem, (max(nx // 2, 2), max(ny // 2, 2)), interpolation)
+        on_grid(problem, (nx, ny), interpolation)
     except InputError:
         return False
     return interpolation in (None, "fourier")

@@ -169,8 +169,8 @@ def advise(rows: Sequence[ReportRow], reference: KnownAnswer, area: float) -> st
         return f"{why}, so there is no advice."
     accurate = [row for group in groups if (row := _find_cheapest(group, area)) is not None]
     if not accurate:
-        row = min((row for group in groups for row in group), key=lambda row: row.error("area"))
-        cost = f"{_percent(row.error('area'))}, {_seconds(row)}"
+        row = min((row for group in groups for row in group), key=_find_accuracy)
+        cost = f"{_percent(_find_accuracy(row))}, {_seconds(row)}"
         return (
             f"{target}: no case is accurate enough; the nearest is {_cells(row)} with {row.describe(parts)} ({cost})."
         )
@@ -183,7 +183,8 @@ def advise(rows: Sequence[ReportRow], reference: KnownAnswer, area: float) -> st
             continue
         finest = [group[-1] for group in groups if group[-1].estimator == name]
         row = min(finest, key=lambda row: (-row.cells, _cost(row)))
-        error = f"error {_percent(row.error('area'))} in {_seconds(row)}"
+        what = "uncertainty" if _find_accuracy(row) > row.error("area") else "error"
+        error = f"{what} {_percent(_find_accuracy(row))} in {_seconds(row)}"
         clauses.append(f"{row.describe(parts)} needs more than {_cells(row)} ({error})")
     return "; ".join(clauses) + "."
 
@@ -192,10 +193,16 @@ def _find_cheapest(group: Sequence[ReportRow], area: float) -> ReportRow | None:
     """Return the cheapest row that is accurate enough, as all finer ones are."""
     accurate: list[ReportRow] = []
     for row in reversed(group):
-        if not row.error("area") <= area:
+        if not _find_accuracy(row) <= area:
             break
         accurate.append(row)
     return min(accurate, key=_cost, default=None)
+
+
+def _find_accuracy(row: ReportRow) -> float:
+    """Return the relative error of the area, or its standard deviation if that is larger: a smaller error is chance."""
+    std = row.area_uncertainty / row.area if row.area > 0.0 else math.nan
+    return max(row.error("area"), 0.0 if math.isnan(std) else std)
 
 
 def _cost(row: ReportRow) -> float:
@@ -259,8 +266,9 @@ class ErrorReport:
     def advice(self, area: float = 0.005) -> str:
         """Return in a sentence which case reaches a relative error of the area at the lowest cost.
 
-        It adds the cells that the other estimators need. A case counts only if all finer grids of the report are
-        accurate enough too: a coarse grid may be right by chance.
+        It adds the cells that the other estimators need. A case counts only if its standard deviation is at most
+        that error, and all finer grids of the report are accurate enough too: a coarse grid may be right by
+        chance.
         """
         advice = advise(self.rows, self.reference, area)
         if not any(row.of_reference for row in self.rows):
