@@ -169,12 +169,16 @@ class FrictionalSolution(ShownAsPrinted, AskedOf):
         """Cells in contact that slip, shape (nx, ny)."""
         return read_only(self.contact.contact & ~self.stick)
 
-    @cached_property
+    @property
     def stick_area(self) -> Estimate:
         """Area that sticks, m2: its uncertainty is half a ring of cells along the edge between stick and slip.
 
         Where the edge of the contact sticks it is that of the real contact area, and of slip that no cell sees.
         """
+        return self._stick_area
+
+    @cached_property
+    def _stick_area(self) -> Estimate:
         edges = sum(int(np.count_nonzero(np.diff(self.stick, axis=axis) & self._both_touch(axis))) for axis in (0, 1))
         area = self.contact.area()
         part, correction = self._stick_of_edge
