@@ -222,7 +222,7 @@ class TestStiffness:
         assert fixed == pytest.approx(difference, rel=1e-6)
         found = middle.stiffness()
         assert abs(found.value - difference) < 2.0 * found.uncertainty
-        assert found.warnings == middle.area().warnings
+        assert set(middle.area().warnings) <= set(found.warnings)
 
     @pytest.mark.parametrize("load", [-1.0, 0.0, 2.0])
     def test_a_ball_of_maugis(self, load):

@@ -20,7 +20,9 @@ from roughcontact.__main__ import main
 from roughcontact._base.archive.plain import key_of
 from roughcontact._base.machine import available_memory, limit_of_memory, require_memory
 from roughcontact._base.units import binary
-from roughcontact._solve.problem.memory import _FRICTION_ARRAYS, _STATE_ARRAYS, require_memory_of_solve
+from roughcontact._solve.problem import accuracy
+from roughcontact._solve.problem.friction_plan import _FRICTION_ARRAYS, _STATE_ARRAYS
+from roughcontact._solve.problem.memory import require_memory_of_solve
 from systems import linux
 
 NAN = float("nan")
@@ -174,7 +176,7 @@ def test_a_limit_holds_for_finer_grids():
 
 def test_a_finer_grid_that_no_longer_fits_when_it_is_solved_is_a_shortfall(monkeypatch):
     """The heights of the finer grid take memory too."""
-    solve, calls = rc.ContactProblem._solve, []
+    solve, calls = accuracy.run_solve, []
 
     def once(problem, *args, **options):
         calls.append(problem)
@@ -182,7 +184,7 @@ def test_a_finer_grid_that_no_longer_fits_when_it_is_solved_is_a_shortfall(monke
             require_memory_of_solve(problem.plan.grid, problem.boundary, 2**20)
         return solve(problem, *args, **options)
 
-    monkeypatch.setattr(rc.ContactProblem, "_solve", once)
+    monkeypatch.setattr(accuracy, "run_solve", once)
     problem = contact(WAVY, grid=rc.Grid((64, 64), 1e-4), boundary="periodic")
     solution = problem.solve(pressure=1e5, area_within=1e-6, throw=False)
     assert solution.grid.shape == (64, 64)

@@ -31,7 +31,7 @@ from roughcontact._solve.solvers import Step
 from roughcontact.errors import InputError
 
 
-@attrs.frozen(eq=False)
+@attrs.frozen(eq=False, repr=False)
 class ContactProblem(Scene):
     """Normal, frictionless contact of two rough bodies on half-spaces, which may attract each other.
 
