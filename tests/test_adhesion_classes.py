@@ -31,7 +31,14 @@ def judge(name, split, number):
     return np.abs(found)
 
 
-@pytest.mark.parametrize("name", ["pull-off-free", "pull-off-wrapped", "area-wrapped"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param("pull-off-free", marks=pytest.mark.slow),
+        pytest.param("pull-off-wrapped", marks=pytest.mark.slow),
+        "area-wrapped",
+    ],
+)
 def test_errors_of_balls_in_random_places(name):
     errors = judge(name, "held-out", 10)
     assert np.mean(errors <= 2.0) >= 0.9

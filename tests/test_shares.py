@@ -123,6 +123,7 @@ def test_four_shares_two_of_them_at_once_are_one_run(tmp_path, whole):
 
 
 @posix
+@pytest.mark.slow
 def test_a_killed_share_goes_on(tmp_path, whole):
     folder = begin(tmp_path)
     process = shell(folder, "--share", "2/2")
@@ -140,6 +141,7 @@ def test_a_killed_share_goes_on(tmp_path, whole):
     require_same(folder, whole[0])
 
 
+@pytest.mark.slow
 def test_the_whole_solves_what_no_share_has_solved(tmp_path, whole):
     folder = begin(tmp_path)
     finish(shell(folder, "--share", "1/3"))

@@ -187,6 +187,7 @@ def test_units_and_rearrangements(seed, scale, periodic):
     assert one["Vmp"] + one["Vmc"] <= one["Sz"]
 
 
+@pytest.mark.slow
 def test_sampling_errors_cover_other_places():
     """Of 12 surfaces of one spectrum, the parameters lie within two deviations of their means in most cases."""
     grid = rc.Grid((256, 256), 256e-6)
