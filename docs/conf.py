@@ -102,9 +102,9 @@ default_role = "py:obj"
 # What other packages, the standard library and our private modules call their types.
 nitpick_ignore_regex = [
     (r"py:class", r"(abc|argparse|attrs?|collections|concurrent|contextlib|enum|numpy|os|pathlib|typing)\..*"),
-    (r"py:class", r"(Array|(npt\.)?ArrayLike|Callable|IntArray|Mask|Pair|Path|Sequence|RealArray|T_co)"),
+    (r"py:class", r"(Array|(npt\.)?ArrayLike|Callable|IntArray|Mask|Pair|Path|Sequence|RealArray|NameOfNumber|T|T_co)"),
     (r"py:class", r"roughcontact\._(parts\.grid\.Load|base\.registry\.[A-Z]|work\.studies\.chain\.Chain)"),
-    (r"py:class", r"roughcontact\._solve\.solution\.(contact|whole)\.T"),
+    (r"py:class", r"roughcontact\.(_solve\.solution\.(contact|frictional|whole)|errors\.door)\.T"),
     (r"py:class", r"roughcontact\._faces\.panels\.base\.Panel"),
     (r"py:class", r"roughcontact\._answers\.flow\.network\.FlowNetwork"),
 ]

@@ -359,6 +359,11 @@ def test_fatigue_numbers_of_known_paths():
     # Torsion and tension out of phase, on a circle: the amplitude is its radius.
     circle = np.array([math.sqrt(3.0) * np.sin(phase), none, none, none, none, np.cos(phase)])[:, np.newaxis]
     assert find_crossland(circle, 0.0) == pytest.approx(1.0)
+    # A pressure that swings, on two lines: the largest of either counts.
+    swing = np.zeros((6, 2, 2))
+    swing[:3] = [[-1.0, 2.0], [-3.0, 1.0]]
+    assert find_crossland(swing, 0.3) == pytest.approx(0.6)
+    assert find_dang_van(swing, 0.3) == pytest.approx(0.6)
 
 
 def test_fatigue_below_a_rolling_cylinder():
