@@ -217,6 +217,9 @@ class TestFigures:
         drawn = [line for line in axes.lines if line.get_linestyle() == ":"]
         assert len(drawn) == 2
         assert [line.get_label() for line in axes.lines[:3]] == ["loading", "unloading", "jump"]
+        # A jump joins two states of its branch.
+        loading, _, jump = (line.get_xydata() for line in axes.lines[:3])
+        assert {tuple(end) for end in jump} <= {tuple(state) for state in loading}
         marked = [line for line in str(cycle).splitlines() if line.endswith("jump")]
         assert [line.split()[0] for line in marked] == ["loading", "unloading"]
         # The warning of the range, once and wrapped.
