@@ -13,6 +13,7 @@ import roughcontact as rc
 from roughcontact.__main__ import main
 from roughcontact._work.studies.record import read_index
 from roughcontact._work.studies.toml import read_study
+from roughcontact.typing import describe_response
 from scenes import ROUGH, make_problem
 
 
@@ -51,6 +52,13 @@ def test_they_are_those_of_the_solutions(tmp_path):
     assert "first-yield mean pressure" in str(result)
     axes = result.plot(y="stiffness")
     assert axes.get_ylabel().startswith("stiffness, ")
+
+
+@pytest.mark.parametrize(
+    ("name", "words"), [("stiffness", "normal stiffness"), ("leakage", "the slow flow of a liquid")]
+)
+def test_a_form_says_in_a_line_what_each_one_answers(name, words):
+    assert describe_response(name).summary.startswith(words)
 
 
 def test_they_are_kept_and_asked_again_when_they_change(tmp_path, monkeypatch):
