@@ -30,6 +30,11 @@ class WindowSolution(rc.ContactSolution):
         """Normal force, N; all processes must ask."""
         return self.parts.total(float(self.pressure[self.parts.inside].sum())) * self.grid.cell_area
 
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """None: what fields are warned of needs those of the whole domain, which `SlabSolution.gather` returns."""
+        return ()
+
 
 def open_window(solution: SlabSolution) -> WindowSolution:
     """Return a solution on the window of this process."""
