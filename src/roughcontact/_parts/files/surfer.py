@@ -88,7 +88,9 @@ def _read_7(data: bytes) -> tuple[RealArray, Stated]:
 def _shape(numbers: RealArray, columns: int, rows: int) -> RealArray:
     if min(columns, rows) < 2 or columns * rows != numbers.size:
         raise InputError(f"it declares {columns} x {rows} points, but holds {numbers.size}: it is damaged")
-    values = numbers.reshape(rows, columns).astype(np.float64)
+    # The NaN of a damaged file may be a signalling one.
+    with np.errstate(invalid="ignore"):
+        values = numbers.reshape(rows, columns).astype(np.float64)
     # The blank value and all above it are points without data.
     values[values >= _BLANK * (1.0 - 1e-6)] = math.nan
     return values

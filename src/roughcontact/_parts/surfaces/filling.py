@@ -82,7 +82,10 @@ def fill(heights: Array) -> Array:
     known = heights[~unknown]
     # Without the mean the heights keep more digits of the roughness.
     mean = float(known.mean())
-    matrix, right = _laplace(heights - mean, unknown, count)
+    # The NaN of a damaged file may be a signalling one.
+    with np.errstate(invalid="ignore"):
+        centred = heights - mean
+    matrix, right = _laplace(centred, unknown, count)
     found = solve_in_bands(matrix, right, MAX_BANDWIDTH)
     if found is None:
         if count <= _MAX_DIRECT_POINTS:
