@@ -19,10 +19,7 @@ _LEFT = ' style="text-align: left; vertical-align: top"'
 @guarded
 def show_map(height_map: HeightMap) -> str:
     """Return a picture of a map (with matplotlib), its size, heights, history and warnings as HTML for a notebook."""
-    facts = [
-        *list_facts(height_map._sample(None), height_map.history),
-        *(("warning", text) for text in height_map.warnings),
-    ]
+    facts = list_facts(height_map._sample(None), height_map.history, height_map.warnings)
     rows = "".join(
         f"<tr><th{_LEFT}>{html.escape(name)}</th><td{_LEFT}>{html.escape(text)}</td></tr>" for name, text in facts
     )

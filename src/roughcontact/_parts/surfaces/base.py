@@ -211,10 +211,10 @@ class Surface(Part, abc.ABC):
             raise InputError("The surface has no grid of its own: give one, rc.Grid(shape, size), first.")
         if not isinstance(chosen, Grid):
             raise InputError.about("The grid", grid, "rc.Grid(shape, size)")
-        heights = np.array(self.heights(chosen))
+        heights = np.asarray(self.heights(chosen))
         missing = self.non_measured_on(chosen)
         if missing is not None:
-            heights[missing] = np.nan
+            heights = np.where(missing, np.nan, heights)
         return SampledSurface(heights, chosen, bool(getattr(self, "periodic", False)))
 
     def reseed(self, increment: int) -> Surface | None:

@@ -16,10 +16,10 @@ _LABEL_WIDTH = 14
 def list_facts(sampled: SampledSurface, history: Iterable[str], warnings: Iterable[str] = ()) -> list[tuple[str, str]]:
     """Return cells, size, heights, history, non-measured points and warnings of a map, each with its name."""
     grid = sampled.grid
-    measured = sampled.heights[np.isfinite(sampled.heights)]
-    missing = sampled.heights.size - measured.size
+    heights = sampled.heights
+    missing = int(np.count_nonzero(np.isnan(heights)))
     low, high, rms, dx, dy = (
-        si(float(value), "m") for value in (measured.min(), measured.max(), measured.std(), *grid.spacing)
+        si(float(value), "m") for value in (np.nanmin(heights), np.nanmax(heights), sampled.rms_height, *grid.spacing)
     )
     facts = [
         ("grid", f"{grid}{', periodic' if sampled.periodic else ''}, cells of {dx} x {dy}"),
@@ -28,8 +28,7 @@ def list_facts(sampled: SampledSurface, history: Iterable[str], warnings: Iterab
         *(("history", text) for text in history),
     ]
     if missing:
-        share = percent(missing / sampled.heights.size)
-        text = f"{missing} of {counted(sampled.heights.size, 'point')} ({share})"
+        text = f"{missing} of {counted(heights.size, 'point')} ({percent(missing / heights.size)})"
         facts.append(("non-measured", text))
     return [*facts, *(("warning", text) for text in warnings)]
 

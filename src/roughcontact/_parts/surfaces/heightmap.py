@@ -179,13 +179,7 @@ class HeightMap(Surface):
         return f"<HeightMap {self.grid}{periodic}{lost}>"
 
     def __str__(self) -> str:
-        return fit(
-            "\n".join(
-                write_facts(
-                    [*list_facts(self._sample(None), self.history), *(("warning", text) for text in self.warnings)]
-                )
-            )
-        )
+        return fit("\n".join(write_facts(list_facts(self._sample(None), self.history, self.warnings))))
 
     def _repr_html_(self) -> str:
         page: str = find_view("map")(self)

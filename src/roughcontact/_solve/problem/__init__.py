@@ -37,7 +37,15 @@ from roughcontact._solve.problem.plan import SolvePlan
 from roughcontact._solve.problem.problem import ContactProblem
 from roughcontact._solve.problem.pull_off import OnStateToPullOff, find_pull_off
 from roughcontact._solve.problem.required_load import RequiredLoad, find_required_load
-from roughcontact._solve.problem.run import Certificate, certify, computing, confirm, make_solution, require_certified
+from roughcontact._solve.problem.run import (
+    Certificate,
+    certify,
+    computing,
+    confirm,
+    make_solution,
+    require_certified,
+    run_solve,
+)
 from roughcontact._solve.problem.saved import find_saved_kind, load, problem_of
 from roughcontact._solve.problem.slabs import (
     SlabProcesses,
@@ -122,6 +130,7 @@ __all__ = [
     "resample_problem",
     "resolve_friction",
     "run_slide",
+    "run_solve",
     "run_sweep",
     "save_path",
     "solve_slabs",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
+from functools import partial
 from typing import Any
 
 import attrs
@@ -220,7 +221,7 @@ class ContactProblem(Scene):
             If a state is not certified.
         """
         with show_progress("cycle", shown=flag(progress, "progress=")) as change:
-            return run_cycle(self._solve, self.require_cycle(approach=approach), on_state, change)
+            return run_cycle(partial(run_solve, self), self.require_cycle(approach=approach), on_state, change)
 
     def require_cycle(self, *, approach: Iterable[Length]) -> tuple[Load, ...]:
         """Return the loads of a branch of a cycle; `InputError` if it cannot be followed; see `cycle`."""
@@ -351,7 +352,7 @@ class ContactProblem(Scene):
         >>> print(problem.solve_for(peak_pressure="2GPa").force)
         776.2... mN +- 0.011 %
         """
-        return find_required_load(self, self._solve, response, value, wanted)
+        return find_required_load(self, partial(run_solve, self), response, value, wanted)
 
     def solve_area(self, fraction: float, estimator: str | AreaEstimator = DEFAULT_AREA) -> ContactSolution:
         """Return the contact whose area is a fraction of nominal; `solve_for` has the uncertainty of its load too.
@@ -368,7 +369,7 @@ class ContactProblem(Scene):
         InputError
             If the fraction is out of bounds or no load gives it, on this grid and with this pressure limit.
         """
-        return find_load_of_area(self, self._solve, fraction, estimator)
+        return find_load_of_area(self, partial(run_solve, self), fraction, estimator)
 
     def verify(self, solution: ContactSolution | FrictionalSolution) -> None:
         """Recompute the displacement and residuals of a solution of this problem from its pressure: one convolution.
@@ -385,14 +386,3 @@ class ContactProblem(Scene):
         """
         with computing(self):
             verify_state(self, solution)
-
-    def _solve(
-        self,
-        load: Load,
-        start: Array | None = None,
-        *,
-        throw: bool = True,
-        on_step: Callable[[Step], None] | None = None,
-        start_gap: Array | None = None,
-    ) -> ContactSolution:
-        return run_solve(self, load, start, throw=throw, on_step=on_step, start_gap=start_gap)

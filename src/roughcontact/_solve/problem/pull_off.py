@@ -283,7 +283,7 @@ def find_lowest(sweep: Sweep, warnings: tuple[str, ...]) -> Estimate:
     origin = sweep[0].origin
     if origin is None or origin.source is None or not 0 < int(sweep.force.argmin()) < len(sweep) - 1:
         return find_minimum(sweep, warnings)
-    refined = Sweep(tuple(_refine(origin.source._solve, sweep.solutions)))
+    refined = Sweep(tuple(_refine(partial(run_solve, origin.source), sweep.solutions)))
     found = find_minimum(refined, warnings)
     if not origin.source.plan.chosen_range:
         return found

@@ -354,7 +354,7 @@ def run_solve(
     If it is not certified it is returned unfinished, or raised in `NotConverged` where `throw` is true.
     """
     started = time.perf_counter()
-    gap = gap or problem._gap
+    gap = problem._gap if gap is None else gap
     with computing(problem):
         solution = _solve(problem, gap, load, start, on_step, started, start_gap)
         if solution.status is Status.SEPARATED and start_gap is None:

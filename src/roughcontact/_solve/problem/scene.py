@@ -119,4 +119,4 @@ class Scene:
 
     def __repr__(self) -> str:
         bodies = " on ".join(type(body.surface).__name__ for body in (self.body, self.counterbody))
-        return f"<ContactProblem {self._grid}, {self.boundary}: {bodies}>"
+        return f"<{type(self).__name__} {self._grid}, {self.boundary}: {bodies}>"

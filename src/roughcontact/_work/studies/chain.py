@@ -6,7 +6,7 @@ import contextlib
 import copy
 import traceback
 from collections.abc import Mapping, Sequence
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +26,7 @@ from roughcontact._solve.problem import (
     load_path,
     order_of_solving,
     predict_pressure,
+    run_solve,
     save_path,
 )
 from roughcontact._solve.solution import (
@@ -272,7 +273,7 @@ def run_chain(chain: Chain) -> ChainResult:
 def _solve(problem: ContactProblem, load: Load, before: list[ContactSolution]) -> ContactSolution:
     """Return the solution at a load, from those before."""
     if problem.adhesion is not None:
-        return follow(problem._solve, before, load)
+        return follow(partial(run_solve, problem), before, load)
     return problem.solve(**load.arguments, start=predict_pressure(before, load))
 
 
