@@ -1439,12 +1439,15 @@ def test_a_fretting_cycle_is_planned_solved_drawn_and_tabulated(client, tmp_path
         ({"normal_force": "-1"}, "The normal force must be above 0, but got -1 N."),
         ({"tangential_force_unit": "lbf"}, "The unit of the force must be one of N, mN, uN, nN, kN, but got 'lbf'."),
         ({"boundary": "wrapped"}, "A wrapped boundary has no response to forces along the surface"),
-        ({"layers": "1"}, "Friction on layers is not known"),
         ({"adhesion": "short-range"}, "Friction between surfaces that attract each other is not known"),
     ],
 )
 def test_a_fretting_cycle_that_cannot_be_followed_is_refused_before_it_is_solved(client, given, sentence):
     assert sentence in client.refusal("api/plan", {**FRETTING, **given})
+
+
+def test_friction_on_layers_is_refused_before_it_is_solved(client, layered):
+    assert "Friction on layers is not known" in client.refusal("api/plan", {**FRETTING, "layers": "1"})
 
 
 @pytest.mark.parametrize("counterbody", ["deformable", "rigid"])
