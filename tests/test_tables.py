@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import ast
 import csv
+import html
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -126,3 +129,61 @@ def test_pages_have_the_signs_of_print():
 def test_columns_that_do_not_fit_each_other_are_refused(make):
     with pytest.raises(rc.InputError, match="columns must"):
         make()
+
+
+def describe_classes():
+    """Yield each class of the package with the names that it defines itself."""
+    root = Path(rc.__file__).parent
+    for path in root.rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ClassDef):
+                yield node.name, {one.name for one in node.body if isinstance(one, ast.FunctionDef)}
+
+
+def test_tables_files_and_pages_of_results_are_written_once():
+    written = {"to_csv", "to_pandas", "to_html", "_repr_html_"}
+    own = {name: names & written for name, names in describe_classes() if names & written}
+    # A map is no result: its picture is a view.
+    assert set(own) == {"Table", "Result", "TableResult", "HeightMap"}
+    assert own["HeightMap"] == {"_repr_html_"}
+
+
+WAVE = rc.Body(rc.WavySurface(1e-6, 50e-6), rc.Elastic(210e9, 0.3))
+
+
+def make_results(tmp_path):
+    """Return a result of each kind on few cells."""
+    problem = rc.ContactProblem(WAVE, grid=rc.Grid((16, 24), (100e-6, 50e-6)), boundary="periodic")
+    loads = [50e6, 100e6]
+    return [
+        problem.sweep(pressure=loads),
+        rc.interface_law(problem, loads),
+        rc.Study({"wave": problem}, pressure=loads).run(tmp_path),
+        rc.error_vs_time(problem, pressure=50e6, cells=[16], repeats=1),
+        rc.stability(problem, pressure=50e6),
+        problem.path(pressure=50e6, tangential_force=[(0.02, 0.0)], friction=0.3),
+    ]
+
+
+@pytest.mark.slow
+def test_each_result_has_table_file_text_and_page(tmp_path):
+    html5lib = pytest.importorskip("html5lib")
+    for result in make_results(tmp_path / "study"):
+        table = result.table()
+        result.to_csv(tmp_path / "rows.csv")
+        with (tmp_path / "rows.csv").open(newline="", encoding="utf-8") as file:
+            _, *rows = csv.reader(file)
+        assert len(rows) == len(next(iter(table.columns.values())))
+        headings, shown = result.short_table().to_cells()
+        words = " ".join(str(result).split())
+        assert all(" ".join(row[0].split()) in words for row in shown)
+        result.to_html(tmp_path / "page.html")
+        page = (tmp_path / "page.html").read_text(encoding="utf-8")
+        tree = html5lib.HTMLParser(strict=True, namespaceHTMLElements=False).parse(page)
+        texts = " ".join("".join(tree.itertext()).split())
+        assert all(" ".join(text.split()) in texts for text in getattr(result, "warnings", ()))
+        if not isinstance(result, rc.typing.Sweep):
+            # The page of a sweep states the numbers at each load with their uncertainties instead.
+            assert all(" ".join(heading.split()) in texts for heading in headings)
+        found = result._repr_html_()
+        assert all(f"<th>{html.escape(heading)}</th>" in found for heading in headings)

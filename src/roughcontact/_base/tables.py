@@ -1,14 +1,15 @@
-"""Tables of results: as text, Markdown and HTML for people; as CSV files and for pandas and xarray with all digits."""
+"""Tables, and the base of results, whose texts, files and pages are written here once."""
 
 from __future__ import annotations
 
+import abc
 import csv
 import html
 import math
 import os
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from types import MappingProxyType
-from typing import Any, TextIO
+from typing import Any, TextIO, overload
 
 import attrs
 import numpy as np
@@ -16,10 +17,12 @@ import numpy as np
 from roughcontact._base import checks
 from roughcontact._base.archive import replacing
 from roughcontact._base.arrays import RealArray
-from roughcontact._base.units import WIDTH, Estimate, scale_column, si, write_column
+from roughcontact._base.registry import find_view
+from roughcontact._base.units import WIDTH, Estimate, fit, scale_column, si, write_column
 from roughcontact.errors import InputError, MissingPackage
 
-# Rows that a notebook shows: the first and the last ones of a longer table.
+# Rows that are printed, and that a notebook shows: the first and the last ones of a longer table.
+_MAX_PRINTED_ROWS = 40
 _MAX_HTML_ROWS = 20
 # Blanks between two columns of a text.
 _COLUMN_GAP = "  "
@@ -228,3 +231,100 @@ def make_dataset(variables: Mapping[str, Any], places: Mapping[str, Any], notes:
     except ImportError:
         raise MissingPackage("Datasets need the package xarray: pip install 'roughcontact[store]'.") from None
     return xarray.Dataset(variables, coords=places, attrs=notes)
+
+
+class Result:
+    """What is returned, as a page and in a notebook."""
+
+    __slots__ = ()
+
+    @overload
+    def to_html(self, path: None = None) -> str: ...
+
+    @overload
+    def to_html(self, path: str | os.PathLike[str]) -> None: ...
+
+    def to_html(self, path: str | os.PathLike[str] | None = None) -> str | None:
+        """Return a report, one page of HTML that opens without a network, or write it to a file if a path is given.
+
+        Of several states, the page has all in a table and one in detail: that of the largest load, or the last of a
+        path with friction.
+        """
+        return page_or_file(lambda: find_view("page")(self), path)
+
+    def _repr_html_(self) -> str:
+        shown: str = find_view("notebook")(self)
+        return shown
+
+
+class TableResult(Result, abc.ABC):
+    """What is returned as rows: a table for programs, and one for people, with sentences above and below it."""
+
+    __slots__ = ()
+
+    @abc.abstractmethod
+    def table(self) -> Table:
+        """Return all rows, in SI units, with all digits; see `roughcontact.typing.Table`."""
+
+    def to_pandas(self) -> Any:
+        """Return the `table` as a `pandas.DataFrame`, in the units of ``frame.attrs["units"]`` (extra ``table``)."""
+        return self.table().to_pandas()
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Write the `table` to a CSV file, completely or not at all; an existing file is replaced.
+
+        It has all digits, in the units of its heading, as ``force [N]``.
+        """
+        self.table().to_csv(path)
+
+    def short_table(self) -> Table:
+        """Return the rows for people, which texts and pages show."""
+        return self.table()
+
+    def _list_head(self) -> Sequence[str]:
+        """Return what stands above the rows."""
+        return ()
+
+    def _list_results(self) -> Mapping[str, str]:
+        """Return the numbers of all rows together, by their names."""
+        return {}
+
+    def _list_notes(self) -> Sequence[str]:
+        """Return what stands below the rows."""
+        return ()
+
+    @property
+    def _keys(self) -> int:
+        """How many of the first columns begin each block of a table wider than a line."""
+        return 1
+
+    def _list_warnings(self) -> Sequence[str]:
+        return getattr(self, "warnings", ())
+
+    def __str__(self) -> str:
+        head = self._list_head()
+        results = self._list_results()
+        width = max(map(len, results), default=0) + 2
+        above = [*head, ""] if head else []
+        below = [f"{name:<{width}}{text}" for name, text in results.items()]
+        below += [*self._list_notes(), *(f"warning: {text}" for text in self._list_warnings())]
+        if head and below:
+            below.insert(0, "")
+        rows = self.short_table().to_text(keys=self._keys, max_rows=_MAX_PRINTED_ROWS)
+        return "\n".join([*map(fit, above), rows, *map(fit, below)])
+
+    def _repr_html_(self) -> str:
+        results = [f"{name}: {text}" for name, text in self._list_results().items()]
+        warnings = [f"Warning: {text}" for text in self._list_warnings()]
+        return self.short_table().to_html(*self._list_head(), *results, *self._list_notes(), *warnings)
+
+
+def page_or_file(make: Callable[[], Any], path: str | os.PathLike[str] | None) -> str | None:
+    """Return the text of a page, or write it to a file and return None."""
+    target = None if path is None else checks.path(path, "The report")
+    text: str = make()
+    if target is None:
+        return text
+    with replacing(target) as partial:
+        partial.write_text(text, encoding="utf-8")
+    return None

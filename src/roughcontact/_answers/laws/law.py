@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import attrs
@@ -15,7 +15,7 @@ from roughcontact._base import checks
 from roughcontact._base.archive import replacing
 from roughcontact._base.arrays import Array, Pair, read_only
 from roughcontact._base.registry import find_view
-from roughcontact._base.tables import Table
+from roughcontact._base.tables import Table, TableResult
 from roughcontact._base.units import Estimate, ShownAsPrinted, counted, outlined, si
 from roughcontact.errors import InputError
 
@@ -126,7 +126,7 @@ class LawColumn:
 
 
 @attrs.frozen(eq=False)
-class InterfaceLaw:
+class InterfaceLaw(TableResult):
     """The properties of a nominally flat interface over the nominal mean pressure.
 
     Attributes
@@ -160,11 +160,20 @@ class InterfaceLaw:
         column = self[name]
         return fit_power(self.pressures, column.values, column.uncertainties)
 
-    def __str__(self) -> str:
+    def table(self) -> Table:
+        """Return a row for each load; see `roughcontact.typing.Table`."""
+        columns: dict[str, Any] = {"pressure": self.pressures}
+        for name, column in self.columns.items():
+            pairs = zip(column.values.tolist(), column.uncertainties.tolist(), strict=True)
+            columns[name] = [Estimate(value, uncertainty, column.unit) for value, uncertainty in pairs]
+        return Table(columns, {"pressure": "Pa"})
+
+    def _list_head(self) -> Sequence[str]:
+        return self.description
+
+    def _list_notes(self) -> Sequence[str]:
         fits = {name: self.fit(name) for name in self.columns}
-        lines = [f"{name}: {found}" for name, found in fits.items() if found is not None]
-        warnings = [f"warning: {text}" for text in self.warnings]
-        return "\n".join([*self.description, self._table.to_text(), *lines, *warnings])
+        return [f"{name}: {found}" for name, found in fits.items() if found is not None]
 
     def to_table(self) -> dict[str, Array]:
         """Return all numbers by the names of their columns, ``pressure``, ``area``, ``area_uncertainty`` and so on."""
@@ -173,28 +182,9 @@ class InterfaceLaw:
             table |= {name: column.values, f"{name}_uncertainty": column.uncertainties}
         return table
 
-    def to_pandas(self) -> Any:
-        """Return the table as a `pandas.DataFrame` in the units of ``frame.attrs["units"]`` (extra ``table``)."""
-        return self._table.to_pandas()
-
-    def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write the table to a CSV file in SI units, with all digits; it may replace a file."""
-        self._table.to_csv(path)
-
     def __repr__(self) -> str:
         low, high = (si(float(pressure), "Pa") for pressure in self.pressures[[0, -1]])
         return f"<InterfaceLaw {counted(len(self.pressures), 'load')}, {low} to {high}: {', '.join(self.columns)}>"
-
-    def _repr_html_(self) -> str:
-        return self._table.to_html(*self.description, *(f"Warning: {text}" for text in self.warnings))
-
-    @property
-    def _table(self) -> Table:
-        columns: dict[str, Any] = {"pressure": self.pressures}
-        for name, column in self.columns.items():
-            pairs = zip(column.values.tolist(), column.uncertainties.tolist(), strict=True)
-            columns[name] = [Estimate(value, uncertainty, column.unit) for value, uncertainty in pairs]
-        return Table(columns, {"pressure": "Pa"})
 
     def to_abaqus(
         self,

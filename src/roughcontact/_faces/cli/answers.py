@@ -21,7 +21,6 @@ from roughcontact._solve.problem import (
     describe_solution,
     find_versions,
     format_json,
-    make_table,
 )
 from roughcontact._solve.solution import (
     gather_warnings,
@@ -89,7 +88,7 @@ def _plain(value: Any) -> Any:
 
 def to_csv(solutions: Sequence[rc.ContactSolution], estimator: str | None = None, answers: Answers = _NONE) -> str:
     """Return a header and a row for each load, in SI units: the columns of `Sweep.to_pandas`, and more."""
-    table = make_table(Sweep(tuple(solutions)))
+    table = Sweep(tuple(solutions)).table()
     columns: dict[str, Any] = {
         **table.columns,
         "saturated_area": [float(solution.saturated_area().value) for solution in solutions],

@@ -28,7 +28,7 @@ from roughcontact._faces.cli.inputs import describe_responses
 from roughcontact._faces.cli.problem import set_tolerance
 from roughcontact._faces.cli.progress import show_progress
 from roughcontact._faces.cli.responses import ask_all_states
-from roughcontact._solve.problem import AdhesionCycle, describe_estimate, find_inputs, list_states
+from roughcontact._solve.problem import AdhesionCycle, describe_estimate, find_inputs
 from roughcontact._work.studies import Answers, add_answers, write_report
 
 # States on each branch.
@@ -105,7 +105,7 @@ def cycle_to_text(cycle: AdhesionCycle, answers: Answers, reasons: Mapping[str, 
     """Return a cycle for people, and below it what responses say of its states."""
     if not answers:
         return str(cycle)
-    states = list_states(cycle)
+    states = cycle.short_table()
     heads = Table({name: states.columns[name] for name in ("branch", "approach")}, {"approach": "m"}, ("branch",))
     names = [
         f"at {si(float(approach), 'm', 3)}, {branch}" for branch, approach in zip(*heads.columns.values(), strict=True)

@@ -86,7 +86,7 @@ examples:
         if options.json:
             print(write_json({**describe_law(law), "inputs": inputs}))
         elif options.csv:
-            print(write_csv(law._table))
+            print(write_csv(law.table()))
         elif not options.quiet:
             print(fit(str(law)))
             if writers:

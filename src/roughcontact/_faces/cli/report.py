@@ -95,7 +95,7 @@ def _describe(report: ErrorReport, scene: Scene) -> dict[str, Any]:
         "inputs": describe_inputs(scene.problem, [Load.signed(**scene.load)]),
         "advice": report.advice(),
         "reference": {"source": known.source, **quantities},
-        "cases": describe_rows(report._make_records()),
+        "cases": describe_rows(report.table()),
     }
 
 

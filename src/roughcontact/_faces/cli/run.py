@@ -79,7 +79,7 @@ examples:
         if share is None:
             result.to_csv(folder / "records.csv")
         if options.json:
-            table = result._table
+            table = result.table()
             content = {"inputs": describe_study(study), "records": describe_rows(table), "units": dict(table.units)}
             print(write_json(content))
         else:

@@ -1,7 +1,8 @@
-"""The report of a solution, a sweep, a path or a cycle: one self-contained page, and what to cite."""
+"""The report of a result: one self-contained page, and what to cite."""
 
 from __future__ import annotations
 
+import functools
 import inspect
 import re
 from collections.abc import Iterable, Mapping, Sequence
@@ -12,8 +13,7 @@ from typing import final
 
 import attrs
 
-from roughcontact._base.archive import replacing
-from roughcontact._base.tables import Table
+from roughcontact._base.tables import Result, Table
 from roughcontact._base.units import counted
 from roughcontact._faces.html.elements import CSS, element, escape, grid, items, quantity, section, table, tag
 from roughcontact._faces.html.inputs import (
@@ -50,7 +50,6 @@ from roughcontact._solve.problem import (
     explain_with_friction,
     find_problem,
     include_friction,
-    list_states,
 )
 from roughcontact._solve.solution import (
     DEFAULT_AREA,
@@ -87,6 +86,8 @@ _DOI = re.compile(r"https://doi\.org/(10\.[^\s;,]+[^\s;,.)])")
 _SECURITY_POLICY = "default-src 'none'; img-src data:; style-src 'unsafe-inline'"
 _NO_FIGURES = "Figures need matplotlib: pip install 'roughcontact[plot]', then write the report again."
 _NOTE = note("Uncertainties are one standard deviation: the true value should lie within two of them.")
+# Notebooks set numbers on the right, which suits no words.
+_LEFT = {"style": "text-align: left; vertical-align: top"}
 # Cells up to which a notebook shows a picture unasked.
 _MAX_PICTURE_CELLS = 2**20
 _NO_ANSWERS: Answers = MappingProxyType({})
@@ -150,128 +151,162 @@ class HtmlWriter(SolutionWriter):
 
     def write(self, solution: ContactSolution, path: Path) -> None:
         """Write the page."""
-        with replacing(path) as partial:
-            partial.write_text(self.text(solution), encoding="utf-8")
+        solution.to_html(path)
 
-    def text(self, solution: ContactSolution, answers: Answers = _NO_ANSWERS) -> str:
-        """Return the page, with what responses have answered."""
-        problem, missing = find_problem(solution)
-        return _make_page(
-            list_answers(solution)["contact area"].partition(",")[0],
-            [
-                _make_head(solution, problem, loads_of([solution])),
-                make_verdict([solution]),
-                _make_answer(solution),
-                _NOTE,
-                make_warnings(list_all_warnings(solution)),
-                make_responses(answers, [solution]),
-                _make_figures(solution),
-                *_make_details(solution, problem, missing),
-            ],
-        )
 
-    def sweep_text(self, sweep: Sweep, answers: Answers = _NO_ANSWERS) -> str:
-        """Return the page of a sweep: all loads, with what responses have answered, then the largest in detail."""
-        largest = max(sweep.solutions, key=lambda solution: solution.force)
-        problem, missing = find_problem(largest)
-        return _make_page(
-            counted(len(sweep), "load"),
-            [
-                _make_head(largest, problem, loads_of(sweep.solutions)),
-                make_verdict(sweep.solutions),
-                make_rows(sweep),
-                _NOTE,
-                *map(note, note_loads(sweep.solutions)),
-                make_warnings(list_sweep_warnings(sweep)),
-                make_responses(answers, sweep.solutions),
-                make_curves(sweep) if can_draw() else "",
-                section(f"The largest load, {name_load(largest)}", _make_answer(largest)),
-                _make_figures(largest),
-                *_make_details(largest, problem, missing),
-            ],
-        )
+@functools.singledispatch
+def write_page(result: Result, answers: Answers = _NO_ANSWERS) -> str:
+    """Return the page of a result, with what responses have answered of its states.
 
-    def path_text(self, path: FrictionalPath, answers: Answers = _NO_ANSWERS) -> str:
-        """Return the page of a path with friction: its states, with answers of responses, then the last in detail."""
-        last = path[-1].contact
-        problem, missing = find_problem(last)
-        results = {"energy lost": str(attrs.evolve(path.dissipated, warnings=())), "friction": repr(path[0].friction)}
-        script = "" if problem is None else write_path_script(problem, path)
-        plan = "" if problem is None else f"{include_friction(problem.plan)}\n{path.explain()}"
-        return _make_page(
-            counted(len(path), "state"),
-            [
-                _make_head(last, problem, loads_of([last])),
-                make_verdict(path.states),
-                _make_states(
-                    add_answers(path.table(), answers), results, (*path.warnings, *list_answer_warnings(answers)), path
-                ),
-                section("The last state", _make_answer(last)),
-                _make_figures(last),
-                *_make_details(last, problem, missing, script, plan or path.explain()),
-            ],
-        )
+    That of a law, a study or a report of errors has what a notebook shows.
+    """
+    name = repr(result).strip("<>")
+    return _make_page(name, ["<h1>Report</h1>", result._repr_html_()])
 
-    def state_text(self, state: FrictionalSolution, answers: Answers = _NO_ANSWERS) -> str:
-        """Return the page of one state with friction, or of steady sliding, with what responses have answered."""
-        contact = state.contact
-        problem, missing = find_problem(contact)
-        results = {name.capitalize(): quantity(text) for name, text in list_state(state).items()}
-        plan = "" if problem is None else explain_with_friction(problem.plan, state.friction)
-        script = "" if problem is None else write_state_script(problem, state)
-        return _make_page(
-            "steady sliding" if state.is_steady else "friction",
-            [
-                _make_head(contact, problem, loads_of([contact])),
-                make_verdict([state]),
-                table(results | {"Friction": escape(repr(state.friction))}, "The answer", class_="answer"),
-                _NOTE,
-                make_warnings(list_all_warnings(contact)),
-                make_responses(answers, [contact]),
-                section("The normal contact", _make_answer(contact)),
-                _make_figures(contact),
-                *_make_details(contact, problem, missing, script, plan),
-            ],
-        )
 
-    def cycle_text(self, cycle: AdhesionCycle, answers: Answers = _NO_ANSWERS) -> str:
-        """Return the page of a cycle: its states, with answers of responses, then the largest load in detail."""
-        states = (*cycle.loading, *cycle.unloading)
-        largest = max(states, key=lambda state: state.force)
-        problem, missing = find_problem(largest)
-        script = "" if problem is None else write_cycle_script(problem, cycle)
-        return _make_page(
-            counted(len(states), "state"),
-            [
-                _make_head(largest, problem, loads_of(cycle.loading)),
-                make_verdict(states),
-                _make_states(
-                    add_answers(list_states(cycle), answers),
-                    describe_cycle(cycle),
-                    (*cycle.warnings, *list_answer_warnings(answers)),
-                    cycle,
-                ),
-                section(f"The largest load, {name_load(largest)}", _make_answer(largest)),
-                _make_figures(largest),
-                *_make_details(largest, problem, missing, script),
-            ],
-        )
+@write_page.register
+def _write_solution(solution: ContactSolution, answers: Answers = _NO_ANSWERS) -> str:
+    """Return the page, with what responses have answered."""
+    problem, missing = find_problem(solution)
+    return _make_page(
+        list_answers(solution)["contact area"].partition(",")[0],
+        [
+            _make_head(solution, problem, loads_of([solution])),
+            make_verdict([solution]),
+            _make_answer(solution),
+            _NOTE,
+            make_warnings(list_all_warnings(solution)),
+            make_responses(answers, [solution]),
+            _make_figures(solution),
+            *_make_details(solution, problem, missing),
+        ],
+    )
 
-    def table(self, solution: ContactSolution) -> str:
-        """Return answer, verdict and warnings for a notebook, and a picture unless the grid is large."""
-        rows = {name: quantity(text) for name, text in list_answers(solution).items()}
-        status = {"status": escape(solution.status)}
-        rows = rows | status if solution.status.success else status | rows
-        warnings = list_all_warnings(solution)
-        if warnings:
-            rows["warnings"] = items(warnings)
-        # Notebooks set numbers on the right, which suits no words.
-        left = {"style": "text-align: left; vertical-align: top"}
-        shown = table(rows, f"{solution.grid}, boundary {solution.boundary}", left)
-        if can_draw() and solution.grid.cells <= _MAX_PICTURE_CELLS and solution.contact.any():
-            picture = draw_panel("solution", solution, "pressure")
-            shown += tag("img", src=picture, alt="The contact pressure", style="max-width: 24rem")
-        return shown
+
+@write_page.register
+def _write_sweep(sweep: Sweep, answers: Answers = _NO_ANSWERS) -> str:
+    """Return the page of a sweep: all loads, with what responses have answered, then the largest in detail."""
+    largest = max(sweep.solutions, key=lambda solution: solution.force)
+    problem, missing = find_problem(largest)
+    return _make_page(
+        counted(len(sweep), "load"),
+        [
+            _make_head(largest, problem, loads_of(sweep.solutions)),
+            make_verdict(sweep.solutions),
+            make_rows(sweep),
+            _NOTE,
+            *map(note, note_loads(sweep.solutions)),
+            make_warnings(list_sweep_warnings(sweep)),
+            make_responses(answers, sweep.solutions),
+            make_curves(sweep) if can_draw() else "",
+            section(f"The largest load, {name_load(largest)}", _make_answer(largest)),
+            _make_figures(largest),
+            *_make_details(largest, problem, missing),
+        ],
+    )
+
+
+@write_page.register
+def _write_path(path: FrictionalPath, answers: Answers = _NO_ANSWERS) -> str:
+    """Return the page of a path with friction: its states, with answers of responses, then the last in detail."""
+    last = path[-1].contact
+    problem, missing = find_problem(last)
+    results = {"energy lost": str(attrs.evolve(path.dissipated, warnings=())), "friction": repr(path[0].friction)}
+    script = "" if problem is None else write_path_script(problem, path)
+    plan = "" if problem is None else f"{include_friction(problem.plan)}\n{path.explain()}"
+    return _make_page(
+        counted(len(path), "state"),
+        [
+            _make_head(last, problem, loads_of([last])),
+            make_verdict(path.states),
+            _make_states(
+                add_answers(path.table(), answers), results, (*path.warnings, *list_answer_warnings(answers)), path
+            ),
+            section("The last state", _make_answer(last)),
+            _make_figures(last),
+            *_make_details(last, problem, missing, script, plan or path.explain()),
+        ],
+    )
+
+
+@write_page.register
+def _write_state(state: FrictionalSolution, answers: Answers = _NO_ANSWERS) -> str:
+    """Return the page of one state with friction, or of steady sliding, with what responses have answered."""
+    contact = state.contact
+    problem, missing = find_problem(contact)
+    results = {name.capitalize(): quantity(text) for name, text in list_state(state).items()}
+    plan = "" if problem is None else explain_with_friction(problem.plan, state.friction)
+    script = "" if problem is None else write_state_script(problem, state)
+    return _make_page(
+        "steady sliding" if state.is_steady else "friction",
+        [
+            _make_head(contact, problem, loads_of([contact])),
+            make_verdict([state]),
+            table(results | {"Friction": escape(repr(state.friction))}, "The answer", class_="answer"),
+            _NOTE,
+            make_warnings(list_all_warnings(contact)),
+            make_responses(answers, [contact]),
+            section("The normal contact", _make_answer(contact)),
+            _make_figures(contact),
+            *_make_details(contact, problem, missing, script, plan),
+        ],
+    )
+
+
+@write_page.register
+def _write_cycle(cycle: AdhesionCycle, answers: Answers = _NO_ANSWERS) -> str:
+    """Return the page of a cycle: its states, with answers of responses, then the largest load in detail."""
+    states = (*cycle.loading, *cycle.unloading)
+    largest = max(states, key=lambda state: state.force)
+    problem, missing = find_problem(largest)
+    script = "" if problem is None else write_cycle_script(problem, cycle)
+    return _make_page(
+        counted(len(states), "state"),
+        [
+            _make_head(largest, problem, loads_of(cycle.loading)),
+            make_verdict(states),
+            _make_states(
+                add_answers(cycle.short_table(), answers),
+                describe_cycle(cycle),
+                (*cycle.warnings, *list_answer_warnings(answers)),
+                cycle,
+            ),
+            section(f"The largest load, {name_load(largest)}", _make_answer(largest)),
+            _make_figures(largest),
+            *_make_details(largest, problem, missing, script),
+        ],
+    )
+
+
+@functools.singledispatch
+def show_in_notebook(result: Result) -> str:
+    """Return a result as a notebook shows it."""
+    return element("pre", escape(result))
+
+
+@show_in_notebook.register
+def _show_solution(solution: ContactSolution) -> str:
+    """Return answer, verdict and warnings for a notebook, and a picture unless the grid is large."""
+    rows = {name: quantity(text) for name, text in list_answers(solution).items()}
+    status = {"status": escape(solution.status)}
+    rows = rows | status if solution.status.success else status | rows
+    warnings = list_all_warnings(solution)
+    if warnings:
+        rows["warnings"] = items(warnings)
+    shown = table(rows, f"{solution.grid}, boundary {solution.boundary}", _LEFT)
+    if can_draw() and solution.grid.cells <= _MAX_PICTURE_CELLS and solution.contact.any():
+        picture = draw_panel("solution", solution, "pressure")
+        shown += tag("img", src=picture, alt="The contact pressure", style="max-width: 24rem")
+    return shown
+
+
+@show_in_notebook.register
+def _show_state(state: FrictionalSolution) -> str:
+    """Return a state with friction for a notebook: its answers, verdict and warnings."""
+    rows = {name: quantity(text) for name, text in list_state(state).items()} | {"status": escape(state.status)}
+    if state.warnings:
+        rows["warnings"] = items(state.warnings)
+    return table(rows, f"{state.grid}, boundary {state.boundary}", _LEFT)
 
 
 def _make_page(title: str, parts: Iterable[str]) -> str:

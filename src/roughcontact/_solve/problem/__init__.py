@@ -3,7 +3,7 @@
 from roughcontact._solve.problem.accuracy import resample_problem, tolerance_within
 from roughcontact._solve.problem.adhesive_path import follow, follow_loads
 from roughcontact._solve.problem.body import RIGID_FLAT, Body
-from roughcontact._solve.problem.cycle import AdhesionCycle, describe_cycle, find_stability, linearise, list_states
+from roughcontact._solve.problem.cycle import AdhesionCycle, describe_cycle, find_stability, linearise
 from roughcontact._solve.problem.description import (
     describe_estimate,
     describe_grid,
@@ -56,7 +56,7 @@ from roughcontact._solve.problem.slabs import (
     solve_slabs,
 )
 from roughcontact._solve.problem.step_numbers import StepNumbers
-from roughcontact._solve.problem.sweep import Sweep, make_table, order_of_solving, predict_pressure, run_sweep
+from roughcontact._solve.problem.sweep import Sweep, order_of_solving, predict_pressure, run_sweep
 from roughcontact._solve.problem.task import LOAD_TOLERANCE, bind_kernel, make_task, maximum_pressure, pressure_unit
 
 __all__ = [
@@ -110,12 +110,10 @@ __all__ = [
     "include_friction",
     "linearise",
     "list_loads",
-    "list_states",
     "list_targets",
     "load",
     "load_path",
     "make_solution",
-    "make_table",
     "make_task",
     "maximum_pressure",
     "memory_of_friction",

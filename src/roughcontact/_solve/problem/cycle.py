@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import math
-import os
-import textwrap
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from functools import cached_property
 from itertools import pairwise
-from typing import Any, overload
+from typing import Any
 
 import attrs
 import numpy as np
@@ -17,21 +15,19 @@ from roughcontact._base.arrays import Array, Mask
 from roughcontact._base.checks import callback
 from roughcontact._base.machine.progress import ChangeProgress, count_done, tell_both
 from roughcontact._base.registry import find_view
-from roughcontact._base.tables import Table
-from roughcontact._base.units import WIDTH, Estimate, Length, si, write_column
+from roughcontact._base.tables import Table, TableResult
+from roughcontact._base.units import Estimate, Length, si, write_column
 from roughcontact._parts.grid import Load
 from roughcontact._solve.problem.adhesive_path import Solve, cells_of, follow_loads, open_gap, require_resolved
 from roughcontact._solve.problem.plan import SolvePlan
 from roughcontact._solve.problem.pull_off import find_lowest
 from roughcontact._solve.problem.scene import Scene
-from roughcontact._solve.problem.sweep import Sweep, make_table, report_states
+from roughcontact._solve.problem.sweep import Sweep, report_states
 from roughcontact._solve.problem.task import bind_interaction, limit_load
 from roughcontact._solve.solution import (
     ContactSolution,
     Status,
-    page_or_file,
     trapping_error,
-    writers,
 )
 from roughcontact._solve.solvers import LinearisedGap, surface_stiffness
 from roughcontact.errors import InputError
@@ -45,7 +41,7 @@ _COLUMNS = ("mean_pressure", "force", "approach", "area", "area_uncertainty", "a
 
 
 @attrs.frozen(eq=False)
-class AdhesionCycle:
+class AdhesionCycle(TableResult):
     """Loading and unloading of surfaces that attract each other.
 
     Attributes
@@ -124,9 +120,14 @@ class AdhesionCycle:
         return found[0], found[1]
 
     def table(self) -> Table:
-        """Return a row for each state, with the columns of `to_pandas`; see `roughcontact.typing.Table`."""
+        """Return a row for each state, those of loading first; see `roughcontact.typing.Table`.
+
+        Its columns are ``branch``, ``mean_pressure``, ``force``, ``approach``, ``area``, ``area_uncertainty`` and
+        ``area_fraction``, and of the step that leads to a state ``lost``, its energy lost, J, and ``jump``, whether it
+        is one.
+        """
         branches = {"loading": self.loading, "unloading": self.unloading}
-        tables = [make_table(sweep) for sweep in branches.values()]
+        tables = [sweep.table() for sweep in branches.values()]
         columns: dict[str, Any] = {"branch": [name for name, sweep in branches.items() for _ in sweep]}
         for name in _COLUMNS:
             columns[name] = np.concatenate([table.columns[name] for table in tables])
@@ -134,29 +135,22 @@ class AdhesionCycle:
         columns["jump"] = [bool(jump) for jumps in self.jump_steps for jump in (False, *jumps)]
         return Table(columns, {**{name: tables[0].units[name] for name in _COLUMNS}, "lost": "J"}, left=("branch",))
 
-    def to_pandas(self) -> Any:
-        """Return the states as a `pandas.DataFrame`, those of loading first (extra ``table``).
+    def short_table(self) -> Table:
+        """Return a row for each state for people, with the area in percent of nominal."""
+        columns: dict[str, Any] = {"branch": [], "approach": [], "force": [], "area, %": [], "": []}
+        for name, jumps in zip(("loading", "unloading"), self.jump_steps, strict=True):
+            sweep: Sweep = getattr(self, name)
+            columns["branch"] += [name] * len(sweep)
+            # Approaches such as those of numpy.linspace may miss zero by a rounding.
+            near = np.abs(sweep.approach) < 1e-9 * np.abs(sweep.approach).max()
+            columns["approach"] += np.where(near, 0.0, sweep.approach).tolist()
+            columns["force"] += sweep.force.tolist()
+            columns["area, %"] += (100.0 * sweep.area / sweep[0].grid.area).tolist()
+            columns[""] += ["", *("jump" if jump else "" for jump in jumps)]
+        return Table(columns, {"approach": "m", "force": "N"}, left=("branch", ""))
 
-        Its columns are ``branch``, ``mean_pressure``, ``force``, ``approach``, ``area``, ``area_uncertainty`` and
-        ``area_fraction``, in the units of ``frame.attrs["units"]``, and of the step that leads to a state ``lost``, its
-        energy lost, J, and ``jump``, whether it is one.
-        """
-        return self.table().to_pandas()
-
-    def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write the columns of `to_pandas` to a CSV file in SI units, with all digits; an existing file is replaced."""
-        self.table().to_csv(path)
-
-    @overload
-    def to_html(self, path: None = None) -> str: ...
-
-    @overload
-    def to_html(self, path: str | os.PathLike[str]) -> None: ...
-
-    def to_html(self, path: str | os.PathLike[str] | None = None) -> str | None:
-        """Return a report of the cycle, its largest load in detail, or write it; see `ContactSolution.to_html`."""
-        writer: Any = writers.create("html")
-        return page_or_file(lambda: writer.cycle_text(self), path)
+    def _list_results(self) -> Mapping[str, str]:
+        return describe_cycle(self)
 
     def plot(self, *, axes: Any = None, dark: bool = False) -> Any:
         """Draw the force of both branches over the approach (extra ``plot``); see `ContactSolution.plot`."""
@@ -167,18 +161,9 @@ class AdhesionCycle:
         """Why all numbers of the cycle must not be trusted, in sentences; empty without a reason."""
         return tuple(text for text in self.loading[0].warnings if getattr(text, "rule", "") == "cohesive length")
 
-    def __str__(self) -> str:
-        rows = [*describe_cycle(self).items(), *(("warning", text) for text in self.warnings)]
-        lines = [textwrap.wrap(f"{name:<12}{text}", WIDTH, subsequent_indent=" " * 12) for name, text in rows]
-        return "\n".join([list_states(self).to_text(), *(line for wrapped in lines for line in wrapped)])
-
     def __repr__(self) -> str:
         pull_off = describe_cycle(self)["pull-off"]
         return f"<AdhesionCycle {len(self.loading)} and {len(self.unloading)} states, pull-off {pull_off}>"
-
-    def _repr_html_(self) -> str:
-        results = [f"{name}: {text}" for name, text in describe_cycle(self).items()]
-        return list_states(self).to_html(*results, *self.warnings)
 
 
 def describe_cycle(cycle: AdhesionCycle) -> dict[str, str]:
@@ -189,21 +174,6 @@ def describe_cycle(cycle: AdhesionCycle) -> dict[str, str]:
         reasons = "; ".join(text for text in one.warnings if text not in cycle.warnings)
         texts[name] = f"{write_column([one])[0]}{f' ({reasons})' if reasons else ''}".replace("±", "+-")
     return texts | {"jumps": "; ".join(f"{si(a, 'm', 3)} to {si(b, 'm', 3)}" for a, b in cycle.jumps) or "none"}
-
-
-def list_states(cycle: AdhesionCycle) -> Table:
-    """Return the states of a cycle in short, a row for each."""
-    columns: dict[str, Any] = {"branch": [], "approach": [], "force": [], "area, %": [], "": []}
-    for name, jumps in zip(("loading", "unloading"), cycle.jump_steps, strict=True):
-        sweep: Sweep = getattr(cycle, name)
-        columns["branch"] += [name] * len(sweep)
-        # Approaches such as those of numpy.linspace may miss zero by a rounding.
-        near = np.abs(sweep.approach) < 1e-9 * np.abs(sweep.approach).max()
-        columns["approach"] += np.where(near, 0.0, sweep.approach).tolist()
-        columns["force"] += sweep.force.tolist()
-        columns["area, %"] += (100.0 * sweep.area / sweep[0].grid.area).tolist()
-        columns[""] += ["", *("jump" if jump else "" for jump in jumps)]
-    return Table(columns, {"approach": "m", "force": "N"}, left=("branch", ""))
 
 
 def find_stability(problem: Scene, solution: ContactSolution) -> float:

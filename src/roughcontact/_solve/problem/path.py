@@ -17,7 +17,7 @@ from roughcontact._base import checks
 from roughcontact._base.arrays import Array, read_only
 from roughcontact._base.machine.progress import ChangeProgress, tell_both
 from roughcontact._base.registry import find_view
-from roughcontact._base.tables import Table
+from roughcontact._base.tables import Table, TableResult
 from roughcontact._base.units import Estimate, PlainText, counted, outlined
 from roughcontact._parts.grid import Load
 from roughcontact._parts.interactions import Coulomb, FrictionLaw
@@ -38,7 +38,7 @@ from roughcontact._solve.problem.increments import (
 from roughcontact._solve.problem.scene import Scene
 from roughcontact._solve.problem.step_numbers import StepNumbers, list_cell_errors, numbers_of
 from roughcontact._solve.problem.task import limit_load
-from roughcontact._solve.solution import FrictionalSolution, page_or_file, read_estimate, read_path, write_path, writers
+from roughcontact._solve.solution import FrictionalSolution, read_estimate, read_path, write_path
 from roughcontact._solve.solvers import Step
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
@@ -72,7 +72,7 @@ class TangentialLoop:
 
 
 @attrs.frozen(eq=False, kw_only=True)
-class FrictionalPath(Sequence[FrictionalSolution]):
+class FrictionalPath(TableResult, Sequence[FrictionalSolution]):
     """The states of a contact with friction along a path of loads: iterable, with `len` and ``[]``.
 
     Attributes
@@ -209,17 +209,6 @@ class FrictionalPath(Sequence[FrictionalSolution]):
         """Draw the tangential force over the displacement (extra ``plot``); see `ContactSolution.plot`."""
         return find_view("path")(self, axes, dark)
 
-    @overload
-    def to_html(self, path: None = None) -> str: ...
-
-    @overload
-    def to_html(self, path: str | os.PathLike[str]) -> None: ...
-
-    def to_html(self, path: str | os.PathLike[str] | None = None) -> str | None:
-        """Return a report of the path, its last state in detail, or write it; see `ContactSolution.to_html`."""
-        writer: Any = writers.create("html")
-        return page_or_file(lambda: writer.path_text(self), path)
-
     def explain(self) -> str:
         """Return the constants of the pair, the increments with their reasons, and what was omitted, in words."""
         first = self.states[0]
@@ -265,12 +254,8 @@ class FrictionalPath(Sequence[FrictionalSolution]):
         """
         return load_path(checks.path(path, "The file"), verify=checks.flag(verify, "verify="))
 
-    def _repr_html_(self) -> str:
-        return self.table().to_html(f"energy lost: {attrs.evolve(self.dissipated, warnings=())}", *self.warnings)
-
-    def __str__(self) -> str:
-        lines = [self.table().to_text(), f"energy lost  {self.dissipated}"]
-        return "\n".join([*lines, *(f"warning: {text}" for text in self.warnings)])
+    def _list_results(self) -> Mapping[str, str]:
+        return {"energy lost": str(attrs.evolve(self.dissipated, warnings=()))}
 
     def __repr__(self) -> str:
         return f"<FrictionalPath {counted(len(self), 'state')}, {self.states[0].grid}, lost {self.dissipated}>"

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any, overload
 
@@ -13,10 +12,10 @@ import numpy as np
 from roughcontact._base.arrays import Array
 from roughcontact._base.checks import flag, item_of
 from roughcontact._base.registry import find_view
-from roughcontact._base.tables import Table, make_dataset
+from roughcontact._base.tables import Table, TableResult, make_dataset
 from roughcontact._base.units import Estimate, counted, si
 from roughcontact._parts.grid import Load
-from roughcontact._solve.solution import ContactSolution, note_loads, page_or_file, writers
+from roughcontact._solve.solution import ContactSolution, note_loads
 from roughcontact.errors.door import guarded
 
 # Power of the pressure that is extrapolated, maximum pressure of an elastic cell, over the limit, and power of the
@@ -47,7 +46,7 @@ _LOAD_NAMES = {
 
 
 @attrs.frozen(eq=False)
-class Sweep:
+class Sweep(TableResult):
     """Solutions at several loads, and their results as columns of a table: iterable, with `len` and ``[]``.
 
     ``sweep[0]`` is a solution, ``sweep[:3]`` a sweep.
@@ -136,29 +135,36 @@ class Sweep:
         """Draw the results over the load (extra ``plot``); see `ContactSolution.plot`."""
         return find_view("panels")("sweep", self, panel, axes, flag(dark, "dark="))
 
-    def to_pandas(self) -> Any:
-        """Return the results as a `pandas.DataFrame`, a row for each load (extra ``table``).
+    def table(self) -> Table:
+        """Return a row for each load; see `roughcontact.typing.Table`.
 
         Its columns are ``mean_pressure``, ``force``, ``approach``, ``area``, ``area_uncertainty``, ``area_fraction``,
-        ``peak_pressure``, ``peak_pressure_uncertainty`` and ``secant_stiffness``, in the units of
-        ``frame.attrs["units"]``.
+        ``peak_pressure``, ``peak_pressure_uncertainty`` and ``secant_stiffness``.
         """
-        return make_table(self).to_pandas()
+        peaks = [solution.peak_pressure() for solution in self.solutions]
+        columns = {name: getattr(self, name) for name in _COLUMN_UNITS if hasattr(self, name)}
+        columns |= {
+            "area_fraction": self.area / [solution.grid.area for solution in self.solutions],
+            "peak_pressure": np.array([peak.value for peak in peaks]),
+            "peak_pressure_uncertainty": np.array([peak.uncertainty for peak in peaks]),
+        }
+        return Table({name: columns[name] for name in _COLUMN_UNITS}, _COLUMN_UNITS)
 
-    def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write the columns of `to_pandas` to a CSV file in SI units, with all digits; an existing file is replaced."""
-        make_table(self).to_csv(path)
+    def short_table(self) -> Table:
+        """Return a row for each load for people: the area with its uncertainty in percent of nominal."""
+        percent = 100.0 / self.solutions[0].grid.area
+        areas = [solution.area() for solution in self.solutions]
+        columns: dict[str, Any] = {
+            "mean pressure": self.mean_pressure,
+            "force": self.force,
+            "approach": self.approach,
+            "area, %": [Estimate(percent * area.value, percent * area.uncertainty, "") for area in areas],
+            "secant": self.secant_stiffness,
+        }
+        return Table(columns, {"mean pressure": "Pa", "force": "N", "approach": "m", "secant": "N/m"})
 
-    @overload
-    def to_html(self, path: None = None) -> str: ...
-
-    @overload
-    def to_html(self, path: str | os.PathLike[str]) -> None: ...
-
-    def to_html(self, path: str | os.PathLike[str] | None = None) -> str | None:
-        """Return a report of all loads, the largest in detail, or write it to a file; see `ContactSolution.to_html`."""
-        writer: Any = writers.create("html")
-        return page_or_file(lambda: writer.sweep_text(self), path)
+    def _list_notes(self) -> Sequence[str]:
+        return note_loads(self.solutions)
 
     def to_xarray(self) -> Any:
         """Return the results and fields as an `xarray.Dataset` over the load, x and y, m (extra ``store``).
@@ -171,23 +177,6 @@ class Sweep:
     def __repr__(self) -> str:
         low, high = (si(float(bound), "Pa") for bound in (self.mean_pressure.min(), self.mean_pressure.max()))
         return f"<Sweep {counted(len(self), 'load')}, mean pressure {low} to {high}, {self.solutions[0].grid}>"
-
-    def _repr_html_(self) -> str:
-        summary = f"{counted(len(self), 'load')}, {self.solutions[0].grid}"
-        return make_table(self).to_html(summary, *note_loads(self.solutions))
-
-    def __str__(self) -> str:
-        percent = 100.0 / self.solutions[0].grid.area
-        areas = [solution.area() for solution in self.solutions]
-        columns: dict[str, Any] = {
-            "mean pressure": self.mean_pressure,
-            "force": self.force,
-            "approach": self.approach,
-            "area, %": [Estimate(percent * area.value, percent * area.uncertainty, "") for area in areas],
-            "secant": self.secant_stiffness,
-        }
-        units = {"mean pressure": "Pa", "force": "N", "approach": "m", "secant": "N/m"}
-        return "\n".join([Table(columns, units).to_text(), *note_loads(self.solutions)])
 
 
 @guarded
@@ -264,18 +253,6 @@ def predict_pressure(solutions: list[ContactSolution], load: Load) -> Array | No
     return start if inside.max(initial=0.0) > 0.0 else None
 
 
-def make_table(sweep: Sweep) -> Table:
-    """Return a row for each load."""
-    peaks = [solution.peak_pressure() for solution in sweep.solutions]
-    columns = {name: getattr(sweep, name) for name in _COLUMN_UNITS if hasattr(sweep, name)}
-    columns |= {
-        "area_fraction": sweep.area / [solution.grid.area for solution in sweep.solutions],
-        "peak_pressure": np.array([peak.value for peak in peaks]),
-        "peak_pressure_uncertainty": np.array([peak.uncertainty for peak in peaks]),
-    }
-    return Table({name: columns[name] for name in _COLUMN_UNITS}, _COLUMN_UNITS)
-
-
 def to_dataset(sweep: Sweep) -> Any:
     """Return scalars and fields over the load; see `Sweep.to_xarray`."""
     first = sweep.solutions[0]
@@ -286,7 +263,7 @@ def to_dataset(sweep: Sweep) -> Any:
     if len(kinds) == 1 and None not in origins:
         (kind,) = kinds
         loads = np.array([origin.load[kind] for origin in origins if origin is not None])
-    table = make_table(sweep)
+    table = sweep.table()
     variables: dict[str, Any] = {
         name: ("load", values, {"units": table.units[name]}) for name, values in table.columns.items()
     }

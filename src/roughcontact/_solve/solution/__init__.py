@@ -53,7 +53,7 @@ from roughcontact._solve.solution.summary import (
 )
 from roughcontact._solve.solution.theory import Stickiness, TheoryBeside
 from roughcontact._solve.solution.whole import Whole
-from roughcontact._solve.solution.writers import SolutionWriter, page_or_file, writers
+from roughcontact._solve.solution.writers import SolutionWriter, writers
 
 __all__ = [
     "DEFAULT_AREA",
@@ -115,7 +115,6 @@ __all__ = [
     "list_state",
     "name_load",
     "note_loads",
-    "page_or_file",
     "read",
     "read_estimate",
     "read_figures",

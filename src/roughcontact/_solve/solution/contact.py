@@ -13,6 +13,7 @@ import numpy as np
 from roughcontact._base import checks
 from roughcontact._base.arrays import Array
 from roughcontact._base.registry import find_view
+from roughcontact._base.tables import Result
 from roughcontact._base.units import Estimate, Force, Length, Pressure, Quantity
 from roughcontact._parts.materials import Material
 from roughcontact._parts.surfaces import HeightMap
@@ -38,7 +39,7 @@ from roughcontact._solve.solution.results import (
 from roughcontact._solve.solution.sampling import PlaceStatistics, find_area_sampling, find_place_statistics
 from roughcontact._solve.solution.summary import abbreviate, summarize
 from roughcontact._solve.solution.theory import Stickiness, TheoryBeside, compare_with_theory, find_stickiness
-from roughcontact._solve.solution.writers import describe_as_data, page_or_file, to_pyvista, write_solution, writers
+from roughcontact._solve.solution.writers import describe_as_data, to_pyvista, write_solution
 from roughcontact.errors import InputError
 
 if TYPE_CHECKING:
@@ -48,7 +49,7 @@ T = TypeVar("T")
 
 
 @attrs.frozen(eq=False, kw_only=True)
-class ContactSolution(ContactFields):
+class ContactSolution(Result, ContactFields):
     """A solved contact: its fields, its certificate, and the answers derived from them.
 
     Examples
@@ -398,17 +399,6 @@ class ContactSolution(ContactFields):
         """
         write_solution(self, checks.path(path, "The file"))
 
-    @overload
-    def to_html(self, path: None = None) -> str: ...
-
-    @overload
-    def to_html(self, path: str | os.PathLike[str]) -> None: ...
-
-    def to_html(self, path: str | os.PathLike[str] | None = None) -> str | None:
-        """Return a report, one page of HTML that opens without a network, or write it to a file if a path is given."""
-        writer: Any = writers.create("html")
-        return page_or_file(lambda: writer.text(self), path)
-
     def plot(self, panel: Any = None, *, axes: Any = None, dark: bool = False) -> Any:
         """Draw the contact (extra ``plot``).
 
@@ -487,8 +477,3 @@ class ContactSolution(ContactFields):
 
     def __repr__(self) -> str:
         return abbreviate(self)
-
-    def _repr_html_(self) -> str:
-        writer: Any = writers.create("html")
-        text: str = writer.table(self)
-        return text

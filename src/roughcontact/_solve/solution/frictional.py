@@ -6,13 +6,14 @@ import math
 import os
 from collections.abc import Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, TypeVar, overload
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import attrs
 import numpy as np
 
 from roughcontact._base import checks
 from roughcontact._base.arrays import Array, Mask, Pair, read_only
+from roughcontact._base.tables import Result
 from roughcontact._base.units import Estimate, ShownAsPrinted, si
 from roughcontact._parts.grid import Boundary, Grid, extend
 from roughcontact._parts.interactions import FrictionLaw, shear_limit
@@ -21,7 +22,7 @@ from roughcontact._solve.solution.contact import ContactSolution
 from roughcontact._solve.solution.frictional_files import read_frictional, write_frictional
 from roughcontact._solve.solution.frictional_state import FrictionalResiduals, FrictionalState, TangentialLoad
 from roughcontact._solve.solution.results import Response, Status, list_fields, require_with_friction, responses
-from roughcontact._solve.solution.writers import describe_as_data, page_or_file, writers
+from roughcontact._solve.solution.writers import describe_as_data
 from roughcontact.errors import InputError
 from roughcontact.errors.door import AskedOf
 
@@ -51,7 +52,7 @@ _ROUNDING = 1e-12
 
 
 @attrs.frozen(eq=False, kw_only=True)
-class FrictionalSolution(ShownAsPrinted, AskedOf):
+class FrictionalSolution(Result, ShownAsPrinted, AskedOf):
     """A contact with friction at the end of one step of a path, or in steady sliding.
 
     All signs are those of the traction on the body: the counterbody is pushed over the body along the tangential
@@ -323,17 +324,6 @@ class FrictionalSolution(ShownAsPrinted, AskedOf):
         the steps of a path can be put in a row.
         """
         write_frictional(checks.path(path, "The file"), self)
-
-    @overload
-    def to_html(self, path: None = None) -> str: ...
-
-    @overload
-    def to_html(self, path: str | os.PathLike[str]) -> None: ...
-
-    def to_html(self, path: str | os.PathLike[str] | None = None) -> str | None:
-        """Return a report of the state and its normal contact, or write it; see `ContactSolution.to_html`."""
-        writer: Any = writers.create("html")
-        return page_or_file(lambda: writer.state_text(self), path)
 
     def to_dict(self) -> dict[str, Any]:
         """Return answers, certificate and inputs as plain data; see `ContactSolution.to_dict`."""

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import abc
-import os
 import sys
-from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, final
 from xml.sax.saxutils import quoteattr
@@ -13,7 +11,6 @@ from xml.sax.saxutils import quoteattr
 import attrs
 import numpy as np
 
-from roughcontact._base import checks
 from roughcontact._base.archive import replacing
 from roughcontact._base.arrays import RealArray
 from roughcontact._base.checks import Part
@@ -97,17 +94,6 @@ def describe_as_data(solution: Any) -> dict[str, Any]:
     writer: Any = writers.create("json")
     described: dict[str, Any] = writer.describe(solution)
     return described
-
-
-def page_or_file(make: Callable[[], Any], path: str | os.PathLike[str] | None) -> str | None:
-    """Return the text of a page, or write it to a file and return None."""
-    target = None if path is None else checks.path(path, "The report")
-    text: str = make()
-    if target is None:
-        return text
-    with replacing(target) as partial:
-        partial.write_text(text, encoding="utf-8")
-    return None
 
 
 @final

@@ -11,8 +11,8 @@ from typing import Any, TypeAlias, get_type_hints
 import attrs
 
 from roughcontact._base.arrays import Array, Pair
-from roughcontact._base.registry import Registry
-from roughcontact._base.tables import Table
+from roughcontact._base.registry import Registry, find_view
+from roughcontact._base.tables import Table, page_or_file
 from roughcontact._base.units import Estimate, kind_of
 from roughcontact._solve.problem import AdhesionCycle, FrictionalPath, Sweep
 from roughcontact._solve.solution import (
@@ -21,9 +21,7 @@ from roughcontact._solve.solution import (
     Response,
     format_sampling,
     list_estimates,
-    page_or_file,
     responses,
-    writers,
 )
 from roughcontact._work.studies.coatings import find_layer_class
 from roughcontact._work.studies.form import Form, list_fields
@@ -334,12 +332,7 @@ def write_report(
     answers
         The results of each response by its name, one for each solution or row of the table.
     """
-    writer: Any = writers.create("html")
-    if isinstance(solutions, (AdhesionCycle, FrictionalPath, FrictionalSolution)):
-        ways = {AdhesionCycle: writer.cycle_text, FrictionalPath: writer.path_text}
-        write = ways.get(type(solutions), writer.state_text)
-        page_or_file(lambda: write(solutions, answers), path)
-        return
-    several = len(solutions) > 1
-    subject: Any = Sweep(tuple(solutions)) if several else solutions[0]
-    page_or_file(lambda: (writer.sweep_text if several else writer.text)(subject, answers), path)
+    subject: Any = solutions
+    if not isinstance(solutions, (AdhesionCycle, FrictionalPath, FrictionalSolution)):
+        subject = Sweep(tuple(solutions)) if len(solutions) > 1 else solutions[0]
+    page_or_file(lambda: find_view("page")(subject, answers), path)

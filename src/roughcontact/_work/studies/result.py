@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Any, overload
@@ -14,7 +13,7 @@ import numpy as np
 from roughcontact._base.arrays import RealArray
 from roughcontact._base.checks import flag, item_of
 from roughcontact._base.registry import find_view
-from roughcontact._base.tables import Table, make_dataset
+from roughcontact._base.tables import Table, TableResult, make_dataset
 from roughcontact._base.units import Estimate, counted
 from roughcontact._parts.grid import FIRST_LOADING, Load
 from roughcontact._solve.problem import FrictionalPath, load_path
@@ -33,8 +32,6 @@ _UNITS = {
     "peak_pressure_uncertainty": "Pa",
 }
 _NO_AREA = (np.nan, np.nan)
-# Solves whose answers are printed: the first and the last ones of a longer study.
-_MAX_PRINTED_ROWS = 40
 
 
 @attrs.frozen
@@ -49,7 +46,7 @@ class StudyNames:
 
 
 @attrs.frozen(eq=False, kw_only=True)
-class StudyResult:
+class StudyResult(TableResult):
     """All records of a study, in its order: iterable, with `len` and ``[]``.
 
     Attributes
@@ -146,7 +143,7 @@ class StudyResult:
         >>> axes.get_xlabel(), axes.get_ylabel()
         ('load, MPa', 'area blend, µm²')
         """
-        table = self._table
+        table = self.table()
         estimated = [name for name in table.columns if name.startswith("area ")]
         y = estimated[0] if y == "area" and estimated else y
         for name in (x, y, color, over):
@@ -157,21 +154,20 @@ class StudyResult:
         names = StudyNames(x, y, spread, color or "", over or "")
         return find_view("study")(table, names, axes, flag(dark, "dark="))
 
-    def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write the columns of `to_pandas` to a CSV file, completely or not at all.
-
-        It has a row for each solve; the units are in the heading, as ``force [N]``.
-        """
-        self._table.to_csv(path)
-
-    def to_pandas(self) -> Any:
-        """Return a `pandas.DataFrame` with a row for each solve (extra ``table``).
+    def table(self) -> Table:
+        """Return a row for each solve; see `roughcontact.typing.Table`.
 
         Its columns are the axes of the study, or ``problem`` and ``seed``, then those of a `Record`: ``load``,
-        ``status``, ``mean_pressure``, ``approach``, ``area blend``, ``uncertainty blend`` and so on, in the units of
-        ``frame.attrs["units"]``. What is missing is NaN. ``warnings`` is a text, empty where there are none.
+        ``status``, ``mean_pressure``, ``approach``, ``area blend``, ``uncertainty blend`` and so on. What is missing is
+        NaN. ``warnings`` is a text, empty where there are none.
         """
-        return self._table.to_pandas()
+        columns = self._columns
+        known = {**_UNITS, **FRICTION_UNITS}
+        units = {name: known[name] for name in columns if name in known}
+        units |= {name: "m2" for name in columns if name.startswith(("area ", "uncertainty "))}
+        for name, unit in self._answer_units.items():
+            units |= {name: unit, f"{name}_uncertainty": unit}
+        return Table(columns, units | {"load": self._load_unit})
 
     def to_xarray(self) -> Any:
         """Return an `xarray.Dataset` over the axes of the study and the load (extra ``store``).
@@ -241,29 +237,11 @@ class StudyResult:
         names = dict.fromkeys(name for row in rows for name in row)
         return {name: [row.get(name) for row in rows] for name in names}
 
-    @property
-    def _table(self) -> Table:
-        columns = self._columns
-        known = {**_UNITS, **FRICTION_UNITS}
-        units = {name: known[name] for name in columns if name in known}
-        units |= {name: "m2" for name in columns if name.startswith(("area ", "uncertainty "))}
-        for name, unit in self._answer_units.items():
-            units |= {name: unit, f"{name}_uncertainty": unit}
-        return Table(columns, units | {"load": self._load_unit})
-
     def __repr__(self) -> str:
         return f"<StudyResult {self._summary}>"
 
-    def _repr_html_(self) -> str:
-        return self._answers.to_html(self._summary, *self._notes)
-
-    def __str__(self) -> str:
-        answers = self._answers.to_text(keys=len(self._places), max_rows=_MAX_PRINTED_ROWS)
-        return "\n".join([self._summary, "", answers, *self._notes])
-
-    @property
-    def _answers(self) -> Table:
-        """The table for people: the axes, the load, and the answers with their uncertainties."""
+    def short_table(self) -> Table:
+        """Return a row for each solve for people: the axes, the load, and the answers with their uncertainties."""
         rows = self.records
         columns: dict[str, list[Any]] = {name: [_place(record, name) for record in rows] for name in self._places}
         if not all(record.success for record in rows):
@@ -290,8 +268,14 @@ class StudyResult:
             columns["doubtful"] = ["yes" if record.doubtful else "" for record in rows]
         return Table(columns, {"load": self._load_unit, "mean pressure": "Pa", "approach": "m"})
 
+    def _list_head(self) -> Sequence[str]:
+        return [self._summary]
+
     @property
-    def _notes(self) -> list[str]:
+    def _keys(self) -> int:
+        return len(self._places)
+
+    def _list_notes(self) -> Sequence[str]:
         return [FIRST_LOADING] if any(record.saturated > 0.0 for record in self.records) else []
 
     @property

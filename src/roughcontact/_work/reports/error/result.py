@@ -13,8 +13,8 @@ from roughcontact._base import checks
 from roughcontact._base.arrays import Array
 from roughcontact._base.checks import choice, number
 from roughcontact._base.registry import find_view
-from roughcontact._base.tables import Table
-from roughcontact._base.units import counted, fit, si
+from roughcontact._base.tables import Table, TableResult
+from roughcontact._base.units import counted, si
 from roughcontact._work.reports.error.reference import QUANTITIES, UNITS, KnownAnswer
 from roughcontact.errors import InputError
 
@@ -222,7 +222,7 @@ def _percent(fraction: float) -> str:
 
 
 @attrs.frozen(eq=False, kw_only=True)
-class ErrorReport:
+class ErrorReport(TableResult):
     """Errors against run time; `str` of it is a table.
 
     Attributes
@@ -280,24 +280,11 @@ class ErrorReport:
     def __repr__(self) -> str:
         return f"<ErrorReport {counted(len(self.rows), 'row')}: {self.description}>"
 
-    def _repr_html_(self) -> str:
-        table, notes = self._make_table()
-        return table.to_html(*self._make_head(), *notes)
-
-    def __str__(self) -> str:
-        table, footnotes = self._make_table()
-        text = table.to_text(keys=2 + len(find_varying_parts(self.rows)))
-        return fit("\n".join([*self._make_head(), "", text, "", *footnotes]))
-
     def to_markdown(self) -> str:
         """Return the table and its notes as Markdown."""
-        table, footnotes = self._make_table()
-        head = ["# Error against run time", "", *(f"{line}  " for line in self._make_head())]
-        return "\n".join([*head, "", table.to_markdown(), "", *(f"- {note}" for note in footnotes), ""])
-
-    def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write all rows to a CSV file, in SI units, with relative errors and all digits; it may replace a file."""
-        self._make_records().to_csv(path)
+        head = ["# Error against run time", "", *(f"{line}  " for line in self._list_head())]
+        notes = [f"- {note}" for note in self._list_notes()]
+        return "\n".join([*head, "", self.short_table().to_markdown(), "", *notes, ""])
 
     def draw(self, path: str | os.PathLike[str]) -> None:
         """Draw errors against CPU time, hollow where not resolved, with the Pareto front; the ending gives the format.
@@ -306,7 +293,7 @@ class ErrorReport:
         """
         find_view("error-report")(self, checks.path(path, "The picture"))
 
-    def _make_head(self) -> list[str]:
+    def _list_head(self) -> Sequence[str]:
         """Return the description of the problem, and the reference."""
         known = []
         for name in self.reference.quantities:
@@ -321,8 +308,16 @@ class ErrorReport:
             common.append(f"tolerance {row.tolerance:.0e}")
         return [f"{self.description}; {', '.join(common)}", f"Reference: {self.reference.source}: {'; '.join(known)}"]
 
-    def _make_table(self) -> tuple[Table, list[str]]:
-        """Return the table and its footnotes."""
+    @property
+    def _keys(self) -> int:
+        return 2 + len(find_varying_parts(self.rows))
+
+    @property
+    def _failures(self) -> list[str]:
+        return list(dict.fromkeys(row.failure for row in self.rows if row.failure))
+
+    def short_table(self) -> Table:
+        """Return a row for each case for people, with errors in percent."""
         parts = find_varying_parts(self.rows)
         known = self.reference.quantities
         headings = [
@@ -334,7 +329,7 @@ class ErrorReport:
         ]
         headings += ["CPU, s (min..max)", "area, s", "wall, s (min..max)", "iter.", "conv.", "float32", "peak, MiB"]
         front = {id(row) for row in self.front()}
-        failures = list(dict.fromkeys(row.failure for row in self.rows if row.failure))
+        failures = self._failures
         body = []
         for row in self.rows:
             names = [f"{row.tolerance:.0e}" if part == "tolerance" else getattr(row, part) for part in parts]
@@ -350,8 +345,7 @@ class ErrorReport:
                 line += [str(row.iterations), str(row.convolutions), str(row.float32_convolutions)]
                 line += [f"{row.peak_bytes / 2**20:.3g}"]
             body.append(line)
-        reasons = [f"[{number}] {reason}" for number, reason in enumerate(failures, start=1)]
-        return Table.from_rows(headings, body), [*reasons, *self._make_notes(bool(front))]
+        return Table.from_rows(headings, body)
 
     def _error(self, row: ReportRow, name: str) -> str:
         if name in row.of_reference:
@@ -362,9 +356,10 @@ class ErrorReport:
         negligible = abs(error) <= _NEGLIGIBLE_ERROR_RATIO * self.reference.relative_uncertainty(name)
         return f"({'0' if negligible else format_percent(error)})"
 
-    def _make_notes(self, front: bool) -> list[str]:
-        """Return the explanations of the table."""
-        notes = ["* on the Pareto front: no other case is both cheaper and more accurate."] if front else []
+    def _list_notes(self) -> Sequence[str]:
+        notes = [f"[{number}] {reason}" for number, reason in enumerate(self._failures, start=1)]
+        if self.front():
+            notes.append("* on the Pareto front: no other case is both cheaper and more accurate.")
         if any(row.unresolved for row in self.rows):
             notes.append("(in brackets) not resolved: the error is below the error bound of the reference.")
         if any(row.of_reference for row in self.rows):
@@ -378,8 +373,8 @@ class ErrorReport:
             "peak: memory of numpy's arrays, by tracemalloc in a separate run; without the work space of transforms.",
         ]
 
-    def _make_records(self) -> Table:
-        """Return every row with all digits."""
+    def table(self) -> Table:
+        """Return a row for each case, with relative errors; see `roughcontact.typing.Table`."""
         timings = ("cpu", "wall", "solve_cpu", "area_cpu")
         front = {id(row) for row in self.front()}
         names = [

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import attrs
 
 from roughcontact._base.checks import callback, choice, flag
 from roughcontact._base.machine.progress import show_progress, tell_both
-from roughcontact._base.tables import Table
+from roughcontact._base.tables import Table, TableResult
 from roughcontact._base.units import Force, Length, Pressure
 from roughcontact._parts.grid import Load
 from roughcontact._solve.problem import ContactProblem
@@ -39,7 +39,7 @@ _WORK = {
 
 
 @attrs.frozen(eq=False)
-class StabilityReport:
+class StabilityReport(TableResult):
     """The checks of a solution, with their results; `str` of it is a table."""
 
     checks: tuple[Check, ...]
@@ -67,7 +67,8 @@ class StabilityReport:
     def __repr__(self) -> str:
         return f"<StabilityReport {self._summary}>"
 
-    def _repr_html_(self) -> str:
+    def table(self) -> Table:
+        """Return a row for each check, the worst first; see `roughcontact.typing.Table`."""
         checks = self._worst_first
         columns: dict[str, list[Any]] = {
             "verdict": [check.verdict for check in checks],
@@ -75,7 +76,10 @@ class StabilityReport:
             "value": [check.value for check in checks],
             "what was measured; what to do": [check.text for check in checks],
         }
-        return Table(columns).to_html(self._summary)
+        return Table(columns)
+
+    def _list_head(self) -> Sequence[str]:
+        return [self._summary]
 
     def __str__(self) -> str:
         lines = [self._summary, ""]
