@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from weakref import WeakKeyDictionary
 
 import attrs
 import numpy as np
@@ -47,8 +46,8 @@ _MAX_TIP_RADIUS = 0.3
 _ROUND_MISFIT = 0.3
 # Second difference where a line has no kink, over the largest beside it.
 _KINK_TOLERANCE = 1e-6
-# Results for solutions that still exist: approach and mean gap ask for the same.
-_BENDS_OF_SOLUTIONS: WeakKeyDictionary[ContactSolution, Bend] = WeakKeyDictionary()
+# Name in `ContactFields._found`: approach and mean gap ask for the same.
+_BEND = "bend"
 
 
 def _weigh(reach: int) -> Array:
@@ -264,8 +263,13 @@ class Bend:
 def measure_bend(solution: ContactSolution) -> Bend:
     """Return the curvature of the heights under the contact of a solution that has one."""
     solution = heal(solution)
-    if solution in _BENDS_OF_SOLUTIONS:
-        return _BENDS_OF_SOLUTIONS[solution]
+    if _BEND not in solution._found:
+        solution._found[_BEND] = _measure_bend(solution)
+    bend: Bend = solution._found[_BEND]
+    return bend
+
+
+def _measure_bend(solution: ContactSolution) -> Bend:
     patches = solution.patches
     touching = np.flatnonzero(solution.contact)
     _, _, spread, bends = (part[1:] for part in average_curvature(solution, touching))
@@ -273,7 +277,7 @@ def measure_bend(solution: ContactSolution) -> Bend:
     pressure = solution.pressure.ravel()[touching] / np.sum(solution.pressure)
     resolution = curvature_resolution(solution)
     width = float(np.sum(load * np.sqrt(np.sqrt(patches.cells))))
-    _BENDS_OF_SOLUTIONS[solution] = Bend(
+    return Bend(
         load=load,
         spread=spread,
         mean=float(np.sum(load * np.maximum(bends, 0.0))),
@@ -284,7 +288,6 @@ def measure_bend(solution: ContactSolution) -> Bend:
         rim=min(resolution, 1.0) * width * _ramp(rim_ratio(solution), calibration.RIM_RATIOS),
         linear=is_linear(solution, touching),
     )
-    return _BENDS_OF_SOLUTIONS[solution]
 
 
 def find_shift(solution: ContactSolution) -> tuple[float, float]:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from weakref import WeakKeyDictionary
-
 import attrs
 import numpy as np
 
@@ -39,8 +37,8 @@ _NEWTON_STEPS = 3
 _HIDDEN_GAP_FACTOR = 0.25
 # Pressure limit, Pa, that stands for none in a mean over cells: finite, and above any material's.
 _NO_PRESSURE_LIMIT = 1e150
-# Results for solutions that still exist: area and maximum pressure ask for the same.
-_AREAS_OF_SOLUTIONS: WeakKeyDictionary[ContactSolution, HertzAreas] = WeakKeyDictionary()
+# Name in `ContactFields._found`: area and maximum pressure ask for the same.
+_HERTZ_AREAS = "Hertz's areas"
 
 
 @attrs.frozen(eq=False)
@@ -261,11 +259,12 @@ class HertzAreas:
 
 def hertz_areas(solution: ContactSolution) -> HertzAreas:
     """Return Hertz's areas of the patches, from their summits between the cell centres and the common approach."""
-    if solution not in _AREAS_OF_SOLUTIONS:
+    if _HERTZ_AREAS not in solution._found:
         # Very large or small lengths and loads leave the range of float64; such areas are not known.
         with np.errstate(all="ignore"):
-            _AREAS_OF_SOLUTIONS[solution] = _find_areas(solution)
-    return _AREAS_OF_SOLUTIONS[solution]
+            solution._found[_HERTZ_AREAS] = _find_areas(solution)
+    areas: HertzAreas = solution._found[_HERTZ_AREAS]
+    return areas
 
 
 def _find_areas(solution: ContactSolution) -> HertzAreas:

@@ -260,6 +260,11 @@ class ContactFields(AskedOf):
         return np.asarray(np.exp(np.interp(-np.log(wavenumber), lengths, moduli)))
 
     @cached_property
+    def _found(self) -> dict[str, Any]:
+        """What was computed of the solution and is asked for again, by name."""
+        return {}
+
+    @cached_property
     def patches(self) -> ContactPatches:
         """The connected patches of the contact."""
         return find_patches(self.contact, self.contact_pressure, self.grid, self.boundary)

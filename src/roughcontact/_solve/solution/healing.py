@@ -16,7 +16,6 @@ from __future__ import annotations
 
 import math
 from typing import TYPE_CHECKING, Any
-from weakref import WeakKeyDictionary
 
 import attrs
 import numpy as np
@@ -53,10 +52,9 @@ _SECOND_DIFFERENCES = (
     ((0, -1, 1.0), (0, 0, -2.0), (0, 1, 1.0)),
     ((0, 0, 1.0), (1, 0, -1.0), (0, 1, -1.0), (1, 1, 1.0)),
 )
-# Healed solutions by their original ones, as long as these exist: every number of a contact needs one.
-_HEALED_SOLUTIONS: WeakKeyDictionary[ContactSolution, ContactSolution] = WeakKeyDictionary()
-# The non-measured points of healed solutions, shape `grid.shape`.
-_NON_MEASURED: WeakKeyDictionary[ContactSolution, Mask] = WeakKeyDictionary()
+# Names in `ContactFields._found`: the healed solution, and of a healed one the points that were not measured.
+_HEALED = "healed"
+_NON_MEASURED = "non-measured"
 
 
 def heal(solution: ContactSolution) -> ContactSolution:
@@ -64,13 +62,14 @@ def heal(solution: ContactSolution) -> ContactSolution:
 
     Pressure, displacement and certificate are those of the solution: points that were not measured carry nothing.
     """
-    if solution.non_measured is None or solution in _NON_MEASURED:
+    if solution.non_measured is None or _NON_MEASURED in solution._found:
         return solution
-    if solution not in _HEALED_SOLUTIONS:
+    if _HEALED not in solution._found:
         healed = _heal(solution, solution.non_measured)
-        _HEALED_SOLUTIONS[solution] = healed
-        _NON_MEASURED[healed] = solution.non_measured
-    return _HEALED_SOLUTIONS[solution]
+        healed._found[_NON_MEASURED] = solution.non_measured
+        solution._found[_HEALED] = healed
+    found: ContactSolution = solution._found[_HEALED]
+    return found
 
 
 def _heal(solution: ContactSolution, missing: Mask) -> ContactSolution:
@@ -121,7 +120,7 @@ def fill_gap(solution: ContactSolution) -> FilledGap:
     from scipy import ndimage
 
     solution = heal(solution)
-    missing = _NON_MEASURED.get(solution)
+    missing = solution._found.get(_NON_MEASURED)
     if missing is None:
         return FilledGap(solution.gap, np.zeros(solution.grid.shape), 0.0)
     harmonic = fill(np.where(missing, np.nan, solution.gap))
