@@ -143,7 +143,7 @@ def describe_classes():
 def test_tables_files_and_pages_of_results_are_written_once():
     written = {"to_csv", "to_pandas", "to_html", "_repr_html_"}
     own = {name: names & written for name, names in describe_classes() if names & written}
-    # A map is no result: its picture is a view.
+    # The picture of a map is a view.
     assert set(own) == {"Table", "Result", "TableResult", "HeightMap"}
     assert own["HeightMap"] == {"_repr_html_"}
 

@@ -17,7 +17,6 @@ from roughcontact._base.arrays import Array, frozen_array
 from roughcontact._base.machine import use_threads
 from roughcontact._base.units import outlined
 from roughcontact._parts.grid import Load
-from roughcontact._parts.interactions import BoundInteraction
 from roughcontact._solve.convolvers import DCFFT, CircularFFT, Direct, PreparedConvolution
 from roughcontact._solve.problem.body import InitialGap
 from roughcontact._solve.problem.plan import SolvePlan
@@ -25,11 +24,13 @@ from roughcontact._solve.problem.scene import Scene
 from roughcontact._solve.problem.task import LOAD_TOLERANCE, make_task, pressure_unit
 from roughcontact._solve.solution import (
     AdhesiveConditions,
+    AdhesiveViolation,
     ContactConditions,
     ContactSolution,
     Origin,
     Residuals,
     Status,
+    Violation,
 )
 from roughcontact._solve.solvers import Outcome, Step, Task
 from roughcontact.errors import InputError, NotConverged
@@ -108,83 +109,76 @@ def certify(
     """
     if not isinstance(outcome, Outcome) or outcome.pressure.shape != task.initial_gap.shape:
         raise InputError(f"The solver {plan.solver!r} must return an Outcome with a pressure of the grid's shape.")
+    if task.interaction is not None and (outcome.tension is None or outcome.tension.shape != outcome.pressure.shape):
+        raise InputError(f"The solver {plan.solver!r} must return an Outcome with a tension of the grid's shape.")
+    task = attrs.evolve(task, start=None)
     if task.interaction is not None:
-        return _certify_adhesive(plan, convolution, initial_gap, task, task.interaction, outcome, seconds)
+        return make_solution(plan, initial_gap, outcome, confirm(plan, convolution, task, outcome), seconds)
     # The fields are measured where the arrays of the convolution are.
     place = convolution.from_numpy
     placed = attrs.evolve(outcome, pressure=place(outcome.pressure))
-    certificate = confirm(plan, convolution, attrs.evolve(task, start=None).convert(place), placed)
+    certificate = confirm(plan, convolution, task.convert(place), placed)
     return make_solution(plan, initial_gap, outcome, certificate.convert(convolution.to_numpy), seconds)
 
 
 @guarded
 def confirm(plan: SolvePlan, convolution: PreparedConvolution, task: Task, outcome: Outcome) -> Certificate:
-    """Return what a solver has found, in SI units, with residuals recomputed in float64 from its pressure alone.
+    """Return what a solver has found, in SI units, with residuals recomputed in float64 from its fields alone.
 
     Parameters
     ----------
     plan, convolution, task
-        The problem, without adhesion, in dimensionless variables.
+        The problem in dimensionless variables.
     outcome
-        The pressure and status that the solver returned; its arrays may be of the kind of the convolution.
+        The pressure, with adhesion the tension too, and the status that the solver returned; without adhesion its
+        arrays may be of the kind of the convolution.
     """
     displacement = convolution.apply(outcome.pressure)
-    state = ContactConditions(task.initial_gap, task.pressure_limit, task.approach, task.rms_gap).measure(
-        outcome.pressure, displacement
-    )
-    carried = convolution.sum(outcome.pressure) / outcome.pressure.size
-    load = 0.0 if task.mean_pressure is None else abs(carried / task.mean_pressure - 1.0)
+    state, load, bounded = _measure(convolution, task, outcome, displacement)
     bound = 2.0 * max(plan.solver.tolerance, state.floor)
-    within = (outcome.pressure <= task.pressure_limit).all() if task.capped else outcome.pressure.max() < math.inf
-    bounded = bool(outcome.pressure.min() >= 0.0 and within)
     confirmed = state.error <= bound and load <= LOAD_TOLERANCE and bounded
     status = outcome.status.within(state.floor, plan.solver.tolerance)
     if status.success and not confirmed:
         status = Status.UNCONFIRMED
-    complementarity, penetration = (max(value, state.floor) for value in (state.complementarity, state.penetration))
-    residuals = Residuals(complementarity, penetration, load, state.scale * plan.peak_to_valley)
+    residuals = Residuals(
+        complementarity=max(state.complementarity, state.floor),
+        penetration=max(state.penetration, state.floor),
+        load=load,
+        scale=state.scale * plan.peak_to_valley,
+        tension=max(state.gap, state.floor) if isinstance(state, AdhesiveViolation) else 0.0,
+    )
     return _in_si(plan, task, outcome, displacement, state.approach, status, residuals)
 
 
-def _certify_adhesive(
-    plan: SolvePlan,
-    convolution: PreparedConvolution,
-    initial_gap: Array,
-    task: Task,
-    interaction: BoundInteraction,
-    outcome: Outcome,
-    seconds: float,
-) -> ContactSolution:
-    """Return the solution of surfaces that attract each other; residuals from its pressure and tension alone."""
-    if outcome.tension is None or outcome.tension.shape != outcome.pressure.shape:
-        raise InputError(f"The solver {plan.solver!r} must return an Outcome with a tension of the grid's shape.")
-    displacement = convolution.apply(outcome.pressure)
+def _measure(
+    convolution: PreparedConvolution, task: Task, outcome: Outcome, displacement: Array
+) -> tuple[Violation | AdhesiveViolation, float, bool]:
+    """Return the violation of the conditions, the relative error of the load, and whether the bounds hold."""
+    pressure = outcome.pressure
+    carried = convolution.sum(pressure) / pressure.size
+    if task.interaction is None or outcome.tension is None:
+        state = ContactConditions(task.initial_gap, task.pressure_limit, task.approach, task.rms_gap).measure(
+            pressure, displacement
+        )
+        within = (pressure <= task.pressure_limit).all() if task.capped else pressure.max() < math.inf
+        load = 0.0 if task.mean_pressure is None else abs(carried / task.mean_pressure - 1.0)
+        return state, load, bool(pressure.min() >= 0.0 and within)
     conditions = AdhesiveConditions(
         initial_gap=task.initial_gap,
-        interaction=interaction,
+        interaction=task.interaction,
         pressure_limit=task.pressure_limit,
         approach=task.approach,
         rms=task.rms_gap,
     )
-    state = conditions.measure(outcome.pressure, outcome.tension, displacement)
+    attracted = conditions.measure(pressure, outcome.tension, displacement)
     load = 0.0
     if task.mean_pressure is not None:
         # A load may be zero: its error is over the forces that balance in it.
-        pressed = np.maximum(outcome.pressure + outcome.tension, 0.0)
-        balanced = (convolution.sum(pressed) + convolution.sum(outcome.tension)) / outcome.pressure.size
-        carried = convolution.sum(outcome.pressure) / outcome.pressure.size
+        pressed = np.maximum(pressure + outcome.tension, 0.0)
+        balanced = (convolution.sum(pressed) + convolution.sum(outcome.tension)) / pressure.size
         scale = max(abs(task.mean_pressure), balanced)
         load = abs(carried - task.mean_pressure) / scale if scale > 0.0 else 0.0
-    bound = 2.0 * max(plan.solver.tolerance, state.floor)
-    confirmed = state.error <= bound and load <= LOAD_TOLERANCE and state.bounds <= LOAD_TOLERANCE
-    status = outcome.status.within(state.floor, plan.solver.tolerance)
-    if status.success and not confirmed:
-        status = Status.UNCONFIRMED
-    found = (max(value, state.floor) for value in (state.complementarity, state.penetration, state.gap))
-    complementarity, penetration, tension = found
-    residuals = Residuals(complementarity, penetration, load, state.scale * plan.peak_to_valley, tension)
-    certificate = _in_si(plan, task, outcome, displacement, state.approach, status, residuals)
-    return make_solution(plan, initial_gap, outcome, certificate, seconds)
+    return attracted, load, attracted.bounds <= LOAD_TOLERANCE
 
 
 def _in_si(
