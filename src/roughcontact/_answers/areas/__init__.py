@@ -1,22 +1,15 @@
 """Area estimators, and estimators of other numbers of the contact, from a solution."""
 
-from roughcontact._answers.areas.estimators import Blend, CellCount, Hertz, LevelSet, LevelSetRichardson, Perimeter
-from roughcontact._answers.areas.peak import PeakPressure
-from roughcontact._answers.areas.quantities import EdgeLength, MeanGap, PatchCount, SummitApproach
-from roughcontact._solve.solution import AreaEstimator, areas
-
-__all__ = [
-    "AreaEstimator",
-    "Blend",
-    "CellCount",
-    "EdgeLength",
-    "Hertz",
-    "LevelSet",
-    "LevelSetRichardson",
-    "MeanGap",
-    "PatchCount",
-    "PeakPressure",
-    "Perimeter",
-    "SummitApproach",
-    "areas",
-]
+from roughcontact._answers.areas.estimators import Blend as Blend
+from roughcontact._answers.areas.estimators import CellCount as CellCount
+from roughcontact._answers.areas.estimators import Hertz as Hertz
+from roughcontact._answers.areas.estimators import LevelSet as LevelSet
+from roughcontact._answers.areas.estimators import LevelSetRichardson as LevelSetRichardson
+from roughcontact._answers.areas.estimators import Perimeter as Perimeter
+from roughcontact._answers.areas.peak import PeakPressure as PeakPressure
+from roughcontact._answers.areas.quantities import EdgeLength as EdgeLength
+from roughcontact._answers.areas.quantities import MeanGap as MeanGap
+from roughcontact._answers.areas.quantities import PatchCount as PatchCount
+from roughcontact._answers.areas.quantities import SummitApproach as SummitApproach
+from roughcontact._solve.solution import AreaEstimator as AreaEstimator
+from roughcontact._solve.solution import areas as areas

@@ -1,6 +1,7 @@
 """Files: height maps from numpy, text and instruments' files."""
 
-from roughcontact._parts.files.base import RawMap, SurfaceReader, readers
-from roughcontact._parts.files.reading import read_raw, read_surface
-
-__all__ = ["RawMap", "SurfaceReader", "read_raw", "read_surface", "readers"]
+from roughcontact._parts.files.base import RawMap as RawMap
+from roughcontact._parts.files.base import SurfaceReader as SurfaceReader
+from roughcontact._parts.files.base import readers as readers
+from roughcontact._parts.files.reading import read_raw as read_raw
+from roughcontact._parts.files.reading import read_surface as read_surface

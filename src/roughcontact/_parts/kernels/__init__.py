@@ -1,38 +1,20 @@
 """Influence kernels: the displacement of the surface by a pressure, and by shear."""
 
-from roughcontact._parts.kernels.base import (
-    BoundKernel,
-    InfluenceKernel,
-    SupportsCoefficients,
-    SupportsRows,
-    SupportsShear,
-    SupportsSpectrum,
-    kernels,
-    knows_own_rows,
-    odd_axes,
-    require_form,
-)
-from roughcontact._parts.kernels.half_space import FourierHalfSpace, Love
-from roughcontact._parts.kernels.layers import SupportsConduction, SupportsStress, SupportsTangential, has_layers
-from roughcontact._parts.kernels.mixed import list_octaves, sum_along_x
-
-__all__ = [
-    "BoundKernel",
-    "FourierHalfSpace",
-    "InfluenceKernel",
-    "Love",
-    "SupportsCoefficients",
-    "SupportsConduction",
-    "SupportsRows",
-    "SupportsShear",
-    "SupportsSpectrum",
-    "SupportsStress",
-    "SupportsTangential",
-    "has_layers",
-    "kernels",
-    "knows_own_rows",
-    "list_octaves",
-    "odd_axes",
-    "require_form",
-    "sum_along_x",
-]
+from roughcontact._parts.kernels.base import BoundKernel as BoundKernel
+from roughcontact._parts.kernels.base import InfluenceKernel as InfluenceKernel
+from roughcontact._parts.kernels.base import SupportsCoefficients as SupportsCoefficients
+from roughcontact._parts.kernels.base import SupportsRows as SupportsRows
+from roughcontact._parts.kernels.base import SupportsShear as SupportsShear
+from roughcontact._parts.kernels.base import SupportsSpectrum as SupportsSpectrum
+from roughcontact._parts.kernels.base import kernels as kernels
+from roughcontact._parts.kernels.base import knows_own_rows as knows_own_rows
+from roughcontact._parts.kernels.base import odd_axes as odd_axes
+from roughcontact._parts.kernels.base import require_form as require_form
+from roughcontact._parts.kernels.half_space import FourierHalfSpace as FourierHalfSpace
+from roughcontact._parts.kernels.half_space import Love as Love
+from roughcontact._parts.kernels.layers import SupportsConduction as SupportsConduction
+from roughcontact._parts.kernels.layers import SupportsStress as SupportsStress
+from roughcontact._parts.kernels.layers import SupportsTangential as SupportsTangential
+from roughcontact._parts.kernels.layers import has_layers as has_layers
+from roughcontact._parts.kernels.mixed import list_octaves as list_octaves
+from roughcontact._parts.kernels.mixed import sum_along_x as sum_along_x

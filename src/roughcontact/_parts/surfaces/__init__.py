@@ -1,62 +1,35 @@
 """Surfaces: heights over a grid, positive outward, towards the other body."""
 
-from roughcontact._parts.surfaces.base import SampledSurface, Surface, SurfaceSum, surfaces
-from roughcontact._parts.surfaces.continuation import Continuation, cells_for, find_maps
-from roughcontact._parts.surfaces.facts import list_facts, write_facts
-from roughcontact._parts.surfaces.filling import MAX_BANDWIDTH, TREATMENTS, complete, fill, solve_in_bands
-from roughcontact._parts.surfaces.heightmap import HeightMap, Separated
-from roughcontact._parts.surfaces.matching import MatchedPair, PlacedMap, match
-from roughcontact._parts.surfaces.resampling import bilinear
-from roughcontact._parts.surfaces.statistics import (
-    HANN_DEPENDENCE,
-    border_jump,
-    mean_in_bands,
-    polynomial,
-    power_spectrum,
-    repeats,
-    rms_slope,
-)
-from roughcontact._parts.surfaces.synthetic import (
-    FlatSurface,
-    ParaboloidSurface,
-    SelfAffineSurface,
-    SphereSurface,
-    WavySurface,
-)
-from roughcontact._parts.surfaces.topography import read_topography
-
-__all__ = [
-    "HANN_DEPENDENCE",
-    "MAX_BANDWIDTH",
-    "TREATMENTS",
-    "Continuation",
-    "FlatSurface",
-    "HeightMap",
-    "MatchedPair",
-    "ParaboloidSurface",
-    "PlacedMap",
-    "SampledSurface",
-    "SelfAffineSurface",
-    "Separated",
-    "SphereSurface",
-    "Surface",
-    "SurfaceSum",
-    "WavySurface",
-    "bilinear",
-    "border_jump",
-    "cells_for",
-    "complete",
-    "fill",
-    "find_maps",
-    "list_facts",
-    "match",
-    "mean_in_bands",
-    "polynomial",
-    "power_spectrum",
-    "read_topography",
-    "repeats",
-    "rms_slope",
-    "solve_in_bands",
-    "surfaces",
-    "write_facts",
-]
+from roughcontact._parts.surfaces.base import SampledSurface as SampledSurface
+from roughcontact._parts.surfaces.base import Surface as Surface
+from roughcontact._parts.surfaces.base import SurfaceSum as SurfaceSum
+from roughcontact._parts.surfaces.base import surfaces as surfaces
+from roughcontact._parts.surfaces.continuation import Continuation as Continuation
+from roughcontact._parts.surfaces.continuation import cells_for as cells_for
+from roughcontact._parts.surfaces.continuation import find_maps as find_maps
+from roughcontact._parts.surfaces.facts import list_facts as list_facts
+from roughcontact._parts.surfaces.facts import write_facts as write_facts
+from roughcontact._parts.surfaces.filling import MAX_BANDWIDTH as MAX_BANDWIDTH
+from roughcontact._parts.surfaces.filling import TREATMENTS as TREATMENTS
+from roughcontact._parts.surfaces.filling import complete as complete
+from roughcontact._parts.surfaces.filling import fill as fill
+from roughcontact._parts.surfaces.filling import solve_in_bands as solve_in_bands
+from roughcontact._parts.surfaces.heightmap import HeightMap as HeightMap
+from roughcontact._parts.surfaces.heightmap import Separated as Separated
+from roughcontact._parts.surfaces.matching import MatchedPair as MatchedPair
+from roughcontact._parts.surfaces.matching import PlacedMap as PlacedMap
+from roughcontact._parts.surfaces.matching import match as match
+from roughcontact._parts.surfaces.resampling import bilinear as bilinear
+from roughcontact._parts.surfaces.statistics import HANN_DEPENDENCE as HANN_DEPENDENCE
+from roughcontact._parts.surfaces.statistics import border_jump as border_jump
+from roughcontact._parts.surfaces.statistics import mean_in_bands as mean_in_bands
+from roughcontact._parts.surfaces.statistics import polynomial as polynomial
+from roughcontact._parts.surfaces.statistics import power_spectrum as power_spectrum
+from roughcontact._parts.surfaces.statistics import repeats as repeats
+from roughcontact._parts.surfaces.statistics import rms_slope as rms_slope
+from roughcontact._parts.surfaces.synthetic import FlatSurface as FlatSurface
+from roughcontact._parts.surfaces.synthetic import ParaboloidSurface as ParaboloidSurface
+from roughcontact._parts.surfaces.synthetic import SelfAffineSurface as SelfAffineSurface
+from roughcontact._parts.surfaces.synthetic import SphereSurface as SphereSurface
+from roughcontact._parts.surfaces.synthetic import WavySurface as WavySurface
+from roughcontact._parts.surfaces.topography import read_topography as read_topography

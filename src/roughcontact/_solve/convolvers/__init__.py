@@ -1,35 +1,18 @@
 """Convolvers: displacement from pressure, for each boundary of the domain."""
 
-from roughcontact._solve.convolvers.base import (
-    ConvolutionSetup,
-    Convolver,
-    InverseConvolution,
-    PreparedConvolution,
-    convolvers,
-    mixed_spectrum,
-    periodic_spectrum,
-    wrapped_spectrum,
-)
-from roughcontact._solve.convolvers.direct import Direct
-from roughcontact._solve.convolvers.fft import DCFFT, CircularFFT
-from roughcontact._solve.convolvers.shear import ShearConvolution, WaveMatrix
-from roughcontact._solve.convolvers.transforms import list_all_waves, padded_shape, transform_extended
-
-__all__ = [
-    "DCFFT",
-    "CircularFFT",
-    "ConvolutionSetup",
-    "Convolver",
-    "Direct",
-    "InverseConvolution",
-    "PreparedConvolution",
-    "ShearConvolution",
-    "WaveMatrix",
-    "convolvers",
-    "list_all_waves",
-    "mixed_spectrum",
-    "padded_shape",
-    "periodic_spectrum",
-    "transform_extended",
-    "wrapped_spectrum",
-]
+from roughcontact._solve.convolvers.base import ConvolutionSetup as ConvolutionSetup
+from roughcontact._solve.convolvers.base import Convolver as Convolver
+from roughcontact._solve.convolvers.base import InverseConvolution as InverseConvolution
+from roughcontact._solve.convolvers.base import PreparedConvolution as PreparedConvolution
+from roughcontact._solve.convolvers.base import convolvers as convolvers
+from roughcontact._solve.convolvers.base import mixed_spectrum as mixed_spectrum
+from roughcontact._solve.convolvers.base import periodic_spectrum as periodic_spectrum
+from roughcontact._solve.convolvers.base import wrapped_spectrum as wrapped_spectrum
+from roughcontact._solve.convolvers.direct import Direct as Direct
+from roughcontact._solve.convolvers.fft import DCFFT as DCFFT
+from roughcontact._solve.convolvers.fft import CircularFFT as CircularFFT
+from roughcontact._solve.convolvers.shear import ShearConvolution as ShearConvolution
+from roughcontact._solve.convolvers.shear import WaveMatrix as WaveMatrix
+from roughcontact._solve.convolvers.transforms import list_all_waves as list_all_waves
+from roughcontact._solve.convolvers.transforms import padded_shape as padded_shape
+from roughcontact._solve.convolvers.transforms import transform_extended as transform_extended

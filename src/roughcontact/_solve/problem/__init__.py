@@ -1,137 +1,76 @@
 """The contact problem: bodies, initial gap, load, plan, certificate."""
 
-from roughcontact._solve.problem.accuracy import resample_problem, tolerance_within
-from roughcontact._solve.problem.adhesive_path import follow, follow_loads
-from roughcontact._solve.problem.body import RIGID_FLAT, Body
-from roughcontact._solve.problem.cycle import AdhesionCycle, describe_cycle, find_stability, linearise
-from roughcontact._solve.problem.description import (
-    describe_estimate,
-    describe_grid,
-    describe_inputs,
-    describe_loads,
-    describe_problem,
-    describe_solution,
-    describe_state,
-    describe_value,
-    find_inputs,
-    find_path_inputs,
-    find_problem,
-    find_versions,
-    format_json,
-)
-from roughcontact._solve.problem.expressions import ExpressionWriter, NotInAScript, describe_part, write_number
-from roughcontact._solve.problem.friction_certificate import require_frictional
-from roughcontact._solve.problem.friction_plan import explain_with_friction, include_friction, memory_of_friction
-from roughcontact._solve.problem.increments import Increment, list_loads, list_targets
-from roughcontact._solve.problem.memory import require_memory_of_solve
-from roughcontact._solve.problem.path import (
-    AS_GIVEN,
-    FrictionalPath,
-    TangentialLoop,
-    load_path,
-    resolve_friction,
-    run_slide,
-    save_path,
-)
-from roughcontact._solve.problem.plan import SolvePlan
-from roughcontact._solve.problem.problem import ContactProblem
-from roughcontact._solve.problem.pull_off import OnStateToPullOff, find_pull_off
-from roughcontact._solve.problem.required_load import RequiredLoad, find_required_load
-from roughcontact._solve.problem.run import (
-    Certificate,
-    certify,
-    computing,
-    confirm,
-    make_solution,
-    require_certified,
-    run_solve,
-)
-from roughcontact._solve.problem.saved import find_saved_kind, load, problem_of
-from roughcontact._solve.problem.slabs import (
-    SlabProcesses,
-    SlabSolution,
-    SolveRecord,
-    ending_all,
-    plan_slabs,
-    solve_slabs,
-)
-from roughcontact._solve.problem.step_numbers import StepNumbers
-from roughcontact._solve.problem.sweep import Sweep, order_of_solving, predict_pressure, run_sweep
-from roughcontact._solve.problem.task import LOAD_TOLERANCE, bind_kernel, make_task, maximum_pressure, pressure_unit
-
-__all__ = [
-    "AS_GIVEN",
-    "LOAD_TOLERANCE",
-    "RIGID_FLAT",
-    "AdhesionCycle",
-    "Body",
-    "Certificate",
-    "ContactProblem",
-    "ExpressionWriter",
-    "FrictionalPath",
-    "Increment",
-    "NotInAScript",
-    "OnStateToPullOff",
-    "RequiredLoad",
-    "SlabProcesses",
-    "SlabSolution",
-    "SolvePlan",
-    "SolveRecord",
-    "StepNumbers",
-    "Sweep",
-    "TangentialLoop",
-    "bind_kernel",
-    "certify",
-    "computing",
-    "confirm",
-    "describe_cycle",
-    "describe_estimate",
-    "describe_grid",
-    "describe_inputs",
-    "describe_loads",
-    "describe_part",
-    "describe_problem",
-    "describe_solution",
-    "describe_state",
-    "describe_value",
-    "ending_all",
-    "explain_with_friction",
-    "find_inputs",
-    "find_path_inputs",
-    "find_problem",
-    "find_pull_off",
-    "find_required_load",
-    "find_saved_kind",
-    "find_stability",
-    "find_versions",
-    "follow",
-    "follow_loads",
-    "format_json",
-    "include_friction",
-    "linearise",
-    "list_loads",
-    "list_targets",
-    "load",
-    "load_path",
-    "make_solution",
-    "make_task",
-    "maximum_pressure",
-    "memory_of_friction",
-    "order_of_solving",
-    "plan_slabs",
-    "predict_pressure",
-    "pressure_unit",
-    "problem_of",
-    "require_certified",
-    "require_frictional",
-    "require_memory_of_solve",
-    "resample_problem",
-    "resolve_friction",
-    "run_slide",
-    "run_solve",
-    "run_sweep",
-    "save_path",
-    "solve_slabs",
-    "tolerance_within",
-    "write_number",
-]
+from roughcontact._solve.problem.accuracy import resample_problem as resample_problem
+from roughcontact._solve.problem.accuracy import tolerance_within as tolerance_within
+from roughcontact._solve.problem.adhesive_path import follow as follow
+from roughcontact._solve.problem.adhesive_path import follow_loads as follow_loads
+from roughcontact._solve.problem.body import RIGID_FLAT as RIGID_FLAT
+from roughcontact._solve.problem.body import Body as Body
+from roughcontact._solve.problem.cycle import AdhesionCycle as AdhesionCycle
+from roughcontact._solve.problem.cycle import describe_cycle as describe_cycle
+from roughcontact._solve.problem.cycle import find_stability as find_stability
+from roughcontact._solve.problem.cycle import linearise as linearise
+from roughcontact._solve.problem.description import describe_estimate as describe_estimate
+from roughcontact._solve.problem.description import describe_grid as describe_grid
+from roughcontact._solve.problem.description import describe_inputs as describe_inputs
+from roughcontact._solve.problem.description import describe_loads as describe_loads
+from roughcontact._solve.problem.description import describe_problem as describe_problem
+from roughcontact._solve.problem.description import describe_solution as describe_solution
+from roughcontact._solve.problem.description import describe_state as describe_state
+from roughcontact._solve.problem.description import describe_value as describe_value
+from roughcontact._solve.problem.description import find_inputs as find_inputs
+from roughcontact._solve.problem.description import find_path_inputs as find_path_inputs
+from roughcontact._solve.problem.description import find_problem as find_problem
+from roughcontact._solve.problem.description import find_versions as find_versions
+from roughcontact._solve.problem.description import format_json as format_json
+from roughcontact._solve.problem.expressions import ExpressionWriter as ExpressionWriter
+from roughcontact._solve.problem.expressions import NotInAScript as NotInAScript
+from roughcontact._solve.problem.expressions import describe_part as describe_part
+from roughcontact._solve.problem.expressions import write_number as write_number
+from roughcontact._solve.problem.friction_certificate import require_frictional as require_frictional
+from roughcontact._solve.problem.friction_plan import explain_with_friction as explain_with_friction
+from roughcontact._solve.problem.friction_plan import include_friction as include_friction
+from roughcontact._solve.problem.friction_plan import memory_of_friction as memory_of_friction
+from roughcontact._solve.problem.increments import Increment as Increment
+from roughcontact._solve.problem.increments import list_loads as list_loads
+from roughcontact._solve.problem.increments import list_targets as list_targets
+from roughcontact._solve.problem.memory import require_memory_of_solve as require_memory_of_solve
+from roughcontact._solve.problem.path import AS_GIVEN as AS_GIVEN
+from roughcontact._solve.problem.path import FrictionalPath as FrictionalPath
+from roughcontact._solve.problem.path import TangentialLoop as TangentialLoop
+from roughcontact._solve.problem.path import load_path as load_path
+from roughcontact._solve.problem.path import resolve_friction as resolve_friction
+from roughcontact._solve.problem.path import run_slide as run_slide
+from roughcontact._solve.problem.path import save_path as save_path
+from roughcontact._solve.problem.plan import SolvePlan as SolvePlan
+from roughcontact._solve.problem.problem import ContactProblem as ContactProblem
+from roughcontact._solve.problem.pull_off import OnStateToPullOff as OnStateToPullOff
+from roughcontact._solve.problem.pull_off import find_pull_off as find_pull_off
+from roughcontact._solve.problem.required_load import RequiredLoad as RequiredLoad
+from roughcontact._solve.problem.required_load import find_required_load as find_required_load
+from roughcontact._solve.problem.run import Certificate as Certificate
+from roughcontact._solve.problem.run import certify as certify
+from roughcontact._solve.problem.run import computing as computing
+from roughcontact._solve.problem.run import confirm as confirm
+from roughcontact._solve.problem.run import make_solution as make_solution
+from roughcontact._solve.problem.run import require_certified as require_certified
+from roughcontact._solve.problem.run import run_solve as run_solve
+from roughcontact._solve.problem.saved import find_saved_kind as find_saved_kind
+from roughcontact._solve.problem.saved import load as load
+from roughcontact._solve.problem.saved import problem_of as problem_of
+from roughcontact._solve.problem.slabs import SlabProcesses as SlabProcesses
+from roughcontact._solve.problem.slabs import SlabSolution as SlabSolution
+from roughcontact._solve.problem.slabs import SolveRecord as SolveRecord
+from roughcontact._solve.problem.slabs import ending_all as ending_all
+from roughcontact._solve.problem.slabs import plan_slabs as plan_slabs
+from roughcontact._solve.problem.slabs import solve_slabs as solve_slabs
+from roughcontact._solve.problem.step_numbers import StepNumbers as StepNumbers
+from roughcontact._solve.problem.sweep import Sweep as Sweep
+from roughcontact._solve.problem.sweep import order_of_solving as order_of_solving
+from roughcontact._solve.problem.sweep import predict_pressure as predict_pressure
+from roughcontact._solve.problem.sweep import run_sweep as run_sweep
+from roughcontact._solve.problem.task import LOAD_TOLERANCE as LOAD_TOLERANCE
+from roughcontact._solve.problem.task import bind_kernel as bind_kernel
+from roughcontact._solve.problem.task import make_task as make_task
+from roughcontact._solve.problem.task import maximum_pressure as maximum_pressure
+from roughcontact._solve.problem.task import pressure_unit as pressure_unit

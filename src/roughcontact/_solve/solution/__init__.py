@@ -1,134 +1,77 @@
 """The solution of a contact, its file, and its text."""
 
-from roughcontact._solve.solution.attraction import (
-    RESOLVED_CELLS,
-    TRAPPED_CELLS,
-    AdhesiveConditions,
-    AdhesiveViolation,
-    count_patch_cells,
-    describe_range,
-    find_cut_tension,
-    trapping_error,
-    warn_of_border,
-)
-from roughcontact._solve.solution.conditions import ContactConditions, Violation
-from roughcontact._solve.solution.contact import ContactSolution
-from roughcontact._solve.solution.fields import ContactFields, ContactPatches, find_patches
-from roughcontact._solve.solution.frictional import FrictionalSolution, find_slip_width, list_state
-from roughcontact._solve.solution.frictional_files import read_estimate, read_path, write_path
-from roughcontact._solve.solution.frictional_state import FrictionalResiduals, FrictionalState, TangentialLoad
-from roughcontact._solve.solution.healing import FilledGap, fill_gap, heal
-from roughcontact._solve.solution.origin import Accuracy, Origin, Trial, key_of_origin, solution_key, versions
-from roughcontact._solve.solution.plausibility import PLAUSIBILITY_RULES, Rule, exceeds_metals, find_contact, find_scene
-from roughcontact._solve.solution.results import (
-    DEFAULT_AREA,
-    Area,
-    AreaEstimator,
-    Estimate,
-    GridLevel,
-    Residuals,
-    Response,
-    Status,
-    areas,
-    list_estimates,
-    read_number,
-    require_with_friction,
-    responses,
-)
-from roughcontact._solve.solution.sampling import find_peak_sampling, find_stiffness_sampling
-from roughcontact._solve.solution.storage import read, read_figures, require_netcdf, scalars_of, write
-from roughcontact._solve.solution.summary import (
-    MORE_THAN_METALS,
-    describe_maps,
-    describe_other_places,
-    describe_work,
-    find_load,
-    format_sampling,
-    gather_warnings,
-    list_all_warnings,
-    list_answers,
-    list_quantities,
-    name_load,
-    note_loads,
-)
-from roughcontact._solve.solution.theory import Stickiness, TheoryBeside
-from roughcontact._solve.solution.whole import Whole
-from roughcontact._solve.solution.writers import SolutionWriter, writers
-
-__all__ = [
-    "DEFAULT_AREA",
-    "MORE_THAN_METALS",
-    "PLAUSIBILITY_RULES",
-    "RESOLVED_CELLS",
-    "TRAPPED_CELLS",
-    "Accuracy",
-    "AdhesiveConditions",
-    "AdhesiveViolation",
-    "Area",
-    "AreaEstimator",
-    "ContactConditions",
-    "ContactFields",
-    "ContactPatches",
-    "ContactSolution",
-    "Estimate",
-    "FilledGap",
-    "FrictionalResiduals",
-    "FrictionalSolution",
-    "FrictionalState",
-    "GridLevel",
-    "Origin",
-    "Residuals",
-    "Response",
-    "Rule",
-    "SolutionWriter",
-    "Status",
-    "Stickiness",
-    "TangentialLoad",
-    "TheoryBeside",
-    "Trial",
-    "Violation",
-    "Whole",
-    "areas",
-    "count_patch_cells",
-    "describe_maps",
-    "describe_other_places",
-    "describe_range",
-    "describe_work",
-    "exceeds_metals",
-    "fill_gap",
-    "find_contact",
-    "find_cut_tension",
-    "find_load",
-    "find_patches",
-    "find_peak_sampling",
-    "find_scene",
-    "find_slip_width",
-    "find_stiffness_sampling",
-    "format_sampling",
-    "gather_warnings",
-    "heal",
-    "key_of_origin",
-    "list_all_warnings",
-    "list_answers",
-    "list_estimates",
-    "list_quantities",
-    "list_state",
-    "name_load",
-    "note_loads",
-    "read",
-    "read_estimate",
-    "read_figures",
-    "read_number",
-    "read_path",
-    "require_netcdf",
-    "require_with_friction",
-    "responses",
-    "scalars_of",
-    "solution_key",
-    "trapping_error",
-    "versions",
-    "warn_of_border",
-    "write",
-    "write_path",
-    "writers",
-]
+from roughcontact._solve.solution.attraction import RESOLVED_CELLS as RESOLVED_CELLS
+from roughcontact._solve.solution.attraction import TRAPPED_CELLS as TRAPPED_CELLS
+from roughcontact._solve.solution.attraction import AdhesiveConditions as AdhesiveConditions
+from roughcontact._solve.solution.attraction import AdhesiveViolation as AdhesiveViolation
+from roughcontact._solve.solution.attraction import count_patch_cells as count_patch_cells
+from roughcontact._solve.solution.attraction import describe_range as describe_range
+from roughcontact._solve.solution.attraction import find_cut_tension as find_cut_tension
+from roughcontact._solve.solution.attraction import trapping_error as trapping_error
+from roughcontact._solve.solution.attraction import warn_of_border as warn_of_border
+from roughcontact._solve.solution.conditions import ContactConditions as ContactConditions
+from roughcontact._solve.solution.conditions import Violation as Violation
+from roughcontact._solve.solution.contact import ContactSolution as ContactSolution
+from roughcontact._solve.solution.fields import ContactFields as ContactFields
+from roughcontact._solve.solution.fields import ContactPatches as ContactPatches
+from roughcontact._solve.solution.fields import find_patches as find_patches
+from roughcontact._solve.solution.frictional import FrictionalSolution as FrictionalSolution
+from roughcontact._solve.solution.frictional import find_slip_width as find_slip_width
+from roughcontact._solve.solution.frictional import list_state as list_state
+from roughcontact._solve.solution.frictional_files import read_estimate as read_estimate
+from roughcontact._solve.solution.frictional_files import read_path as read_path
+from roughcontact._solve.solution.frictional_files import write_path as write_path
+from roughcontact._solve.solution.frictional_state import FrictionalResiduals as FrictionalResiduals
+from roughcontact._solve.solution.frictional_state import FrictionalState as FrictionalState
+from roughcontact._solve.solution.frictional_state import TangentialLoad as TangentialLoad
+from roughcontact._solve.solution.healing import FilledGap as FilledGap
+from roughcontact._solve.solution.healing import fill_gap as fill_gap
+from roughcontact._solve.solution.healing import heal as heal
+from roughcontact._solve.solution.origin import Accuracy as Accuracy
+from roughcontact._solve.solution.origin import Origin as Origin
+from roughcontact._solve.solution.origin import Trial as Trial
+from roughcontact._solve.solution.origin import key_of_origin as key_of_origin
+from roughcontact._solve.solution.origin import solution_key as solution_key
+from roughcontact._solve.solution.origin import versions as versions
+from roughcontact._solve.solution.plausibility import PLAUSIBILITY_RULES as PLAUSIBILITY_RULES
+from roughcontact._solve.solution.plausibility import Rule as Rule
+from roughcontact._solve.solution.plausibility import exceeds_metals as exceeds_metals
+from roughcontact._solve.solution.plausibility import find_contact as find_contact
+from roughcontact._solve.solution.plausibility import find_scene as find_scene
+from roughcontact._solve.solution.results import DEFAULT_AREA as DEFAULT_AREA
+from roughcontact._solve.solution.results import Area as Area
+from roughcontact._solve.solution.results import AreaEstimator as AreaEstimator
+from roughcontact._solve.solution.results import Estimate as Estimate
+from roughcontact._solve.solution.results import GridLevel as GridLevel
+from roughcontact._solve.solution.results import Residuals as Residuals
+from roughcontact._solve.solution.results import Response as Response
+from roughcontact._solve.solution.results import Status as Status
+from roughcontact._solve.solution.results import areas as areas
+from roughcontact._solve.solution.results import list_estimates as list_estimates
+from roughcontact._solve.solution.results import read_number as read_number
+from roughcontact._solve.solution.results import require_with_friction as require_with_friction
+from roughcontact._solve.solution.results import responses as responses
+from roughcontact._solve.solution.sampling import find_peak_sampling as find_peak_sampling
+from roughcontact._solve.solution.sampling import find_stiffness_sampling as find_stiffness_sampling
+from roughcontact._solve.solution.storage import read as read
+from roughcontact._solve.solution.storage import read_figures as read_figures
+from roughcontact._solve.solution.storage import require_netcdf as require_netcdf
+from roughcontact._solve.solution.storage import scalars_of as scalars_of
+from roughcontact._solve.solution.storage import write as write
+from roughcontact._solve.solution.summary import MORE_THAN_METALS as MORE_THAN_METALS
+from roughcontact._solve.solution.summary import describe_maps as describe_maps
+from roughcontact._solve.solution.summary import describe_other_places as describe_other_places
+from roughcontact._solve.solution.summary import describe_work as describe_work
+from roughcontact._solve.solution.summary import find_load as find_load
+from roughcontact._solve.solution.summary import format_sampling as format_sampling
+from roughcontact._solve.solution.summary import gather_warnings as gather_warnings
+from roughcontact._solve.solution.summary import list_all_warnings as list_all_warnings
+from roughcontact._solve.solution.summary import list_answers as list_answers
+from roughcontact._solve.solution.summary import list_quantities as list_quantities
+from roughcontact._solve.solution.summary import name_load as name_load
+from roughcontact._solve.solution.summary import note_loads as note_loads
+from roughcontact._solve.solution.theory import Stickiness as Stickiness
+from roughcontact._solve.solution.theory import TheoryBeside as TheoryBeside
+from roughcontact._solve.solution.whole import Whole as Whole
+from roughcontact._solve.solution.writers import SolutionWriter as SolutionWriter
+from roughcontact._solve.solution.writers import writers as writers

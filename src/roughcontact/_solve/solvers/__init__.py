@@ -1,85 +1,42 @@
 """Solvers: the pressure that satisfies the conditions of contact."""
 
-from roughcontact._solve.solvers.adhesive import GapDescent, LinearisedGap, Majorise, surface_stiffness
-from roughcontact._solve.solvers.base import (
-    Monitor,
-    Outcome,
-    Solver,
-    Step,
-    Task,
-    nearest_pressure,
-    positive_tolerance,
-    solvers,
-    starting_pressure,
-)
-from roughcontact._solve.solvers.conjugate import ProjectedConjugateGradient
-from roughcontact._solve.solvers.conjugate.active import ActiveCells, MaskedCells, active_cells
-from roughcontact._solve.solvers.conjugate.nested_iteration import (
-    GridSolution,
-    estimate_approach,
-    halve_shape,
-    solve_in_window,
-)
-from roughcontact._solve.solvers.conjugate.preconditioner import (
-    LONG_WAVE_CUT,
-    MAX_CUT_EXPONENT,
-    Preconditioner,
-    count_blocks,
-)
-from roughcontact._solve.solvers.polonsky_keer import PolonskyKeer
-from roughcontact._solve.solvers.projection import dot, project_to_load, rescale_to_load, total
-from roughcontact._solve.solvers.shear import (
-    ProjectedShearCG,
-    ShearOutcome,
-    ShearSolver,
-    ShearTask,
-    SpectralShearGradient,
-    magnitude,
-    natural_residual,
-    project_to_discs,
-    shear_solvers,
-)
-from roughcontact._solve.solvers.spectral_gradient import SpectralGradient
-
-__all__ = [
-    "LONG_WAVE_CUT",
-    "MAX_CUT_EXPONENT",
-    "ActiveCells",
-    "GapDescent",
-    "GridSolution",
-    "LinearisedGap",
-    "Majorise",
-    "MaskedCells",
-    "Monitor",
-    "Outcome",
-    "PolonskyKeer",
-    "Preconditioner",
-    "ProjectedConjugateGradient",
-    "ProjectedShearCG",
-    "ShearOutcome",
-    "ShearSolver",
-    "ShearTask",
-    "Solver",
-    "SpectralGradient",
-    "SpectralShearGradient",
-    "Step",
-    "Task",
-    "active_cells",
-    "count_blocks",
-    "dot",
-    "estimate_approach",
-    "halve_shape",
-    "magnitude",
-    "natural_residual",
-    "nearest_pressure",
-    "positive_tolerance",
-    "project_to_discs",
-    "project_to_load",
-    "rescale_to_load",
-    "shear_solvers",
-    "solve_in_window",
-    "solvers",
-    "starting_pressure",
-    "surface_stiffness",
-    "total",
-]
+from roughcontact._solve.solvers.adhesive import GapDescent as GapDescent
+from roughcontact._solve.solvers.adhesive import LinearisedGap as LinearisedGap
+from roughcontact._solve.solvers.adhesive import Majorise as Majorise
+from roughcontact._solve.solvers.adhesive import surface_stiffness as surface_stiffness
+from roughcontact._solve.solvers.base import Monitor as Monitor
+from roughcontact._solve.solvers.base import Outcome as Outcome
+from roughcontact._solve.solvers.base import Solver as Solver
+from roughcontact._solve.solvers.base import Step as Step
+from roughcontact._solve.solvers.base import Task as Task
+from roughcontact._solve.solvers.base import nearest_pressure as nearest_pressure
+from roughcontact._solve.solvers.base import positive_tolerance as positive_tolerance
+from roughcontact._solve.solvers.base import solvers as solvers
+from roughcontact._solve.solvers.base import starting_pressure as starting_pressure
+from roughcontact._solve.solvers.conjugate import ProjectedConjugateGradient as ProjectedConjugateGradient
+from roughcontact._solve.solvers.conjugate.active import ActiveCells as ActiveCells
+from roughcontact._solve.solvers.conjugate.active import MaskedCells as MaskedCells
+from roughcontact._solve.solvers.conjugate.active import active_cells as active_cells
+from roughcontact._solve.solvers.conjugate.nested_iteration import GridSolution as GridSolution
+from roughcontact._solve.solvers.conjugate.nested_iteration import estimate_approach as estimate_approach
+from roughcontact._solve.solvers.conjugate.nested_iteration import halve_shape as halve_shape
+from roughcontact._solve.solvers.conjugate.nested_iteration import solve_in_window as solve_in_window
+from roughcontact._solve.solvers.conjugate.preconditioner import LONG_WAVE_CUT as LONG_WAVE_CUT
+from roughcontact._solve.solvers.conjugate.preconditioner import MAX_CUT_EXPONENT as MAX_CUT_EXPONENT
+from roughcontact._solve.solvers.conjugate.preconditioner import Preconditioner as Preconditioner
+from roughcontact._solve.solvers.conjugate.preconditioner import count_blocks as count_blocks
+from roughcontact._solve.solvers.polonsky_keer import PolonskyKeer as PolonskyKeer
+from roughcontact._solve.solvers.projection import dot as dot
+from roughcontact._solve.solvers.projection import project_to_load as project_to_load
+from roughcontact._solve.solvers.projection import rescale_to_load as rescale_to_load
+from roughcontact._solve.solvers.projection import total as total
+from roughcontact._solve.solvers.shear import ProjectedShearCG as ProjectedShearCG
+from roughcontact._solve.solvers.shear import ShearOutcome as ShearOutcome
+from roughcontact._solve.solvers.shear import ShearSolver as ShearSolver
+from roughcontact._solve.solvers.shear import ShearTask as ShearTask
+from roughcontact._solve.solvers.shear import SpectralShearGradient as SpectralShearGradient
+from roughcontact._solve.solvers.shear import magnitude as magnitude
+from roughcontact._solve.solvers.shear import natural_residual as natural_residual
+from roughcontact._solve.solvers.shear import project_to_discs as project_to_discs
+from roughcontact._solve.solvers.shear import shear_solvers as shear_solvers
+from roughcontact._solve.solvers.spectral_gradient import SpectralGradient as SpectralGradient

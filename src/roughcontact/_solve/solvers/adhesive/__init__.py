@@ -5,9 +5,7 @@ From the top: `gap_descent` (the solver), `nested_start` (coarse grids, and othe
 adhesion) and `linearised_gap` (small changes of a state) beside it.
 """
 
-from roughcontact._solve.solvers.adhesive.gap_descent import GapDescent
-from roughcontact._solve.solvers.adhesive.linearised_gap import LinearisedGap
-from roughcontact._solve.solvers.adhesive.majorise import Majorise
-from roughcontact._solve.solvers.adhesive.stiffness import surface_stiffness
-
-__all__ = ["GapDescent", "LinearisedGap", "Majorise", "surface_stiffness"]
+from roughcontact._solve.solvers.adhesive.gap_descent import GapDescent as GapDescent
+from roughcontact._solve.solvers.adhesive.linearised_gap import LinearisedGap as LinearisedGap
+from roughcontact._solve.solvers.adhesive.majorise import Majorise as Majorise
+from roughcontact._solve.solvers.adhesive.stiffness import surface_stiffness as surface_stiffness

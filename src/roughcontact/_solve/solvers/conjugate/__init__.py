@@ -8,6 +8,4 @@ Constants without another source are tuned. Halving or doubling one changes the 
 (docs/studies/solver_constants.py), unless its comment says more.
 """
 
-from roughcontact._solve.solvers.conjugate.solver import ProjectedConjugateGradient
-
-__all__ = ["ProjectedConjugateGradient"]
+from roughcontact._solve.solvers.conjugate.solver import ProjectedConjugateGradient as ProjectedConjugateGradient
