@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import roughcontact as rc
 from roughcontact.typing import RealArray
 
-if TYPE_CHECKING:
-    from roughcontact_mpi.arrays import SlabArray
+from roughcontact_mpi.slab import Slab
 
 _FUNCTIONS: dict[Any, Callable[..., Any]] = {}
 _IDENTITIES: dict[Any, float] = {np.add: 0.0, np.minimum: np.inf, np.maximum: -np.inf}
@@ -30,14 +29,14 @@ def is_slab(value: Any) -> bool:
     return getattr(value, "is_slab", False)
 
 
-def leader(values: Sequence[Any]) -> SlabArray:
+def leader(values: Sequence[Any]) -> Slab:
     """Return the array that says how a result is divided: of those in slabs a divided one with most axes."""
     slabs = [one for one in values if is_slab(one)]
-    found: SlabArray = max(slabs, key=lambda one: (one.is_divided, one.ndim))
+    found: Slab = max(slabs, key=lambda one: (one.is_divided, one.ndim))
     return found
 
 
-def part_of(value: Any, lead: SlabArray) -> Any:
+def part_of(value: Any, lead: Slab) -> Any:
     """Return the part of a value for a result that is divided as another array is."""
     if is_slab(value):
         if lead.is_divided and not value.is_divided and value.size > 1:
@@ -48,7 +47,7 @@ def part_of(value: Any, lead: SlabArray) -> Any:
     return value
 
 
-def carry_out(function: Any, caller: SlabArray, args: Sequence[Any], options: dict[str, Any]) -> Any:
+def carry_out(function: Any, caller: Slab, args: Sequence[Any], options: dict[str, Any]) -> Any:
     """Return the result of a function; `InputError` if arrays in slabs have no such function."""
     if function in _CREATORS:
         return _create(function, caller, *args, **options)
@@ -59,7 +58,7 @@ def carry_out(function: Any, caller: SlabArray, args: Sequence[Any], options: di
 
 def reduce(
     ufunc: np.ufunc,
-    values: SlabArray,
+    values: Slab,
     axis: int | None = 0,
     dtype: Any = None,
     *,
@@ -84,7 +83,7 @@ def reduce(
     return own.dtype.type(found)
 
 
-def gather(values: SlabArray) -> RealArray:
+def gather(values: Slab) -> RealArray:
     """Return the whole of an array as one of numpy, on each process."""
     if not values.is_divided:
         return values.part
@@ -92,7 +91,7 @@ def gather(values: SlabArray) -> RealArray:
     return values.processes.gather(flat).view(values.dtype).reshape(-1, *values.part.shape[1:])
 
 
-def get(values: SlabArray, index: Any) -> Any:
+def get(values: Slab, index: Any) -> Any:
     """Return the entries at an index; see `put`."""
     cells = _local(values, index)
     if cells is None:
@@ -108,7 +107,7 @@ def get(values: SlabArray, index: Any) -> Any:
     return _divided(values, found, _length_after(values, index))
 
 
-def put(values: SlabArray, index: Any, given: Any) -> None:
+def put(values: Slab, index: Any, given: Any) -> None:
     """Set the entries at an index: of places or a mask, of a slice along the first axis in full or of every second."""
     cells = _local(values, index)
     if cells is None:
@@ -123,7 +122,7 @@ def put(values: SlabArray, index: Any, given: Any) -> None:
     values.part[cells] = part
 
 
-def _local(values: SlabArray, index: Any) -> Any:
+def _local(values: Slab, index: Any) -> Any:
     """Return an index in the part of this process; None for a window, whose rows have to move."""
     if is_slab(index):
         return index.part
@@ -143,7 +142,7 @@ def _local(values: SlabArray, index: Any) -> Any:
     return slice(None) if index.step in (None, 1) else index
 
 
-def _is_simple(values: SlabArray, rows: Any) -> bool:
+def _is_simple(values: Slab, rows: Any) -> bool:
     """Return whether a slice takes all rows, or every second one."""
     if not isinstance(rows, slice):
         return False
@@ -152,22 +151,22 @@ def _is_simple(values: SlabArray, rows: Any) -> bool:
     return rows.step in (None, 1) and rows.start in (None, 0) and (rows.stop is None or rows.stop >= values.shape[0])
 
 
-def _length_after(values: SlabArray, index: Any) -> int:
+def _length_after(values: Slab, index: Any) -> int:
     rows = index[0] if isinstance(index, tuple) else index
     return len(range(*rows.indices(values.shape[0])))
 
 
-def _divided(values: SlabArray, part: RealArray, length: int) -> SlabArray:
+def _divided(values: Slab, part: RealArray, length: int) -> Slab:
     if part.shape[1:] == values.part.shape[1:] and length == values.shape[0]:
         return values.like(part)
     return type(values).field(part, values.processes, length)
 
 
-def _new_list(values: SlabArray, part: RealArray) -> SlabArray:
+def _new_list(values: Slab, part: RealArray) -> Slab:
     return type(values).list(part, values.processes)
 
 
-def _window(values: SlabArray, index: tuple[slice, slice]) -> tuple[tuple[int, ...], tuple[int, ...], int]:
+def _window(values: Slab, index: tuple[slice, slice]) -> tuple[tuple[int, ...], tuple[int, ...], int]:
     """Return the bounds of the rows of a field, and those of a window, in rows of the field, with its rows."""
     start, stop, step = index[0].indices(values.shape[0])
     if step != 1:
@@ -177,14 +176,14 @@ def _window(values: SlabArray, index: tuple[slice, slice]) -> tuple[tuple[int, .
     return processes.rows(values.shape[0]), inside, stop - start
 
 
-def _get_window(values: SlabArray, index: tuple[slice, slice]) -> SlabArray:
+def _get_window(values: Slab, index: tuple[slice, slice]) -> Slab:
     bounds, inside, count = _window(values, index)
     columns = np.ascontiguousarray(values.part[:, index[1]])
     part = values.processes.move_rows(_as_bytes(columns), bounds, inside).view(values.dtype)
     return type(values).field(part, values.processes, count)
 
 
-def _put_window(values: SlabArray, index: tuple[slice, slice], given: SlabArray) -> None:
+def _put_window(values: Slab, index: tuple[slice, slice], given: Slab) -> None:
     bounds, inside, _ = _window(values, index)
     processes = values.processes
     rows = processes.move_rows(_as_bytes(given.part), inside, bounds).view(given.dtype)
@@ -197,7 +196,7 @@ def _as_bytes(values: RealArray) -> RealArray:
     return values.view(np.uint8) if values.dtype == np.bool_ else values
 
 
-def _create(function: Any, caller: SlabArray, shape: Any, *args: Any, **options: Any) -> SlabArray:
+def _create(function: Any, caller: Slab, shape: Any, *args: Any, **options: Any) -> Slab:
     """Return a new field, or an array of one entry that all have."""
     if function is np.asarray:
         return _as_slab(caller, shape, *args, **options)
@@ -210,9 +209,9 @@ def _create(function: Any, caller: SlabArray, shape: Any, *args: Any, **options:
     return type(caller).field(part, caller.processes, shape[0])
 
 
-def _as_slab(caller: SlabArray, values: Any, dtype: Any = None) -> SlabArray:
+def _as_slab(caller: Slab, values: Any, dtype: Any = None) -> Slab:
     if is_slab(values):
-        kept: SlabArray = values if dtype is None else values.astype(dtype, copy=False)
+        kept: Slab = values if dtype is None else values.astype(dtype, copy=False)
         return kept
     return type(caller)(np.asarray(values, dtype=dtype), caller.processes, None)
 
@@ -229,17 +228,17 @@ def _listed(function: Any) -> Callable[[Callable[..., Any]], Callable[..., Any]]
 
 
 @_listed(np.zeros_like)
-def _zeros_like(values: SlabArray, dtype: Any = None) -> Any:
+def _zeros_like(values: Slab, dtype: Any = None) -> Any:
     return values.like(np.zeros_like(values.part, dtype=dtype))
 
 
 @_listed(np.ones_like)
-def _ones_like(values: SlabArray, dtype: Any = None) -> Any:
+def _ones_like(values: Slab, dtype: Any = None) -> Any:
     return values.like(np.ones_like(values.part, dtype=dtype))
 
 
 @_listed(np.empty_like)
-def _empty_like(values: SlabArray, dtype: Any = None) -> Any:
+def _empty_like(values: Slab, dtype: Any = None) -> Any:
     return values.like(np.empty_like(values.part, dtype=dtype))
 
 
@@ -250,19 +249,19 @@ def _where(mask: Any, one: Any, other: Any) -> Any:
 
 
 @_listed(np.clip)
-def _clip(values: SlabArray, low: Any, high: Any, out: SlabArray | None = None) -> Any:
+def _clip(values: Slab, low: Any, high: Any, out: Slab | None = None) -> Any:
     target = None if out is None else out.part
     found = np.clip(values.part, part_of(low, values), part_of(high, values), out=target)
     return values.like(np.asarray(found)) if out is None else out
 
 
 @_listed(np.copyto)
-def _copyto(target: SlabArray, values: Any, where: Any = True) -> None:
+def _copyto(target: Slab, values: Any, where: Any = True) -> None:
     np.copyto(target.part, part_of(values, target), where=part_of(where, target))
 
 
 @_listed(np.einsum)
-def _einsum(sums: str, one: SlabArray, other: SlabArray, dtype: Any = None, casting: Any = "safe") -> Any:
+def _einsum(sums: str, one: Slab, other: Slab, dtype: Any = None, casting: Any = "safe") -> Any:
     if sums not in ("i,i->", "ij,ij->"):
         raise unknown("einsum")
     options = {} if dtype is None else {"dtype": dtype, "casting": casting}
@@ -271,23 +270,23 @@ def _einsum(sums: str, one: SlabArray, other: SlabArray, dtype: Any = None, cast
 
 
 @_listed(np.sum)
-def _sum(values: SlabArray, where: Any = True) -> Any:
+def _sum(values: Slab, where: Any = True) -> Any:
     return reduce(np.add, values, None, where=where)
 
 
 @_listed(np.count_nonzero)
-def _count_nonzero(values: SlabArray) -> int:
+def _count_nonzero(values: Slab) -> int:
     own = np.count_nonzero(values.part)
     return int(values.processes.total(own) if values.is_divided else own)
 
 
 @_listed(np.flatnonzero)
-def _flatnonzero(values: SlabArray) -> SlabArray:
+def _flatnonzero(values: Slab) -> Slab:
     return _new_list(values, np.flatnonzero(values.part))
 
 
 @_listed(np.array_equal)
-def _array_equal(one: SlabArray, other: SlabArray) -> bool:
+def _array_equal(one: Slab, other: Slab) -> bool:
     return not (one != other).any()
 
 
@@ -300,7 +299,7 @@ def _concatenate(parts: Sequence[Any]) -> Any:
 
 
 @_listed(np.broadcast_to)
-def _broadcast_to(values: SlabArray, shape: tuple[int, ...]) -> SlabArray:
+def _broadcast_to(values: Slab, shape: tuple[int, ...]) -> Slab:
     if values.is_divided:
         return values
     own = values.processes.own_rows(shape[0])
@@ -309,13 +308,13 @@ def _broadcast_to(values: SlabArray, shape: tuple[int, ...]) -> SlabArray:
 
 
 @_listed(np.repeat)
-def _repeat(values: SlabArray, repeats: int, axis: int | None = None) -> SlabArray:
+def _repeat(values: Slab, repeats: int, axis: int | None = None) -> Slab:
     part = np.repeat(values.part, repeats, axis=axis)
     return type(values).field(part, values.processes, values.shape[0] * (1 if axis else repeats))
 
 
 @_listed(np.roll)
-def _roll(values: SlabArray, shift: int, axis: int) -> Any:
+def _roll(values: Slab, shift: int, axis: int) -> Any:
     if axis == 1:
         return values.like(np.roll(values.part, shift, axis=1))
     if shift not in (-1, 1):

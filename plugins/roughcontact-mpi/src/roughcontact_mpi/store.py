@@ -7,15 +7,12 @@ import os
 import shutil
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import roughcontact as rc
 
 from roughcontact_mpi.arrays import SlabArray
 from roughcontact_mpi.processes import Processes
-
-if TYPE_CHECKING:
-    from roughcontact_mpi.contact import SlabSolution
 
 SUFFIX = ".zarr"
 # Names in words and units, as in the netCDF files of roughcontact.
@@ -51,7 +48,7 @@ def _require_zarr() -> Any:
     return zarr
 
 
-def write_store(path: Path, solution: SlabSolution) -> None:
+def write_store(path: Path, solution: rc.typing.SlabSolution) -> None:
     """Write the fields of a solution to a zarr store, each process its rows; an older store is replaced at the end.
 
     Its arrays have the names, dimensions, units and coordinates of the netCDF files of roughcontact, so that

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import attrs
 import numpy as np
 import roughcontact as rc
@@ -12,9 +10,6 @@ from roughcontact.typing import Array, PreparedConvolution, make_solution
 from roughcontact_mpi.arrays import SlabArray
 from roughcontact_mpi.parts import Part
 from roughcontact_mpi.patches import WindowPatches, label_slabs, window_patches
-
-if TYPE_CHECKING:
-    from roughcontact_mpi.contact import SlabSolution
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -36,7 +31,7 @@ class WindowSolution(rc.ContactSolution):
         return ()
 
 
-def open_window(solution: SlabSolution) -> WindowSolution:
+def open_window(solution: rc.typing.SlabSolution) -> WindowSolution:
     """Return a solution on the window of this process."""
     plan = solution.plan
     part = Part(solution.pressure.processes, plan.grid.shape, plan.boundary)
