@@ -8,6 +8,7 @@ import functools
 import inspect
 import math
 import pickle
+import traceback
 import types
 import typing
 from concurrent.futures import ThreadPoolExecutor
@@ -50,11 +51,7 @@ def sample(x: int) -> int:
     return x
 
 
-def generate():
-    yield
-
-
-GUARDS = {door.guarded(sample).__code__, door.guarded(generate).__code__}
+GUARDS = {door.guarded(sample).__code__}
 
 
 def functions_of(cls):
@@ -108,6 +105,11 @@ class Step:
     height: float = attrs.field(validator=attrs.validators.gt(0.0))
 
 
+@attrs.frozen
+class Choice:
+    of: int = attrs.field(validator=attrs.validators.in_([1, 2]))
+
+
 class Stepped(rc.Surface):
     def heights(self, grid):
         return np.full(grid.shape, Step(-1.0).height)
@@ -116,6 +118,11 @@ class Stepped(rc.Surface):
 class Wrong(rc.Surface):
     def heights(self):
         return np.zeros((8, 8))
+
+
+class OutOfRange(rc.Surface):
+    def heights(self, grid):
+        return np.full(grid.shape, Choice(3).of)
 
 
 class Nameless:
@@ -183,7 +190,17 @@ BAD_CALLS = {
         "Exponential.scaled",
     ),
     "a number beyond float64": (lambda: rc.Exponential(0.05, 1e-9).scaled(10**400, 1.0), rc.InputError, "scaled"),
-    "a plug-in part that attrs refuses": (lambda: of(Stepped()), rc.InputError, "'height' must be > 0.0"),
+    "a plug-in part that attrs refuses": (
+        lambda: of(Stepped()),
+        rc.InputError,
+        "ContactProblem failed in Stepped.heights: 'height' must be > 0.0",
+    ),
+    "a choice that attrs refuses": (lambda: of(OutOfRange()), rc.InputError, "'of' must be in [1, 2] (got 3)."),
+    "what holds no numbers": (
+        lambda: types_of_rc.GridLevel(object(), 1, 2),
+        rc.InputError,
+        "shape= of GridLevel must be of type",
+    ),
     "a key that cannot be": (lambda: rc.kernels[[]], rc.InputError, "must be of type str"),
 }
 
@@ -217,6 +234,40 @@ def test_what_no_check_has_foreseen_is_translated_and_chained(monkeypatch, raise
         solve()
     assert caught.value.__cause__ is raised
     assert isinstance(raised, OSError) == isinstance(caught.value, OSError)
+
+
+def frames_of(error):
+    return [frame.f_code.co_filename for frame, _ in traceback.walk_tb(error.__traceback__)]
+
+
+def test_a_traceback_shows_what_was_called_and_not_the_door(monkeypatch):
+    def fail(*_, **__):
+        return {}["no such key"]
+
+    monkeypatch.setattr("roughcontact._solve.solvers.conjugate.descent.Descent.iterate", fail)
+    with pytest.raises(rc.UnexpectedError) as caught:
+        solve()
+    frames = frames_of(caught.value.__cause__)
+    # Pytest's own frames stand between the call and this test; none of the package does.
+    assert all(name == __file__ for name in frames_of(caught.value))
+    assert frames[0].endswith("problem.py")
+    assert frames[-1] == __file__
+    assert door.__file__ not in frames
+    with pytest.raises(rc.InputError) as refused:
+        of(Stepped())
+    assert door.__file__ not in frames_of(refused.value)
+
+
+@pytest.mark.parametrize("error", [KeyError("k"), AttributeError("no"), MemoryError()])
+def test_what_fails_in_a_property_is_answered_by_a_sentence_that_names_it(monkeypatch, error):
+    def fail(*_, **__):
+        raise error
+
+    solution = solve()
+    monkeypatch.setattr("roughcontact._solve.solution.fields.find_patches", fail)
+    with pytest.raises(rc.RoughContactError, match=r"ContactSolution\.patches"):
+        _ = solution.patches
+    assert not hasattr(solution, "no_such_attribute")
 
 
 @pytest.mark.parametrize("raised", [ValueError("mine"), KeyboardInterrupt(), SystemExit(3), StopIteration()])

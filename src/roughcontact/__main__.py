@@ -17,7 +17,8 @@ from roughcontact._faces.cli import Command, commands
 from roughcontact._faces.cli.help import Parser, tell
 from roughcontact._faces.cli.options import name_options
 from roughcontact.errors import InputError, MissingPackage, NotConverged, RoughContactError, UnexpectedError, shorten
-from roughcontact.errors.door import saying_warnings, translated
+from roughcontact.errors.door import translated
+from roughcontact.errors.warning import saying_warnings
 
 # The beginning of a negative number, such as -20nN.
 _NEGATIVE = re.compile(r"-[.\d]")

@@ -23,7 +23,7 @@ from roughcontact._parts.materials import MAX_UNCOUPLED_BETA, Material, pair_con
 from roughcontact._solve.problem import predict_pressure, problem_of
 from roughcontact._solve.solution import ContactSolution, Estimate, Response, responses
 from roughcontact.errors import InputError
-from roughcontact.errors.door import Answer
+from roughcontact.errors.warning import Answer
 
 # Fraction of the force of sliding up to which the errors of the two approaches cancel (measured on balls of 3 to 24
 # cells radius: the error is the error of the stiffness for small forces).

@@ -15,7 +15,8 @@ from types import MappingProxyType
 from typing import Any, Generic, TypeVar
 
 from roughcontact.errors import InputError
-from roughcontact.errors.door import guarded, warn
+from roughcontact.errors.door import guarded
+from roughcontact.errors.warning import warn
 
 T = TypeVar("T")
 C = TypeVar("C", bound=type)

@@ -14,7 +14,8 @@ import attrs
 import numpy as np
 
 from roughcontact.errors import InputError
-from roughcontact.errors.door import Answer, guarded
+from roughcontact.errors.door import guarded
+from roughcontact.errors.warning import Answer
 
 _PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T", 15: "P"}
 # Areas and volumes, whose prefix is raised to the power behind it; and units with another power or an inverse.

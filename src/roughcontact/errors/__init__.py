@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterable
 from typing import Any
 
+import attrs
 import numpy as np
 
 # Characters of a value that a message repeats.
@@ -240,6 +241,17 @@ def short(value: object) -> str:
         text = f"a {type(value).__name__}"
     is_own = type(value).__module__ != "builtins" and len(text) > _MAX_VALUE_CHARACTERS
     return f"a {type(value).__name__}" if is_own or "array(" in text else shorten(text, _MAX_VALUE_CHARACTERS)
+
+
+def message_of(error: Exception) -> str:
+    """Return the text of an error in one line; empty if its class fails to describe it."""
+    # The validators of attrs give more than a text.
+    is_of_attrs = len(error.args) > 1 and isinstance(error.args[1], attrs.Attribute)
+    try:
+        return " ".join(str(error.args[0] if is_of_attrs else error).split())
+    # An exception class of the caller's.
+    except Exception:
+        return ""
 
 
 def _shorten_words(text: str) -> str:

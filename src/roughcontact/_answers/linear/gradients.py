@@ -16,7 +16,8 @@ from roughcontact._parts.grid import Boundary
 from roughcontact._solve.problem import computing, problem_of
 from roughcontact._solve.solution import ContactSolution, Response, responses
 from roughcontact.errors import InputError
-from roughcontact.errors.door import outside, warn
+from roughcontact.errors.door import outside
+from roughcontact.errors.warning import warn
 
 PressureDerivative: TypeAlias = Callable[[Array], Array]
 

@@ -16,7 +16,7 @@ from roughcontact._parts.grid import Load
 from roughcontact._solve.problem import ContactProblem, maximum_pressure, predict_pressure, problem_of
 from roughcontact._solve.solution import ContactSolution, Estimate, Response, responses
 from roughcontact.errors import InputError
-from roughcontact.errors.door import Answer
+from roughcontact.errors.warning import Answer
 
 # Relative distance from the yield stress at which the search ends, and number of solves in it.
 _STRESS_TOLERANCE = 1e-4

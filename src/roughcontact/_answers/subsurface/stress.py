@@ -48,7 +48,7 @@ from roughcontact._parts.kernels import Love, SupportsStress
 from roughcontact._solve.problem import ContactProblem, problem_of
 from roughcontact._solve.solution import ContactSolution, Response, responses
 from roughcontact.errors import InputError
-from roughcontact.errors.door import Answer
+from roughcontact.errors.warning import Answer
 
 Measure: TypeAlias = Callable[[RealArray], RealArray]
 # Largest traction, in maximum pressures, and coefficient of friction for which the stress is computed.

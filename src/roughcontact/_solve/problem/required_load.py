@@ -29,7 +29,8 @@ from roughcontact._solve.solution import (
     responses,
 )
 from roughcontact.errors import InputError
-from roughcontact.errors.door import Answer, guarded
+from roughcontact.errors.door import guarded
+from roughcontact.errors.warning import Answer
 
 Solve = Callable[[Load, Array | None], ContactSolution]
 

@@ -16,7 +16,8 @@ from roughcontact._solve.solution.origin import Accuracy, Origin
 from roughcontact._solve.solution.results import GridLevel, Residuals, Status
 from roughcontact._solve.solution.whole import Whole
 from roughcontact.errors import InputError
-from roughcontact.errors.door import AskedOf, guarded
+from roughcontact.errors.door import guarded
+from roughcontact.errors.warning import AskedOf
 
 # Minimum cells of a patch with a point that is surrounded by contact; the area of smaller ones is hardly known.
 _SMALL_PATCH_CELLS = 4

@@ -24,7 +24,7 @@ from roughcontact._solve.solution.frictional_state import FrictionalResiduals, F
 from roughcontact._solve.solution.results import Response, Status, list_fields, require_with_friction, responses
 from roughcontact._solve.solution.writers import describe_as_data
 from roughcontact.errors import InputError
-from roughcontact.errors.door import AskedOf
+from roughcontact.errors.warning import AskedOf
 
 if TYPE_CHECKING:
     from roughcontact.responses import Stress

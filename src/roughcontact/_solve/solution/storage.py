@@ -41,7 +41,7 @@ from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._solve.solution.origin import Origin, key_of_origin, require_key, versions
 from roughcontact._solve.solution.results import GridLevel, Residuals, Status
 from roughcontact.errors import InputError, MissingPackage
-from roughcontact.errors.door import warn
+from roughcontact.errors.warning import warn
 
 if TYPE_CHECKING:
     from roughcontact._solve.solution.contact import ContactSolution

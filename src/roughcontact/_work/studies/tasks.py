@@ -20,7 +20,7 @@ from roughcontact._work.studies.paths import Shearing
 from roughcontact._work.studies.record import Record
 from roughcontact._work.studies.shares import Share
 from roughcontact.errors import InputError, RoughContactError
-from roughcontact.errors.door import saying_warnings
+from roughcontact.errors.warning import saying_warnings
 
 # Most workers that are given a chain, one after the other, if they die.
 _MAX_TRIES = 3
