@@ -309,6 +309,113 @@ READ = {
     "Excel, errors": ("a.csv", lines(without(Z), ",", missing="#N/A"), GIVEN),
     "Excel, errors in German": ("a.csv", lines(without(Z), ";", missing="#NV", decimal=","), GIVEN),
     "microinches": ("a.csv", "Height (µin)\n" + lines(Z / 0.0254, ",", "{:.8f}"), {"size": SIZE}),
+    "WSxM, a matrix": (
+        "a.txt",
+        f"WSxM file copyright UAM\nWSxM ASCII Matrix file\nX Amplitude: {NX * DX:g} um\nY Amplitude: {NY * DY:g} um\n"
+        f"Z Amplitude: {np.ptp(Z):.2f} um\n\n[Header end]\n{lines(DOWN)}",
+        {},
+    ),
+    "AFM Workshop": (
+        "a.txt",
+        f"Pixels in X: {NX}\nLines in Y: {NY}\nX Range: {NX * DX:g} um\nY Range: {NY * DY:g} um\n"
+        f"Max Z: {Z.max():.4f} um\nStart of Data:\n{lines(DOWN)}",
+        {},
+    ),
+    "the largest height in nanometres": (
+        "a.txt",
+        f"Max height: {1e3 * Z.max():.1f} nm\n" + lines(1e3 * Z),
+        {"size": SIZE},
+    ),
+    "Shimadzu": (
+        "a.txt",
+        f"SHIMADZU SPM File Format Version 2.00\nPixelX {NX}\nPixelY {NY}\nScanSizeX {NX * DX:g} um\n"
+        f"ScanSizeY {NY * DY:g} um\nZUnit um\nDATA\n{lines(DOWN)}",
+        {},
+    ),
+    "Nanosurf": (
+        "a.csv",
+        f"XDim: {NX * DX:g}um YDim: {NY * DY:g}um\nPoints: {NX} Lines: {NY}\nZ unit: um\n{lines(UP, ';')}",
+        {"rows": "y"},
+    ),
+    "Keyence VR": (
+        "a.csv",
+        f'"Image width","{NX}"\n"Image height","{NY}"\n"XY Pitch","0.002","mm"\n"Unit","mm"\n"Height"\n'
+        + lines(1e-3 * DOWN, ",", "{:.7f}"),
+        SQUARE,
+    ),
+    "Keyence VK, not quoted": (
+        "a.csv",
+        f"XY calibration,2000.000,nm\nOutput image data,Height\nHorizontal,{NX}\nVertical,{NY}\nUnit,um\nHeight\n"
+        + lines(DOWN, ","),
+        SQUARE,
+    ),
+    "Olympus": (
+        "a.csv",
+        f"Width,{NX},pixel\nHeight,{NY},pixel\nPixel size,2.0,um\nZ unit,um\nDATA\n" + lines(DOWN, ","),
+        SQUARE,
+    ),
+    "sides with their numbers of points": (
+        "a.txt",
+        f"X axis: {NX * DX:g} µm, {NX} points\nY axis: {NY * DY:g} µm, {NY} points\nZ unit: µm\n{lines(UP)}",
+        {},
+    ),
+    "Vision, as CSV": (
+        "a.csv",
+        f"X Size,{NX}\nY Size,{NY}\nPixel_size,0.002,mm\nUnits,mm\n" + lines(1e-3 * UP, ",", "{:.7f}"),
+        SQUARE,
+    ),
+    "ESRI, decimal commas": (
+        "a.asc",
+        f"ncols {NX}\nnrows {NY}\nxllcorner 0,0\nyllcorner 0,5\ncellsize 2,0\n" + lines(DOWN, " ", decimal=","),
+        SQUARE | {"unit": "um"},
+    ),
+    "a mark of Fortran": ("a.txt", "! unit: nm\n" + lines(1e3 * Z), {"size": SIZE}),
+    "a German title in Latin-1": (
+        "a.txt",
+        TITLED.format("X [mm];Y [mm];Höhe [µm]").encode("latin-1"),
+        {},
+    ),
+    "points in inches": (
+        "a.csv",
+        "x_inch,y_inch,z_microinch\n" + points(Z / 0.0254, ",", "{:.12f}", scale=1 / 25400.0),
+        {},
+    ),
+    "points with both letters for micro": (
+        "a.csv",
+        "x [\u03bcm],y [\u00b5m],z [\u03bcm]\n" + points(separator=","),
+        {},
+    ),
+    "thousands of angstroms": ("a.csv", "x (µm),y (µm),z (kÅ)\n" + points(10.0 * Z, ","), {}),
+    "UTF-16 without a mark": ("a.txt", lines(Z).encode("utf-16-be"), GIVEN),
+    "minus signs of typography": ("a.txt", lines(Z, form="{:.4E}").replace("-", "\u2212"), GIVEN),
+    "units in one line": (
+        "a.txt",
+        "Units: x=mm, y=mm, z=um\n" + points(scale=1e-3, form="{:.6f}"),
+        {},
+    ),
+    "front matter": ("a.csv", "---\nunits: {x: um, y: um, z: nm}\npitch: [2, 3]\n---\n" + lines(1e3 * Z, ","), {}),
+    "a pair of sides": ("a.txt", f"Scan size: {NX * DX:g} µm x {NY * DY:g} µm\nz unit: µm\n" + lines(Z), {}),
+    "a pair of numbers of points": (
+        "a.txt",
+        f"Size: {NX} x {NY} pixels\nPixel size: 2 um, 3 um\nz unit: um\n" + lines(UP),
+        {},
+    ),
+    "units behind the names of keys": (
+        "a.txt",
+        "Pixel pitch X [µm]: 2\nPixel pitch Y [µm]: 3\nHeight unit [nm]\n" + lines(1e3 * Z),
+        {},
+    ),
+    "a row of units": (
+        "a.txt",
+        "Units" + NY * "\tum" + "\n" + lines(Z),
+        {"size": SIZE},
+    ),
+    "a value of bad pixels": ("a.txt", "# bad pixel value = -1\n" + lines(without(Z), missing="-1"), GIVEN),
+    "bad pixels in a sentence": (
+        "a.txt",
+        "# invalid pixels are set to 0.\n" + lines(without(Z), missing="0"),
+        GIVEN,
+    ),
     "compressed": ("a.csv.gz", gzip.compress(lines(Z, ",").encode()), GIVEN),
     "compressed, Gwyddion": ("a.txt.gz", gzip.compress((gwyddion() + lines(DOWN)).encode()), {}),
 }
@@ -377,6 +484,67 @@ REFUSED = {
         "which changes",
     ),
     "a unit of an unknown name": ("a.txt", "# Jednostka: nm\n" + lines(Z), GIVEN, "'# Jednostka: nm', which changes"),
+    "rows and columns, and lengths": (
+        "a.txt",
+        f"#rows {NY}\n#columns {NX}\n#x pitch: 2 um\n#y pitch: 3 um\n" + lines(UP),
+        {"unit": "um"},
+        "say it with rows='y', or rows='x'",
+    ),
+    "a largest height that is another": (
+        "a.txt",
+        "Max Z: 9 um\n" + lines(Z),
+        {"size": SIZE},
+        "neither in that unit nor",
+    ),
+    "turned over": ("a.txt", "# inverted: yes\n# unit: um\n" + lines(-Z), {"size": SIZE}, "'# inverted: yes', which"),
+    "micrometres in Japanese": (
+        "a.csv",
+        ('"単位","um"\r\n"高さ"\r\n' + lines(Z, ",")).encode("cp932"),
+        {"size": SIZE},
+        "which changes what its numbers mean",
+    ),
+    "Tecplot, a block": (
+        "a.dat",
+        'VARIABLES = "X", "Y", "Z"\nZONE I=24, J=37, F=BLOCK\n'
+        + lines(np.array([X.T.ravel(), Y.T.ravel(), Z.T.ravel()]), " "),
+        GIVEN,
+        "names 3 columns, but its rows hold 888",
+    ),
+    "VTK": ("a.txt", "# vtk DataFile Version 3.0\nheights\nASCII\nSPACING 2 3 1\n" + lines(UP), GIVEN, "data of VTK"),
+    "ZMAP+": ("a.dat", f"! file\n@a, GRID, 5\n15, 1e30, , 4, 1\n@\n{lines(Z, ' ')}", GIVEN, "a grid of ZMAP+"),
+    "CPS-3": ("a.txt", "FSASCI 0 1 COMPUTED 0 1e30 0\n" + lines(Z, " "), GIVEN, "a grid of CPS-3"),
+    "Irap": (
+        "a.txt",
+        f"-996 {NY} 2.0 3.0\n0.0 46.0 0.0 108.0\n{NX} 0.0 0.0 0.0\n0 0 0 0 0 0 0\n" + lines(UP, " "),
+        GIVEN,
+        "a grid of Irap",
+    ),
+    "GXF": ("a.txt", f"#POINTS\n{NX}\n#ROWS\n{NY}\n#GRID\n" + lines(UP, " "), GIVEN, "Grid eXchange Format"),
+    "ArcInfo": ("a.e00", "EXP  0 A.E00\nGRD  2\n" + lines(UP, " "), GIVEN, "interchange format of ArcInfo"),
+    "JSON": ("a.json", '{"z": [[0.1, 0.2], [0.3, 0.4]]}', GIVEN, "a text in JSON"),
+    "Mathematica": ("a.txt", "{{0.1, 0.2}, {0.3, 0.4}}", GIVEN, "a list of Mathematica"),
+    "SMD": ("a.smd", "1 2 T 1.0\r\nCX A 9 MM 1.0 I 2e-3\r\nEOR\r\n1.0\r\n", GIVEN, "ISO 5436-2 (SMD)"),
+    "OBJ": ("a.txt", "v 0 0 1\nv 1 0 1\nv 0 1 2\n", GIVEN, "a mesh in OBJ"),
+    "thousands by marks": (
+        "a.csv",
+        "x;y;z\n" + lines(np.stack((1e3 * X, 1e3 * Y, Z), axis=-1).reshape(-1, 3), ";", "{:,.0f}").replace(",", "'"),
+        GIVEN,
+        "without separators of thousands",
+    ),
+    "a vertical exaggeration": (
+        "a.txt",
+        "Vertical exaggeration: 10\n" + lines(Z),
+        GIVEN,
+        "'Vertical exaggeration: 10'",
+    ),
+    "counts in a sentence": ("a.txt", "# z = counts * 2.5 nm\n" + lines(Z), GIVEN, "'# z = counts * 2.5 nm'"),
+    "a factor behind a word": ("a.txt", "% heights*1e6\n" + lines(Z), GIVEN, "'% heights*1e6'"),
+    "names of all columns but the first": (
+        "a.csv",
+        "".join(f",y={y:g}" for y in Y[0]) + "\n" + lines(np.column_stack((X[:, 0], Z)), ","),
+        GIVEN,
+        "names all columns but the first",
+    ),
     "Wyko, cut": ("a.asc", wyko()[:150], {}, "it begins as 'Wyko ASCII Data File Format 0"),
     "sides in landscape": ("a.txt", gwyddion().replace("µm", "km", 2) + lines(DOWN), {}, "size"),
     "metres by mistake": ("a.txt", gwyddion().replace("µm", "m", 2) + lines(DOWN), {}, "more than 1 m"),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import abc
 import contextlib
 import os
+import re
 from pathlib import Path
 
 import attrs
@@ -20,6 +21,7 @@ from roughcontact._base.units import outlined
 _PICTURE_ADVICE = "export the heights themselves, as text or TIFF in 32-bit floating point"
 _DOCUMENT_ADVICE = "export the heights themselves, as text"
 _POINTS_ADVICE = "export the heights on a regular grid, as text x y z"
+_GRID_ADVICE = "export it as text x y z, or as a grid of ESRI or Surfer"
 _PACKED_ADVICE = "unpack it first"
 # The first bytes of files without heights, their kind, and advice.
 _FOREIGN_KINDS = {
@@ -43,6 +45,12 @@ _FOREIGN_KINDS = {
     b"# .PCD": ("a cloud of points in PCD", _POINTS_ADVICE),
     b"VERSION .7": ("a cloud of points in PCD", _POINTS_ADVICE),
     b"simple  =": ("an image in FITS", _PICTURE_ADVICE),
+    b"nrrd0": ("an image in NRRD", _PICTURE_ADVICE),
+    b"objecttype = image": ("an image in MetaImage", _PICTURE_ADVICE),
+    b"fsasci": ("a grid of CPS-3", _GRID_ADVICE),
+    b"exp  0": ("a file in the interchange format of ArcInfo", _GRID_ADVICE),
+    b'{"': ("a text in JSON", "write the heights with numpy.savez(path, heights=heights, size=(lx, ly))"),
+    b"{{": ("a list of Mathematica", 'export it as a table: Export["map.csv", heights]'),
     b"PAR1": ("a table in Parquet", _DOCUMENT_ADVICE),
     b"SQLite format": ("a data base of SQLite", _DOCUMENT_ADVICE),
     b"DSCOMPRESSED": ("a compressed file of MountainsMap", "save it without compression, or export it as text"),
@@ -52,6 +60,17 @@ _FOREIGN_KINDS = {
     b"7z\xbc\xaf": ("a 7z archive", _PACKED_ADVICE),
     b"Rar!": ("a RAR archive", _PACKED_ADVICE),
     b"\x28\xb5\x2f\xfd": ("compressed by Zstandard", _PACKED_ADVICE),
+}
+# Lines near the beginning of texts that are not read.
+_FOREIGN_LINES = {
+    re.compile(rb"\A-996(?:\s+\S+){3}\s*\n(?:\s*\S+){4}\s*\n(?:\s*\S+){4}\s*\n\s*0(?:\s+0){6}\s"): (
+        "a grid of Irap",
+        _GRID_ADVICE,
+    ),
+    re.compile(rb"(?m)^@[^\n]*,\s*grid\s*,[^\n]*$"): ("a grid of ZMAP+", _GRID_ADVICE),
+    re.compile(rb"(?ms)^#points\s*\n\s*\d+.*^#grid\s*$"): ("a grid in the Grid eXchange Format (GXF)", _GRID_ADVICE),
+    re.compile(rb"(?m)^eor\s*$"): ("a file of ISO 5436-2 (SMD)", "export the heights as X3P, SDF, or text x y z"),
+    re.compile(rb"(?m)^v [-+.0-9e]+ [-+.0-9e]+ [-+.0-9e]+\s*$"): ("a mesh in OBJ", _POINTS_ADVICE),
 }
 # Endings of files without heights that have no first bytes of their own.
 _FOREIGN_ENDINGS = {
@@ -138,6 +157,12 @@ def put_x_first(heights: Array, rows: str) -> Array:
     return np.ascontiguousarray(heights.T) if rows == "y" else heights
 
 
+def turn_up(heights: Array, falling: str) -> Array:
+    """Return heights, indexed [x, y], with rising places along the axes, such as ``"y"``, along which they fall."""
+    flips = tuple(slice(None, None, -1 if axis in falling else 1) for axis in "xy")
+    return np.ascontiguousarray(heights[flips])
+
+
 def name_rows(rows: str, *, assumed: bool = False, downwards: bool = False) -> str:
     """Return in words what a line of a file is."""
     order = ", downwards" if downwards else ""
@@ -204,6 +229,9 @@ def find_foreign(file: Path) -> str:
     for mark, (kind, advice) in _FOREIGN_KINDS.items():
         if start.startswith(mark.lower()):
             return f"it is {kind}, not a height map: {advice}"
+    for words, (kind, advice) in _FOREIGN_LINES.items():
+        if words.search(start):
+            return f"it is {kind}, which is not read: {advice}"
     if start and not start.strip(b"\0"):
         return f"it begins with {len(start)} bytes of zero, so that it is damaged: export the heights again"
     if not start.startswith(_BEGINNINGS.get(ending, b"")):

@@ -9,7 +9,7 @@ import numpy as np
 
 from roughcontact._base.archive import read_npy, read_npz
 from roughcontact._parts.files.base import RawMap, SurfaceReader, check_rows, require_memory_of_map
-from roughcontact._parts.files.named import STATING_NAMES, NamedArray, gather
+from roughcontact._parts.files.named import STATING_NAMES, NamedArray, gather, require_table
 from roughcontact._parts.files.stated import Stated, build_map, check_no_data
 from roughcontact.errors import InputError
 
@@ -97,4 +97,5 @@ class NpyReader(SurfaceReader):
             heights = read_npy(file, path.stat().st_size)
         if heights.dtype.kind not in "biuf" or heights.ndim != 2:
             return RawMap(heights)
+        require_table(heights)
         return build_map(heights, Stated(), rows=self.rows, line="the first index", no_data=self.no_data)

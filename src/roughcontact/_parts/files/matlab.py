@@ -19,7 +19,7 @@ from roughcontact._base.arrays import RealArray
 from roughcontact._parts.files.base import RawMap, require_memory_of_map
 from roughcontact._parts.files.bounds import bound_expansion
 from roughcontact._parts.files.hdf5 import MAX_TEXT_BYTES, read_hdf5
-from roughcontact._parts.files.named import NamedArray, NamedArrayReader, choose_map
+from roughcontact._parts.files.named import CHANGING_NAMES, NamedArray, NamedArrayReader, choose_map
 from roughcontact.errors import InputError
 
 # Bytes of the head of a file, and maximum bytes of the name of an array.
@@ -122,9 +122,11 @@ def _read_matrix(content: memoryview, order: str) -> dict[str, RealArray | str]:
     text = bytes(name[1]).decode("ascii", "replace")
     if flag & 0xFF == _CHAR_CLASS and shape[0] == 1:
         return _read_letters(text, numbers, order)
+    is_mask = bool(flag & _LOGICAL_FLAG)
     if (
         flag & 0xFF not in _NUMERIC_CLASSES
-        or flag & (_COMPLEX_FLAG | _LOGICAL_FLAG)
+        or flag & _COMPLEX_FLAG
+        or (is_mask and text.lower() not in CHANGING_NAMES)
         or min(shape) < 1
         or numbers[0] not in _NUMBER_TYPES
     ):

@@ -25,7 +25,8 @@ from roughcontact.errors.door import guarded
 
 _LOGGER = logging.getLogger("roughcontact")
 _FALLBACK_READER = "instrument"
-# First bytes of files whose ending does not tell the reader: of Zygo, SDF and Surfer in binary, MATLAB, and netCDF.
+# First bytes of files whose ending does not tell the reader: of Zygo, SDF and Surfer in binary, Gwyddion's simple
+# fields, MATLAB, and netCDF.
 _READERS_BY_BEGINNING = {
     b"\x88\x1b\x03\x6f": _FALLBACK_READER,
     b"\x88\x1b\x03\x70": _FALLBACK_READER,
@@ -34,6 +35,8 @@ _READERS_BY_BEGINNING = {
     b"bBCR-": _FALLBACK_READER,
     b"DSBB": "surfer",
     b"DSRB": "surfer",
+    b"Gwyddion Simpl": "simple-field",
+    b"Gwyddion XYZ F": "simple-field",
     b"MATLAB 5.0 MAT": "mat",
     b"CDF\x01": "netcdf",
     b"CDF\x02": "netcdf",
@@ -123,7 +126,9 @@ def read_surface(
     surface = HeightMap(heights, given, periodic=raw.periodic, non_measured=mask)
     scale = _unit(raw, unit, file)
     told = scale if raw.unit is None else raw.unit
-    in_units = "" if unit is None and raw.unit is None else f", heights in units of {si(told, 'm')}"
+    in_units = f", heights in units of {si(told, 'm')}"
+    if unit is None and raw.unit is None:
+        in_units = "" if raw.metric else ", heights in m (assumed: unit= says it)"
     in_units += f", {raw.rows}" if raw.rows else ""
     # Free the heights of the file before new ones are made.
     del raw, heights
