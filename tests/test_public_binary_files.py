@@ -48,6 +48,23 @@ def h5(attributes=None, values=MICROMETRES, axes=(), of_file=None, **others):
     return stream.getvalue()
 
 
+def named_h5(name):
+    h5py = pytest.importorskip("h5py")
+    stream = io.BytesIO()
+    with h5py.File(stream, "w") as file:
+        file[name] = MICROMETRES
+    return stream.getvalue()
+
+
+def rows_and_columns():
+    h5netcdf = pytest.importorskip("h5netcdf")
+    stream = io.BytesIO()
+    with h5netcdf.File(stream, "w") as file:
+        file.dimensions = {"row": 37, "column": 24}
+        file.create_variable("z", ("row", "column"), data=MICROMETRES.T).attrs["units"] = "um"
+    return stream.getvalue()
+
+
 def netcdf4(values=MICROMETRES.T, dims=("y", "x"), units="um", places=(Y, X), **attributes):
     h5netcdf = pytest.importorskip("h5netcdf")
     stream = io.BytesIO()
@@ -272,6 +289,18 @@ READ = {
     "TIFF, a description": ("a.tif", lambda: tiff(description="Z unit: um\ndx = 2 um\ndy = 3 um"), {}),
     "numpy, an extent": ("a.npz", lambda: npz(heights=HEIGHTS, extent=(0.0, 48e-6, -1e-6, 110e-6)), {}),
     "MATLAB, logicals": ("a.mat", lambda: mat(z=MICROMETRES, chosen=MICROMETRES > 0.1), ALL),
+    "HDF5, attributes that change nothing": (
+        "a.h5",
+        lambda: h5({"units": "um", "calibration": "valid", "count": 888, "pixel_scale": 3.0, "info": "noise 3 nm"}),
+        {"size": SIZE},
+    ),
+    "HDF5, words of the file": ("a.h5", lambda: h5(of_file={"Units Z": "um"}), {"size": SIZE}),
+    "HDF5, a resolution of real numbers": ("a.h5", lambda: h5({"units": "um", "z_resolution": 1e-10}), {"size": SIZE}),
+    "netCDF, axes without places": ("a.nc", rows_and_columns, {"size": SIZE}),
+    "HDF5, a unit in the name": ("a.h5", lambda: named_h5("height_um"), {"size": SIZE}),
+    "numpy, names of axes": ("a.npz", lambda: npz(heights=HEIGHTS.T, dims=("y", "x"), size=SIZE), {}),
+    "numpy, a text without a unit": ("a.npz", lambda: npz(heights=HEIGHTS, info="sample 10 nm", size=SIZE), {}),
+    "HDF5, a doubtful unit that is given": ("a.h5", lambda: h5({"description": "heights in nm"}), ALL),
     "X3P, not turned": ("a.x3p", lambda: x3p(rotation=np.eye(3)), {}),
     "X3P": ("a.x3p", x3p, {}),
     "X3P without a checksum": ("a.x3p", lambda: x3p(digest="0" * 32), {}),
@@ -455,6 +484,38 @@ REFUSED = {
     ),
     "MATLAB, a mask": ("a.mat", lambda: mat(z=MICROMETRES, mask=MICROMETRES > 0.1), "'mask = an array'"),
     "netCDF, without signs": ("a.nc", lambda: netcdf4(_Unsigned="true"), "'_Unsigned = true'"),
+    "HDF5, a unit in its description": (
+        "a.h5",
+        lambda: h5({"description": "heights in nm", "size": SIZE}),
+        "'heights in nm', which may be the unit of its heights: give unit=",
+    ),
+    "HDF5, a unit for a count": ("a.h5", lambda: h5({"nm_per_count": 0.1}), "'nm_per_count = 0.1', which"),
+    "netCDF classic, a unit in its name": (
+        "a.nc",
+        lambda: netcdf3(long_name=b"height (nm)"),
+        "'height (nm)', which may",
+    ),
+    "numpy, a unit in a text": (
+        "a.npz",
+        lambda: npz(heights=MICROMETRES, metadata='{"z_unit": "um"}', size=SIZE),
+        "which may name the unit",
+    ),
+    "HDF5, a factor to a unit": ("a.h5", lambda: h5({"to_um": 1e-3}), "'to_um = 0.001', which"),
+    "HDF5, steps of integers": (
+        "a.h5",
+        lambda: h5({"zstep": 1e-10}, np.round(1e4 * MICROMETRES).astype("i4")),
+        "'zstep = 1e-10', which",
+    ),
+    "HDF5, a text of the file": (
+        "a.h5",
+        lambda: h5({"size": SIZE}, of_file={"meta": '{"z": "um"}'}),
+        "which may be the unit of its heights",
+    ),
+    "MATLAB, a unit in a cell": (
+        "a.mat",
+        lambda: mat(heights=MICROMETRES, units=np.array(["um"], dtype=object)),
+        "'units' is a cell or a structure",
+    ),
     "MATLAB, points": (
         "a.mat",
         lambda: mat(z=np.stack((*GRID, MICROMETRES), axis=-1).reshape(-1, 3)),

@@ -416,6 +416,36 @@ READ = {
         "# invalid pixels are set to 0.\n" + lines(without(Z), missing="0"),
         GIVEN,
     ),
+    "a pair of distances": ("a.txt", "Sampling distance: 2 µm x 3 µm\nz-unit: µm\n" + lines(Z), {}),
+    "a unit with a factor": ("a.txt", "# values in units of 10 nm\n" + lines(100.0 * Z), {"size": SIZE}),
+    "a title in Japanese": ("a.csv", "高さ(nm)\n" + lines(1e3 * Z, ","), {"size": SIZE}),
+    "a unit in Chinese": ("a.csv", "单位：纳米\n" + lines(1e3 * Z, ","), {"size": SIZE}),
+    "a unit in Russian": ("a.txt", "# Единицы: нм\n" + lines(1e3 * Z), {"size": SIZE}),
+    "Park, as CSV": (
+        "a.csv",
+        f"Unit,nm\nPixel Width,{NX}\nPixel Height,{NY}\nScan Width (um),{NX * DX}\nScan Height (um),{NY * DY}\n"
+        + lines(1e3 * DOWN, ","),
+        {},
+    ),
+    "a title with a given unit": ("a.txt", "Topography - nm\n" + lines(Z), GIVEN),
+    "units behind keys": (
+        "a.txt",
+        "[Header]\nX_Spacing_mm=0.002\nY_Spacing_mm=0.003\nZ_Unit=um\n[Data]\n" + lines(Z),
+        {},
+    ),
+    "Mahr": (
+        "a.csv",
+        f"Messpunkte in X;{NX}\nMesspunkte in Y;{NY}\nAbstand X [mm];0,002\nAbstand Y [mm];0,003\nHöhe [µm]\n"
+        + lines(UP, ";", decimal=","),
+        {},
+    ),
+    "points with German names": ("a.csv", TITLED.format("X-Koordinate [mm];Y-Koordinate [mm];Z-Wert [µm]"), {}),
+    "points with joint names": (
+        "a.csv",
+        "PosX[um],PosY[um],Height[nm]\n" + points(1e3 * Z, ","),
+        {},
+    ),
+    "one distance that agrees": ("a.txt", "# dx = 2 um\n" + lines(Z), GIVEN),
     "compressed": ("a.csv.gz", gzip.compress(lines(Z, ",").encode()), GIVEN),
     "compressed, Gwyddion": ("a.txt.gz", gzip.compress((gwyddion() + lines(DOWN)).encode()), {}),
 }
@@ -494,7 +524,7 @@ REFUSED = {
         "a.txt",
         "Max Z: 9 um\n" + lines(Z),
         {"size": SIZE},
-        "neither in that unit nor",
+        "'largest height 9 \\xb5m', which may",
     ),
     "turned over": ("a.txt", "# inverted: yes\n# unit: um\n" + lines(-Z), {"size": SIZE}, "'# inverted: yes', which"),
     "micrometres in Japanese": (
@@ -545,6 +575,40 @@ REFUSED = {
         GIVEN,
         "names all columns but the first",
     ),
+    "a title that may name the unit": (
+        "a.txt",
+        "Topography - nm\n" + lines(Z),
+        {"size": SIZE},
+        "'Topography - nm', which may be the unit",
+    ),
+    "names with units behind commas": (
+        "a.txt",
+        "X, um\tY, um\tZ, nm\n" + points(),
+        {"size": SIZE},
+        "which may be the unit of its heights: give unit=",
+    ),
+    "Asylum": (
+        "a.txt",
+        f"ScanPoints: {NX}\nScanLines: {NY}\nFastScanSize: 48e-6\nSlowScanSize: 111e-6\nHeight [um]\n" + lines(UP),
+        {"size": SIZE},
+        "say it with rows='y'",
+    ),
+    "points at rows and columns": (
+        "a.csv",
+        "row,col,z\n" + points(separator=","),
+        GIVEN,
+        "places that are not x and y",
+    ),
+    "points with two heights": (
+        "a.csv",
+        "x,y,z before,z after\n" + points(separator=",", more={"i": Y * 0.1}),
+        GIVEN,
+        "name them above",
+    ),
+    "PGM": ("a.txt", "P2\n24 37\n255\n" + lines(UP, " ", "{:.0f}"), GIVEN, "a picture (PGM)"),
+    "PFM": ("a.pfm", b"Pf\n24 37\n-1.0\n" + UP.astype("<f4").tobytes(), GIVEN, "a picture (PFM)"),
+    "DXF": ("a.dxf", "0\nSECTION\n2\nENTITIES\n", GIVEN, "a drawing in DXF"),
+    "one distance that does not agree": ("a.txt", "# dx = 5 um\n" + lines(Z), GIVEN, "are 5 µm apart along x, but on"),
     "Wyko, cut": ("a.asc", wyko()[:150], {}, "it begins as 'Wyko ASCII Data File Format 0"),
     "sides in landscape": ("a.txt", gwyddion().replace("µm", "km", 2) + lines(DOWN), {}, "size"),
     "metres by mistake": ("a.txt", gwyddion().replace("µm", "m", 2) + lines(DOWN), {}, "more than 1 m"),
@@ -573,6 +637,21 @@ def test_is_read_right(write, kind):
     assert not np.isnan(heights[~MISSING]).any()
     expected = np.where(np.isnan(heights), np.nan, Z * 1e-6)
     np.testing.assert_allclose(heights, expected, rtol=0, atol=1.01e-10)
+
+
+HARMLESS = """Operator: A. B.|Date: 2026-01-02 10:11:12|Objective: 50x NA 0.8|Zoom: 1.0|Scale bar: 10 µm|Z range: 10 µm
+Light intensity: 50 %|Scan speed = 1.2 Hz|Wavelength: 633 nm|Tip radius: 10 nm|Filter: 0.8 mm Gaussian|Sq = 12 nm
+Sa [µm]: 0.3|Sample: disc 3, 10 mm|Grid: 3 x 3|Version 3.2|Stage X: 12.3 mm|X position: 12.3 mm|Z position: 4.5 mm
+File: C:\\data\\nm\\a.nms|Rotation: 0 deg|Feedback gain: 0.3|Sensitivity deflection: 45 nm/V|Material: steel 100Cr6
+Ra: 0.4|Invalid points: 0|Missing data: 0 %|Filter: none|Form removed: plane|Resolution: 0.3 nm (vertical)
+Threshold: 5 %|Batch: 7/12|Height above stage: 4 mm|Pixel depth: 16 bit|Units of length: SI|Lay: 90 deg|Force (mN): 0.7
+Traverse length: 4 mm|Date of calibration: 3.4.2026|Calibration: valid|Z scanner: 10 um|Samples: 7"""
+
+
+def test_what_changes_no_number_is_passed_over(write):
+    header = "".join(f"# {line}\n" for line in HARMLESS.replace("\n", "|").split("|"))
+    found = rc.read_surface(write("a.txt", header + lines(Z)), **GIVEN)
+    np.testing.assert_allclose(found.values, Z * 1e-6, rtol=0, atol=1.01e-10)
 
 
 @pytest.mark.parametrize("kind", REFUSED)

@@ -45,6 +45,7 @@ _FOREIGN_KINDS = {
     b"# .PCD": ("a cloud of points in PCD", _POINTS_ADVICE),
     b"VERSION .7": ("a cloud of points in PCD", _POINTS_ADVICE),
     b"simple  =": ("an image in FITS", _PICTURE_ADVICE),
+    b"\x76\x2f\x31\x01": ("a picture in OpenEXR", _PICTURE_ADVICE),
     b"nrrd0": ("an image in NRRD", _PICTURE_ADVICE),
     b"objecttype = image": ("an image in MetaImage", _PICTURE_ADVICE),
     b"fsasci": ("a grid of CPS-3", _GRID_ADVICE),
@@ -69,6 +70,9 @@ _FOREIGN_LINES = {
     ),
     re.compile(rb"(?m)^@[^\n]*,\s*grid\s*,[^\n]*$"): ("a grid of ZMAP+", _GRID_ADVICE),
     re.compile(rb"(?ms)^#points\s*\n\s*\d+.*^#grid\s*$"): ("a grid in the Grid eXchange Format (GXF)", _GRID_ADVICE),
+    re.compile(rb"\Ap[25]\s+(?:#[^\n]*\n\s*)?\d+\s+\d+\s+\d+\s"): ("a picture (PGM)", _PICTURE_ADVICE),
+    re.compile(rb"\Apf\s+\d+\s+\d+\s+[-+.0-9]+\s"): ("a picture (PFM)", _PICTURE_ADVICE),
+    re.compile(rb"\A0\s+section\s"): ("a drawing in DXF", _POINTS_ADVICE),
     re.compile(rb"(?m)^eor\s*$"): ("a file of ISO 5436-2 (SMD)", "export the heights as X3P, SDF, or text x y z"),
     re.compile(rb"(?m)^v [-+.0-9e]+ [-+.0-9e]+ [-+.0-9e]+\s*$"): ("a mesh in OBJ", _POINTS_ADVICE),
 }
@@ -126,8 +130,12 @@ class RawMap:
         Distances of its points along x and y, in a unit that it does not state; None where it states none.
     rows
         In words, what a line of the file is: one x, or one y; empty where it has no lines.
+    partial
+        Distances of its points along x and y, m, where it states one of them alone; else None twice.
     unit
         Unit of the heights that the file states, m, already applied; None where it states none.
+    doubt
+        What in the file may state the unit of the heights, in its own words, where it is not understood; else empty.
     """
 
     heights: Array = attrs.field(repr=outlined)
@@ -139,7 +147,9 @@ class RawMap:
     needs_rows: bool = False
     steps: Pair | None = None
     rows: str = ""
+    partial: tuple[float | None, float | None] = (None, None)
     unit: float | None = None
+    doubt: str = ""
 
 
 def check_rows(value: str) -> str:

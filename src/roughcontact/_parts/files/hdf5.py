@@ -17,11 +17,13 @@ from roughcontact._parts.files.named import (
     MISSING_ATTRIBUTES,
     PACKING_ATTRIBUTES,
     STATING_ATTRIBUTES,
+    STEPS_OF_HEIGHTS,
     UNIT_ATTRIBUTES,
     VALID_ATTRIBUTES,
     NamedArray,
     NamedArrayReader,
     choose_map,
+    find_stating,
     is_changing,
 )
 from roughcontact.errors import InputError, MissingPackage
@@ -30,6 +32,8 @@ from roughcontact.errors import InputError, MissingPackage
 _FILTERS = {1, 2, 3}
 # Members of a file, with those of its groups, that are looked at.
 _MAX_MEMBERS = 1000
+# What netCDF writes for the name of an axis without places.
+_NO_PLACES = "This is a netCDF dimension but not"
 # Bytes of a text that may name a unit.
 MAX_TEXT_BYTES = 64
 
@@ -99,7 +103,7 @@ def _read_attributes(item: Any, h5py: Any) -> dict[str, Any]:
             if len(numbers) != (2 if name == "valid_range" else 1):
                 raise InputError(f"it states {len(numbers)} numbers as its {name}")
             found[name] = tuple(numbers) if len(numbers) == 2 else numbers[0]
-        elif name in STATING_ATTRIBUTES or is_changing(name):
+        elif name in STATING_ATTRIBUTES or is_changing(name) or name.lower() in STEPS_OF_HEIGHTS:
             value = np.asarray(_read_plain(item, name, h5py))
             found[name] = value if value.dtype.kind in "iuf" else _read_text(value)
         elif name in DESCRIBING_ATTRIBUTES and _is_short(item, name, h5py):
@@ -117,9 +121,12 @@ def _read_statements(group: Any, h5py: Any) -> dict[str, Any]:
     """Return the attributes of a group that state sides or units, or change what numbers mean: texts and arrays."""
     found: dict[str, Any] = {}
     for name in group.attrs:
-        if name in STATING_ATTRIBUTES or name.lower() in CHANGING_NAMES:
+        stating = find_stating(name) or (name if name.lower() in CHANGING_NAMES else "")
+        if stating:
             value = np.asarray(_read_plain(group, name, h5py))
-            found[name] = value if value.dtype.kind in "iuf" else _read_text(value)
+            found[stating] = value if value.dtype.kind in "iuf" else _read_text(value)
+        elif name in DESCRIBING_ATTRIBUTES and _is_short(group, name, h5py):
+            found[name] = _read_text(group.attrs[name])
     return {name: value for name, value in found.items() if not isinstance(value, str) or value}
 
 
@@ -197,6 +204,8 @@ def _find_items(file: Any, h5py: Any) -> tuple[dict[str, Any], dict[str, Any]]:
 
 def _is_plain(item: Any, h5py: Any) -> bool:
     """Return whether an item is an array of numbers inside the file; other items are not read."""
+    if "NAME" in item.attrs and _is_short(item, "NAME", h5py) and _read_text(item.attrs["NAME"]).startswith(_NO_PLACES):
+        return False
     if not item.size or len(item.shape) > 2 + item.shape.count(1):
         return False
     if item.id.get_type().get_class() not in (h5py.h5t.INTEGER, h5py.h5t.FLOAT) or item.dtype.kind not in "iuf":

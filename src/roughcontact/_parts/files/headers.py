@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import itertools
+import math
 import re
 from collections.abc import Sequence
 from typing import TypeAlias
 
 import attrs
 
-from roughcontact._parts.files.stated import Stated, metres
+from roughcontact._parts.files.stated import Stated, metres, names_unit
 from roughcontact._parts.files.text import SHOWN_FACTOR, decode_latin
 from roughcontact.errors import InputError
 
@@ -23,7 +24,7 @@ _LINES = (
 )
 # A title of heights, with their unit in brackets.
 _TITLE = re.compile(
-    rf"(?i){_MARKS}(?:z|heights?|höhen?|hauteurs?|altitudes?|topography|topographie|elevation)[\w \-]*"
+    rf"(?i){_MARKS}(?:z|heights?|höhen?|hauteurs?|altitudes?|topography|topographie|elevation|高さ|高度|высота)[\w \-]*"
     r"(?:[\[(]([^\])]{1,12})[\])]|(?:/|\b(?:in|en)\b)\s*([^\W\d]{1,11}))[\s\";,]*"
 )
 # A title of depths, and words that say which way is positive; heights are positive outwards.
@@ -42,31 +43,32 @@ _VALUE = re.compile(rf"({_NUMBER})\s*(.*)", re.DOTALL)
 # What a number is of one cell for, behind the unit: "nm/pixel".
 _PER_PIXEL = re.compile(r"(?i)\s*(?:/|per)\s*(?:pixel|px|pt|point)s?.*")
 # Numbers of points along x and y, and of the lines of a table and the numbers in each.
-_POINTS = r"(?:pixels?|points?|samples?|lines?|px|pts)"
+_POINTS = r"(?:pixels?|points?|samples?|lines?|px|pts|(?:mess|bild)?punkte)"
 _NUMBER_OF = r"(?:(?:num(?:ber)?|count|no|n) (?:of )?)?"
 _COUNTS = {
     "count x": rf"nx|x ?{_POINTS}|{_NUMBER_OF}{_POINTS} (?:in |along )?x|{_NUMBER_OF}x ?{_POINTS}|x ?res|horizontal"
-    r"|horizont|(?:image|map|data|picture) width",
+    r"|horizont|(?:image|map|data|picture|pixel) ?width",
     "count y": rf"ny|y ?{_POINTS}|{_NUMBER_OF}{_POINTS} (?:in |along )?y|{_NUMBER_OF}y ?{_POINTS}|y ?res|vertical"
-    r"|vertikal|(?:image|map|data|picture) height",
-    "columns": r"points|n ?cols?|cols?|columns|(?:number|count) of columns|samps/line|spalten|anzahl (?:der )?spalten"
-    rf"|spaltenanzahl|{_POINTS} per line",
-    "lines": r"n ?rows?|rows?|(?:number|count) of (?:rows|lines)|lines|zeilen|anzahl (?:der )?zeilen|zeilenanzahl",
+    r"|vertikal|(?:image|map|data|picture|pixel) ?height",
+    "columns": r"(?:scan )?points|n ?cols?|cols?|columns|(?:number|count) of columns|samps/line|spalten"
+    rf"|anzahl (?:der )?spalten|spaltenanzahl|{_POINTS} per line",
+    "lines": r"n ?rows?|rows?|(?:number|count) of (?:rows|lines)|(?:scan )?lines|zeilen|anzahl (?:der )?zeilen"
+    r"|zeilenanzahl",
 }
 # Sides, also in the languages of Gwyddion, and distances of points, along x, along y, and along both; the last words of
 # the steps mean them only with a unit of length.
 _SIDE = r"length|amplitude|real|range|size|dim(?:ension)?|axis|image size|scan size|scan range"
 _STEP = (
-    r"pixel ?size|pixel ?spacing|pixel ?pitch|spacing|pitch|cell ?size|sampling(?: interval| step)?"
-    r"|pixelgröße|punktabstand"
+    r"pixel ?size|pixel ?spacing|pixel ?pitch|spacing|pitch|cell ?size|sampling(?: interval| step| distance)?"
+    r"|pixelgröße|(?:punkt)?abstand"
 )
 _LOOSE_STEP = r"calibration|justierung|step ?size"
 _AXIS_STEP = rf"{_STEP}|{_LOOSE_STEP}|scale|resolution|increment|step|pixel ?width|pixel ?height"
 _WIDTH = r"width|breite|šířka|anchura|largeur|larghezza|largura|ширина|幅|폭"
 _HEIGHT = r"height|höhe|výška|altura|hauteur|altezza|высота|高さ|높이"
 _LENGTHS: dict[tuple[str, ...], str] = {
-    ("side x",): rf"{_WIDTH}|x ?(?:{_SIDE})|(?:{_SIDE}) x",
-    ("side y",): rf"{_HEIGHT}|y ?(?:{_SIDE})|(?:{_SIDE}) y",
+    ("side x",): rf"{_WIDTH}|x ?(?:{_SIDE})|(?:{_SIDE}) x|fast (?:axis |scan )?(?:length|size)|scan width",
+    ("side y",): rf"{_HEIGHT}|y ?(?:{_SIDE})|(?:{_SIDE}) y|slow (?:axis |scan )?(?:length|size)|scan height",
     ("step x",): rf"dx|x ?(?:{_AXIS_STEP})|(?:{_AXIS_STEP}) x",
     ("step y",): rf"dy|y ?(?:{_AXIS_STEP})|(?:{_AXIS_STEP}) y",
     ("step x", "step y"): rf"{_STEP}|(?:xy|lateral) ?(?:{_STEP}|{_LOOSE_STEP})",
@@ -74,7 +76,7 @@ _LENGTHS: dict[tuple[str, ...], str] = {
 _NEEDS_UNIT = re.compile(rf"(?:xy|lateral) ?(?:{_LOOSE_STEP})|[xy] ?axis")
 # Keys of images, whose lines are those of y, downwards.
 _OF_IMAGES = re.compile(
-    rf"{_WIDTH}|{_HEIGHT}|(?:image|map|data|picture) (?:width|height)|{_NUMBER_OF}[xy] ?pixels?"
+    rf"{_WIDTH}|{_HEIGHT}|(?:image|map|data|picture|pixel) ?(?:width|height)|{_NUMBER_OF}[xy] ?pixels?"
     rf"|{_NUMBER_OF}pixels? (?:in )?[xy]"
     r"|horizont(?:al)?|vertikal|vertical|[xy] amplitude|north|xll ?\w+"
 )
@@ -87,7 +89,7 @@ _PAIR = re.compile(
 _PAIRS = {
     "size": rf"(?:{_SIDE})|field of view|fov|area|dimensions|extent|lateral size|measur\w+ (?:area|field)",
     "spacing": rf"{_STEP}|(?:xy|lateral) (?:{_AXIS_STEP})",
-    "pixels": r"(?:(?:image |lateral )?resolution|pixels|points|shape|grid|matrix|number of (?:pixels|points)|samples)",
+    "pixels": r"(?:image |lateral )?resolution|pixels|points|number of (?:pixels|points)",
 }
 _UNIT_OF_AXIS = re.compile(r"(?i)[{\s]*([xyz])\s*[:=]\s*([^\W\d]{1,12})[}\s]*")
 # A number of points behind a side ("18 um, 9 points"), and the unit of a number of points ("9 pixels").
@@ -110,11 +112,18 @@ _SENTENCE = re.compile(
     r"\b(?:in|are|is)\b(?: units of)?\s*[\[(]?([^\W\d]{1,11})\b.*",
     re.DOTALL,
 )
+# A unit with a factor: "values in units of 10 nm".
+_MULTIPLE = re.compile(
+    rf"(?i).*\b(?:heights?|z|values?|data|numbers?)\b[^\d:=]{{0,30}}?\b(?:in|are|is)\b(?: units? of)?\s*({_NUMBER})\s*"
+    r"(nm|µm|um|mm|pm|Å)\W*",
+    re.DOTALL,
+)
 _OF_ALL = ("lengths", "all", "dimensions", "coordinates", "längen")
 # Words with a number behind them that may change what the numbers mean, anywhere in a line that is not understood.
 _SUSPECT = re.compile(
     rf"(?i).*\b(?:scale(?! bar)|scaling|factor|multipl\w*|divide\w*|offset|lsb|bit2\w*|no ?data|missing|fill ?value"
-    rf"|per count|counts? per|calibration(?! date))\b(?:[^0-9\n]{{0,20}}?\s|[:=])({_NUMBER})(?!\s*%|[\w:/])",
+    rf"|per count|counts? per|(?<!date of )calibration(?! date))\b"
+    rf"(?:[^0-9\n]{{0,20}}?\s|[:=])({_NUMBER})(?!\s*%|[\w:/])",
     re.DOTALL,
 )
 # What one step of integers is: "1 nm/digit", "1 count = 1 nm"; and a factor behind a word: "heights x 1000".
@@ -128,8 +137,8 @@ _SUSPECT_STEPS = re.compile(
 _UNIT_BEHIND = re.compile(r".*[\x80-\xff].*[:=,;\t]\s*\"?([^\s:=,;\"]+)\"?\s*", re.DOTALL)
 _UNIT = (
     r"(?:value|data|heights?|z|exported image|map|vertical|höhen?|z ?wert) ?(?:units?|einheit)|units? (?:data|z)|units?"
-    r"|einheit(?:en)?|jednotky hodnot|unités?|unità(?: valore)?|unidad(?:es)?(?: de valor)?|(?:値の)?単位|(?:값 )?단위"
-    r"|единицы измерения"
+    r"|einheit(?:en)?(?: z)?|jednotky hodnot|unités?(?: z)?|unità(?: valore| z)?|unidad(?:es)?(?: de valor| z)?"
+    r"|(?:値の)?単位|单位|(?:값 )?단위|единицы(?: измерения)?"
 )
 _LATERAL_UNIT = r"(?:x|y|xy|lateral|length) ?units?|units? (?:x|y|xy)|lateral units?"
 _NO_POINT = r"(?:no ?data|null|missing|invalid|bad|void|blank|undefined|fill|filler|masked|unmeasured|not measured)"
@@ -171,6 +180,7 @@ class _Found:
 
     items: dict[str, tuple[float | str, str]] = attrs.field(factory=dict)
     not_understood: list[str] = attrs.field(factory=list)
+    doubt: str = ""
 
     def add(self, name: str, value: float | str, line: str) -> None:
         """Keep an item; `InputError` if it is stated twice, with other values."""
@@ -239,8 +249,12 @@ def _read_sentence(found: _Found, line: str) -> None:
         found.add("unit", sentence[2], line)
         if sentence[1].lower().startswith(_OF_ALL):
             found.add("length", sentence[2], line)
+    elif multiple := _MULTIPLE.fullmatch(line):
+        found.add("unit", float(multiple[1].replace(",", ".")) * (metres(multiple[2]) or math.nan), line)
     elif _is_suspect(line):
         found.not_understood.append(line)
+    elif names_unit(line):
+        found.doubt = found.doubt or line
 
 
 def _is_suspect(line: str) -> bool:
@@ -288,6 +302,11 @@ def _read_line(found: _Found, key: str, value: str, line: str) -> None:
             _read_number(found, key, float(points[2]), "points", line)
             rest = points[1]
         unit = (rest.strip(" ,;") or (bracket[1] if bracket else "")).strip(" ()[]")
+        words = key.split()
+        if not unit and len(words) > 1 and names_unit(words[-1]):
+            # "x_spacing_mm"
+            unit = words.pop()
+            key = " ".join(words)
         _read_number(found, key, float(number[1].replace(",", ".")), unit, line)
     elif metres(value) is not None:
         # A unit of something, under a name that is not known.
@@ -361,7 +380,7 @@ def _find_lengths(found: _Found) -> tuple[_Sides, _Sides, str | float | None]:
         east, west, north, south = (edge or 0.0 for edge in edges)
         return (east - west, north - south), (None, None), None
     side, bare_side, step, bare_step = pairs
-    if None not in side or None not in step:
+    if None not in side or None not in step or (bare_side == bare_step == (None, None) and step != (None, None)):
         return side, step, 1.0
     return bare_side, bare_step, unit
 
@@ -406,4 +425,5 @@ def _combine(found: _Found) -> Stated:
         length=length,
         extent=None if extent is None else (extent, found.number(extent) or 0.0, found.items["unit of extent"][0]),
         not_understood=tuple(not_understood),
+        doubt=found.doubt,
     )

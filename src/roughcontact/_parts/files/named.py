@@ -13,7 +13,7 @@ import numpy as np
 from roughcontact._base.arrays import RealArray
 from roughcontact._parts.files.base import RawMap, SurfaceReader, check_rows
 from roughcontact._parts.files.points import put_on_grid
-from roughcontact._parts.files.stated import Stated, build_map, check_no_data, metres
+from roughcontact._parts.files.stated import Stated, build_map, check_no_data, metres, names_unit
 from roughcontact.errors import InputError
 
 # Attributes of an array that are read: its unit, packing, the values of non-measured points, and the valid ones.
@@ -32,6 +32,9 @@ CHANGING_NAMES = frozenset(
 # Words in the names of attributes that change what numbers mean, too, unless others say that they are about something
 # else; and the values by which they change nothing.
 _CHANGING_WORDS = frozenset({"scale", "scaling", "factor", "gain", "multiplier", "calibration", "sensitivity", "lsb"})
+_STEP_WORDS = frozenset({"count", "counts", "digit", "dn", "adu"})
+# Words in such names whose text changes nothing, unless it has a number or a unit.
+_DESCRIBED_WORDS = frozenset({"calibration", "sensitivity", "gain"})
 _CHANGING_WORDS |= {"conversion", "inverted", "inversion", "flipped", "positive"}
 _OTHER_WORDS = frozenset(
     {"x", "y", "xy", "lateral", "pixel", "time", "date", "color", "colour", "bar", "laser", "axis"}
@@ -40,7 +43,17 @@ _NEUTRAL = {"positive": "up", "unsigned": "false"}
 _WORD = re.compile("[A-Z]?[a-z]+|[A-Z]+(?![a-z])")
 # Words for heights that are positive downwards.
 _DEPTHS = frozenset({"depth", "depths", "tiefe", "tiefen", "profondeur"})
-DESCRIBING_ATTRIBUTES = ("long_name", "standard_name")
+DESCRIBING_ATTRIBUTES = (
+    *("long_name", "standard_name", "description", "comment", "title", "label", "note", "notes", "info", "meta"),
+    *("metadata", "header"),
+)
+# A name of a factor to a unit, such as to_um; and names of the step of heights that are integers.
+_TO_UNIT = re.compile(r"(?i)(?:^|_)to_(?:m|[umn]m|microns?|(?:micro|nano|milli)?met(?:er|re)s?)$")
+STEPS_OF_HEIGHTS = frozenset(
+    f"{one}" for name in ("step", "res", "resolution", "increment") for one in (f"z{name}", f"z_{name}", f"{name}_z")
+) | {"dz"}
+# A name of heights with their unit, such as height_nm.
+_JOINT_NAME = re.compile(r"(?i)(?:z|heights?|topography|surface)_([^\W\d_]+)")
 # Names of arrays that state the unit of the heights, the unit of everything, and that of the sides.
 _HEIGHT_UNITS = (
     *("zunit", "z_unit", "zunits", "z_units", "height_unit", "height_units", "heights_unit", "heights_units"),
@@ -86,13 +99,16 @@ _STEP_TOLERANCE = 1e-2
 def is_changing(name: str) -> bool:
     """Return whether an attribute of this name changes what numbers mean."""
     words = {word.lower() for word in _WORD.findall(name)}
-    return name.lower() in CHANGING_NAMES or bool(words & _CHANGING_WORDS and not words & _OTHER_WORDS)
+    is_step = ("per" in words and bool(words & _STEP_WORDS)) or _TO_UNIT.search(name) is not None
+    return name.lower() in CHANGING_NAMES or is_step or bool(words & _CHANGING_WORDS and not words & _OTHER_WORDS)
 
 
 def _is_neutral(name: str, value: Any) -> bool:
     """Return whether a value of such an attribute changes nothing."""
     words = {word.lower() for word in _WORD.findall(name)}
     if isinstance(value, str):
+        if words & _DESCRIBED_WORDS and not re.search("[0-9]", value) and not names_unit(value):
+            return True
         return any(word in words and value.lower() == neutral for word, neutral in _NEUTRAL.items())
     return bool(np.size(value) == 1 and float(np.ravel(value)[0]) == (0.0 if "offset" in words else 1.0))
 
@@ -117,6 +133,12 @@ def require_table(numbers: RealArray) -> None:
         f"each of its {numbers.shape[0]} rows is a point x y z of a regular grid, but an array of heights has an x for "
         "each row: bring the heights into that shape, or save the points as text x y z"
     )
+
+
+def find_stating(name: str) -> str:
+    """Return the name, as `gather` looks for it, of an attribute that states sides or units; empty if it is none."""
+    plain = re.sub(r"\W+", "_", name)
+    return next((one for one in (name, plain, plain.lower()) if one in STATING_ATTRIBUTES), "")
 
 
 @attrs.frozen(eq=False)
@@ -170,9 +192,17 @@ def choose_map(
     group = name.rpartition("/")[0]
     _require_heights(name, maps[name])
     beside = _find_beside(arrays, group)
+    stated = gather(maps[name], beside, _find_beside(texts, group))
+    joint = _JOINT_NAME.fullmatch(name.rpartition("/")[2])
+    if stated.unit is None and joint is not None and metres(joint[1]) is not None:
+        stated = attrs.evolve(stated, unit=joint[1])
+    describing = (one for key, one in _find_beside(texts, group).items() if key in DESCRIBING_ATTRIBUTES)
+    words = (name.rpartition("/")[2], *(str(maps[name].attributes.get(key, "")) for key in DESCRIBING_ATTRIBUTES))
+    words += tuple(describing)
+    stated = attrs.evolve(stated, doubt=next((text for text in words if names_unit(text)), ""))
     return build_map(
         _mark_invalid(maps[name]),
-        gather(maps[name], beside, _find_beside(texts, group)),
+        stated,
         rows=reader.rows,
         line="the first index",
         no_data=reader.no_data,
@@ -219,6 +249,8 @@ def gather(one: NamedArray, arrays: Mapping[str, NamedArray], texts: Mapping[str
         for name, value in one.attributes.items()
         if is_changing(name) and name not in PACKING_ATTRIBUTES and not _is_neutral(name, value)
     }
+    if one.values.dtype.kind in "iu":
+        changing |= {name: value for name, value in one.attributes.items() if name.lower() in STEPS_OF_HEIGHTS}
     missing = [float(value) for name in MISSING_ATTRIBUTES for value in np.ravel(one.attributes.get(name, ()))]
     for name in [name for name in changing if name.lower() in _MISSING_NAMES]:
         with contextlib.suppress(TypeError, ValueError):

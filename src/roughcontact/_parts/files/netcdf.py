@@ -18,6 +18,7 @@ from roughcontact._parts.files.named import (
     DESCRIBING_ATTRIBUTES,
     MISSING_ATTRIBUTES,
     PACKING_ATTRIBUTES,
+    STEPS_OF_HEIGHTS,
     UNIT_ATTRIBUTES,
     VALID_ATTRIBUTES,
     NamedArray,
@@ -115,6 +116,6 @@ def _read_attributes(stored: dict[str, Any]) -> dict[str, Any]:
             if values.dtype.kind not in "iuf" or not (several or values.size == (2 if name == "valid_range" else 1)):
                 raise InputError(f"its {name} is not a number")
             found[name] = tuple(map(float, values)) if several or values.size == 2 else float(values[0])
-        elif is_changing(name):
+        elif is_changing(name) or name.lower() in STEPS_OF_HEIGHTS:
             found[name] = value
     return found

@@ -38,6 +38,13 @@ _FIELD = re.compile(
 _WORDS = re.compile(r"[^\W\d]+")
 _SEPARATOR = re.compile(r"[,;\t]")
 _VARIABLES = re.compile(r"(?i)^\s*variables\s*=")
+# Names of places that are not x and y, of which the direction, or the axis, is not stated.
+_OTHER_PLACES = (
+    frozenset({"row", "col"}),
+    frozenset({"row", "column"}),
+    frozenset({"r", "theta"}),
+    frozenset({"r", "phi"}),
+)
 _DEPTHS = frozenset({"depth", "depths", "tiefe", "profondeur"})
 _HEIGHTS = ("z", "h", "height", "heights", "höhe", "hauteur", "elevation", "topography")
 _COLUMNS = {
@@ -88,7 +95,8 @@ def _known(unit: str | None) -> str:
 
 def _find_name(words: str) -> str:
     """Return the word of a field that names a column of points, or its first one."""
-    found = words.lower().split()
+    # "PosX", "X-Koordinate".
+    found = re.split(r"[\s\-_]+", re.sub(r"(?<=[a-z])(?=[A-Z])", " ", words).lower())
     known = {*itertools.chain.from_iterable(_COLUMNS.values()), *_DEPTHS}
     return next((word for word in found if word in known), next(iter(found), ""))
 
@@ -102,12 +110,21 @@ def _list_units(line: str, count: int) -> list[str]:
 def require_named_columns(header: Sequence[str], columns: int) -> None:
     """Refuse numbers of other columns than the line above them names, where it names x, y and z."""
     for line in map(decode_latin, header):
-        names = [name for name, _ in next(_list_names(line))]
+        names, fields = ([name for name, _ in one if metres(name) is None] for one in _list_names(line))
         words = _WORDS.findall(_VARIABLES.sub("", line).lower())
         if re.search("[=:{]", _VARIABLES.sub("", line)):
             continue
-        are_columns = len(names) == len(words) and {"x", "y"} <= {*names} and {*names} & {*_COLUMNS["z"]}
-        if are_columns and columns not in (len(names), len(names) + 1):
+        are_columns = (
+            len(names) == len([word for word in words if metres(word) is None])
+            and {"x", "y"} <= {*names}
+            and {*names} & {*_COLUMNS["z"]}
+        )
+        if len(names) == columns and any(places <= {*names} for places in _OTHER_PLACES):
+            raise InputError(
+                f"the line {line.strip()[:40]!a} names places that are not x and y: write a row x y z for each point, "
+                "with these names above them"
+            )
+        if are_columns and columns not in (len(names), len(names) + 1, len(fields), len(fields) + 1):
             raise InputError(
                 f"the line {line.strip()[:40]!a} names {len(names)} columns, but its rows hold {columns} numbers: "
                 "write a row x y z for each point"

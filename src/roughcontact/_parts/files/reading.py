@@ -44,8 +44,9 @@ _READERS_BY_BEGINNING = {
 # The ending of text files by Surfer and of netCDF by GMT, whose version 4 begins as HDF5 does.
 _NETCDF_ENDING = ".grd"
 _HDF5 = b"\x89HDF"
-# Characters of a reader's message that ours repeats.
+# Characters of a reader's message, and of a line of a file, that ours repeats.
 _MAX_REASON_CHARACTERS = 200
+_MAX_DOUBT_CHARACTERS = 60
 # Relative difference between a given size and the size in a file: six digits, as people type them.
 _SIZE_TOLERANCE = 1e-6
 # Relative difference between the proportions of cells and of points in a file: positions are printed with few digits.
@@ -120,6 +121,7 @@ def read_surface(
     if raw.needs_rows:
         _require_rows(raw.heights, given, file)
     _require_steps(raw, given, file)
+    _require_partial(raw, given, file)
     heights, mask, done = complete(
         raw.heights, f"the file {file.name}", non_measured, " (on the command line --non-measured)"
     )
@@ -302,11 +304,30 @@ def _require_steps(raw: RawMap, size: Length | Sequence[Length], file: Path) -> 
         )
 
 
+def _require_partial(raw: RawMap, size: Length | Sequence[Length], file: Path) -> None:
+    """Refuse a size that contradicts the distance of the points along one axis, where the file states that alone."""
+    if raw.heights.ndim != 2:
+        return
+    sides = pair(size, "The size of the height map", "m", above=0.0)
+    for axis, side, count, step in zip("xy", sides, raw.heights.shape, raw.partial, strict=True):
+        if step is not None and abs(side / count / step - 1.0) > _STEP_TOLERANCE:
+            raise InputError(
+                f"The points in {file.name} are {si(step, 'm')} apart along {axis}, but on a side of {si(side, 'm')} "
+                f"its {count} points would be {si(side / count, 'm')} apart: give the sides of x and of y in this "
+                "order, or leave that statement out."
+            )
+
+
 def _unit(raw: RawMap, given: float | str | None, file: Path) -> float:
     if given is None and raw.needs_unit:
         raise InputError(
             f"The heights in {file.name} are numbers without a unit: give what one of them means, m, such as unit=1e-9 "
             "(on the command line --unit 1nm)."
+        )
+    if given is None and raw.doubt:
+        raise InputError(
+            f"The file {file.name} states {shorten(raw.doubt.strip(), _MAX_DOUBT_CHARACTERS)!a}, which may be the unit "
+            "of its heights: give unit=, such as 'nm' (on the command line --unit nm), or unit=1 if they are metres."
         )
     if given is None:
         return 1.0

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import re
 
 import attrs
 import numpy as np
@@ -21,7 +22,12 @@ _METRES_PER_UNIT |= {"micrometre": 1e-6, "nanometer": 1e-9, "nanometre": 1e-9, "
 _METRES_PER_UNIT |= {"micron": 1e-6, "~m": 1e-6, "mum": 1e-6, "ang": 1e-10, "angstrom": 1e-10}
 _METRES_PER_UNIT |= {"inch": 0.0254, "in": 0.0254, "mil": 2.54e-5, "thou": 2.54e-5}
 _METRES_PER_UNIT |= {"inches": 0.0254, "uin": 2.54e-8, "microinch": 2.54e-8, "microinches": 2.54e-8}
+_METRES_PER_UNIT |= {"нм": 1e-9, "мкм": 1e-6, "мм": 1e-3, "纳米": 1e-9, "微米": 1e-6, "毫米": 1e-3}
 _METRES_PER_UNIT |= {"kÅ": 1e-7, "kang": 1e-7, "kiloangstrom": 1e-7, "dm": 0.1}
+# Units that are words of other meanings, too; and a word, and a number before it, of which it is then the unit.
+_WORDS = frozenset({"m", "in", "mil", "thou", "ang", "cm", "dm"})
+_WORD = re.compile(r"(?<![^\W\d_])[^\W\d_]{1,14}(?![^\W_])")
+_NUMBER_BEFORE = re.compile(r"[0-9]\s*[\[(]?\s*$")
 _MICRO = str.maketrans({"µ": "u", "μ": "u", "\udcb5": "u", "\N{ANGSTROM SIGN}": "Å"})
 # Relative difference between a stated size and the stated steps times the number of points, or of their distances.
 _SIZE_TOLERANCE = 2e-2
@@ -48,6 +54,16 @@ def metres(unit: str) -> float | None:
     small = name.lower()
     return next(
         (_METRES_PER_UNIT[one] for one in (name, small, small.removesuffix("s")) if one in _METRES_PER_UNIT), None
+    )
+
+
+def names_unit(text: str) -> bool:
+    """Return whether a text names a unit of length that is not that of a number in it."""
+    return any(
+        metres(found[0]) is not None
+        and found[0].lower() not in _WORDS
+        and not _NUMBER_BEFORE.search(text[: found.start()])
+        for found in _WORD.finditer(text)
     )
 
 
@@ -84,6 +100,8 @@ class Stated:
     extent
         ``"range"``, ``"largest"`` or ``"smallest"`` of the heights, its value in metres, and its unit as the file names
         it, which tell the unit of the heights where the file does not state that; None where it states none.
+    doubt
+        What may state the unit of the heights, in its own words, where it is not understood; else empty.
     channels
         Names of the arrays that it holds, where they are more than the one of heights.
     not_understood
@@ -103,6 +121,7 @@ class Stated:
     length: str | float | None = None
     periodic: bool = False
     extent: tuple[str, float, str | float] | None = None
+    doubt: str = ""
     channels: tuple[str, ...] = ()
     not_understood: tuple[str, ...] = ()
 
@@ -145,8 +164,10 @@ def build_map(
     if stated.falling and first == (stated.rows or first):
         heights = turn_up(heights, stated.falling)
     unit = _find_unit(stated)
+    doubt = stated.doubt
     if unit is None and stated.extent is not None:
         unit = _find_unit_of_extent(heights, *stated.extent)
+        doubt = doubt or f"{stated.extent[0]} height {si(stated.extent[1], 'm')}"
     if unit is not None:
         heights *= unit
     size, steps, hint = _find_sides(stated, (heights.shape[0], heights.shape[1]))
@@ -162,6 +183,8 @@ def build_map(
         steps=steps,
         rows=name_rows(first or "x", assumed=not first, downwards=downwards).replace("a line of the file", line),
         unit=unit,
+        partial=_find_partial(stated),
+        doubt=doubt if unit is None else "",
     )
 
 
@@ -305,19 +328,22 @@ def _find_unit(stated: Stated) -> float | None:
     return unit
 
 
-def _find_unit_of_extent(heights: Array, what: str, value: float, name: str | float) -> float:
-    """Return the metres in the unit of heights whose range, or extreme, is stated; `InputError` if it fits none."""
+def _find_unit_of_extent(heights: Array, what: str, value: float, name: str | float) -> float | None:
+    """Return the metres in the unit of heights whose range, or extreme, is stated; None if it fits none."""
     low, high = _find_range(heights, np.isfinite(heights))
     there = {"range": high - low, "largest": high, "smallest": low}[what]
     named = metres(name) if isinstance(name, str) else name
-    for unit in (named, 1.0):
-        if unit is not None and abs(there * unit - value) <= _EXTENT_TOLERANCE * abs(value):
-            return unit
-    raise InputError(
-        f"it states {si(value, 'm')} as the {what} of its heights, but no unit of its numbers, whose {what} is "
-        f"{there:g}, neither in that unit nor in metres the same: write their unit above them, or skip the lines of "
-        "its header with skip_rows= and give unit="
-    )
+    fitting = (unit for unit in (named, 1.0) if unit and abs(there * unit - value) <= _EXTENT_TOLERANCE * abs(value))
+    return next(fitting, None)
+
+
+def _find_partial(stated: Stated) -> tuple[float | None, float | None]:
+    """Return the distances of the points along x and y, m, of which the file states one alone; else None twice."""
+    length = metres(stated.length) if isinstance(stated.length, str) else stated.length
+    if length is None or stated.steps.count(None) != 1:
+        return (None, None)
+    x, y = (None if step is None else step * length for step in stated.steps)
+    return (x, y)
 
 
 def _find_sides(stated: Stated, shape: tuple[int, int]) -> tuple[Pair | None, Pair | None, str]:
