@@ -300,7 +300,7 @@ READ = {
     "HDF5, a unit in the name": ("a.h5", lambda: named_h5("height_um"), {"size": SIZE}),
     "numpy, names of axes": ("a.npz", lambda: npz(heights=HEIGHTS.T, dims=("y", "x"), size=SIZE), {}),
     "numpy, a text without a unit": ("a.npz", lambda: npz(heights=HEIGHTS, info="sample 10 nm", size=SIZE), {}),
-    "HDF5, a doubtful unit that is given": ("a.h5", lambda: h5({"description": "heights in nm"}), ALL),
+    "HDF5, a unit that is given": ("a.h5", lambda: h5({"description": "heights in nm"}), ALL),
     "X3P, not turned": ("a.x3p", lambda: x3p(rotation=np.eye(3)), {}),
     "X3P": ("a.x3p", x3p, {}),
     "X3P without a checksum": ("a.x3p", lambda: x3p(digest="0" * 32), {}),

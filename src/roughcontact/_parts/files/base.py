@@ -134,7 +134,7 @@ class RawMap:
         Distances of its points along x and y, m, where it states one of them alone; else None twice.
     unit
         Unit of the heights that the file states, m, already applied; None where it states none.
-    doubt
+    unit_hint
         What in the file may state the unit of the heights, in its own words, where it is not understood; else empty.
     """
 
@@ -149,7 +149,7 @@ class RawMap:
     rows: str = ""
     partial: tuple[float | None, float | None] = (None, None)
     unit: float | None = None
-    doubt: str = ""
+    unit_hint: str = ""
 
 
 def check_rows(value: str) -> str:

@@ -180,7 +180,7 @@ class _Found:
 
     items: dict[str, tuple[float | str, str]] = attrs.field(factory=dict)
     not_understood: list[str] = attrs.field(factory=list)
-    doubt: str = ""
+    unit_hint: str = ""
 
     def add(self, name: str, value: float | str, line: str) -> None:
         """Keep an item; `InputError` if it is stated twice, with other values."""
@@ -254,7 +254,7 @@ def _read_sentence(found: _Found, line: str) -> None:
     elif _is_suspect(line):
         found.not_understood.append(line)
     elif names_unit(line):
-        found.doubt = found.doubt or line
+        found.unit_hint = found.unit_hint or line
 
 
 def _is_suspect(line: str) -> bool:
@@ -425,5 +425,5 @@ def _combine(found: _Found) -> Stated:
         length=length,
         extent=None if extent is None else (extent, found.number(extent) or 0.0, found.items["unit of extent"][0]),
         not_understood=tuple(not_understood),
-        doubt=found.doubt,
+        unit_hint=found.unit_hint,
     )

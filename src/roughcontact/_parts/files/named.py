@@ -199,7 +199,7 @@ def choose_map(
     describing = (one for key, one in _find_beside(texts, group).items() if key in DESCRIBING_ATTRIBUTES)
     words = (name.rpartition("/")[2], *(str(maps[name].attributes.get(key, "")) for key in DESCRIBING_ATTRIBUTES))
     words += tuple(describing)
-    stated = attrs.evolve(stated, doubt=next((text for text in words if names_unit(text)), ""))
+    stated = attrs.evolve(stated, unit_hint=next((text for text in words if names_unit(text)), ""))
     return build_map(
         _mark_invalid(maps[name]),
         stated,

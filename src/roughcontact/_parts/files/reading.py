@@ -46,7 +46,7 @@ _NETCDF_ENDING = ".grd"
 _HDF5 = b"\x89HDF"
 # Characters of a reader's message, and of a line of a file, that ours repeats.
 _MAX_REASON_CHARACTERS = 200
-_MAX_DOUBT_CHARACTERS = 60
+_MAX_HINT_CHARACTERS = 60
 # Relative difference between a given size and the size in a file: six digits, as people type them.
 _SIZE_TOLERANCE = 1e-6
 # Relative difference between the proportions of cells and of points in a file: positions are printed with few digits.
@@ -324,10 +324,11 @@ def _unit(raw: RawMap, given: float | str | None, file: Path) -> float:
             f"The heights in {file.name} are numbers without a unit: give what one of them means, m, such as unit=1e-9 "
             "(on the command line --unit 1nm)."
         )
-    if given is None and raw.doubt:
+    if given is None and raw.unit_hint:
         raise InputError(
-            f"The file {file.name} states {shorten(raw.doubt.strip(), _MAX_DOUBT_CHARACTERS)!a}, which may be the unit "
-            "of its heights: give unit=, such as 'nm' (on the command line --unit nm), or unit=1 if they are metres."
+            f"The file {file.name} states {shorten(raw.unit_hint.strip(), _MAX_HINT_CHARACTERS)!a}, which may be the "
+            "unit of its heights: give unit=, such as 'nm' (on the command line --unit nm), or unit=1 if they are "
+            "metres."
         )
     if given is None:
         return 1.0

@@ -100,7 +100,7 @@ class Stated:
     extent
         ``"range"``, ``"largest"`` or ``"smallest"`` of the heights, its value in metres, and its unit as the file names
         it, which tell the unit of the heights where the file does not state that; None where it states none.
-    doubt
+    unit_hint
         What may state the unit of the heights, in its own words, where it is not understood; else empty.
     channels
         Names of the arrays that it holds, where they are more than the one of heights.
@@ -121,7 +121,7 @@ class Stated:
     length: str | float | None = None
     periodic: bool = False
     extent: tuple[str, float, str | float] | None = None
-    doubt: str = ""
+    unit_hint: str = ""
     channels: tuple[str, ...] = ()
     not_understood: tuple[str, ...] = ()
 
@@ -164,10 +164,10 @@ def build_map(
     if stated.falling and first == (stated.rows or first):
         heights = turn_up(heights, stated.falling)
     unit = _find_unit(stated)
-    doubt = stated.doubt
+    unit_hint = stated.unit_hint
     if unit is None and stated.extent is not None:
         unit = _find_unit_of_extent(heights, *stated.extent)
-        doubt = doubt or f"{stated.extent[0]} height {si(stated.extent[1], 'm')}"
+        unit_hint = unit_hint or f"{stated.extent[0]} height {si(stated.extent[1], 'm')}"
     if unit is not None:
         heights *= unit
     size, steps, hint = _find_sides(stated, (heights.shape[0], heights.shape[1]))
@@ -184,7 +184,7 @@ def build_map(
         rows=name_rows(first or "x", assumed=not first, downwards=downwards).replace("a line of the file", line),
         unit=unit,
         partial=_find_partial(stated),
-        doubt=doubt if unit is None else "",
+        unit_hint=unit_hint if unit is None else "",
     )
 
 
