@@ -411,6 +411,8 @@ READ = {
         {"size": SIZE},
     ),
     "a value of bad pixels": ("a.txt", "# bad pixel value = -1\n" + lines(without(Z), missing="-1"), GIVEN),
+    "a value of invalid data": ("a.txt", "Invalid data value: 9999\n" + lines(without(Z), missing="9999"), GIVEN),
+    "a missing value in German": ("a.csv", "# Fehlwert: -99,5\n" + lines(without(Z), ";", missing="-99.5"), GIVEN),
     "bad pixels in a sentence": (
         "a.txt",
         "# invalid pixels are set to 0.\n" + lines(without(Z), missing="0"),
@@ -609,6 +611,7 @@ REFUSED = {
     "PFM": ("a.pfm", b"Pf\n24 37\n-1.0\n" + UP.astype("<f4").tobytes(), GIVEN, "a picture (PFM)"),
     "DXF": ("a.dxf", "0\nSECTION\n2\nENTITIES\n", GIVEN, "a drawing in DXF"),
     "one distance that does not agree": ("a.txt", "# dx = 5 um\n" + lines(Z), GIVEN, "are 5 µm apart along x, but on"),
+    "invalid points in German": ("a.csv", "# Ungültig: -99.99\n" + lines(Z, ";"), GIVEN, "-99.99', which changes"),
     "Wyko, cut": ("a.asc", wyko()[:150], {}, "it begins as 'Wyko ASCII Data File Format 0"),
     "sides in landscape": ("a.txt", gwyddion().replace("µm", "km", 2) + lines(DOWN), {}, "size"),
     "metres by mistake": ("a.txt", gwyddion().replace("µm", "m", 2) + lines(DOWN), {}, "more than 1 m"),

@@ -142,7 +142,10 @@ _UNIT = (
 )
 _LATERAL_UNIT = r"(?:x|y|xy|lateral|length) ?units?|units? (?:x|y|xy)|lateral units?"
 _NO_POINT = r"(?:no ?data|null|missing|invalid|bad|void|blank|undefined|fill|filler|masked|unmeasured|not measured)"
-_NON_MEASURED = rf"no ?data|null|blank|{_NO_POINT}(?: ?data| pixels?| points?)? ?value"
+_NON_MEASURED = (
+    r"no ?data|null|blank|fehlwert|ungültiger wert|valeur (?:manquante|invalide)"
+    rf"|{_NO_POINT}(?: ?data| pixels?| points?)? ?value"
+)
 # A sentence that states it: "invalid points are set to 0".
 _NON_MEASURED_SENTENCE = re.compile(
     rf"(?i).*\b{_NO_POINT}\b[^0-9\n]*\b(?:set to|replaced (?:by|with)|given as|marked (?:by|as|with)|written as)\s+"
@@ -166,7 +169,10 @@ _CHANGING = {
         r"|(?:z|vertical) magnification"
     ): 1.0,
     re.compile(r"(?:(?:z|heights?|data|value|add)[ _]?)?offset|offset (?:data|z)"): 0.0,
-    re.compile(r"void ?pixels?|(?:missing|invalid|bad|void|undefined)(?: points| pixels| data)?"): 0.0,
+    re.compile(
+        r"ungültige?(?: punkte)?|fehlende? punkte|void ?pixels?"
+        r"|(?:missing|invalid|bad|void|undefined)(?: points| pixels| data)?"
+    ): 0.0,
 }
 # The number of a non-measured point where a grid of ESRI states none.
 _ESRI_NON_MEASURED = -9999.0

@@ -172,6 +172,10 @@ def build_map(
         heights *= unit
     size, steps, hint = _find_sides(stated, (heights.shape[0], heights.shape[1]))
     downwards = (first or "x") in stated.falling
+    in_words = name_rows(first or "x", assumed=not first, downwards=downwards).replace("a line of the file", line)
+    if first == "y" and rows == "auto" and not stated.rows:
+        # Counts say which axis it is, but not its direction.
+        in_words += ", upwards (assumed)"
     return RawMap(
         heights,
         size,
@@ -181,7 +185,7 @@ def build_map(
         needs_unit=needs_unit and unit is None,
         needs_rows=not first,
         steps=steps,
-        rows=name_rows(first or "x", assumed=not first, downwards=downwards).replace("a line of the file", line),
+        rows=in_words,
         unit=unit,
         partial=_find_partial(stated),
         unit_hint=unit_hint if unit is None else "",

@@ -98,6 +98,9 @@ def holds_heights(content: str) -> bool | None:
         # A line of dashes is the rule below a title.
         return None if len(fields) > 1 else False
     first = fields[0]
+    if is_non_measured(first) and not all(is_non_measured(one) or _NUMBER.fullmatch(one) for one in fields):
+        # A line of a header, such as "Invalid data value: 9999".
+        return False
     return bool(is_non_measured(first) or _NUMBER.fullmatch(first)) and any(map(_NUMBER.fullmatch, fields))
 
 
