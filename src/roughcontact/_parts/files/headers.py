@@ -143,7 +143,7 @@ _UNIT = (
 _LATERAL_UNIT = r"(?:x|y|xy|lateral|length) ?units?|units? (?:x|y|xy)|lateral units?"
 _NO_POINT = r"(?:no ?data|null|missing|invalid|bad|void|blank|undefined|fill|filler|masked|unmeasured|not measured)"
 _NON_MEASURED = (
-    r"no ?data|null|blank|fehlwert|ungültiger wert|valeur (?:manquante|invalide)"
+    r"no ?data|null|blank|fehlwert|ungültiger wert|valeur manquante"
     rf"|{_NO_POINT}(?: ?data| pixels?| points?)? ?value"
 )
 # A sentence that states it: "invalid points are set to 0".
