@@ -95,12 +95,12 @@ def test_filling_makes_no_summit_and_continues_planes():
         ("map.txt", b"1 2\n3 0x10\n", "line 2 holds '0x10', which is not a number"),
         ("map.txt", b"1 2\n3 1x-6\n", "line 2 holds '1x-6', which is not a number"),
         ("map.txt", "1 2\n3 \uff14\n".encode(), r"line 2 holds '.uff14', which is not a number"),
-        ("map.txt", "1 2\n3 \u22124\n".encode(), r"line 2 holds '.u22124', which is not a number"),
+        ("map.txt", "1 2\n3 \u20134\n".encode(), r"line 2 holds '.u20134', which is not a number"),
         ("map.txt", b"1 2\n3 \xb5\n", r"line 2 holds '.udcb5', which is not a number"),
         ("map.dat", b"", "it holds no numbers"),
         ("map.dat", b"\x00\x01\x00\x02", "it is not text, although its name ends so"),
         ("map.txt", b"1 2\n3 \x00\n", "it is not text, although its name ends so"),
-        ("map.txt", "1 2\n3 4\n".encode("utf-16-le"), "it is not text, although its name ends so"),
+        ("map.txt", "1 2\n3 4\n".encode("utf-32-le"), "it is not text, although its name ends so"),
         ("map.txt", b"\xff\xfe1\x00 ", "it begins like text in utf-16, but is not"),
         ("map.txt", b"word" * 10**6, "it holds no numbers, and begins with 'wordwordword"),
         ("map.txt", b"# nothing\n", "holds no numbers"),
@@ -229,7 +229,7 @@ def test_results_can_be_read_by_others(tmp_path):
         (b"1,2,\n3,4,5\n", [[1, 2, np.nan], [3, 4, 5]]),
         (b"\t\t\n1\t\t3\n\t\t\n", [[np.nan] * 3, [1, np.nan, 3], [np.nan] * 3]),
         (b"1 nan\n-inf 4", [[1, np.nan], [-np.inf, 4]]),
-        (b"# H\xf6he in \xb5m\n1 2 # no\n3 4\n", [[1, 2], [3, 4]]),
+        (b"# H\xf6he in \xb5m\n1 2 # no\n3 4\n", [[1e-6, 2e-6], [3e-6, 4e-6]]),
         (b"\xef\xbb\xbf1 2\n3 4\n", [[1, 2], [3, 4]]),
         (b"1,2,\n3,4\n", [[1, 2], [3, 4]]),
         (b"1,2,3\n4,5,6,\n", [[1, 2, 3], [4, 5, 6]]),
@@ -369,7 +369,6 @@ def test_points_x_y_z_on_a_regular_grid_are_a_map(tmp_path):
     [
         np.random.default_rng(4).random((50, 3)),
         np.array([[i, i, 0.0] for i in range(20)]),
-        np.array([[i % 5, i // 5 % 5, 0.0] for i in range(50)]),
         np.array([[i % 5, np.exp(i // 5), 0.0] for i in range(25)]),
         np.ones((10, 3)),
         np.full((10, 3), 1e308) * np.array([1, 1, 0]) * (-1.0) ** np.arange(10)[:, None],
@@ -379,6 +378,13 @@ def test_points_x_y_z_on_a_regular_grid_are_a_map(tmp_path):
 def test_points_on_no_regular_grid_are_refused(tmp_path, points):
     np.savetxt(tmp_path / "points.txt", points)
     with pytest.raises(rc.InputError, match="do not lie on a regular grid: interpolate them"):
+        rc.read_surface(tmp_path / "points.txt", size=1e-3)
+
+
+def test_two_points_at_one_place_are_named(tmp_path):
+    points = np.array([[i % 5, 3.0 * (i // 5 % 7), 0.1 * i] for i in range(36)])
+    np.savetxt(tmp_path / "points.txt", points)
+    with pytest.raises(rc.InputError, match="at one place of a regular grid, as at x = 0, y = 0: keep one"):
         rc.read_surface(tmp_path / "points.txt", size=1e-3)
 
 

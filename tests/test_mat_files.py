@@ -53,7 +53,7 @@ def test_what_scipy_writes_is_read_back(tmp_path_factory, heights, compressed):
 
 def test_the_only_map_is_taken_and_others_are_chosen(tmp_path):
     path = tmp_path / "map.mat"
-    scipy.io.savemat(path, {"z": HEIGHTS, "n": 3.0, "mask": HEIGHTS > 0, "x": np.arange(5.0)})
+    scipy.io.savemat(path, {"z": HEIGHTS, "n": 3.0, "high": HEIGHTS > 0, "x": np.arange(5.0)})
     np.testing.assert_array_equal(rc.read_surface(path, size=(5e-6, 7e-6)).values, HEIGHTS)
     scipy.io.savemat(path, {"z": HEIGHTS, "y": 2 * HEIGHTS})
     with pytest.raises(rc.InputError, match=r"give variable= with its name; .* are: y, z"):

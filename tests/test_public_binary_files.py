@@ -48,6 +48,23 @@ def h5(attributes=None, values=MICROMETRES, axes=(), of_file=None, **others):
     return stream.getvalue()
 
 
+def named_h5(name):
+    h5py = pytest.importorskip("h5py")
+    stream = io.BytesIO()
+    with h5py.File(stream, "w") as file:
+        file[name] = MICROMETRES
+    return stream.getvalue()
+
+
+def rows_and_columns():
+    h5netcdf = pytest.importorskip("h5netcdf")
+    stream = io.BytesIO()
+    with h5netcdf.File(stream, "w") as file:
+        file.dimensions = {"row": 37, "column": 24}
+        file.create_variable("z", ("row", "column"), data=MICROMETRES.T).attrs["units"] = "um"
+    return stream.getvalue()
+
+
 def netcdf4(values=MICROMETRES.T, dims=("y", "x"), units="um", places=(Y, X), **attributes):
     h5netcdf = pytest.importorskip("h5netcdf")
     stream = io.BytesIO()
@@ -62,7 +79,9 @@ def netcdf4(values=MICROMETRES.T, dims=("y", "x"), units="um", places=(Y, X), **
 def netcdf3(name="z", values=MICROMETRES.T, dims=("y", "x"), units="um", **attributes):
     stream = io.BytesIO()
     with scipy.io.netcdf_file(stream, "w") as file:
-        for axis, places in zip(dims, (Y, X), strict=True):
+        for axis in dims[:-2]:
+            file.createDimension(axis, 1)
+        for axis, places in zip(dims[-2:], (Y, X), strict=True):
             file.createDimension(axis, len(places))
             one = file.createVariable(axis, "d", (axis,))
             one[:] = places
@@ -126,9 +145,12 @@ def surfer7(rows=37, rotation=0.0, values=MICROMETRES.T):
 AXIS = "<C{0}><AxisType>{1}</AxisType><DataType>{2}</DataType><Increment>{3}</Increment><Offset>0</Offset></C{0}>"
 
 
-def x3p(digest="", first="I", size_x=24, mask=False):
+def x3p(digest="", first="I", size_x=24, mask=False, rotation=None):
     data = HEIGHTS.T.astype("<f8").tobytes()
     axes = AXIS.format("X", first, "D", 2e-6) + AXIS.format("Y", "I", "D", 3e-6) + AXIS.format("Z", "A", "D", 1)
+    if rotation is not None:
+        turned = {f"r{row + 1}{column + 1}": rotation[row][column] for row in range(3) for column in range(3)}
+        axes += f"<Rotation>{''.join(f'<{name}>{one:g}</{name}>' for name, one in turned.items())}</Rotation>"
     links = "<PointDataLink>bindata/data.bin</PointDataLink>"
     links += f"<MD5ChecksumPointData>{digest or hashlib.md5(data).hexdigest()}</MD5ChecksumPointData>"
     links += "<ValidPointsLink>bindata/valid.bin</ValidPointsLink>" if mask else ""
@@ -150,6 +172,17 @@ def archive(members):
         for name, content in members.items():
             file.writestr(name, content)
     return stream.getvalue()
+
+
+def simple_field(sides="XReal = 48e-6\nYReal = 111e-6\nXYUnits = m\nZUnits = m\n", values=HEIGHTS):
+    head = f"Gwyddion Simple Field 1.0\nXRes = 24\nYRes = 37\n{sides}".encode()
+    return head + bytes(4 - len(head) % 4) + values.T[::-1].astype("<f4").tobytes()
+
+
+def simple_points(channels=1):
+    head = f"Gwyddion XYZ Field 1.0\nNChannels = {channels}\nNPoints = 888\nXYUnits = m\nZUnits1 = m\n".encode()
+    columns = [1e-6 * GRID[0], 1e-6 * GRID[1], *channels * [HEIGHTS]]
+    return head + bytes(8 - len(head) % 8) + np.stack(columns, axis=-1).astype("<f8").tobytes()
 
 
 ALL = {"size": SIZE, "unit": "um"}
@@ -219,6 +252,56 @@ READ = {
     "TIFF, big": ("a.tiff", lambda: tiff(bigtiff=True, compression="zlib"), ALL),
     "Surfer 6": ("a.grd", surfer6, ALL),
     "Surfer 7": ("a.grd", surfer7, ALL),
+    "Gwyddion, a simple field": ("a.gsf", simple_field, {}),
+    "Gwyddion, a simple field without units": (
+        "a.gsf",
+        lambda: simple_field("XReal = 48\nYReal = 111\n", MICROMETRES),
+        ALL,
+    ),
+    "Gwyddion, simple points": ("a.gxyzf", simple_points, {}),
+    "HDF5, several missing values": (
+        "a.h5",
+        lambda: h5({"units": "um", "missing_value": np.array([-99.0, -98.0])}),
+        {"size": SIZE},
+    ),
+    "HDF5, an axis of one": (
+        "a.h5",
+        lambda: h5({"units": "um"}, MICROMETRES[None], ("time", "x", "y")),
+        {"size": SIZE},
+    ),
+    "HDF5, a calibration of one": ("a.h5", lambda: h5({"units": "um", "z_calibration": 1.0}), {"size": SIZE}),
+    "HDF5, upwards": ("a.h5", lambda: h5({"units": "um", "positive": "up"}), {"size": SIZE}),
+    "HDF5, a resolution along each axis": (
+        "a.h5",
+        lambda: h5({"units": "um"}, of_file={"x_resolution": 2.0, "y_resolution": 3.0, "resolution_unit": "um"}),
+        {},
+    ),
+    "netCDF classic, an axis of one": (
+        "a.nc",
+        lambda: netcdf3(values=MICROMETRES.T[None], dims=("time", "y", "x")),
+        {"unit": "um"},
+    ),
+    "MATLAB, places of meshgrid": (
+        "a.mat",
+        lambda: mat(Z=MICROMETRES.T, X=GRID[0].T, Y=GRID[1].T),
+        ALL,
+    ),
+    "TIFF, a description": ("a.tif", lambda: tiff(description="Z unit: um\ndx = 2 um\ndy = 3 um"), {}),
+    "numpy, an extent": ("a.npz", lambda: npz(heights=HEIGHTS, extent=(0.0, 48e-6, -1e-6, 110e-6)), {}),
+    "MATLAB, logicals": ("a.mat", lambda: mat(z=MICROMETRES, chosen=MICROMETRES > 0.1), ALL),
+    "HDF5, attributes that change nothing": (
+        "a.h5",
+        lambda: h5({"units": "um", "calibration": "valid", "count": 888, "pixel_scale": 3.0, "info": "noise 3 nm"}),
+        {"size": SIZE},
+    ),
+    "HDF5, words of the file": ("a.h5", lambda: h5(of_file={"Units Z": "um"}), {"size": SIZE}),
+    "HDF5, a resolution of real numbers": ("a.h5", lambda: h5({"units": "um", "z_resolution": 1e-10}), {"size": SIZE}),
+    "netCDF, axes without places": ("a.nc", rows_and_columns, {"size": SIZE}),
+    "HDF5, a unit in the name": ("a.h5", lambda: named_h5("height_um"), {"size": SIZE}),
+    "numpy, names of axes": ("a.npz", lambda: npz(heights=HEIGHTS.T, dims=("y", "x"), size=SIZE), {}),
+    "numpy, a text without a unit": ("a.npz", lambda: npz(heights=HEIGHTS, info="sample 10 nm", size=SIZE), {}),
+    "HDF5, a unit that is given": ("a.h5", lambda: h5({"description": "heights in nm"}), ALL),
+    "X3P, not turned": ("a.x3p", lambda: x3p(rotation=np.eye(3)), {}),
     "X3P": ("a.x3p", x3p, {}),
     "X3P without a checksum": ("a.x3p", lambda: x3p(digest="0" * 32), {}),
 }
@@ -297,8 +380,16 @@ def sdf(columns=24, kind="b"):
     return ("\n".join([*lines, "*"]) + "\n").encode()
 
 
+def bcr(columns=24):
+    """A file of the Community Bureau of Reference, as SPIP writes it: the first line is the upper one."""
+    head = f"fileformat = bcrstm\nheadersize = 2048\nxpixels = {columns}\nypixels = 37\nxlength = 48000\n"
+    head += "ylength = 111000\nxunit = nm\nyunit = nm\nzunit = nm\nbit2nm = 0.1\nintelmode = 1\nvoidpixels = 0\n"
+    return head.encode().ljust(2048, b"%") + np.round(1e4 * IMAGE).astype("<i2").tobytes()
+
+
 # The largest error of the heights that each file holds, m: half a step of its integers, and the digits of its text.
 INSTRUMENTS = {
+    "BCR-STM": ("a.bcr", bcr, 0.51e-10),
     "Gwyddion": ("a.gwy", gwyddion, 1e-20),
     "Digital Surf": ("a.sur", digital_surf, 0.51e-10),
     "ISO 25178-71, binary": ("a.sdf", sdf, 1e-20),
@@ -381,6 +472,80 @@ REFUSED = {
         "its head states more than it holds",
     ),
     "HDF5, a scale of the file": ("a.h5", lambda: h5(of_file={"scale": 0.5}), "'scale = 0.5', which changes"),
+    "HDF5, a calibration": ("a.h5", lambda: h5({"z_calibration": "12 nm/V"}), "'z_calibration = 12 nm/V', which"),
+    "HDF5, downwards": ("a.h5", lambda: h5({"units": "um", "positive": "down"}), "'positive = down', which"),
+    "HDF5, depths": ("a.h5", lambda: h5({"units": "um", "long_name": "depth of wear"}), "'depth of wear', positive"),
+    "netCDF classic, downwards": ("a.nc", lambda: netcdf3(positive=b"down"), "'positive = down', which"),
+    "netCDF, depths": ("a.nc", lambda: netcdf3(name="depth"), "'depth', positive downwards"),
+    "numpy, points": (
+        "a.npy",
+        lambda: npy(np.stack((*GRID, MICROMETRES), axis=-1).reshape(-1, 3)),
+        "is a point x y z of a regular grid",
+    ),
+    "MATLAB, a mask": ("a.mat", lambda: mat(z=MICROMETRES, mask=MICROMETRES > 0.1), "'mask = an array'"),
+    "netCDF, without signs": ("a.nc", lambda: netcdf4(_Unsigned="true"), "'_Unsigned = true'"),
+    "HDF5, a unit in its description": (
+        "a.h5",
+        lambda: h5({"description": "heights in nm", "size": SIZE}),
+        "'heights in nm', which may be the unit of its heights: give unit=",
+    ),
+    "HDF5, a unit for a count": ("a.h5", lambda: h5({"nm_per_count": 0.1}), "'nm_per_count = 0.1', which"),
+    "netCDF classic, a unit in its name": (
+        "a.nc",
+        lambda: netcdf3(long_name=b"height (nm)"),
+        "'height (nm)', which may",
+    ),
+    "numpy, a unit in a text": (
+        "a.npz",
+        lambda: npz(heights=MICROMETRES, metadata='{"z_unit": "um"}', size=SIZE),
+        "which may name the unit",
+    ),
+    "HDF5, a factor to a unit": ("a.h5", lambda: h5({"to_um": 1e-3}), "'to_um = 0.001', which"),
+    "HDF5, steps of integers": (
+        "a.h5",
+        lambda: h5({"zstep": 1e-10}, np.round(1e4 * MICROMETRES).astype("i4")),
+        "'zstep = 1e-10', which",
+    ),
+    "HDF5, a text of the file": (
+        "a.h5",
+        lambda: h5({"size": SIZE}, of_file={"meta": '{"z": "um"}'}),
+        "which may be the unit of its heights",
+    ),
+    "MATLAB, a unit in a cell": (
+        "a.mat",
+        lambda: mat(heights=MICROMETRES, units=np.array(["um"], dtype=object)),
+        "'units' is a cell or a structure",
+    ),
+    "MATLAB, points": (
+        "a.mat",
+        lambda: mat(z=np.stack((*GRID, MICROMETRES), axis=-1).reshape(-1, 3)),
+        "is a point x y z of a regular grid",
+    ),
+    "Gwyddion, a simple field, volts": (
+        "a.gsf",
+        lambda: simple_field("XReal = 48e-6\nYReal = 111e-6\nXYUnits = m\nZUnits = V\n"),
+        "values in 'V'",
+    ),
+    "Gwyddion, a simple field, cut": ("a.gsf", lambda: simple_field()[:-1], "declares 3552 bytes of numbers"),
+    "Gwyddion, a simple field without an end": ("a.gsf", lambda: b"Gwyddion Simple Field 1.0\nX = 1\n", "does not end"),
+    "Gwyddion, a simple field without points": (
+        "a.gsf",
+        lambda: simple_field().replace(b"XRes = 24", b"XRes = -4"),
+        "its XRes is '-4'",
+    ),
+    "Gwyddion, a simple field without a side": (
+        "a.gsf",
+        lambda: simple_field("XReal = wide\nYReal = 1\n"),
+        "its XReal is 'wide'",
+    ),
+    "Gwyddion, simple points of two channels": ("a.gxyzf", lambda: simple_points(2), "it holds 2 channels"),
+    "Gwyddion, another simple field": ("a.gsf", lambda: b"GSF 2", "does not begin as the simple fields"),
+    "TIFF, a scale in its description": (
+        "a.tif",
+        lambda: tiff(description="Z scale: 12.5 nm per count"),
+        "'Z scale: 12.5 nm per count', which",
+    ),
+    "X3P, turned": ("a.x3p", lambda: x3p(rotation=np.diag([1.0, -1.0, -1.0])), "a rotation of its axes"),
     "MATLAB, volts": ("a.mat", lambda: mat(heights=MICROMETRES, unit="V"), "values in 'V'"),
     "MATLAB, a scale": ("a.mat", lambda: mat(heights=MICROMETRES, zscale=0.5), "'zscale = 0.5', which changes"),
     "numpy, a scale": ("a.npz", lambda: npz(heights=MICROMETRES, scale=1e-3), "'scale = 0.001'"),

@@ -309,6 +309,145 @@ READ = {
     "Excel, errors": ("a.csv", lines(without(Z), ",", missing="#N/A"), GIVEN),
     "Excel, errors in German": ("a.csv", lines(without(Z), ";", missing="#NV", decimal=","), GIVEN),
     "microinches": ("a.csv", "Height (µin)\n" + lines(Z / 0.0254, ",", "{:.8f}"), {"size": SIZE}),
+    "WSxM, a matrix": (
+        "a.txt",
+        f"WSxM file copyright UAM\nWSxM ASCII Matrix file\nX Amplitude: {NX * DX:g} um\nY Amplitude: {NY * DY:g} um\n"
+        f"Z Amplitude: {np.ptp(Z):.2f} um\n\n[Header end]\n{lines(DOWN)}",
+        {},
+    ),
+    "AFM Workshop": (
+        "a.txt",
+        f"Pixels in X: {NX}\nLines in Y: {NY}\nX Range: {NX * DX:g} um\nY Range: {NY * DY:g} um\n"
+        f"Max Z: {Z.max():.4f} um\nStart of Data:\n{lines(DOWN)}",
+        {},
+    ),
+    "the largest height in nanometres": (
+        "a.txt",
+        f"Max height: {1e3 * Z.max():.1f} nm\n" + lines(1e3 * Z),
+        {"size": SIZE},
+    ),
+    "Shimadzu": (
+        "a.txt",
+        f"SHIMADZU SPM File Format Version 2.00\nPixelX {NX}\nPixelY {NY}\nScanSizeX {NX * DX:g} um\n"
+        f"ScanSizeY {NY * DY:g} um\nZUnit um\nDATA\n{lines(DOWN)}",
+        {},
+    ),
+    "Nanosurf": (
+        "a.csv",
+        f"XDim: {NX * DX:g}um YDim: {NY * DY:g}um\nPoints: {NX} Lines: {NY}\nZ unit: um\n{lines(UP, ';')}",
+        {"rows": "y"},
+    ),
+    "Keyence VR": (
+        "a.csv",
+        f'"Image width","{NX}"\n"Image height","{NY}"\n"XY Pitch","0.002","mm"\n"Unit","mm"\n"Height"\n'
+        + lines(1e-3 * DOWN, ",", "{:.7f}"),
+        SQUARE,
+    ),
+    "Keyence VK, not quoted": (
+        "a.csv",
+        f"XY calibration,2000.000,nm\nOutput image data,Height\nHorizontal,{NX}\nVertical,{NY}\nUnit,um\nHeight\n"
+        + lines(DOWN, ","),
+        SQUARE,
+    ),
+    "Olympus": (
+        "a.csv",
+        f"Width,{NX},pixel\nHeight,{NY},pixel\nPixel size,2.0,um\nZ unit,um\nDATA\n" + lines(DOWN, ","),
+        SQUARE,
+    ),
+    "sides with their numbers of points": (
+        "a.txt",
+        f"X axis: {NX * DX:g} µm, {NX} points\nY axis: {NY * DY:g} µm, {NY} points\nZ unit: µm\n{lines(UP)}",
+        {},
+    ),
+    "Vision, as CSV": (
+        "a.csv",
+        f"X Size,{NX}\nY Size,{NY}\nPixel_size,0.002,mm\nUnits,mm\n" + lines(1e-3 * UP, ",", "{:.7f}"),
+        SQUARE,
+    ),
+    "ESRI, decimal commas": (
+        "a.asc",
+        f"ncols {NX}\nnrows {NY}\nxllcorner 0,0\nyllcorner 0,5\ncellsize 2,0\n" + lines(DOWN, " ", decimal=","),
+        SQUARE | {"unit": "um"},
+    ),
+    "a mark of Fortran": ("a.txt", "! unit: nm\n" + lines(1e3 * Z), {"size": SIZE}),
+    "a German title in Latin-1": (
+        "a.txt",
+        TITLED.format("X [mm];Y [mm];Höhe [µm]").encode("latin-1"),
+        {},
+    ),
+    "points in inches": (
+        "a.csv",
+        "x_inch,y_inch,z_microinch\n" + points(Z / 0.0254, ",", "{:.12f}", scale=1 / 25400.0),
+        {},
+    ),
+    "points with both letters for micro": (
+        "a.csv",
+        "x [\u03bcm],y [\u00b5m],z [\u03bcm]\n" + points(separator=","),
+        {},
+    ),
+    "thousands of angstroms": ("a.csv", "x (µm),y (µm),z (kÅ)\n" + points(10.0 * Z, ","), {}),
+    "UTF-16 without a mark": ("a.txt", lines(Z).encode("utf-16-be"), GIVEN),
+    "minus signs of typography": ("a.txt", lines(Z, form="{:.4E}").replace("-", "\u2212"), GIVEN),
+    "units in one line": (
+        "a.txt",
+        "Units: x=mm, y=mm, z=um\n" + points(scale=1e-3, form="{:.6f}"),
+        {},
+    ),
+    "front matter": ("a.csv", "---\nunits: {x: um, y: um, z: nm}\npitch: [2, 3]\n---\n" + lines(1e3 * Z, ","), {}),
+    "a pair of sides": ("a.txt", f"Scan size: {NX * DX:g} µm x {NY * DY:g} µm\nz unit: µm\n" + lines(Z), {}),
+    "a pair of numbers of points": (
+        "a.txt",
+        f"Size: {NX} x {NY} pixels\nPixel size: 2 um, 3 um\nz unit: um\n" + lines(UP),
+        {},
+    ),
+    "units behind the names of keys": (
+        "a.txt",
+        "Pixel pitch X [µm]: 2\nPixel pitch Y [µm]: 3\nHeight unit [nm]\n" + lines(1e3 * Z),
+        {},
+    ),
+    "a row of units": (
+        "a.txt",
+        "Units" + NY * "\tum" + "\n" + lines(Z),
+        {"size": SIZE},
+    ),
+    "a value of bad pixels": ("a.txt", "# bad pixel value = -1\n" + lines(without(Z), missing="-1"), GIVEN),
+    "a value of invalid data": ("a.txt", "Invalid data value: 9999\n" + lines(without(Z), missing="9999"), GIVEN),
+    "a missing value in German": ("a.csv", "# Fehlwert: -99,5\n" + lines(without(Z), ";", missing="-99.5"), GIVEN),
+    "bad pixels in a sentence": (
+        "a.txt",
+        "# invalid pixels are set to 0.\n" + lines(without(Z), missing="0"),
+        GIVEN,
+    ),
+    "a pair of distances": ("a.txt", "Sampling distance: 2 µm x 3 µm\nz-unit: µm\n" + lines(Z), {}),
+    "a unit with a factor": ("a.txt", "# values in units of 10 nm\n" + lines(100.0 * Z), {"size": SIZE}),
+    "a title in Japanese": ("a.csv", "高さ(nm)\n" + lines(1e3 * Z, ","), {"size": SIZE}),
+    "a unit in Chinese": ("a.csv", "单位：纳米\n" + lines(1e3 * Z, ","), {"size": SIZE}),
+    "a unit in Russian": ("a.txt", "# Единицы: нм\n" + lines(1e3 * Z), {"size": SIZE}),
+    "Park, as CSV": (
+        "a.csv",
+        f"Unit,nm\nPixel Width,{NX}\nPixel Height,{NY}\nScan Width (um),{NX * DX}\nScan Height (um),{NY * DY}\n"
+        + lines(1e3 * DOWN, ","),
+        {},
+    ),
+    "a title with a given unit": ("a.txt", "Topography - nm\n" + lines(Z), GIVEN),
+    "units behind keys": (
+        "a.txt",
+        "[Header]\nX_Spacing_mm=0.002\nY_Spacing_mm=0.003\nZ_Unit=um\n[Data]\n" + lines(Z),
+        {},
+    ),
+    "Mahr": (
+        "a.csv",
+        f"Messpunkte in X;{NX}\nMesspunkte in Y;{NY}\nAbstand X [mm];0,002\nAbstand Y [mm];0,003\nHöhe [µm]\n"
+        + lines(UP, ";", decimal=","),
+        {},
+    ),
+    "points with German names": ("a.csv", TITLED.format("X-Koordinate [mm];Y-Koordinate [mm];Z-Wert [µm]"), {}),
+    "points with joint names": (
+        "a.csv",
+        "PosX[um],PosY[um],Height[nm]\n" + points(1e3 * Z, ","),
+        {},
+    ),
+    "one distance that agrees": ("a.txt", "# dx = 2 um\n" + lines(Z), GIVEN),
     "compressed": ("a.csv.gz", gzip.compress(lines(Z, ",").encode()), GIVEN),
     "compressed, Gwyddion": ("a.txt.gz", gzip.compress((gwyddion() + lines(DOWN)).encode()), {}),
 }
@@ -377,6 +516,102 @@ REFUSED = {
         "which changes",
     ),
     "a unit of an unknown name": ("a.txt", "# Jednostka: nm\n" + lines(Z), GIVEN, "'# Jednostka: nm', which changes"),
+    "rows and columns, and lengths": (
+        "a.txt",
+        f"#rows {NY}\n#columns {NX}\n#x pitch: 2 um\n#y pitch: 3 um\n" + lines(UP),
+        {"unit": "um"},
+        "say it with rows='y', or rows='x'",
+    ),
+    "a largest height that is another": (
+        "a.txt",
+        "Max Z: 9 um\n" + lines(Z),
+        {"size": SIZE},
+        "'largest height 9 \\xb5m', which may",
+    ),
+    "turned over": ("a.txt", "# inverted: yes\n# unit: um\n" + lines(-Z), {"size": SIZE}, "'# inverted: yes', which"),
+    "micrometres in Japanese": (
+        "a.csv",
+        ('"単位","um"\r\n"高さ"\r\n' + lines(Z, ",")).encode("cp932"),
+        {"size": SIZE},
+        "which changes what its numbers mean",
+    ),
+    "Tecplot, a block": (
+        "a.dat",
+        'VARIABLES = "X", "Y", "Z"\nZONE I=24, J=37, F=BLOCK\n'
+        + lines(np.array([X.T.ravel(), Y.T.ravel(), Z.T.ravel()]), " "),
+        GIVEN,
+        "names 3 columns, but its rows hold 888",
+    ),
+    "VTK": ("a.txt", "# vtk DataFile Version 3.0\nheights\nASCII\nSPACING 2 3 1\n" + lines(UP), GIVEN, "data of VTK"),
+    "ZMAP+": ("a.dat", f"! file\n@a, GRID, 5\n15, 1e30, , 4, 1\n@\n{lines(Z, ' ')}", GIVEN, "a grid of ZMAP+"),
+    "CPS-3": ("a.txt", "FSASCI 0 1 COMPUTED 0 1e30 0\n" + lines(Z, " "), GIVEN, "a grid of CPS-3"),
+    "Irap": (
+        "a.txt",
+        f"-996 {NY} 2.0 3.0\n0.0 46.0 0.0 108.0\n{NX} 0.0 0.0 0.0\n0 0 0 0 0 0 0\n" + lines(UP, " "),
+        GIVEN,
+        "a grid of Irap",
+    ),
+    "GXF": ("a.txt", f"#POINTS\n{NX}\n#ROWS\n{NY}\n#GRID\n" + lines(UP, " "), GIVEN, "Grid eXchange Format"),
+    "ArcInfo": ("a.e00", "EXP  0 A.E00\nGRD  2\n" + lines(UP, " "), GIVEN, "interchange format of ArcInfo"),
+    "JSON": ("a.json", '{"z": [[0.1, 0.2], [0.3, 0.4]]}', GIVEN, "a text in JSON"),
+    "Mathematica": ("a.txt", "{{0.1, 0.2}, {0.3, 0.4}}", GIVEN, "a list of Mathematica"),
+    "SMD": ("a.smd", "1 2 T 1.0\r\nCX A 9 MM 1.0 I 2e-3\r\nEOR\r\n1.0\r\n", GIVEN, "ISO 5436-2 (SMD)"),
+    "OBJ": ("a.txt", "v 0 0 1\nv 1 0 1\nv 0 1 2\n", GIVEN, "a mesh in OBJ"),
+    "thousands by marks": (
+        "a.csv",
+        "x;y;z\n" + lines(np.stack((1e3 * X, 1e3 * Y, Z), axis=-1).reshape(-1, 3), ";", "{:,.0f}").replace(",", "'"),
+        GIVEN,
+        "without separators of thousands",
+    ),
+    "a vertical exaggeration": (
+        "a.txt",
+        "Vertical exaggeration: 10\n" + lines(Z),
+        GIVEN,
+        "'Vertical exaggeration: 10'",
+    ),
+    "counts in a sentence": ("a.txt", "# z = counts * 2.5 nm\n" + lines(Z), GIVEN, "'# z = counts * 2.5 nm'"),
+    "a factor behind a word": ("a.txt", "% heights*1e6\n" + lines(Z), GIVEN, "'% heights*1e6'"),
+    "names of all columns but the first": (
+        "a.csv",
+        "".join(f",y={y:g}" for y in Y[0]) + "\n" + lines(np.column_stack((X[:, 0], Z)), ","),
+        GIVEN,
+        "names all columns but the first",
+    ),
+    "a title that may name the unit": (
+        "a.txt",
+        "Topography - nm\n" + lines(Z),
+        {"size": SIZE},
+        "'Topography - nm', which may be the unit",
+    ),
+    "names with units behind commas": (
+        "a.txt",
+        "X, um\tY, um\tZ, nm\n" + points(),
+        {"size": SIZE},
+        "which may be the unit of its heights: give unit=",
+    ),
+    "Asylum": (
+        "a.txt",
+        f"ScanPoints: {NX}\nScanLines: {NY}\nFastScanSize: 48e-6\nSlowScanSize: 111e-6\nHeight [um]\n" + lines(UP),
+        {"size": SIZE},
+        "say it with rows='y'",
+    ),
+    "points at rows and columns": (
+        "a.csv",
+        "row,col,z\n" + points(separator=","),
+        GIVEN,
+        "places that are not x and y",
+    ),
+    "points with two heights": (
+        "a.csv",
+        "x,y,z before,z after\n" + points(separator=",", more={"i": Y * 0.1}),
+        GIVEN,
+        "name them above",
+    ),
+    "PGM": ("a.txt", "P2\n24 37\n255\n" + lines(UP, " ", "{:.0f}"), GIVEN, "a picture (PGM)"),
+    "PFM": ("a.pfm", b"Pf\n24 37\n-1.0\n" + UP.astype("<f4").tobytes(), GIVEN, "a picture (PFM)"),
+    "DXF": ("a.dxf", "0\nSECTION\n2\nENTITIES\n", GIVEN, "a drawing in DXF"),
+    "one distance that does not agree": ("a.txt", "# dx = 5 um\n" + lines(Z), GIVEN, "are 5 µm apart along x, but on"),
+    "invalid points in German": ("a.csv", "# Ungültig: -99.99\n" + lines(Z, ";"), GIVEN, "-99.99', which changes"),
     "Wyko, cut": ("a.asc", wyko()[:150], {}, "it begins as 'Wyko ASCII Data File Format 0"),
     "sides in landscape": ("a.txt", gwyddion().replace("µm", "km", 2) + lines(DOWN), {}, "size"),
     "metres by mistake": ("a.txt", gwyddion().replace("µm", "m", 2) + lines(DOWN), {}, "more than 1 m"),
@@ -405,6 +640,21 @@ def test_is_read_right(write, kind):
     assert not np.isnan(heights[~MISSING]).any()
     expected = np.where(np.isnan(heights), np.nan, Z * 1e-6)
     np.testing.assert_allclose(heights, expected, rtol=0, atol=1.01e-10)
+
+
+HARMLESS = """Operator: A. B.|Date: 2026-01-02 10:11:12|Objective: 50x NA 0.8|Zoom: 1.0|Scale bar: 10 µm|Z range: 10 µm
+Light intensity: 50 %|Scan speed = 1.2 Hz|Wavelength: 633 nm|Tip radius: 10 nm|Filter: 0.8 mm Gaussian|Sq = 12 nm
+Sa [µm]: 0.3|Sample: disc 3, 10 mm|Grid: 3 x 3|Version 3.2|Stage X: 12.3 mm|X position: 12.3 mm|Z position: 4.5 mm
+File: C:\\data\\nm\\a.nms|Rotation: 0 deg|Feedback gain: 0.3|Sensitivity deflection: 45 nm/V|Material: steel 100Cr6
+Ra: 0.4|Invalid points: 0|Missing data: 0 %|Filter: none|Form removed: plane|Resolution: 0.3 nm (vertical)
+Threshold: 5 %|Batch: 7/12|Height above stage: 4 mm|Pixel depth: 16 bit|Units of length: SI|Lay: 90 deg|Force (mN): 0.7
+Traverse length: 4 mm|Date of calibration: 3.4.2026|Calibration: valid|Z scanner: 10 um|Samples: 7"""
+
+
+def test_what_changes_no_number_is_passed_over(write):
+    header = "".join(f"# {line}\n" for line in HARMLESS.replace("\n", "|").split("|"))
+    found = rc.read_surface(write("a.txt", header + lines(Z)), **GIVEN)
+    np.testing.assert_allclose(found.values, Z * 1e-6, rtol=0, atol=1.01e-10)
 
 
 @pytest.mark.parametrize("kind", REFUSED)

@@ -127,6 +127,8 @@ def test_the_history_says_what_a_line_is(tmp_path):
     assert "a line of the file is one y" in given.history[0]
     image = rc.read_surface(write(tmp_path, "c.txt", GWYDDION + IMAGE))
     assert "a line of the file is one y, downwards" in image.history[0]
+    counted = rc.read_surface(write(tmp_path, "d.txt", "# nx = 24\n# ny = 37\n" + table(MICROMETRES.T)), size=SIZE)
+    assert "heights in m (assumed: unit= says it), a line of the file is one y, upwards (assumed)" in counted.history[0]
 
 
 class TestHdf5:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import abc
 import contextlib
 import os
+import re
 from pathlib import Path
 
 import attrs
@@ -20,6 +21,7 @@ from roughcontact._base.units import outlined
 _PICTURE_ADVICE = "export the heights themselves, as text or TIFF in 32-bit floating point"
 _DOCUMENT_ADVICE = "export the heights themselves, as text"
 _POINTS_ADVICE = "export the heights on a regular grid, as text x y z"
+_GRID_ADVICE = "export it as text x y z, or as a grid of ESRI or Surfer"
 _PACKED_ADVICE = "unpack it first"
 # The first bytes of files without heights, their kind, and advice.
 _FOREIGN_KINDS = {
@@ -43,6 +45,13 @@ _FOREIGN_KINDS = {
     b"# .PCD": ("a cloud of points in PCD", _POINTS_ADVICE),
     b"VERSION .7": ("a cloud of points in PCD", _POINTS_ADVICE),
     b"simple  =": ("an image in FITS", _PICTURE_ADVICE),
+    b"\x76\x2f\x31\x01": ("a picture in OpenEXR", _PICTURE_ADVICE),
+    b"nrrd0": ("an image in NRRD", _PICTURE_ADVICE),
+    b"objecttype = image": ("an image in MetaImage", _PICTURE_ADVICE),
+    b"fsasci": ("a grid of CPS-3", _GRID_ADVICE),
+    b"exp  0": ("a file in the interchange format of ArcInfo", _GRID_ADVICE),
+    b'{"': ("a text in JSON", "write the heights with numpy.savez(path, heights=heights, size=(lx, ly))"),
+    b"{{": ("a list of Mathematica", 'export it as a table: Export["map.csv", heights]'),
     b"PAR1": ("a table in Parquet", _DOCUMENT_ADVICE),
     b"SQLite format": ("a data base of SQLite", _DOCUMENT_ADVICE),
     b"DSCOMPRESSED": ("a compressed file of MountainsMap", "save it without compression, or export it as text"),
@@ -52,6 +61,20 @@ _FOREIGN_KINDS = {
     b"7z\xbc\xaf": ("a 7z archive", _PACKED_ADVICE),
     b"Rar!": ("a RAR archive", _PACKED_ADVICE),
     b"\x28\xb5\x2f\xfd": ("compressed by Zstandard", _PACKED_ADVICE),
+}
+# Lines near the beginning of texts that are not read.
+_FOREIGN_LINES = {
+    re.compile(rb"\A-996(?:\s+\S+){3}\s*\n(?:\s*\S+){4}\s*\n(?:\s*\S+){4}\s*\n\s*0(?:\s+0){6}\s"): (
+        "a grid of Irap",
+        _GRID_ADVICE,
+    ),
+    re.compile(rb"(?m)^@[^\n]*,\s*grid\s*,[^\n]*$"): ("a grid of ZMAP+", _GRID_ADVICE),
+    re.compile(rb"(?ms)^#points\s*\n\s*\d+.*^#grid\s*$"): ("a grid in the Grid eXchange Format (GXF)", _GRID_ADVICE),
+    re.compile(rb"\Ap[25]\s+(?:#[^\n]*\n\s*)?\d+\s+\d+\s+\d+\s"): ("a picture (PGM)", _PICTURE_ADVICE),
+    re.compile(rb"\Apf\s+\d+\s+\d+\s+[-+.0-9]+\s"): ("a picture (PFM)", _PICTURE_ADVICE),
+    re.compile(rb"\A0\s+section\s"): ("a drawing in DXF", _POINTS_ADVICE),
+    re.compile(rb"(?m)^eor\s*$"): ("a file of ISO 5436-2 (SMD)", "export the heights as X3P, SDF, or text x y z"),
+    re.compile(rb"(?m)^v [-+.0-9e]+ [-+.0-9e]+ [-+.0-9e]+\s*$"): ("a mesh in OBJ", _POINTS_ADVICE),
 }
 # Endings of files without heights that have no first bytes of their own.
 _FOREIGN_ENDINGS = {
@@ -107,8 +130,12 @@ class RawMap:
         Distances of its points along x and y, in a unit that it does not state; None where it states none.
     rows
         In words, what a line of the file is: one x, or one y; empty where it has no lines.
+    partial
+        Distances of its points along x and y, m, where it states one of them alone; else None twice.
     unit
         Unit of the heights that the file states, m, already applied; None where it states none.
+    unit_hint
+        What in the file may state the unit of the heights, in its own words, where it is not understood; else empty.
     """
 
     heights: Array = attrs.field(repr=outlined)
@@ -120,7 +147,9 @@ class RawMap:
     needs_rows: bool = False
     steps: Pair | None = None
     rows: str = ""
+    partial: tuple[float | None, float | None] = (None, None)
     unit: float | None = None
+    unit_hint: str = ""
 
 
 def check_rows(value: str) -> str:
@@ -136,6 +165,12 @@ def require_memory_of_map(size: float) -> None:
 def put_x_first(heights: Array, rows: str) -> Array:
     """Return heights of a file with a row for each x or each y, indexed [x, y]."""
     return np.ascontiguousarray(heights.T) if rows == "y" else heights
+
+
+def turn_up(heights: Array, falling: str) -> Array:
+    """Return heights, indexed [x, y], with rising places along the axes, such as ``"y"``, along which they fall."""
+    flips = tuple(slice(None, None, -1 if axis in falling else 1) for axis in "xy")
+    return np.ascontiguousarray(heights[flips])
 
 
 def name_rows(rows: str, *, assumed: bool = False, downwards: bool = False) -> str:
@@ -204,6 +239,9 @@ def find_foreign(file: Path) -> str:
     for mark, (kind, advice) in _FOREIGN_KINDS.items():
         if start.startswith(mark.lower()):
             return f"it is {kind}, not a height map: {advice}"
+    for words, (kind, advice) in _FOREIGN_LINES.items():
+        if words.search(start):
+            return f"it is {kind}, which is not read: {advice}"
     if start and not start.strip(b"\0"):
         return f"it begins with {len(start)} bytes of zero, so that it is damaged: export the heights again"
     if not start.startswith(_BEGINNINGS.get(ending, b"")):

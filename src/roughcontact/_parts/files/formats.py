@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from pathlib import Path
 
 import attrs
@@ -9,9 +10,29 @@ import numpy as np
 
 from roughcontact._base.archive import read_npy, read_npz
 from roughcontact._parts.files.base import RawMap, SurfaceReader, check_rows, require_memory_of_map
-from roughcontact._parts.files.named import STATING_NAMES, NamedArray, gather
-from roughcontact._parts.files.stated import Stated, build_map, check_no_data
+from roughcontact._parts.files.named import STATING_NAMES, NamedArray, gather, require_table
+from roughcontact._parts.files.stated import Stated, build_map, check_no_data, names_unit
 from roughcontact.errors import InputError
+
+# Names of an array of the names of both axes, and of texts that may name the unit of the heights.
+_AXES = ("dims", "dimensions", "axes")
+_DESCRIBING_NAMES = ("metadata", "meta", "description", "comment", "info", "header", "notes")
+_NONE = np.empty(0)
+
+
+def _require_no_unit(path: Path) -> None:
+    """Refuse a file whose texts name a unit that may be that of its heights, which are taken as metres."""
+    for name in _DESCRIBING_NAMES:
+        texts: dict[str, np.ndarray] = {}
+        # Objects are not read.
+        with contextlib.suppress(ValueError), path.open("rb") as file:
+            texts = read_npz(file, {name}, deflated=True)
+        text = str(texts[name].item()) if name in texts and texts[name].size == 1 else ""
+        if names_unit(text):
+            raise InputError(
+                f"its {name} is {text[:60]!a}, which may name the unit of its heights: write it as unit= with "
+                "numpy.savez, such as unit='nm', or unit='m'"
+            )
 
 
 @attrs.frozen
@@ -38,7 +59,7 @@ class NpzReader(SurfaceReader):
         """Return the map."""
         require_memory_of_map(2.0 * path.stat().st_size)
         with path.open("rb") as file:
-            data = read_npz(file, {"heights", "size", "periodic"} | STATING_NAMES, deflated=True)
+            data = read_npz(file, {"heights", "size", "periodic", *_AXES} | STATING_NAMES, deflated=True)
         if "heights" not in data:
             raise InputError("it holds no array named 'heights'")
         heights = data.pop("heights")
@@ -61,9 +82,12 @@ class NpzReader(SurfaceReader):
             # What is not a map is refused by `read_surface`, with its shape.
             lx, ly = np.broadcast_to(1.0 if size is None else size, 2).tolist()
             return RawMap(heights, (lx, ly), metric=True)
+        axes = next((tuple(map(str, data.pop(name))) for name in _AXES if data.get(name, _NONE).shape == (2,)), ())
         arrays = {name: NamedArray(one) for name, one in data.items() if one.dtype.kind in "biuf"}
         texts = {name: str(one.item()) for name, one in data.items() if one.dtype.kind == "U" and one.size == 1}
-        stated = gather(NamedArray(heights), arrays, texts)
+        stated = gather(NamedArray(heights, axes=axes), arrays, texts)
+        if stated.unit is None:
+            _require_no_unit(path)
         stated = attrs.evolve(stated, rows=stated.rows or "x", periodic=bool(periodic))
         # Without a unit they are metres.
         found = build_map(heights, stated, line="the first index", no_data=no_data)
@@ -97,4 +121,5 @@ class NpyReader(SurfaceReader):
             heights = read_npy(file, path.stat().st_size)
         if heights.dtype.kind not in "biuf" or heights.ndim != 2:
             return RawMap(heights)
+        require_table(heights)
         return build_map(heights, Stated(), rows=self.rows, line="the first index", no_data=self.no_data)

@@ -13,14 +13,18 @@ from roughcontact._parts.files.base import RawMap, require_memory_of_map
 from roughcontact._parts.files.bounds import bound_expansion, require_sound_hdf5
 from roughcontact._parts.files.named import (
     CHANGING_NAMES,
+    DESCRIBING_ATTRIBUTES,
     MISSING_ATTRIBUTES,
     PACKING_ATTRIBUTES,
     STATING_ATTRIBUTES,
+    STEPS_OF_HEIGHTS,
     UNIT_ATTRIBUTES,
     VALID_ATTRIBUTES,
     NamedArray,
     NamedArrayReader,
     choose_map,
+    find_stating,
+    is_changing,
 )
 from roughcontact.errors import InputError, MissingPackage
 
@@ -28,6 +32,8 @@ from roughcontact.errors import InputError, MissingPackage
 _FILTERS = {1, 2, 3}
 # Members of a file, with those of its groups, that are looked at.
 _MAX_MEMBERS = 1000
+# What netCDF writes for the name of an axis without places.
+_NO_PLACES = "This is a netCDF dimension but not"
 # Bytes of a text that may name a unit.
 MAX_TEXT_BYTES = 64
 
@@ -67,8 +73,19 @@ def read_hdf5(path: Path) -> tuple[dict[str, NamedArray], dict[str, str]]:
             elif _is_text(item, h5py):
                 texts[name] = _read_text(item[()])
             else:
-                arrays[name] = NamedArray(np.asarray(item[()]), _read_attributes(item, h5py), _name_axes(item, h5py))
+                arrays[name] = _squeeze(
+                    NamedArray(np.asarray(item[()]), _read_attributes(item, h5py), _name_axes(item, h5py))
+                )
     return arrays, texts
+
+
+def _squeeze(one: NamedArray) -> NamedArray:
+    """Return an array of more than two dimensions without axes of one point, such as one time."""
+    shape = one.values.shape
+    if len(shape) <= 2:
+        return one
+    axes = tuple(axis for axis, count in zip(one.axes, shape, strict=False) if count > 1)
+    return attrs.evolve(one, values=one.values.squeeze(), axes=axes)
 
 
 def _read_attributes(item: Any, h5py: Any) -> dict[str, Any]:
@@ -77,28 +94,39 @@ def _read_attributes(item: Any, h5py: Any) -> dict[str, Any]:
     for name in item.attrs:
         if name in UNIT_ATTRIBUTES:
             found[name] = _read_text(_read_plain(item, name, h5py))
-        elif name in (*PACKING_ATTRIBUTES, *MISSING_ATTRIBUTES):
+        elif name in PACKING_ATTRIBUTES:
             found[name] = _read_number(_read_plain(item, name, h5py), name)
+        elif name in MISSING_ATTRIBUTES:
+            found[name] = tuple(_read_number(value, name) for value in np.ravel(_read_plain(item, name, h5py)))
         elif name in VALID_ATTRIBUTES:
             numbers = [_read_number(value, name) for value in np.ravel(_read_plain(item, name, h5py))]
             if len(numbers) != (2 if name == "valid_range" else 1):
                 raise InputError(f"it states {len(numbers)} numbers as its {name}")
             found[name] = tuple(numbers) if len(numbers) == 2 else numbers[0]
-        elif name in STATING_ATTRIBUTES:
+        elif name in STATING_ATTRIBUTES or is_changing(name) or name.lower() in STEPS_OF_HEIGHTS:
             value = np.asarray(_read_plain(item, name, h5py))
             found[name] = value if value.dtype.kind in "iuf" else _read_text(value)
-        elif name.lower() in CHANGING_NAMES:
-            found[name] = _read_text(_read_plain(item, name, h5py))
+        elif name in DESCRIBING_ATTRIBUTES and _is_short(item, name, h5py):
+            found[name] = _read_text(item.attrs[name])
     return {name: value for name, value in found.items() if not isinstance(value, str) or value}
+
+
+def _is_short(item: Any, name: str, h5py: Any) -> bool:
+    """Return whether an attribute is a short text."""
+    attribute = h5py.h5a.open(item.id, name.encode())
+    return bool(attribute.get_type().get_class() == h5py.h5t.STRING and attribute.get_storage_size() <= MAX_TEXT_BYTES)
 
 
 def _read_statements(group: Any, h5py: Any) -> dict[str, Any]:
     """Return the attributes of a group that state sides or units, or change what numbers mean: texts and arrays."""
     found: dict[str, Any] = {}
     for name in group.attrs:
-        if name in STATING_ATTRIBUTES or name.lower() in CHANGING_NAMES:
+        stating = find_stating(name) or (name if name.lower() in CHANGING_NAMES else "")
+        if stating:
             value = np.asarray(_read_plain(group, name, h5py))
-            found[name] = value if value.dtype.kind in "iuf" else _read_text(value)
+            found[stating] = value if value.dtype.kind in "iuf" else _read_text(value)
+        elif name in DESCRIBING_ATTRIBUTES and _is_short(group, name, h5py):
+            found[name] = _read_text(group.attrs[name])
     return {name: value for name, value in found.items() if not isinstance(value, str) or value}
 
 
@@ -176,7 +204,9 @@ def _find_items(file: Any, h5py: Any) -> tuple[dict[str, Any], dict[str, Any]]:
 
 def _is_plain(item: Any, h5py: Any) -> bool:
     """Return whether an item is an array of numbers inside the file; other items are not read."""
-    if not item.size or len(item.shape) > 2:
+    if "NAME" in item.attrs and _is_short(item, "NAME", h5py) and _read_text(item.attrs["NAME"]).startswith(_NO_PLACES):
+        return False
+    if not item.size or len(item.shape) > 2 + item.shape.count(1):
         return False
     if item.id.get_type().get_class() not in (h5py.h5t.INTEGER, h5py.h5t.FLOAT) or item.dtype.kind not in "iuf":
         return False

@@ -3,101 +3,154 @@
 from __future__ import annotations
 
 import itertools
+import math
 import re
 from collections.abc import Sequence
 from typing import TypeAlias
 
 import attrs
 
-from roughcontact._parts.files.stated import Stated, metres
-from roughcontact._parts.files.text import SHOWN_FACTOR
+from roughcontact._parts.files.stated import Stated, metres, names_unit
+from roughcontact._parts.files.text import SHOWN_FACTOR, decode_latin
 from roughcontact.errors import InputError
 
 # A line "key: value", "key = value", "key<tab or ; or ,>value", or "key value", behind a mark of comments or none.
-_MARKS = r"[\s#;%\\*/\"'>]*"
+_MARKS = r"[\W_]*"
 _KEY = r"([^\W\d][^\n:=：,;\t\"]{0,50}?)"
 _LINES = (
     re.compile(rf"{_MARKS}{_KEY}[\"']?\s*[:=：]\s*(\S.{{0,120}}?)\s*", re.DOTALL),
-    re.compile(rf"{_MARKS}{_KEY}[\"']?\s*[,;\t]\s*(\S.{{0,120}}?)\s*", re.DOTALL),
+    re.compile(rf"{_MARKS}{_KEY}[\"']?\s*(?:[;\t]|(?<![0-9]),|,(?![0-9]))\s*(\S.{{0,120}}?)\s*", re.DOTALL),
     re.compile(rf"{_MARKS}([^\W\d]\w{{0,40}})\s+(\S.{{0,80}}?)\s*", re.DOTALL),
 )
 # A title of heights, with their unit in brackets.
 _TITLE = re.compile(
-    r"(?i)[\s#;%\"]*(?:z|heights?|höhen?|hauteurs?|altitudes?|topography|topographie|elevation)[\w \-]*"
+    rf"(?i){_MARKS}(?:z|heights?|höhen?|hauteurs?|altitudes?|topography|topographie|elevation|高さ|高度|высота)[\w \-]*"
     r"(?:[\[(]([^\])]{1,12})[\])]|(?:/|\b(?:in|en)\b)\s*([^\W\d]{1,11}))[\s\";,]*"
 )
 # A title of depths, and words that say which way is positive; heights are positive outwards.
 _DEPTHS = re.compile(
-    r"(?i)[\s#;%\"]*(?:depths?|tiefen?|profondeurs?)\s*(?:[\[(/].*|\bin\b.*)?|.*\bpositive (?:is )?down.*"
+    rf"(?i){_MARKS}(?:depths?|tiefen?|profondeurs?)\s*(?:[\[(/].*|\bin\b.*)?|.*\bpositive (?:is )?down.*"
     r"|.*\bdown\w* (?:is )?positive\b.*",
     re.DOTALL,
 )
-# What separates the items of one line: "dx = 2 um, dy = 3 um".
-_ITEMS = re.compile(r"[,;]\s*(?=[\"']?[^\W\d][\w .\-]{0,30}[\"']?\s*[:=])")
+# What separates the items of one line: "dx = 2 um, dy = 3 um", or "Points: 9 Lines: 14".
+_ITEMS = re.compile(r"[,;]\s*(?=[\"']?[^\W\d][\w .\-]{0,30}[\"']?\s*[:=])|\s+(?=[^\W\d]\w{0,20}\s?[:=]\s?[-+.0-9])")
 # A title such as height_nm.
-_JOINT_TITLE = re.compile(r"(?i)[\s#;%\"]*(?:z|heights?)_([^\W\d_]{1,4})[\s\";,]*")
+_JOINT_TITLE = re.compile(rf"(?i){_MARKS}(?:z|heights?)_([^\W\d_]{{1,12}})[\s\";,]*")
 _BRACKET = re.compile(r"\s*[\[(]([^\])]*)[\])]\s*")
 _NUMBER = r"[-+]?(?:[0-9]+[.,]?[0-9]*|[.,][0-9]+)(?:[eE][-+]?[0-9]+)?"
 _VALUE = re.compile(rf"({_NUMBER})\s*(.*)", re.DOTALL)
 # What a number is of one cell for, behind the unit: "nm/pixel".
 _PER_PIXEL = re.compile(r"(?i)\s*(?:/|per)\s*(?:pixel|px|pt|point)s?.*")
 # Numbers of points along x and y, and of the lines of a table and the numbers in each.
+_POINTS = r"(?:pixels?|points?|samples?|lines?|px|pts|(?:mess|bild)?punkte)"
+_NUMBER_OF = r"(?:(?:num(?:ber)?|count|no|n) (?:of )?)?"
 _COUNTS = {
-    "count x": r"nx|x ?pixels?|pixels x|x ?points|points x|x ?res|horizontal|horizont",
-    "count y": r"ny|y ?pixels?|pixels y|y ?points|points y|y ?res|vertical|vertikal",
-    "columns": r"points|n ?cols?|cols?|columns|(?:number|count) of columns|samps/line|spalten|anzahl (?:der )?spalten"
-    r"|spaltenanzahl|points per line",
-    "lines": r"n ?rows?|rows?|(?:number|count) of (?:rows|lines)|lines|zeilen|anzahl (?:der )?zeilen|zeilenanzahl",
+    "count x": rf"nx|x ?{_POINTS}|{_NUMBER_OF}{_POINTS} (?:in |along )?x|{_NUMBER_OF}x ?{_POINTS}|x ?res|horizontal"
+    r"|horizont|(?:image|map|data|picture|pixel) ?width",
+    "count y": rf"ny|y ?{_POINTS}|{_NUMBER_OF}{_POINTS} (?:in |along )?y|{_NUMBER_OF}y ?{_POINTS}|y ?res|vertical"
+    r"|vertikal|(?:image|map|data|picture|pixel) ?height",
+    "columns": r"(?:scan )?points|n ?cols?|cols?|columns|(?:number|count) of columns|samps/line|spalten"
+    rf"|anzahl (?:der )?spalten|spaltenanzahl|{_POINTS} per line",
+    "lines": r"n ?rows?|rows?|(?:number|count) of (?:rows|lines)|(?:scan )?lines|zeilen|anzahl (?:der )?zeilen"
+    r"|zeilenanzahl",
 }
 # Sides, also in the languages of Gwyddion, and distances of points, along x, along y, and along both; the last words of
 # the steps mean them only with a unit of length.
-_SIDE = r"length|amplitude|real|range|size|image size|scan size|scan range"
-_STEP = r"pixel ?size|pixel ?spacing|spacing|pitch|cell ?size|sampling(?: interval| step)?|pixelgröße|punktabstand"
+_SIDE = r"length|amplitude|real|range|size|dim(?:ension)?|axis|image size|scan size|scan range"
+_STEP = (
+    r"pixel ?size|pixel ?spacing|pixel ?pitch|spacing|pitch|cell ?size|sampling(?: interval| step| distance)?"
+    r"|pixelgröße|(?:punkt)?abstand"
+)
 _LOOSE_STEP = r"calibration|justierung|step ?size"
 _AXIS_STEP = rf"{_STEP}|{_LOOSE_STEP}|scale|resolution|increment|step|pixel ?width|pixel ?height"
 _WIDTH = r"width|breite|šířka|anchura|largeur|larghezza|largura|ширина|幅|폭"
 _HEIGHT = r"height|höhe|výška|altura|hauteur|altezza|высота|高さ|높이"
 _LENGTHS: dict[tuple[str, ...], str] = {
-    ("side x",): rf"{_WIDTH}|x ?(?:{_SIDE})|(?:{_SIDE}) x",
-    ("side y",): rf"{_HEIGHT}|y ?(?:{_SIDE})|(?:{_SIDE}) y",
+    ("side x",): rf"{_WIDTH}|x ?(?:{_SIDE})|(?:{_SIDE}) x|fast (?:axis |scan )?(?:length|size)|scan width",
+    ("side y",): rf"{_HEIGHT}|y ?(?:{_SIDE})|(?:{_SIDE}) y|slow (?:axis |scan )?(?:length|size)|scan height",
     ("step x",): rf"dx|x ?(?:{_AXIS_STEP})|(?:{_AXIS_STEP}) x",
     ("step y",): rf"dy|y ?(?:{_AXIS_STEP})|(?:{_AXIS_STEP}) y",
     ("step x", "step y"): rf"{_STEP}|(?:xy|lateral) ?(?:{_STEP}|{_LOOSE_STEP})",
 }
-_NEEDS_UNIT = re.compile(rf"(?:xy|lateral) ?(?:{_LOOSE_STEP})")
+_NEEDS_UNIT = re.compile(rf"(?:xy|lateral) ?(?:{_LOOSE_STEP})|[xy] ?axis")
 # Keys of images, whose lines are those of y, downwards.
 _OF_IMAGES = re.compile(
-    rf"{_WIDTH}|{_HEIGHT}|[xy] ?pixels?|horizont(?:al)?|vertikal|vertical|[xy] amplitude|north|xll\w+"
+    rf"{_WIDTH}|{_HEIGHT}|(?:image|map|data|picture|pixel) ?(?:width|height)|{_NUMBER_OF}[xy] ?pixels?"
+    rf"|{_NUMBER_OF}pixels? (?:in )?[xy]"
+    r"|horizont(?:al)?|vertikal|vertical|[xy] amplitude|north|xll ?\w+"
 )
+# Two numbers with their units, along x and y ("195 um x 30 um", "[15, 5]"), and the keys of such, by that of one axis;
+# and the unit of one axis ("x=mm").
+_PAIR = re.compile(
+    rf"[\[(]?\s*({_NUMBER})\s*((?!x\b|by\b)[^\W\d_]{{0,10}})\s*(?:[x×*;]|,\s|by|\s)\s*"
+    rf"({_NUMBER})\s*([^\W\d_]{{0,10}})\s*[\])]?"
+)
+_PAIRS = {
+    "size": rf"(?:{_SIDE})|field of view|fov|area|dimensions|extent|lateral size|measur\w+ (?:area|field)",
+    "spacing": rf"{_STEP}|(?:xy|lateral) (?:{_AXIS_STEP})",
+    "pixels": r"(?:image |lateral )?resolution|pixels|points|number of (?:pixels|points)",
+}
+_UNIT_OF_AXIS = re.compile(r"(?i)[{\s]*([xyz])\s*[:=]\s*([^\W\d]{1,12})[}\s]*")
+# A number of points behind a side ("18 um, 9 points"), and the unit of a number of points ("9 pixels").
+_OF_POINTS = re.compile(rf"(.*?)[,;(]\s*([0-9]+)\s*{_POINTS}\b.*")
+_UNIT_OF_POINTS = re.compile(rf"{_POINTS}|rows?|columns?")
+# The range of the heights and their extremes, which tell their unit; and words that say that they are turned over, with
+# those that say that they are not.
+_EXTENTS = {
+    "range": re.compile(r"z ?(?:amplitude|range|length|span|size)|(?:amplitude|range|span) z|(?:height|data) range"),
+    "largest": re.compile(r"max(?:imum)? ?(?:z|heights?|value)|(?:z|heights?|value) ?max(?:imum)?"),
+    "smallest": re.compile(r"min(?:imum)? ?(?:z|heights?|value)|(?:z|heights?|value) ?min(?:imum)?"),
+}
+_TURNED = re.compile(
+    r"(?:z |heights? |data )?(?:invert(?:ed)?|inversion|flip(?:ped)?|mirror(?:ed)?|reversed)(?: z| heights?)?"
+)
+_NOT_TURNED = frozenset({"no", "off", "false", "none", "0", "0.0", "nein", "non", "not", "unknown", "n/a"})
 # A sentence that states the unit of the heights, or of all lengths.
 _SENTENCE = re.compile(
     r"(?i).*\b(heights?|z|values?|data|lengths|all(?: \w+)?|dimensions|coordinates|höhen?|werte|längen)\b[^\d:=]{0,30}?"
     r"\b(?:in|are|is)\b(?: units of)?\s*[\[(]?([^\W\d]{1,11})\b.*",
     re.DOTALL,
 )
+# A unit with a factor: "values in units of 10 nm".
+_MULTIPLE = re.compile(
+    rf"(?i).*\b(?:heights?|z|values?|data|numbers?)\b[^\d:=]{{0,30}}?\b(?:in|are|is)\b(?: units? of)?\s*({_NUMBER})\s*"
+    r"(nm|µm|um|mm|pm|Å)\W*",
+    re.DOTALL,
+)
 _OF_ALL = ("lengths", "all", "dimensions", "coordinates", "längen")
 # Words with a number behind them that may change what the numbers mean, anywhere in a line that is not understood.
 _SUSPECT = re.compile(
     rf"(?i).*\b(?:scale(?! bar)|scaling|factor|multipl\w*|divide\w*|offset|lsb|bit2\w*|no ?data|missing|fill ?value"
-    rf"|per count|counts? per|calibration(?! date))\b(?:[^0-9\n]{{0,20}}?\s|[:=])({_NUMBER})(?!\s*%|[\w:/])",
+    rf"|per count|counts? per|(?<!date of )calibration(?! date))\b"
+    rf"(?:[^0-9\n]{{0,20}}?\s|[:=])({_NUMBER})(?!\s*%|[\w:/])",
     re.DOTALL,
 )
 # What one step of integers is: "1 nm/digit", "1 count = 1 nm"; and a factor behind a word: "heights x 1000".
 _SUSPECT_STEPS = re.compile(
     r"(?i).*(?:/|\bper\s+)\s*(?:digit|count|lsb|bit|dn|level)\b.*"
-    r"|.*\b1 (?:digit|count|lsb|bit|dn|level)\s*(?:=|is)\s*\d.*|.*\b(?:heights?|values?|data|z)\s*[x×*]\s*10.*",
+    r"|.*\b1 (?:digit|count|lsb|bit|dn|level)\s*(?:=|is)\s*\d.*"
+    r"|.*\b(?:heights?|values?|data|z|raw|counts?|digits?|bits?|numbers?)\s*[x×*/]\s*\.?\d.*",
     re.DOTALL,
 )
-# The value of a key in letters of another encoding, whose bytes stand for themselves.
-_UNIT_BEHIND = re.compile(r".*[\udc80-\udcff].*[:=]\s*([^\s:=]+)\s*", re.DOTALL)
+# The value of a key in letters of another encoding, whose bytes are read as those of Latin-1.
+_UNIT_BEHIND = re.compile(r".*[\x80-\xff].*[:=,;\t]\s*\"?([^\s:=,;\"]+)\"?\s*", re.DOTALL)
 _UNIT = (
     r"(?:value|data|heights?|z|exported image|map|vertical|höhen?|z ?wert) ?(?:units?|einheit)|units? (?:data|z)|units?"
-    r"|einheit(?:en)?|jednotky hodnot|unités?|unità(?: valore)?|unidad(?:es)?(?: de valor)?|値の単位|값 단위"
-    r"|единицы измерения"
+    r"|einheit(?:en)?(?: z)?|jednotky hodnot|unités?(?: z)?|unità(?: valore| z)?|unidad(?:es)?(?: de valor| z)?"
+    r"|(?:値の)?単位|单位|(?:값 )?단위|единицы(?: измерения)?"
 )
 _LATERAL_UNIT = r"(?:x|y|xy|lateral|length) ?units?|units? (?:x|y|xy)|lateral units?"
+_NO_POINT = r"(?:no ?data|null|missing|invalid|bad|void|blank|undefined|fill|filler|masked|unmeasured|not measured)"
 _NON_MEASURED = (
-    r"no ?data(?: value)?|null(?: value)?|(?:missing|invalid|bad|void|blank|undefined|fill|filler) ?value|blank"
+    r"no ?data|null|blank|fehlwert|ungültiger wert|valeur manquante"
+    rf"|{_NO_POINT}(?: ?data| pixels?| points?)? ?value"
+)
+# A sentence that states it: "invalid points are set to 0".
+_NON_MEASURED_SENTENCE = re.compile(
+    rf"(?i).*\b{_NO_POINT}\b[^0-9\n]*\b(?:set to|replaced (?:by|with)|given as|marked (?:by|as|with)|written as)\s+"
+    rf"({_NUMBER})\W*",
+    re.DOTALL,
 )
 _CHANNEL = (
     r"(?:image |data )?channel(?: name)?|kanál|kanal|canal|canale|チャネル|채널|канал|output image data|image data"
@@ -112,10 +165,14 @@ _CHANGING = {
     re.compile(
         r"bit2\w*|.*\b(?:lsb|counts? per|per count|multiplier|conversion)\b.*|(?:(?:z|heights?|data|value) ?)?"
         r"(?:scale|factor|scaling|calibration|scale ?factor|calibration factor)|(?:z|heights?) ?(?:gain|sensitivity)"
-        r"|(?:scale|factor) (?:data|z)|höhenfaktor|skalierung|faktor"
+        r"|(?:scale|factor) (?:data|z)|höhenfaktor|skalierung|faktor|(?:(?:z|vertical) )?exaggeration"
+        r"|(?:z|vertical) magnification"
     ): 1.0,
     re.compile(r"(?:(?:z|heights?|data|value|add)[ _]?)?offset|offset (?:data|z)"): 0.0,
-    re.compile(r"void ?pixels?|(?:missing|invalid|bad|void|undefined)(?: points| pixels| data)?"): 0.0,
+    re.compile(
+        r"ungültige?(?: punkte)?|fehlende? punkte|void ?pixels?"
+        r"|(?:missing|invalid|bad|void|undefined)(?: points| pixels| data)?"
+    ): 0.0,
 }
 # The number of a non-measured point where a grid of ESRI states none.
 _ESRI_NON_MEASURED = -9999.0
@@ -129,6 +186,7 @@ class _Found:
 
     items: dict[str, tuple[float | str, str]] = attrs.field(factory=dict)
     not_understood: list[str] = attrs.field(factory=list)
+    unit_hint: str = ""
 
     def add(self, name: str, value: float | str, line: str) -> None:
         """Keep an item; `InputError` if it is stated twice, with other values."""
@@ -159,12 +217,12 @@ def _in_metres(unit: float | str) -> float | None:
 def read_header(lines: Sequence[str]) -> Stated:
     """Return what a header states; `InputError` where its lines contradict each other."""
     found = _Found()
-    for line in itertools.chain.from_iterable(map(_divide, lines)):
+    for line in itertools.chain.from_iterable(_divide(decode_latin(line)) for line in lines):
         if title := _TITLE.fullmatch(line):
             found.add("unit", (title[1] or title[2]).strip(), line)
             continue
         joint = _JOINT_TITLE.fullmatch(line)
-        alone = joint[1] if joint else line.strip(' \t#;%"')
+        alone = joint[1] if joint else line.strip(' \t#;%"!/')
         if metres(alone) is not None:
             found.add("unit", alone, line)
             continue
@@ -189,13 +247,20 @@ def _divide(line: str) -> list[str]:
 
 def _read_sentence(found: _Found, line: str) -> None:
     """Keep a unit that a sentence states, and a line that may change what the numbers mean."""
+    mark = _NON_MEASURED_SENTENCE.fullmatch(line)
     sentence = _SENTENCE.fullmatch(line)
-    if sentence and metres(sentence[2]) is not None:
+    if mark:
+        found.add("non measured", float(mark[1].replace(",", ".")), line)
+    elif sentence and metres(sentence[2]) is not None:
         found.add("unit", sentence[2], line)
         if sentence[1].lower().startswith(_OF_ALL):
             found.add("length", sentence[2], line)
+    elif multiple := _MULTIPLE.fullmatch(line):
+        found.add("unit", float(multiple[1].replace(",", ".")) * (metres(multiple[2]) or math.nan), line)
     elif _is_suspect(line):
         found.not_understood.append(line)
+    elif names_unit(line):
+        found.unit_hint = found.unit_hint or line
 
 
 def _is_suspect(line: str) -> bool:
@@ -209,13 +274,21 @@ def _is_suspect(line: str) -> bool:
 
 def _read_line(found: _Found, key: str, value: str, line: str) -> None:
     bracket = _BRACKET.search(key)
-    key = " ".join(re.split(r"[\s_\-.]+", _BRACKET.sub(" ", key).lower())).strip()
+    # "ScanSizeX" is three words.
+    key = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", _BRACKET.sub(" ", key))
+    key = " ".join(re.split(r"[\s_\-.]+", key.lower())).strip()
     value = re.sub(r"[\"']\s*[,;\t]\s*[\"']?|[\"']", " ", value).strip(" ;,\t")
     number = _VALUE.fullmatch(value)
-    if re.fullmatch(_UNIT, key):
+    if of_axis := _UNIT_OF_AXIS.fullmatch(value if key in ("unit", "units") else f"{key}={value}"):
+        found.add("unit" if of_axis[1].lower() == "z" else "length", of_axis[2], line)
+    elif (pair := _PAIR.fullmatch(value)) and not (metres(pair[2]) and _UNIT_OF_POINTS.fullmatch(pair[4].lower())):
+        _read_pair(found, key, pair, bracket[1] if bracket else "", line)
+    elif re.fullmatch(_UNIT, key):
         length = None if number is None else metres(number[2])
         if number is None:
-            found.add("unit", value.strip("()[] "), line)
+            # A row of units has one for each column.
+            words = value.strip("()[] ").split()
+            found.add("unit", words[0] if len({*words}) == 1 else value.strip("()[] "), line)
         elif length is None:
             found.not_understood.append(line)
         else:
@@ -227,23 +300,49 @@ def _read_line(found: _Found, key: str, value: str, line: str) -> None:
         found.items["image"] = (1.0, line)
     elif re.fullmatch(_CHANNEL, key):
         found.add("channel", value, line)
+    elif _TURNED.fullmatch(key):
+        found.not_understood.extend([] if value.lower() in _NOT_TURNED else [line])
     elif number is not None:
-        unit = (_PER_PIXEL.sub("", number[2]) or (bracket[1] if bracket else "")).strip(" ()[]")
+        rest = _PER_PIXEL.sub("", number[2])
+        if points := _OF_POINTS.fullmatch(rest):
+            _read_number(found, key, float(points[2]), "points", line)
+            rest = points[1]
+        unit = (rest.strip(" ,;") or (bracket[1] if bracket else "")).strip(" ()[]")
+        words = key.split()
+        if not unit and len(words) > 1 and names_unit(words[-1]):
+            # "x_spacing_mm"
+            unit = words.pop()
+            key = " ".join(words)
         _read_number(found, key, float(number[1].replace(",", ".")), unit, line)
     elif metres(value) is not None:
         # A unit of something, under a name that is not known.
         found.not_understood.append(line)
 
 
+def _read_pair(found: _Found, key: str, pair: re.Match[str], unit: str, line: str) -> None:
+    """Keep what a line with two numbers states: sides, distances or numbers of points along x and y."""
+    kind = next((kind for kind, words in _PAIRS.items() if re.fullmatch(words, key)), None)
+    if kind is None:
+        if _is_suspect(line):
+            found.not_understood.append(line)
+        return
+    last = pair[4].strip(" ,;()[]") or unit
+    for axis, value, own in (("x", pair[1], pair[2].strip(" ,;()[]") or last), ("y", pair[3], last)):
+        _read_number(found, f"{axis} {kind}", float(value.replace(",", ".")), own, line)
+
+
 def _read_number(found: _Found, key: str, value: float, unit: str, line: str) -> None:
     """Keep what a line with a number states."""
     count = next((name for name, words in _COUNTS.items() if re.fullmatch(words, key)), None)
+    names = next((names for names, words in _LENGTHS.items() if re.fullmatch(words, key)), ())
     if _OF_IMAGES.fullmatch(key):
         found.items["image"] = (1.0, line)
+    if _UNIT_OF_POINTS.fullmatch(unit.lower()) and (names[:1] or ("",))[0].startswith("side"):
+        count = names[0].replace("side", "count")
+        unit = ""
     if count is not None and not unit and value == int(value) and value > 0.0:
         found.add(count, value, line)
         return
-    names = next((names for names, words in _LENGTHS.items() if re.fullmatch(words, key)), ())
     length = metres(unit)
     if names and (length is not None or (not unit and not _NEEDS_UNIT.fullmatch(key))):
         for name in names:
@@ -254,8 +353,12 @@ def _read_number(found: _Found, key: str, value: float, unit: str, line: str) ->
         found.add("non measured", value, line)
     elif key in ("bit2nm", "multiplier", "scale data"):
         found.add("bit" if key == "bit2nm" else "factor", value, line)
-    elif key in ("xllcorner", "xllcenter"):
+    elif key.replace(" ", "") in ("xllcorner", "xllcenter"):
         found.add("xllcorner", value, line)
+    elif length is not None and any(words.fullmatch(key) for words in _EXTENTS.values()):
+        what = next(what for what, words in _EXTENTS.items() if words.fullmatch(key))
+        found.add(what, value * length, line)
+        found.items.setdefault("unit of extent", (unit, line))
     else:
         neutral = next((one for words, one in _CHANGING.items() if words.fullmatch(key)), None)
         if neutral is not None and (value != neutral or length is not None) and "%" not in unit:
@@ -283,7 +386,7 @@ def _find_lengths(found: _Found) -> tuple[_Sides, _Sides, str | float | None]:
         east, west, north, south = (edge or 0.0 for edge in edges)
         return (east - west, north - south), (None, None), None
     side, bare_side, step, bare_step = pairs
-    if None not in side or None not in step:
+    if None not in side or None not in step or (bare_side == bare_step == (None, None) and step != (None, None)):
         return side, step, 1.0
     return bare_side, bare_step, unit
 
@@ -306,7 +409,12 @@ def _combine(found: _Found) -> Stated:
     shape = (found.count("count x"), found.count("count y"))
     table = (found.count("lines"), found.count("columns"))
     size, steps, length = _find_lengths(found)
+    bare = [found.number(f"bare side {axis}") for axis in "xy"]
+    if length == 1.0 and shape == (None, None) and None not in bare and None not in steps:
+        # Beside distances with a unit, sides without one are numbers of points.
+        shape = (found.count("bare side x"), found.count("bare side y"))
     is_image = "image" in found.items and (None not in shape or None not in table or None not in size)
+    extent = next((what for what in _EXTENTS if what in found.items), None)
     missing = found.number("non measured")
     if missing is None and found.number("xllcorner") is not None:
         missing = _ESRI_NON_MEASURED
@@ -321,5 +429,7 @@ def _combine(found: _Found) -> Stated:
         size=size,
         steps=steps,
         length=length,
+        extent=None if extent is None else (extent, found.number(extent) or 0.0, found.items["unit of extent"][0]),
         not_understood=tuple(not_understood),
+        unit_hint=found.unit_hint,
     )

@@ -21,6 +21,7 @@ from roughcontact._parts.files.base import (
     name_rows,
     readers,
     require_memory_of_map,
+    turn_up,
 )
 from roughcontact._parts.files.bounds import bound_expansion, require_bounded
 from roughcontact._parts.surfaces import read_topography
@@ -37,8 +38,9 @@ _OWN_READERS = {"asc": "txt", "xyz": "txt", "npy": "npy", "npz": "npz", "h5": "h
 # Formats of which a file may have any first bytes, with the endings by which they are known instead. The reader of
 # MATLAB's files would allocate what any of them declares; ours reads those, so that it has none.
 _ENDINGS_OF_GREEDY = {"hgt": ".hgt", "ibw": ".ibw", "mat": "none"}
-# Formats whose first line is the upper one, as in the text of the same program; SurfaceTopography puts it at y = 0.
-_DOWNWARDS = {"gwy"}
+# Formats whose first line is the upper one, as in the texts of Gwyddion and SPIP, and as Gwyddion shows it;
+# SurfaceTopography puts it at y = 0.
+_DOWNWARDS = {"gwy", "bcr"}
 # First bytes by which a format is recognised, characters of a reason that a message repeats, and words in one that only
 # users of the other package understand.
 _MAGIC_BYTES = 512
@@ -74,7 +76,7 @@ class InstrumentReader(SurfaceReader):
         channel, note = _choose_channel(found, path.stat().st_size)
         try:
             raw = _read_channel(channel, note)
-            return _turn_up(raw) if found.format() in _DOWNWARDS else raw
+            return _turn_image(raw) if found.format() in _DOWNWARDS else raw
         except (RoughContactError, MemoryError):
             raise
         # Each broken file fails in its own way.
@@ -182,10 +184,10 @@ def _read_channel(channel: Any, note: str) -> RawMap:
     return RawMap(_require_heights(heights), size, periodic, metric=True, rows=note)
 
 
-def _turn_up(raw: RawMap) -> RawMap:
+def _turn_image(raw: RawMap) -> RawMap:
     """Return a map whose first line is the upper one with y upwards."""
     notes = filter(None, (raw.rows, name_rows("y", downwards=True)))
-    return attrs.evolve(raw, heights=np.ascontiguousarray(raw.heights[:, ::-1]), rows=", ".join(notes))
+    return attrs.evolve(raw, heights=turn_up(raw.heights, "y"), rows=", ".join(notes))
 
 
 def _name_sides(sides: Any) -> str:

@@ -19,7 +19,7 @@ from roughcontact._base.arrays import RealArray
 from roughcontact._parts.files.base import RawMap, require_memory_of_map
 from roughcontact._parts.files.bounds import bound_expansion
 from roughcontact._parts.files.hdf5 import MAX_TEXT_BYTES, read_hdf5
-from roughcontact._parts.files.named import NamedArray, NamedArrayReader, choose_map
+from roughcontact._parts.files.named import CHANGING_NAMES, STATING_NAMES, NamedArray, NamedArrayReader, choose_map
 from roughcontact.errors import InputError
 
 # Bytes of the head of a file, and maximum bytes of the name of an array.
@@ -34,6 +34,8 @@ _COMPRESSED_ELEMENT = 15
 _NUMERIC_CLASSES = range(6, 16)
 _COMPLEX_FLAG = 0x0800
 _LOGICAL_FLAG = 0x0200
+# Classes of cells, structures and objects.
+_NO_ARRAYS = (1, 2, 3)
 # The class of texts, and the encodings of their letters by the type of data; that of UTF-8 has no order of bytes.
 _CHAR_CLASS = 4
 _UTF_8 = 16
@@ -120,11 +122,15 @@ def _read_matrix(content: memoryview, order: str) -> dict[str, RealArray | str]:
     (flag,) = struct.unpack_from(f"{order}I", flags[1])
     shape = struct.unpack(f"{order}ii", dimensions[1])
     text = bytes(name[1]).decode("ascii", "replace")
+    if flag & 0xFF in _NO_ARRAYS and text in STATING_NAMES:
+        raise InputError(f"its {text!a} is a cell or a structure, which is not read: save it as a number or a text")
     if flag & 0xFF == _CHAR_CLASS and shape[0] == 1:
         return _read_letters(text, numbers, order)
+    is_mask = bool(flag & _LOGICAL_FLAG)
     if (
         flag & 0xFF not in _NUMERIC_CLASSES
-        or flag & (_COMPLEX_FLAG | _LOGICAL_FLAG)
+        or flag & _COMPLEX_FLAG
+        or (is_mask and text.lower() not in CHANGING_NAMES)
         or min(shape) < 1
         or numbers[0] not in _NUMBER_TYPES
     ):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import re
 from collections.abc import Mapping
 from typing import Any
 
@@ -11,7 +12,8 @@ import numpy as np
 
 from roughcontact._base.arrays import RealArray
 from roughcontact._parts.files.base import RawMap, SurfaceReader, check_rows
-from roughcontact._parts.files.stated import Stated, build_map, check_no_data, metres
+from roughcontact._parts.files.points import put_on_grid
+from roughcontact._parts.files.stated import Stated, build_map, check_no_data, metres, names_unit
 from roughcontact.errors import InputError
 
 # Attributes of an array that are read: its unit, packing, the values of non-measured points, and the valid ones.
@@ -25,26 +27,118 @@ PACKING_ATTRIBUTES = ("scale_factor", "add_offset")
 CHANGING_NAMES = frozenset(
     {"scale", "z_scale", "zscale", "scaling", "factor", "z_factor", "gain", "multiplier", "offset", "z_offset", "lsb"}
     | {"height_scale", "scale_z", "height_factor", "conversion", "conversion_factor", "to_metres", "to_meters"}
-    | {"invalid", "mask", "valid", "bit2nm", *_MISSING_NAMES}
+    | {"invalid", "mask", "valid", "bit2nm", "_unsigned", *_MISSING_NAMES}
 )
+# Words in the names of attributes that change what numbers mean, too, unless others say that they are about something
+# else; and the values by which they change nothing.
+_CHANGING_WORDS = frozenset({"scale", "scaling", "factor", "gain", "multiplier", "calibration", "sensitivity", "lsb"})
+_STEP_WORDS = frozenset({"count", "counts", "digit", "dn", "adu"})
+# Words in such names whose text changes nothing, unless it has a number or a unit.
+_DESCRIBED_WORDS = frozenset({"calibration", "sensitivity", "gain"})
+_CHANGING_WORDS |= {"conversion", "inverted", "inversion", "flipped", "positive"}
+_OTHER_WORDS = frozenset(
+    {"x", "y", "xy", "lateral", "pixel", "time", "date", "color", "colour", "bar", "laser", "axis"}
+)
+_NEUTRAL = {"positive": "up", "unsigned": "false"}
+_WORD = re.compile("[A-Z]?[a-z]+|[A-Z]+(?![a-z])")
+# Words for heights that are positive downwards.
+_DEPTHS = frozenset({"depth", "depths", "tiefe", "tiefen", "profondeur"})
+DESCRIBING_ATTRIBUTES = (
+    *("long_name", "standard_name", "description", "comment", "title", "label", "note", "notes", "info", "meta"),
+    *("metadata", "header"),
+)
+# A name of a factor to a unit, such as to_um; and names of the step of heights that are integers.
+_TO_UNIT = re.compile(r"(?i)(?:^|_)to_(?:m|[umn]m|microns?|(?:micro|nano|milli)?met(?:er|re)s?)$")
+STEPS_OF_HEIGHTS = frozenset(
+    f"{one}" for name in ("step", "res", "resolution", "increment") for one in (f"z{name}", f"z_{name}", f"{name}_z")
+) | {"dz"}
+# A name of heights with their unit, such as height_nm.
+_JOINT_NAME = re.compile(r"(?i)(?:z|heights?|topography|surface)_([^\W\d_]+)")
 # Names of arrays that state the unit of the heights, the unit of everything, and that of the sides.
 _HEIGHT_UNITS = (
     *("zunit", "z_unit", "zunits", "z_units", "height_unit", "height_units", "heights_unit", "heights_units"),
     *("unit_z", "units_z", "zUnit", "zUnits", "ZUnit", "heightUnit", "heightUnits"),
 )
 _COMMON_UNITS = UNIT_ATTRIBUTES
-_SIDE_UNITS = ("xyunit", "xy_unit", "xyunits", "xunit", "x_unit", "xunits", "lateral_unit", "size_unit")
+_SIDE_UNITS = (
+    "resolution_unit",
+    "xyunit",
+    "xy_unit",
+    "xyunits",
+    "xunit",
+    "x_unit",
+    "xunits",
+    "lateral_unit",
+    "size_unit",
+)
 _SPECIFIC_UNITS = frozenset({*_HEIGHT_UNITS, *_SIDE_UNITS})
 _PITCH_NAMES = ("pixel_size", "pixelsize", "pixelSize", "cell_size", "cellsize", "pitch")
-_SIZE_NAMES = ("size", "lx", "ly", "dx", "dy", *_PITCH_NAMES)
+# Names of the pitch along an axis, with that of the axis before or behind it.
+_PITCHES = ("resolution", "res", "step", "spacing", "increment", "pitch", "pixel_size", "pixelsize")
+_PITCHES_X, _PITCHES_Y = (
+    tuple(f"{axis}{gap}{name}" for gap in ("_", "") for name in _PITCHES)
+    + tuple(f"{name}_{axis}" for name in _PITCHES)
+    + (f"d{axis}",)
+    for axis in "xy"
+)
+_SIZE_NAMES = ("size", "lx", "ly", *_PITCHES_X, *_PITCHES_Y, *_PITCH_NAMES)
+# Name of the places of the left, right, lower and upper border, as matplotlib has them.
+_EXTENT = "extent"
 # Names of the axes, and of the positions along them.
 _AXES = {"x": "x", "lon": "x", "longitude": "x", "easting": "x", "col": "x", "column": "x"}
 _AXES |= {"y": "y", "lat": "y", "latitude": "y", "northing": "y", "row": "y"}
 # Names of sides and units that may be attributes, too; and all names that `gather` looks for.
-STATING_ATTRIBUTES = frozenset({*_HEIGHT_UNITS, *_COMMON_UNITS, *_SIDE_UNITS, *_SIZE_NAMES})
+STATING_ATTRIBUTES = frozenset({*_HEIGHT_UNITS, *_COMMON_UNITS, *_SIDE_UNITS, *_SIZE_NAMES, _EXTENT})
 STATING_NAMES = {*STATING_ATTRIBUTES, *CHANGING_NAMES, *"xyXY"}
+# Minimum points of a list: 3 x 3.
+_MIN_POINTS = 9
 # Relative difference between the steps of positions that are regular: they are printed with six digits, or in 32 bits.
 _STEP_TOLERANCE = 1e-2
+
+
+def is_changing(name: str) -> bool:
+    """Return whether an attribute of this name changes what numbers mean."""
+    words = {word.lower() for word in _WORD.findall(name)}
+    is_step = ("per" in words and bool(words & _STEP_WORDS)) or _TO_UNIT.search(name) is not None
+    return name.lower() in CHANGING_NAMES or is_step or bool(words & _CHANGING_WORDS and not words & _OTHER_WORDS)
+
+
+def _is_neutral(name: str, value: Any) -> bool:
+    """Return whether a value of such an attribute changes nothing."""
+    words = {word.lower() for word in _WORD.findall(name)}
+    if isinstance(value, str):
+        if words & _DESCRIBED_WORDS and not re.search("[0-9]", value) and not names_unit(value):
+            return True
+        return any(word in words and value.lower() == neutral for word, neutral in _NEUTRAL.items())
+    return bool(np.size(value) == 1 and float(np.ravel(value)[0]) == (0.0 if "offset" in words else 1.0))
+
+
+def _require_heights(name: str, one: NamedArray) -> None:
+    """Refuse an array whose name says that it holds depths, or whose shape is that of a list of points x y z."""
+    words = [name.rpartition("/")[2], *(str(one.attributes.get(key, "")) for key in DESCRIBING_ATTRIBUTES)]
+    if found := next((word for word in words if _DEPTHS.intersection(re.findall("[a-z]+", word.lower()))), None):
+        raise InputError(f"its array is {found[:40]!a}, positive downwards: write heights, positive outwards")
+    require_table(one.values)
+
+
+def require_table(numbers: RealArray) -> None:
+    """Refuse an array whose rows are points x y z on a regular grid."""
+    if numbers.ndim != 2 or numbers.shape[1] != 3 or numbers.shape[0] < _MIN_POINTS:
+        return
+    try:
+        put_on_grid(np.asarray(numbers, dtype=np.float64))
+    except InputError:
+        return
+    raise InputError(
+        f"each of its {numbers.shape[0]} rows is a point x y z of a regular grid, but an array of heights has an x for "
+        "each row: bring the heights into that shape, or save the points as text x y z"
+    )
+
+
+def find_stating(name: str) -> str:
+    """Return the name, as `gather` looks for it, of an attribute that states sides or units; empty if it is none."""
+    plain = re.sub(r"\W+", "_", name)
+    return next((one for one in (name, plain, plain.lower()) if one in STATING_ATTRIBUTES), "")
 
 
 @attrs.frozen(eq=False)
@@ -82,8 +176,13 @@ def choose_map(
     `texts` are its texts, by their names, which may state units.
     """
     maps = {name: one for name, one in arrays.items() if one.values.ndim == 2 and min(one.values.shape) > 1}
-    name = reader.variable or ("heights" if "heights" in maps else min(maps, default=""))
-    if name not in maps or (reader.variable is None and name != "heights" and len(maps) > 1):
+    # As meshgrid writes places.
+    places = {name for name in maps if name.rpartition("/")[2] in ("x", "y", "X", "Y")}
+    beside_it = {name for name in maps if name.rpartition("/")[2].lower() in CHANGING_NAMES}
+    beside_it |= places if len(places) == 2 else set()
+    chosen = [name for name in maps if name not in beside_it] or [*maps]
+    name = reader.variable or ("heights" if "heights" in maps else min(chosen, default=""))
+    if name not in maps or (reader.variable is None and name != "heights" and len(chosen) > 1):
         found = ", ".join(sorted(maps)) or "none"
         raise InputError(
             "its array of heights is not known: give variable= with its name; its real arrays of two dimensions "
@@ -91,10 +190,19 @@ def choose_map(
         )
     # What stands beside the map counts before what stands above it.
     group = name.rpartition("/")[0]
+    _require_heights(name, maps[name])
     beside = _find_beside(arrays, group)
+    stated = gather(maps[name], beside, _find_beside(texts, group))
+    joint = _JOINT_NAME.fullmatch(name.rpartition("/")[2])
+    if stated.unit is None and joint is not None and metres(joint[1]) is not None:
+        stated = attrs.evolve(stated, unit=joint[1])
+    describing = (one for key, one in _find_beside(texts, group).items() if key in DESCRIBING_ATTRIBUTES)
+    words = (name.rpartition("/")[2], *(str(maps[name].attributes.get(key, "")) for key in DESCRIBING_ATTRIBUTES))
+    words += tuple(describing)
+    stated = attrs.evolve(stated, unit_hint=next((text for text in words if names_unit(text)), ""))
     return build_map(
         _mark_invalid(maps[name]),
-        gather(maps[name], beside, _find_beside(texts, group)),
+        stated,
         rows=reader.rows,
         line="the first index",
         no_data=reader.no_data,
@@ -120,7 +228,7 @@ def _mark_invalid(one: NamedArray) -> RealArray:
 
 def gather(one: NamedArray, arrays: Mapping[str, NamedArray], texts: Mapping[str, str]) -> Stated:
     """Return what the attributes of an array, and the arrays and texts beside it, state."""
-    own = {name: np.asarray(value) for name, value in one.attributes.items() if name in _SIZE_NAMES}
+    own = {name: np.asarray(value) for name, value in one.attributes.items() if name in (*_SIZE_NAMES, _EXTENT)}
     arrays = {**arrays, **{name: NamedArray(value) for name, value in own.items() if value.dtype.kind in "iuf"}}
     texts = {**texts, **{name: str(value) for name, value in one.attributes.items() if name in _SPECIFIC_UNITS}}
     scalars = {name: float(other.values.ravel()[0]) for name, other in arrays.items() if other.values.size == 1}
@@ -136,8 +244,14 @@ def gather(one: NamedArray, arrays: Mapping[str, NamedArray], texts: Mapping[str
     unit = next((value for value in stated if value is not None), None)
     alike = {name: "an array" for name, other in arrays.items() if other.values.shape == one.values.shape}
     changing = {name: value for name, value in (scalars | alike).items() if name.lower() in CHANGING_NAMES}
-    changing |= {name: one.attributes[name] for name in one.attributes if name.lower() in CHANGING_NAMES}
-    missing = [float(one.attributes[name]) for name in MISSING_ATTRIBUTES if name in one.attributes]
+    changing |= {
+        name: value
+        for name, value in one.attributes.items()
+        if is_changing(name) and name not in PACKING_ATTRIBUTES and not _is_neutral(name, value)
+    }
+    if one.values.dtype.kind in "iu":
+        changing |= {name: value for name, value in one.attributes.items() if name.lower() in STEPS_OF_HEIGHTS}
+    missing = [float(value) for name in MISSING_ATTRIBUTES for value in np.ravel(one.attributes.get(name, ()))]
     for name in [name for name in changing if name.lower() in _MISSING_NAMES]:
         with contextlib.suppress(TypeError, ValueError):
             missing.append(float(changing[name]))
@@ -175,6 +289,9 @@ def _find_sides(stated: Stated, shape: tuple[int, ...], arrays: Mapping[str, Nam
         stated = attrs.evolve(stated, length=units.pop())
     values = {name: one.values.ravel().astype(np.float64).tolist() for name, one in lengths.items()}
     sides = values.get("size") or [*values.get("lx", []), *values.get("ly", [])]
+    if not sides and _EXTENT in arrays and arrays[_EXTENT].values.size == 4:
+        left, right, bottom, top = arrays[_EXTENT].values.ravel().astype(np.float64).tolist()
+        sides = [abs(right - left), abs(top - bottom)]
     if len(sides) == 1 and shape[0] == shape[1]:
         sides = 2 * sides
     if len(sides) == 2:
@@ -182,8 +299,11 @@ def _find_sides(stated: Stated, shape: tuple[int, ...], arrays: Mapping[str, Nam
     pitch = next((values[name] for name in _PITCH_NAMES if name in values), None)
     if pitch is not None:
         stated = attrs.evolve(stated, steps=(pitch[0], pitch[-1]))
-    if "dx" in values:
-        stated = attrs.evolve(stated, steps=(values["dx"][0], values.get("dy", values["dx"])[0]))
+    along_x, along_y = (
+        next((values[name][0] for name in names if name in values), None) for names in (_PITCHES_X, _PITCHES_Y)
+    )
+    if along_x is not None:
+        stated = attrs.evolve(stated, steps=(along_x, along_x if along_y is None else along_y))
     return stated
 
 

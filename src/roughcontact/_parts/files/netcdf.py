@@ -15,14 +15,16 @@ from roughcontact._parts.files.base import RawMap, find_foreign, require_memory_
 from roughcontact._parts.files.bounds import bound_expansion, is_hdf5
 from roughcontact._parts.files.hdf5 import read_hdf5
 from roughcontact._parts.files.named import (
-    CHANGING_NAMES,
+    DESCRIBING_ATTRIBUTES,
     MISSING_ATTRIBUTES,
     PACKING_ATTRIBUTES,
+    STEPS_OF_HEIGHTS,
     UNIT_ATTRIBUTES,
     VALID_ATTRIBUTES,
     NamedArray,
     NamedArrayReader,
     choose_map,
+    is_changing,
 )
 from roughcontact.errors import InputError
 
@@ -83,8 +85,13 @@ def _read_classic(path: Path) -> tuple[dict[str, NamedArray], bool]:
             if left < 0:
                 raise InputError(f"its arrays are larger than a file of {size} bytes can hold")
             values = np.array(one.data)
+            # An axis of one point, such as one time, is none.
+            axes_of = tuple(one.dimensions)
+            if values.ndim > 2:
+                axes_of = tuple(axis for axis, count in zip(axes_of, values.shape, strict=True) if count > 1)
+                values = values.squeeze()
             if values.dtype.kind in "iuf" and values.ndim <= 2:
-                found[name] = NamedArray(values, _read_attributes(vars(one)), tuple(one.dimensions))
+                found[name] = NamedArray(values, _read_attributes(vars(one)), axes_of)
         axes = [file.variables[axis] for axis in "xy" if axis in file.variables]
         periodic = len(axes) == 2 and all(int(getattr(axis, _PERIODIC, 0)) for axis in axes)
     mask = found.pop(_MASK, None)
@@ -100,13 +107,15 @@ def _read_attributes(stored: dict[str, Any]) -> dict[str, Any]:
     """Return what the attributes of an array state of its numbers."""
     numbers = (*PACKING_ATTRIBUTES, *MISSING_ATTRIBUTES, *VALID_ATTRIBUTES)
     found: dict[str, Any] = {}
-    for name in UNIT_ATTRIBUTES:
-        if name in stored:
-            found[name] = bytes(stored[name]).decode("utf-8", "replace").strip("\0 ")
-    for name in numbers:
-        if name in stored:
-            values = np.ravel(stored[name])
-            if values.dtype.kind not in "iuf" or values.size != (2 if name == "valid_range" else 1):
+    for name, value in stored.items():
+        if isinstance(value, bytes) and (name in (*UNIT_ATTRIBUTES, *DESCRIBING_ATTRIBUTES) or is_changing(name)):
+            found[name] = value.decode("utf-8", "replace").strip("\0 ")
+        elif name in numbers:
+            values = np.ravel(value)
+            several = name in MISSING_ATTRIBUTES
+            if values.dtype.kind not in "iuf" or not (several or values.size == (2 if name == "valid_range" else 1)):
                 raise InputError(f"its {name} is not a number")
-            found[name] = tuple(map(float, values)) if values.size == 2 else float(values[0])
-    return found | {name: stored[name] for name in stored if name.lower() in CHANGING_NAMES}
+            found[name] = tuple(map(float, values)) if several or values.size == 2 else float(values[0])
+        elif is_changing(name) or name.lower() in STEPS_OF_HEIGHTS:
+            found[name] = value
+    return found

@@ -11,6 +11,7 @@ import numpy as np
 from roughcontact._base.arrays import Array
 from roughcontact._parts.files.base import RawMap
 from roughcontact._parts.files.stated import metres
+from roughcontact._parts.files.text import decode_latin
 from roughcontact.errors import InputError
 
 # Rounding of printed positions in a list of points, over the step.
@@ -28,14 +29,22 @@ _MAX_COLUMNS = 8
 _MIN_POINTS = 9
 # The name of a column with its unit in brackets or behind it: "X [um]", "z_nm", "height (nm)".
 _NAME = re.compile(
-    r"([^\W\d_]+)(?:_([A-Za-zµμ]{1,5}))?\s*(?:[\[(]\s*([^\])]*?)\s*[\])]|(?:/|\bin\b)\s*([^\W\d]{1,11}))?"
+    r"([^\W\d_]+)(?:_([A-Za-zµμ]{1,12}))?\s*(?:[\[(]\s*([^\])]*?)\s*[\])]|(?:/|\bin\b)\s*([^\W\d]{1,11}))?"
 )
 # A field with a name of several words: "X position (mm)"; what separates fields; and a word of Tecplot before them.
 _FIELD = re.compile(
     r"[\s\"'#%]*([^\W\d][^\[(/]*?)\s*(?:[\[(]\s*([^\])]*?)\s*[\])]|(?:/|\bin\b)\s*([^\W\d]{1,11}))?[\s\"']*"
 )
+_WORDS = re.compile(r"[^\W\d]+")
 _SEPARATOR = re.compile(r"[,;\t]")
 _VARIABLES = re.compile(r"(?i)^\s*variables\s*=")
+# Names of places that are not x and y, of which the direction, or the axis, is not stated.
+_OTHER_PLACES = (
+    frozenset({"row", "col"}),
+    frozenset({"row", "column"}),
+    frozenset({"r", "theta"}),
+    frozenset({"r", "phi"}),
+)
 _DEPTHS = frozenset({"depth", "depths", "tiefe", "profondeur"})
 _HEIGHTS = ("z", "h", "height", "heights", "höhe", "hauteur", "elevation", "topography")
 _COLUMNS = {
@@ -48,6 +57,7 @@ _COLUMNS = {
 def read_columns(points: Array, header: Sequence[str]) -> tuple[Array, dict[str, str]] | None:
     """Return the columns x, y and z of a list of points and their units by axis; None without names above them."""
     count = points.shape[1]
+    header = [decode_latin(line) for line in header]
     for place in reversed(range(len(header))):
         for names in _list_names(header[place]):
             # A column of numbers of the lines has no name.
@@ -73,14 +83,20 @@ def read_columns(points: Array, header: Sequence[str]) -> tuple[Array, dict[str,
 def _list_names(line: str) -> Iterator[list[tuple[str, str]]]:
     """Yield the names in a line with their units, as words, and as fields of several words."""
     line = _VARIABLES.sub("", line)
-    yield [(found[1].lower(), found[2] or found[3] or found[4] or "") for found in _NAME.finditer(line)]
+    yield [(found[1].lower(), _known(found[2]) or found[3] or found[4] or "") for found in _NAME.finditer(line)]
     fields = [found for field in _SEPARATOR.split(line) if (found := _FIELD.fullmatch(field))]
     yield [(_find_name(found[1]), found[2] or found[3] or "") for found in fields]
 
 
+def _known(unit: str | None) -> str:
+    """Return what stands behind a name if it is a unit of length."""
+    return unit if unit and metres(unit) is not None else ""
+
+
 def _find_name(words: str) -> str:
     """Return the word of a field that names a column of points, or its first one."""
-    found = words.lower().split()
+    # "PosX", "X-Koordinate".
+    found = re.split(r"[\s\-_]+", re.sub(r"(?<=[a-z])(?=[A-Z])", " ", words).lower())
     known = {*itertools.chain.from_iterable(_COLUMNS.values()), *_DEPTHS}
     return next((word for word in found if word in known), next(iter(found), ""))
 
@@ -89,6 +105,30 @@ def _list_units(line: str, count: int) -> list[str]:
     """Return the units in a line of so many units alone; empty if it is another line."""
     words = [word.strip(" []()\"'#%") for word in (_SEPARATOR.split(line) if _SEPARATOR.search(line) else line.split())]
     return words if len(words) == count and all(not word or metres(word) for word in words) and any(words) else []
+
+
+def require_named_columns(header: Sequence[str], columns: int) -> None:
+    """Refuse numbers of other columns than the line above them names, where it names x, y and z."""
+    for line in map(decode_latin, header):
+        names, fields = ([name for name, _ in one if metres(name) is None] for one in _list_names(line))
+        words = _WORDS.findall(_VARIABLES.sub("", line).lower())
+        if re.search("[=:{]", _VARIABLES.sub("", line)):
+            continue
+        are_columns = (
+            len(names) == len([word for word in words if metres(word) is None])
+            and {"x", "y"} <= {*names}
+            and {*names} & {*_COLUMNS["z"]}
+        )
+        if len(names) == columns and any(places <= {*names} for places in _OTHER_PLACES):
+            raise InputError(
+                f"the line {line.strip()[:40]!a} names places that are not x and y: write a row x y z for each point, "
+                "with these names above them"
+            )
+        if are_columns and columns not in (len(names), len(names) + 1, len(fields), len(fields) + 1):
+            raise InputError(
+                f"the line {line.strip()[:40]!a} names {len(names)} columns, but its rows hold {columns} numbers: "
+                "write a row x y z for each point"
+            )
 
 
 def refuse_further_columns(table: Array) -> None:
@@ -114,12 +154,14 @@ def put_on_grid(points: Array) -> RawMap:
     """
     i, nx, dx = _indices(points[:, 0])
     j, ny, dy = _indices(points[:, 1])
-    if not _MIN_LISTED_FRACTION * nx * ny <= len(points) <= nx * ny:
+    if len(points) > nx * ny:
+        raise _at_one_place(points, i * ny + j)
+    if len(points) < _MIN_LISTED_FRACTION * nx * ny:
         raise _irregular(len(points))
     heights = np.full((nx, ny), np.nan)
     heights[i, j] = points[:, 2]
     if np.bincount(i * ny + j, minlength=nx * ny).max() > 1:
-        raise _irregular(len(points))
+        raise _at_one_place(points, i * ny + j)
     unit, length = (1.0, "metre") if max(nx * dx, ny * dy) < _MAX_METRIC_SIDE else (1e-6, "micrometre")
     sides = ", ".join(f"{unit * side:.6g}" for side in (nx * dx, ny * dy))
     return RawMap(
@@ -146,6 +188,17 @@ def _indices(places: Array) -> tuple[np.ndarray, int, float]:
     if np.abs(exact - index).max() > _GRID_TOLERANCE:
         raise _irregular(len(places))
     return index, count, step
+
+
+def _at_one_place(points: Array, cells: np.ndarray) -> InputError:
+    """Return the refusal of points of which several stand in one cell of a regular grid."""
+    order = np.argsort(cells, kind="stable")
+    twin = order[1:][np.diff(cells[order]) == 0][0]
+    return InputError(
+        f"each of its {len(points)} rows holds 3 numbers, as in a list of points x y z, but two of them or more stand "
+        f"at one place of a regular grid, as at x = {points[twin, 0]:g}, y = {points[twin, 1]:g}: keep one point at "
+        "each place, or interpolate them, as by scipy.interpolate.griddata"
+    )
 
 
 def _irregular(count: int) -> InputError:

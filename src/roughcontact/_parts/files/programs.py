@@ -7,6 +7,7 @@ import math
 import re
 from collections.abc import Callable
 
+import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array
@@ -124,7 +125,8 @@ def _read_zygo_points(lines: list[str], rows: str) -> RawMap:
     fields = np.array(_WORDS.sub("nan", "\n".join(points)).split(), dtype=np.float64)
     heights = put_on_grid(fields.reshape(-1, 3)).heights
     stated = Stated(rows="x", falling="y", steps=_read_zygo_resolution(header), length=1.0)
-    return build_map(heights, stated, line="one point", needs_unit=True)
+    found = build_map(heights, stated, needs_unit=True)
+    return attrs.evolve(found, rows="its y are counted downwards")
 
 
 def _read_wyko(lines: list[str], rows: str) -> RawMap:

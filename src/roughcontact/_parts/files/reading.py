@@ -25,7 +25,8 @@ from roughcontact.errors.door import guarded
 
 _LOGGER = logging.getLogger("roughcontact")
 _FALLBACK_READER = "instrument"
-# First bytes of files whose ending does not tell the reader: of Zygo, SDF and Surfer in binary, MATLAB, and netCDF.
+# First bytes of files whose ending does not tell the reader: of Zygo, SDF and Surfer in binary, Gwyddion's simple
+# fields, MATLAB, and netCDF.
 _READERS_BY_BEGINNING = {
     b"\x88\x1b\x03\x6f": _FALLBACK_READER,
     b"\x88\x1b\x03\x70": _FALLBACK_READER,
@@ -34,6 +35,8 @@ _READERS_BY_BEGINNING = {
     b"bBCR-": _FALLBACK_READER,
     b"DSBB": "surfer",
     b"DSRB": "surfer",
+    b"Gwyddion Simpl": "simple-field",
+    b"Gwyddion XYZ F": "simple-field",
     b"MATLAB 5.0 MAT": "mat",
     b"CDF\x01": "netcdf",
     b"CDF\x02": "netcdf",
@@ -41,8 +44,9 @@ _READERS_BY_BEGINNING = {
 # The ending of text files by Surfer and of netCDF by GMT, whose version 4 begins as HDF5 does.
 _NETCDF_ENDING = ".grd"
 _HDF5 = b"\x89HDF"
-# Characters of a reader's message that ours repeats.
+# Characters of a reader's message, and of a line of a file, that ours repeats.
 _MAX_REASON_CHARACTERS = 200
+_MAX_HINT_CHARACTERS = 60
 # Relative difference between a given size and the size in a file: six digits, as people type them.
 _SIZE_TOLERANCE = 1e-6
 # Relative difference between the proportions of cells and of points in a file: positions are printed with few digits.
@@ -117,13 +121,16 @@ def read_surface(
     if raw.needs_rows:
         _require_rows(raw.heights, given, file)
     _require_steps(raw, given, file)
+    _require_partial(raw, given, file)
     heights, mask, done = complete(
         raw.heights, f"the file {file.name}", non_measured, " (on the command line --non-measured)"
     )
     surface = HeightMap(heights, given, periodic=raw.periodic, non_measured=mask)
     scale = _unit(raw, unit, file)
     told = scale if raw.unit is None else raw.unit
-    in_units = "" if unit is None and raw.unit is None else f", heights in units of {si(told, 'm')}"
+    in_units = f", heights in units of {si(told, 'm')}"
+    if unit is None and raw.unit is None:
+        in_units = "" if raw.metric else ", heights in m (assumed: unit= says it)"
     in_units += f", {raw.rows}" if raw.rows else ""
     # Free the heights of the file before new ones are made.
     del raw, heights
@@ -297,11 +304,31 @@ def _require_steps(raw: RawMap, size: Length | Sequence[Length], file: Path) -> 
         )
 
 
+def _require_partial(raw: RawMap, size: Length | Sequence[Length], file: Path) -> None:
+    """Refuse a size that contradicts the distance of the points along one axis, where the file states that alone."""
+    if raw.heights.ndim != 2:
+        return
+    sides = pair(size, "The size of the height map", "m", above=0.0)
+    for axis, side, count, step in zip("xy", sides, raw.heights.shape, raw.partial, strict=True):
+        if step is not None and abs(side / count / step - 1.0) > _STEP_TOLERANCE:
+            raise InputError(
+                f"The points in {file.name} are {si(step, 'm')} apart along {axis}, but on a side of {si(side, 'm')} "
+                f"its {count} points would be {si(side / count, 'm')} apart: give the sides of x and of y in this "
+                "order, or leave that statement out."
+            )
+
+
 def _unit(raw: RawMap, given: float | str | None, file: Path) -> float:
     if given is None and raw.needs_unit:
         raise InputError(
             f"The heights in {file.name} are numbers without a unit: give what one of them means, m, such as unit=1e-9 "
             "(on the command line --unit 1nm)."
+        )
+    if given is None and raw.unit_hint:
+        raise InputError(
+            f"The file {file.name} states {shorten(raw.unit_hint.strip(), _MAX_HINT_CHARACTERS)!a}, which may be the "
+            "unit of its heights: give unit=, such as 'nm' (on the command line --unit nm), or unit=1 if they are "
+            "metres."
         )
     if given is None:
         return 1.0

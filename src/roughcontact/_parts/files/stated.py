@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import contextlib
+import re
 
 import attrs
 import numpy as np
 import numpy.typing as npt
 
 from roughcontact._base.arrays import Array, Pair
-from roughcontact._parts.files.base import RawMap, name_rows, put_x_first
+from roughcontact._base.units import si
+from roughcontact._parts.files.base import RawMap, name_rows, put_x_first, turn_up
 from roughcontact.errors import InputError
 
 # Metres in units of length, as instruments and persons write them; the two letters for micro, and its byte in Latin-1,
@@ -18,9 +20,15 @@ _METRES_PER_UNIT = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "km": 1e3, "um": 1e-6, "nm
 _METRES_PER_UNIT |= {"meter": 1.0, "metre": 1.0, "millimeter": 1e-3, "millimetre": 1e-3, "micrometer": 1e-6}
 _METRES_PER_UNIT |= {"micrometre": 1e-6, "nanometer": 1e-9, "nanometre": 1e-9, "mikrometer": 1e-6}
 _METRES_PER_UNIT |= {"micron": 1e-6, "~m": 1e-6, "mum": 1e-6, "ang": 1e-10, "angstrom": 1e-10}
-_METRES_PER_UNIT |= {"\N{ANGSTROM SIGN}": 1e-10, "inch": 0.0254, "in": 0.0254, "mil": 2.54e-5, "thou": 2.54e-5}
+_METRES_PER_UNIT |= {"inch": 0.0254, "in": 0.0254, "mil": 2.54e-5, "thou": 2.54e-5}
 _METRES_PER_UNIT |= {"inches": 0.0254, "uin": 2.54e-8, "microinch": 2.54e-8, "microinches": 2.54e-8}
-_MICRO = str.maketrans({"µ": "u", "μ": "u", "\udcb5": "u"})
+_METRES_PER_UNIT |= {"нм": 1e-9, "мкм": 1e-6, "мм": 1e-3, "纳米": 1e-9, "微米": 1e-6, "毫米": 1e-3}
+_METRES_PER_UNIT |= {"kÅ": 1e-7, "kang": 1e-7, "kiloangstrom": 1e-7, "dm": 0.1}
+# Units that are words of other meanings, too; and a word, and a number before it, of which it is then the unit.
+_WORDS = frozenset({"m", "in", "mil", "thou", "ang", "cm", "dm"})
+_WORD = re.compile(r"(?<![^\W\d_])[^\W\d_]{1,14}(?![^\W_])")
+_NUMBER_BEFORE = re.compile(r"[0-9]\s*[\[(]?\s*$")
+_MICRO = str.maketrans({"µ": "u", "μ": "u", "\udcb5": "u", "\N{ANGSTROM SIGN}": "Å"})
 # Relative difference between a stated size and the stated steps times the number of points, or of their distances.
 _SIZE_TOLERANCE = 2e-2
 # Minimum distance of a number of non-measured points from the heights, over their range, and such numbers of programs:
@@ -34,6 +42,8 @@ _MIN_OUTLYING = 1000.0
 _MIN_MARK = 1e20
 # Minimum points at which a zero, far from all other numbers, is none of the heights.
 _MIN_ZEROS = 16
+# Relative difference between a range of heights that a header states and that of the numbers: it has two digits.
+_EXTENT_TOLERANCE = 0.06
 # Characters of what a file states that a message repeats.
 _MAX_QUOTED_CHARACTERS = 60
 
@@ -44,6 +54,16 @@ def metres(unit: str) -> float | None:
     small = name.lower()
     return next(
         (_METRES_PER_UNIT[one] for one in (name, small, small.removesuffix("s")) if one in _METRES_PER_UNIT), None
+    )
+
+
+def names_unit(text: str) -> bool:
+    """Return whether a text names a unit of length that is not that of a number in it."""
+    return any(
+        metres(found[0]) is not None
+        and found[0].lower() not in _WORDS
+        and not _NUMBER_BEFORE.search(text[: found.start()])
+        for found in _WORD.finditer(text)
     )
 
 
@@ -77,6 +97,11 @@ class Stated:
         Unit of `size` and `steps`, as the file names it, or in metres; None where it states none.
     periodic
         Whether the map repeats beyond its border.
+    extent
+        ``"range"``, ``"largest"`` or ``"smallest"`` of the heights, its value in metres, and its unit as the file names
+        it, which tell the unit of the heights where the file does not state that; None where it states none.
+    unit_hint
+        What may state the unit of the heights, in its own words, where it is not understood; else empty.
     channels
         Names of the arrays that it holds, where they are more than the one of heights.
     not_understood
@@ -95,6 +120,8 @@ class Stated:
     steps: tuple[float | None, float | None] = (None, None)
     length: str | float | None = None
     periodic: bool = False
+    extent: tuple[str, float, str | float] | None = None
+    unit_hint: str = ""
     channels: tuple[str, ...] = ()
     not_understood: tuple[str, ...] = ()
 
@@ -129,17 +156,26 @@ def build_map(
         _refuse_marks(numbers)
     _require_shape(numbers.shape, stated.table, "lines and numbers in a line")
     first = _find_rows(stated, rows, numbers.shape)
+    if not first:
+        _require_rows(stated)
     heights = _scale(numbers, stated)
     heights = put_x_first(heights, first or "x")
     _require_shape(heights.shape, stated.shape, "points along x and y")
     if stated.falling and first == (stated.rows or first):
-        flips = tuple(slice(None, None, -1 if axis in stated.falling else 1) for axis in "xy")
-        heights = np.ascontiguousarray(heights[flips])
+        heights = turn_up(heights, stated.falling)
     unit = _find_unit(stated)
+    unit_hint = stated.unit_hint
+    if unit is None and stated.extent is not None:
+        unit = _find_unit_of_extent(heights, *stated.extent)
+        unit_hint = unit_hint or f"{stated.extent[0]} height {si(stated.extent[1], 'm')}"
     if unit is not None:
         heights *= unit
     size, steps, hint = _find_sides(stated, (heights.shape[0], heights.shape[1]))
     downwards = (first or "x") in stated.falling
+    in_words = name_rows(first or "x", assumed=not first, downwards=downwards).replace("a line of the file", line)
+    if first == "y" and rows == "auto" and not stated.rows:
+        # Counts say which axis it is, but not its direction.
+        in_words += ", upwards (assumed)"
     return RawMap(
         heights,
         size,
@@ -149,8 +185,10 @@ def build_map(
         needs_unit=needs_unit and unit is None,
         needs_rows=not first,
         steps=steps,
-        rows=name_rows(first or "x", assumed=not first, downwards=downwards).replace("a line of the file", line),
+        rows=in_words,
         unit=unit,
+        partial=_find_partial(stated),
+        unit_hint=unit_hint if unit is None else "",
     )
 
 
@@ -169,7 +207,7 @@ def require_understood(stated: Stated) -> None:
 
 def _find_rows(stated: Stated, rows: str, table: tuple[int, ...]) -> str:
     """Return the axis of the first index; empty where neither the file nor the user says it."""
-    shape = tuple(_count(*one) for one in zip(stated.shape, stated.size, stated.steps, strict=True))
+    shape = tuple(_count(*one, stated.length) for one in zip(stated.shape, stated.size, stated.steps, strict=True))
     if rows == "auto" and not stated.rows and shape[0] != shape[1] and None not in shape:
         # The stated numbers of points along x and y fit one order.
         return "x" if table == shape else "y" if table == shape[::-1] else ""
@@ -180,9 +218,25 @@ def _find_rows(stated: Stated, rows: str, table: tuple[int, ...]) -> str:
     return rows
 
 
-def _count(count: int | None, side: float | None, step: float | None) -> int | None:
-    """Return the number of points along an axis, as stated, or that of the stated steps in the stated side."""
-    return count if count is not None or not side or not step else round(side / step)
+def _require_rows(stated: Stated) -> None:
+    """Refuse a table whose rows and columns, and the sides along x and y, are stated, but not which are which."""
+    rows, columns = stated.table
+    lengths = next((pair for pair in (stated.size, stated.steps) if None not in pair), (None, None))
+    if rows is not None and columns is not None and rows != columns and lengths[0] != lengths[1]:
+        raise InputError(
+            f"it states {rows} rows, {columns} columns and lengths along x and y, but not whether a row is one x or "
+            "one y: say it with rows='y', or rows='x'"
+        )
+
+
+def _count(count: int | None, side: float | None, step: float | None, unit: str | float | None) -> int | None:
+    """Return the number of points along an axis, as stated, or that of the stated steps in the stated side.
+
+    A side without a unit may be a number of points.
+    """
+    if count is not None or not side:
+        return count
+    return round(side / step) if step else round(side) if unit is None else None
 
 
 def _scale(numbers: npt.NDArray[np.generic], stated: Stated) -> Array:
@@ -276,6 +330,24 @@ def _find_unit(stated: Stated) -> float | None:
             f"it states values in {stated.unit.strip()[:_MAX_QUOTED_CHARACTERS]!a}, which is not a known unit of length"
         )
     return unit
+
+
+def _find_unit_of_extent(heights: Array, what: str, value: float, name: str | float) -> float | None:
+    """Return the metres in the unit of heights whose range, or extreme, is stated; None if it fits none."""
+    low, high = _find_range(heights, np.isfinite(heights))
+    there = {"range": high - low, "largest": high, "smallest": low}[what]
+    named = metres(name) if isinstance(name, str) else name
+    fitting = (unit for unit in (named, 1.0) if unit and abs(there * unit - value) <= _EXTENT_TOLERANCE * abs(value))
+    return next(fitting, None)
+
+
+def _find_partial(stated: Stated) -> tuple[float | None, float | None]:
+    """Return the distances of the points along x and y, m, of which the file states one alone; else None twice."""
+    length = metres(stated.length) if isinstance(stated.length, str) else stated.length
+    if length is None or stated.steps.count(None) != 1:
+        return (None, None)
+    x, y = (None if step is None else step * length for step in stated.steps)
+    return (x, y)
 
 
 def _find_sides(stated: Stated, shape: tuple[int, int]) -> tuple[Pair | None, Pair | None, str]:

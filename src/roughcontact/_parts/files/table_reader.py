@@ -9,12 +9,12 @@ import attrs
 
 from roughcontact._base.arrays import Array
 from roughcontact._base.checks import choice, integer
-from roughcontact._parts.files.base import RawMap, SurfaceReader, check_rows, require_memory_of_map
+from roughcontact._parts.files.base import RawMap, SurfaceReader, check_rows, find_foreign, require_memory_of_map
 from roughcontact._parts.files.headers import read_header
-from roughcontact._parts.files.points import put_on_grid, read_columns, refuse_further_columns
+from roughcontact._parts.files.points import put_on_grid, read_columns, refuse_further_columns, require_named_columns
 from roughcontact._parts.files.programs import read_program
-from roughcontact._parts.files.stated import Stated, build_map, check_no_data
-from roughcontact._parts.files.text import SEPARATORS, WORDS, read_table, require_heights
+from roughcontact._parts.files.stated import Stated, build_map, check_no_data, metres
+from roughcontact._parts.files.text import SEPARATORS, WORDS, read_table, require_heights, require_no_index
 from roughcontact.errors import InputError
 
 # Numbers in a row of a profile x z and of a list of points x y z, and the minimum rows of such a list: 3 x 3 points.
@@ -26,6 +26,11 @@ _MIN_LIST_ROWS = 9
 _COMPRESSED = ".gz"
 _EXPANSION_ALLOWANCE = 2**22
 _MAX_EXPANSION_RATIO = 50
+
+
+def _is_one_unit(one: str, other: str) -> bool:
+    """Return whether two names of units, such as with both letters for micro, are of the same unit."""
+    return one == other or metres(one) == metres(other) is not None
 
 
 def _separator(value: str) -> str:
@@ -79,6 +84,8 @@ class TextReader(SurfaceReader):
 
     def read(self, path: Path) -> RawMap:
         """Return the map."""
+        if path.suffix.lower() != _COMPRESSED and (foreign := find_foreign(path)):
+            raise InputError(foreign)
         # The text is held twice, and then the map.
         require_memory_of_map(2.0 * path.stat().st_size)
         data = self._unpack(path) if path.suffix.lower() == _COMPRESSED else path.read_bytes()
@@ -91,6 +98,7 @@ class TextReader(SurfaceReader):
         stated = read_header(table.header)
         numbers = table.numbers
         count, columns = numbers.shape
+        require_named_columns(table.header, columns)
         if count >= _MIN_LIST_ROWS and columns == _COLUMNS_OF_PROFILES:
             raise InputError(
                 f"each of its {count} rows holds 2 numbers, as in a list of points x z of a profile, but a height map "
@@ -99,6 +107,7 @@ class TextReader(SurfaceReader):
         if count >= _MIN_LIST_ROWS and (columns == _COLUMNS_OF_POINTS or read_columns(numbers, table.header)):
             return self._read_points(numbers, table.header, stated)
         refuse_further_columns(numbers)
+        require_no_index(table.header, columns)
         if table.blank is not None:
             raise InputError(
                 f"its line {table.blank} between the numbers is blank, as where a second table begins: a blank line "
@@ -123,7 +132,7 @@ class TextReader(SurfaceReader):
         """Return the map of a list of points; the units are those of the names of its columns, or of its header."""
         points, units = read_columns(numbers, header) or (numbers, {})
         grid = put_on_grid(points)
-        if "x" in units and units["x"] != units.get("y", units["x"]):
+        if "x" in units and not _is_one_unit(units["x"], units.get("y", units["x"])):
             raise InputError(f"it states x in {units['x']!a} and y in {units['y']!a}: use one unit for both")
         stated = attrs.evolve(
             stated,

@@ -49,6 +49,13 @@ _BYTE_ORDER_MARKS = {
     codecs.BOM_UTF16_LE: "utf-16",
     codecs.BOM_UTF16_BE: "utf-16",
 }
+# What separates names of columns.
+_SEPARATED = re.compile(r"[,;\t]")
+# Bytes that are not UTF-8.
+_BYTES = re.compile("[\udc80-\udcff]")
+# Bytes at the beginning from which the encoding is found, and those of numbers and letters.
+_BEGINNING_BYTES = 64
+_PRINTABLE = bytes(range(32, 127)) + b"\t\r\n"
 # Characters of a wrong field or line that a message repeats.
 _MAX_QUOTED_CHARACTERS = 40
 # Lines of heights from which the layout is found, and lines of a header that are kept.
@@ -60,6 +67,9 @@ _MIN_ROWS_ABOVE = 3
 _QUOTED = re.compile(r'"([^"]*)"')
 _DECIMAL_COMMA = re.compile(r"[-+]?[0-9]*,[0-9]*(?:[eE][-+]?[0-9]+)?")
 _NO_DATA = re.compile(r"\bno data\b", re.IGNORECASE)
+# The minus sign of typography; and other marks than commas that separate thousands.
+_MINUS = "\N{MINUS SIGN}"
+_OTHER_THOUSANDS = re.compile("[-+]?[0-9]{1,3}(?:['\u2019\u202f\u00a0\u2009][0-9]{3})+(?:[.,][0-9]*)?")
 # A number with commas that may separate thousands, and one without.
 _THOUSANDS = re.compile(r"[-+]?[0-9]{1,3}(?:,[0-9]{3})+")
 _WHOLE = re.compile(r"[-+]?[0-9]+")
@@ -88,6 +98,9 @@ def holds_heights(content: str) -> bool | None:
         # A line of dashes is the rule below a title.
         return None if len(fields) > 1 else False
     first = fields[0]
+    if is_non_measured(first) and not all(is_non_measured(one) or _NUMBER.fullmatch(one) for one in fields):
+        # A line of a header, such as "Invalid data value: 9999".
+        return False
     return bool(is_non_measured(first) or _NUMBER.fullmatch(first)) and any(map(_NUMBER.fullmatch, fields))
 
 
@@ -112,6 +125,13 @@ class Layout:
     def ends(self, content: str) -> bool:
         """Return whether a line ends with the separator."""
         return self.separator != " " and content.endswith(self.separator)
+
+
+def decode_latin(line: str) -> str:
+    """Return a line whose bytes that are not UTF-8 are read as letters of Latin-1."""
+    if line.isascii() or not _BYTES.search(line):
+        return line
+    return line.encode("utf-8", "surrogateescape").decode("latin-1")
 
 
 def find_layout(lines: Sequence[str], separator: str, decimal: str) -> Layout:
@@ -256,7 +276,8 @@ def read_table(data: bytes, separator: str = "auto", decimal: str = "auto", skip
 
     The message names the line.
     """
-    encoding = next((name for mark, name in _BYTE_ORDER_MARKS.items() if data.startswith(mark)), "utf-8")
+    encoding = next((name for mark, name in _BYTE_ORDER_MARKS.items() if data.startswith(mark)), "")
+    encoding = encoding or _find_encoding(data[:_BEGINNING_BYTES])
     # Comments may be in any encoding.
     errors = "surrogateescape" if encoding.startswith("utf-8") else "strict"
     try:
@@ -277,6 +298,14 @@ def read_table(data: bytes, separator: str = "auto", decimal: str = "auto", skip
             return Table(numbers, tuple(header), blank)
     except UnicodeError:
         raise InputError(f"it begins like text in {encoding}, but is not: save it as plain text (UTF-8)") from None
+
+
+def _find_encoding(start: bytes) -> str:
+    """Return the encoding of a text without a byte-order mark: in UTF-16, each second byte of numbers is zero."""
+    for zeros, others, name in ((start[1::2], start[::2], "utf-16-le"), (start[::2], start[1::2], "utf-16-be")):
+        if zeros and not any(zeros) and not others.translate(None, _PRINTABLE):
+            return name
+    return "utf-8"
 
 
 def _nothing(header: list[str]) -> str:
@@ -323,6 +352,7 @@ def _clean(content: str) -> str:
     """Return a line with its quotation marks resolved, and the two words of a non-measured point as one."""
     if '"' in content:
         content = _QUOTED.sub(_unquote, content)
+    content = content.replace(_MINUS, "-") if _MINUS in content else content
     return _NO_DATA.sub("nan", content) if "o" in content or "O" in content else content
 
 
@@ -392,6 +422,17 @@ def _require_words(header: list[str], layout: Layout, columns: int) -> None:
             )
 
 
+def require_no_index(header: Sequence[str], columns: int) -> None:
+    """Refuse a table whose columns have names, but the first: it is an index, or places."""
+    for line in header:
+        first, *others = _SEPARATED.split(line.strip(" \r\n"))
+        if not first.strip(' "') and len(others) == columns - 1 > 1 and all(one.strip(' "') for one in others):
+            raise InputError(
+                f"the line {line.strip()[:_MAX_QUOTED_CHARACTERS]!a} names all columns but the first, which is then no "
+                "column of heights, but an index or places: save the heights without it"
+            )
+
+
 def _float(word: str) -> float | None:
     """Return the number, or None: Python also reads 1_000 and digits of other scripts, but not Fortran's 1.0D-03."""
     word = _FORTRAN.sub("e", word)
@@ -421,7 +462,7 @@ def _number(field: str, layout: Layout, place: int, rows: int) -> float:
             return math.nan
         other = "," if layout.decimal == "." else "."
         advice = f"give decimal={other!r} if that is its decimal mark" if other in word else ""
-        if advice and layout.decimal in word:
+        if (advice and layout.decimal in word) or _OTHER_THOUSANDS.fullmatch(word):
             advice = "write numbers without separators of thousands"
         if not advice and rows >= _MIN_ROWS_ABOVE:
             advice = f"{rows} rows of numbers stand above it: if they are all, remove this line and those below it"

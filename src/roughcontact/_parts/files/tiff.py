@@ -15,6 +15,7 @@ import numpy as np
 from roughcontact._base.arrays import Array, Pair
 from roughcontact._base.checks import integer
 from roughcontact._parts.files.base import RawMap, SurfaceReader, readers, require_memory_of_map
+from roughcontact._parts.files.headers import read_header
 from roughcontact._parts.files.stated import Stated, build_map, check_no_data, metres
 from roughcontact.errors import InputError, MissingPackage
 
@@ -37,6 +38,8 @@ _MAX_EXPANSION_RATIO = 50
 # Numbers of the compressions that are read: none, LZW, deflate (two), PackBits; others lose digits or are rare.
 _COMPRESSIONS = {1, 5, 8, 32773, 32946}
 _DEFLATE_COMPRESSIONS = {8, 32946}
+# Characters of a description that are read.
+_MAX_DESCRIPTION = 10_000
 # Minimum resolution of a measurement, pixels per metre: printers and screens have 72 to 2400 to the inch.
 _MIN_MEASURED_RESOLUTION = 3000 / 0.0254
 # Metres in the units of resolution of TIFF: inch and centimetre.
@@ -159,6 +162,8 @@ def _read_stated(page: Any, imagej: dict[str, Any], ome: str | None) -> Stated:
         stated = attrs.evolve(stated, non_measured=(_read_nodata(str(tag.value)),))
     stated = _read_items(stated, page)
     stated = _read_calibration(stated, imagej)
+    if not imagej and not ome:
+        stated = _read_description(stated, str(page.description or ""))
     for found in (_read_ome(stated, ome), _read_resolution(stated, page, imagej), _read_geographic(stated, page)):
         if found is not None:
             return found
@@ -185,6 +190,21 @@ def _read_items(stated: Stated, page: Any) -> Stated:
         raise InputError(f"its scale and offset are {', '.join(numbers)[:40]!a}, which are not numbers") from None
     unit = items.get("unittype") or None
     return attrs.evolve(stated, factor=factor, offset=offset, unit=unit)
+
+
+def _read_description(stated: Stated, text: str) -> Stated:
+    """Return what is stated with what the description of an image says as the header of a text would."""
+    found = read_header(text[:_MAX_DESCRIPTION].splitlines())
+    return attrs.evolve(
+        stated,
+        unit=stated.unit if stated.unit is not None else found.unit,
+        factor=stated.factor * found.factor,
+        non_measured=stated.non_measured or found.non_measured,
+        size=found.size,
+        steps=found.steps,
+        length=found.length,
+        not_understood=found.not_understood,
+    )
 
 
 def _read_calibration(stated: Stated, imagej: dict[str, Any]) -> Stated:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import itertools
 import math
 import re
 import zipfile
@@ -19,6 +20,8 @@ from roughcontact.errors import InputError
 
 # Types of numbers by their letter: integers of 16 and 32 bits, floating-point numbers of 32 and 64.
 _TYPES = {"I": "<i2", "L": "<i4", "F": "<f4", "D": "<f8"}
+# Largest element of a stated rotation that is none.
+_ROTATION_TOLERANCE = 1e-6
 # A checksum by MD5; some programs write none, or a place-holder.
 _DIGEST = re.compile(r"(?!0{32})[0-9a-f]{32}")
 
@@ -58,6 +61,7 @@ def _read_surface(archive: zipfile.ZipFile) -> RawMap:
         raise InputError(f"it must hold one description main.xml, but holds {len(names)}")
     root = _parse(archive, names[0])
     steps = [_find_step(root, axis) for axis in "XY"]
+    _require_unturned(root)
     sizes = [int(_find_number(root, f"Size{axis}", 1.0)) for axis in "XYZ"]
     if sizes[2] != 1 or min(sizes[:2]) < 2:
         raise InputError(f"it holds {' x '.join(map(str, sizes))} points, which are not one surface")
@@ -122,6 +126,14 @@ def _find_step(root: ElementTree.Element, axis: str) -> float:
     if not step > 0.0:
         raise InputError(f"it does not state the distance of its points along {axis.lower()}")
     return step
+
+
+def _require_unturned(root: ElementTree.Element) -> None:
+    """Refuse a surface whose axes are stated to be turned."""
+    for row, column in itertools.product(range(1, 4), repeat=2):
+        one = float(row == column)
+        if abs(_find_number(root, f"Rotation/r{row}{column}", one) - one) > _ROTATION_TOLERANCE:
+            raise InputError("it states a rotation of its axes, which is not read: export it without rotation")
 
 
 def _read_heights(archive: zipfile.ZipFile, root: ElementTree.Element, folder: str, count: int) -> Array:
