@@ -9,7 +9,7 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array, Pair
-from roughcontact._parts.grid import Boundary
+from roughcontact._parts.grid import Boundary, as_boundary
 from roughcontact._solve.solution import ContactSolution
 
 # Degree of the spline: its second derivatives err by (q h)^4 / 720, 0.02 % at ten cells a wave.
@@ -38,6 +38,10 @@ _PIECE_FACTORS = np.concatenate((_SPLINE_PIECES, _PIECE_SLOPES, _PIECE_BENDS))
 # Cells by which values are continued beyond a free border: a mirrored spline bends at the border, and the bend has an
 # effect over as many cells.
 CONTINUED_CELLS = 8
+# Second differences across the border of a wrapped domain, over those inside, from which heights do not repeat there:
+# one on waves that do, and about the number of cells on a ball. Cells at a border that no contact touches then.
+_MIN_BORDER_STEP = 4.0
+_BORDER_CELLS = 3
 # Values of the B-spline at 0, 1 and 2 cells from its centre.
 _CENTRE_VALUES = (66.0 / 120.0, 26.0 / 120.0, 1.0 / 120.0)
 # Points at a time: their coefficients stay in a core's cache.
@@ -67,8 +71,11 @@ class Spline:
 
     @classmethod
     def through_gap(cls, solution: ContactSolution) -> Spline:
-        """Return the spline through the initial gap."""
-        return cls.through(solution.initial_gap, solution.grid.spacing, solution.boundary)
+        """Return the spline through the initial gap, which goes on across a wrapped border only where the gap does."""
+        boundary = solution.boundary
+        if boundary is Boundary.WRAPPED:
+            boundary = _find_repeating_axes(solution)
+        return cls.through(solution.initial_gap, solution.grid.spacing, boundary)
 
     @classmethod
     def through(cls, values: Array, spacing: Pair, boundary: Boundary) -> Spline:
@@ -154,6 +161,27 @@ def _solve_periodic(values: Array) -> Array:
     spectrum *= rows[:, np.newaxis]
     spectrum *= columns
     return np.asarray(fft.irfft2(spectrum, values.shape))
+
+
+def _find_repeating_axes(solution: ContactSolution) -> Boundary:
+    """Return the boundary that is free where heights have a step or a kink at the border, and no contact lies there.
+
+    A spline across it would swing far into the domain.
+    """
+    ends = []
+    for axis, cells in enumerate(solution.grid.shape):
+        across = _BORDER_CELLS
+        if cells < 4 * across:
+            ends.append(False)
+            continue
+        gap = np.moveaxis(solution.initial_gap, axis, 0)
+        border = np.diff(np.concatenate((gap[-2:], gap[:2])), 2, axis=0)
+        inside = np.diff(gap, 2, axis=0)
+        steps = float(np.mean(border**2)) > _MIN_BORDER_STEP**2 * float(np.mean(inside**2))
+        contact = np.moveaxis(solution.contact, axis, 0)
+        ends.append(steps and not (contact[:across].any() or contact[-across:].any()))
+    words = ["free" if end else "periodic" for end in ends]
+    return as_boundary(words)
 
 
 def continue_beyond(values: Array) -> Array:
