@@ -137,6 +137,26 @@ def test_a_ball_in_a_wrapped_domain_is_that_of_a_free_one(shape, size, axis):
 
 
 @pytest.mark.parametrize(
+    ("shape", "size", "boundary"),
+    [((40, 33), (40.0, 33.0), "periodic"), ((29, 45), (87.0, 45.0), ("periodic", "free"))],
+)
+@pytest.mark.parametrize("axis", [0, 1])
+def test_a_ball_that_does_not_repeat_in_a_periodic_domain_is_that_of_finer_cells(shape, size, boundary, axis):
+    """A spline across the border swung far inside: 13 standard deviations of the area, 15 of the maximum pressure."""
+    kinds = boundary[::-1] if axis and isinstance(boundary, tuple) else boundary
+    found = []
+    for fold in (1, 4):
+        grid = rc.Grid((fold * shape[0], fold * shape[1]), size)
+        heights = -((grid.x + 0.15 * size[0]) ** 2 + 1.5 * (grid.y - 0.2 * size[1]) ** 2) / 2e3
+        surface = rc.HeightMap(heights.T if axis else heights, size[::-1] if axis else size)
+        found.append(rc.ContactProblem(rc.Body(surface, rc.Elastic(1.0, 0.0)), boundary=kinds).solve(force=0.02))
+    for ask in (rc.ContactSolution.area, rc.ContactSolution.peak_pressure):
+        coarse, fine = (ask(one) for one in found)
+        assert coarse.value == pytest.approx(fine.value, rel=1e-4)
+        assert abs(coarse.value - fine.value) < 2.0 * math.hypot(coarse.uncertainty, fine.uncertainty)
+
+
+@pytest.mark.parametrize(
     ("shape", "count", "distance", "turn", "curvature"), [((55, 55), 3, 4.03, 0.3, 1.5), ((41, 67), 2, 3.8, 1.0, 1.0)]
 )
 def test_balls_half_of_a_wrapped_domain_apart_are_within_two(shape, count, distance, turn, curvature):
