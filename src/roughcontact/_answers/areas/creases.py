@@ -50,8 +50,8 @@ def _find_crease_std(solution: ContactSolution) -> float:
     i, j = split(chosen, shape[1])
     axes = zip((i, j), shape, solution.boundary.free_axes, strict=True)
     # At a free border the differences are those of the cells inside.
-    inside = (np.clip(k, _REACH, n - 1 - _REACH) if free and n > 2 * _REACH else k for k, n, free in axes)
-    near = Neighbourhood.of(*inside, shape, solution.boundary, _REACH)
+    row, column = (np.clip(k, _REACH, n - 1 - _REACH) if free and n > 2 * _REACH else k for k, n, free in axes)
+    near = Neighbourhood.of(row, column, shape, solution.boundary, _REACH)
     touching = Neighbourhood.of(i, j, shape, solution.boundary, _REACH)
     for step, cells in zip(((1, 0), (0, 1)), shape, strict=True):
         if cells > 2 * _REACH:

@@ -168,7 +168,8 @@ def _find_repeating_axes(solution: ContactSolution) -> Boundary:
     """
     ends = []
     for axis, free in enumerate(solution.boundary.free_axes):
-        gap, contact = (np.moveaxis(field, axis, 0) for field in (solution.initial_gap, solution.contact))
+        gap = np.moveaxis(solution.initial_gap, axis, 0)
+        contact = np.moveaxis(solution.contact, axis, 0)
         beside = contact[:_BORDER_CELLS].any() or contact[-_BORDER_CELLS:].any()
         ends.append(free or not (beside or _goes_on(gap)))
     return as_boundary(["free" if end else "periodic" for end in ends])
