@@ -119,3 +119,60 @@ def test_a_ball_that_yields_has_a_wider_uncertainty():
         solutions.append(rc.ContactProblem(body, grid=rc.Grid((48, 48), 4.8)).solve(force=force))
     elastic, plastic = (solution.response("approach").uncertainty for solution in solutions)
     assert plastic > 5.0 * elastic
+
+
+@pytest.mark.parametrize(("shape", "size"), [((61, 48), (61.0, 48.0)), ((41, 90), (123.0, 90.0))])
+@pytest.mark.parametrize("axis", [0, 1])
+def test_a_ball_in_a_wrapped_domain_is_that_of_a_free_one(shape, size, axis):
+    """Its heights do not repeat: a spline across the border swung far inside, and the area erred by .4 %."""
+    grid = rc.Grid(shape, size)
+    heights = -((grid.x + 0.15 * size[0]) ** 2 + 1.5 * (grid.y - 0.2 * size[1]) ** 2) / 2e3
+    found = []
+    for boundary in ("wrapped", "free"):
+        surface = rc.HeightMap(heights.T if axis else heights, size[::-1] if axis else size)
+        found.append(rc.ContactProblem(rc.Body(surface, rc.Elastic(1.0, 0.0)), boundary=boundary).solve(force=0.1))
+    wrapped, free = found
+    assert wrapped.area().value == pytest.approx(free.area().value, rel=1e-8)
+    assert wrapped.peak_pressure().value == pytest.approx(free.peak_pressure().value, rel=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("shape", "size", "boundary"),
+    [((40, 33), (40.0, 33.0), "periodic"), ((29, 45), (87.0, 45.0), ("periodic", "free"))],
+)
+@pytest.mark.parametrize("axis", [0, 1])
+def test_a_ball_that_does_not_repeat_in_a_periodic_domain_is_that_of_finer_cells(shape, size, boundary, axis):
+    """A spline across the border swung far inside: 13 standard deviations of the area, 15 of the maximum pressure."""
+    kinds = boundary[::-1] if axis and isinstance(boundary, tuple) else boundary
+    found = []
+    for fold in (1, 4):
+        grid = rc.Grid((fold * shape[0], fold * shape[1]), size)
+        heights = -((grid.x + 0.15 * size[0]) ** 2 + 1.5 * (grid.y - 0.2 * size[1]) ** 2) / 2e3
+        surface = rc.HeightMap(heights.T if axis else heights, size[::-1] if axis else size)
+        found.append(rc.ContactProblem(rc.Body(surface, rc.Elastic(1.0, 0.0)), boundary=kinds).solve(force=0.02))
+    for ask in (rc.ContactSolution.area, rc.ContactSolution.peak_pressure):
+        coarse, fine = (ask(one) for one in found)
+        assert coarse.value == pytest.approx(fine.value, rel=1e-4)
+        assert abs(coarse.value - fine.value) < 2.0 * math.hypot(coarse.uncertainty, fine.uncertainty)
+
+
+@pytest.mark.parametrize(
+    ("shape", "count", "distance", "turn", "curvature"), [((55, 55), 3, 4.03, 0.3, 1.5), ((41, 67), 2, 3.8, 1.0, 1.0)]
+)
+def test_balls_half_of_a_wrapped_domain_apart_are_within_two(shape, count, distance, turn, curvature):
+    """The slope by each load jumps half of the domain away: areas and maxima were off by 3 to 6 standard deviations."""
+    radius = 0.5 * distance / math.sin(math.pi / count)
+    side = 2.0 * radius + 4.0
+    angles = turn + 2.0 * math.pi * np.arange(count) / count
+    found = []
+    for fold in (1, 3):
+        grid = rc.Grid((fold * shape[0], fold * shape[1]), side)
+        x, y = (place - center for place, center in ((grid.x, 0.1), (grid.y, -0.2)))
+        balls = [-((x - radius * math.cos(a)) ** 2 + curvature * (y - radius * math.sin(a)) ** 2) / 2.0 for a in angles]
+        surface = rc.HeightMap(np.max(balls, axis=0), grid.size)
+        problem = rc.ContactProblem(rc.Body(surface, rc.Elastic(1.0, 0.0)), boundary="wrapped")
+        found.append(problem.solve(force=count * (1.0 if count == 2 else 0.9)))
+    for ask in (rc.ContactSolution.area, rc.ContactSolution.peak_pressure):
+        coarse, fine = (ask(one) for one in found)
+        assert abs(coarse.value - fine.value) < 2.0 * math.hypot(coarse.uncertainty, fine.uncertainty)
+        assert coarse.uncertainty < 0.01 * coarse.value

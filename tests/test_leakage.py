@@ -362,6 +362,49 @@ def test_flow_and_mean_gap_with_lost_points_are_within_two(how, shape, size, bou
             assert found.uncertainty < 0.1 * found.value
 
 
+def make_ridges(grid):
+    """Return heights of grooves between ridges, whose tops lie anywhere between the cells, and waves along them."""
+    x, y = ((np.arange(n) + 0.5) / n for n in grid.shape)
+    grooves = 0.08 * grid.size[0] * ((5.0 * x + 0.13) % 1.0 - 0.5) ** 2
+    return grooves[:, np.newaxis] + 1e-3 * grid.size[0] * np.cos(2.0 * np.pi * y)
+
+
+def make_mesas(grid):
+    """Return heights of plateaus with upright sides, of which those between the cells lie anywhere."""
+    x, y = ((np.arange(n) + 0.5) / n for n in grid.shape)
+    inside = (np.abs((2.0 * x + 0.31) % 1.0 - 0.5) < 0.3)[:, np.newaxis] & (np.abs((3.0 * y + 0.17) % 1.0 - 0.5) < 0.3)
+    return np.where(inside, 6e-7, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("make_heights", "shape", "size", "boundary", "pressure"),
+    [
+        (make_ridges, (64, 36), (64e-6, 48e-6), "periodic", 1e8),
+        (make_ridges, (72, 20), (96e-6, 27e-6), "free", 2e7),
+        (make_ridges, (45, 40), (135e-6, 40e-6), ("periodic", "free"), 2e7),
+        (make_mesas, (48, 50), (48e-6, 48e-6), "periodic", 1.5e9),
+        (make_mesas, (34, 70), (60e-6, 60e-6), "periodic", 2.2e9),
+    ],
+)
+@pytest.mark.parametrize("turned", [False, True])
+def test_flow_and_mean_gap_between_creases_and_sharp_edges_are_within_two(
+    make_heights, shape, size, boundary, pressure, turned
+):
+    """The cells miss the tops of ridges and the places of upright sides: 2 to 30 standard deviations."""
+    found = []
+    for fold in (1, 3):
+        heights = make_heights(rc.Grid((fold * shape[0], fold * shape[1]), size))
+        sides = size[::-1] if turned else size
+        kinds = boundary[::-1] if turned and isinstance(boundary, tuple) else boundary
+        surface = rc.HeightMap(heights.T if turned else heights, sides, periodic=boundary == "periodic")
+        solution = rc.ContactProblem(rc.Body(surface, rc.Elastic(1e11, 0.3)), boundary=kinds).solve(pressure=pressure)
+        flows = [solution.leakage(axis=axis, **WATER) for axis in (0, 1)]
+        found.append((solution.response("mean-gap"), *flows))
+    for coarse, fine in zip(*found, strict=True):
+        assert abs(coarse.value - fine.value) <= 2.0 * coarse.uncertainty or (coarse.value == 0.0 and coarse.warnings)
+        assert abs(coarse.value - fine.value) <= 0.1 * fine.value or coarse.warnings
+
+
 def test_iteration_finds_the_flow_of_elimination():
     pytest.importorskip("pyamg")
     solution = solved(cells=128, x=0.15)

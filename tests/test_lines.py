@@ -515,3 +515,23 @@ def test_the_maximum_pressure_of_a_line_is_as_uncertain_as_its_edges_and_its_res
         errors.append(abs(found.value - true) / found.uncertainty)
         assert found.uncertainty < 1e-3 * true
     assert max(errors) < 2.0
+
+
+@pytest.mark.parametrize("boundary", [FREE_PERIODIC, PERIODIC_FREE])
+@pytest.mark.parametrize("mirrored", [False, True])
+@pytest.mark.parametrize("name", ["one end", "tilted", "wave", "straight"])
+def test_a_roller_with_one_end_is_called_one_of_a_row(boundary, mirrored, name):
+    """It touches one side of the border, which was silent."""
+    along = (np.arange(97) + 0.5) / 97
+    fall = {
+        "one end": 0.3e-6 * np.log(1.0 / (1.0 - 0.97 * np.clip(along / 0.6 - 2.0 / 3.0, 0.0, 1.0) ** 2)),
+        "tilted": 1e-6 * along,
+        "wave": 0.5e-6 * np.cos(2.0 * np.pi * along + 1.0),
+        "straight": 0.0 * along,
+    }[name]
+    x = (np.arange(45) + 0.5) / 45 * 400e-6 - 200e-6
+    heights = -((x[:, np.newaxis]) ** 2) / 20e-3 - (fall[::-1] if mirrored else fall)
+    heights = heights if boundary == FREE_PERIODIC else heights.T
+    body = rc.Body(rc.HeightMap(heights, size=exchange((400e-6, 3e-3), boundary)), STEEL)
+    solution = rc.ContactProblem(body, boundary=boundary).solve(force=60.0)
+    assert any("one of a row" in text for text in solution.warnings) == (name in ("one end", "tilted"))

@@ -251,3 +251,18 @@ def test_the_mean_gap_below_a_margin_without_points_is_not_that_of_a_plane(shape
     assert found.value == pytest.approx(exact, rel=0.1)
     assert abs(found.value - exact) < 2.0 * found.uncertainty
     assert found.warnings
+
+
+@pytest.mark.parametrize(("place", "boundary"), [(1.2, "free"), (1.45, "free"), (1.2, ("free", "periodic"))])
+@pytest.mark.parametrize("turned", [False, True])
+def test_the_mean_gap_over_a_summit_beside_a_free_border_is_uncertain(place, boundary, turned):
+    """Its curvature was taken from cells further inside, where it has the other sign: an uncertainty of zero."""
+    found = []
+    for fold in (1, 4):
+        x, y = ((np.arange(n * fold) + 0.5) / fold for n in (26, 21))
+        heights = np.exp(-((x[::-1, np.newaxis] - place) ** 2 + (y - 10.3) ** 2) / 5.0)
+        surface = rc.HeightMap(heights.T if turned else heights, (63.0, 26.0) if turned else (26.0, 63.0))
+        kinds = boundary[::-1] if turned and isinstance(boundary, tuple) else boundary
+        problem = rc.ContactProblem(rc.Body(surface, rc.Elastic(1.0, 0.0)), boundary=kinds)
+        found.append(problem.solve(pressure=2e-4).response("mean-gap"))
+    assert abs(found[0].value - found[1].value) < 2.0 * found[0].uncertainty < 0.3 * found[1].value

@@ -11,6 +11,7 @@ from roughcontact._answers.areas import quantity_calibration as calibration
 from roughcontact._answers.areas.cells import find_cut_cells, find_straight_rows
 from roughcontact._answers.areas.curvature import (
     average_curvature,
+    bend_at_border,
     curvature_resolution,
     find_filled,
     is_linear,
@@ -237,6 +238,8 @@ class Bend:
         Standard deviation of the curvature of each over its mean, shape (count,).
     mean
         Half the second differences under the contact along x and y together, weighted by the pressure, m.
+    highest
+        The same, or that of the cells beside free borders alone where it is larger, m.
     width
         Fourth root of the cells of a patch, weighted by the load.
     saturated, filled
@@ -252,6 +255,7 @@ class Bend:
     load: Array
     spread: Array
     mean: float
+    highest: float
     width: float
     saturated: float
     filled: float
@@ -277,10 +281,13 @@ def _measure_bend(solution: ContactSolution) -> Bend:
     pressure = solution.pressure.ravel()[touching] / np.sum(solution.pressure)
     resolution = curvature_resolution(solution)
     width = float(np.sum(load * np.sqrt(np.sqrt(patches.cells))))
+    mean = float(np.sum(load * np.maximum(bends, 0.0)))
+    at_border = float(np.sum(pressure * np.maximum(bend_at_border(solution, touching), 0.0)))
     return Bend(
         load=load,
         spread=spread,
-        mean=float(np.sum(load * np.maximum(bends, 0.0))),
+        mean=mean,
+        highest=max(mean, at_border),
         width=width,
         saturated=float(np.sum(pressure, where=solution.saturated.ravel()[touching])),
         filled=float(np.sum(pressure, where=find_filled(solution, touching))),
@@ -319,7 +326,7 @@ def find_shift(solution: ContactSolution) -> tuple[float, float]:
     open_part = 1.0 if solution.boundary.has_free_axis else 1.0 - float(np.mean(solution.contact))
     fading = min(1.0, calibration.FADING_FACTOR * open_part)
     std = max(fading, calibration.MIN_FADING) * math.hypot(*unsure)
-    return fading * shift * bend.mean, std * bend.mean
+    return fading * shift * bend.mean, std * bend.highest
 
 
 def _find_aligned(solution: ContactSolution) -> float:

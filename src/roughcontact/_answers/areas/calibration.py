@@ -205,3 +205,6 @@ FAR_FIELD_ERROR = (0.7, 0.12)
 # Relative standard deviation of Hertz's area in a wrapped domain, over the excess of the contact's length over half the
 # side, relative to that half. Set on the same ellipses: 0.015 to 0.04.
 WRAPPED_ERROR = 0.05
+# Standard deviation of the curvature by a contact half of a wrapped domain away, over the jump of the slope divided by
+# the length of the contact, where the jump passes through its centre. Set on two to five balls.
+KINK_ERROR = 0.4

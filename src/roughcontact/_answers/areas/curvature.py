@@ -65,6 +65,21 @@ def average_curvature(solution: ContactSolution, chosen: IntArray) -> tuple[Arra
     return middle, np.hypot(0.5 * (mean[0] - mean[1]), mean[2]), spread, bend
 
 
+def bend_at_border(solution: ContactSolution, chosen: IntArray) -> Array:
+    """Return half the sum of the second differences along x and y of cells near a free border, m; zero elsewhere.
+
+    The stencil of `average_curvature` is moved inside there, where the curvature may be another one.
+    """
+    i, j = split(chosen, solution.grid.shape[1])
+    near = np.zeros(chosen.shape, dtype=bool)
+    for at, n, free in zip((i, j), solution.grid.shape, solution.boundary.free_axes, strict=True):
+        if free:
+            near |= (at < _DIFFERENCE_REACH) | (at >= n - _DIFFERENCE_REACH)
+    bends = np.zeros(chosen.shape)
+    bends[near] = 0.5 * sum(pairs[0] - 2.0 * here for here, pairs in _gather_lines(solution, chosen[near], 1, 2))
+    return bends
+
+
 def is_linear(solution: ContactSolution, chosen: IntArray) -> bool:
     """Return whether the heights at the chosen cells are linear between points further apart than the cells.
 

@@ -16,6 +16,7 @@ from roughcontact._answers.areas.cells import (
     find_spanning_patches,
     measure_sides,
 )
+from roughcontact._answers.areas.creases import find_lost_std
 from roughcontact._answers.areas.curvature import average_curvature, bend_kurtosis, curvature_resolution, lay_ratio
 from roughcontact._answers.areas.edges import CUT_OFF_CELLS, is_diagonal, trace_edges, warn_if_uncertain
 from roughcontact._answers.areas.hertz import hertz_areas
@@ -213,7 +214,8 @@ class SummitApproach(Quantity):
         warnings = area.warnings if solution.status.success else (str(solution.status),)
         cut, cut_std = find_cut_shift(solution)
         approach = solution.approach + rise + shift - cut
-        return warn_if_uncertain(approach, math.hypot(rise_std, hidden, shift_std, cut_std), "m", warnings)
+        std = math.hypot(rise_std, hidden, shift_std, cut_std, find_lost_std(solution))
+        return warn_if_uncertain(approach, std, "m", warnings)
 
 
 @responses.register("mean-gap")
@@ -238,7 +240,11 @@ class MeanGap(Quantity):
         part = (1.0 - area.fraction) ** calibration.CUT_GAP_EXPONENT
         value = float(np.mean(gap)) + beyond - shift * outside + cut * part
         uncertainty = math.hypot(
-            std * outside, filled.mean_std, cut_std * part, calibration.MEAN_CORRECTION_ERROR * beyond
+            std * outside,
+            filled.mean_std,
+            cut_std * part,
+            calibration.MEAN_CORRECTION_ERROR * beyond,
+            find_lost_std(solution),
         )
         if solution.contact.all():
             # The rest of the gap is the error of the solve.

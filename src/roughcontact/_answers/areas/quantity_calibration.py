@@ -90,6 +90,14 @@ OBLIQUE_GAP_STD = 0.02
 # differences under the contact, and the largest factor. Set on pillars, mesas, dimples, craters and rounded flats.
 MIN_CREASE_RATIO = 1.3
 MAX_CREASE_FACTOR = 3.0
+# Standard deviation of the approach over the mean height of creases above the cells, where the contact across them is
+# narrow, and the largest second difference beside a crease over the sum of the two at it, no unit. Set on turned and
+# shot-peened surfaces; smooth rough ones have no such creases.
+CREASE_STD = 0.8
+MAX_BEND_BESIDE = 0.2
+# Standard deviation of the approach over the sum of p^2 h^2 b / (E* F) over the sides of cells at sharp edges, h across
+# and b along them, no unit. Set on pillars and plateaus; an edge that is off by 0.22 h moves it by as much (exact).
+SHARP_EDGE_STD = 0.35
 # Rim ratios between which the rims of flats that were run in become sharp.
 RIM_RATIOS = (1.5, 2.5)
 # Excess of the mean gap over h^2 times the curvature at sharp rims, over the ratio and over the fourth root of the

@@ -9,7 +9,7 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array, Pair
-from roughcontact._parts.grid import Boundary
+from roughcontact._parts.grid import Boundary, as_boundary
 from roughcontact._solve.solution import ContactSolution
 
 # Degree of the spline: its second derivatives err by (q h)^4 / 720, 0.02 % at ten cells a wave.
@@ -38,6 +38,11 @@ _PIECE_FACTORS = np.concatenate((_SPLINE_PIECES, _PIECE_SLOPES, _PIECE_BENDS))
 # Cells by which values are continued beyond a free border: a mirrored spline bends at the border, and the bend has an
 # effect over as many cells.
 CONTINUED_CELLS = 8
+# Second differences across a border, over those inside, from which heights do not repeat there: one on waves that do,
+# and about the number of cells on a ball. Cells at a border that no contact touches then; lines that are compared.
+_MIN_BORDER_STEP = 4.0
+_BORDER_CELLS = 3
+_COMPARED_LINES = 256
 # Values of the B-spline at 0, 1 and 2 cells from its centre.
 _CENTRE_VALUES = (66.0 / 120.0, 26.0 / 120.0, 1.0 / 120.0)
 # Points at a time: their coefficients stay in a core's cache.
@@ -67,8 +72,8 @@ class Spline:
 
     @classmethod
     def through_gap(cls, solution: ContactSolution) -> Spline:
-        """Return the spline through the initial gap."""
-        return cls.through(solution.initial_gap, solution.grid.spacing, solution.boundary)
+        """Return the spline through the initial gap, which goes on across a border only where the gap does."""
+        return cls.through(solution.initial_gap, solution.grid.spacing, _find_repeating_axes(solution))
 
     @classmethod
     def through(cls, values: Array, spacing: Pair, boundary: Boundary) -> Spline:
@@ -154,6 +159,30 @@ def _solve_periodic(values: Array) -> Array:
     spectrum *= rows[:, np.newaxis]
     spectrum *= columns
     return np.asarray(fft.irfft2(spectrum, values.shape))
+
+
+def _find_repeating_axes(solution: ContactSolution) -> Boundary:
+    """Return the boundary that is free also where heights have a step or a kink at a border that no contact touches.
+
+    A spline across it would swing far into the domain.
+    """
+    ends = []
+    for axis, free in enumerate(solution.boundary.free_axes):
+        gap = np.moveaxis(solution.initial_gap, axis, 0)
+        contact = np.moveaxis(solution.contact, axis, 0)
+        beside = contact[:_BORDER_CELLS].any() or contact[-_BORDER_CELLS:].any()
+        ends.append(free or not (beside or _goes_on(gap)))
+    return as_boundary(["free" if end else "periodic" for end in ends])
+
+
+def _goes_on(values: Array) -> bool:
+    """Return whether values go on across the ends of the first axis as inside."""
+    if len(values) < 4 * _BORDER_CELLS:
+        return True
+    lines = values[:, :: max(1, values.shape[1] // _COMPARED_LINES)]
+    border = np.diff(np.concatenate((lines[-2:], lines[:2])), 2, axis=0)
+    inside = np.diff(lines, 2, axis=0)
+    return float(np.mean(border**2)) <= _MIN_BORDER_STEP**2 * float(np.mean(inside**2))
 
 
 def continue_beyond(values: Array) -> Array:

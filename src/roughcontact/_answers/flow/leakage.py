@@ -8,6 +8,7 @@ from functools import cached_property
 import attrs
 import numpy as np
 
+from roughcontact._answers.areas.creases import find_lost_std
 from roughcontact._answers.flow.network import (
     FlowNetwork,
     estimate_uncertainty,
@@ -29,9 +30,10 @@ _MAX_THROAT_CANDIDATES = 50
 _MIN_THROAT_CELLS = 3.0
 # Fraction of the pressure drop in a throat from which its resolution matters.
 _MIN_LOSS_FRACTION = 0.1
-# Relative uncertainty above which flows may err by more than 10 %: 92 % of the errors are below the uncertainty, and
-# none is above 9.8 % in 141 contacts without this warning (benchmarks/response_classes.py, three times its cases).
-_MAX_RELATIVE_STD = 0.1
+# Relative uncertainty above which flows may err by more than 10 %: none of 141 contacts without this warning errs by
+# more than 9.8 % (benchmarks/response_classes.py, three times its cases), and one of some 600 others, beside points
+# that were not measured.
+_MAX_RELATIVE_STD = 0.09
 # The same where most of it is that of the gap around sharp edges, whose errors have one sign, or of holes.
 # Set on pillars and mesas.
 _MAX_GAP_STD = 0.065
@@ -326,11 +328,7 @@ class GapFlow(Response[Leakage]):
         relative = estimate_uncertainty(
             network, faces, lost, open_cells, aspect=aspect, periodic=periodic, gap_error=gap_error
         )
-        # The flow grows with the cube of the gap, whose own error the cells of the flow do not show.
-        known = solution.response("mean-gap") if solution.tension is None else None
-        of_gap = 0.0
-        if known is not None and known.value > 0.0:
-            of_gap = _GAP_EXPONENT * known.uncertainty / known.value
+        of_gap = _find_gap_std(solution, network, lost)
         std_of_cells = gap_std.reshape(-1)[network.cells] / (network.film * network.widest)
         of_holes = _HOLE_WEIGHT * _GAP_EXPONENT * float(np.sum(lost * std_of_cells)) / flow
         relative = math.hypot(relative, of_gap, of_holes)
@@ -354,6 +352,22 @@ class GapFlow(Response[Leakage]):
             network=network,
             pressure=pressure,
         )
+
+
+def _find_gap_std(solution: ContactSolution, network: FlowNetwork, lost: Array) -> float:
+    """Return the relative standard deviation of the flow by that of the gap, which the cells of the flow do not show.
+
+    The flow grows with the cube of the gap. Creases and sharp edges shift it by the same everywhere, which is most in
+    the throats.
+    """
+    shift = find_lost_std(solution)
+    rises = (1.0 + shift / (network.film * network.widest)) ** _GAP_EXPONENT - 1.0
+    of_shift = float(np.sum(lost * rises)) / float(np.sum(lost))
+    known = solution.response("mean-gap") if solution.tension is None else None
+    if known is None or known.value <= 0.0:
+        return of_shift
+    rest = math.sqrt(max(known.uncertainty**2 - shift**2, 0.0))
+    return math.hypot(of_shift, _GAP_EXPONENT * rest / known.value)
 
 
 def flow_unit(viscosity: float, pressure_drop: float, gap: float) -> float:

@@ -43,6 +43,9 @@ _LIGHT_BORDER_PRESSURE = 0.25
 _MAX_RMS_SLOPE = 10.0
 # Parts of the length of a roller whose means are its profile.
 _CROWN_PARTS = 16
+# Step of the load from the last part to the first, over the mean load of a part, from which the ends are unlike; and
+# load below which an end is one.
+_MIN_LOAD_STEP = 0.5
 # Bend and departure of a mean profile over the range of the heights below which they are rounding.
 _EXACT_BEND = 1e-12
 # Largest ratio to the variation inside that is said.
@@ -91,9 +94,9 @@ PLAUSIBILITY_RULES = {
     "crown": Rule(
         5,
         5,
-        "bend of the mean profile across the periodic border over that inside, or its fall there over its scatter, "
-        "where the other axis is free and no contact reaches that border: 5.5 to 7 of a crowned roller, more of one "
-        "with ends, 3 of a wave; above 5 on 1 % of straight rough ones",
+        "bend of the mean profile across the periodic border over that inside, its fall there over its scatter, or its "
+        "step there over those inside, where the other axis is free and the load at that border is not the mean: 5.5 "
+        "to 7 of a crowned roller, more of one with ends, 3 of a wave; above 5 on 2 % of straight rough ones",
         "Beyond the border the domain repeats, so that the contact is one of a row, and its approach is counted from "
         "the side of the domain: for a single roller choose a free boundary, for a line without end a straight one.",
     ),
@@ -299,7 +302,8 @@ def _find_crown(solution: ContactSolution) -> Finding:
     """Return how much a roller ends at the periodic border, if contacts end before it.
 
     It is the change of the slope across the border over the median of those inside, so that neither a jump nor steep
-    ends count, or the fall of both ends below the median over the median departure from it, as of ends that are flat.
+    ends count, or the fall of the open ends below the median over the median departure from it, as of ends that are
+    flat. Where an end touches it is the step to the other one over the median of those inside, if their loads differ.
     """
     name = "crown"
     if not solution.boundary.mixed:
@@ -307,21 +311,34 @@ def _find_crown(solution: ContactSolution) -> Finding:
     axis = 1 - solution.boundary.free_axis
     if solution.non_measured is not None or solution.grid.shape[axis] < _MIN_CELLS:
         return Finding(name, math.nan, f"not judged with non-measured points, or on fewer than {_MIN_CELLS} cells")
-    if solution.contact.take([0, -1], axis).any():
-        return Finding(name, 0.0, "contacts reach the periodic border")
-    profile = solution.initial_gap.mean(axis=1 - axis)
-    # Means over parts of the length, so that roughness on it hardly counts.
-    ends = np.linspace(0.0, profile.size, _CROWN_PARTS + 1)
-    sums = np.interp(ends, np.arange(profile.size + 1), np.concatenate(([0.0], np.cumsum(profile))))
-    means = np.diff(sums) / np.diff(ends)
+    means, loads = (
+        _average_parts(field.mean(axis=1 - axis)) for field in (solution.initial_gap, solution.contact_pressure)
+    )
     slopes = np.diff(means)
     departures = means - np.median(means)
     rounding = _EXACT_BEND * float(np.ptp(solution.initial_gap))
-    bend = float(slopes[-1] - slopes[0]) / max(float(np.median(np.abs(slopes[2:] - slopes[:-2]))), rounding)
-    fall = min(departures[0], departures[-1]) / max(float(np.median(np.abs(departures))), rounding)
+    touching = np.moveaxis(solution.contact, axis, 0)[[0, -1]].any(axis=1)
+    ends = [0.0]
+    unlike = _MIN_LOAD_STEP * float(loads.mean())
+    if not touching.all() or float(np.min(loads[[0, -1]])) < unlike:
+        bend = float(slopes[-1] - slopes[0])
+        ends.append(bend / max(float(np.median(np.abs(slopes[2:] - slopes[:-2]))), rounding))
+    if not touching.all():
+        fall = float(np.min(departures[[0, -1]][~touching]))
+        ends.append(fall / max(float(np.median(np.abs(departures))), rounding))
+    if touching.any() and abs(loads[0] - loads[-1]) > unlike:
+        step = abs(float(means[0] - means[-1]))
+        ends.append(step / max(float(np.median(np.abs(slopes))), rounding))
     # Straight profiles do not vary inside.
-    end = min(max(bend, float(fall), 0.0), _LARGEST_CROWN)
+    end = min(max(ends), _LARGEST_CROWN)
     return Finding(name, end, f"the roller ends at the periodic border, by {end:.3g} times what it varies inside")
+
+
+def _average_parts(profile: Array) -> Array:
+    """Return the means over parts of the length, so that roughness on it hardly counts."""
+    ends = np.linspace(0.0, profile.size, _CROWN_PARTS + 1)
+    sums = np.interp(ends, np.arange(profile.size + 1), np.concatenate(([0.0], np.cumsum(profile))))
+    return np.asarray(np.diff(sums) / np.diff(ends))
 
 
 def _find_edge_contact(solution: ContactSolution) -> Finding:
