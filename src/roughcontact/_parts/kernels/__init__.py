@@ -13,12 +13,16 @@ from roughcontact._parts.kernels.base import (
     require_form,
 )
 from roughcontact._parts.kernels.half_space import FourierHalfSpace, Love
-from roughcontact._parts.kernels.layers import SupportsConduction, SupportsStress, SupportsTangential, has_layers
-from roughcontact._parts.kernels.mixed import list_octaves, sum_along_x
+from roughcontact._parts.kernels.layers import SupportsConduction, SupportsTangential, has_layers
+from roughcontact._parts.kernels.stress import BoundStress, HalfSpaceStress, SupportsStress
+from roughcontact._parts.kernels.stress_cells import STRESS_COMPONENTS
 
 __all__ = [
+    "STRESS_COMPONENTS",
     "BoundKernel",
+    "BoundStress",
     "FourierHalfSpace",
+    "HalfSpaceStress",
     "InfluenceKernel",
     "Love",
     "SupportsCoefficients",
@@ -31,8 +35,6 @@ __all__ = [
     "has_layers",
     "kernels",
     "knows_own_rows",
-    "list_octaves",
     "odd_axes",
     "require_form",
-    "sum_along_x",
 ]

@@ -12,8 +12,10 @@ from roughcontact._solve.convolvers.base import (
 )
 from roughcontact._solve.convolvers.direct import Direct
 from roughcontact._solve.convolvers.fft import DCFFT, CircularFFT
-from roughcontact._solve.convolvers.shear import ShearConvolution, WaveMatrix
-from roughcontact._solve.convolvers.transforms import list_all_waves, padded_shape, transform_extended
+from roughcontact._solve.convolvers.matrix import WaveMatrix
+from roughcontact._solve.convolvers.shear import ShearConvolution
+from roughcontact._solve.convolvers.stress import StressConvolution
+from roughcontact._solve.convolvers.transforms import list_all_waves, padded_shape
 
 __all__ = [
     "DCFFT",
@@ -24,12 +26,12 @@ __all__ = [
     "InverseConvolution",
     "PreparedConvolution",
     "ShearConvolution",
+    "StressConvolution",
     "WaveMatrix",
     "convolvers",
     "list_all_waves",
     "mixed_spectrum",
     "padded_shape",
     "periodic_spectrum",
-    "transform_extended",
     "wrapped_spectrum",
 ]
