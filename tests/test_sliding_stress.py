@@ -14,11 +14,10 @@ from scipy import optimize
 import roughcontact as rc
 from roughcontact._answers.subsurface.fatigue import find_crossland, find_dang_van, find_spheres, list_paths
 from roughcontact._answers.subsurface.field import von_mises
-from roughcontact._answers.subsurface.free import FreePlanes, cell_stress
-from roughcontact._answers.subsurface.periodic import PeriodicPlanes
+from roughcontact._parts.kernels.stress_cells import cell_stress
 from roughcontact.reference import SlidingCylinder, SlidingSphere
 from test_sliding_reference import tangential_point_force
-from test_stress import NU, RADIUS, STEEL, XX, XY, XZ, YY, YZ, ZZ, press_ball, rough, superpose
+from test_stress import NU, RADIUS, STEEL, XX, XY, XZ, YY, YZ, ZZ, convolve, press_ball, rough, superpose
 
 EXCHANGED = [YY, XX, ZZ, XZ, YZ, XY]
 
@@ -80,16 +79,15 @@ def test_a_cell_is_the_integral_of_tangential_point_forces(nu, z, sides):
 @pytest.mark.parametrize("z", [0.0, 0.3, 2.5, 11.0])
 def test_transforms_are_the_sums_over_cells(sides, z):
     traction = np.random.default_rng(5).standard_normal((2, 24, 15)).astype(np.float32)
-    none = np.zeros((24, 15), np.float32)
 
     def add(loads, images):
         return sum(superpose(load, z, NU, sides, images, letter) for load, letter in zip(loads, "xy", strict=True))
 
-    free = FreePlanes(none, sides, traction, (4, 1)).at(z, NU, (1, 1))
+    free = convolve(traction, z, "free", sides, "xy", common=(4, 1))
     np.testing.assert_allclose(free, add(traction, 0), atol=1e-5)
     # Without a mean the error of the sum over images falls with their number.
     traction -= traction.mean(axis=(1, 2), keepdims=True, dtype=np.float64).astype(np.float32)
-    periodic = PeriodicPlanes(none, sides, traction).at(z, NU, (1, 1))
+    periodic = convolve(traction, z, "periodic", sides, "xy")
     np.testing.assert_allclose(periodic, 2.0 * add(traction, 24) - add(traction, 12), atol=4e-5)
 
 
@@ -303,9 +301,9 @@ def test_long_cells_are_a_cylinder():
     edges = np.clip(np.array([x - 0.5, x + 0.5]) / a, -1.0, 1.0)
     area = 0.5 * (edges * np.sqrt(1.0 - edges**2) + np.arcsin(edges))
     pressure = (a * (area[1] - area[0])).astype(np.float32)[:, np.newaxis]
-    traction = np.array([0.4 * pressure, 0.0 * pressure])
+    loads = np.array([pressure, 0.4 * pressure])
     for z in (4.0, 15.0):
-        found = FreePlanes(pressure, (1.0, 1e5), traction).at(z, NU, (1, 1))[:, :, 0]
+        found = convolve(loads, z, "free", (1.0, 1e5), "zx")[:, :, 0]
         np.testing.assert_allclose(found, SlidingCylinder(a, 1.0, 0.4, NU).stress(x, z), atol=2e-3)
 
 

@@ -14,11 +14,11 @@ from hypothesis.extra import numpy as hnp
 from scipy import optimize
 
 import roughcontact as rc
-from roughcontact._answers.subsurface.field import COMPONENTS, StressField, find_steps, is_odd, maximum_shear
-from roughcontact._answers.subsurface.free import FreePlanes, cell_stress
-from roughcontact._answers.subsurface.periodic import PeriodicPlanes
+from roughcontact._answers.subsurface.field import StressField, find_steps, maximum_shear
 from roughcontact._base import machine
+from roughcontact._parts.kernels.stress_cells import STRESS_COMPONENTS, cell_stress
 from roughcontact.reference import hertz_sphere
+from roughcontact.typing import HalfSpaceStress, StressConvolution
 
 NU = 0.3
 STEEL = rc.Elastic(200e9, NU)
@@ -108,6 +108,19 @@ def rough(cells, seed, boundary="periodic", load=2e-3, length=1e-3, young=200e9,
     return problem.solve(pressure=load * young), problem
 
 
+def is_odd(axis, component, load):
+    return (component + load).count(axis) % 2 == 1
+
+
+def convolve(loads, z, boundary="free", sides=(1.0, 1.0), of="z", steps=(1, 1), common=None):
+    """Return the stress at a depth by loads, shape (nx, ny) or (k, nx, ny), on cells with sides."""
+    loads = loads.reshape(-1, *loads.shape[-2:])
+    shape = loads.shape[1:]
+    grid = rc.Grid(shape, (shape[0] * sides[0], shape[1] * sides[1]))
+    convolution = StressConvolution(HalfSpaceStress(NU), grid, rc.Boundary(boundary), common or steps)
+    return convolution.apply(convolution.transform(loads, of), z, of, steps)
+
+
 def superpose(load, z, nu, sides, images, letter="z"):
     """Return the stress by all cells and so many rings of images of the domain, summed one by one, float64."""
     nx, ny = load.shape
@@ -117,7 +130,7 @@ def superpose(load, z, nu, sides, images, letter="z"):
     # The outermost image lies half on each side.
     ends = [np.where(images * (np.abs(o) == n * images), 0.5, 1.0) for o, n in ((x, nx), (y, ny))]
     stress = np.empty((6, nx, ny))
-    for place, component in enumerate(COMPONENTS):
+    for place, component in enumerate(STRESS_COMPONENTS):
         kernel = table[place][np.abs(x)][:, np.abs(y)] * ends[0][:, np.newaxis] * ends[1]
         kernel *= np.sign(x)[:, np.newaxis] if is_odd("x", component, letter) else 1.0
         kernel *= np.sign(y) if is_odd("y", component, letter) else 1.0
@@ -145,23 +158,23 @@ def test_a_cell_is_the_integral_of_point_forces(nu, z, sides):
 @pytest.mark.parametrize("z", [0.0, 0.3, 2.5, 11.0])
 def test_transforms_are_the_sums_over_cells(sides, z):
     pressure = np.random.default_rng(5).random((24, 15)).astype(np.float32)
-    free = FreePlanes(pressure, sides, common=(4, 1)).at(z, NU, (1, 1))
+    free = convolve(pressure, z, "free", sides, common=(4, 1))
     np.testing.assert_allclose(free, superpose(pressure, z, NU, sides, 0), atol=2e-6)
     # Only without a mean does the sum over images converge.
     even = pressure - np.float32(pressure.mean(dtype=np.float64))
-    periodic = PeriodicPlanes(even, sides).at(z, NU, (1, 1))
+    periodic = convolve(even, z, "periodic", sides)
     np.testing.assert_allclose(periodic, superpose(even, z, NU, sides, 16), atol=3e-6)
 
 
 def test_the_mean_pressure_of_a_periodic_body_is_confined():
     for z in (0.0, 0.5, 30.0):
-        stress = PeriodicPlanes(np.full((12, 8), 1.0, np.float32), (1.0, 1.0)).at(z, NU, (1, 1))
+        stress = convolve(np.full((12, 8), 1.0, np.float32), z, "periodic")
         lateral = -NU / (1.0 - NU)
         expected = np.array([lateral, lateral, -1.0, 0.0, 0.0, 0.0])[:, np.newaxis, np.newaxis]
         np.testing.assert_allclose(stress, np.broadcast_to(expected, stress.shape), atol=1e-6)
 
 
-@pytest.mark.parametrize("planes", [FreePlanes, PeriodicPlanes])
+@pytest.mark.parametrize("boundary", ["free", "periodic", "free-periodic", "periodic-free"])
 @pytest.mark.parametrize("slides", [False, True])
 @pytest.mark.parametrize(
     ("shape", "z", "sides"),
@@ -176,20 +189,18 @@ def test_the_mean_pressure_of_a_periodic_body_is_confined():
         ((128, 64), 17.0, (1.0, 0.4)),
     ],
 )
-def test_fewer_points_at_depth_lose_nothing(planes, slides, shape, z, sides):
+def test_fewer_points_at_depth_lose_nothing(boundary, slides, shape, z, sides):
     rng = np.random.default_rng(int(z))
     steps = find_steps(shape, sides, z)
     assert max(steps) > 1
 
-    def make(fields, steps):
-        pressure, traction = fields[0], fields[1:] if slides else None
-        return planes(pressure, sides, traction, steps) if planes is FreePlanes else planes(pressure, sides, traction)
-
+    of = "zxy" if slides else "z"
     fields = (rng.random((3, *shape)) * (rng.random((3, *shape)) < 0.2)).astype(np.float32)
-    few = make(fields, steps).at(z, NU, steps)
+    fields = fields[: len(of)]
+    few = convolve(fields, z, boundary, sides, of, steps)
     # A finer grid has points there: each cell is cut into 2 x 2, and the middle of the block is a corner of the cells.
     fine = np.kron(fields, np.ones((1, 2, 2), np.float32))
-    many = make(fine, (1, 1)).at(2.0 * z, NU, (1, 1))
+    many = convolve(fine, 2.0 * z, boundary, sides, of)
     for axis, step in ((1, steps[0]), (2, steps[1])):
         # Cubic interpolation halfway between four points.
         first = np.arange(few.shape[axis]) * 2 * step + step - 1
@@ -289,15 +300,15 @@ def test_a_periodic_contact_far_from_its_images_is_a_free_one():
     assert periodic.stress().maximum.value == pytest.approx(free.stress().maximum.value, rel=mean)
 
 
-@pytest.mark.parametrize("planes", [lambda p: FreePlanes(p, (1.0, 1.0)), lambda p: PeriodicPlanes(p, (1.0, 1.0))])
-def test_stresses_add_and_follow_the_symmetry(planes):
+@pytest.mark.parametrize("boundary", ["free", "periodic"])
+def test_stresses_add_and_follow_the_symmetry(boundary):
     one, other = np.random.default_rng(2).random((2, 20, 14)).astype(np.float32)
-    first, second = planes(one).at(1.5, NU, (1, 1)), planes(other).at(1.5, NU, (1, 1))
-    np.testing.assert_allclose(planes(one + other).at(1.5, NU, (1, 1)), first + second, atol=3e-6)
-    turned = planes(np.ascontiguousarray(one.T)).at(1.5, NU, (1, 1)).transpose(0, 2, 1)
+    first, second = convolve(one, 1.5, boundary), convolve(other, 1.5, boundary)
+    np.testing.assert_allclose(convolve(one + other, 1.5, boundary), first + second, atol=3e-6)
+    turned = convolve(one.T, 1.5, boundary).transpose(0, 2, 1)
     np.testing.assert_allclose(turned, first[[YY, XX, ZZ, XZ, YZ, XY]], atol=2e-6)
-    mirrored = planes(np.ascontiguousarray(one[::-1])).at(1.5, NU, (1, 1))[:, ::-1]
-    signs = np.array([-1.0 if is_odd("x", component, "z") else 1.0 for component in COMPONENTS])
+    mirrored = convolve(one[::-1], 1.5, boundary)[:, ::-1]
+    signs = np.array([-1.0 if is_odd("x", component, "z") else 1.0 for component in STRESS_COMPONENTS])
     signs = signs[:, np.newaxis, np.newaxis]
     np.testing.assert_allclose(mirrored, signs * first, atol=2e-6)
 
@@ -354,7 +365,7 @@ def test_the_array_and_the_fields_are_the_same():
     h = solution.grid.spacing[0]
     stress = solution.stress([2.0 * h, 0.5 * h, 9.0 * h])
     assert len(stress) == 3
-    assert stress.components.shape == (3, len(COMPONENTS), 32, 32)
+    assert stress.components.shape == (3, len(STRESS_COMPONENTS), 32, 32)
     assert stress.von_mises.shape == (3, 32, 32)
     fields = list(stress)
     assert [field.depth for field in fields] == [*stress.depths]

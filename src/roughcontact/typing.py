@@ -4,9 +4,9 @@
 for          types
 ===========  ==========================================================================================================
 kernels      `SupportsCoefficients`, `SupportsRows`, `SupportsSpectrum`, `SupportsShear`, `SupportsStress`,
-             `SupportsConduction`, `SupportsTangential`
+             `SupportsConduction`, `SupportsTangential`; `HalfSpaceStress`
 convolvers   `BoundKernel`, `ConvolutionSetup`, `PreparedConvolution`, `InverseConvolution`, `ShearConvolution`,
-             `WaveMatrix`; the function `padded_shape`
+             `StressConvolution`, `WaveMatrix`; the function `padded_shape`
 solvers      `Task`, `Outcome`, `Step`, `GridLevel`, `Monitor`, `ContactConditions`, `Violation`; the functions
              `starting_pressure`, `nearest_pressure`, `project_to_load`, `rescale_to_load`,
              `halve_shape`, `count_blocks`, `solve_in_window`, `estimate_approach`, `GridSolution`, the numbers
@@ -61,6 +61,7 @@ from roughcontact._parts.grid import Load
 from roughcontact._parts.interactions import BoundInteraction
 from roughcontact._parts.kernels import (
     BoundKernel,
+    HalfSpaceStress,
     SupportsCoefficients,
     SupportsConduction,
     SupportsRows,
@@ -76,6 +77,7 @@ from roughcontact._solve.convolvers import (
     InverseConvolution,
     PreparedConvolution,
     ShearConvolution,
+    StressConvolution,
     WaveMatrix,
     padded_shape,
 )
@@ -204,6 +206,7 @@ __all__ = [
     "FrictionalState",
     "GridLevel",
     "GridSolution",
+    "HalfSpaceStress",
     "Increment",
     "IntArray",
     "InterfaceLaw",
@@ -252,6 +255,7 @@ __all__ = [
     "StepNumbers",
     "Stickiness",
     "Stress",
+    "StressConvolution",
     "StressField",
     "StressMaximum",
     "StudyResult",

@@ -7,7 +7,7 @@ import math
 import attrs
 import numpy as np
 import roughcontact as rc
-from roughcontact.typing import PairConstants
+from roughcontact.typing import HalfSpaceStress, PairConstants
 
 from roughcontact_layered.below import find_excess
 from roughcontact_layered.bodies import compliance_of_other, is_made_of
@@ -239,7 +239,7 @@ class LayeredKernel(StackedKernel):
     def stress_coefficients(
         self, load: str, shape: tuple[int, int], spacing: tuple[float, float], depth: float
     ) -> Array:
-        """Return the stress at offsets from a cell with unit load, less that of a half-space.
+        """Return the stress at offsets from a cell with unit load: Love's or Cerruti's, and what layers add.
 
         Parameters
         ----------
@@ -257,10 +257,11 @@ class LayeredKernel(StackedKernel):
         """
         if load == "y":
             return _exchange_axes(self.stress_coefficients("x", shape[::-1], spacing[::-1], depth))
-        return integrate_stress(self._find_waves(depth), load, shape, spacing, self._reach(depth))
+        half_space = HalfSpaceStress(self.poisson_at(depth)).stress_coefficients(load, shape, spacing, depth)
+        return half_space + integrate_stress(self._find_waves(depth), load, shape, spacing, self._reach(depth))
 
     def stress_spectrum(self, load: str, qx: Array, qy: Array, spacing: tuple[float, float], depth: float) -> Array:
-        """Return the stress at cell centres by waves of loads on cells, less that of a half-space, (6, m, n).
+        """Return the stress at cell centres by waves of loads on cells, shape (6, m, n).
 
         Raises
         ------
@@ -269,7 +270,8 @@ class LayeredKernel(StackedKernel):
         """
         if load == "y":
             return _exchange_axes(self.stress_spectrum("x", qy.T, qx.T, spacing[::-1], depth))
-        return sum_waves(self._find_waves(depth), load, qx, qy, spacing, self._reach(depth))
+        half_space = HalfSpaceStress(self.poisson_at(depth)).stress_spectrum(load, qx, qy, spacing, depth)
+        return half_space + sum_waves(self._find_waves(depth), load, qx, qy, spacing, self._reach(depth))
 
     def _find_waves(self, depth: float) -> FindWaves:
         number = self._number_at(depth)

@@ -8,10 +8,11 @@ from collections.abc import Callable
 import attrs
 import numpy as np
 
-from roughcontact._answers.subsurface.field import COMPONENTS, StressField, maximum_principal
-from roughcontact._answers.subsurface.free import FreePlanes
+from roughcontact._answers.subsurface.field import StressField, maximum_principal
 from roughcontact._base.arrays import Pair, RealArray
 from roughcontact._parts.grid import Boundary, Grid
+from roughcontact._parts.kernels import STRESS_COMPONENTS, HalfSpaceStress
+from roughcontact._solve.convolvers import StressConvolution
 
 # Error of the stress at the peak behind a sliding contact over the difference that an average over 2 x 2 points makes:
 # 1/(sqrt(2) - 1) where it falls with the root of the cell's side, less on balls.
@@ -76,7 +77,7 @@ class EdgeStress:
         i, j = point
         around = values.take(range(i - 1, i + 2), axis=1, mode="wrap").take(range(j - 1, j + 2), axis=2, mode="wrap")
         averages = 0.25 * (around[:, 1:, 1:] + around[:, 1:, :-1] + around[:, :-1, 1:] + around[:, :-1, :-1])
-        averages = averages.reshape(len(COMPONENTS), -1)
+        averages = averages.reshape(len(STRESS_COMPONENTS), -1)
         largest = averages[:, int(np.argmax(maximum_principal(averages)))]
         return cls(*place, values[:, i, j], largest)
 
@@ -246,9 +247,11 @@ def _interpolate(values: RealArray) -> RealArray:
 
 def _at_surface(load: RealArray, sides: Pair, poisson: float) -> RealArray:
     """Return the stress at the surface by loads alone, shape (6, n, n)."""
-    load = load.astype(np.float32)
-    traction = load[1:] if load.shape[0] > 1 else None
-    return FreePlanes(load[0], sides, traction, (1, 1)).at(0.0, poisson, (1, 1))
+    rows, columns = load.shape[1:]
+    grid = Grid((rows, columns), (rows * sides[0], columns * sides[1]))
+    convolution = StressConvolution(HalfSpaceStress(poisson), grid, Boundary.FREE)
+    of = "zxy"[: load.shape[0]]
+    return convolution.apply(convolution.transform(load, of), 0.0, of)
 
 
 def _find_largest(values: RealArray) -> tuple[int, int]:

@@ -160,7 +160,7 @@ class FirstYield(Response[YieldPoint]):
     def _measure(self, solution: ContactSolution) -> _Trial:
         below = StressBelow(None, self.body, friction=self.friction, direction=self.direction)
         stress = below.respond(solution)
-        stated: tuple[float | None, ...] = getattr(stress._layers, "yield_stresses", ())
+        stated: tuple[float | None, ...] = getattr(stress._kernel, "yield_stresses", ())
         if not stated:
             return self._try(solution, stress.maximum, self.yield_stress)
         trials = []

@@ -13,17 +13,13 @@ import numpy as np
 from roughcontact._answers.subsurface.edge import EdgeStress, find_edge_stress
 from roughcontact._answers.subsurface.fatigue import find_crossland, find_dang_van, list_paths
 from roughcontact._answers.subsurface.field import (
-    COMPONENTS,
-    LayersBelow,
     StressField,
-    StressPlanes,
     common_step,
     find_steps,
     maximum_principal,
     maximum_shear,
     von_mises,
 )
-from roughcontact._answers.subsurface.free import FreePlanes
 from roughcontact._answers.subsurface.maximum import (
     MIN_DEPTH_CELLS,
     MIN_RELATIVE_ERROR,
@@ -36,15 +32,14 @@ from roughcontact._answers.subsurface.maximum import (
     judge_depth,
     with_interfaces,
 )
-from roughcontact._answers.subsurface.mixed import ExchangedPlanes, MixedPlanes
-from roughcontact._answers.subsurface.periodic import PeriodicPlanes
 from roughcontact._base import checks
-from roughcontact._base.arrays import Array, RealArray, frozen_array, read_only
+from roughcontact._base.arrays import Array, RealArray, Waves, frozen_array, read_only
 from roughcontact._base.checks import choice, number, numbers
 from roughcontact._base.machine import require_memory, use_threads
 from roughcontact._base.units import ShownAsPrinted, WarningText, outlined, si
 from roughcontact._parts.grid import Boundary, Grid, list_borders
-from roughcontact._parts.kernels import Love, SupportsStress
+from roughcontact._parts.kernels import STRESS_COMPONENTS, HalfSpaceStress, Love, SupportsStress
+from roughcontact._solve.convolvers import StressConvolution
 from roughcontact._solve.problem import ContactProblem, problem_of
 from roughcontact._solve.solution import ContactSolution, Response, responses
 from roughcontact.errors import InputError
@@ -86,8 +81,8 @@ class Stress(ShownAsPrinted, Answer):
     depths: Array = attrs.field(converter=frozen_array, repr=outlined)
     poisson: float
     traction: Array | None = attrs.field(default=None, converter=attrs.converters.optional(frozen_array), repr=outlined)
+    _kernel: SupportsStress = attrs.field(kw_only=True, repr=False)
     _threads: int = attrs.field(default=1, repr=False)
-    _layers: SupportsStress | None = attrs.field(default=None, repr=False)
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -113,7 +108,7 @@ class Stress(ShownAsPrinted, Answer):
     @cached_property
     def components(self) -> Array:
         """The components xx, yy, zz, yz, xz, xy at all depths, shape (depths, 6, nx, ny), Pa; tension is positive."""
-        return self._stack((len(COMPONENTS),), lambda values: values)
+        return self._stack((len(STRESS_COMPONENTS),), lambda values: values)
 
     @cached_property
     def von_mises(self) -> Array:
@@ -224,9 +219,9 @@ class Stress(ShownAsPrinted, Answer):
 
     def _find_in_layers(self, place: int) -> dict[int, StressMaximum]:
         peaks = [peak[place] for peak in self._peaks]
-        interfaces = [] if self._layers is None else [*self._layers.interfaces, self._layers.base_depth]
+        ends = np.append(self._kernel.interfaces, self._kernel.base_depth)
         cell = max(self._grid.resolved.spacing)
-        return find_maxima_of_layers(np.unique(self.depths), np.array(interfaces), peaks, self._scale, cell)
+        return find_maxima_of_layers(np.unique(self.depths), ends, peaks, self._scale, cell)
 
     def _judge(self, found: StressMaximum, measure: Measure, *, at_surface: bool) -> StressMaximum:
         """Return a maximum beside the peak at the edge of a sliding contact, if at the surface, with warnings."""
@@ -255,7 +250,7 @@ class Stress(ShownAsPrinted, Answer):
         pressure = self.solution.pressure / self._scale
         traction = None if self.traction is None else self.traction / self._scale
         return find_edge_stress(
-            self._field(0.0, (1, 1)), pressure, traction, self._poisson_at(0.0), self.solution.boundary
+            self._field(0.0, (1, 1)), pressure, traction, self._kernel.poisson_at(0.0), self.solution.boundary
         )
 
     @property
@@ -294,31 +289,26 @@ class Stress(ShownAsPrinted, Answer):
         return 1.0, self._grid.spacing[1] / self._grid.spacing[0]
 
     @cached_property
-    def _planes(self) -> StressPlanes:
-        pressure = (self.solution.pressure / self._scale).astype(np.float32)
-        traction = None if self.traction is None else (self.traction / self._scale).astype(np.float32)
-        layers = None if self._layers is None else LayersBelow(self._layers, self._grid.spacing[0])
-        if self.solution.boundary is Boundary.PERIODIC:
-            return PeriodicPlanes(pressure, self._sides, traction, layers=layers)
+    def _convolution(self) -> StressConvolution:
         steps = [find_steps(self._grid.shape, self._sides, float(z)) for z in self.depths / self._grid.spacing[0]]
-        if self.solution.boundary is Boundary.FREE_PERIODIC:
-            return MixedPlanes(pressure, self._sides, traction, common_step(steps)[0])
-        if self.solution.boundary is Boundary.PERIODIC_FREE:
-            exchanged = None if traction is None else np.ascontiguousarray(traction[::-1].transpose(0, 2, 1))
-            planes = MixedPlanes(pressure.T, self._sides[::-1], exchanged, common_step(steps)[1])
-            return ExchangedPlanes(planes)
-        return FreePlanes(pressure, self._sides, traction, common_step(steps), layers=layers)
+        return StressConvolution(self._kernel, self._grid, self.solution.boundary, common_step(steps))
+
+    @cached_property
+    def _loads(self) -> tuple[str, Waves]:
+        """The letters of the loads that are not zero, and their waves."""
+        fields = [self.solution.pressure] if self.traction is None else [self.solution.pressure, *self.traction]
+        loads = {letter: field / self._scale for letter, field in zip("zxy", fields, strict=False) if field.any()}
+        of = "".join(loads)
+        return of, self._convolution.transform(np.array([*loads.values()], dtype=np.float32), of)
 
     def _field(self, depth: float, steps: tuple[int, int]) -> StressField:
         grid = self._grid
         if steps != (1, 1):
             grid = Grid((grid.shape[0] // steps[0], grid.shape[1] // steps[1]), grid.size)
         with use_threads(self._threads):
-            values = self._planes.at(depth / self._grid.spacing[0], self._poisson_at(depth), steps)
+            of, waves = self._loads
+            values = self._convolution.apply(waves, depth, of, steps)
         return StressField(depth, grid, values, self._scale)
-
-    def _poisson_at(self, depth: float) -> float:
-        return self.poisson if self._layers is None else self._layers.poisson_at(depth)
 
     def _stack(self, axes: tuple[int, ...], measure: Measure) -> Array:
         """Return a measure of the stress, of shape (`axes`, nx, ny), at all depths, Pa."""
@@ -414,6 +404,7 @@ class StressBelow(Response[Stress]):
     """
 
     with_adhesion = "total pressure"
+    memory_arrays = 32.0  # one plane at a time, by pressure and traction on a free boundary
 
     depths: Array | None = attrs.field(default=None, converter=_depths, metadata={"unit": "m"})
     body: str = attrs.field(default="body", converter=body_name)
@@ -442,20 +433,22 @@ class StressBelow(Response[Stress]):
             raise InputError(
                 f"{what} no stress below its surface: ask for body='{other}', or give it a Poisson's ratio."
             )
+        kernel = HalfSpaceStress(float(poisson)) if layers is None else layers
         traction = self._find_traction(solution)
         depths = self.depths
         if depths is None:
             depths = default_depths(solution)
             depths = depths if traction is None else np.concatenate(([0.0], depths))
-            depths = depths if layers is None else with_interfaces(depths, layers.interfaces, layers.base_depth)
-        base = math.inf if layers is None else layers.base_depth
+            depths = with_interfaces(depths, kernel.interfaces, kernel.base_depth)
+        base = kernel.base_depth
         if float(depths.max()) > base:
             raise InputError.about("A depth", float(depths.max()), f"at most {si(base, 'm')}, down to the rigid base")
         deepest = _MAX_DEPTH_SIDES * max(solution.grid.resolved.size)
         if float(depths.max()) > deepest:
             allowed = f"at most {si(deepest, 'm')}, {_MAX_DEPTH_SIDES:g} times the side of the domain"
             raise InputError.about("A depth", float(depths.max()), allowed, "Depths are in metres.")
-        return Stress(solution, depths, float(poisson), traction, problem.plan.thread_choice[0], layers)
+        threads = problem.plan.thread_choice[0]
+        return Stress(solution, depths, float(poisson), traction, threads=threads, kernel=kernel)
 
     def _find_layers(self, solution: ContactSolution, problem: ContactProblem) -> SupportsStress | None:
         """Return the kernel if its layers lie on the chosen body, None if this body is a homogeneous half-space."""
@@ -473,14 +466,7 @@ class StressBelow(Response[Stress]):
         if coated is None:
             where = " or of the ".join(names)
             raise InputError(f"The layers lie on another material than that of the {where}: give both the same one.")
-        if coated != self.body:
-            return None
-        if problem.boundary.mixed:
-            raise InputError(
-                "The stress below layers is known on a free and on a periodic boundary, but not on one that is free "
-                "along one axis alone."
-            )
-        return kernel
+        return kernel if coated == self.body else None
 
     def _find_traction(self, solution: ContactSolution) -> Array | None:
         """Return the traction on the chosen body, shape (2, nx, ny), Pa."""

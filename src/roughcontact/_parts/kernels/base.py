@@ -11,7 +11,7 @@ from typing import Any, ClassVar, Protocol, runtime_checkable
 import attrs
 import numpy as np
 
-from roughcontact._base.arrays import Array, Pair, matrix_product
+from roughcontact._base.arrays import Array, Mask, Pair, matrix_product
 from roughcontact._base.checks import Part
 from roughcontact._base.registry import Registry
 from roughcontact._parts.grid import Boundary, Grid
@@ -265,6 +265,11 @@ def odd_axes(component: str) -> tuple[bool, bool]:
     return component.count("x") % 2 == 1, component.count("y") % 2 == 1
 
 
+def is_at_nyquist(wavenumber: Array, step: float) -> Mask:
+    """Return whether waves, rad/m, are at half the sampling wave number of cells with a side."""
+    return np.asarray(np.abs(wavenumber) * step >= _NYQUIST_PHASE)
+
+
 _MISSING_FORMS: dict[type, str] = {
     SupportsCoefficients: "real-space coefficients, which this boundary needs: use boundary='periodic'",
     SupportsSpectrum: "spectrum, which the periodic boundary needs: use boundary='wrapped' or 'free',",
@@ -378,7 +383,7 @@ class BoundKernel:
             given = kernel.shear_spectrum(component, qx, qy, spacing, self.compliance, self.pair)
         unused = (qx == 0.0) & (qy == 0.0)
         for wave, step, odd in zip((qx, qy), spacing, odd_axes(component), strict=True):
-            unused = unused | (odd & (np.abs(wave) * step >= _NYQUIST_PHASE))
+            unused = unused | (odd & is_at_nyquist(wave, step))
         return self._check(given, (qx.shape[0], qy.shape[1]), component, unused=unused)
 
     def responses(self, grid: Grid, boundary: Boundary) -> Array:

@@ -153,32 +153,34 @@ def alias_sum(theta_x: Array, theta_y: Array, aspect: float, term: str = "1/k") 
     with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
         first = 1.0 / inverse((theta_x / aspect)[:, np.newaxis], theta_y[np.newaxis, :])
     # Without aliases along y the terms are smooth along x only; all others are smooth both ways.
-    rest = _aliases_along_x(np.sqrt(_nodes()), theta_y, aspect, term)
-    rest += _interpolate(_other_aliases_at_nodes(aspect, term).T, theta_y, odd_y).T
+    rest = _aliases_along_x(np.sqrt(chebyshev_nodes(_CHEBYSHEV_NODES)), theta_y, aspect, term)
+    rest += interpolate(_other_aliases_at_nodes(aspect, term).T, theta_y, odd_y).T
     first *= half_x[:, np.newaxis]
     first *= half_y[np.newaxis, :]
-    first += _interpolate(rest, theta_x, odd_x)
+    first += interpolate(rest, theta_x, odd_x)
     return first
 
 
-def _nodes() -> Array:
-    """Return Chebyshev's nodes in theta^2 on 0 .. pi^2."""
-    return np.asarray(0.5 * np.pi**2 * (1.0 + np.cos(np.pi * (np.arange(_CHEBYSHEV_NODES) + 0.5) / _CHEBYSHEV_NODES)))
+def chebyshev_nodes(count: int) -> Array:
+    """Return Chebyshev's nodes in the square of a phase, on 0 .. pi^2."""
+    return np.asarray(0.5 * np.pi**2 * (1.0 + np.cos(np.pi * (np.arange(count) + 0.5) / count)))
 
 
-def _interpolate(values: Array, theta: Array, odd: bool = False) -> Array:
-    """Interpolate values at the nodes, of a function that is even or odd, along the first axis."""
+def interpolate(values: Array, theta: Array, odd: bool = False) -> Array:
+    """Interpolate values at the nodes, of a function of the phase that is even or odd, along the first axis."""
+    count = values.shape[0]
+    nodes = chebyshev_nodes(count)
     if odd:
         # An odd function over theta is even.
-        return _interpolate(values / np.sqrt(_nodes())[:, np.newaxis], theta) * theta[:, np.newaxis]
-    vandermonde = chebyshev.chebvander(2.0 * _nodes() / np.pi**2 - 1.0, _CHEBYSHEV_NODES - 1)
+        return interpolate(values / np.sqrt(nodes)[:, np.newaxis], theta) * theta[:, np.newaxis]
+    vandermonde = chebyshev.chebvander(2.0 * nodes / np.pi**2 - 1.0, count - 1)
     coefficients = matrix_product(np.linalg.inv(vandermonde), values)
-    return matrix_product(chebyshev.chebvander(2.0 * (theta / np.pi) ** 2 - 1.0, _CHEBYSHEV_NODES - 1), coefficients)
+    return matrix_product(chebyshev.chebvander(2.0 * (theta / np.pi) ** 2 - 1.0, count - 1), coefficients)
 
 
 def _aliases_along_x(theta_x: Array, theta_y: Array, aspect: float, term: str) -> Array:
     """Sum the aliases along x alone, shape (|theta_x|, |theta_y|)."""
-    orders, weights = _alternating_weights()
+    orders, weights = alternating_weights(_ALIASES_PER_SIDE, _EULER_AVERAGES)
     others = orders != 0
     orders = orders[others]
     weights = weights[others]
@@ -195,8 +197,8 @@ def _aliases_along_x(theta_x: Array, theta_y: Array, aspect: float, term: str) -
 @lru_cache(maxsize=64)
 def _other_aliases_at_nodes(aspect: float, term: str) -> Array:
     """Sum all aliases but those along x alone, at the nodes; many grids share an aspect ratio."""
-    theta = np.sqrt(_nodes())
-    orders, weights = _alternating_weights()
+    theta = np.sqrt(chebyshev_nodes(_CHEBYSHEV_NODES))
+    orders, weights = alternating_weights(_ALIASES_PER_SIDE, _EULER_AVERAGES)
     others = orders != 0
     x = theta[:, np.newaxis] + 2 * np.pi * orders
     across = weights * _alias_sinc(theta, orders)
@@ -213,10 +215,10 @@ def _alias_sinc(theta: Array, orders: Array) -> Array:
     return np.where(orders == 0, np.sinc(theta / (2 * np.pi)), values)
 
 
-def _alternating_weights() -> tuple[Array, Array]:
-    """Return the orders of the aliases and the weights that sum an alternating series (Euler's method)."""
-    sums = np.tri(_ALIASES_PER_SIDE + 1)
-    for _ in range(_EULER_AVERAGES):
+def alternating_weights(most: int, averages: int) -> tuple[Array, Array]:
+    """Return the orders -most .. most of aliases and the weights that sum an alternating series (Euler's method)."""
+    sums = np.tri(most + 1)
+    for _ in range(averages):
         sums = 0.5 * (sums[1:] + sums[:-1])
-    orders = np.arange(-_ALIASES_PER_SIDE, _ALIASES_PER_SIDE + 1)
+    orders = np.arange(-most, most + 1)
     return orders.astype(np.float64), np.asarray(sums[-1][np.abs(orders)] * (-1.0) ** np.abs(orders))

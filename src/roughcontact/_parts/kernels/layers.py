@@ -4,77 +4,10 @@ from __future__ import annotations
 
 from typing import Any, Protocol, runtime_checkable
 
-from roughcontact._base.arrays import Array, Pair
+from roughcontact._base.arrays import Array
 from roughcontact._parts.kernels.base import InfluenceKernel
 from roughcontact._parts.kernels.half_space import Love
 from roughcontact._parts.materials import Material, PairConstants
-
-
-@runtime_checkable
-class SupportsStress(Protocol):
-    """A kernel of a body of layers that knows the stress below its surface: an optional ability.
-
-    Of the stress it gives what the layers add to that of a homogeneous half-space with Poisson's ratio at the same
-    depth: the components xx, yy, zz, yz, xz, xy by a load ``"z"``, a pressure, or ``"x"`` or ``"y"``, a traction along
-    this axis. Tension is positive, and z points into the body. A component is odd in x, or in y, if its name and that
-    of the load together have the letter an odd number of times.
-
-    Attributes
-    ----------
-    interfaces
-        Depths of the interfaces, shape (n,), m, ascending: there the stress along the surface jumps.
-    base_depth
-        Depth of a rigid base, at which the stress ends, m; infinite on a half-space.
-
-    A kernel with ``yield_stresses``, one or None for each layer, has the first yield of each by its own strength.
-    """
-
-    @property
-    def interfaces(self) -> Array: ...
-
-    @property
-    def base_depth(self) -> float: ...
-
-    def describes(self, material: Material) -> bool:
-        """Return whether a body of this material is the one with the layers."""
-
-    def poisson_at(self, depth: float) -> float:
-        """Return Poisson's ratio at a depth, m; at an interface the one above."""
-
-    def stress_coefficients(self, load: str, shape: tuple[int, int], spacing: Pair, depth: float) -> Array:
-        """Return what the layers add at offsets from a cell with unit load.
-
-        Parameters
-        ----------
-        load
-            The letter of the load.
-        shape, spacing
-            As for `SupportsCoefficients.coefficients`.
-        depth
-            Depth, m, at least zero.
-
-        Returns
-        -------
-        Array
-            Shape (6, nx, ny); zero at offset zero along an axis in which the component is odd.
-        """
-
-    def stress_spectrum(self, load: str, qx: Array, qy: Array, spacing: Pair, depth: float) -> Array:
-        """Return what the layers add for a wave of unit load.
-
-        Parameters
-        ----------
-        load, depth
-            As for `stress_coefficients`.
-        qx, qy, spacing
-            As for `SupportsSpectrum.spectrum`.
-
-        Returns
-        -------
-        Array
-            Amplitudes at the centres of the cells, shape (6, m, n), of components that are odd in one axis their
-            imaginary parts.
-        """
 
 
 def has_layers(kernel: Any, body: str, material: Material) -> bool:

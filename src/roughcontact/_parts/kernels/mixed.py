@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TypeAlias
 
 import numpy as np
 import scipy.fft
 
-from roughcontact._base.arrays import Array, Pair
+from roughcontact._base.arrays import Array, Pair, RealArray
 from roughcontact._parts.kernels.cells import alias_sum
 
 # Spectrum of a kernel: a function of the wave numbers along x, shape (m, 1), along y, (1, n), and the sides of a cell.
@@ -67,18 +67,58 @@ def mixed_coefficients(
         The waves of which it is returned, neighbours.
     """
     start, stop, _ = part.indices(waves.size)
-    result = np.empty((cells, stop - start))
+    result: Array = np.empty((1, cells, stop - start))
     if start == 0 < stop:
-        result[:, 0] = _respond_to_uniform(spectrum, cells, spacing, datum, odd)
+        result[0, :, 0] = _respond_to_uniform(spectrum, cells, spacing, datum, odd)
+
+    def find_amplitudes(along: Array, across: Array) -> Array:
+        return spectrum(along, across, spacing)[np.newaxis]
+
+    set_octaves(result, find_amplitudes, waves, spacing[0], (odd,), _IMAGE_WAVELENGTHS, part=slice(start, stop))
+    return np.asarray(result[0])
+
+
+def set_octaves(
+    result: RealArray,
+    find_amplitudes: Callable[[Array, Array], RealArray],
+    waves: Array,
+    step: float,
+    odd: Sequence[bool],
+    wavelengths: float,
+    *,
+    beyond: float = 0.0,
+    part: slice,
+) -> None:
+    """Set the responses along a free axis to waves along the periodic one, but to the uniform load.
+
+    Parameters
+    ----------
+    result
+        The responses, shape (k, cells, n).
+    find_amplitudes
+        Function of wave numbers along both axes, shapes (m, 1) and (1, n), that returns the amplitudes, (k, m, n).
+    waves
+        Wave numbers along the periodic axis, ascending from zero, rad/m.
+    step
+        Side of a cell along the free axis, m.
+    odd
+        Whether each of the responses is odd along the free axis.
+    wavelengths, beyond
+        Distance to the nearest image along it, in wavelengths, and in m beyond these.
+    part
+        The waves of which it is found, neighbours, with a start and a stop.
+    """
+    cells = result.shape[1]
     for octave in list_octaves(waves.size):
-        own = slice(max(octave.start, start), min(octave.stop, stop))
+        own = slice(max(octave.start, part.start), min(octave.stop, part.stop))
         if own.start >= own.stop:
             continue
-        length = _IMAGE_WAVELENGTHS * 2.0 * np.pi / waves[octave.start]
-        count = scipy.fft.next_fast_len(cells + int(np.ceil(length / spacing[0])), real=True)
-        amplitudes = spectrum(_list_waves(count, spacing[0]), waves[np.newaxis, own], spacing)
-        result[:, own.start - start : own.stop - start] = sum_along_x(amplitudes, count, odd)[:cells]
-    return result
+        length = wavelengths * 2.0 * np.pi / waves[octave.start] + beyond
+        count = scipy.fft.next_fast_len(cells + int(np.ceil(length / step)), real=True)
+        amplitudes = find_amplitudes(_list_waves(count, step), waves[np.newaxis, own])
+        columns = slice(own.start - part.start, own.stop - part.start)
+        for response, one, is_odd in zip(result, amplitudes, odd, strict=True):
+            response[:, columns] = _sum_along_x(one.astype(np.float64, copy=False), count, is_odd)[:cells]
 
 
 def list_octaves(count: int) -> list[slice]:
@@ -92,7 +132,7 @@ def _list_waves(count: int, step: float) -> Array:
     return np.asarray(waves[:, np.newaxis])
 
 
-def sum_along_x(amplitudes: Array, count: int, odd: bool) -> Array:
+def _sum_along_x(amplitudes: Array, count: int, odd: bool) -> Array:
     """Return the sum of waves along the first axis at `count` cells: of cosines or, if odd, minus that of sines."""
     return np.asarray(scipy.fft.irfft(1j * amplitudes if odd else amplitudes, n=count, axis=0))
 
@@ -107,19 +147,41 @@ def _respond_to_uniform(spectrum: Spectrum, cells: int, spacing: Pair, datum: fl
     one, other, _ = (phases * spectrum(phases, none, spacing))[:, 0].tolist()
     far = 2.0 * one - other
     plane = _respond_to_strip(cells, far * step, datum / step, odd)
-    count = scipy.fft.next_fast_len(min(_UNIFORM_FACTOR * cells, _MAX_UNIFORM_CELLS), real=True)
-    sums = []
-    for number in (count, 2 * count):
-        waves = _list_waves(number, step)
+
+    def find_rest(waves: Array) -> Array:
         rest = spectrum(waves, none, spacing)[:, 0]
         largest = float(np.abs(rest).max())
         rest[1:] -= _sample_far_field(waves[1:, 0] * step, far * step, odd)
-        if np.abs(rest[1:]).max(initial=0.0) <= _ROUNDING * largest:
-            return plane
-        # The mean wave, for which the spectrum is not known, by a parabola through the next three.
-        rest[0] = 0.0 if odd else 3.0 * rest[1] - 3.0 * rest[2] + rest[3]
-        sums.append(sum_along_x(rest, number, odd)[:cells])
-    return np.asarray(plane + (4.0 * sums[1] - sums[0]) / 3.0)
+        return np.asarray(rest[np.newaxis] * (np.abs(rest[1:]).max(initial=0.0) > _ROUNDING * largest))
+
+    return np.asarray(plane + sum_rest(find_rest, cells, step, (odd,))[0])
+
+
+def sum_rest(find_rest: Callable[[Array], RealArray], cells: int, step: float, odd: Sequence[bool]) -> Array:
+    """Return the responses along a free axis to a uniform load on a row of cells, beside known ones, shape (k, cells).
+
+    Parameters
+    ----------
+    find_rest
+        Function of wave numbers along the free axis, shape (m, 1), the mean first, that returns what the amplitudes
+        have beside known ones, shape (k, m); that of the mean is not used.
+    cells, step
+        Number of offsets along the axis, and side of a cell, m.
+    odd
+        Whether each of the responses is odd along it.
+    """
+    count = scipy.fft.next_fast_len(min(_UNIFORM_FACTOR * cells, _MAX_UNIFORM_CELLS), real=True)
+    sums = []
+    for number in (count, 2 * count):
+        rest = find_rest(_list_waves(number, step)).astype(np.float64, copy=False)
+        if not rest.any():
+            return np.zeros((len(odd), cells))
+        # The mean wave by a parabola through the next three.
+        rest[:, 0] = np.where(odd, 0.0, 3.0 * rest[:, 1] - 3.0 * rest[:, 2] + rest[:, 3])
+        sums.append(
+            np.array([_sum_along_x(one, number, is_odd)[:cells] for one, is_odd in zip(rest, odd, strict=True)])
+        )
+    return np.asarray((4.0 * sums[1] - sums[0]) / 3.0)
 
 
 def _respond_to_strip(cells: int, far: float, datum: float, odd: bool) -> Array:

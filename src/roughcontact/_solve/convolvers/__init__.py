@@ -11,8 +11,8 @@ from roughcontact._solve.convolvers.base import wrapped_spectrum as wrapped_spec
 from roughcontact._solve.convolvers.direct import Direct as Direct
 from roughcontact._solve.convolvers.fft import DCFFT as DCFFT
 from roughcontact._solve.convolvers.fft import CircularFFT as CircularFFT
+from roughcontact._solve.convolvers.matrix import WaveMatrix as WaveMatrix
 from roughcontact._solve.convolvers.shear import ShearConvolution as ShearConvolution
-from roughcontact._solve.convolvers.shear import WaveMatrix as WaveMatrix
+from roughcontact._solve.convolvers.stress import StressConvolution as StressConvolution
 from roughcontact._solve.convolvers.transforms import list_all_waves as list_all_waves
 from roughcontact._solve.convolvers.transforms import padded_shape as padded_shape
-from roughcontact._solve.convolvers.transforms import transform_extended as transform_extended

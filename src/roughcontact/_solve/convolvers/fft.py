@@ -24,7 +24,7 @@ from roughcontact._solve.convolvers.transforms import (
     multiply_columns,
     multiply_waves,
     padded_shape,
-    transform_extended,
+    transform_offsets,
     transform_rows,
     transform_rows_back,
 )
@@ -69,18 +69,9 @@ def _find_symbol(setup: ConvolutionSetup, padded: tuple[int, int], component: st
     if setup.boundary.mixed:
         return mixed_spectrum(setup, padded, component)
     if component == "zz":
-        return _transform_offsets(kernel.coefficients(grid.shape, grid.spacing), padded)
+        return transform_offsets(kernel.coefficients(grid.shape, grid.spacing), padded)
     coefficients = kernel.shear_coefficients(component, grid.shape, grid.spacing)
-    return _transform_offsets(coefficients, padded, odd_axes(component))
-
-
-def _transform_offsets(coefficients: Array, padded: tuple[int, int], odd: tuple[bool, bool] = (False, False)) -> Array:
-    """Return the transform of coefficients that are even or odd in x and in y, on a padded grid.
-
-    Shape (mx // 2 + 1, my // 2 + 1). Odd in one axis it is imaginary, and its imaginary part is returned.
-    """
-    values = transform_extended(transform_extended(coefficients, padded[1], odd[1], axis=1), padded[0], odd[0])
-    return -values if all(odd) else values
+    return transform_offsets(coefficients, padded, odd_axes(component))
 
 
 @attrs.frozen(eq=False)

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import scipy.fft
 
-from roughcontact._base.arrays import Array, IntArray, RealArray, Waves
+from roughcontact._base.arrays import Array, IntArray, Pair, RealArray, Waves
 from roughcontact._base.machine import map_tiles, split, threads_for
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact.errors.door import guarded
@@ -29,7 +29,7 @@ def transform_rows(values: RealArray, length: int) -> Waves:
 
 
 def multiply_columns(
-    waves: Waves, length: int, multiply: Callable[[Waves, slice], Waves], out: Waves | None = None
+    waves: Waves, length: int | None, multiply: Callable[[Waves, slice], Waves], out: Waves | None = None
 ) -> None:
     """Transform each column, padded with zeros to `length`, multiply it, transform it back and cut it.
 
@@ -38,29 +38,31 @@ def multiply_columns(
     waves
         The waves of all rows, shape (nx, ny), or of several fields, (k, nx, ny).
     length
-        Number of waves of a column.
+        Number of waves of a column; None of columns that are transformed already.
     multiply
-        Function of the waves of some columns, shape (length, n) or (k, length, n), which it may overwrite, and of their
-        slice. It returns the product; of several fields, any number.
+        Function of the waves of some columns, shape (length, n) or (k, length, n), and of their slice. It returns the
+        product; of several fields, any number. It may overwrite waves that are transformed here.
     out
         Where the products go, `waves` by default.
     """
     target = waves if out is None else out
 
     def work(block: slice) -> None:
-        columns: Waves = scipy.fft.fft(waves[..., block], n=length, axis=-2)
+        columns: Waves = waves[..., block]
+        if length is not None:
+            columns = scipy.fft.fft(columns, n=length, axis=-2)
         products = multiply(columns, block)
-        target[..., block] = scipy.fft.ifft(products, axis=-2, overwrite_x=True)[..., : waves.shape[-2], :]
+        target[..., block] = scipy.fft.ifft(products, axis=-2, overwrite_x=True)[..., : target.shape[-2], :]
 
     map_tiles(work, split(waves.shape[-1], _COLUMN_BLOCK_BYTES // waves.itemsize))
 
 
-def transform_rows_back(waves: Waves, length: int, count: int) -> RealArray:
-    """Return the first `count` values of each row of `length` values; the waves may be overwritten."""
-    if count == length:
+def transform_rows_back(waves: Waves, length: int, count: int, out: RealArray | None = None) -> RealArray:
+    """Return the first `count` values of each row of `length`, in `out` if given; the waves may be overwritten."""
+    if count == length and out is None:
         whole = scipy.fft.irfft(waves, n=length, axis=1, overwrite_x=True, workers=threads_for(2 * waves.size))
         return np.asarray(whole)
-    values = np.empty((waves.shape[0], count), dtype=waves.real.dtype)
+    values = np.empty((waves.shape[0], count), dtype=waves.real.dtype) if out is None else out
 
     def work(rows: slice) -> None:
         values[rows] = scipy.fft.irfft(waves[rows], n=length, axis=1, overwrite_x=True)[:, :count]
@@ -101,25 +103,50 @@ def _multiply_columns(waves: Waves, symbol: RealArray, length: int) -> Waves:
     return back[:rows]
 
 
-def transform_extended(values: Array, length: int, odd: bool, axis: int = 0) -> Array:
+def transform_extended(values: RealArray, length: int, odd: bool, axis: int = 0) -> RealArray:
     """Return the transform along an axis of the even or odd extension to `length`: its only part."""
     n = values.shape[axis]
     shape = list(values.shape)
-    if not odd and length % 2 == 0:
-        # The cosine transform needs half of the extension.
+    if length % 2 == 0 and n <= length // 2 + (not odd):
+        # The cosine transform needs half of the extension, the sine transform half without its ends, which are zero.
         shape[axis] = length // 2 + 1
-        half = np.zeros(shape)
-        np.moveaxis(half, axis, 0)[:n] = np.moveaxis(values, axis, 0)
-        found: Array = scipy.fft.dct(half, type=1, axis=axis, overwrite_x=True, workers=threads_for(half.size))
-        return found
+        half = values
+        if n < shape[axis]:
+            half = np.zeros(shape, dtype=values.dtype)
+            np.moveaxis(half, axis, 0)[:n] = np.moveaxis(values, axis, 0)
+        workers = threads_for(half.size)
+        if not odd:
+            return np.asarray(scipy.fft.dct(half, type=1, axis=axis, overwrite_x=half is not values, workers=workers))
+        inner = (slice(None),) * axis + (slice(1, -1),)
+        if length > 2:
+            half[inner] = -scipy.fft.dst(half[inner], type=1, axis=axis, workers=workers)
+        np.moveaxis(half, axis, 0)[0] = 0.0
+        return half
     shape[axis] = length
-    extended = np.zeros(shape)
+    extended = np.zeros(shape, dtype=values.dtype)
     ahead = np.moveaxis(extended, axis, 0)
     given = np.moveaxis(values, axis, 0)
     ahead[:n] = given
     ahead[length - n + 1 :] = -given[:0:-1] if odd else given[:0:-1]
     waves = scipy.fft.rfft(extended, axis=axis, workers=threads_for(extended.size))
     return np.ascontiguousarray(waves.imag if odd else waves.real)
+
+
+def transform_offsets(
+    coefficients: RealArray, padded: tuple[int, int], odd: tuple[bool, bool] = (False, False)
+) -> RealArray:
+    """Return the transform of coefficients that are even or odd in x and in y, on a padded grid.
+
+    Shape (mx // 2 + 1, my // 2 + 1). Odd in one axis it is imaginary, and its imaginary part is returned.
+    """
+    values = transform_extended(transform_extended(coefficients, padded[1], odd[1], axis=1), padded[0], odd[0])
+    return -values if all(odd) else values
+
+
+def half_waves(shape: tuple[int, int], spacing: Pair) -> tuple[Array, Array]:
+    """Return the wave numbers from zero up along both axes of a grid, shapes (nx // 2 + 1, 1) and (1, ny // 2 + 1)."""
+    qx, qy = (2 * np.pi / step * np.asarray(scipy.fft.rfftfreq(n)) for n, step in zip(shape, spacing, strict=True))
+    return qx[:, np.newaxis], qy[np.newaxis, :]
 
 
 def list_all_waves(half: RealArray, length: int, odd: bool = False) -> RealArray:

@@ -1,20 +1,19 @@
-"""Stress below a load on a periodic domain: a factor for each wave of the load, with all its aliases."""
+"""Stress below waves of a load that is uniform on each cell of a half-space, with all their aliases."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import cached_property
 from typing import Any, TypeAlias
 
 import attrs
 import numpy as np
-import scipy.fft
-from numpy.polynomial import chebyshev
 
-from roughcontact._answers.subsurface.field import COMPONENTS, LoadedPlanes, is_odd
-from roughcontact._base.arrays import Array, IntArray, Pair, RealArray, Waves, matrix_product
-from roughcontact._base.machine import threads_for
+from roughcontact._base.arrays import Array, IntArray, Pair, RealArray
+from roughcontact._parts.kernels.base import odd_axes
+from roughcontact._parts.kernels.cells import alternating_weights, chebyshev_nodes, interpolate
+from roughcontact._parts.kernels.stress_cells import EXCHANGED_COMPONENTS, STRESS_COMPONENTS
 
 # Depth, in sides of a cell, from which aliases have decayed: exp(-4 pi) = 3e-6.
 _ALIAS_FREE_DEPTH = 4.0
@@ -29,11 +28,11 @@ _ALIAS_DEPTH = 3.0
 _TERMS_PER_TILE = 2**20
 
 
-@attrs.frozen(eq=False)
-class PeriodicPlanes(LoadedPlanes):
-    r"""The stress below a periodic load, which is constant on each cell: a factor for each of its waves.
+def wave_stress(phases: tuple[Array, Array], sides: Pair, z: float, poisson: float, load: str = "z") -> RealArray:
+    r"""Return the stress at the centres of cells by waves of unit load, float32, shape (6, m, n).
 
-    With :math:`k = (1 - 2\nu)/q^2 - z/q` a wave of the pressure of unit amplitude gives
+    The order is `STRESS_COMPONENTS`; of components that are odd in one axis it is the imaginary part. With
+    :math:`k = (1 - 2\nu)/q^2 - z/q` a wave of the pressure of unit amplitude gives
 
     .. math:: \sigma_{zz} = -(1 + qz) e^{-qz}, \quad \sigma_{xx} = -(2\nu + k q_x^2) e^{-qz}, \quad
               \sigma_{xy} = -k q_x q_y e^{-qz}, \quad \sigma_{xz} = i z q_x e^{-qz}
@@ -49,56 +48,11 @@ class PeriodicPlanes(LoadedPlanes):
 
     The mean pressure is not the limit of such waves: the body is confined, :math:`\sigma_{xx} = \sigma_{yy} =
     -\nu/(1-\nu) \langle p \rangle`. The mean traction gives :math:`\sigma_{xz} = -\langle q_x \rangle` alone.
-    """
-
-    @property
-    def padded(self) -> tuple[int, int]:
-        """The cells themselves."""
-        nx, ny = self.pressure.shape
-        return nx, ny
-
-    def add(
-        self, stress: RealArray, load: str, waves: Waves, shape: tuple[int, int], sides: Pair, z: float, poisson: float
-    ) -> None:
-        phases = _phases(np.fft.fftfreq(shape[0])), _phases(np.fft.rfftfreq(shape[1]))
-        symbols = find_symbols(phases, sides, z, poisson, load)
-        if self.layers is not None:
-            added = self.layers.find_symbols(load, phases, sides, z).astype(np.float32)
-            symbols = [symbol + one for symbol, one in zip(symbols, added, strict=True)]
-        add_stress(stress, waves, symbols, load, shape)
-
-
-def add_stress(
-    stress: RealArray, waves: Waves, symbols: Sequence[RealArray], load: str, shape: tuple[int, int]
-) -> None:
-    """Add the stress of a load, of which waves and factors are given, on a periodic grid of `shape`, its first rows."""
-    for place, symbol in enumerate(symbols):
-        odd_in_x, odd_in_y = (is_odd(axis, COMPONENTS[place], load) for axis in "xy")
-        # Where the wave number is half the sampling one, both signs cancel.
-        if odd_in_x and shape[0] % 2 == 0:
-            symbol[shape[0] // 2] = 0.0
-        if odd_in_y and shape[1] % 2 == 0:
-            symbol[:, -1] = 0.0
-        product = waves * symbol
-        if odd_in_x != odd_in_y:
-            product *= 1j
-        workers = threads_for(product.size)
-        stress[place] += scipy.fft.irfft2(product, s=shape, overwrite_x=True, workers=workers)[: stress.shape[1]]
-
-
-def _phases(frequencies: RealArray) -> Array:
-    return np.asarray(2.0 * np.pi * frequencies, dtype=np.float64)
-
-
-def find_symbols(
-    phases: tuple[Array, Array], sides: Pair, z: float, poisson: float, load: str = "z"
-) -> list[RealArray]:
-    """Return the factors of all waves for each component, float32; components odd in x or y alone lack the factor i.
 
     Parameters
     ----------
     phases
-        Phases q dx and q dy from cell to cell along both axes, from -pi to pi.
+        Phases q dx and q dy from cell to cell along both axes, from -pi to pi, shapes (m,) and (n,).
     sides
         Sides of a cell.
     z, poisson
@@ -107,31 +61,32 @@ def find_symbols(
         ``"z"``, a pressure, or ``"x"`` or ``"y"``, a traction along this axis.
     """
     if load == "y":
-        yy, xx, zz, xz, yz, xy = (symbol.T for symbol in find_symbols(phases[::-1], sides[::-1], z, poisson, "x"))
-        return [xx, yy, zz, yz, xz, xy]
+        exchanged = wave_stress(phases[::-1], sides[::-1], z, poisson, "x")
+        return exchanged[EXCHANGED_COMPONENTS].transpose(0, 2, 1)
     none = np.zeros(1, dtype=np.intp)
     find_terms = _find_pressure_terms if load == "z" else _find_shear_terms
     terms = [_Axis(phase.astype(np.float32), side, none) for phase, side in zip(phases, sides, strict=True)]
     sums = _sum_terms(terms[0], terms[1], z, poisson, find_terms)
     if z < _ALIAS_FREE_DEPTH * max(sides):
-        for one, aliases in zip(sums, _sum_aliases(phases, sides, z, poisson, find_terms), strict=True):
-            one += aliases
+        _add_aliases(sums, phases, sides, z, poisson, find_terms)
     trace, xx, zz, yz, xz, xy = sums
+    mean = np.ix_(phases[0] == 0.0, phases[1] == 0.0)
     if load == "z":
-        xx[0, 0] = -poisson / (1.0 - poisson)
-        zz[0, 0] = -1.0
-        trace[0, 0] = -(1.0 + poisson) / (1.0 - poisson)
+        xx[mean] = -poisson / (1.0 - poisson)
+        zz[mean] = -1.0
+        trace[mean] = -(1.0 + poisson) / (1.0 - poisson)
     else:
-        xz[0, 0] = -1.0
+        xz[mean] = -1.0
     half_x, half_y = (np.sin(0.5 * phase).astype(np.float32) for phase in phases)
     for component, one in zip(("xx", "xx", "zz", "yz", "xz", "xy"), sums, strict=True):
-        if is_odd("x", component, load):
+        odd_in_x, odd_in_y = odd_axes(component + load)
+        if odd_in_x:
             one *= half_x[:, np.newaxis]
-        if is_odd("y", component, load):
+        if odd_in_y:
             one *= half_y
     trace -= xx
     trace -= zz
-    return [xx, trace, zz, yz, xz, xy]
+    return np.array([xx, trace, zz, yz, xz, xy])
 
 
 @attrs.frozen(eq=False)
@@ -166,12 +121,9 @@ class _Axis:
 
     @property
     def _weights(self) -> RealArray:
-        """Alternating signs, and Euler's weights of the last terms."""
-        sums = np.tri(_MAX_ALIAS_ORDER + 1)
-        for _ in range(_EULER_AVERAGES):
-            sums = 0.5 * (sums[1:] + sums[:-1])
-        order = np.abs(self.orders)
-        return np.asarray(sums[-1][order] * (1.0 - 2.0 * (order % 2))).astype(self.phase.dtype)
+        """The weights of an alternating series, shape (orders,)."""
+        weights = alternating_weights(_MAX_ALIAS_ORDER, _EULER_AVERAGES)[1]
+        return weights[self.orders + _MAX_ALIAS_ORDER].astype(self.phase.dtype)
 
 
 @attrs.frozen(eq=False)
@@ -234,13 +186,13 @@ def _find_shear_terms(terms: _Terms) -> tuple[RealArray, ...]:
     )
 
 
-def _sum_terms(along_x: _Axis, along_y: _Axis, z: float, poisson: float, find_terms: _FindTerms) -> list[RealArray]:
-    """Return the sums over all orders for the trace, xx, zz, yz, xz and xy, shape (n, m) each.
+def _sum_terms(along_x: _Axis, along_y: _Axis, z: float, poisson: float, find_terms: _FindTerms) -> RealArray:
+    """Return the sums over all orders for the trace, xx, zz, yz, xz and xy, shape (6, n, m).
 
     Components that are odd along an axis are divided by the sine of half the phase.
     """
     kind = along_x.phase.dtype.type
-    sums = [np.zeros((along_x.phase.size, along_y.phase.size), dtype=kind) for _ in COMPONENTS]
+    sums = np.zeros((len(STRESS_COMPONENTS), along_x.phase.size, along_y.phase.size), dtype=kind)
     step = max(1, _TERMS_PER_TILE // sums[0].size)
     pairs = [(m, n) for m in range(along_x.orders.size) for n in range(along_y.orders.size)]
     for start in range(0, len(pairs), step):
@@ -260,35 +212,35 @@ def _sum_terms(along_x: _Axis, along_y: _Axis, z: float, poisson: float, find_te
                 one += term.sum(axis=-1)
     # The mean load, where the direction of a wave is not defined, is treated apart.
     mean = (along_x.phase == 0.0)[:, np.newaxis] & (along_y.phase == 0.0)
-    for one in sums:
-        one[mean] = 0.0
+    sums[:, mean] = 0.0
     return sums
 
 
-def _sum_aliases(
-    phases: tuple[Array, Array], sides: Pair, z: float, poisson: float, find_terms: _FindTerms
-) -> Sequence[Array]:
-    """Return the sums over all aliases, which are smooth and even in the phase along each aliased axis."""
+def _add_aliases(
+    sums: RealArray, phases: tuple[Array, Array], sides: Pair, z: float, poisson: float, find_terms: _FindTerms
+) -> None:
+    """Add the sums over all aliases, which are smooth and even in the phase along each aliased axis."""
     none = np.zeros(1, dtype=np.intp)
-    nodes = 0.5 * np.pi**2 * (1.0 + np.cos(np.pi * (np.arange(_CHEBYSHEV_NODES) + 0.5) / _CHEBYSHEV_NODES))
-    vandermonde = np.linalg.inv(_vandermonde(nodes))
-    to_x, to_y = (matrix_product(_vandermonde(phase**2), vandermonde) for phase in phases)
-    exact = [_Axis(np.abs(phase), side, none) for phase, side in zip(phases, sides, strict=True)]
-    smooth = [_Axis(np.sqrt(nodes), side, _list_aliases(z / side)) for side in sides]
+    nodes = np.sqrt(chebyshev_nodes(_CHEBYSHEV_NODES))
+    theta_x, theta_y = (np.abs(phase) for phase in phases)
+    exact = [_Axis(theta, side, none) for theta, side in zip((theta_x, theta_y), sides, strict=True)]
+    smooth = [_Axis(nodes, side, _list_aliases(z / side)) for side in sides]
     along_x = _sum_terms(smooth[0], exact[1], z, poisson, find_terms)
     along_y = _sum_terms(exact[0], smooth[1], z, poisson, find_terms)
     both = _sum_terms(smooth[0], smooth[1], z, poisson, find_terms)
-    return [
-        (matrix_product(to_x, x + matrix_product(xy, to_y.T)) + matrix_product(y, to_y.T)).astype(np.float32)
-        for x, y, xy in zip(along_x, along_y, both, strict=True)
-    ]
+    along_x += _interpolate(both, theta_y, 2)
+    sums += _interpolate(along_x, theta_x, 1)
+    sums += _interpolate(along_y, theta_y, 2)
+
+
+def _interpolate(values: Array, theta: Array, axis: int) -> Array:
+    """Interpolate values at the nodes along an axis of an array of three."""
+    ahead = np.moveaxis(values, axis, 0)
+    found = interpolate(ahead.reshape(ahead.shape[0], -1), theta)
+    return np.moveaxis(found.reshape(theta.size, *ahead.shape[1:]), 0, axis)
 
 
 def _list_aliases(depth: float) -> IntArray:
     """Return the orders of the aliases that have not decayed at a depth, in sides of a cell."""
     most = _MAX_ALIAS_ORDER if depth * _MAX_ALIAS_ORDER <= _ALIAS_DEPTH else math.ceil(_ALIAS_DEPTH / depth)
     return np.array([order for order in range(-most, most + 1) if order != 0], dtype=np.intp)
-
-
-def _vandermonde(square: Array) -> Array:
-    return np.asarray(chebyshev.chebvander(2.0 * square / math.pi**2 - 1.0, _CHEBYSHEV_NODES - 1))
