@@ -134,6 +134,20 @@ CONJUGATE = {
         ],
     ),
 }
+# Surface, cells, approach over the mean gap and pressure limit.
+SEARCHES = {
+    "elastic": (
+        427,
+        [
+            ("wave", (48, 40), 0.7, math.inf),
+            ("wave", (48, 40), 0.95, math.inf),
+            ("wave", (48, 40), 0.999, math.inf),
+            ("rough", (48, 40), 0.9, math.inf),
+            ("rough", (40, 48), 0.99, math.inf),
+        ],
+    ),
+    "beyond full contact": (421, [("wave", (48, 40), 1.05, 0.05), ("rough", (48, 40), 0.9, 0.05)]),
+}
 SIMPLE = {
     PolonskyKeer: (76, [("ball", *SMALL, "free", 0.01), ("rough", *SMALL, "periodic", 0.01)]),
     SpectralGradient: (
@@ -156,6 +170,26 @@ def require_few(found, known):
 def test_projected_conjugate_gradients(group):
     known, cases = CONJUGATE[group]
     require_few(sum(solve(ProjectedConjugateGradient(), *case).convolutions for case in cases), known)
+
+
+@pytest.mark.parametrize("group", SEARCHES)
+def test_searches_of_the_load_of_an_approach(group):
+    """As where the approach determines the pressure badly: from a light contact."""
+    known, cases = SEARCHES[group]
+    found = 0
+    for surface, shape, part, limit in cases:
+        grid = rc.Grid(shape, (48.0, 60.0))
+        gap = make_gap(surface, grid)
+        convolution = prepare(grid, "periodic")
+        task = Task(initial_gap=gap, approach=part * float(gap.mean()), pressure_limit=np.array(limit))
+        light = ProjectedConjugateGradient().solve(convolution, Task(initial_gap=gap, mean_pressure=0.01)).pressure
+        outcome = ProjectedConjugateGradient()._search_loads(convolution, task, np.minimum(light, limit))
+        assert outcome.status is Status.CONVERGED
+        moved = convolution.apply(outcome.pressure) + gap - task.approach
+        assert np.abs(moved[(outcome.pressure > 0.0) & (outcome.pressure < limit)]).max() < 1e-3 * gap.std()
+        assert moved[outcome.pressure == 0.0].min() > -1e-3 * gap.std()
+        found += outcome.convolutions
+    require_few(found, known)
 
 
 @pytest.mark.parametrize("solver", SIMPLE)
