@@ -444,6 +444,15 @@ class TestPanelsOfSurfaces:
         np.testing.assert_allclose(np.interp(0.0, level, ratio), 50.0, atol=1.5)
         assert (ratio[0], ratio[-1]) == (pytest.approx(100.0, abs=0.2), 0.0)
 
+    def test_a_legend_names_points_that_were_not_measured_where_there_are_some(self, axes):
+        heights = 1e-6 * np.cos(2 * np.pi * self.GRID.x / 60e-6) + np.zeros(self.GRID.shape)
+        rc.panels.create("map").draw(self.sampled(heights), axes)
+        assert (labels(axes), len(axes.images)) == ([], 1)
+        assert axes.images[0].norm.vmax == pytest.approx(1000.0, rel=0.01)
+        heights[3, 5] = np.nan
+        rc.panels.create("map").draw(self.sampled(heights), pyplot.figure().add_subplot())
+        assert (labels(pyplot.gca()), len(pyplot.gca().images)) == (["non-measured"], 2)
+
     def test_solids_are_raised_by_a_round_number(self):
         """To an eighth of the longer side at most: 1, 2 or 5 times a power of ten."""
         grid = rc.Grid((4, 4), (1.0, 0.5))
