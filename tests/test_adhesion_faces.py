@@ -16,6 +16,7 @@ import pytest
 import roughcontact as rc
 from roughcontact import testing as kit
 from roughcontact.__main__ import main
+from roughcontact._faces.cli import cycle as cycle_command
 
 LAW = ["--adhesion", "exponential", "work=50mJ/m2", "range=60nm"]
 BODY = ["--young", "5MPa", "--poisson", "0.5"]
@@ -138,6 +139,13 @@ class TestCycleOfTheCommand:
         assert found["pull_off"]["value"] == cycle.pull_off.value
         assert found["dissipated"]["unit"] == "J"
         assert [state["force"] for state in found["states"]] == [*cycle.loading.force, *cycle.unloading.force]
+
+    @pytest.mark.parametrize("doubtful", [True, False])
+    def test_ends_with_three_where_an_answer_alone_is_doubtful(self, ball, capsys, monkeypatch, doubtful):
+        monkeypatch.setattr(cycle_command, "is_doubtful", lambda *_: doubtful)
+        status, printed = run(capsys, "solve", ball, *self.CYCLE, *BODY, *self.LAW, "--stiffness")
+        assert status == (3 if doubtful else 0)
+        assert ("doubtful: see its warnings" in printed.err) == doubtful
 
     @pytest.mark.parametrize(
         ("arguments", "sentence"),
