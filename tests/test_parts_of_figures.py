@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from types import SimpleNamespace
 
 import attrs
@@ -30,7 +31,7 @@ from roughcontact._faces.panels.maps import (
     proportion,
     set_plane,
 )
-from roughcontact._faces.panels.solid import _choose
+from roughcontact._faces.panels.solid import _choose, view_solution, view_surface
 from roughcontact._faces.panels.solution import areas_of_patches, find_surfaces
 from roughcontact._faces.panels.surfaces import average_in_bands, average_radially, correlate, spectral_density
 from roughcontact._faces.panels.theme import DARK, LIGHT, plain_logarithms, theme_of
@@ -620,3 +621,88 @@ class TestColumns:
         if fit is not None:
             np.testing.assert_allclose(axes.lines[1].get_xydata(), [[1.0, 2e-6], [100.0, 2e-4]])
             assert labels(axes) == ["stiffness", "exponent 1.000 ± 0.02"]
+
+
+class Drawn:
+    """What pyvista is given, without it."""
+
+    def __init__(self, window_size):
+        self.window_size, self.calls = window_size, {}
+
+    def __getattr__(self, name):
+        return lambda *arguments, **options: self.calls.update({name: (arguments, options)})
+
+
+class TestSolids:
+    GRID = rc.Grid((1500, 6), (3e-3, 1e-3))
+
+    @pytest.fixture(autouse=True)
+    def pyvista(self, monkeypatch):
+        mesh = SimpleNamespace(StructuredGrid=lambda *points: SimpleNamespace(points=points, point_data={}))
+        monkeypatch.setitem(sys.modules, "pyvista", SimpleNamespace(**vars(mesh), Plotter=Drawn))
+
+    def test_a_surface_is_drawn_in_longer_sides_with_every_other_point(self):
+        x, y = self.GRID.x, self.GRID.y
+        heights = 2e-6 * np.cos(2.0 * np.pi * x / 3e-3) + 1e-3 * y
+        heights[7, 2] = np.nan
+        view = view_surface(rc.plotting.SampledSurface(heights, self.GRID, True), 50.0, True)
+        (mesh,), options = view.calls["add_mesh"]
+        across, along, raised = mesh.points
+        assert across.shape == raised.shape == (750, 6)
+        np.testing.assert_allclose(across[:, 0], x[::2, 0] / 3e-3)
+        np.testing.assert_allclose(along[0], y[0] / 3e-3)
+        known = np.where(np.isnan(heights), np.nanmean(heights), heights)
+        np.testing.assert_allclose(raised, 50.0 / 3e-3 * (known - known.mean())[::2], atol=1e-12)
+        field = mesh.point_data["height, µm"].reshape(750, 6, order="F")
+        np.testing.assert_allclose(field, 1e6 * (heights - np.nanmean(heights))[::2])
+        end = 1e6 * np.nanmax(np.abs(heights - np.nanmean(heights)))
+        assert options["clim"] == pytest.approx((-end, end))
+        assert (options["cmap"], options["nan_color"]) == ("cividis", DARK.unknown)
+        assert "above_color" not in options
+        bar = options["scalar_bar_args"]
+        assert (bar["title"], bar["color"], bar["n_labels"], bar["vertical"]) == ("height, µm", DARK.ink, 3, True)
+        assert (bar["title_font_size"], bar["label_font_size"]) == (24, 20)
+        assert 0.5 < bar["position_x"] < 1.0
+        assert 0.0 < bar["position_y"] < 0.5
+        assert options["smooth_shading"] is options["interpolate_before_map"] is True
+        assert view.calls["set_background"][0] == (DARK.paper,)
+        (said,), _ = view.calls["add_text"]
+        assert said.endswith("\n3 mm x 1 mm; heights drawn 50 times as high")
+        assert said.startswith("Rms height")
+        # Seen from the right, the front and above, at the origin, with z upwards.
+        place, focus, up = view.camera_position
+        assert (focus, up) == ((0.0, 0.0, 0.0), (0.0, 0.0, 1.0))
+        assert place[0] > 0.0 > place[1]
+        assert place[2] > 0.0
+        assert 1.5 < math.hypot(*place) < 3.0
+        assert view.window_size[0] > view.window_size[1] > 500
+
+    def test_a_contact_has_the_colours_of_its_pressure(self):
+        grid = rc.Grid((30, 40), (30e-6, 40e-6))
+        contact = ball(grid, 9e-6, 1e-3)
+        holes = np.zeros(grid.shape, dtype=bool)
+        holes[2, 3] = True
+        limited = attrs.evolve(contact, pressure_limit=float(contact.pressure.max()), non_measured=holes)
+        for solution, saturated in ((contact, False), (limited, True)):
+            view = view_solution(solution, None, False)
+            (mesh,), options = view.calls["add_mesh"]
+            highest = solution.pressure.max() / 1e6
+            field = mesh.point_data["pressure, MPa"].reshape(grid.shape, order="F")
+            np.testing.assert_array_equal(np.isfinite(field), solution.contact)
+            below = solution.contact & ~solution.saturated
+            np.testing.assert_allclose(field[below], solution.pressure[below] / 1e6)
+            assert options["clim"] == pytest.approx((0.0, highest))
+            assert (options["cmap"], options["nan_color"]) == ("viridis", LIGHT.counterbody)
+            assert ("above_color" in options) == saturated
+            assert (options["scalar_bar_args"].get("above_label") == "saturated") == saturated
+            if saturated:
+                assert (field[solution.saturated] > highest).all()
+            heights = np.where(holes & saturated, np.nan, -solution.initial_gap)
+            heights = np.where(np.isnan(heights), np.nanmean(heights), heights)
+            raised = mesh.points[2] * 40e-6 / (heights - heights.mean())
+            times = _choose(grid, heights)
+            np.testing.assert_allclose(raised, times)
+            assert 0.04 < np.ptp(mesh.points[2]) <= 0.12
+            assert view.calls["add_text"][0][0].endswith(f"heights drawn {times:g} times as high")
+            assert view.calls["set_background"][0] == (LIGHT.paper,)
+            assert "Contact area" in view.calls["add_text"][0][0]
