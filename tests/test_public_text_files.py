@@ -126,11 +126,12 @@ def wyko(in_nanometres=True):
     return head + lines(np.where(MISSING, np.nan, Z) * 1e3 / factor, form="{:.9g}", missing="Bad")
 
 
-def igor(unit="m"):
+def igor(unit="m", flag="/P", along_x=DX, along_y=DY):
     values = lines(Z * 1e-6, "\t", "\t{:.10g}")
+    x, y = (f"{0.1 * flag.count('I'):g},{1e-6 * end + 0.1 * flag.count('I'):.12g}" for end in (along_x, along_y))
     return (
         f"IGOR\nWAVES/D/N=({NX},{NY})\theights\nBEGIN\n{values}END\n"
-        f'X SetScale/P x 0,{DX * 1e-6},"m", heights; SetScale/P y 0,{DY * 1e-6},"m", heights; '
+        f'X SetScale{flag} x {x},"m", heights; SetScale{flag} y {y},"m", heights; '
         f'SetScale d 0,0,"{unit}", heights\n'
     )
 
@@ -244,6 +245,8 @@ READ = {
     "WSxM, points": ("a.txt", wsxm() + points(), {}),
     "WSxM, matrix": ("a.txt", wsxm_matrix() + lines(DOWN), {"unit": "um"}),
     "Igor": ("a.itx", igor(), {}),
+    "Igor, first and last point": ("a.itx", igor("m", "/I", DX * (NX - 1), DY * (NY - 1)), {}),
+    "Igor, first point and end": ("a.itx", igor("m", "", DX * NX, DY * NY), {}),
     "ESRI": ("a.asc", esri() + lines(without(Z).T[::-1], " ", missing="-9999"), GIVEN),
     "ESRI without its value": ("a.asc", esri("") + lines(without(Z).T[::-1], " ", missing="-9999"), GIVEN),
     "ESRI, centres": ("a.asc", esri(corner="center") + lines(DOWN, " "), GIVEN),
