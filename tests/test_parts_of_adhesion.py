@@ -12,6 +12,7 @@ import pytest
 import roughcontact as rc
 from exact_contacts import MODULUS, with_fields
 from roughcontact._parts.interactions import BoundInteraction
+from roughcontact._solve.problem import cycle, pull_off
 from roughcontact._solve.solution.attraction import (
     AdhesiveConditions,
     average_gap,
@@ -276,3 +277,170 @@ def test_areas_are_as_unsure_as_the_edge_over_the_cohesive_length(cells):
     assert 0.03 < limit.uncertainty / 100.0 < 0.2
     assert widen_area(area, with_fields(grid, contact, 1.0 - contact), origin) is area
     assert widen_area(area, solution, SimpleNamespace(missing=("adhesion",), problem={})) is area
+
+
+class Path:
+    """States of given approaches and forces; `energies` are those of the states."""
+
+    def __init__(self, approach, force, energies=None, name=""):
+        self.approach, self.force = (np.asarray(one, dtype=float) for one in (approach, force))
+        self.energies, self.name = energies, name
+
+    def __len__(self):
+        return len(self.force)
+
+    def __getitem__(self, index):
+        return SimpleNamespace(force=self.force[index], approach=self.approach[index], warnings=())
+
+    def __iter__(self):
+        return iter(self[k] for k in range(len(self)))
+
+
+class TestCycles:
+    """Springs: their work is their energy, but where a part of it is lost at once."""
+
+    STIFFNESS = 3.0
+
+    @pytest.fixture(autouse=True)
+    def cells(self, monkeypatch):
+        monkeypatch.setattr(cycle, "_find_energies", lambda path: path.energies)
+        monkeypatch.setattr(cycle, "cells_of", lambda state: 2.0)
+
+    def make(self, lost_loading=0.0, lost_unloading=0.0, shift=0.0):
+        """Return a cycle of six states on a spring; between the third and fourth a part of the energy is lost."""
+        approach = np.array([-2.0, -1.0, 0.0, 1.0, 2.0, 4.0])
+        force = self.STIFFNESS * (approach + shift)
+        energy = 0.5 * self.STIFFNESS * (approach + shift) ** 2
+        step = np.array([0, 0, 0, 1, 1, 1])
+        loading = Path(approach, force, energy - lost_loading * step)
+        unloading = Path(approach[::-1], force[::-1], energy[::-1] - lost_unloading * step)
+        return cycle.AdhesionCycle(loading, unloading)
+
+    def test_nothing_is_lost_on_a_spring(self):
+        found = self.make()
+        for lost in found.losses:
+            np.testing.assert_allclose(lost, 0.0, atol=1e-12)
+        assert found.dissipated.value == pytest.approx(0.0, abs=1e-12)
+        assert found.dissipated.uncertainty < 1.0
+        assert found.jumps == ()
+
+    def test_the_energy_lost_in_a_step_is_a_jump(self):
+        found = self.make(4.0, 5.0)
+        np.testing.assert_allclose(found.losses[0], [0, 0, 4, 0, 0], atol=1e-12)
+        np.testing.assert_allclose(found.losses[1], [0, 0, 5, 0, 0], atol=1e-12)
+        assert found.jumps == ((0.0, 1.0), (1.0, 0.0))
+        lost = found.dissipated
+        assert lost.value == pytest.approx(9.0)
+        assert lost.unit == "J"
+        # Anywhere in a step of 1 over which the force changes by 3: a uniform distribution.
+        jumps = math.hypot(3.0, 3.0) / math.sqrt(12.0)
+        smooth = 2.0 * float(np.median(np.maximum([0, 0, 0, 0, 3.0], [0, 0, 0, 3.0, 3.0]) / 12.0)) * math.sqrt(6.0)
+        assert lost.uncertainty == pytest.approx(math.hypot(smooth, jumps) + 9.0 * 0.8 * math.exp(-4.0))
+
+    def test_small_losses_are_no_jumps(self):
+        """A tenth of the work of the step and a twentieth of the lowest force over it are allowed."""
+        # Work of the step from 0 to 1: 1.5; lowest force 6.
+        allowed = 0.1 * 1.5 + 0.05 * 6.0
+        assert self.make(1.01 * allowed).jumps == ((0.0, 1.0),)
+        assert self.make(0.99 * allowed).jumps == ()
+        # What one branch loses by the rule the other one gives back.
+        assert self.make(2.0, -1.2).jumps == ()
+        assert self.make(2.0, -0.8).jumps == ((0.0, 1.0),)
+
+    def test_the_error_of_the_rule_is_the_second_difference_over_twelve(self):
+        """Of a parabola over equal steps: exactly the error of the trapezoidal rule in each."""
+        approach = 0.5 * np.arange(9.0)
+        path = Path(approach, 1.5 * approach**2)
+        rule = 0.25 * (path.force[1:] + path.force[:-1])
+        exact = 0.5 * np.diff(approach**3)
+        np.testing.assert_allclose(cycle._second_differences(path), rule - exact)
+        assert cycle._find_rule_error(path) == pytest.approx(3.0 * (rule - exact)[0])
+        assert np.isinf(cycle._second_differences(Path([0.0, 1.0], [0.0, 1.0]))).all()
+
+
+class TestPullOff:
+    @pytest.fixture(autouse=True)
+    def certain(self, monkeypatch):
+        monkeypatch.setattr(pull_off, "_find_grid_error", lambda state: 0.01)
+        monkeypatch.setattr(pull_off, "find_cut_tension", lambda state: (0.0, 0.02))
+        monkeypatch.setattr(pull_off, "warn_of_border", lambda state: None)
+
+    def test_the_lowest_force_is_that_of_the_parabola(self):
+        approach = np.array([0.0, -1.0, -1.5, -2.5, -3.0])
+        force = 2.0 * (approach + 1.7) ** 2 - 5.0
+        found = pull_off.find_minimum(Path(approach, force), ("known",))
+        assert found.value == pytest.approx(-5.0)
+        below = force[2] + 5.0
+        assert found.uncertainty == pytest.approx(math.hypot(0.5 * below, 0.01 * abs(force[2]), 0.02))
+        assert (found.unit, found.warnings) == ("N", ("known",))
+
+    def test_at_the_end_of_a_path_it_may_go_on(self):
+        found = pull_off.find_minimum(Path([0.0, -1.0, -2.0], [0.0, -3.0, -4.0]), ())
+        assert (found.value, found.uncertainty) == (-4.0, 4.0)
+        assert found.warnings == ("the lowest force is at the end of the path: continue it",)
+
+    def test_before_a_jump_it_is_the_last_state(self):
+        approach = [0.0, -1.0, -2.0, -3.0]
+        found = pull_off.find_minimum(Path(approach, [0.0, -3.0, -4.0, 0.0]), ())
+        assert found.value == -4.0
+        assert found.uncertainty == pytest.approx(math.hypot(1.0 + 0.5 * pull_off_below(-3.0, -4.0, 0.0), 0.04, 0.02))
+
+    def test_steps_that_may_hold_a_lower_force_are_those_beside_it_and_those_that_promise_one(self):
+        approach = np.array([0.0, -1.0, -2.0, -3.0, -4.0, -5.0, -6.0])
+        # Falls of 1 for each step up to the lowest one; later one of 2, that would reach -6, and jumps.
+        path = list(Path(approach, [0.0, -2.0, -5.0, -3.0, -4.0, -2.0, -2.5]))
+        assert pull_off._may_be_lowest(path).tolist() == [False, True, True, False, False, False, False][:6]
+        steep = list(Path(approach, [0.0, -2.0, -5.0, -3.0, -4.5, -2.0, -2.5]))
+        # From -4.5 at the rate of 1.5 to -6.
+        assert pull_off._may_be_lowest(steep).tolist() == [False, True, True, False, True, False]
+
+    def test_the_change_with_the_range_goes_on_to_none(self):
+        """Ranges in the ratio of the root of two, by the power 1.2; where lines are straight the change is unsure."""
+        bowl = GRID.x**2 + GRID.y**2
+        start = sticky(np.full(GRID.shape, 0.5), initial_gap=bowl, boundary="periodic")
+        shorter, longer = rc.Estimate(-10.0, 0.1, "N"), rc.Estimate(-9.0, 0.2, "N")
+        change = -1.0 / (2.0**0.6 - 1.0)
+        too_strong, unlike = pull_off._find_unlike_summits(start)
+        found = pull_off._extrapolate_range(shorter, longer, start)
+        assert found.value == pytest.approx((1.0 - too_strong) * (-10.0 + change))
+        error = math.hypot(0.1, 0.2, 0.25 * change, unlike * (-10.0 + change))
+        assert found.uncertainty == pytest.approx(error)
+        line = attrs.evolve(start, initial_gap=np.broadcast_to(GRID.x**2, GRID.shape).copy())
+        found = pull_off._extrapolate_range(shorter, longer, line)
+        assert found.value == -10.0
+        unlike = pull_off._find_unlike_summits(line)[1]
+        assert found.uncertainty == pytest.approx(math.hypot(0.1, change, unlike * 10.0))
+        far = pull_off._extrapolate_range(shorter, rc.Estimate(-8.0, 0.2, "N"), start)
+        assert far.value == pytest.approx(-10.0 * (1.0 - too_strong))
+
+    @pytest.mark.parametrize("boundary", ["free", "periodic"])
+    def test_summits_of_a_paraboloid_are_alike(self, boundary):
+        grid = rc.Grid((14, 16), (14.0, 32.0))
+        bowl = 0.3 * grid.x**2 + 0.2 * grid.y**2
+        tension = np.where(np.hypot(grid.x, grid.y) < 4.0, 1.0, 0.0)
+        found = pull_off._find_unlike_summits(sticky(tension, initial_gap=bowl, grid=grid, boundary=boundary))
+        if boundary == "free":
+            assert found == pytest.approx((0.0, 0.0), abs=1e-9)
+        else:
+            # Beyond the border it bends back.
+            assert 0.0 < found[0] < found[1] < 0.5
+        rng = np.random.default_rng(2)
+        wild = bowl + rng.normal(size=grid.shape) * 30.0
+        few = np.zeros(grid.shape)
+        few[6:8, 7] = 1.0
+        strong, unsure = pull_off._find_unlike_summits(sticky(few, initial_gap=wild, grid=grid, boundary=boundary))
+        # As unlike as can be, and a contact of two cells: a third.
+        assert strong == pytest.approx(0.7 * 0.33)
+        assert unsure == pytest.approx(math.hypot(0.25, 0.33))
+
+    def test_where_only_border_cells_are_attracted_summits_are_not_known(self):
+        tension = np.zeros(GRID.shape)
+        tension[0, 3] = 1.0
+        found = pull_off._find_unlike_summits(sticky(tension, initial_gap=GRID.x**2 + GRID.y**2))
+        assert found == (0.0, 0.25)
+
+
+def pull_off_below(before, lowest, after):
+    """Return how far the parabola through three equal steps lies below the middle one."""
+    slope, bend = 0.5 * (after - before), before - 2.0 * lowest + after
+    return slope**2 / (2.0 * bend)
