@@ -508,14 +508,14 @@ def test_first_yield_that_cannot_be_gets_a_sentence():
 def test_layers_are_asked_about_metres():
     """At the sides, depths and wave numbers of oblong cells, whose lengths are given in sides along x."""
 
-    class Told:
+    class Asked:
         def stress_coefficients(self, load, shape, spacing, depth):
             return load, shape, spacing, depth
 
         def stress_spectrum(self, load, qx, qy, spacing, depth):
             return load, qx, qy, spacing, depth
 
-    layers = LayersBelow(Told(), 2e-6)
+    layers = LayersBelow(Asked(), 2e-6)
     assert layers.find_table("z", (4, 5), (1.0, 3.0), 0.5) == ("z", (4, 5), (2e-6, 6e-6), 1e-6)
     load, qx, qy, spacing, depth = layers.find_symbols("x", (np.array([0.1, 0.2]), np.array([0.3])), (2.0, 3.0), 4.0)
     assert (load, spacing, depth) == ("x", (4e-6, 6e-6), 8e-6)
