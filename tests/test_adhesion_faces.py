@@ -140,6 +140,12 @@ class TestCycleOfTheCommand:
         assert found["dissipated"]["unit"] == "J"
         assert [state["force"] for state in found["states"]] == [*cycle.loading.force, *cycle.unloading.force]
 
+    def test_ends_with_three_where_a_force_alone_is_doubtful(self, ball, capsys):
+        short = ("--cycle", "0nm", "300nm", "--states", "2")
+        status, printed = run(capsys, "solve", ball, *short, *BODY, *self.LAW)
+        assert status == 3
+        assert "continue it" in " ".join(printed.out.split())
+
     @pytest.mark.parametrize("doubtful", [True, False])
     def test_ends_with_three_where_an_answer_alone_is_doubtful(self, ball, capsys, monkeypatch, doubtful):
         monkeypatch.setattr(cycle_command, "is_doubtful", lambda *_: doubtful)
