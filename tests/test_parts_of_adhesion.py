@@ -27,7 +27,7 @@ from roughcontact._solve.solution.attraction import (
 from roughcontact._solve.solution.results import _undecided, estimate_attractive_area
 
 LAW = BoundInteraction(rc.Exponential(2.0, 4.0))
-GRID = rc.Grid((9, 12), (9.0, 24.0))
+GRID = rc.Grid((9, 12), (4.5, 24.0))
 
 
 def sticky(tension, pressure=None, boundary="free", grid=GRID, **options):

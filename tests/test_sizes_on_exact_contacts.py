@@ -19,6 +19,8 @@ POISSON = 0.3
 MODULUS = 1e9
 BODY = rc.Elastic(MODULUS * (1.0 - POISSON**2), POISSON)
 SLOPE = 1e-3
+# Side of a square cell, m: not one, or its powers would be alike.
+SIDE = 0.3
 
 
 def stress_on_axis():
@@ -53,7 +55,7 @@ def make_strips(rng, direction, cells):
     ratio = 1.0 if direction == "diagonal" else (1.0, 0.5, 1.5)[rng.integers(3)]
     # As many waves as make the strips so wide.
     wanted = max(round(part * shape[0] / (math.hypot(*turns) * cells)), 1)
-    grid = rc.Grid(shape, (float(shape[0]), ratio * shape[1]))
+    grid = rc.Grid(shape, (SIDE * shape[0], SIDE * ratio * shape[1]))
     qx, qy = (wanted * turn / side for turn, side in zip(turns, grid.size, strict=True))
     wave = 1.0 / math.hypot(qx, qy)
     heights = SLOPE * wave * np.cos(2.0 * np.pi * (qx * grid.x + qy * grid.y) + rng.uniform(0.0, 6.28))
@@ -74,9 +76,9 @@ def make_strips(rng, direction, cells):
 
 
 def make_grid(rng, half_sides):
-    """Return a grid with room around these, m; cells have the area one; and a place near the centre."""
+    """Return a grid of cells of one area with room around these, m, and x and y from a place near its centre."""
     ratio = (1.0, 0.5, 2.0)[rng.integers(3)]
-    sides = math.sqrt(1.0 / ratio), math.sqrt(ratio)
+    sides = SIDE * math.sqrt(1.0 / ratio), SIDE * math.sqrt(ratio)
     shape = tuple(
         int(2.6 * half / side) + int(rng.integers(5, 8)) for half, side in zip(half_sides, sides, strict=True)
     )
@@ -87,9 +89,10 @@ def make_grid(rng, half_sides):
 
 def make_ellipse(rng, ratio, cells):
     """Hertz's contact with an area of so many square cells times pi, turned by any angle."""
-    radius = 100.0 * cells
+    size = SIDE * cells
+    radius = 100.0 * size
     radii = radius / math.sqrt(ratio), radius * math.sqrt(ratio)
-    force = 4.0 / 3.0 * MODULUS * cells**3 / radius
+    force = 4.0 / 3.0 * MODULUS * size**3 / radius
     exact = (
         reference.hertz_sphere(force, radius, MODULUS)
         if ratio == 1.0
@@ -116,34 +119,36 @@ def make_ellipse(rng, ratio, cells):
 
 def make_power(rng, power, cells):
     """Galin: the approach under c r^n is c a^n sqrt(pi) G(n/2 + 1) / G(n/2 + 1/2)."""
-    rise = 0.01 * cells
+    size = SIDE * cells
+    rise = 0.01 * size
     approach = rise * math.sqrt(math.pi) * math.gamma(0.5 * power + 1.0) / math.gamma(0.5 * power + 0.5)
-    grid, x, y = make_grid(rng, (cells, cells))
-    force = 2.0 * MODULUS * power / (power + 1.0) * approach * cells
-    solution = solve(-rise * (np.hypot(x, y) / cells) ** power, grid, force=force)
+    grid, x, y = make_grid(rng, (size, size))
+    force = 2.0 * MODULUS * power / (power + 1.0) * approach * size
+    solution = solve(-rise * (np.hypot(x, y) / size) ** power, grid, force=force)
     return solution, {
-        "area": math.pi * cells**2,
-        "perimeter": 2.0 * math.pi * cells,
+        "area": math.pi * size**2,
+        "perimeter": 2.0 * math.pi * size,
         "approach": approach,
         "patches": 1.0,
-        "stiffness": 2.0 * MODULUS * cells,
-        "conductance": 2.0 * cells,
+        "stiffness": 2.0 * MODULUS * size,
+        "conductance": 2.0 * size,
     }
 
 
 def make_roller(rng, axis, cells):
     """A cylinder on a domain that repeats along it: Johnson, section 4.2 (c)."""
-    grid, x, y = make_grid(rng, (cells, 8.0) if axis == 0 else (8.0, cells))
-    radius, length = 100.0 * cells, grid.size[1 - axis]
-    load = math.pi * MODULUS * cells**2 / (4.0 * radius)
+    half = SIDE * cells
+    grid, x, y = make_grid(rng, (half, 8.0 * SIDE) if axis == 0 else (8.0 * SIDE, half))
+    radius, length = 100.0 * half, grid.size[1 - axis]
+    load = math.pi * MODULUS * half**2 / (4.0 * radius)
     boundary = ("free-periodic", "periodic-free")[axis]
     across = (x, y)[axis]
     body = rc.Body(rc.HeightMap(-(across**2) / (2.0 * radius) + np.zeros(grid.shape), size=grid.size), BODY)
     solution = rc.ContactProblem(body, boundary=boundary, threads=1).solve(force=load * length)
     return solution, {
-        "area": 2.0 * cells * length,
+        "area": 2.0 * half * length,
         "perimeter": 2.0 * length,
-        "peak-pressure": 2.0 * load / (math.pi * cells),
+        "peak-pressure": 2.0 * load / (math.pi * half),
     }
 
 
