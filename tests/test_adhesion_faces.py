@@ -213,6 +213,7 @@ class TestFigures:
         axes = cycle.plot()
         labels = {line.get_label(): line for line in axes.lines}
         assert {"loading", "unloading"} <= set(labels)
+        assert list(axes.lines[-1].get_ydata()) == [0.0, 0.0]
         drawn = labels["unloading"].get_ydata()
         assert drawn / np.abs(drawn).max() == pytest.approx(
             cycle.unloading.force / np.abs(cycle.unloading.force).max(), rel=1e-6
