@@ -375,3 +375,15 @@ def test_a_form_is_the_same_polynomial_on_other_cells(shape, holes):
     np.testing.assert_allclose(polynomial(heights, 3, missing, shape), exact(*shape), rtol=1e-10)
     if shape == (12, 9):
         np.testing.assert_allclose(polynomial(heights, 3, missing), exact(12, 9), rtol=1e-10)
+
+
+@pytest.mark.parametrize("interpolation", ["cubic", "bilinear"])
+@pytest.mark.parametrize("shape", [(64, 45), (20, 90)])
+def test_resampled_waves_stand_where_they_stood(interpolation, shape):
+    def wave(nx, ny):
+        x, y = ((np.arange(n) + 0.5) / n for n in (nx, ny))
+        return np.cos(2.0 * np.pi * x[:, np.newaxis] + 0.4) + np.sin(2.0 * np.pi * y)
+
+    found = rc.HeightMap(wave(40, 36), size=(2.0, 3.0), periodic=True).resample(shape, interpolation)
+    error = 1e-3 if interpolation == "cubic" else 8e-3
+    np.testing.assert_allclose(found.values, wave(*shape), atol=error)
