@@ -243,12 +243,32 @@ def copy_of_tree(target: Path) -> Path:
     return target
 
 
+def name_of(place: tuple) -> str:
+    """Return the name that the statement of a place at the head of a module gives a value; empty if it gives none."""
+    found = re.match(r"(\w+)(?:\s*:[^=]+)?\s*\|?=[^=]", (ROOT / place[0]).read_text().split("\n", place[1] - 1)[-1])
+    return found[1] if found else ""
+
+
+@functools.lru_cache
+def lines_with(name: str) -> list[tuple[str, int]]:
+    """Return the files and lines of the package where a name stands."""
+    found = re.compile(rf"\b{name}\b") if name else re.compile("(?!)")
+    return [
+        (str(path.relative_to(ROOT)), number)
+        for path in PACKAGE.rglob("*.py")
+        for number, line in enumerate(path.read_text().split("\n"), 1)
+        if found.search(line)
+    ]
+
+
 def tests_of(place: tuple, lines: dict, seconds: dict, breadth: dict, bound: float) -> list[str]:
     """The tests that run the place, those that are fast and run little else first, up to a bound of seconds."""
     path, first, last, inside, *_ = place
     module = lines.get(path, {})
     chosen = {one for line in range(first, last + 1) for one in module.get(line, ()) if inside}
-    if not chosen:  # what runs at import counts for all tests of the module
+    if not inside:  # what runs at import is noticed where its name stands, or by any test of the module
+        chosen = {one for where, line in lines_with(name_of(place)) for one in lines.get(where, {}).get(line, ())}
+    if not chosen:
         chosen = {one for names in module.values() for one in names}
     order = sorted(chosen & seconds.keys(), key=lambda one: (seconds[one] + 0.01) * breadth[one])
     total, kept = 0.0, []

@@ -84,9 +84,11 @@ def test_pull_off_without_a_range_is_that_of_johnson():
     assert abs(found.value - BALL.pull_off) < 2.0 * found.uncertainty
     assert found.value == pytest.approx(BALL.pull_off, rel=0.015)
     assert found.uncertainty < 0.03 * abs(found.value)
-    # The law itself, of the range that the cells resolve, pulls more.
+    # The law itself, of the range that the cells resolve, pulls more, and its uncertainty says by how much.
     approach = np.linspace(-1.1, 0.3, 15) / RADIUS
-    assert problem.cycle(approach=approach + problem.summit).pull_off.value < 1.03 * BALL.pull_off
+    pulled = problem.cycle(approach=approach + problem.summit).pull_off
+    assert pulled.value < 1.03 * BALL.pull_off
+    assert 0.9 < pulled.uncertainty / abs(pulled.value - BALL.pull_off) < 1.5
 
 
 def test_straight_edges_along_the_cells_are_not_extrapolated():

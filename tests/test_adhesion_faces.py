@@ -16,6 +16,7 @@ import pytest
 import roughcontact as rc
 from roughcontact import testing as kit
 from roughcontact.__main__ import main
+from roughcontact._faces.cli import cycle as cycle_command
 
 LAW = ["--adhesion", "exponential", "work=50mJ/m2", "range=60nm"]
 BODY = ["--young", "5MPa", "--poisson", "0.5"]
@@ -139,6 +140,19 @@ class TestCycleOfTheCommand:
         assert found["dissipated"]["unit"] == "J"
         assert [state["force"] for state in found["states"]] == [*cycle.loading.force, *cycle.unloading.force]
 
+    def test_ends_with_three_where_a_force_alone_is_doubtful(self, ball, capsys):
+        short = ("--cycle", "0nm", "300nm", "--states", "2")
+        status, printed = run(capsys, "solve", ball, *short, *BODY, *self.LAW)
+        assert status == 3
+        assert "continue it" in " ".join(printed.out.split())
+
+    @pytest.mark.parametrize("doubtful", [True, False])
+    def test_ends_with_three_where_an_answer_alone_is_doubtful(self, ball, capsys, monkeypatch, doubtful):
+        monkeypatch.setattr(cycle_command, "is_doubtful", lambda *_: doubtful)
+        status, printed = run(capsys, "solve", ball, *self.CYCLE, *BODY, *self.LAW, "--stiffness")
+        assert status == (3 if doubtful else 0)
+        assert ("doubtful: see its warnings" in printed.err) == doubtful
+
     @pytest.mark.parametrize(
         ("arguments", "sentence"),
         [
@@ -199,6 +213,7 @@ class TestFigures:
         axes = cycle.plot()
         labels = {line.get_label(): line for line in axes.lines}
         assert {"loading", "unloading"} <= set(labels)
+        assert list(axes.lines[-1].get_ydata()) == [0.0, 0.0]
         drawn = labels["unloading"].get_ydata()
         assert drawn / np.abs(drawn).max() == pytest.approx(
             cycle.unloading.force / np.abs(cycle.unloading.force).max(), rel=1e-6

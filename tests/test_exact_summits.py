@@ -131,12 +131,13 @@ def ellipsoid(grid, curvatures, angle, centre, force, boundary="periodic", **opt
     return solution, area, axes
 
 
+@pytest.mark.parametrize("moduli", [None, (MODULUS,) * 128])
 @pytest.mark.parametrize("cell", CELLS)
 @pytest.mark.parametrize(
     ("curvatures", "angle"), [((2.0, 1.0), 0.0), ((0.5, 1.5), 0.6), ((1.0, 3.0), 2.5), ((1.0, 1.0), 0.0)]
 )
-def test_summits_have_the_ellipse_of_hertz(cell, curvatures, angle):
-    """Place, area, axes, angle and extents, anywhere on the grid and across its border."""
+def test_summits_have_the_ellipse_of_hertz(cell, curvatures, angle, moduli):
+    """Place, area, axes, angle and extents, anywhere on the grid; also of moduli that are alike in all directions."""
     shape = (36, 45)
     grid = rc.Grid(shape, (shape[0] * cell[0], shape[1] * cell[1]))
     mean = 0.5 * sum(curvatures)
@@ -145,7 +146,7 @@ def test_summits_have_the_ellipse_of_hertz(cell, curvatures, angle):
     if size * 1.8 > 0.4 * min(grid.size):
         grid = rc.Grid((90, 90), (90 * cell[0], 90 * cell[1]))
     for centre in ((0.3, -0.4), (0.3 * cell[0], 0.1 * cell[1])):
-        solution, area, axes = ellipsoid(grid, curvatures, angle, centre, force)
+        solution, area, axes = ellipsoid(grid, curvatures, angle, centre, force, directional_moduli=moduli)
         spline = Spline.through_gap(solution)
         found = find_summits(solution, spline)
         assert found.known.tolist() == [True]

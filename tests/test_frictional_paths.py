@@ -533,6 +533,7 @@ class TestAnswers:
         axes = path.plot()
         assert "displacement" in axes.get_xlabel()
         assert len(axes.lines) >= 2
+        assert list(axes.lines[-1].get_ydata()) == [0.0, 0.0]
         with pytest.raises(InputError, match="axes"):
             path.plot(axes=3)
 

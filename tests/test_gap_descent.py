@@ -323,3 +323,49 @@ def test_a_limit_of_iterations_ends_the_solve_and_steps_are_reported():
     assert outcome.status is Status.MAXIMUM_ITERATIONS
     assert [step.error for step in steps] == list(outcome.errors)
     assert steps[-1].shape == (64, 64)
+
+
+@pytest.mark.parametrize("solver", [GapDescent(), Majorise()])
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+@pytest.mark.parametrize("given", ["load", "approach"])
+def test_a_solution_is_found_again_from_itself(solver, boundary, given):
+    """From its pressure alone, and with its gap: the same contact, in a part of the products."""
+    grid, gap = make_rough((40, 36), (1.0, 1.5))
+    convolution = prepare(grid, boundary)
+    task = Task(initial_gap=gap, interaction=make_law(0.1), mean_pressure=0.01)
+    cold = solve(convolution, task, solver)
+    moved = convolution.apply(cold.pressure) + gap
+    weights = (cold.pressure + cold.tension) * contact_of(cold)
+    approach = float((weights * moved).sum() / weights.sum())
+    if given == "approach":
+        task = attrs.evolve(task, mean_pressure=None, approach=approach)
+    start_gap = np.where(contact_of(cold), 0.0, np.maximum(moved - approach, 0.0))
+    starts = [{"start": cold.pressure, "start_gap": start_gap}, {"start": cold.pressure}]
+    for start in starts:
+        warm = solve(convolution, attrs.evolve(task, **start), solver)
+        assert np.mean(contact_of(warm) != contact_of(cold)) < 0.01
+        assert np.abs(warm.pressure - cold.pressure).max() < 0.02 * cold.pressure.max()
+        assert warm.convolutions < 0.7 * cold.convolutions
+
+
+def test_what_cannot_be_pressed_is_said():
+    """More tension than any contact carries, an approach beyond reach, and too few rounds."""
+    grid, gap = make_rough((32, 32))
+    convolution = prepare(grid)
+    task = Task(initial_gap=gap, interaction=make_law(0.02), mean_pressure=-10.0)
+    outcome = Majorise().solve(convolution, task)
+    assert outcome.status is Status.SEPARATED
+    assert not outcome.pressure.any()
+    far = attrs.evolve(task, mean_pressure=None, approach=-50.0 * float(gap.std()))
+    apart = Majorise().solve(convolution, far)
+    assert apart.status is Status.CONVERGED
+    # Nothing touches: the tension of an open gap is all, and moves the surfaces by next to nothing.
+    assert not contact_of(apart).any()
+    np.testing.assert_allclose(apart.tension, task.interaction.tension(gap - far.approach), rtol=1e-3, atol=1e-30)
+    steps = []
+    given = attrs.evolve(task, mean_pressure=0.01, on_step=steps.append)
+    few = Majorise(max_rounds=2).solve(convolution, given)
+    assert few.status is Status.MAXIMUM_ITERATIONS
+    assert few.iterations == len(few.errors) == len(steps) == 2
+    assert [step.iteration for step in steps] == [0, 1]
+    assert [step.error for step in steps] == list(few.errors)

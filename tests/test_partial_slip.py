@@ -340,3 +340,23 @@ def test_a_neglected_coupling_errs_as_the_uncertainty_says(friction):
     error = found.displacement.value / (path[-1].displacement[0] - path[-2].displacement[0]) - 1.0
     stated = found.displacement.uncertainty / found.displacement.value
     assert -2.0 * stated < error < -0.25 * stated
+
+
+@pytest.mark.parametrize(("seed", "narrow"), [(1, True), (3, False)])
+def test_what_the_stick_zone_is_warned_of_the_answer_is_too(seed, narrow):
+    """Nearly sliding, the last cells that stick are few; the normal contact itself has many."""
+    surface = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.1, shortest=3.0, longest=16.0, seed=seed)
+    like = rc.Elastic(1.0, 0.3)
+    problem = rc.ContactProblem(
+        rc.Body(surface, like), rc.Body(rc.FlatSurface(), like), grid=rc.Grid((24, 24), 24.0), boundary="periodic",
+        threads=1,
+    )  # fmt: skip
+    solution = problem.solve(pressure=3e-3)
+    found = solution.partial_slip(tangential_force=0.18 * solution.force, friction=0.2)
+    few = "of the counted area is in patches of fewer than four cells"
+    assert not any(few in text for text in solution.area().warnings)
+    assert any(few in text for text in found.stick_area.warnings)
+    assert set(found.stick_area.warnings) <= set(found.warnings)
+    assert any("too narrow" in text for text in found.warnings) == narrow
+    assert len(set(found.warnings)) == len(found.warnings)
+    assert str(found).count("warning: ") == len(found.warnings)

@@ -178,7 +178,7 @@ def test_discs_and_strips_have_a_width_and_a_roundness():
 
 def test_the_excess_is_continuous_in_the_extrapolation():
     """None, half and full extrapolation have their own excesses; between them it is linear."""
-    grid = rc.Grid((30, 30), 30.0)
+    grid = rc.Grid((30, 30), 15.0)
     edges = attrs.evolve(trace_edges(ball(grid, 9.0, 100.0)), curvature_resolution=0.5)
     edges = attrs.evolve(edges, excess=np.array([0.0, 4.0]), excess_refined=np.array([0.0, 1.0]))
     at = {part: float(edges.find_excess(np.full(2, part))[1]) for part in (0.0, 0.25, 0.5, 0.75, 1.0)}
@@ -193,7 +193,7 @@ def test_the_excess_is_continuous_in_the_extrapolation():
 
 def test_the_standard_deviation_of_an_excess_falls_with_the_pieces_of_the_edge():
     """The other parts are those of all edges together; cells of 1 by 4 double them, and the excess once more."""
-    grid = rc.Grid((30, 30), 30.0)
+    grid = rc.Grid((30, 30), 15.0)
     edges = trace_edges(ball(grid, 9.0, 100.0))
     given = {"shift": 0.1, "slender": 0.2, "saturated": 3.0, "meeting": 4.0, "unseen": 10.0}
     given = {name: np.full(2, value) for name, value in given.items()}
@@ -206,7 +206,7 @@ def test_the_standard_deviation_of_an_excess_falls_with_the_pieces_of_the_edge()
 
 
 def test_standard_deviations_of_single_edges_and_of_those_beside_hertz_areas():
-    grid = rc.Grid((30, 30), 30.0)
+    grid = rc.Grid((30, 30), 15.0)
     edges = trace_edges(ball(grid, 9.0, 100.0))
     alone = 1.6 * (edges.std[1] * math.sqrt(edges.alike[1]) + calibration.EDGE_POSITION_STD * edges.strip[1])
     assert edges.alone_std[1] == pytest.approx(alone)
@@ -214,9 +214,10 @@ def test_standard_deviations_of_single_edges_and_of_those_beside_hertz_areas():
     assert edges.blended_std[1] == pytest.approx(blended)
 
 
+@pytest.mark.parametrize("sides", [(1.0, 1.0), (0.5, 3.0)])
 @pytest.mark.parametrize("turn", [0.0, 0.3, 0.25 * math.pi, 2.0])
-def test_the_lay_ratio_of_a_quadratic_surface_is_that_of_its_curvatures(turn):
-    grid = rc.Grid((40, 41), (40.0, 41.0))
+def test_the_lay_ratio_of_a_quadratic_surface_is_that_of_its_curvatures(turn, sides):
+    grid = rc.Grid((40, 41), (40.0 * sides[0], 41.0 * sides[1]))
     u, v = math.cos(turn) * grid.x + math.sin(turn) * grid.y, math.cos(turn) * grid.y - math.sin(turn) * grid.x
     body = rc.Body(rc.HeightMap(-1e-3 * (u**2 + 0.25 * v**2), size=grid.size), rc.Elastic(1.0, 0.0))
     solution = rc.ContactProblem(body).solve(force=0.1)
@@ -224,7 +225,7 @@ def test_the_lay_ratio_of_a_quadratic_surface_is_that_of_its_curvatures(turn):
 
 
 def test_narrow_patches_are_not_extrapolated_and_wide_ones_are():
-    grid = rc.Grid((30, 30), 30.0)
+    grid = rc.Grid((30, 30), 15.0)
     edges = trace_edges(ball(grid, 9.0, 100.0))
     middle = math.sqrt(6.0 * 60.0)
     cases = {1.0: 0.0, 1.5: 0.0, 3.0: 0.5, 6.0: 0.5, middle: 0.75, 60.0: 1.0, 500.0: 1.0}
@@ -299,7 +300,7 @@ def test_summits_between_open_cells_have_the_area_of_hertz(cell, boundary):
 
 
 def test_low_open_cells_are_looked_at_once():
-    grid = rc.Grid((12, 12), 12.0)
+    grid = rc.Grid((12, 12), (6.0, 6.0))
     gap = np.full(grid.shape, 5.0)
     gap[3, 3] = gap[3, 4] = 0.1
     gap[8, 8] = 0.2
@@ -359,7 +360,7 @@ def test_the_maximum_pressure_of_a_summit_of_fourth_order(cell, quartic):
 
 
 def test_long_edges_along_a_diagonal_of_the_grid_are_told():
-    grid = rc.Grid((40, 40), 40.0)
+    grid = rc.Grid((40, 40), 20.0)
     i, j = np.indices(grid.shape)
     diagonal = (i + j) % 40 < 20
     straight = np.broadcast_to(i < 20, grid.shape)
@@ -374,7 +375,7 @@ def test_long_edges_along_a_diagonal_of_the_grid_are_told():
 
 def test_warnings_of_areas_come_where_the_grid_fails():
     """Below 5.5 cells a wave; a fifth of the area in small patches of a grid that hardly resolves them; on a layer."""
-    grid = rc.Grid((20, 20), 20.0)
+    grid = rc.Grid((20, 20), 10.0)
     contact = np.zeros(grid.shape, dtype=bool)
     contact[2:8, 2:8] = True
     contact[12, 12] = contact[15, 15] = contact[18, 18] = True

@@ -248,6 +248,11 @@ READ = {
         lambda: tiff((IMAGE * 2).astype("f4"), **gdal(("scale", 0.5), ("unittype", "um"))),
         {"size": SIZE},
     ),
+    "TIFF, GeoTIFF without a scale along y": (
+        "a.tif",
+        lambda: tiff(extratags=[(33550, "d", 3, (2.0, 0.0, 0.0), True)]),
+        ALL,
+    ),
     "TIFF, GeoTIFF": ("a.tif", lambda: tiff(extratags=[(33550, "d", 3, (2.0, 3.0, 0.0), True)]), ALL),
     "TIFF, big": ("a.tiff", lambda: tiff(bigtiff=True, compression="zlib"), ALL),
     "Surfer 6": ("a.grd", surfer6, ALL),

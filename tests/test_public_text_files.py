@@ -126,11 +126,12 @@ def wyko(in_nanometres=True):
     return head + lines(np.where(MISSING, np.nan, Z) * 1e3 / factor, form="{:.9g}", missing="Bad")
 
 
-def igor(unit="m"):
+def igor(unit="m", flag="/P", along_x=DX, along_y=DY):
     values = lines(Z * 1e-6, "\t", "\t{:.10g}")
+    x, y = (f"{0.1 * flag.count('I'):g},{1e-6 * end + 0.1 * flag.count('I'):.12g}" for end in (along_x, along_y))
     return (
         f"IGOR\nWAVES/D/N=({NX},{NY})\theights\nBEGIN\n{values}END\n"
-        f'X SetScale/P x 0,{DX * 1e-6},"m", heights; SetScale/P y 0,{DY * 1e-6},"m", heights; '
+        f'X SetScale{flag} x {x},"m", heights; SetScale{flag} y {y},"m", heights; '
         f'SetScale d 0,0,"{unit}", heights\n'
     )
 
@@ -212,6 +213,30 @@ READ = {
     "Gwyddion, points x y z": ("a.xyz", points(), GIVEN),
     "SPIP, bits": ("a.asc", spip("Bit2nm = 0.5") + lines(2e3 * DOWN), {}),
     "SPIP, unit": ("a.asc", spip("z-unit = um") + lines(DOWN), {}),
+    "SPIP, another unit and bits of one": ("a.asc", spip("z-unit = um", "Bit2nm = 1") + lines(DOWN), {}),
+    "scales that change nothing": (
+        "a.txt",
+        "# z-scale: 1\n# z offset: 0 nm\n# lsb: 1.0\n# missing points: 0\n# scale bar: 5 um\n" + lines(Z),
+        GIVEN | {"rows": "x"},
+    ),
+    "a step in its bracket": ("a.txt", "# dx [um]: 2\n# dy [nm]: 3000\n# z unit: um\n" + lines(Z), {"rows": "x"}),
+    "steps per pixel": (
+        "a.txt",
+        "# X scale: 2 um/pixel\n# Y scale: 3 um per point\nZ (um)\n" + lines(Z),
+        {"rows": "x"},
+    ),
+    "sides without a unit, and theirs": (
+        "a.txt",
+        f"# x size: {NX * DX}\n# y size: {NY * DY}\n# lateral unit: um\n# z unit: um\n" + lines(Z),
+        {"rows": "x"},
+    ),
+    "a unit that is a multiple": ("a.txt", "# z unit: 0.5 um\n" + lines(2.0 * Z), {"size": SIZE, "rows": "x"}),
+    "lengths in a sentence": (
+        "a.txt",
+        f"# All lengths are in um\n# x size: {NX * DX}\n# y size: {NY * DY}\n" + lines(Z),
+        {"rows": "x"},
+    ),
+    "heights in a sentence": ("a.txt", "# All heights are given in nm\n" + lines(1e3 * Z), {"size": SIZE, "rows": "x"}),
     "SPIP, unit and bits of one": ("a.asc", spip("z-unit = nm", "Bit2nm = 1") + lines(1e3 * DOWN), {}),
     "Attocube": ("a.asc", attocube() + lines(DOWN), {}),
     "Nova": ("a.txt", nova() + lines(DOWN), {}),
@@ -220,6 +245,8 @@ READ = {
     "WSxM, points": ("a.txt", wsxm() + points(), {}),
     "WSxM, matrix": ("a.txt", wsxm_matrix() + lines(DOWN), {"unit": "um"}),
     "Igor": ("a.itx", igor(), {}),
+    "Igor, first and last point": ("a.itx", igor("m", "/I", DX * (NX - 1), DY * (NY - 1)), {}),
+    "Igor, first point and end": ("a.itx", igor("m", "", DX * NX, DY * NY), {}),
     "ESRI": ("a.asc", esri() + lines(without(Z).T[::-1], " ", missing="-9999"), GIVEN),
     "ESRI without its value": ("a.asc", esri("") + lines(without(Z).T[::-1], " ", missing="-9999"), GIVEN),
     "ESRI, centres": ("a.asc", esri(corner="center") + lines(DOWN, " "), GIVEN),
@@ -456,6 +483,10 @@ REFUSED = {
     "Gwyddion, a phase": ("a.txt", gwyddion("Phase", unit="deg") + lines(DOWN), {}, "values in 'deg'"),
     "Gwyddion, two channels": ("a.txt", DOUBLE, {}, "stands between its numbers"),
     "SPIP, volts": ("a.asc", spip("z-unit = V") + lines(DOWN), {}, "values in 'V'"),
+    "a channel of currents": ("a.txt", "# Channel: Current\n" + lines(DOWN), GIVEN, "'# Channel: Current', which"),
+    "a calibration of one": ("a.txt", "Height calibration = 1 nm/V\n" + lines(Z), GIVEN, "'Height calibration = 1 nm"),
+    "void pixels": ("a.txt", "# void pixels: 3\n" + lines(Z), GIVEN, "'# void pixels: 3', which changes"),
+    "two unlike sides": ("a.txt", "# x size: 5 um\n# x size: 6 um\n" + lines(Z), GIVEN, "contradict each other"),
     "SPIP, two units": ("a.asc", spip("z-unit = um", "Bit2nm = 0.5") + lines(DOWN), {}, "'# Bit2nm = 0.5'"),
     "Attocube, volts": ("a.asc", attocube("V") + lines(DOWN), {}, "values in 'V'"),
     "NanoScope, one column": ("a.txt", "Height(nm)\n" + lines(UP, "\n"), GIVEN, "stand in one column"),

@@ -12,8 +12,15 @@ import pytest
 
 import roughcontact as rc
 from roughcontact.__main__ import main
-from roughcontact._work.reports.stability.check import RULES
-from roughcontact._work.reports.stability.checks import shift_half_cell
+from roughcontact._parts.grid import Load
+from roughcontact._work.reports.stability.check import RULES, SolvedProblem
+from roughcontact._work.reports.stability.checks import (
+    check_area,
+    check_kernel,
+    check_model,
+    shift_half_cell,
+    sum_displacement,
+)
 from roughcontact.typing import Verdict
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "benchmarks"))
@@ -417,3 +424,27 @@ body.material = { type = "elastic", young = 210e9, poisson = 0.3 }
 [study]
 pressure = [100e6]
 """
+
+
+def test_without_a_contact_there_is_nothing_to_be_judged():
+    """As after a solve that has failed."""
+    problem = rough(32)
+    solution = problem.solve(pressure=1e8)
+    none = np.zeros(solution.pressure.shape)
+    apart = attrs.evolve(solution, pressure=none, displacement=none)
+    solved = SolvedProblem(problem, apart, Load("pressure", 1e8))
+    checks = {check.name: check for check in (*check_area(apart), *check_model(solved), *check_kernel(solved))}
+    without = {name for name, check in checks.items() if "no contact" in check.finding}
+    assert {"area: uncertainty", "cells per wavelength", "convolution: digits lost", "slope", "edge contact"} <= without
+    assert all(checks[name].verdict is SKIPPED for name in without)
+    assert checks["area: warnings"].verdict is PASS
+    assert checks["units"].verdict is PASS
+
+
+def test_the_displacement_at_single_cells_is_that_of_the_convolution():
+    for boundary in ("free", "periodic", "wrapped"):
+        problem = rough(32, boundary=boundary)
+        solution = problem.solve(pressure=1e8)
+        chosen = np.array([0, 31, 500, 1023])
+        found = sum_displacement(problem, solution.pressure, chosen)
+        np.testing.assert_allclose(found, solution.displacement.ravel()[chosen], rtol=1e-9)

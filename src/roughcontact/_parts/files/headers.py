@@ -109,7 +109,7 @@ _NOT_TURNED = frozenset({"no", "off", "false", "none", "0", "0.0", "nein", "non"
 # A sentence that states the unit of the heights, or of all lengths.
 _SENTENCE = re.compile(
     r"(?i).*\b(heights?|z|values?|data|lengths|all(?: \w+)?|dimensions|coordinates|höhen?|werte|längen)\b[^\d:=]{0,30}?"
-    r"\b(?:in|are|is)\b(?: units of)?\s*[\[(]?([^\W\d]{1,11})\b.*",
+    r"\b(?:(?:are|is)\s+(?:\w+\s+){0,2}?in|in|are|is)\b(?: units of)?\s*[\[(]?([^\W\d]{1,11})\b.*",
     re.DOTALL,
 )
 # A unit with a factor: "values in units of 10 nm".
@@ -361,7 +361,8 @@ def _read_number(found: _Found, key: str, value: float, unit: str, line: str) ->
         found.items.setdefault("unit of extent", (unit, line))
     else:
         neutral = next((one for words, one in _CHANGING.items() if words.fullmatch(key)), None)
-        if neutral is not None and (value != neutral or length is not None) and "%" not in unit:
+        # A scale of one nm/V is none of one; no offset is none in any unit.
+        if neutral is not None and (value != neutral or (neutral != 0.0 and unit)) and "%" not in unit:
             found.not_understood.append(line)
 
 

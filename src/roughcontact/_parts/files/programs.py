@@ -162,7 +162,9 @@ def _read_igor(lines: list[str], rows: str) -> RawMap:
     ):
         kind, axis, first, second, unit = found.groups()
         points = int(count[1 if axis == "x" else 2])
-        step = (float(second) - float(first)) / (points - 1) if kind == "/I" else float(second)
+        # /P gives the step, /I the last point, and no flag the end of the last point's cell.
+        steps_there = points - 1 if kind == "/I" else points
+        step = float(second) if kind == "/P" else (float(second) - float(first)) / steps_there
         scales[axis] = (step, unit)
     steps = [scales[axis][0] if axis in scales else None for axis in "xy"]
     return build_map(

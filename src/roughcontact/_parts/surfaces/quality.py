@@ -29,6 +29,9 @@ _COMPUTED_DROP = 1e-5
 _NOISE_SLOPE = -1.0
 # Rise of the slope by noise, over longer waves; aliasing raises it at most by about 1.
 _NOISE_RISE = 1.3
+# Slope above which there is noise even where longer waves are noise too: above those of aliased surfaces, and below
+# the scatter of white noise.
+_WHITE_SLOPE = -0.5
 # Third differences and Laplacians below this fraction of their rms are zero: rounding.
 _ZERO_FRACTION = 1e-6
 # Maximum number of different third differences of stepped heights, and how evenly they are spaced, over the spacing:
@@ -215,7 +218,7 @@ def _judge_spectrum(part: Array, cell: float, unit: float) -> tuple[WarningText,
             noise = unit * math.sqrt(floor * part.size)
             text = f"{_MOSTLY_NOISE}, of about {si(noise, 'm', 2)}, {_FILTER_NOISE}"
             return (*warnings, WarningText(text, _NOISE_RULE, noise))
-    if slopes[-1] > max(_NOISE_SLOPE, min(0.0, float(np.mean(slopes[2:5])) + _NOISE_RISE)):
+    if slopes[-1] > max(_NOISE_SLOPE, min(_WHITE_SLOPE, float(np.mean(slopes[2:5])) + _NOISE_RISE)):
         warnings.append(WarningText(f"{_MOSTLY_NOISE}, {_FILTER_NOISE}", _NOISE_RULE))
     return tuple(warnings)
 
