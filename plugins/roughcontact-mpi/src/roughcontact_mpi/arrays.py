@@ -7,7 +7,6 @@ from typing import Any, NoReturn
 import numpy as np
 import numpy.typing as npt
 import roughcontact as rc
-from numpy.lib.mixins import NDArrayOperatorsMixin
 from roughcontact.typing import RealArray
 
 from roughcontact_mpi import functions
@@ -16,7 +15,7 @@ from roughcontact_mpi.slab import Extent, Slab
 _REDUCTIONS = (np.add, np.minimum, np.maximum)
 
 
-class SlabArray(Slab, NDArrayOperatorsMixin):
+class SlabArray(Slab):
     """An array of which each process has a part along the first axis, or which all have as a whole.
 
     The part is rows of a field, of a flat field, or a part of a list, as of cells. A reduction returns the same number

@@ -152,7 +152,7 @@ class SlabSolution(rc.typing.SlabSolution):
         folder = Path(folder)
         require_place(folder)
         if folder.suffix == SUFFIX:
-            write_store(folder, self)
+            write_store(folder, self, self.numbers)
             return
         processes = self.pressure.processes
         if processes.rank == 0:

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 from typing import Any, ClassVar, TypeVar
 
 import numpy as np
+from numpy.lib.mixins import NDArrayOperatorsMixin
 from roughcontact.typing import RealArray
 
 from roughcontact_mpi.processes import Processes
@@ -32,7 +33,7 @@ class Extent:
         return (self._length, *self.rest)
 
 
-class Slab:
+class Slab(NDArrayOperatorsMixin):
     """The part of an array, its processes and its extent.
 
     Attributes

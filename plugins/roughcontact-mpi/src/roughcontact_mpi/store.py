@@ -48,15 +48,14 @@ def _require_zarr() -> Any:
     return zarr
 
 
-def write_store(path: Path, solution: rc.typing.SlabSolution) -> None:
+def write_store(path: Path, solution: rc.typing.SlabSolution, numbers: Mapping[str, Any]) -> None:
     """Write the fields of a solution to a zarr store, each process its rows; an older store is replaced at the end.
 
     Its arrays have the names, dimensions, units and coordinates of the netCDF files of roughcontact, so that
-    ``xarray.open_zarr`` reads it; its attributes are the numbers of the solution.
+    ``xarray.open_zarr`` reads it; its attributes are the numbers.
     """
     zarr = _require_zarr()
     processes = solution.pressure.processes
-    numbers = solution.numbers
     partial = path.with_name(f".{path.name}.part")
     if processes.rank == 0:
         _create(zarr, partial, solution.grid, processes, {"title": "contact of rough surfaces", **numbers})
