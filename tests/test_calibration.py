@@ -29,7 +29,7 @@ def test_each_constant_says_how_and_by_which_script_it_was_measured():
     assert all((ROOT / script).is_file() for script in scripts)
     groups = re.findall(r"((?:^#.*\n)+)((?:^[A-Z_]+ = .*\n)+)", "".join(sections), flags=re.MULTILINE)
     rows = [(comment, name) for comment, lines in groups for name in re.findall(r"^[A-Z_]+", lines, flags=re.MULTILINE)]
-    assert len(rows) == len(re.findall(r"^[A-Z_]+ = ", TEXT, flags=re.MULTILINE)) == 52
+    assert len(rows) == len(re.findall(r"^[A-Z_]+ = ", TEXT, flags=re.MULTILINE)) == 53
     unmeasured = {name for comment, name in rows if "Measured" not in comment and "Set on" not in comment}
     assert unmeasured == {"OVERLOADS"}  # the places of a table, not measured values
     for section, script in zip(sections, scripts, strict=True):

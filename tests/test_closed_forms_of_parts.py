@@ -312,7 +312,7 @@ def test_points_are_placed_from_half_of_a_grid_on():
         put_on_grid(points_of(shape, step, half[1:]))
     twice = points_of(shape, step)
     twice[5] = twice[6]
-    with pytest.raises(rc.InputError, match="do not lie on a regular grid"):
+    with pytest.raises(rc.InputError, match="two of them or more stand at one place"):
         put_on_grid(twice)
 
 

@@ -7,7 +7,6 @@ import re
 from collections.abc import Iterable
 from typing import Any
 
-import attrs
 import numpy as np
 
 # Characters of a value that a message repeats.
@@ -245,8 +244,8 @@ def short(value: object) -> str:
 
 def message_of(error: Exception) -> str:
     """Return the text of an error in one line; empty if its class fails to describe it."""
-    # The validators of attrs give more than a text.
-    is_of_attrs = len(error.args) > 1 and isinstance(error.args[1], attrs.Attribute)
+    # The validators of attrs, which is imported later, give more than a text.
+    is_of_attrs = len(error.args) > 1 and type(error.args[1]).__name__ == "Attribute"
     try:
         return " ".join(str(error.args[0] if is_of_attrs else error).split())
     # An exception class of the caller's.

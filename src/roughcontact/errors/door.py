@@ -166,8 +166,8 @@ def _guard(function: Callable[..., Any], call: str) -> Callable[..., Any]:
 def _explained(error: Exception, call: str, function: Any, args: Any, kwargs: Any) -> Exception:
     """Return the error of a call: a `WrongCall` for arguments that do not fit its signature, or the translated one."""
     if function.__name__ == "__getattr__":
-        # Cached properties are computed there by attrs.
-        is_computed = hasattr(type(args[0]), args[1])
+        # Cached properties are computed there by attrs, while a class has special names that its objects lack.
+        is_computed = not args[1].startswith("_") and hasattr(type(args[0]), args[1])
         return translated(error, call.replace("__getattr__", args[1])) if is_computed else error
     changed = translated(error, call)
     is_unclear = isinstance(changed, UnexpectedError) or isinstance(error, TypeError)
