@@ -5,7 +5,7 @@
 Each ellipse, of random semi-axes up to .42 of the sides of the domain, is solved on a grid and on one four times finer,
 whose traced area is taken for true. Prints for each the error of Hertz's area and its standard deviation by
 FAR_FIELD_ERROR and WRAPPED_ERROR, and how many of the stated areas and maximum pressures are within two standard
-deviations; half a minute.
+deviations; half a minute. Then the same for two balls about half of a wrapped domain apart, by KINK_ERROR.
 """
 
 from __future__ import annotations
@@ -92,6 +92,25 @@ def measure(case: Ellipse) -> tuple[tuple[float, float], tuple[float, float], tu
     )
 
 
+def press_two_balls(distance: float, radius: float, finer: int = 1) -> rc.ContactSolution:
+    """Return two balls at a distance along x in a wrapped domain of side 1, which touch in circles of a radius."""
+    grid = rc.Grid((64 * finer, 64 * finer), 1.0)
+    places = [grid.x + sign * 0.5 * distance for sign in (-1.0, 1.0)]
+    # The nearest image of each ball.
+    steps = [place - np.round(place) for place in places]
+    heights = np.max([-0.5 * CURVATURE * (step**2 + grid.y**2) for step in steps], axis=0)
+    body = rc.Body(rc.HeightMap(heights, grid.size, periodic=True), rc.Elastic(1.0, 0.0))
+    force = 2.0 * 4.0 / 3.0 * CURVATURE * radius**3
+    return rc.ContactProblem(body, boundary="wrapped").solve(force=force)
+
+
+def measure_two_balls(distance: float, radius: float) -> tuple[float, float]:
+    """Return the relative error of Hertz's areas of both balls together, and its standard deviation."""
+    hertz = hertz_areas(press_two_balls(distance, radius))
+    true = press_two_balls(distance, radius, REFINED).area("level-set-richardson").value
+    return float(np.sum(hertz.area[1:])) / true - 1.0, float(np.mean(hertz.error[1:]))
+
+
 if __name__ == "__main__":
     warnings.filterwarnings("ignore", category=rc.ContactWarning)
     given = [int(text) for text in sys.argv[1:]]
@@ -104,3 +123,8 @@ if __name__ == "__main__":
         print(f"{case.boundary!s:24}  Hertz {100.0 * error:8.3f} %   {stds}")
     area, maximum = 100.0 * np.mean(within, axis=0)
     print(f"within two standard deviations: areas {area:.0f} %, maximum pressures {maximum:.0f} %")
+    for radius in (0.06, 0.1):
+        for missed in (-1.0, -0.5, 0.0, 0.5, 1.0, 2.0):
+            error, std = measure_two_balls(0.5 - missed * radius, radius)
+            errors = f"Hertz {100.0 * error:8.3f} %   KINK_ERROR {100.0 * std:8.3f} %"
+            print(f"radius {radius:.2f}, {missed:4.1f} radii off half  {errors}")
