@@ -557,6 +557,7 @@ class TestOwnLaw:
         rc.interactions.register("parabolic")(Parabolic)
         return Parabolic(0.02, 8e-9)
 
+    @pytest.mark.slow
     def test_solve_cycle_and_file(self, tmp_path, law):
         assert isinstance(rc.interactions, Registry)
         problem = make_rough((32, 32), law=law)
@@ -734,6 +735,7 @@ class TestRoughPullOff:
         lowest = follow_finely(problem, 0.01 * np.ptp(problem.initial_gap))
         assert found.value <= lowest * (1.0 - 2e-3)
 
+    @pytest.mark.slow
     @pytest.mark.parametrize(("ratio", "shape"), [(1.0, (27, 24)), (3.0, (32, 11)), (1 / 3, (21, 64))])
     def test_a_short_range_is_as_uncertain_as_unlike_summits_make_it(self, ratio, shape):
         waves = SURFACES[7] if ratio <= 1.0 else (36.0, 24.0, 0.6)
@@ -755,6 +757,7 @@ class TestRoughPullOff:
         assert found.value < 1.02 * limit
         assert abs(found.value - limit) < 2.0 * math.sqrt(found.uncertainty**2 - alone.uncertainty**2)
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("ratio", [1.0, 1 / 3])
     def test_a_sharp_law_sticks_more_than_its_cohesive_length_says(self, ratio):
         random = np.random.default_rng(13)

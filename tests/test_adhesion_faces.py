@@ -69,6 +69,7 @@ class TestCommand:
         assert "-" in line
         assert "nN +-" in line
 
+    @pytest.mark.slow
     def test_pull_off_is_in_json_csv_and_the_report(self, ball, capsys, tmp_path):
         options = ["--force", "0N", *BODY, "--adhesion", "exponential", "work=50mJ/m2", "range=200nm", "--pull-off"]
         body = rc.Body(rc.read_surface(ball), rc.Elastic("5MPa", 0.5))
@@ -274,6 +275,7 @@ def test_report_solves_it_again(solution, tmp_path, capsys):
     assert np.array_equal(again.tension, solution.tension)
 
 
+@pytest.mark.slow
 def test_report_of_a_cycle_solves_it_again(tmp_path):
     cycle = make_problem().cycle(approach=np.linspace(-0.3e-6, 0.3e-6, 4))
     cycle.to_html(tmp_path / "cycle.html")

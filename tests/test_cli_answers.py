@@ -138,6 +138,7 @@ class TestCsv:
 
 
 class TestOutputs:
+    @pytest.mark.slow
     def test_each_ending_is_written_in_its_format(self, run):
         files = ["one.npz", "one.png", "one.svg", "one.html"]
         options = [part for name in files for part in ("-o", name)]
@@ -554,6 +555,7 @@ def test_no_progress_where_standard_error_is_not_a_terminal(run):
     assert "\r" not in err
 
 
+@pytest.mark.slow
 @posix
 def test_a_reader_that_has_enough_ends_it_quietly():
     command = f"{sys.executable} -m roughcontact check love | head -c 1"

@@ -203,6 +203,7 @@ class Pressed(rc.Response):
         return rc.Estimate(1.0, 0.1, "m")
 
 
+@pytest.mark.slow
 def test_responses_along_a_path(run):
     pytest.importorskip("matplotlib")
     steel = rc.Body(rc.read_surface("map.npz"), rc.Elastic(210e9, 0.3))
@@ -259,6 +260,7 @@ def test_a_report_has_the_answers(run, place):
         assert heading[0].partition(", ")[2] in page
 
 
+@pytest.mark.slow
 def test_a_report_of_several_loads_has_a_row_for_each(run):
     pytest.importorskip("matplotlib")
     run(*LOADED, "--loads", "20mN", "40mN", "--stiffness", "--report", "r.html")
@@ -295,6 +297,7 @@ class Halves(rc.Response):
         return types.SimpleNamespace(estimates={"low": rc.Estimate(1.5, 0.1, "m")})
 
 
+@pytest.mark.slow
 def test_answers_without_a_number_stay_beside_those_with_one(run, monkeypatch):
     pytest.importorskip("matplotlib")
     monkeypatch.setitem(rc.responses._classes, "halves", Halves)

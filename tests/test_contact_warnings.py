@@ -88,6 +88,7 @@ def test_an_error_can_be_made_of_a_warning():
         make_cut_ball().area()
 
 
+@pytest.mark.slow
 def test_the_command_line_says_warnings_once(tmp_path):
     heights = tmp_path / "ball.npz"
     make = ["surface", "sphere", "--radius", "1mm", "--shape", "51", "17", "--size", "51um", "-o", heights]

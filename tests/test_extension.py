@@ -25,6 +25,7 @@ def columns(function, count):
 shapes = st.sampled_from([(12, 10), (9, 12), (11, 7), (8, 8)])
 
 
+@pytest.mark.slow
 @given(shapes, st.floats(0.2, 3.0), st.floats(0.1, 0.9), st.integers(0, 99))
 def test_the_extended_inverse_is_symmetric_and_never_falls_below_the_energy_of_the_solution(shape, bending, part, seed):
     """By the principle of minimum energy: outside the contact the true displacement has the minimum energy."""

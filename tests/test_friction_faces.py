@@ -167,6 +167,7 @@ def script_of(page):
     return html.unescape(re.search(r"<h2>Run it again</h2>\s*<pre><code>(.*?)</code>", page, re.DOTALL)[1])
 
 
+@pytest.mark.slow
 def test_the_report_of_a_path_follows_it_again(ball, capsys, tmp_path):
     status, _ = solve(capsys, ball, *LOOP, "--report", str(tmp_path / "path.html"), "-o", str(tmp_path / "path.npz"))
     assert status == 0
@@ -183,6 +184,7 @@ def test_the_report_of_a_path_follows_it_again(ball, capsys, tmp_path):
     assert again.dissipated == path.dissipated
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("loads", "more"),
     [
@@ -237,6 +239,7 @@ def test_sliding_writes_files_that_other_commands_read(ball, capsys, sliding, tm
     assert run(capsys, "info", saved)[1].out.strip() == fit(str(sliding))
 
 
+@pytest.mark.slow
 def test_the_report_of_sliding_slides_again(ball, capsys, sliding, tmp_path):
     report = tmp_path / "sliding.html"
     solve(capsys, ball, *SLIDE, "120deg", "--report", report, "--stress", "depths=10um")

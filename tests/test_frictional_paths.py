@@ -182,6 +182,7 @@ class TestLikeBodies:
         assert not state.shear[1].any()
         assert state.displacement[0] == pytest.approx(other.displacement.value, rel=1e-6)
 
+    @pytest.mark.slow
     def test_stated_uncertainties_hold_at_random_places(self):
         random = np.random.default_rng(11)
         inside = []

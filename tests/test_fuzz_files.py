@@ -306,6 +306,7 @@ def test_intact_files_are_accepted(intact, tmp_path):
     require_study(tmp_path / "study", study, result, None)
 
 
+@pytest.mark.slow
 def test_some_damaged_files(intact, tmp_path):
     run_files([*FAILED, *range(SHORT)], intact, tmp_path)
 

@@ -87,6 +87,7 @@ def check(numbers):
     assert successes > 0.7 * len(found)
 
 
+@pytest.mark.slow
 def test_random_problems_called_solved_are():
     check(range(FEW_PROBLEMS))
 

@@ -282,6 +282,7 @@ WORK = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", WORK)
 def test_no_file_takes_more_work_than_its_cells_warrant(files, tmp_path, monkeypatch, name):
     place, value, words = WORK[name]

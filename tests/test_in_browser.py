@@ -82,6 +82,7 @@ def test_what_pyodide_lacks_is_refused(tmp_path, line):
     assert run(script).returncode != 0
 
 
+@pytest.mark.slow
 @NOT_ON_WINDOWS
 def test_solve_and_study_run_without_threads_and_processes():
     pytest.importorskip("pandas")

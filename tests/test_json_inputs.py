@@ -151,6 +151,7 @@ def test_a_study(run, tmp_path):
     assert run("run", "study.toml", "--json", "--dry-run")[0] == 2
 
 
+@pytest.mark.slow
 def test_a_report(ask, run):
     compare = ["--cells", "8", "12", "--repeats", "1"]
     assert ask("report", *BODY, "--force", "1N", *compare) == {**PROBLEM, "load": FORCE}

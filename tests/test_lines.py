@@ -67,6 +67,7 @@ def sum_images(i, j, sides, cells, datum):
         )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("shape", "sides"),
     [

@@ -527,6 +527,7 @@ def push(cells, counterbody, boundary="periodic", **options):
     return problem, 1e-3 * problem.plan.modulus * problem.plan.grid.area
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
 @pytest.mark.parametrize("counterbody", [STEEL, rc.Rigid()], ids=["like", "unlike"])
 def test_friction_takes_hardly_more_than_is_asked_for(boundary, counterbody):

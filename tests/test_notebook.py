@@ -88,6 +88,7 @@ def pictures(cell) -> Iterator[bytes]:
                 yield base64.b64decode(content)
 
 
+@pytest.mark.slow
 def test_each_figure_is_shown_once(executed):
     shown = [(cell.source, len(list(pictures(cell)))) for cell in executed]
     wanted = [(SETUP, 0), *CELLS.items(), ("%matplotlib inline", 0), *INLINE.items()]

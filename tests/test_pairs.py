@@ -116,6 +116,7 @@ class TestMatch:
             np.testing.assert_allclose(pair.grid.size, small.size, rtol=2e-6)
             assert pair.grid.shape[0] >= 20
 
+    @pytest.mark.slow
     @settings(max_examples=60, deadline=None)
     @given(measured_pairs())
     def test_both_maps_cover_the_common_grid_and_no_larger_one(self, drawn):

@@ -144,6 +144,7 @@ class TestFirstLoadings:
         (after,) = rc.run_in(problem, pressure=3e8).problem.sweep(pressure=[5e7])
         assert after.area().value > 1.5 * alone.value
 
+    @pytest.mark.slow
     @pytest.mark.parametrize(("hardness", "count"), [(2e9, 1), (None, 0)])
     def test_it_is_said_where_there_is_a_hardness(self, hardness, count, tmp_path):
         problem, loads = self.problem(hardness), [5e7, 7.5e7]

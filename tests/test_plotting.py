@@ -43,6 +43,7 @@ def draw(kind, subject, name, dark=False):
     return figure.axes[0]
 
 
+@pytest.mark.slow
 @settings(max_examples=6, deadline=None, suppress_health_check=list(HealthCheck))
 @given(made=problems(), dark=st.booleans(), data=st.data())
 def test_every_panel_of_a_solution_draws(made, dark, data):
@@ -60,6 +61,7 @@ def test_every_panel_of_many_solutions_draws(made, dark, data):
     draw("solution", solution, data.draw(st.sampled_from([None, *BY_SUBJECT["solution"]])), dark)
 
 
+@pytest.mark.slow
 @settings(max_examples=6, deadline=None, suppress_health_check=list(HealthCheck))
 @given(surface=height_maps(), dark=st.booleans(), data=st.data())
 def test_every_panel_of_a_surface_draws(surface, dark, data):

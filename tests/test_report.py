@@ -281,6 +281,7 @@ def test_tables_can_be_read_back(against_hertz, tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["report.csv"]
 
 
+@pytest.mark.slow
 def test_pictures(against_hertz, against_refined, tmp_path):
     # Two errors that differ by their rounding span no axis: matplotlib divides by zero.
     alike = [made_up("cell-count", 32, 0.11800599098700692, 0.1), made_up("hertz", 32, 0.11800599098700696, 0.1)]
@@ -366,6 +367,7 @@ def test_height_maps_are_interpolated_as_the_user_says():
         report.advice()
 
 
+@pytest.mark.slow
 def test_a_map_is_not_compared_with_itself(tmp_path):
     problem = rc.ContactProblem(rc.Body(rough_map(False), STEEL))
     options = {"pressure": 5e8, "interpolation": "bilinear", "repeats": 1}
@@ -407,6 +409,7 @@ def test_progress_is_reported():
     assert [done for _, done in seen] == [0.0, 0.0, pytest.approx(0.2)]
 
 
+@pytest.mark.slow
 def test_the_command_writes_table_picture_and_advice(tmp_path, capsys):
     surface = rough_map(False)
     np.savez(tmp_path / "map.npz", heights=surface.heights(surface.grid), size=surface.size)

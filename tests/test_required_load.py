@@ -93,6 +93,7 @@ class TestClosedForms:
         assert found.force.value == pytest.approx(1e8 * found.answer.value, rel=0.02)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "fraction"), [("area", 0.9), ("peak_pressure", 0.9), ("stiffness", 0.9)])
 def test_two_standard_deviations_hold_the_load(name, fraction):
     """Balls beside the centre of a cell, of all sizes: 95 % are meant, of 30 at least 90 %."""

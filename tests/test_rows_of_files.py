@@ -39,6 +39,7 @@ def test_a_script_solves_both(exported_map, expected):
         assert not (solution.contact & surface.non_measured).any()
 
 
+@pytest.mark.slow
 def test_the_command_line_solves_both(exported_map, expected, run, tmp_path):
     _, by_x, by_y = exported_map
     for path, rows in ((by_x, ()), (by_y, ("--rows", "y"))):

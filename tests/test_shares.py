@@ -104,6 +104,7 @@ def whole(tmp_path_factory):
     return folder, printed
 
 
+@pytest.mark.slow
 def test_four_shares_two_of_them_at_once_are_one_run(tmp_path, whole):
     folder = begin(tmp_path)
     together = [shell(folder, "--share", share) for share in ("1/4", "2/4")]

@@ -77,6 +77,7 @@ def plain_alias_sum(component, theta_x, theta_y, dx, dy, count):
     return 2 * np.sum(terms * smooth_x[:, None] * smooth_y[None, :])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("dx", "dy", "count"), [(1.0, 1.0, 400), (1.0, 2.5, 400), (20.0, 1.0, 400), (1.0, 20.0, 400)])
 def test_spectrum_is_the_alias_sum_of_directions(dx, dy, count):
     theta = np.array([0.02, 2.0, np.pi])

@@ -262,6 +262,7 @@ def test_random_tasks_hold_before_an_own_judge(seed):
     assert load < 1e-14
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=25)
 @given(seed=seeds)
 def test_both_solvers_agree_and_forget_their_start(seed):

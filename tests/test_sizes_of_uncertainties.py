@@ -81,6 +81,7 @@ def tables():
     return tabulate(ask_quantities, 400, 12) | tabulate(ask_responses, 600, 4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [*QUANTITIES, *RESPONSES])
 def test_uncertainties_of_rough_contacts_are_near_the_errors(name, tables):
     values, stds = tables[name]
@@ -97,6 +98,7 @@ def test_uncertainties_fall_with_the_cells(name, tables):
     assert np.log(medians[0] / medians[-1]) / np.log(CELLS[-1] / CELLS[0]) >= smallest
 
 
+@pytest.mark.slow
 def test_the_uncertainty_of_the_load_that_closes_a_gap_is_near_the_error():
     errors, stated = [], []
     for seed, (boundary, axis) in enumerate([("periodic", 0), ("free", 0), ("periodic", 1), ("free", 1)]):

@@ -312,6 +312,7 @@ def test_the_page_gives_the_thresholds_as_they_are():
 
 
 class TestGallery:
+    @pytest.mark.slow
     def test_no_case_is_silently_wrong(self):
         """Each converges and is confirmed by plain sums, is refused in a sentence, or says that it did not converge."""
         found = gallery.stability_gallery()

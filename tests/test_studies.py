@@ -297,6 +297,7 @@ class TestMishaps:
         done = subprocess.run([*command, str(10**9)], capture_output=True, text=True, check=True)
         assert "12 solves, 12 of them now" in done.stdout
 
+    @pytest.mark.slow
     def test_two_studies_in_one_folder_at_once(self, tmp_path):
         command = (
             f"import sys; sys.path.insert(0, {os.path.dirname(__file__)!r}); "
@@ -311,6 +312,7 @@ class TestMishaps:
         assert make_study().run(tmp_path).computed == 0
         assert not list(tmp_path.glob("*partial*"))
 
+    @pytest.mark.slow
     def test_a_study_that_was_killed_goes_on(self, tmp_path):
         command = (
             f"import sys; sys.path.insert(0, {os.path.dirname(__file__)!r}); from scenes import make_study; "

@@ -166,6 +166,7 @@ def test_a_ramp_is_all_core():
     assert found["Sdq"] == pytest.approx(2e-6 / 499 * 500 / SIZE[0], rel=1e-9)
 
 
+@pytest.mark.slow
 @settings(max_examples=15, deadline=None)
 @given(st.integers(0, 2**32), st.floats(0.1, 10.0), st.booleans())
 def test_units_and_rearrangements(seed, scale, periodic):
