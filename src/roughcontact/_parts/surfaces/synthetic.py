@@ -296,8 +296,8 @@ class SelfAffineSurface(Surface):
 
     def heights(self, grid: Grid) -> Array:
         """Return the heights at the cell centres, shape `grid.shape`, m, of mean zero."""
-        kx, ky = (np.arange(-m, m + 1) for m in self._boxes(grid)[1])
         self._require(grid)
+        kx, ky = (np.arange(-m, m + 1) for m in self._boxes(grid)[1])
         modes = self._waves(grid, ky)
         spectrum = np.zeros(grid.shape, dtype=np.complex128)
         np.add.at(spectrum, np.ix_(kx % grid.shape[0], ky % grid.shape[1]), modes)

@@ -260,7 +260,9 @@ def build_problem(table: Mapping[str, Any]) -> ContactProblem:
     form = Form()
     problem: ContactProblem = form.read(ContactProblem, table, "")
     if form.faults:
-        raise form.faults[0][1]
+        error = form.faults[0][1]
+        is_sentence = str(error).endswith((".", "..."))
+        raise error if is_sentence else InputError(f"The table of the problem cannot be used: {error}.")
     return problem
 
 
