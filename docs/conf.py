@@ -146,7 +146,9 @@ def show_cached_properties() -> None:
         for cls in list(vars(sys.modules[module]).values()):
             if isinstance(cls, type) and cls.__module__ == module and attrs.has(cls):
                 found = inspect.unwrap(vars(cls).get("__getattr__", object))
-                hidden = getattr(found, "__globals__", {}).get("cached_properties", {})
+                cached = getattr(found, "__globals__", {}).get("cached_properties", {})
+                # What no page shows stays cached.
+                hidden = {name: function for name, function in cached.items() if not name.startswith("_")}
                 for name, function in hidden.items():
                     setattr(cls, name, property(function))
                 if hidden:
