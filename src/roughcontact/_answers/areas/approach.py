@@ -47,8 +47,6 @@ _MAX_TIP_RADIUS = 0.3
 _ROUND_MISFIT = 0.3
 # Second difference where a line has no kink, over the largest beside it.
 _KINK_TOLERANCE = 1e-6
-# Name in `ContactFields._found`: approach and mean gap ask for the same.
-_BEND = "bend"
 
 
 def _weigh(reach: int) -> Array:
@@ -266,11 +264,8 @@ class Bend:
 
 def measure_bend(solution: ContactSolution) -> Bend:
     """Return the curvature of the heights under the contact of a solution that has one."""
-    solution = heal(solution)
-    if _BEND not in solution._found:
-        solution._found[_BEND] = _measure_bend(solution)
-    bend: Bend = solution._found[_BEND]
-    return bend
+    healed = heal(solution)
+    return healed._keep("bend", lambda: _measure_bend(healed))
 
 
 def _measure_bend(solution: ContactSolution) -> Bend:

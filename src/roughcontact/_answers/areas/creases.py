@@ -36,7 +36,8 @@ _NARROW_RUN = 2.0
 
 def find_lost_std(solution: ContactSolution) -> float:
     """Return the standard deviation of the approach by creases and sharp edges between the cells, m."""
-    return math.hypot(_find_crease_std(solution), _find_sharp_std(solution))
+    # Approach, mean gap and leakage ask for the same.
+    return solution._keep("lost heights", lambda: math.hypot(_find_crease_std(solution), _find_sharp_std(solution)))
 
 
 def _find_crease_std(solution: ContactSolution) -> float:

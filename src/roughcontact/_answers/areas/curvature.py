@@ -15,8 +15,6 @@ from roughcontact._solve.solution import ContactSolution, Whole, heal
 _SECOND_DIFFERENCE = (-205.0 / 72.0, 8.0 / 5.0, -1.0 / 5.0, 8.0 / 315.0, -1.0 / 560.0)
 # Offset of the outermost cell of that difference, in cells.
 _DIFFERENCE_REACH = len(_SECOND_DIFFERENCE) - 1
-# Name in `ContactFields._found` of resolution, rim and lay ratio, which several estimates ask for.
-_RATIOS = "ratios of curvatures"
 # Number of cells that give the mean squares of differences to about 1 %.
 _SAMPLE_CELLS = 100_000
 # Cells below which a patch does not show how the curvature varies under it, so that the cells around it are used.
@@ -168,11 +166,8 @@ def bend_kurtosis(solution: ContactSolution) -> float:
 
 def _measure_heights(solution: ContactSolution) -> tuple[float, float, float, float]:
     """Return resolution, rim ratio, lay ratio and kurtosis of the second differences."""
-    solution = heal(solution)
-    if _RATIOS not in solution._found:
-        solution._found[_RATIOS] = _find_ratios(solution)
-    ratios: tuple[float, float, float, float] = solution._found[_RATIOS]
-    return ratios
+    healed = heal(solution)
+    return healed._keep("ratios of curvatures", lambda: _find_ratios(healed))
 
 
 def _find_ratios(solution: ContactSolution) -> tuple[float, float, float, float]:

@@ -37,8 +37,6 @@ _NEWTON_STEPS = 3
 _HIDDEN_GAP_FACTOR = 0.25
 # Pressure limit, Pa, that stands for none in a mean over cells: finite, and above any material's.
 _NO_PRESSURE_LIMIT = 1e150
-# Name in `ContactFields._found`: area and maximum pressure ask for the same.
-_HERTZ_AREAS = "Hertz's areas"
 
 
 @attrs.frozen(eq=False)
@@ -259,12 +257,14 @@ class HertzAreas:
 
 def hertz_areas(solution: ContactSolution) -> HertzAreas:
     """Return Hertz's areas of the patches, from their summits between the cell centres and the common approach."""
-    if _HERTZ_AREAS not in solution._found:
+
+    def find() -> HertzAreas:
         # Very large or small lengths and loads leave the range of float64; such areas are not known.
         with np.errstate(all="ignore"):
-            solution._found[_HERTZ_AREAS] = _find_areas(solution)
-    areas: HertzAreas = solution._found[_HERTZ_AREAS]
-    return areas
+            return _find_areas(solution)
+
+    # Area and maximum pressure ask for the same.
+    return solution._keep("Hertz's areas", find)
 
 
 def _find_areas(solution: ContactSolution) -> HertzAreas:

@@ -109,8 +109,6 @@ def certify(
     """
     if not isinstance(outcome, Outcome) or outcome.pressure.shape != task.initial_gap.shape:
         raise InputError(f"The solver {plan.solver!r} must return an Outcome with a pressure of the grid's shape.")
-    if task.interaction is not None and (outcome.tension is None or outcome.tension.shape != outcome.pressure.shape):
-        raise InputError(f"The solver {plan.solver!r} must return an Outcome with a tension of the grid's shape.")
     task = attrs.evolve(task, start=None)
     if task.interaction is not None:
         return make_solution(plan, initial_gap, outcome, confirm(plan, convolution, task, outcome), seconds)
@@ -133,6 +131,8 @@ def confirm(plan: SolvePlan, convolution: PreparedConvolution, task: Task, outco
         The pressure, with adhesion the tension too, and the status that the solver returned; without adhesion its
         arrays may be of the kind of the convolution.
     """
+    if task.interaction is not None and (outcome.tension is None or outcome.tension.shape != outcome.pressure.shape):
+        raise InputError(f"The solver {plan.solver!r} must return an Outcome with a tension of the grid's shape.")
     displacement = convolution.apply(outcome.pressure)
     state, load, bounded = _measure(convolution, task, outcome, displacement)
     bound = 2.0 * max(plan.solver.tolerance, state.floor)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeVar
 
 import attrs
 import numpy as np
@@ -19,6 +20,7 @@ from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 from roughcontact.errors.warning import AskedOf
 
+T = TypeVar("T")
 # Minimum cells of a patch with a point that is surrounded by contact; the area of smaller ones is hardly known.
 _SMALL_PATCH_CELLS = 4
 
@@ -264,6 +266,13 @@ class ContactFields(AskedOf):
     def _found(self) -> dict[str, Any]:
         """What was computed of the solution and is asked for again, by name."""
         return {}
+
+    def _keep(self, name: str, find: Callable[[], T]) -> T:
+        """Return what a function finds of the solution; it is called once for each name."""
+        if name not in self._found:
+            self._found[name] = find()
+        found: T = self._found[name]
+        return found
 
     @cached_property
     def patches(self) -> ContactPatches:

@@ -52,8 +52,7 @@ _SECOND_DIFFERENCES = (
     ((0, -1, 1.0), (0, 0, -2.0), (0, 1, 1.0)),
     ((0, 0, 1.0), (1, 0, -1.0), (0, 1, -1.0), (1, 1, 1.0)),
 )
-# Names in `ContactFields._found`: the healed solution, and of a healed one the points that were not measured.
-_HEALED = "healed"
+# Name in `ContactFields._found` of the points of a healed solution that were not measured.
 _NON_MEASURED = "non-measured"
 
 
@@ -64,12 +63,8 @@ def heal(solution: ContactSolution) -> ContactSolution:
     """
     if solution.non_measured is None or _NON_MEASURED in solution._found:
         return solution
-    if _HEALED not in solution._found:
-        healed = _heal(solution, solution.non_measured)
-        healed._found[_NON_MEASURED] = solution.non_measured
-        solution._found[_HEALED] = healed
-    found: ContactSolution = solution._found[_HEALED]
-    return found
+    missing = solution.non_measured
+    return solution._keep("healed", lambda: _heal(solution, missing))
 
 
 def _heal(solution: ContactSolution, missing: Mask) -> ContactSolution:
@@ -77,7 +72,9 @@ def _heal(solution: ContactSolution, missing: Mask) -> ContactSolution:
     gap = _bend_near(harmonic, missing, solution.contact, solution)
     touching = missing & solution.contact
     touching[missing] |= _overlaps(gap, solution, missing)
-    return attrs.evolve(solution, initial_gap=gap, non_measured=touching if touching.any() else None)
+    healed = attrs.evolve(solution, initial_gap=gap, non_measured=touching if touching.any() else None)
+    healed._found[_NON_MEASURED] = missing
+    return healed
 
 
 def _overlaps(gap: Array, solution: ContactSolution, missing: Mask) -> Mask:
