@@ -386,7 +386,7 @@ def test_the_list_of_names_is_what_scripts_type():
         for name in registry
     }
     results_and_choices = {rc.Area, rc.Estimate, rc.Status, rc.Boundary, rc.typing.KnownAnswer}
-    results_and_choices |= {rc.FrictionalPath, rc.FrictionalSolution}
+    results_and_choices |= {rc.FrictionalPath}
     for name in all_names - listed:
         cls = getattr(rc, name)
         assert inspect.isclass(cls)

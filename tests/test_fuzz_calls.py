@@ -250,7 +250,7 @@ BAD |= {
 }  # fmt: skip
 
 # Results, which users do not make; enumerations; what has no arguments.
-SKIPPED = {"Area", "ContactSolution", "FrictionalPath", "FrictionalSolution", "Boundary", "Status", "reference.Hertz"}
+SKIPPED = {"Area", "ContactSolution", "FrictionalPath", "Boundary", "Status", "reference.Hertz"}
 # Results again; a figure for each call would be too many.
 SKIPPED |= {
     "reference.PerssonContact",

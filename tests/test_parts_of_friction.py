@@ -110,14 +110,11 @@ class TestLoads:
 def make_step(moved=(1.0, 0.0), lost=1.0, stick=1.0, energy=1.0, kind=PUSH, pushed=(1.0, 0.0), unsure=0.25, cells=100):
     """Return a step whose numbers are given: what sticks has an uncertainty of 2e-3."""
     grid = SimpleNamespace(cell_area=0.01)
-    contact = SimpleNamespace(
-        contact=np.arange(400) < cells, grid=grid, area=lambda: rc.Area(1.5, 0.1, 0.01, "blend"),
-        saturated=np.zeros(3, dtype=bool),
-    )  # fmt: skip
     return SimpleNamespace(
-        displacement=moved, tangential_force=pushed, dissipated=rc.Estimate(lost, unsure, "J"), grid=grid,
-        stick_area=rc.Estimate(stick, 2e-3, "m2"), elastic_energy=energy, contact=contact, approach=2.0,
-        given=TangentialLoad(kind, (0.0, 0.0)),
+        contact=np.arange(400) < cells, area=lambda: rc.Area(1.5, 0.1, 0.01, "blend"), saturated=np.zeros(3, bool),
+        tangential_displacement=moved, tangential_force=pushed, dissipated=rc.Estimate(lost, unsure, "J"), grid=grid,
+        stick_area=rc.Estimate(stick, 2e-3, "m2"), elastic_energy=energy, approach=2.0,
+        tangential_load=TangentialLoad(kind, (0.0, 0.0)),
     )  # fmt: skip
 
 
@@ -204,21 +201,34 @@ class TestLimits:
 
 
 @attrs.frozen
-class Part:
+class Friction:
     slip: float
     dissipated: rc.Estimate
     passes: int
     iterations: int
     increments: int
+
+
+@attrs.frozen
+class Part:
+    sheared: Friction
     seconds: float
+
+    @property
+    def dissipated(self):
+        return self.sheared.dissipated
+
+    def _add(self, sheared, seconds):
+        return Part(sheared, seconds)
 
 
 @pytest.mark.parametrize("exact", [False, True])
 def test_a_step_is_the_sum_of_its_increments(exact):
-    parts = [Part(0.0, rc.Estimate(n, 0.1 * n, "J"), n, 10 * n, 1, 0.5) for n in (3, 5, 2)]
+    parts = [Part(Friction(0.0, rc.Estimate(n, 0.1 * n, "J"), n, 10 * n, 1), 0.5) for n in (3, 5, 2)]
     run = SimpleNamespace(length=2.0)
-    found = _join(run, parts, SimpleNamespace(relative=1.0), SimpleNamespace(relative=4.0), is_exact=exact)
-    assert (found.slip, found.passes, found.iterations, found.increments, found.seconds) == (6.0, 5, 100, 3, 1.5)
+    step = _join(run, parts, SimpleNamespace(relative=1.0), SimpleNamespace(relative=4.0), is_exact=exact)
+    found = step.sheared
+    assert (found.slip, found.passes, found.iterations, found.increments, step.seconds) == (6.0, 5, 100, 3, 1.5)
     assert (found.dissipated.value, found.dissipated.unit) == (10.0, "J")
     assert found.dissipated.uncertainty == pytest.approx(0.0 if exact else 1.0)
 

@@ -407,7 +407,7 @@ class TestLoad:
         path[0].save(tmp_path / "state.npz")
         assert isinstance(rc.load(tmp_path / "path.npz"), rc.FrictionalPath)
         state = rc.load(tmp_path / "state.npz", verify=False)
-        assert isinstance(state, rc.FrictionalSolution)
+        assert isinstance(state, rc.ContactSolution)
         np.testing.assert_array_equal(state.shear, path[0].shear)
 
     def test_other_files_get_a_sentence(self, tmp_path):

@@ -148,13 +148,13 @@ def describe_fretting(path: FrictionalPath, asked: Mapping[str, Sequence[Any]]) 
         "displacement from turn to turn": moved,
         "area that sticks at the first turn": back.stick_area,
         "area that sticks at the second turn": there.stick_area,
-        "contact area": path[-1].contact.area(),
+        "contact area": path[-1].area(),
         "approach": Estimate(path[-1].approach, 0.0, "m"),
     }
     for name, column in tabulate_answers(asked).items():
         found[f"{_in_words(name)} at the end"] = column[-1]
-    hard = _warn_of_hardness(path[-1].contact)
-    said = list_answer_warnings({name: column[-1:] for name, column in asked.items()}, [path[-1].contact])
+    hard = _warn_of_hardness(path[-1])
+    said = list_answer_warnings({name: column[-1:] for name, column in asked.items()}, path[-1:])
     return {
         "load": "fretting",
         "status": in_words_of_page(str(path[-1].status)),

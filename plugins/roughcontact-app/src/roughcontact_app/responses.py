@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import attrs
-from roughcontact import ContactSolution, FrictionalSolution, Response, responses, typing
+from roughcontact import ContactSolution, Response, responses, typing
 from roughcontact.errors import InputError, RoughContactError
 from roughcontact.typing import build_response, describe_response
 
@@ -121,7 +121,7 @@ def ask(
 
 
 def ask_states(
-    asked: Mapping[str, Response[Any]], states: Sequence[ContactSolution] | Sequence[FrictionalSolution]
+    asked: Mapping[str, Response[Any]], states: Sequence[ContactSolution]
 ) -> tuple[dict[str, list[Any]], list[str]]:
     """Return what each response says of each state of a cycle, None where it has no answer, and in sentences why."""
     found, reasons = typing.ask_states(asked, states)

@@ -16,14 +16,15 @@ from roughcontact._base.machine.progress import ChangeProgress
 from roughcontact._base.tables import Table
 from roughcontact._base.units import fit, parse_quantity
 from roughcontact._faces.cli.answers import (
-    describe_result,
     describe_rows,
     is_doubtful,
     name_written,
     plan_picture,
     plan_report,
     require_place,
-    write_answers_of_one,
+    to_csv,
+    to_json,
+    to_text,
     write_csv,
     write_json,
     write_rows_of_answers,
@@ -39,11 +40,8 @@ from roughcontact._parts.materials import pair_constants
 from roughcontact._solve.problem import (
     Increment,
     describe_estimate,
-    describe_state,
     explain_with_friction,
     find_path_inputs,
-    find_versions,
-    format_json,
     require_frictional,
     run_slide,
 )
@@ -147,13 +145,11 @@ def solve_friction(
     if options.slide is None:
         path = _solve_path(options, problem, law, loads)
         found = _write_outputs(options, path, path.plot, files, asked, (path_to_text, path_to_json, path_to_csv))
-        return bool(path.warnings or found.reasons) or is_doubtful(found.answers, [state.contact for state in path])
+        return bool(path.warnings or found.reasons) or is_doubtful(found.answers, path.states)
     with show_progress("pressing", quiet=options.quiet) as change:
         state = _slide(options, problem, law, loads[0], change)
-    found = _write_outputs(
-        options, state, state.contact.plot, files, asked, (state_to_text, state_to_json, state_to_csv)
-    )
-    return bool(state.contact.warnings or found.reasons) or is_doubtful(found.answers, [state.contact])
+    found = _write_outputs(options, state, state.plot, files, asked, (_state_to_text, _state_to_json, _state_to_csv))
+    return bool(state.warnings or found.reasons) or is_doubtful(found.answers, [state])
 
 
 def _solve_path(
@@ -177,7 +173,7 @@ def _solve_path(
 
 def _slide(
     options: argparse.Namespace, problem: rc.ContactProblem, law: rc.FrictionLaw, load: Load, change: ChangeProgress
-) -> rc.FrictionalSolution:
+) -> rc.ContactSolution:
     shape = problem.plan.grid.shape
     tolerance = problem.plan.solver.tolerance
     # Of unlike bodies pressure and traction are found in turn, which takes about as long as pressing.
@@ -205,7 +201,7 @@ def _write_outputs(
     found = Asked(asked)
     try:
         if asked and not (options.quiet and not reports):
-            states = [subject] if isinstance(subject, rc.FrictionalSolution) else subject.states
+            states = [subject] if isinstance(subject, rc.ContactSolution) else subject.states
             with show_progress("answering", quiet=options.quiet) as change:
                 found = Asked(asked, *ask_all_states(asked, states, change))
     finally:
@@ -221,43 +217,23 @@ def _write_outputs(
     return found
 
 
-def state_to_text(state: rc.FrictionalSolution, asked: Asked = _NOTHING) -> str:
-    """Return a state of a path, or of steady sliding, for people, with its warnings, in lines of at most 80 columns."""
-    warnings = (f"{'warning':18} {text}" for text in state.contact.warnings)
-    answers = ["", *write_answers_of_one(asked.answers, [state.contact])] if asked.answers else []
-    return fit("\n".join([str(state), *warnings, *answers]))
+def _state_to_text(state: rc.ContactSolution, asked: Asked) -> str:
+    return to_text([state], None, asked.answers)
 
 
-def state_to_json(state: rc.FrictionalSolution, asked: Asked = _NOTHING) -> str:
-    """Return one JSON object: the normal contact, the tangential force and the energy lost."""
-    content = describe_state(state)
-    content["inputs"] = asked.add_inputs(content["inputs"])
-    if asked.answers:
-        content["responses"] = {name: describe_result(found[0]) for name, found in asked.answers.items()}
-    return format_json({**content, "versions": find_versions(state.contact)})
+def _state_to_json(state: rc.ContactSolution, asked: Asked) -> str:
+    return to_json([state], None, asked.answers, describe_responses(asked.responses))
 
 
-def state_to_csv(state: rc.FrictionalSolution, asked: Asked = _NOTHING) -> str:
-    """Return a header and a row, in SI units."""
-    contact = state.contact
-    along = zip("xy", state.tangential_force, strict=True)
-    row = {
-        "force": state.force,
-        **{f"tangential_{axis}": force for axis, force in along},
-        "dissipated": state.dissipated,
-        "area": contact.area(),
-        "peak_pressure": contact.peak_pressure(),
-        "approach": state.approach,
-    }
-    units = {"force": "N", "tangential_x": "N", "tangential_y": "N", "approach": "m"}
-    return write_csv(add_answers(Table({name: [value] for name, value in row.items()}, units), asked.answers))
+def _state_to_csv(state: rc.ContactSolution, asked: Asked) -> str:
+    return to_csv([state], None, asked.answers)
 
 
 def lost_in_loop(path: rc.FrictionalPath) -> rc.Estimate | None:
     """Return the energy lost since the loads last were those at the end of the path, J; None if they never were."""
     states = [*([] if path.pressed is None else [path.pressed]), *path.states]
     numbers = path.numbers[len(path.numbers) - len(states) + 1 :]
-    loads = [(_normal_load(state), state.given.values) for state in states]
+    loads = [(_normal_load(state), state.tangential_load.values) for state in states]
     for back in range(2, len(states)):
         if loads[-1 - back] == loads[-1]:
             parts = [one.dissipated for one in numbers[-back:]]
@@ -267,8 +243,8 @@ def lost_in_loop(path: rc.FrictionalPath) -> rc.Estimate | None:
     return None
 
 
-def _normal_load(state: rc.FrictionalSolution) -> Any:
-    return None if state.contact.origin is None else state.contact.origin.load
+def _normal_load(state: rc.ContactSolution) -> Any:
+    return None if state.origin is None else state.origin.load
 
 
 def path_to_text(path: rc.FrictionalPath, asked: Asked = _NOTHING) -> str:
@@ -308,13 +284,13 @@ def path_to_json(path: rc.FrictionalPath, asked: Asked = _NOTHING) -> str:
     table = add_answers(path.table(), asked.answers)
     states = describe_rows(table)
     for row, state in zip(states, path, strict=True):
-        row |= {"status": state.status.name, "residual": state.residuals.error}
+        row |= {"status": state.status.name, "residual": state.certificate.error}
     lost = lost_in_loop(path)
     content = {
         "dissipated": describe_estimate(path.dissipated),
         "loop": None if lost is None else describe_estimate(lost),
         "states": states,
-        "pair": attrs.asdict(path[0].pair),
+        "pair": attrs.asdict(path[0].sheared.pair),
         "warnings": list(path.warnings),
         **asked.describe_reasons(),
         "inputs": asked.add_inputs(find_path_inputs(path)),

@@ -20,7 +20,7 @@ from roughcontact._base.arrays import Array
 from roughcontact._base.units import fit, quantity
 from roughcontact._faces.cli import Command
 from roughcontact._faces.cli.answers import plan_picture, to_json, to_text
-from roughcontact._faces.cli.friction import path_to_json, path_to_text, state_to_json, state_to_text
+from roughcontact._faces.cli.friction import path_to_json, path_to_text
 from roughcontact._faces.cli.options import METRE, NUMBER, add_reading, fields_of, name_options, whole_number
 from roughcontact._faces.cli.problem import read_map
 from roughcontact._faces.panels.figures import save_figure
@@ -98,8 +98,6 @@ examples:
             print((to_json if options.json else to_text)([subject]))
         elif isinstance(subject, rc.FrictionalPath):
             print((path_to_json if options.json else path_to_text)(subject))
-        elif isinstance(subject, rc.FrictionalSolution):
-            print((state_to_json if options.json else state_to_text)(subject))
         elif options.json:
             raise rc.InputError("--json is for solutions and paths: omit it for a height map.")
         else:
@@ -132,9 +130,7 @@ examples:
                 raise rc.InputError("--panel is for maps and solutions: omit it for a path, which has one picture.")
             axes = subject.plot(dark=options.dark)
         else:
-            # Of a state of a path the contact is drawn.
-            drawn = subject.contact if isinstance(subject, rc.FrictionalSolution) else subject
-            axes = drawn.plot(panel=options.panel, dark=options.dark)
+            axes = subject.plot(panel=options.panel, dark=options.dark)
         save_figure(axes, path)
         print(fit(f"Written: {path}"))
         for text in list_warnings(subject) if isinstance(subject, rc.HeightMap) else ():

@@ -84,7 +84,7 @@ def refuse_pull_off(options: argparse.Namespace, asked: Mapping[str, rc.Response
 
 def ask_all_states(
     asked: Mapping[str, rc.Response[Any]],
-    states: Sequence[rc.ContactSolution] | Sequence[rc.FrictionalSolution],
+    states: Sequence[rc.ContactSolution],
     change: ChangeProgress,
 ) -> tuple[Answers, dict[str, str]]:
     """Return what each response says of each state, None where it has no answer, and in sentences why.

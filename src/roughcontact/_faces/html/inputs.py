@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import math
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 
 import attrs
 import numpy as np
@@ -30,7 +30,6 @@ from roughcontact._solve.problem import (
 )
 from roughcontact._solve.solution import (
     ContactSolution,
-    FrictionalSolution,
     describe_work,
     find_load,
     key_of_origin,
@@ -45,19 +44,14 @@ problem = rc.ContactProblem(**saved.origin.problem)"""
 # How the file of a subject is written, and its solution read.
 _OF_SOLUTION = ("solution.save(\"solution.npz\") writes, or 'Fields (.npz)' on the page,", _READ)
 _OF_CYCLE = ('cycle.loading[0].save("solution.npz") writes', _READ)
-_OF_PATH = ('path.save("path.npz") writes', 'rc.FrictionalPath.load("path.npz")[0].contact')
-_OF_STATE = ('state.save("state.npz") writes', 'rc.FrictionalSolution.load("state.npz").contact')
+_OF_PATH = ('path.save("path.npz") writes', 'rc.FrictionalPath.load("path.npz")[0]')
+_OF_STATE = ('state.save("state.npz") writes', 'rc.ContactSolution.load("state.npz")')
 # Digits of an angle in degrees that rounding leaves.
 _ANGLE_DIGITS = 10
 # Where the name of a file stands in the history of a map.
 _FILE_IN_HISTORY = re.compile(r"read from (.+?)(?:, \d+ non-measured.*|: \d+ x .*|)", re.DOTALL)
 _WORD_BORDER = re.compile(r"(?<=[a-z0-9])(?=[A-Z])")
 _LAWS = {"young": "Young's modulus", "poisson": "Poisson's ratio"}
-_MEANINGS = {
-    "complementarity": "mean of the gap where there is pressure, weighted by it",
-    "penetration": "deepest overlap of the bodies outside the saturated cells",
-    "load": "relative error of the load",
-}
 
 
 def hash_pressure(solution: ContactSolution) -> str:
@@ -65,9 +59,14 @@ def hash_pressure(solution: ContactSolution) -> str:
     return hashlib.sha256(np.ascontiguousarray(solution.pressure).tobytes()).hexdigest()
 
 
-def write_script(solution: ContactSolution, problem: ContactProblem, load: Mapping[str, float]) -> str:
-    """Return a Python script that solves a contact again, made of the parts of its problem or from its npz file."""
-    given = ", ".join(f"{kind}={write_number(value)}" for kind, value in load.items())
+def write_script(solution: ContactSolution, problem: ContactProblem, load: Load) -> str:
+    """Return a Python script that solves a contact again, made of the parts of its problem or from its npz file.
+
+    It is empty for a state of a path, which its path solves again.
+    """
+    if solution.shear is not None:
+        return _write_sliding_script(problem, solution, load)
+    given = f"{load.kind}={write_number(load.value)}"
     return (
         f"{_write_problem(problem, _OF_SOLUTION, 'hashlib')}\nsolution = problem.solve({given})\nprint(solution)\n"
         "print(hashlib.sha256(solution.pressure.tobytes()).hexdigest())  # of the report:\n"
@@ -82,12 +81,12 @@ def write_path_script(problem: ContactProblem, path: FrictionalPath) -> str:
         law = writer.write(path[0].friction)
     except NotInAScript:
         return ""
-    loads = _loads_of(state.contact for state in path)
+    loads = _loads_of(path)
     kind = loads[0].kind
     # Under one load the bodies are pressed first, and then moved.
     normal = write_number(loads[0].value) if path.pressed is not None else _write_numbers(one.value for one in loads)
-    pairs = ", ".join(f"({', '.join(map(write_number, state.given.values))})" for state in path)
-    given = [f"{kind}={normal}", f"{path[0].given.kind}=[{pairs}]", f"friction={law}"]
+    pairs = ", ".join(f"({', '.join(map(write_number, state.tangential_load.values))})" for state in path)
+    given = [f"{kind}={normal}", f"{path[0].tangential_load.kind}=[{pairs}]", f"friction={law}"]
     if AS_GIVEN in path.reasons:
         given.append(f"substeps={path.increments[path.reasons.index(AS_GIVEN)]}")
     return (
@@ -95,17 +94,16 @@ def write_path_script(problem: ContactProblem, path: FrictionalPath) -> str:
     )
 
 
-def write_state_script(problem: ContactProblem, state: FrictionalSolution) -> str:
+def _write_sliding_script(problem: ContactProblem, state: ContactSolution, load: Load) -> str:
     """Return a Python script of steady sliding; empty if no line makes its law, or the state is one of a path."""
     writer = ExpressionWriter()
-    load = find_load(state.contact)
     try:
         law = writer.write(state.friction)
     except NotInAScript:
         return ""
-    if not state.is_steady or load is None:
+    if not state.is_steady:
         return ""
-    x, y = state.given.values
+    x, y = state.tangential_load.values
     angle = write_number(round(math.degrees(math.atan2(y, x)), _ANGLE_DIGITS))
     given = f"{load.kind}={write_number(load.value)}, friction={law}, direction={angle}"
     return f"{_write_problem(problem, _OF_STATE, *writer.modules)}\nstate = problem.slide({given})\nprint(state)\n"
@@ -206,12 +204,9 @@ def list_inputs(solution: ContactSolution, problem: ContactProblem | None) -> di
 
 def list_certificate(solution: ContactSolution) -> dict[str, str]:
     """Return how the solve ended and its residuals with their meaning, as HTML by name."""
-    residuals = solution.residuals
-    scale = f", over {si(residuals.scale, 'm')}"
     rows = {"Status": escape(solution.status)}
-    for name, meaning in _MEANINGS.items():
-        value = getattr(residuals, name)
-        rows[name.capitalize()] = f"{value:.1e}: {escape(meaning)}{'' if name == 'load' else escape(scale)}"
+    for one in solution.certificate.conditions:
+        rows[one.name.capitalize()] = f"{one.residual:.1e}: {escape(one.meaning)}"
     rows["Modulus E*"] = escape(si(solution.modulus, "Pa", 6))
     if solution.moduli is not None:
         other = "wavelength" if solution.directional_moduli is None else "direction"

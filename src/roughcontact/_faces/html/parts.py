@@ -16,7 +16,6 @@ from roughcontact._parts.grid import Load
 from roughcontact._solve.problem import AdhesionCycle, FrictionalPath, Sweep
 from roughcontact._solve.solution import (
     ContactSolution,
-    FrictionalSolution,
     find_load,
     gather_warnings,
     list_estimates,
@@ -99,7 +98,7 @@ def loads_of(solutions: Iterable[ContactSolution]) -> list[Load]:
     return sorted(filter(None, map(find_load, solutions)), key=lambda load: load.value)
 
 
-def make_verdict(solutions: Sequence[ContactSolution | FrictionalSolution]) -> str:
+def make_verdict(solutions: Sequence[ContactSolution]) -> str:
     """Return how the solves ended, failed ones first."""
     failed = [solution for solution in solutions if not solution.status.success]
     texts = []
@@ -112,8 +111,8 @@ def make_verdict(solutions: Sequence[ContactSolution | FrictionalSolution]) -> s
     return element("p", " ".join(texts) + advice, class_="verdict failed" if failed else "verdict", role="status")
 
 
-def _name_state(state: ContactSolution | FrictionalSolution) -> str:
-    return name_load(state) if isinstance(state, ContactSolution) else str(state.given)
+def _name_state(state: ContactSolution) -> str:
+    return name_load(state) if state.shear is None else str(state.tangential_load)
 
 
 def make_warnings(texts: Sequence[str]) -> str:

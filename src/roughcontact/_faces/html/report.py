@@ -24,7 +24,6 @@ from roughcontact._faces.html.inputs import (
     write_cycle_script,
     write_path_script,
     write_script,
-    write_state_script,
 )
 from roughcontact._faces.html.parts import (
     draw_curve,
@@ -47,7 +46,7 @@ from roughcontact._solve.problem import (
     FrictionalPath,
     Sweep,
     describe_cycle,
-    explain_with_friction,
+    explain_state,
     find_problem,
     include_friction,
 )
@@ -55,14 +54,13 @@ from roughcontact._solve.solution import (
     DEFAULT_AREA,
     MORE_THAN_METALS,
     ContactSolution,
-    FrictionalSolution,
     SolutionWriter,
     areas,
     describe_maps,
     exceeds_metals,
+    find_load,
     list_all_warnings,
     list_answers,
-    list_state,
     name_load,
     note_loads,
     versions,
@@ -209,7 +207,7 @@ def _write_sweep(sweep: Sweep, answers: Answers = _NO_ANSWERS) -> str:
 @write_page.register
 def _write_path(path: FrictionalPath, answers: Answers = _NO_ANSWERS) -> str:
     """Return the page of a path with friction: its states, with answers of responses, then the last in detail."""
-    last = path[-1].contact
+    last = path[-1]
     problem, missing = find_problem(last)
     results = {"energy lost": str(attrs.evolve(path.dissipated, warnings=())), "friction": repr(path[0].friction)}
     script = "" if problem is None else write_path_script(problem, path)
@@ -225,30 +223,6 @@ def _write_path(path: FrictionalPath, answers: Answers = _NO_ANSWERS) -> str:
             section("The last state", _make_answer(last)),
             _make_figures(last),
             *_make_details(last, problem, missing, script, plan or path.explain()),
-        ],
-    )
-
-
-@write_page.register
-def _write_state(state: FrictionalSolution, answers: Answers = _NO_ANSWERS) -> str:
-    """Return the page of one state with friction, or of steady sliding, with what responses have answered."""
-    contact = state.contact
-    problem, missing = find_problem(contact)
-    results = {name.capitalize(): quantity(text) for name, text in list_state(state).items()}
-    plan = "" if problem is None else explain_with_friction(problem.plan, state.friction)
-    script = "" if problem is None else write_state_script(problem, state)
-    return _make_page(
-        "steady sliding" if state.is_steady else "friction",
-        [
-            _make_head(contact, problem, loads_of([contact])),
-            make_verdict([state]),
-            table(results | {"Friction": escape(repr(state.friction))}, "The answer", class_="answer"),
-            _NOTE,
-            make_warnings(list_all_warnings(contact)),
-            make_responses(answers, [contact]),
-            section("The normal contact", _make_answer(contact)),
-            _make_figures(contact),
-            *_make_details(contact, problem, missing, script, plan),
         ],
     )
 
@@ -298,15 +272,6 @@ def _show_solution(solution: ContactSolution) -> str:
         picture = draw_panel("solution", solution, "pressure")
         shown += tag("img", src=picture, alt="The contact pressure", style="max-width: 24rem")
     return shown
-
-
-@show_in_notebook.register
-def _show_state(state: FrictionalSolution) -> str:
-    """Return a state with friction for a notebook: its answers, verdict and warnings."""
-    rows = {name: quantity(text) for name, text in list_state(state).items()} | {"status": escape(state.status)}
-    if state.warnings:
-        rows["warnings"] = items(state.warnings)
-    return table(rows, f"{state.grid}, boundary {state.boundary}", _LEFT)
 
 
 def _make_page(title: str, parts: Iterable[str]) -> str:
@@ -369,14 +334,13 @@ def _make_details(
         "</div>",
         _make_script(solution, problem) if script is None else _show_script(script),
         _make_citation(problem),
-        _make_plan(problem, plan),
+        _make_plan(solution, problem, plan),
     ]
 
 
 def _make_script(solution: ContactSolution, problem: ContactProblem | None) -> str:
-    if problem is None or solution.origin is None:
-        return ""
-    return _show_script(write_script(solution, problem, solution.origin.load))
+    load = find_load(solution)
+    return "" if problem is None or load is None else _show_script(write_script(solution, problem, load))
 
 
 def _show_script(script: str) -> str:
@@ -400,6 +364,6 @@ def _make_citation(problem: ContactProblem | None) -> str:
     return section("Cite", element("ul", "".join(texts)), bibtex)
 
 
-def _make_plan(problem: ContactProblem | None, plan: str) -> str:
-    text = plan or ("" if problem is None else problem.explain())
+def _make_plan(solution: ContactSolution, problem: ContactProblem | None, plan: str) -> str:
+    text = plan or ("" if problem is None else explain_state(problem.plan, solution))
     return section("Plan", element("pre", escape(text))) if text else ""

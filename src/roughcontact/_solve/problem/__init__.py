@@ -16,7 +16,6 @@ from roughcontact._solve.problem.description import describe_inputs as describe_
 from roughcontact._solve.problem.description import describe_loads as describe_loads
 from roughcontact._solve.problem.description import describe_problem as describe_problem
 from roughcontact._solve.problem.description import describe_solution as describe_solution
-from roughcontact._solve.problem.description import describe_state as describe_state
 from roughcontact._solve.problem.description import describe_value as describe_value
 from roughcontact._solve.problem.description import find_inputs as find_inputs
 from roughcontact._solve.problem.description import find_path_inputs as find_path_inputs
@@ -28,6 +27,7 @@ from roughcontact._solve.problem.expressions import NotInAScript as NotInAScript
 from roughcontact._solve.problem.expressions import describe_part as describe_part
 from roughcontact._solve.problem.expressions import write_number as write_number
 from roughcontact._solve.problem.friction_certificate import require_frictional as require_frictional
+from roughcontact._solve.problem.friction_plan import explain_state as explain_state
 from roughcontact._solve.problem.friction_plan import explain_with_friction as explain_with_friction
 from roughcontact._solve.problem.friction_plan import include_friction as include_friction
 from roughcontact._solve.problem.friction_plan import memory_of_friction as memory_of_friction

@@ -31,7 +31,6 @@ from roughcontact._solve.problem.task import make_task
 from roughcontact._solve.solution import (
     ContactConditions,
     ContactSolution,
-    FrictionalSolution,
     FrictionalState,
     Origin,
     Status,
@@ -102,7 +101,7 @@ class CoupledSolve(FrictionalContact):
 
     def step(
         self, load: Load, tangential: TangentialLoad, before: FrictionalState, start: FrictionalFields
-    ) -> tuple[FrictionalSolution, FrictionalFields]:
+    ) -> tuple[ContactSolution, FrictionalFields]:
         """Return the certified end of one increment, and its fields.
 
         Parameters
@@ -123,7 +122,7 @@ class CoupledSolve(FrictionalContact):
         _LOGGER.info("increment to %s, %s: %s, %.3g s", load, tangential, solution.status.name, solution.seconds)
         return _require_success(solution), fields
 
-    def slide(self, load: Load, direction: Pair, on_pass: Callable[[Step], None] | None = None) -> FrictionalSolution:
+    def slide(self, load: Load, direction: Pair, on_pass: Callable[[Step], None] | None = None) -> ContactSolution:
         """Return the contact of bodies that slide steadily: the traction is the shear strength, in one direction."""
         started = time.perf_counter()
         tangential = TangentialLoad("direction", direction)
@@ -366,7 +365,7 @@ class CoupledSolve(FrictionalContact):
         before: FrictionalState,
         start: FrictionalFields,
         started: float,
-    ) -> tuple[FrictionalSolution, FrictionalFields]:
+    ) -> tuple[ContactSolution, FrictionalFields]:
         """Return the solution in SI units with its residuals."""
         contact = found.contact
         shear = found.shear * self.unit
@@ -402,11 +401,11 @@ class _Mixing:
         return best + damping * left
 
 
-def _require_success(solution: FrictionalSolution) -> FrictionalSolution:
+def _require_success(solution: ContactSolution) -> ContactSolution:
     if not solution.status.success:
         raise NotConverged(
-            f"The contact with friction is {solution.status} ({solution.passes} passes, {solution.iterations} "
-            f"tangential iterations; {solution.residuals}).",
+            f"The contact with friction is {solution.status} ({solution.sheared.passes} passes, "
+            f"{solution.sheared.iterations} tangential iterations; {solution.certificate}).",
             solution,
         )
     return solution

@@ -23,7 +23,6 @@ from roughcontact._solve.solution import (
     Area,
     ContactSolution,
     Estimate,
-    FrictionalSolution,
     SolutionWriter,
     TangentialLoad,
     describe_other_places,
@@ -53,13 +52,9 @@ class JsonWriter(SolutionWriter):
         with replacing(path) as partial:
             partial.write_text(f"{format_json(self.describe(solution))}\n", encoding="utf-8")
 
-    def describe(self, solution: ContactSolution | FrictionalSolution) -> dict[str, Any]:
-        """Return the content of the file; of a state with friction the tangential force and the energy lost as well."""
-        if isinstance(solution, FrictionalSolution):
-            found = {**describe_state(solution), "versions": find_versions(solution.contact)}
-        else:
-            found = {**describe_solution(solution), "versions": find_versions(solution)}
-        plain: dict[str, Any] = to_plain(found)
+    def describe(self, solution: ContactSolution) -> dict[str, Any]:
+        """Return the content of the file."""
+        plain: dict[str, Any] = to_plain({**describe_solution(solution), "versions": find_versions(solution)})
         return plain
 
 
@@ -84,7 +79,9 @@ def describe_solution(solution: ContactSolution, estimator: str | None = None) -
         "other_places": places or None,
         "warnings": list(solution.warnings),
         "accuracy": None if accuracy is None else {"met": accuracy.met, "message": str(accuracy)},
+        **_describe_added(solution),
         "residuals": {name: getattr(solution.residuals, name) for name in _RESIDUALS},
+        "certificate": {one.name: one.residual for one in solution.certificate.conditions},
         "inputs": find_inputs([solution]),
         "grid": describe_grid(solution.grid),
         "boundary": str(solution.boundary),
@@ -92,14 +89,12 @@ def describe_solution(solution: ContactSolution, estimator: str | None = None) -
     }
 
 
-def describe_state(state: FrictionalSolution) -> dict[str, Any]:
-    """Return the normal contact of a state with friction, the tangential force, the energy lost and the inputs."""
-    return describe_solution(state.contact) | {
-        "tangential_force": describe_value(list(state.tangential_force), "N"),
-        "dissipated": describe_estimate(state.dissipated),
-        "residual": state.residuals.error,
-        "pair": attrs.asdict(state.pair),
-        "inputs": find_state_inputs(state),
+def _describe_added(solution: ContactSolution) -> dict[str, Any]:
+    """Return the numbers that physics have added to a solution, with their units."""
+    return {
+        name: describe_estimate(one) if isinstance(one, Estimate) else describe_value(*one)
+        for added in solution.added
+        for name, one in added.list_numbers(solution).items()
     }
 
 
@@ -202,33 +197,34 @@ def find_problem(solution: ContactSolution) -> tuple[ContactProblem | None, str]
 
 
 def find_inputs(solutions: Sequence[ContactSolution]) -> dict[str, Any] | None:
-    """Return the problem of solutions, and their loads; None if they are not known."""
+    """Return the problem of solutions, their loads and with friction its law; None if they are not known."""
     problem, _ = find_problem(solutions[0])
     loads = [load for load in map(find_load, solutions) if load is not None]
-    return None if problem is None or len(loads) < len(solutions) else describe_inputs(problem, loads)
+    if problem is None or len(loads) < len(solutions):
+        return None
+    return describe_inputs(problem, loads) | _describe_along(solutions)
 
 
-def find_state_inputs(state: FrictionalSolution) -> dict[str, Any] | None:
-    """Return the problem of a state with friction, its loads and the law; None if they are not known."""
-    return _find_frictional_inputs([state.contact], [state])
+def _describe_along(states: Sequence[ContactSolution]) -> dict[str, Any]:
+    """Return the loads along the surface of states with friction, and the law; nothing without."""
+    if states[0].shear is None:
+        return {}
+    return {
+        "along": describe_loads([state.tangential_load for state in states]),
+        "friction": describe_part(states[0].friction),
+    }
 
 
 def find_path_inputs(path: FrictionalPath) -> dict[str, Any] | None:
     """Return the problem of a path, its loads and the law, and increments that were given; None if not known."""
     # Under one normal load the bodies are pressed first, and then moved.
-    contacts = [state.contact for state in (path if path.pressed is None else path[:1])]
-    found = _find_frictional_inputs(contacts, path)
-    if found is not None and AS_GIVEN in path.reasons:
+    found = find_inputs(path if path.pressed is None else path[:1])
+    if found is None:
+        return None
+    found |= _describe_along(path)
+    if AS_GIVEN in path.reasons:
         found["substeps"] = path.increments[path.reasons.index(AS_GIVEN)]
     return found
-
-
-def _find_frictional_inputs(
-    contacts: Sequence[ContactSolution], states: Sequence[FrictionalSolution]
-) -> dict[str, Any] | None:
-    found = find_inputs(contacts)
-    law = {"friction": describe_part(states[0].friction)}
-    return None if found is None else {**found, "along": describe_loads([one.given for one in states]), **law}
 
 
 def find_versions(solution: ContactSolution) -> Mapping[str, str]:

@@ -19,9 +19,9 @@ from roughcontact._solve.problem.task import make_task, pressure_unit
 from roughcontact._solve.solution import (
     ContactSolution,
     FrictionalResiduals,
-    FrictionalSolution,
     FrictionalState,
     Origin,
+    Sheared,
     Status,
     TangentialLoad,
 )
@@ -177,9 +177,9 @@ class FrictionalContact:
         start: FrictionalFields,
         found: FoundTractions,
         seconds: float,
-    ) -> tuple[FrictionalSolution, FrictionalFields]:
+    ) -> tuple[ContactSolution, FrictionalFields]:
         """Return the solution with the residuals recomputed from two states, and its fields."""
-        steady = tangential.kind == "direction"
+        steady = tangential.is_steady
         if steady:
             # The displacement of steady sliding is not determined.
             fields = self.fields_of(attrs.evolve(state, displacement=(0.0, 0.0)))
@@ -206,7 +206,6 @@ class FrictionalContact:
             load_error = float(np.abs(state.displacement - wanted).max()) / self.length
         excess = np.hypot(*fields.shear) - strength
         residuals = FrictionalResiduals(
-            normal=contact.residuals,
             shear_load=load_error,
             cone=max(float(excess.max()), 0.0) / strongest,
             slip=residual,
@@ -224,9 +223,8 @@ class FrictionalContact:
         # Per distance in steady sliding.
         factor = self.force_unit * (1.0 if steady else self.length)
         unsure = 0.0 if steady else 0.5 * abs(inner(fields.shear - start.shear, slip)) * factor
-        solution = FrictionalSolution(
-            contact=contact,
-            shear=state.shear,
+        sheared = Sheared(
+            traction=state.shear,
             displacement=state.displacement,
             slip=slip if steady else slip * self.length,
             friction=self.law,
@@ -236,12 +234,10 @@ class FrictionalContact:
             dissipated=Estimate(lost * factor, unsure, "J/m" if steady else "J"),
             elastic_energy=fields.energy * self.force_unit * self.length,
             residuals=residuals,
-            status=status,
             passes=found.passes,
             iterations=found.iterations,
-            seconds=seconds,
         )
-        return solution, fields
+        return contact._add(sheared, status=status, seconds=seconds), fields
 
 
 @attrs.frozen(eq=False)
@@ -285,42 +281,42 @@ def require_frictional(problem: Scene) -> None:
     _ = problem.shear_convolution
 
 
-def verify_state(problem: Scene, solution: ContactSolution | FrictionalSolution) -> None:
+def verify_state(problem: Scene, solution: ContactSolution) -> None:
     """Recompute the certificate of a solution, with friction or without; see `ContactProblem.verify`."""
-    if isinstance(solution, FrictionalSolution):
-        verify_frictional(problem, solution)
+    if solution.shear is not None:
+        _verify_sheared(problem, solution, solution.sheared)
     else:
         verify_solution(problem.plan, problem.convolution, problem._gap, solution)
 
 
-def verify_frictional(problem: Scene, solution: FrictionalSolution) -> None:
-    """Recompute the certificate of a solution from both states; see `FrictionalSolution.verify`."""
-    run = FrictionalContact(problem, solution.friction)
-    origin = solution.contact.origin
+def _verify_sheared(problem: Scene, solution: ContactSolution, sheared: Sheared) -> None:
+    """Recompute the certificate of a solution with friction from both states."""
+    run = FrictionalContact(problem, sheared.friction)
+    origin = solution.origin
     if origin is None or not solution.grid.matches(problem.plan.grid):
         raise InputError(f"It is not a solution at a load, on the grid of the problem, {problem.plan.grid}.")
     load = Load.signed(**origin.load)
-    contact = solution.contact
+    contact = solution._normal
     if run.shear.coupled:
-        contact = run.certify_contact(contact, load, np.asarray(solution.shear))
-        if not _are_close(solution.contact.initial_gap, contact.initial_gap, run.length):
+        contact = run.certify_contact(contact, load, np.asarray(sheared.traction))
+        if not _are_close(solution.initial_gap, contact.initial_gap, run.length):
             raise InputError("Its initial gap contradicts its traction and its problem.")
-        if solution.contact.status.success and not contact.status.success:
+        if solution.status.success and not contact.status.success:
             raise InputError(f"Its contact is not in equilibrium: the recomputed residuals are {contact.residuals}.")
     else:
         verify_solution(problem.plan, problem.convolution, problem._gap, contact)
-    found = FoundTractions(contact, solution.shear, np.zeros(2), solution.status, solution.passes, solution.iterations)
-    start = run.fields_of(solution.before)
-    again, fields = run.judge(contact, solution.state, solution.given, solution.before, start, found, 0.0)
+    found = FoundTractions(contact, sheared.traction, np.zeros(2), solution.status, sheared.passes, sheared.iterations)
+    start = run.fields_of(sheared.before)
+    again, fields = run.judge(contact, solution.end, sheared.given, sheared.before, start, found, 0.0)
     if solution.status.success and not again.status.success:
-        raise InputError(f"Its status is {solution.status.name}, but the recomputed residuals are {again.residuals}.")
+        raise InputError(f"Its status is {solution.status.name}, but the recomputed residuals are {again.certificate}.")
     energy = abs(again.elastic_energy)
     moved = float(np.abs(fields.tangential).max()) * run.length
     pairs: dict[str, tuple[float | Array, float | Array, float]] = {
         "approach": (solution.approach, again.approach, run.length),
         "elastic energy": (solution.elastic_energy, again.elastic_energy, energy),
     }
-    if solution.increments == 1:
+    if sheared.increments == 1:
         pairs["slip"] = solution.slip, again.slip, 1.0 if solution.is_steady else moved
         pairs["energy lost"] = solution.dissipated.value, again.dissipated.value, max(energy, again.dissipated.value)
     for name, (given, right, scale) in pairs.items():

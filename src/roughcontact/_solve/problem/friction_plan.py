@@ -9,6 +9,7 @@ from roughcontact._parts.interactions import FrictionLaw
 from roughcontact._parts.materials import PairConstants, pair_constants
 from roughcontact._solve.problem.memory import require_arrays
 from roughcontact._solve.problem.plan import OMITTED_FRICTION, SolvePlan
+from roughcontact._solve.solution import ContactSolution
 
 # Memory of steady sliding at light contact, in float64 arrays of the grid, without and with a free boundary, for like
 # and unlike bodies, and of each further state of a path; measured by tests/test_memory.py. Most are symbols of shear.
@@ -30,6 +31,11 @@ def explain_with_friction(plan: SolvePlan, law: FrictionLaw, states: int = 1) ->
     memory = f"{binary(memory_of_friction(plan, states))} with friction, at light contact"
     rows = [("friction", repr(law)), *list_pair(pair), ("memory", memory), *list_omitted_shear(pair)]
     return PlainText("\n".join([str(include_friction(plan)), *write_rows(rows)]))
+
+
+def explain_state(plan: SolvePlan, state: ContactSolution) -> str:
+    """Return the plan of a solved contact, with friction or without, in words."""
+    return str(plan) if state.shear is None else explain_with_friction(plan, state.friction)
 
 
 def require_memory_of_friction(plan: SolvePlan, states: int = 1) -> None:

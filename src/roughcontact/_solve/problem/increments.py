@@ -22,7 +22,7 @@ from roughcontact._solve.problem.step_numbers import (
     numbers_of,
 )
 from roughcontact._solve.problem.task import limit_load
-from roughcontact._solve.solution import FrictionalSolution, FrictionalState, TangentialLoad
+from roughcontact._solve.solution import ContactSolution, FrictionalState, TangentialLoad
 from roughcontact.errors import InputError
 
 # Minimum increments of a step by "auto", whose errors show their order with those of half and a quarter as many; the
@@ -62,7 +62,7 @@ class Increment:
     steps: int
     increment: int
     increments: int
-    state: FrictionalSolution
+    state: ContactSolution
 
     def __str__(self) -> str:
         step = f"step {self.step} of {self.steps}" if self.step else "pressing"
@@ -187,61 +187,61 @@ def list_targets(tangential: Mapping[str, object]) -> list[TangentialLoad]:
 
 def follow_steps(
     run: CoupledSolve, segments: Sequence[PathStep], count: int, tell: Callable[[Increment], object]
-) -> list[FrictionalSolution]:
+) -> list[ContactSolution]:
     """Return the state at the end of each step, with so many increments where one is not exact."""
     state = FrictionalState.unloaded(run.problem.plan.grid.shape)
     fields = run.fields_of(state)
-    steps: list[FrictionalSolution] = []
+    steps: list[ContactSolution] = []
     for segment in segments:
-        if steps and segment.end.value < segment.start.value and steps[-1].contact.saturated.any():
+        if steps and segment.end.value < segment.start.value and steps[-1].saturated.any():
             raise InputError(
                 "The normal load falls after the pressure has reached its limit: each state would be a first loading. "
                 "Give loads that do not fall, or the problem that run_in(...) returns."
             )
-        parts: list[FrictionalSolution] = []
+        parts: list[ContactSolution] = []
         begin = fields
         increments = 1 if segment.exact else count
         for number in range(1, increments + 1):
             load, target = segment.at(number, increments)
             part, fields = run.step(load, target, state, fields)
-            state = part.state
+            state = part.end
             parts.append(part)
             tell(Increment(segment.number, segments[-1].number, number, increments, part))
         steps.append(_join(run, parts, begin, fields, is_exact=bool(segment.exact)))
     return [_add_error(step, error.dissipated) for step, error in zip(steps, list_cell_errors(steps), strict=True)]
 
 
-def _add_error(step: FrictionalSolution, error: float) -> FrictionalSolution:
+def _add_error(step: ContactSolution, error: float) -> ContactSolution:
     """Return a step whose energy lost has another standard deviation beside its own, J."""
-    lost = step.dissipated
-    return attrs.evolve(step, dissipated=attrs.evolve(lost, uncertainty=math.hypot(lost.uncertainty, error)))
+    lost = attrs.evolve(step.dissipated, uncertainty=math.hypot(step.dissipated.uncertainty, error))
+    return step._add(attrs.evolve(step.sheared, dissipated=lost))
 
 
 def _join(
     run: CoupledSolve,
-    parts: Sequence[FrictionalSolution],
+    parts: Sequence[ContactSolution],
     begin: FrictionalFields,
     end: FrictionalFields,
     *,
     is_exact: bool,
-) -> FrictionalSolution:
+) -> ContactSolution:
     """Return the last increment of a step with slip, energy lost and cost of all of them."""
     value = math.fsum(part.dissipated.value for part in parts)
     unsure = 0.0 if is_exact else math.fsum(part.dissipated.uncertainty for part in parts)
-    return attrs.evolve(
-        parts[-1],
+    sheared = attrs.evolve(
+        parts[-1].sheared,
         slip=(end.relative - begin.relative) * run.length,
         dissipated=Estimate(value, unsure, "J"),
-        passes=max(part.passes for part in parts),
-        iterations=sum(part.iterations for part in parts),
+        passes=max(part.sheared.passes for part in parts),
+        iterations=sum(part.sheared.iterations for part in parts),
         increments=len(parts),
-        seconds=math.fsum(part.seconds for part in parts),
     )
+    return parts[-1]._add(sheared, seconds=math.fsum(part.seconds for part in parts))
 
 
 def refine_steps(
     run: CoupledSolve, segments: Sequence[PathStep], tell: Callable[[Increment], object]
-) -> tuple[list[FrictionalSolution], list[StepNumbers], list[str]]:
+) -> tuple[list[ContactSolution], list[StepNumbers], list[str]]:
     """Double the increments until the numbers hardly change, and extrapolate these."""
     count = 1
     steps = follow_steps(run, segments, count, tell)
@@ -272,10 +272,10 @@ def refine_steps(
     return steps, numbers, reasons
 
 
-def _compare(coarse: Sequence[FrictionalSolution], fine: Sequence[FrictionalSolution]) -> float:
+def _compare(coarse: Sequence[ContactSolution], fine: Sequence[ContactSolution]) -> float:
     """Return the largest change of a number over what is admissible."""
-    moved = np.array([step.displacement for step in fine])
-    shift = np.abs(moved - np.array([step.displacement for step in coarse])).max()
+    moved = np.array([step.tangential_displacement for step in fine])
+    shift = np.abs(moved - np.array([step.tangential_displacement for step in coarse])).max()
     lost = np.array([step.dissipated.value for step in fine])
     lost_shift = np.abs(lost - np.array([step.dissipated.value for step in coarse])).sum()
     # Where nothing slips the energy lost is rounding.
@@ -283,7 +283,7 @@ def _compare(coarse: Sequence[FrictionalSolution], fine: Sequence[FrictionalSolu
     areas = [
         abs(one.stick_area.value - other.stick_area.value)
         / max(
-            _STICK_TOLERANCE * float(np.count_nonzero(other.contact.contact)) * other.grid.cell_area,
+            _STICK_TOLERANCE * float(np.count_nonzero(other.contact)) * other.grid.cell_area,
             other.stick_area.uncertainty,
             other.grid.cell_area,
         )

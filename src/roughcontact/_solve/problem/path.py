@@ -38,7 +38,7 @@ from roughcontact._solve.problem.increments import (
 from roughcontact._solve.problem.scene import Scene
 from roughcontact._solve.problem.step_numbers import StepNumbers, list_cell_errors, numbers_of
 from roughcontact._solve.problem.task import limit_load
-from roughcontact._solve.solution import FrictionalSolution, read_estimate, read_path, write_path
+from roughcontact._solve.solution import ContactSolution, read_estimate, read_states, write_states
 from roughcontact._solve.solvers import Step
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
@@ -72,7 +72,7 @@ class TangentialLoop:
 
 
 @attrs.frozen(eq=False, kw_only=True)
-class FrictionalPath(TableResult, Sequence[FrictionalSolution]):
+class FrictionalPath(TableResult, Sequence[ContactSolution]):
     """The states of a contact with friction along a path of loads: iterable, with `len` and ``[]``.
 
     Attributes
@@ -101,25 +101,25 @@ class FrictionalPath(TableResult, Sequence[FrictionalSolution]):
     (2, ['0.0 nm', '65.8 nm', '-65.8 nm'])
     """
 
-    states: tuple[FrictionalSolution, ...]
-    pressed: FrictionalSolution | None
+    states: tuple[ContactSolution, ...]
+    pressed: ContactSolution | None
     numbers: tuple[StepNumbers, ...]
     increments: tuple[int, ...]
     reasons: tuple[str, ...]
 
-    def __iter__(self) -> Iterator[FrictionalSolution]:
+    def __iter__(self) -> Iterator[ContactSolution]:
         return iter(self.states)
 
     def __len__(self) -> int:
         return len(self.states)
 
     @overload
-    def __getitem__(self, index: int) -> FrictionalSolution: ...
+    def __getitem__(self, index: int) -> ContactSolution: ...
 
     @overload
-    def __getitem__(self, index: slice) -> tuple[FrictionalSolution, ...]: ...
+    def __getitem__(self, index: slice) -> tuple[ContactSolution, ...]: ...
 
-    def __getitem__(self, index: int | slice) -> FrictionalSolution | tuple[FrictionalSolution, ...]:
+    def __getitem__(self, index: int | slice) -> ContactSolution | tuple[ContactSolution, ...]:
         return checks.item_of(self.states, index, "The index of a path")
 
     @cached_property
@@ -128,7 +128,7 @@ class FrictionalPath(TableResult, Sequence[FrictionalSolution]):
         start = self.pressed
         forces = [(0.0, 0.0) if start is None else start.tangential_force]
         forces += [(one.tangential_force[0].value, one.tangential_force[1].value) for one in self.numbers]
-        moved = [(0.0, 0.0) if start is None else start.displacement]
+        moved = [(0.0, 0.0) if start is None else start.tangential_displacement]
         moved += [(one.displacement[0].value, one.displacement[1].value) for one in self.numbers]
         unsure = [(0.0, 0.0)]
         unsure += [(one.displacement[0].uncertainty, one.displacement[1].uncertainty) for one in self.numbers]
@@ -148,14 +148,14 @@ class FrictionalPath(TableResult, Sequence[FrictionalSolution]):
 
         It is what models of fretting wear take; its sum over the cells is that of a step in one increment.
         """
-        return np.stack([np.einsum("aij,aij->ij", state.shear, state.slip) for state in self.states])
+        return np.stack([np.einsum("aij,aij->ij", one.sheared.traction, one.slip) for one in self.states])
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:
         """Why numbers of the path must not be trusted, in sentences; empty without a reason."""
         parts = [part for one in self.numbers for part in (*one.displacement, one.dissipated, one.stick_area)]
         found = [text for part in parts for text in part.warnings]
-        return tuple(dict.fromkeys([*found, *(text for state in self.states for text in state.contact.warnings)]))
+        return tuple(dict.fromkeys([*found, *(text for state in self.states for text in state.warnings)]))
 
     @cached_property
     def drawn_loop(self) -> TangentialLoop:
@@ -163,16 +163,16 @@ class FrictionalPath(TableResult, Sequence[FrictionalSolution]):
 
         Where the path has many states, its increments are not exact, or its problem is not known, it is `loop`.
         """
-        origin = self.states[0].contact.origin
+        origin = self.states[0].origin
         exact = self.pressed is not None and all(count == 1 for count in self.increments)
         if origin is None or origin.source is None or not exact or len(self) > _MAX_REFINED_STATES:
             return self.loop
         parts = np.arange(1, _DRAWN_STATES + 1)[:, np.newaxis] / _DRAWN_STATES
-        ends = np.array([(0.0, 0.0), *(state.given.values for state in self.states)])
+        ends = np.array([(0.0, 0.0), *(state.tangential_load.values for state in self.states)])
         targets = np.concatenate([old + parts * (new - old) for old, new in itertools.pairwise(ends)])
         # To the last bit: the turns are states of the path.
         targets[_DRAWN_STATES - 1 :: _DRAWN_STATES] = ends[1:]
-        along = {self.states[0].given.kind: targets.tolist()}
+        along = {self.states[0].tangential_load.kind: targets.tolist()}
         path: FrictionalPath = origin.source.path(**origin.load, **along, friction=self.states[0].friction, substeps=1)
         return path.loop
 
@@ -192,7 +192,7 @@ class FrictionalPath(TableResult, Sequence[FrictionalSolution]):
 
     def _forces(self, axis: int) -> Any:
         values = _without_rounding(self.loop.force[1:])[:, axis]
-        if self.states[0].given.kind != "displacement":
+        if self.states[0].tangential_load.kind != "displacement":
             return values
         return [
             attrs.evolve(one.tangential_force[axis], value=value)
@@ -212,8 +212,8 @@ class FrictionalPath(TableResult, Sequence[FrictionalSolution]):
     def explain(self) -> str:
         """Return the constants of the pair, the increments with their reasons, and what was omitted, in words."""
         first = self.states[0]
-        pair = first.pair
-        passes = max(state.passes for state in self.states)
+        pair = first.sheared.pair
+        passes = max(state.sheared.passes for state in self.states)
         omitted = list_omitted_shear(pair)
         if pair.beta == 0.0 and self.pressed is not None:
             omitted.append(("omitted", "tangential solve of pressing: without a tangential load nothing moves"))
@@ -265,7 +265,7 @@ def save_path(file: Path, path: FrictionalPath, key: str = "") -> None:
     """Write a path under the key by which a study finds it; see `FrictionalPath.save`."""
     numbers = [attrs.asdict(one) for one in path.numbers]
     notes = {"key": key, "increments": list(path.increments), "reasons": list(path.reasons), "numbers": numbers}
-    write_path(file, path.states, path.pressed, notes)
+    write_states(file, path.states, path.pressed, notes)
 
 
 def load_path(file: Path, *, verify: bool, key: str = "", law: FrictionLaw | None = None) -> FrictionalPath:
@@ -280,7 +280,7 @@ def load_path(file: Path, *, verify: bool, key: str = "", law: FrictionLaw | Non
     law
         Its friction law, which then need not be registered; None: the one in the file.
     """
-    states, pressed, notes = read_path(file, FrictionalSolution, verify=verify, law=law)
+    states, pressed, notes = read_states(file, verify=verify, given={} if law is None else {"shear": law})
     if key not in ("", notes.get("key")):
         raise InputError(f"The file {file.name} does not hold the path with the key {key}.")
     if len(notes["numbers"]) != len(states):
@@ -295,7 +295,7 @@ def load_path(file: Path, *, verify: bool, key: str = "", law: FrictionLaw | Non
     )
 
 
-def _read_numbers(stored: Mapping[str, Any], state: FrictionalSolution) -> StepNumbers:
+def _read_numbers(stored: Mapping[str, Any], state: ContactSolution) -> StepNumbers:
     def read_pair(name: str) -> tuple[Estimate, Estimate]:
         x, y = map(read_estimate, stored[name])
         return x, y
@@ -355,7 +355,7 @@ def run_path(
         states=tuple(steps[kept]),
         pressed=steps[0] if has_pressing else None,
         numbers=tuple(numbers[kept]),
-        increments=tuple(step.increments for step in steps[kept]),
+        increments=tuple(step.sheared.increments for step in steps[kept]),
         reasons=tuple(reasons[kept]),
     )
 
@@ -368,7 +368,7 @@ def run_slide(
     direction: object,
     on_step: Callable[[Step], None] | None = None,
     on_pass: Callable[[Step], None] | None = None,
-) -> FrictionalSolution:
+) -> ContactSolution:
     """Return the contact in steady sliding; see `ContactProblem.slide`.
 
     `on_step` is called after each iteration of the frictionless contact, from which the bodies slide, and `on_pass`

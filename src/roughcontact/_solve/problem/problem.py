@@ -27,7 +27,7 @@ from roughcontact._solve.problem.run import computing, require_success, run_solv
 from roughcontact._solve.problem.scene import Scene
 from roughcontact._solve.problem.sweep import Sweep
 from roughcontact._solve.problem.task import limit_load
-from roughcontact._solve.solution import DEFAULT_AREA, AreaEstimator, ContactSolution, FrictionalSolution, Response
+from roughcontact._solve.solution import DEFAULT_AREA, AreaEstimator, ContactSolution, Response
 from roughcontact._solve.solvers import Step
 from roughcontact.errors import InputError
 
@@ -286,7 +286,7 @@ class ContactProblem(Scene):
         approach: Length | None = None,
         friction: float | FrictionLaw,
         direction: float = 0.0,
-    ) -> FrictionalSolution:
+    ) -> ContactSolution:
         """Return the contact while the counterbody slides steadily over the body.
 
         Parameters
@@ -371,7 +371,7 @@ class ContactProblem(Scene):
         """
         return find_load_of_area(self, partial(run_solve, self), fraction, estimator)
 
-    def verify(self, solution: ContactSolution | FrictionalSolution) -> None:
+    def verify(self, solution: ContactSolution) -> None:
         """Recompute the displacement and residuals of a solution of this problem from its pressure: one convolution.
 
         Parameters

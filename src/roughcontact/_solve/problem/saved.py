@@ -1,4 +1,4 @@
-"""Files of solutions, and of paths and states with friction, whichever of them it is; the problem of a solution."""
+"""Files of solutions and of paths, whichever of them it is; the problem of a solution."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from roughcontact._base import checks
 from roughcontact._base.archive import HEADER, read_some
 from roughcontact._solve.problem.path import FrictionalPath
 from roughcontact._solve.problem.problem import ContactProblem
-from roughcontact._solve.solution import ContactSolution, FrictionalSolution
+from roughcontact._solve.solution import PATH_KIND, ContactSolution
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 
 
 @guarded
-def load(path: str | os.PathLike[str], *, verify: bool = True) -> ContactSolution | FrictionalPath | FrictionalSolution:
-    """Return what `save` wrote: a solution, or a path or a state with friction.
+def load(path: str | os.PathLike[str], *, verify: bool = True) -> ContactSolution | FrictionalPath:
+    """Return what `save` wrote: a solution, or a path with friction.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ def load(path: str | os.PathLike[str], *, verify: bool = True) -> ContactSolutio
     kind = find_saved_kind(file)
     if kind is None:
         raise InputError(f"{file.name} holds no solution and no path: rc.read_surface reads height maps.")
-    found: ContactSolution | FrictionalPath | FrictionalSolution = kind.load(file, verify=verify)
+    found: ContactSolution | FrictionalPath = kind.load(file, verify=verify)
     return found
 
 
@@ -69,7 +69,8 @@ def find_saved_kind(path: Path) -> Any:
         return ContactSolution
     if f"{HEADER}.npy" not in names:
         return None
-    kinds = {"frictional path": FrictionalPath, "frictional solution": FrictionalSolution}
+    # States with friction had no name of a field in files, before they were solutions.
+    kinds = {PATH_KIND: FrictionalPath, "frictional solution": ContactSolution}
     return kinds.get(str(read_some(path)[1].get("kind")))
 
 

@@ -139,7 +139,7 @@ class Sweep(TableResult):
         """Return a row for each load; see `roughcontact.typing.Table`.
 
         Its columns are ``mean_pressure``, ``force``, ``approach``, ``area``, ``area_uncertainty``, ``area_fraction``,
-        ``peak_pressure``, ``peak_pressure_uncertainty`` and ``secant_stiffness``.
+        ``peak_pressure``, ``peak_pressure_uncertainty`` and ``secant_stiffness``, then what friction adds.
         """
         peaks = [solution.peak_pressure() for solution in self.solutions]
         columns = {name: getattr(self, name) for name in _COLUMN_UNITS if hasattr(self, name)}
@@ -148,7 +148,8 @@ class Sweep(TableResult):
             "peak_pressure": np.array([peak.value for peak in peaks]),
             "peak_pressure_uncertainty": np.array([peak.uncertainty for peak in peaks]),
         }
-        return Table({name: columns[name] for name in _COLUMN_UNITS}, _COLUMN_UNITS)
+        added, units = _tabulate_added(self.solutions)
+        return Table({name: columns[name] for name in _COLUMN_UNITS} | added, _COLUMN_UNITS | units)
 
     def short_table(self) -> Table:
         """Return a row for each load for people: the area with its uncertainty in percent of nominal."""
@@ -177,6 +178,19 @@ class Sweep(TableResult):
     def __repr__(self) -> str:
         low, high = (si(float(bound), "Pa") for bound in (self.mean_pressure.min(), self.mean_pressure.max()))
         return f"<Sweep {counted(len(self), 'load')}, mean pressure {low} to {high}, {self.solutions[0].grid}>"
+
+
+def _tabulate_added(states: Sequence[ContactSolution]) -> tuple[dict[str, list[Any]], dict[str, str]]:
+    """Return a column for each number that physics have added to states of one kind, and the units."""
+    columns: dict[str, list[Any]] = {}
+    units: dict[str, str] = {}
+    for state in states:
+        for added in state.added:
+            for name, one in added.list_columns(state).items():
+                number, unit = (one, "") if isinstance(one, Estimate) else one
+                columns.setdefault(name, []).append(number)
+                units |= {name: unit} if unit else {}
+    return columns, units
 
 
 @guarded

@@ -1,5 +1,9 @@
 """The solution of a contact, its file, and its text."""
 
+from roughcontact._solve.solution.additions import Addition as Addition
+from roughcontact._solve.solution.additions import Certificate as Certificate
+from roughcontact._solve.solution.additions import Condition as Condition
+from roughcontact._solve.solution.additions import additions as additions
 from roughcontact._solve.solution.attraction import RESOLVED_CELLS as RESOLVED_CELLS
 from roughcontact._solve.solution.attraction import TRAPPED_CELLS as TRAPPED_CELLS
 from roughcontact._solve.solution.attraction import AdhesiveConditions as AdhesiveConditions
@@ -15,15 +19,6 @@ from roughcontact._solve.solution.contact import ContactSolution as ContactSolut
 from roughcontact._solve.solution.fields import ContactFields as ContactFields
 from roughcontact._solve.solution.fields import ContactPatches as ContactPatches
 from roughcontact._solve.solution.fields import find_patches as find_patches
-from roughcontact._solve.solution.frictional import FrictionalSolution as FrictionalSolution
-from roughcontact._solve.solution.frictional import find_slip_width as find_slip_width
-from roughcontact._solve.solution.frictional import list_state as list_state
-from roughcontact._solve.solution.frictional_files import read_estimate as read_estimate
-from roughcontact._solve.solution.frictional_files import read_path as read_path
-from roughcontact._solve.solution.frictional_files import write_path as write_path
-from roughcontact._solve.solution.frictional_state import FrictionalResiduals as FrictionalResiduals
-from roughcontact._solve.solution.frictional_state import FrictionalState as FrictionalState
-from roughcontact._solve.solution.frictional_state import TangentialLoad as TangentialLoad
 from roughcontact._solve.solution.healing import FilledGap as FilledGap
 from roughcontact._solve.solution.healing import fill_gap as fill_gap
 from roughcontact._solve.solution.healing import heal as heal
@@ -53,6 +48,15 @@ from roughcontact._solve.solution.results import require_with_friction as requir
 from roughcontact._solve.solution.results import responses as responses
 from roughcontact._solve.solution.sampling import find_peak_sampling as find_peak_sampling
 from roughcontact._solve.solution.sampling import find_stiffness_sampling as find_stiffness_sampling
+from roughcontact._solve.solution.shear import FrictionalResiduals as FrictionalResiduals
+from roughcontact._solve.solution.shear import FrictionalState as FrictionalState
+from roughcontact._solve.solution.shear import Sheared as Sheared
+from roughcontact._solve.solution.shear import TangentialLoad as TangentialLoad
+from roughcontact._solve.solution.shear import find_sides as find_sides
+from roughcontact._solve.solution.shear import read_estimate as read_estimate
+from roughcontact._solve.solution.states import read_states as read_states
+from roughcontact._solve.solution.states import write_states as write_states
+from roughcontact._solve.solution.storage import PATH_KIND as PATH_KIND
 from roughcontact._solve.solution.storage import read as read
 from roughcontact._solve.solution.storage import read_figures as read_figures
 from roughcontact._solve.solution.storage import require_netcdf as require_netcdf

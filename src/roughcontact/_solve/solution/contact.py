@@ -18,8 +18,8 @@ from roughcontact._base.units import Estimate, Force, Length, Pressure, Quantity
 from roughcontact._parts.materials import Material
 from roughcontact._parts.surfaces import HeightMap
 from roughcontact._solve.solution import storage
+from roughcontact._solve.solution.additions import Addition
 from roughcontact._solve.solution.attraction import interpolate_peak, warn_of_attraction, widen_area
-from roughcontact._solve.solution.fields import ContactFields
 from roughcontact._solve.solution.healing import heal
 from roughcontact._solve.solution.plausibility import list_warnings
 from roughcontact._solve.solution.results import (
@@ -34,9 +34,12 @@ from roughcontact._solve.solution.results import (
     estimate_attractive_area,
     estimate_saturated_area,
     judge_maps,
+    list_fields,
+    require_with_friction,
     responses,
 )
 from roughcontact._solve.solution.sampling import PlaceStatistics, find_area_sampling, find_place_statistics
+from roughcontact._solve.solution.shear import ShearFields
 from roughcontact._solve.solution.summary import abbreviate, summarize
 from roughcontact._solve.solution.theory import Stickiness, TheoryBeside, compare_with_theory, find_stickiness
 from roughcontact._solve.solution.writers import describe_as_data, to_pyvista, write_solution
@@ -49,8 +52,12 @@ T = TypeVar("T")
 
 
 @attrs.frozen(eq=False, kw_only=True)
-class ContactSolution(Result, ContactFields):
+class ContactSolution(Result, ShearFields):
     """A solved contact: its fields, its certificate, and the answers derived from them.
+
+    With friction it is the end of one step of a path, or steady sliding: beside the normal contact it has ``shear``,
+    ``slip``, ``stick`` and the other fields of friction. Of unlike bodies the initial gap is that changed by the
+    traction, of like ones that without friction.
 
     Examples
     --------
@@ -99,24 +106,38 @@ class ContactSolution(Result, ContactFields):
         """
         return estimate_attractive_area(self, fraction)
 
+    @property
+    def _normal(self) -> ContactSolution:
+        """The normal contact alone, which area and responses read."""
+        return self._keep("normal", lambda: attrs.evolve(self, added=())) if self.added else self
+
+    def _add(self, addition: Addition, **changes: Any) -> ContactSolution:
+        """Return the state with what a physics adds in place of its former addition; the normal contact is the same."""
+        others = tuple(one for one in self.added if one.kind != addition.kind)
+        state = attrs.evolve(self, added=(*others, addition), **changes)
+        state._found["normal"] = self._normal
+        return state
+
     @cached_property
     def _default_area(self) -> Area:
+        if self.added:
+            return self._normal._default_area
         return self._estimate_area(areas.resolve(DEFAULT_AREA if self.tension is None else DEFAULT_ADHESIVE_AREA))
 
     def _view(self, response: Response[Any]) -> ContactSolution:
         """Return what a response reads of the solution: with adhesion the pressure that it holds for."""
         if self.tension is None:
-            return self
+            return self._normal
         if response.with_adhesion == "refused":
             raise InputError(
                 f"{type(response).__name__} does not hold for surfaces that attract each other: it knows no tension."
             )
-        return self if response.with_adhesion == "total pressure" else self._pressed
+        return self._normal if response.with_adhesion == "total pressure" else self._pressed
 
     @cached_property
     def _pressed(self) -> ContactSolution:
         """The solution with its contact pressure alone, whose gap is the same."""
-        return attrs.evolve(self, pressure=self.contact_pressure, tension=np.zeros(self.grid.shape))
+        return attrs.evolve(self._normal, pressure=self.contact_pressure, tension=np.zeros(self.grid.shape))
 
     def _estimate_area(self, chosen: AreaEstimator) -> Area:
         area = chosen.estimate(heal(self._view(chosen)))
@@ -130,7 +151,7 @@ class ContactSolution(Result, ContactFields):
 
     @cached_property
     def _place(self) -> PlaceStatistics | None:
-        return find_place_statistics(heal(self), self.non_measured)
+        return find_place_statistics(heal(self._normal), self.non_measured)
 
     @cached_property
     def _maps(self) -> tuple[HeightMap, ...]:
@@ -155,13 +176,27 @@ class ContactSolution(Result, ContactFields):
             Registered name or instance of a response. The names of those without arguments are ``"peak-pressure"``,
             ``"perimeter"``, ``"patches"``, ``"mean-gap"``, ``"approach"`` (since the first touch of the summits between
             the cells), ``"stiffness"`` and ``"tangential-stiffness"``; ``roughcontact.responses.create`` makes others.
+            With friction a response with a field ``traction``, such as the stress, is that under pressure and traction,
+            others are those of the normal contact.
 
         Raises
         ------
         InputError
-            If there is no such response, or it means nothing for this contact or has no value.
+            If there is no such response, or it means nothing for this contact or has no value; with friction also if
+            it states a traction or a friction of its own.
         """
-        return ask(self, responses.resolve(response))
+        asked: Any = responses.resolve(response)
+        return ask(self, self._add_traction(asked) if self.added else asked)
+
+    def _add_traction(self, asked: Any) -> Any:
+        """Return a response to pressure and traction of a contact with friction."""
+        require_with_friction(asked)
+        if "traction" not in list_fields(asked):
+            return asked
+        own = [name for name in ("traction", "friction") if getattr(asked, name, None) is not None]
+        if own:
+            raise InputError(f"The state has its own traction: omit {own[0]}= of the response.")
+        return attrs.evolve(asked, traction=self.shear)
 
     def stiffness(self) -> Estimate:
         """Return the normal stiffness dF/d(approach), N/m; `roughcontact.responses.Stiffness` states the equations."""
@@ -344,7 +379,7 @@ class ContactSolution(Result, ContactFields):
         InputError
             If there is no such estimator.
         """
-        return estimate_saturated_area(heal(self if self.tension is None else self._pressed), estimator)
+        return estimate_saturated_area(heal(self._normal if self.tension is None else self._pressed), estimator)
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:
@@ -352,7 +387,7 @@ class ContactSolution(Result, ContactFields):
 
         The warnings of the `area` are not among them.
         """
-        pressed = self if self.tension is None else self._pressed
+        pressed = self._normal if self.tension is None else self._pressed
         found = list_warnings(pressed, self._materials.values())
         return found if self.origin is None else (*found, *warn_of_attraction(self, self.origin))
 
@@ -363,7 +398,7 @@ class ContactSolution(Result, ContactFields):
         It holds on periodic boundaries without saturated cells, for nominally flat, isotropic, Gaussian roughness of
         many waves, most of them longer than four cells; grids have at most 2048 x 2048 cells.
         """
-        return compare_with_theory(self) if self.tension is None else None
+        return compare_with_theory(self) if self.tension is None and not self.added else None
 
     @cached_property
     def stickiness(self) -> Stickiness | None:
@@ -378,6 +413,19 @@ class ContactSolution(Result, ContactFields):
     def _materials(self) -> dict[str, Material]:
         return {} if self.origin is None else self.origin.materials
 
+    def verify(self) -> None:
+        """Recompute the certificate from the fields, with friction from those of the state before too.
+
+        Raises
+        ------
+        InputError
+            If they contradict each other or the problem, or the solution is from a file: `ContactProblem.verify` takes
+            its problem.
+        """
+        if self.origin is None or self.origin.source is None:
+            raise InputError("The solution does not hold its problem: call problem.verify(solution).")
+        self.origin.source.verify(self)
+
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the solution to a file, completely or not at all.
 
@@ -387,8 +435,9 @@ class ContactSolution(Result, ContactFields):
             Its ending names one of the registered ``writers``; an existing file is replaced. ``.npz``, or ``.nc`` for
             netCDF with units (extra ``store``), can be loaded again: they hold the fields, shape (nx, ny), under
             their own names, the force, approach and area, the versions of the packages, and the problem: each part by
-            its registered name and fields. A warning names parts whose class is not registered. ``.html`` is the
-            report, ``.vti`` image data for ParaView, ``.json`` what `to_dict` returns.
+            its registered name and fields; with friction also the state before, so that it is verified alone.
+            A warning names parts whose class is not registered. ``.html`` is the report,
+            ``.vti`` image data for ParaView, ``.json`` what `to_dict` returns.
 
         Raises
         ------

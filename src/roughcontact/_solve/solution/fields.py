@@ -13,6 +13,7 @@ from roughcontact._base.arrays import Array, IntArray, Mask, read_only
 from roughcontact._base.checks import numbers
 from roughcontact._base.units import ShownAsPrinted, outlined
 from roughcontact._parts.grid import Boundary, Grid
+from roughcontact._solve.solution.additions import Addition, Certificate
 from roughcontact._solve.solution.origin import Accuracy, Origin
 from roughcontact._solve.solution.results import GridLevel, Residuals, Status
 from roughcontact._solve.solution.whole import Whole
@@ -213,6 +214,8 @@ class ContactFields(AskedOf):
         Points that were not measured on one of the bodies, shape `grid.shape`: they carry no load. None: no such point.
     tension
         Attraction of the surfaces, shape `grid.shape`, Pa, at least zero; None without adhesion.
+    added
+        What friction adds; empty without.
     """
 
     # Of a contact that is divided among processes, what holds its parts together.
@@ -240,6 +243,7 @@ class ContactFields(AskedOf):
     accuracy: Accuracy | None = None
     non_measured: Mask | None = attrs.field(default=None, converter=attrs.converters.optional(read_only))
     tension: Array | None = attrs.field(default=None, converter=attrs.converters.optional(read_only))
+    added: tuple[Addition, ...] = ()
 
     def __reduce__(self) -> tuple[Any, ...]:
         # Arrays in pickles and deep copies are writable: the constructor makes them read-only again.
@@ -261,6 +265,11 @@ class ContactFields(AskedOf):
             return np.full(wavenumber.shape, self.modulus)
         lengths, moduli = (np.log(values) for values in self.moduli)
         return np.asarray(np.exp(np.interp(-np.log(wavenumber), lengths, moduli)))
+
+    @property
+    def certificate(self) -> Certificate:
+        """The conditions of contact, and of friction, each with its residual."""
+        return Certificate((*self.residuals.conditions, *(one for added in self.added for one in added.conditions)))
 
     @cached_property
     def _found(self) -> dict[str, Any]:

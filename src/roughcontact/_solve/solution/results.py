@@ -16,8 +16,9 @@ from roughcontact._base.checks import Part, number
 from roughcontact._base.machine import require_memory
 from roughcontact._base.registry import Registry
 from roughcontact._base.units import Estimate as Estimate
-from roughcontact._base.units import ShownAsPrinted, WarningText, prefixed, with_spread
+from roughcontact._base.units import ShownAsPrinted, WarningText, prefixed, si, with_spread
 from roughcontact._parts.surfaces import HeightMap
+from roughcontact._solve.solution.additions import Condition
 from roughcontact.errors import InputError
 
 if TYPE_CHECKING:
@@ -236,12 +237,24 @@ class Residuals(ShownAsPrinted):
         """The maximum of complementarity, penetration and tension."""
         return max(self.complementarity, self.penetration, self.tension)
 
-    def __str__(self) -> str:
-        tension = f", tension {self.tension:.1e}" if self.tension else ""
+    @property
+    def conditions(self) -> tuple[Condition, ...]:
+        """Them as conditions of a certificate."""
+        over = f", over {si(self.scale, 'm')}"
+        attracting = "difference between the tension and its law, over the steepest slope of the law"
         return (
-            f"complementarity {self.complementarity:.1e}, penetration {self.penetration:.1e}, "
-            f"load {self.load:.1e}{tension}"
+            Condition(
+                "complementarity",
+                self.complementarity,
+                f"mean of the gap where there is pressure, weighted by it{over}",
+            ),
+            Condition("penetration", self.penetration, f"deepest overlap outside the saturated cells{over}"),
+            Condition("load", self.load, "relative error of the load", judges=False),
+            *([Condition("tension", self.tension, f"{attracting}{over}")] if self.tension else []),
         )
+
+    def __str__(self) -> str:
+        return ", ".join(map(str, self.conditions))
 
 
 @attrs.frozen

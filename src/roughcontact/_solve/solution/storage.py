@@ -9,6 +9,7 @@ import math
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import attrs
@@ -38,6 +39,7 @@ from roughcontact._base.archive.plain import (
 from roughcontact._base.arrays import Array, Mask, RealArray, frozen_array, read_only
 from roughcontact._base.tables import make_dataset
 from roughcontact._parts.grid import Boundary, Grid
+from roughcontact._solve.solution.additions import describe_additions, rebuild_additions
 from roughcontact._solve.solution.origin import Origin, key_of_origin, require_key, versions
 from roughcontact._solve.solution.results import GridLevel, Residuals, Status
 from roughcontact.errors import InputError, MissingPackage
@@ -51,9 +53,12 @@ if TYPE_CHECKING:
 _STORED_BOOLEANS = np.int8
 T = TypeVar("T")
 _ARCHIVE_KIND = "solution"
-# Files of contacts with friction, and the classes that load them.
-_WITH_FRICTION = {"frictional path": "FrictionalPath", "frictional solution": "FrictionalSolution"}
+PATH_KIND = "frictional path"
+# Files of states with friction from before these were solutions.
+_FRICTIONAL_KIND = "frictional solution"
+_FRICTIONAL_PLAIN = ("friction", "given", "pair", "dissipated", "elastic_energy", "passes", "iterations", "increments")
 _PART_PREFIX = "part_"
+_NOTHING_ADDED: Mapping[str, Any] = MappingProxyType({"mapping": {}})
 _FIELDS = {
     "pressure": ("contact pressure", "Pa"),
     "displacement": ("elastic displacement of both surfaces", "m"),
@@ -153,10 +158,13 @@ def write(path: Path, solution: ContactSolution, *, flush: bool = True) -> None:
 def read(path: Path, key: str | None = None) -> dict[str, Any]:
     """Return the arguments of a `ContactSolution`, which must have the key if one is given; see its `load`."""
     arrays, header = read_netcdf(path) if path.suffix == ".nc" else read_archive(path)
-    if header.get("kind") != _ARCHIVE_KIND:
-        found = _WITH_FRICTION.get(str(header.get("kind")), "")
-        raise InputError(f"The file {path.name} does not hold a solution{found and f': {found}.load reads it'}.")
+    kind = header.get("kind")
+    if kind not in (_ARCHIVE_KIND, _FRICTIONAL_KIND):
+        found = ": FrictionalPath.load reads it" if kind == PATH_KIND else ""
+        raise InputError(f"The file {path.name} does not hold a solution{found}.")
     with usable(path, "its header is wrong"):
+        if kind == _FRICTIONAL_KIND:
+            arrays, header = translate_frictional(header["states"][0], arrays)
         require_key(header, key)
         fields = assemble(arrays, header)
         require_sound(fields, arrays)
@@ -175,11 +183,12 @@ def read_figures(path: Path, key: str) -> dict[str, Any]:
 
 def verify(path: Path, solution: ContactSolution) -> None:
     """Raise `InputError` unless the residuals recomputed from a solution's pressure confirm it."""
-    verify_states(path, solution, [solution])
+    verify_states(path, [solution])
 
 
-def verify_states(path: Path, first: ContactSolution, states: Sequence[Any]) -> None:
-    """Raise `InputError` unless the problem of the first contact confirms all states, which `verify` takes."""
+def verify_states(path: Path, states: Sequence[ContactSolution]) -> None:
+    """Raise `InputError` unless the problem of the first state confirms all of them."""
+    first = states[0]
     origin = first.origin
     missing = "It does not name its problem." if origin is None else origin.missing
     if origin is None or missing:
@@ -233,15 +242,22 @@ def require_sound(fields: Mapping[str, Any], arrays: Mapping[str, RealArray]) ->
 
 def to_xarray(solution: ContactSolution) -> Any:
     """Return the solution as an xarray dataset; see `ContactSolution.to_xarray`."""
-    return _dataset(solution, {name: np.asarray(values) for name, values in _list_variables(solution).items()})
+    variables = {name: np.asarray(values) for name, values in _list_variables(solution).items()}
+    return _dataset(solution, variables | {name: values for name, (values, _, _) in list_added(solution).items()})
+
+
+def list_added(solution: ContactSolution) -> dict[str, tuple[RealArray, str, str]]:
+    """Return the fields that physics have added to a solution; see `Addition.list_fields`."""
+    return {name: field for one in solution.added for name, field in one.list_fields().items()}
 
 
 def _dataset(solution: ContactSolution, packed: Mapping[str, RealArray]) -> Any:
     grid = solution.grid
     variables = {}
+    fields = _FIELDS | {name: (words, unit) for name, (_, words, unit) in list_added(solution).items()}
     for name, values in packed.items():
-        axes = ("x", "y") if name in _FIELDS else tuple(f"{name}_{axis}" for axis in range(values.ndim))
-        words, unit = {**_FIELDS, **_SCALARS}.get(name, (None, None))
+        axes = ("x", "y") if name in fields else tuple(f"{name}_{axis}" for axis in range(values.ndim))
+        words, unit = {**fields, **_SCALARS}.get(name, (None, None))
         variables[name] = (axes, values, {"long_name": words, "units": unit} if words else {})
     places = {"x": ("x", grid.x[:, 0], {"units": "m"}), "y": ("y", grid.y[0], {"units": "m"})}
     made_with = versions() if solution.origin is None else solution.origin.versions
@@ -259,7 +275,8 @@ def disassemble(solution: ContactSolution) -> tuple[dict[str, npt.ArrayLike], di
     tables = {name: attrs.asdict(getattr(solution, name)) for name in ("grid", "residuals")}
     header = {
         "kind": _ARCHIVE_KIND,
-        "key": key_of_origin(origin),
+        # A study finds solutions without friction by it.
+        "key": "" if solution.added else key_of_origin(origin),
         "versions": versions() if origin is None else dict(origin.versions),
         "programs": [] if origin is None else origin.programs,
         "status": solution.status.name,
@@ -271,6 +288,7 @@ def disassemble(solution: ContactSolution) -> tuple[dict[str, npt.ArrayLike], di
         **{name: describe(table, parts) for name, table in tables.items()},
         "levels": [describe(attrs.asdict(level), parts) for level in solution.levels],
         "tension": describe(solution.tension, parts),
+        "added": describe_additions(solution.added, parts),
         "problem": None if origin is None else origin.describe(parts),
         "load": None if origin is None else describe(origin.load, parts),
     }
@@ -302,7 +320,37 @@ def _estimate(solution: ContactSolution, what: str) -> dict[str, float]:
     return {what: value, f"{what}_uncertainty": uncertainty}
 
 
-def assemble(arrays: Mapping[str, RealArray], header: Mapping[str, Any]) -> dict[str, Any]:
+def translate_frictional(
+    described: Mapping[str, Any], arrays: Mapping[str, RealArray]
+) -> tuple[dict[str, RealArray], dict[str, Any]]:
+    """Return arrays and header of a state in a file from before states with friction were solutions."""
+    contact = described["contact"]
+    names = {**contact["arrays"]}
+    before = described["before"]
+    own = {**described["arrays"], "before": before["pressure"], "before shear": before["shear"]}
+    names |= {_PART_PREFIX + digest: digest for digest in (*own.values(), *described["parts"].values())}
+    residuals = {name: one for name, one in described["residuals"]["mapping"].items() if name != "normal"}
+    shear = {
+        **{name: described[name] for name in (*_FRICTIONAL_PLAIN, "displacement")},
+        "residuals": {"mapping": residuals},
+        "traction": {"array": own["shear"]},
+        "slip": {"array": own["slip"]},
+        "before": {**before, "pressure": {"array": before["pressure"]}, "shear": {"array": before["shear"]}},
+    }
+    header = {
+        **contact["header"],
+        "status": described["status"],
+        "seconds": described["seconds"],
+        "key": "",
+        "added": {"mapping": {"shear": shear}},
+    }
+    return {name: arrays[digest] for name, digest in names.items()}, header
+
+
+def assemble(
+    arrays: Mapping[str, RealArray], header: Mapping[str, Any], given: Mapping[str, Any] = MappingProxyType({})
+) -> dict[str, Any]:
+    """Return the arguments of a `ContactSolution`; `given` has parts that a file need not name, by kind of addition."""
     parts = {
         name.removeprefix(_PART_PREFIX): values for name, values in arrays.items() if name.startswith(_PART_PREFIX)
     }
@@ -338,6 +386,7 @@ def assemble(arrays: Mapping[str, RealArray], header: Mapping[str, Any]) -> dict
         "status": Status[header["status"]],
         # Files from before there was adhesion do not name it.
         "tension": _tension(rebuild(header.get("tension"), parts), grid),
+        "added": rebuild_additions(header.get("added", _NOTHING_ADDED), parts, grid, given),
         "errors": tuple(map(float, rebuild(header["history"], parts))),
         "origin": origin,
     }

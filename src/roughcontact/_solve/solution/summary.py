@@ -46,6 +46,8 @@ def list_answers(solution: ContactSolution) -> dict[str, str]:
     }
     if solution.capped:
         answers["saturated"] = _format_area(_attempt(solution.saturated_area, None), solution)
+    for added in solution.added:
+        answers |= added.list_rows(solution)
     places = describe_other_places(solution, {"contact area": _attempt(solution.area, None), "maximum pressure": peak})
     return answers | ({"other places": places} if places else {})
 
@@ -139,7 +141,7 @@ def summarize(solution: ContactSolution, maps: Sequence[HeightMap], materials: M
     alone = f": the {rigid[0]} is rigid" if rigid else ""
     rows += [
         ("modulus E*", f"{si(solution.modulus, 'Pa', 6)}{alone}"),
-        ("residuals", str(solution.residuals)),
+        ("residuals", str(solution.certificate)),
         ("work", describe_work(solution)),
     ]
     return "\n".join(line for label, text in rows for line in _wrap(label, text))

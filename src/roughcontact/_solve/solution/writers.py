@@ -17,7 +17,7 @@ from roughcontact._base.checks import Part
 from roughcontact._base.registry import Registry
 from roughcontact._parts.grid import Grid
 from roughcontact._solve.solution import storage
-from roughcontact._solve.solution.storage import scalars_of
+from roughcontact._solve.solution.storage import list_added, scalars_of
 from roughcontact.errors import InputError, MissingPackage
 
 if TYPE_CHECKING:
@@ -88,8 +88,8 @@ def write_solution(solution: ContactSolution, path: Path) -> None:
     raise InputError.about("The name of a solution's file", path.name, f"one ending in {', '.join(sorted(known))}")
 
 
-def describe_as_data(solution: Any) -> dict[str, Any]:
-    """Return a solution, or a state with friction, as plain data; see `ContactSolution.to_dict`."""
+def describe_as_data(solution: ContactSolution) -> dict[str, Any]:
+    """Return a solution as plain data; see `ContactSolution.to_dict`."""
     # The problem, which it states, stands above the solution.
     writer: Any = writers.create("json")
     described: dict[str, Any] = writer.describe(solution)
@@ -130,6 +130,7 @@ def cells_of(solution: ContactSolution) -> dict[str, RealArray]:
     fields: dict[str, RealArray] = {name: getattr(solution, name) for name in _FIELDS}
     masks = {name: getattr(solution, name) for name in _MASKS}
     fields |= {name: mask.astype(np.uint8) for name, mask in masks.items() if mask is not None}
+    fields |= {name: np.ascontiguousarray(values) for name, (values, _, _) in list_added(solution).items()}
     try:
         bodies = {} if solution.origin is None else solution.origin.problem
     except InputError:

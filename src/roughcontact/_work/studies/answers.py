@@ -10,7 +10,7 @@ import attrs
 
 from roughcontact._base.archive.plain import key_of
 from roughcontact._base.units import printable
-from roughcontact._solve.solution import ContactSolution, FrictionalSolution, Response, list_estimates, responses
+from roughcontact._solve.solution import ContactSolution, Response, list_estimates, responses
 from roughcontact._work.studies.asking import list_answer_warnings
 from roughcontact.errors import InputError
 
@@ -75,7 +75,7 @@ def name_of(response: Response[Any]) -> str:
 
 
 def find_answers(
-    solution: ContactSolution | FrictionalSolution, asked: Sequence[Response[Any]], known: Mapping[str, Answer]
+    solution: ContactSolution, asked: Sequence[Response[Any]], known: Mapping[str, Answer]
 ) -> tuple[dict[str, Answer], dict[str, Exception], list[str]]:
     """Return the answers of a solution by name, the errors of those that it refuses, and the warnings of new ones.
 
@@ -100,11 +100,10 @@ def find_answers(
             results[name] = [result]
         except Exception as error:
             errors[name] = error
-    contact = solution if isinstance(solution, ContactSolution) else solution.contact
     said: list[str] = []
     # What the area is warned of is said with it; its estimator is a plug-in.
     with contextlib.suppress(Exception):
-        said = list_answer_warnings(results, [contact]) if results else []
+        said = list_answer_warnings(results, [solution]) if results else []
     return answers, errors, said
 
 

@@ -17,7 +17,6 @@ from roughcontact._base.units import Estimate, kind_of
 from roughcontact._solve.problem import AdhesionCycle, FrictionalPath, Sweep
 from roughcontact._solve.solution import (
     ContactSolution,
-    FrictionalSolution,
     Response,
     format_sampling,
     list_estimates,
@@ -262,7 +261,7 @@ def describe_answers_elsewhere(answers: Answers, loads: Sequence[str]) -> str:
 @guarded
 def ask_states(
     asked: Mapping[str, Response[Any]],
-    states: Sequence[ContactSolution] | Sequence[FrictionalSolution],
+    states: Sequence[ContactSolution],
     on_answer: Callable[[str], object] = lambda name: None,
 ) -> tuple[dict[str, list[Any]], dict[str, str]]:
     """Return what responses say of the states of a cycle or a path: some, such as unstable ones, have no answer.
@@ -317,22 +316,22 @@ def ask_states(
 
 @guarded
 def write_report(
-    solutions: Sequence[ContactSolution] | AdhesionCycle | FrictionalPath | FrictionalSolution,
+    solutions: Sequence[ContactSolution] | AdhesionCycle | FrictionalPath,
     path: Path,
     answers: Answers = _NO_ANSWERS,
 ) -> None:
-    """Write the report of one load or several, of a cycle, a path or a state with friction, with answers of responses.
+    """Write the report of one load or several, of a cycle or a path with friction, with answers of responses.
 
     Parameters
     ----------
     solutions
-        The solutions, cycle, path or state.
+        The solutions, cycle or path.
     path
         The HTML file.
     answers
         The results of each response by its name, one for each solution or row of the table.
     """
     subject: Any = solutions
-    if not isinstance(solutions, (AdhesionCycle, FrictionalPath, FrictionalSolution)):
+    if not isinstance(solutions, (AdhesionCycle, FrictionalPath)):
         subject = Sweep(tuple(solutions)) if len(solutions) > 1 else solutions[0]
     page_or_file(lambda: find_view("page")(subject, answers), path)

@@ -31,7 +31,6 @@ from roughcontact._solve.problem import (
 )
 from roughcontact._solve.solution import (
     ContactSolution,
-    FrictionalSolution,
     Response,
     list_all_warnings,
     read_figures,
@@ -315,7 +314,7 @@ def _find_path(chain: Chain, shearing: Shearing, key: str, load: Load) -> Record
 
 def _measure_path(chain: Chain, record: Record, path: FrictionalPath) -> Record:
     """Return the record of a path, with the areas of the contact at its end that the given record lacks."""
-    record = _measure(chain, record, path[-1].contact, path[-1])
+    record = _measure(chain, record, path[-1])
     warnings = tuple(dict.fromkeys((*path.warnings, *record.warnings)))
     return attrs.evolve(
         record, **list_figures(path), warnings=warnings, doubtful=bool(path.warnings) or record.doubtful
@@ -352,13 +351,8 @@ def _load(chain: Chain, key: str) -> ContactSolution | None:
         return None
 
 
-def _measure(
-    chain: Chain, record: Record, solution: ContactSolution, state: FrictionalSolution | None = None
-) -> Record:
-    """Return the record of a solution, with the areas and answers that the given record lacks.
-
-    With friction it is the normal contact of a `state`, which answers.
-    """
+def _measure(chain: Chain, record: Record, solution: ContactSolution) -> Record:
+    """Return the record of a solution, with the areas and answers that the given record lacks."""
     areas = dict(record.areas)
     failures = []
     for name in chain.areas:
@@ -368,7 +362,7 @@ def _measure(
                 areas[name] = float(area.value), float(area.uncertainty)
             except Exception as error:
                 failures.append(name_exception(f"The area estimator {name!r}", error))
-    answers, errors, said = find_answers(state or solution, chain.responses, record.answers)
+    answers, errors, said = find_answers(solution, chain.responses, record.answers)
     # Known values are not estimated again.
     judged: dict[str, Any] = (
         {"doubtful": record.doubtful, "warnings": record.warnings} if record.success else _judge(solution)

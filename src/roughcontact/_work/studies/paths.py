@@ -87,9 +87,9 @@ class Shearing:
 
     def verify(self, problem: ContactProblem, load: Load, path: FrictionalPath) -> None:
         """Raise `InputError` unless a path has these loads, and its states are solutions of a problem."""
-        origins = [state.contact.origin for state in path]
+        origins = [state.origin for state in path]
         normal = [None if origin is None else origin.load for origin in origins]
-        if [state.given for state in path] != list(self.loads) or normal != [load.arguments] * len(path):
+        if [state.tangential_load for state in path] != list(self.loads) or normal != [load.arguments] * len(path):
             raise InputError("The path has other loads.")
         for state in (*([] if path.pressed is None else [path.pressed]), *path):
             problem.verify(state)
@@ -103,9 +103,9 @@ class Shearing:
 
 def figures_of(path: FrictionalPath) -> dict[str, Any]:
     """Return the figures of a path that its record states, as `read_figures` does those of a solution."""
-    contact = path[-1].contact
-    counts = {"iterations": contact.iterations, "convolutions": contact.convolutions}
-    return {**scalars_of(contact), **counts, **list_figures(path)}
+    last = path[-1]
+    counts = {"iterations": last.iterations, "convolutions": last.convolutions}
+    return {**scalars_of(last), **counts, **list_figures(path)}
 
 
 def list_figures(path: FrictionalPath) -> dict[str, Any]:

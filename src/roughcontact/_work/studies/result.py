@@ -86,9 +86,9 @@ class StudyResult(TableResult):
     def solution(self, record: Record) -> ContactSolution:
         """Return the solution of a record from its file; `InputError` if there is none, or it is damaged.
 
-        Of a path with friction it is the contact at its end.
+        Of a path with friction it is the state at its end.
         """
-        return self.path(record)[-1].contact if record.has_friction else read_solution(self.folder, record.key)
+        return self.path(record)[-1] if record.has_friction else read_solution(self.folder, record.key)
 
     def path(self, record: Record) -> FrictionalPath:
         """Return the path with friction of a record from its file; `InputError` if there is none, or it is damaged."""
