@@ -112,10 +112,10 @@ class Judge:
         """Return the violations by name."""
         p, q = state.pressure.ravel(), state.shear.reshape(2, -1)
         along, across = self.moved(state.pressure, state.shear)
-        before = state.before
+        before = state.sheared.before
         p0, q0 = before.pressure.ravel(), before.shear.reshape(2, -1)
         along0, across0 = self.moved(before.pressure, before.shear)
-        d, d0 = np.array(state.displacement), np.array(before.displacement)
+        d, d0 = np.array(state.tangential_displacement), np.array(before.displacement)
         w = (d[:, None] - along) - (d0[:, None] - along0)
         gap = self.gap + across - state.approach
         scale = min(self.gap.std(), np.ptp(across)) or 1.0

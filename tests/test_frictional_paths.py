@@ -170,7 +170,9 @@ class TestLikeBodies:
             pushed = fraction * FRICTION * force
             state = problem.path(force=force, tangential_force=[(pushed, 0.0)], friction=FRICTION)[0]
             # The closed form is off by these ten-thousandths if Poisson's ratio is not zero.
-            assert 1e4 * (state.tangential_displacement[0] / exact.displacement(pushed) - 1) == pytest.approx(-error, abs=0.5)
+            assert 1e4 * (state.tangential_displacement[0] / exact.displacement(pushed) - 1) == pytest.approx(
+                -error, abs=0.5
+            )
 
     def test_one_poisson_ratio_is_partial_slip(self):
         problem = make_rough(STIFF, STIFF, solver=rc.ProjectedConjugateGradient(tolerance=1e-8))
@@ -410,7 +412,9 @@ class TestInvariance:
         path, other = self.follow(one), self.follow(turned, [load[::-1] for load in self.LOADS])
         for state, mirrored in zip(path, other, strict=True):
             assert state.tangential_displacement == pytest.approx(mirrored.tangential_displacement[::-1], rel=1e-4)
-            assert np.abs(state.shear - mirrored.shear[::-1].transpose(0, 2, 1)).max() < 1e-4 * state.shear_strength.max()
+            assert (
+                np.abs(state.shear - mirrored.shear[::-1].transpose(0, 2, 1)).max() < 1e-4 * state.shear_strength.max()
+            )
 
     def test_exchange_of_the_bodies(self):
         """The traction on the other body has the opposite sign, and so have beta and the tangential force."""

@@ -373,7 +373,13 @@ def push_ours(case: Case) -> Push:
     )
     spent = time.process_time() - begin
     state = path[0]
-    return Push(state.displacement[0], np.array(state.shear), np.array(state.pressure), state.iterations, spent)
+    return Push(
+        state.tangential_displacement[0],
+        np.array(state.shear),
+        np.array(state.pressure),
+        state.sheared.iterations,
+        spent,
+    )
 
 
 def push_aspher(case: Case, tolerance: float) -> Push:

@@ -105,9 +105,9 @@ def make_unlike_rows() -> list[list[str]]:
         rows.append(
             [
                 name,
-                f"{state.pair.beta:.3f}",
+                f"{state.sheared.pair.beta:.3f}",
                 f"{100.0 * _rms(uncoupled.pressure - state.pressure) / _rms(state.pressure):.1f}",
-                f"{100.0 * (np.mean(uncoupled.contact) / np.mean(state.contact.contact) - 1.0):+.1f}",
+                f"{100.0 * (np.mean(uncoupled.contact) / np.mean(state.contact) - 1.0):+.1f}",
                 f"{100.0 * (moved / path.numbers[0].displacement[0].value - 1.0):+.1f}",
                 f"{100.0 * _rms(shear - state.shear) / _rms(state.shear):.0f}",
             ]
@@ -162,15 +162,15 @@ def make_frozen_rows() -> list[list[str]]:
         true = problem.path(force=[force], tangential_force=[(pushed, 0.0)], friction=FRICTION, substeps=1)[0]
         frozen = certify_frozen(problem, force, pushed)
         for name, state in (("path", true), ("frozen cone", frozen)):
-            beyond = np.maximum(np.hypot(*state.shear) - state.limit, 0.0).sum() / np.abs(state.shear[0]).sum()
+            beyond = np.maximum(np.hypot(*state.shear) - state.shear_strength, 0.0).sum() / np.abs(state.shear[0]).sum()
             rows.append(
                 [
-                    f"{state.pair.beta:.2f}",
+                    f"{state.sheared.pair.beta:.2f}",
                     name,
-                    format_residual(max(state.residuals.normal.complementarity, state.residuals.normal.penetration)),
-                    format_residual(state.residuals.cone),
-                    format_residual(state.residuals.slip),
-                    f"{100.0 * (state.displacement[0] / true.displacement[0] - 1.0):+.1f}",
+                    format_residual(max(state.residuals.complementarity, state.residuals.penetration)),
+                    format_residual(state.sheared.residuals.cone),
+                    format_residual(state.sheared.residuals.slip),
+                    f"{100.0 * (state.tangential_displacement[0] / true.tangential_displacement[0] - 1.0):+.1f}",
                     f"{100.0 * beyond:.1f}",
                 ]
             )
@@ -181,7 +181,7 @@ def format_residual(value: float) -> str:
     return f"{value:.2f}" if value > 1e-3 else "below 1e-5" if value <= 1e-5 else f"{value:.0e}"
 
 
-def certify_frozen(problem: rc.ContactProblem, force: float, pushed: float) -> rc.FrictionalSolution:
+def certify_frozen(problem: rc.ContactProblem, force: float, pushed: float) -> rc.ContactSolution:
     """Return the state of a code that keeps the limits of the first pressure, with our certificate of it."""
     certificate = FrictionalContact(problem, rc.Coulomb(FRICTION))
     first = problem.solve(force=force)
@@ -285,7 +285,7 @@ def make_cost_rows() -> list[list[str]]:
                 f"{100.0 * np.mean(contact.contact):.0f}",
                 str(found.iterations),
                 f"{alone / normal:.1f}",
-                str(state.iterations),
+                str(state.sheared.iterations),
                 f"{step / before:.1f}",
             ]
         )
@@ -333,7 +333,7 @@ def draw(folder: Path = FIGURES) -> None:
     left.set_title("A cycle of the force")
     extent = 1e6 * np.array([0.0, problem.plan.grid.size[0], 0.0, problem.plan.grid.size[1]])
     state = path[7]
-    zones = np.where(state.contact.contact, np.where(state.stick, 1.0, 2.0), np.nan)
+    zones = np.where(state.contact, np.where(state.stick, 1.0, 2.0), np.nan)
     middle.imshow(zones.T, origin="lower", extent=extent, cmap="viridis", vmin=0.5, vmax=2.5, interpolation="nearest")
     middle.set(xlabel="x, µm", ylabel="y, µm", title="Stick (dark) and slip (light)")
     work = path.work[8:].sum(axis=0)

@@ -11,8 +11,8 @@ solvers      `Task`, `Outcome`, `Step`, `GridLevel`, `Monitor`, `ContactConditio
              `starting_pressure`, `nearest_pressure`, `project_to_load`, `rescale_to_load`,
              `halve_shape`, `count_blocks`, `solve_in_window`, `estimate_approach`, `GridSolution`, the numbers
              `LONG_WAVE_CUT` and `MAX_CUT_EXPONENT`; for a solve of your own
-             `bind_kernel`, `make_task`, `confirm`, `Certificate`, `certify`, `make_solution`, `require_certified`; for
-             one that is divided among processes `SlabProcesses`, `plan_slabs`, `solve_slabs`, `SlabSolution`,
+             `bind_kernel`, `make_task`, `confirm`, `ConfirmedFields`, `certify`, `make_solution`, `require_certified`;
+             for one that is divided among processes `SlabProcesses`, `plan_slabs`, `solve_slabs`, `SlabSolution`,
              `SolveRecord`, `ending_all`, `Whole`, `find_patches`, `solve_on_cells`, `LinearSolution`, `require_found`
 materials    the mapping `TYPICAL` of typical ones by name; `PairConstants`, the function `pair_constants`
 readers      `RawMap`; the function `read_raw`
@@ -21,7 +21,8 @@ commands     `Table`; the functions `quantity`, `replacing`, `si`, `binary`, `wr
              `list_quantities`, `describe_other_places`, `gather_warnings`, `exceeds_metals`, `build_part`,
              `build_layer`, `build_problem`, `describe_response`, `build_response`, `ask_states`, `tabulate_answers`,
              `list_answer_warnings`, `write_report`
-results      `ContactFields`, `Accuracy`, `Trial`, `Residuals`, `ContactPatches`, `Load`, `Origin`, `SolvePlan`,
+results      `ContactFields`, `Certificate`, `Condition`, `Residuals`, `Accuracy`, `Trial`, `ContactPatches`, `Load`,
+             `Origin`, `SolvePlan`,
              `Sweep`, `RequiredLoad`, `Ladder`, `BeyondResolution`, `RunIn`, `Cycle`, `StudyResult`, `Record`,
              `ErrorReport`, `KnownAnswer`, `ReportRow`, `Timing`, `StabilityReport`, `Check`, `Verdict`,
              `MatchedPair`, `Separated`, `PartialSlip`, `FrettingLoop`, `InterfaceLaw`, `LawColumn`, `PowerFit`,
@@ -31,7 +32,7 @@ arrays       `Array` (float64), `RealArray` (float32 or float64), `IntArray`, `M
 arguments    `Quantity`, `Length`, `Pressure`, `Force`: numbers in SI units, or texts with a unit
 parts        `Part`, the base of all
 responses    `ResponseForm`, `ResponseField`, `Leakage`, `Throat`, `Percolation`
-friction     `FrictionalResiduals`, `FrictionalState`, `TangentialLoad`, `TangentialLoop`, `StepNumbers`,
+friction     `Sheared`, `FrictionalResiduals`, `FrictionalState`, `TangentialLoad`, `TangentialLoop`, `StepNumbers`,
              `Increment`
 ===========  ==========================================================================================================
 """
@@ -83,7 +84,7 @@ from roughcontact._solve.convolvers import (
 )
 from roughcontact._solve.problem import (
     AdhesionCycle,
-    Certificate,
+    ConfirmedFields,
     Increment,
     RequiredLoad,
     SlabProcesses,
@@ -107,6 +108,8 @@ from roughcontact._solve.problem import (
 )
 from roughcontact._solve.solution import (
     Accuracy,
+    Certificate,
+    Condition,
     ContactConditions,
     ContactFields,
     ContactPatches,
@@ -115,6 +118,7 @@ from roughcontact._solve.solution import (
     GridLevel,
     Origin,
     Residuals,
+    Sheared,
     Stickiness,
     TangentialLoad,
     TheoryBeside,
@@ -193,7 +197,9 @@ __all__ = [
     "Certificate",
     "Check",
     "Command",
+    "Condition",
     "Conductance",
+    "ConfirmedFields",
     "ContactConditions",
     "ContactFields",
     "ContactPatches",
@@ -246,6 +252,7 @@ __all__ = [
     "ShearOutcome",
     "ShearSolver",
     "ShearTask",
+    "Sheared",
     "SlabProcesses",
     "SlabSolution",
     "SolvePlan",

@@ -48,7 +48,7 @@ from roughcontact._solve.problem.pull_off import OnStateToPullOff as OnStateToPu
 from roughcontact._solve.problem.pull_off import find_pull_off as find_pull_off
 from roughcontact._solve.problem.required_load import RequiredLoad as RequiredLoad
 from roughcontact._solve.problem.required_load import find_required_load as find_required_load
-from roughcontact._solve.problem.run import Certificate as Certificate
+from roughcontact._solve.problem.run import ConfirmedFields as ConfirmedFields
 from roughcontact._solve.problem.run import certify as certify
 from roughcontact._solve.problem.run import computing as computing
 from roughcontact._solve.problem.run import confirm as confirm

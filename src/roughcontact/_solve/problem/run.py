@@ -53,7 +53,7 @@ _MAX_DEEPENINGS = 8
 
 
 @attrs.frozen(eq=False, kw_only=True)
-class Certificate:
+class ConfirmedFields:
     """What a solve has found, in SI units, and how well it satisfies the conditions of contact.
 
     Attributes
@@ -76,7 +76,7 @@ class Certificate:
     status: Status
     residuals: Residuals
 
-    def convert(self, convert: Callable[[Array], Array]) -> Certificate:
+    def convert(self, convert: Callable[[Array], Array]) -> ConfirmedFields:
         """Return the same certificate with its fields converted."""
         return attrs.evolve(self, pressure=convert(self.pressure), displacement=convert(self.displacement))
 
@@ -120,7 +120,7 @@ def certify(
 
 
 @guarded
-def confirm(plan: SolvePlan, convolution: PreparedConvolution, task: Task, outcome: Outcome) -> Certificate:
+def confirm(plan: SolvePlan, convolution: PreparedConvolution, task: Task, outcome: Outcome) -> ConfirmedFields:
     """Return what a solver has found, in SI units, with residuals recomputed in float64 from its fields alone.
 
     Parameters
@@ -189,7 +189,7 @@ def _in_si(
     approach: float,
     status: Status,
     residuals: Residuals,
-) -> Certificate:
+) -> ConfirmedFields:
     """Return the certificate of dimensionless fields and a dimensionless approach."""
     unit = pressure_unit(plan)
     pressure = outcome.pressure * unit
@@ -197,7 +197,7 @@ def _in_si(
         np.minimum(pressure, plan.pressure_limit, out=pressure)
         # Saturated cells carry the limit to the last bit.
         np.copyto(pressure, plan.pressure_limit, where=outcome.pressure >= task.pressure_limit)
-    return Certificate(
+    return ConfirmedFields(
         pressure=pressure,
         displacement=displacement * plan.peak_to_valley,
         approach=approach * plan.peak_to_valley,
@@ -208,7 +208,7 @@ def _in_si(
 
 @guarded
 def make_solution(
-    plan: SolvePlan, initial_gap: Array, outcome: Outcome, certificate: Certificate, seconds: float
+    plan: SolvePlan, initial_gap: Array, outcome: Outcome, certificate: ConfirmedFields, seconds: float
 ) -> ContactSolution:
     """Return the solution with the fields of a certificate; parameters as of `certify`."""
     return ContactSolution(

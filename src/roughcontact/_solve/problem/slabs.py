@@ -21,7 +21,7 @@ from roughcontact._solve.convolvers import Convolver, PreparedConvolution
 from roughcontact._solve.problem.body import RIGID_FLAT, Body
 from roughcontact._solve.problem.plan import SolvePlan
 from roughcontact._solve.problem.problem import ContactProblem
-from roughcontact._solve.problem.run import Certificate, certify, confirm, require_certified
+from roughcontact._solve.problem.run import ConfirmedFields, certify, confirm, require_certified
 from roughcontact._solve.problem.task import bind_kernel, make_task
 from roughcontact._solve.solution import ContactSolution, GridLevel, Origin, Residuals, Status
 from roughcontact._solve.solvers import Outcome, ProjectedConjugateGradient, Solver, Step, Task, halve_shape
@@ -154,7 +154,7 @@ class SolveRecord:
     seconds: float
 
     @staticmethod
-    def numbers_of(load: Load, outcome: Outcome, certificate: Certificate, started: float) -> dict[str, Any]:
+    def numbers_of(load: Load, outcome: Outcome, certificate: ConfirmedFields, started: float) -> dict[str, Any]:
         """Return the fields of a record; `started` is the reading of `time.perf_counter` at the start of the solve."""
         return {
             "load": load,
@@ -179,9 +179,9 @@ class SolveRecord:
             levels=self.levels,
         )
 
-    def certificate(self, pressure: Array, displacement: Array) -> Certificate:
+    def certificate(self, pressure: Array, displacement: Array) -> ConfirmedFields:
         """Return the certificate, with these fields."""
-        return Certificate(
+        return ConfirmedFields(
             pressure=pressure,
             displacement=displacement,
             approach=self.approach,
