@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact._answers.laws.law import fit_power
+from roughcontact._answers.laws.columns import fit_power
 
 STEEL = rc.Elastic(200e9, 0.3)
 GRID = rc.Grid((64, 48), (64e-6, 48e-6))

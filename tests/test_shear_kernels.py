@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 import roughcontact as rc
 from roughcontact._parts.kernels import odd_axes
-from roughcontact._solve.convolvers.shear import periodic_shear_spectrum
+from roughcontact._solve.convolvers.base import periodic_shear_spectrum
 from roughcontact.typing import BoundKernel, PairConstants, pair_constants
 from strategies import aspects, grids, seeds
 

@@ -9,7 +9,6 @@ import ast
 import re
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
-from typing import NamedTuple
 
 import pytest
 
@@ -17,15 +16,6 @@ import roughcontact
 
 ROOT = Path(roughcontact.__file__).parent
 PAGE = Path(__file__).parent.parent / "docs" / "extend" / "architecture.md"
-# What the methods of a solution return is named in its annotations.
-ANNOTATED = {(f"roughcontact._solve.solution.{name}", "roughcontact.responses") for name in ("contact", "frictional")}
-
-
-class Import(NamedTuple):
-    """A module that another one imports, and whether for annotations alone."""
-
-    name: str
-    is_annotation: bool
 
 
 def read_storeys(text):
@@ -56,20 +46,14 @@ def room_of(name):
 
 def imported_modules(path):
     """Yield the modules of the package that a file imports, at its top, inside a function or for annotations."""
-    tree = ast.parse(path.read_text(encoding="utf-8"))
-    annotations = set()
-    for node in ast.walk(tree):
-        if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
-            annotations.update(map(id, ast.walk(node)))
-    for node in ast.walk(tree):
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.ImportFrom) and node.module and node.module.split(".")[0] == "roughcontact":
             for alias in node.names:
                 inner = f"{node.module}.{alias.name}"
-                name = inner if inner in NAMES else node.module
-                yield Import(name, id(node) in annotations)
+                yield inner if inner in NAMES else node.module
 
 
-IMPORTS = {name: {one for one in imported_modules(path) if one.name != "roughcontact"} for name, path in NAMES.items()}
+IMPORTS = {name: {one for one in imported_modules(path) if one != "roughcontact"} for name, path in NAMES.items()}
 
 
 def test_the_folders_are_the_storeys():
@@ -81,9 +65,9 @@ def test_the_folders_are_the_storeys():
 @pytest.mark.parametrize("name", NAMES)
 def test_imports_go_down(name):
     here = room_of(name)
-    for other in {one.name for one in IMPORTS[name]}:
+    for other in IMPORTS[name]:
         there = room_of(other)
-        if there == here or (name, other) in ANNOTATED:
+        if there == here:
             continue
         above, below = LEVEL[here.split(".")[0]], LEVEL[there.split(".")[0]]
         assert below <= above, f"{name} imports {other}"
@@ -92,7 +76,7 @@ def test_imports_go_down(name):
 
 
 def test_only_the_command_line_imports_the_whole_package():
-    whole = {name for name, path in NAMES.items() if "roughcontact" in {one.name for one in imported_modules(path)}}
+    whole = {name for name, path in NAMES.items() if "roughcontact" in {*imported_modules(path)}}
     assert {room_of(name) for name in whole} <= {"_faces.cli"}
 
 
@@ -104,21 +88,21 @@ def find_circle(graph):
     return ""
 
 
-def test_rooms_import_each_other_in_no_circle_annotations_included():
+def test_rooms_import_each_other_in_no_circle():
     graph = {}
     for name, imports in IMPORTS.items():
-        others = {room_of(one.name) for one in imports if (name, one.name) not in ANNOTATED}
+        others = {room_of(one) for one in imports}
         graph.setdefault(room_of(name), set()).update(others - {room_of(name)})
     assert find_circle(graph) == ""
 
 
 def test_files_import_each_other_in_no_circle():
     # A package stands for the files that its __init__ imports, so a file that imports its own package is a circle.
-    assert find_circle({name: {one.name for one in IMPORTS[name] if not one.is_annotation} for name in NAMES}) == ""
+    assert find_circle(IMPORTS) == ""
 
 
 def test_most_imports_name_a_room_and_not_its_files():
-    deep = [(name, one.name) for name, imports in IMPORTS.items() for one in imports if one.name.count(".") > 2]
+    deep = [(name, one) for name, imports in IMPORTS.items() for one in imports if one.count(".") > 2]
     assert sum(room_of(name) != room_of(other) for name, other in deep) <= 100
 
 

@@ -215,7 +215,7 @@ def test_without_the_list_the_states_are_verified(tmp_path, monkeypatch):
     (record,) = study.run(tmp_path)
     file = tmp_path / f"{record.key}.npz"
     path = load_path(file, verify=False)
-    end = attrs.evolve(path[-1], shear=0.9 * path[-1].shear)
+    end = attrs.evolve(path[-1], added=(attrs.evolve(path[-1].sheared, traction=0.9 * path[-1].shear),))
     save_path(file, attrs.evolve(path, states=(path[0], end)), record.key)
     for index in tmp_path.glob("study-*.json"):
         index.unlink()

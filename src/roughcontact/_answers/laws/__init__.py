@@ -1,7 +1,7 @@
 """Laws of an interface: properties of its contact over the load, in a form that other programs read."""
 
+from roughcontact._answers.laws.columns import LawColumn as LawColumn
+from roughcontact._answers.laws.columns import PowerFit as PowerFit
 from roughcontact._answers.laws.law import InterfaceLaw as InterfaceLaw
-from roughcontact._answers.laws.law import LawColumn as LawColumn
-from roughcontact._answers.laws.law import PowerFit as PowerFit
 from roughcontact._answers.laws.run import MAX_LOAD_RATIO as MAX_LOAD_RATIO
 from roughcontact._answers.laws.run import interface_law as interface_law

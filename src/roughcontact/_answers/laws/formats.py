@@ -4,17 +4,14 @@ from __future__ import annotations
 
 import re
 import textwrap
-from typing import TYPE_CHECKING
 
 import attrs
 import numpy as np
 
+from roughcontact._answers.laws.columns import LawTable
 from roughcontact._base.arrays import Array
 from roughcontact._base.checks import choice, flag, number
 from roughcontact.errors import InputError
-
-if TYPE_CHECKING:
-    from roughcontact._answers.laws.law import InterfaceLaw
 
 THERMAL_UNIT = "W/(m2 K)"
 ELECTRICAL_UNIT = "S/m2"
@@ -66,13 +63,13 @@ def keyword_name(name: object) -> str:
     return name
 
 
-def describe(law: InterfaceLaw, mark: str) -> list[str]:
+def describe(law: LawTable, mark: str) -> list[str]:
     """Return what was solved and the warnings, as comments."""
     texts = [*law.description, *(f"Warning: {text}" for text in law.warnings)]
     return [f"{mark} {line}" for text in texts for line in textwrap.wrap(text, _COMMENT_WIDTH)]
 
 
-def find_conductance(law: InterfaceLaw, column: str | None) -> str | None:
+def find_conductance(law: LawTable, column: str | None) -> str | None:
     """Return the column of the conductance; None if there is none to write: only the default column may be absent."""
     if column is None or (column == "conductance" and column not in law.columns):
         return None
@@ -82,7 +79,7 @@ def find_conductance(law: InterfaceLaw, column: str | None) -> str | None:
 
 
 def tabulate_conductance(
-    law: InterfaceLaw, column: str, mark: str, pressure: tuple[str, float], conductance: tuple[str, float]
+    law: LawTable, column: str, mark: str, pressure: tuple[str, float], conductance: tuple[str, float]
 ) -> tuple[Array, Array, list[str]]:
     """Return pressures, conductances over nominal area, both from zero on, and comments with their uncertainties.
 
@@ -104,7 +101,7 @@ def tabulate_conductance(
     return pressures, values, list_uncertainties(mark, heading, (pressures, values, spread))
 
 
-def closure_rows(law: InterfaceLaw) -> tuple[Array, Array, Array, float]:
+def closure_rows(law: LawTable) -> tuple[Array, Array, Array, float]:
     r"""Return pressures, overclosures, their uncertainties and the mean gap where the overclosure is zero, SI.
 
     The overclosure is a constant less the mean gap. The mean gap of a rough surface grows without end as the pressure
@@ -135,14 +132,14 @@ def list_uncertainties(mark: str, heading: str, columns: tuple[Array, ...]) -> l
     return [f"{mark} {heading}", *(f"{mark} {row}" for row in rows)]
 
 
-def _require_finite(law: InterfaceLaw, name: str) -> None:
+def _require_finite(law: LawTable, name: str) -> None:
     values = law[name].values
     if not np.isfinite(values).all():
         pressure = float(law.pressures[np.flatnonzero(~np.isfinite(values))[0]])
         raise InputError(f"The column {name!r} is not finite at {pressure:g} Pa, in full contact: omit such loads.")
 
 
-def write_abaqus(law: InterfaceLaw, name: str, conductance: str | None, electrical: bool, units: str) -> list[str]:
+def write_abaqus(law: LawTable, name: str, conductance: str | None, electrical: bool, units: str) -> list[str]:
     """Return the lines of a surface interaction.
 
     References
@@ -172,7 +169,7 @@ def write_abaqus(law: InterfaceLaw, name: str, conductance: str | None, electric
     ]
 
 
-def write_closure(law: InterfaceLaw, units: str, separator: str = ", ", smallest: float = 0.0) -> list[str]:
+def write_closure(law: LawTable, units: str, separator: str = ", ", smallest: float = 0.0) -> list[str]:
     """Return the lines of the pressure over closure, without rows whose closure grows by less than `smallest`."""
     system = unit_system(units)
     unit, scale = system.length
@@ -195,7 +192,7 @@ def write_closure(law: InterfaceLaw, units: str, separator: str = ", ", smallest
     ]
 
 
-def write_calculix(law: InterfaceLaw, name: str, conductance: str | None, units: str) -> list[str]:
+def write_calculix(law: LawTable, name: str, conductance: str | None, units: str) -> list[str]:
     """Return the lines of a surface interaction.
 
     CalculiX takes the conductance over the pressure without a keyword parameter. It follows the surface behavior, and
@@ -231,7 +228,7 @@ def write_calculix(law: InterfaceLaw, name: str, conductance: str | None, units:
     ]
 
 
-def write_ansys(law: InterfaceLaw, name: str, column: str, units: str) -> list[str]:
+def write_ansys(law: LawTable, name: str, column: str, units: str) -> list[str]:
     """Return the commands that make a table and give it to contact elements.
 
     References
@@ -259,7 +256,7 @@ def write_ansys(law: InterfaceLaw, name: str, column: str, units: str) -> list[s
 
 
 def write_moose(
-    law: InterfaceLaw, file: str, name: str, column: str, min_gap: float, units: str
+    law: LawTable, file: str, name: str, column: str, min_gap: float, units: str
 ) -> tuple[list[str], list[str]]:
     """Return the lines of the table and of the blocks.
 
@@ -313,7 +310,7 @@ def write_moose(
     return table, blocks
 
 
-def write_comsol(law: InterfaceLaw, table: str, conductance: str, units: str) -> list[str]:
+def write_comsol(law: LawTable, table: str, conductance: str, units: str) -> list[str]:
     """Return the lines of an interpolation function: columns of its argument and its value.
 
     References

@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from roughcontact._answers.laws.law import InterfaceLaw, LawColumn, interpolation_warning
+from roughcontact._answers.laws.columns import LawColumn, interpolation_warning
+from roughcontact._answers.laws.law import InterfaceLaw
 from roughcontact._base.checks import callback, flag
 from roughcontact._base.machine.progress import count_done, show_progress, tell_both
 from roughcontact._base.units import Pressure, kind_of, si

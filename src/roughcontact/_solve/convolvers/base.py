@@ -1,14 +1,12 @@
-"""The convolver interface, the prepared convolution that a solver uses, and its approximate inverse."""
+"""The convolver interface, and the prepared convolutions of pressure and shear that solvers use."""
 
 from __future__ import annotations
 
 import abc
-import itertools
 import math
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar
 
 import attrs
 import numpy as np
@@ -17,17 +15,13 @@ import scipy.fft
 
 from roughcontact._base.arrays import (
     Array,
-    IntArray,
     Pair,
     RealArray,
     frozen_array,
-    matrix_product,
     sum_of_products,
 )
 from roughcontact._base.checks import Part
-from roughcontact._base.machine import map_tiles, tiles_of
 from roughcontact._base.registry import Registry
-from roughcontact._base.units import outlined
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._parts.kernels import (
     BoundKernel,
@@ -39,126 +33,19 @@ from roughcontact._parts.kernels import (
     require_form,
 )
 from roughcontact._parts.surfaces import Surface
-from roughcontact._solve.convolvers.transforms import multiply_waves, multiply_waves_of_rows, transform_extended
+from roughcontact._solve.convolvers.inverse import InverseConvolution, invert_response
+from roughcontact._solve.convolvers.matrix import WaveMatrix
+from roughcontact._solve.convolvers.transforms import (
+    half_waves,
+    transform_extended,
+)
 from roughcontact.errors import InputError
-
-if TYPE_CHECKING:
-    from roughcontact._solve.convolvers.shear import ShearConvolution
 
 # Minimum sides of the padded grid of the inverse on a free boundary, over the domain, and in additional cells, so that
 # opposite borders hardly interact. 1.125 and 1.5, 8 and 32 cells change the products of
 # the default solver by less than 1 % (docs/studies/solver_constants.py).
 _PADDING_FACTOR = 1.25
 _PADDING_CELLS = 16
-# Minimum amplitude that is inverted, over the mean: smaller ones are rounding, or ringing of the kernel.
-_MIN_AMPLITUDE = 1e-6
-
-
-@attrs.frozen(eq=False)
-class InverseConvolution:
-    """Division by the kernel's spectrum on a periodic grid: a good preconditioner, not an exact inverse.
-
-    A subclass for another kind of array overrides `multiply`; one for parts of arrays `long_waves`, `blocks` and
-    `add_near` too.
-
-    Attributes
-    ----------
-    local
-        Whether its effect on a few cells is cheaper by `coefficients` than by a product.
-    by_rows
-        Whether `multiply` saves work where few rows are not zero.
-    stiffness
-        Pressure amplitude per displacement amplitude of each wave, not negative, zero for the mean,
-        shape (mx, my // 2 + 1).
-    padded
-        Cells (mx, my) of the periodic grid.
-    exact
-        Whether it inverts the convolution, but for the mean.
-    """
-
-    local: ClassVar[bool] = True
-    by_rows: ClassVar[bool] = True
-
-    stiffness: RealArray = attrs.field(repr=outlined)
-    padded: tuple[int, int]
-    exact: bool = False
-
-    @cached_property
-    def axes(self) -> tuple[RealArray, RealArray]:
-        """The stiffness of the waves along x and along y, arrays of numpy."""
-        return self.stiffness[: self.padded[0] // 2 + 1, 0], self.stiffness[0]
-
-    def long_waves(self, rows: IntArray, columns: int) -> RealArray:
-        """Return the stiffness of some waves along x and of the first ones along y."""
-        found: RealArray = self.stiffness[rows][:, :columns]
-        return found
-
-    def blocks(self, active: Any, partition: Any) -> Any:
-        """Return active cells by blocks of a partition, which sum vectors and spread values."""
-        return active.blocks(partition)
-
-    def apply(self, displacement: RealArray) -> RealArray:
-        """Return the pressure, of the shape and precision of `displacement` (float32 or float64)."""
-        return self.multiply(displacement, self.stiffness, self.padded)
-
-    def multiply(
-        self, values: RealArray, symbol: RealArray, padded: tuple[int, int], rows: IntArray | None = None
-    ) -> RealArray:
-        """Return a field with each of its waves multiplied by a real symbol, shape of `values`.
-
-        Parameters
-        ----------
-        values
-            A field, which is padded with zeros, shape (nx, ny).
-        symbol
-            The factors, in its precision, shape (mx, my // 2 + 1).
-        padded
-            Cells (mx, my) of the periodic grid.
-        rows
-            Rows outside which the field is zero and the result is arbitrary; None for all rows.
-        """
-        if rows is None:
-            return multiply_waves(values, symbol, padded)
-        return multiply_waves_of_rows(values, rows, symbol, padded)
-
-    def coefficients(self, reach: int, first: int = 0) -> RealArray:
-        """Return the pressure at (i, j) cells from a unit displacement of one, shape (reach + 1, reach + 1).
-
-        The part of it due to the waves along y from the first one on for which there is a stiffness.
-        """
-        mx, my = self.padded
-        columns = np.arange(first, first + self.stiffness.shape[1])
-        offsets = 2.0 * np.pi * np.arange(reach + 1)
-        x = np.cos(np.outer(offsets, np.arange(mx) / mx)).astype(self.stiffness.dtype) / mx
-        y = np.cos(np.outer(columns / my, offsets)).astype(self.stiffness.dtype) / my
-        # Half of the waves along y are stored; each counts twice, except the first and, if even, the last.
-        y[(columns > 0) & (2 * columns < my)] *= 2.0
-        return matrix_product(matrix_product(x, self.stiffness), y)
-
-    def add_near(
-        self, field: RealArray, shape: tuple[int, int], cells: IntArray, amounts: RealArray, stencil: RealArray
-    ) -> None:
-        """Add amounts times a stencil, as of `coefficients`, around cells of a flat field, in place."""
-        nx, ny = shape
-        padded = self.padded
-        # On a small periodic grid a cell is reached once.
-        reach = tuple(min(n - 1, (m - 1) // 2) for n, m in zip(stencil.shape, padded, strict=True))
-        rows, columns = np.divmod(cells, ny)
-        far = (np.minimum(rows, nx - 1 - rows) >= reach[0]) & (np.minimum(columns, ny - 1 - columns) >= reach[1])
-        inner = cells[far]
-        inner_amounts = amounts[far]
-        near = ~far
-        rows = rows[near]
-        columns = columns[near]
-        near_amounts = amounts[near]
-        for i, j in itertools.product(*(range(-n, n + 1) for n in reach)):
-            value = stencil[abs(i), abs(j)]
-            field[inner + (i * ny + j)] += value * inner_amounts
-            if near_amounts.size:
-                row = (rows + i) % padded[0]
-                column = (columns + j) % padded[1]
-                inside = (row < nx) & (column < ny)
-                field[row[inside] * ny + column[inside]] += value * near_amounts[inside]
 
 
 def approximate_inverse(setup: ConvolutionSetup, dtype: npt.DTypeLike = np.float64) -> InverseConvolution:
@@ -172,57 +59,6 @@ def approximate_inverse(setup: ConvolutionSetup, dtype: npt.DTypeLike = np.float
         response = spectrum(setup.kernel, shape, setup.grid.spacing)
     stiffness, raised = invert_response(response, dtype, response.size)
     return InverseConvolution(stiffness, shape, setup.boundary is Boundary.PERIODIC and not raised)
-
-
-def invert_response(
-    response: RealArray,
-    dtype: npt.DTypeLike,
-    size: int,
-    across: Callable[[np.ufunc, float], float] = lambda _, value: value,
-    *,
-    has_mean: bool = True,
-) -> tuple[RealArray, bool]:
-    """Return the stiffness of waves from their response, zero for the mean, and whether a response was too small.
-
-    Parameters
-    ----------
-    response
-        The response of all waves, or of those of a part that has some of the columns.
-    dtype
-        Type of the stiffness.
-    size
-        Number of waves of all parts.
-    across
-        Function of a ufunc and a number of this part that returns the sum or the minimum over all parts.
-    has_mean
-        Whether the first wave is the mean.
-    """
-    tiles = tiles_of(response)
-
-    def measure(rows: slice) -> tuple[float, float]:
-        return _measure_response(response[rows], is_first=has_mean and rows.start == 0)
-
-    sums, minima = zip(*map_tiles(measure, tiles), strict=True)
-    floor = _MIN_AMPLITUDE * (across(np.add, math.fsum(sums)) / size)
-    raised = not across(np.minimum, min(minima)) > floor
-    stiffness = np.empty(response.shape, dtype=dtype)
-
-    def invert(rows: slice) -> None:
-        amplitude = np.abs(response[rows])
-        vanishing = amplitude == 0.0
-        np.divide(1.0, np.maximum(amplitude, floor, out=amplitude), out=stiffness[rows], casting="same_kind")
-        stiffness[rows][vanishing] = 0.0
-
-    map_tiles(invert, tiles)
-    if has_mean:
-        stiffness[0, 0] = 0.0
-    return stiffness, raised
-
-
-def _measure_response(rows: RealArray, *, is_first: bool) -> tuple[float, float]:
-    """Return the sum of the amplitudes in rows, and the minimum, without the mean wave, which is the first of all."""
-    values = rows.ravel()[1 if is_first else 0 :]
-    return float(np.abs(values).sum()), float(values.min(initial=math.inf))
 
 
 def periodic_spectrum(
@@ -435,3 +271,100 @@ class PreparedConvolution(abc.ABC):
     def dot(self, one: RealArray, other: RealArray) -> float:
         """Return the sum of products over all cells."""
         return sum_of_products(one, other)
+
+
+class ShearConvolution(abc.ABC):
+    """The linear map from shear and pressure to displacement on one grid, with the constants of a pair of materials.
+
+    Shear is the traction on the body; the displacement along z is towards the insides, along x and y that of the body
+    minus that of the counterbody (`PairConstants`).
+
+    Examples
+    --------
+    Shear on one cell presses the surface of a softer body in ahead of it:
+
+    >>> import numpy as np
+    >>> import roughcontact as rc
+    >>> from roughcontact.typing import BoundKernel, PairConstants
+    >>> kernel = BoundKernel(rc.Love(), pair=PairConstants(beta=0.3, gamma=0.4))
+    >>> convolution = rc.DCFFT().prepare(kernel, rc.Grid((9, 9), 9.0), rc.Boundary.FREE).shear()
+    >>> shear = np.zeros((2, 9, 9))
+    >>> shear[0, 4, 4] = 1.0
+    >>> print(convolution.apply(shear, to="z")[0, 3:6, 4].round(4) + 0.0)
+    [-0.094  0.     0.094]
+    """
+
+    @property
+    @abc.abstractmethod
+    def setup(self) -> ConvolutionSetup:
+        """Its convolver, kernel, grid and boundary; an attribute may define it."""
+
+    @abc.abstractmethod
+    def apply(self, tractions: RealArray, of: str = "xy", to: str = "xy") -> RealArray:
+        """Return the displacement caused by tractions.
+
+        Parameters
+        ----------
+        tractions
+            The tractions, float64 or float32, shape (len(of), nx, ny); they are not changed.
+        of
+            The letter of each: ``"x"`` and ``"y"`` for shear, ``"z"`` for pressure.
+        to
+            The letter of each displacement.
+
+        Returns
+        -------
+        RealArray
+            Displacements in the same precision, shape (len(to), nx, ny).
+        """
+
+    @property
+    def coupled(self) -> bool:
+        """Whether pressure causes tangential displacement, and shear a normal one."""
+        return self.setup.kernel.pair.beta != 0.0
+
+    @cached_property
+    def own(self) -> Pair:
+        """The displacement of a cell by a unit shear on it, along x and along y, above zero."""
+        unit = np.zeros((1, *self.setup.grid.shape))
+        unit[0, 0, 0] = 1.0
+        return float(self.apply(unit, "x", "x")[0, 0, 0]), float(self.apply(unit, "y", "y")[0, 0, 0])
+
+    def on(self, grid: Grid) -> ShearConvolution:
+        """Return the convolution of the same kernel and boundary on another grid: a coarser one, or a part."""
+        return self.setup.convolver.prepare(self.setup.kernel, grid, self.setup.boundary).shear()
+
+    def inverse(self, dtype: type[np.float32] | type[np.float64] = np.float64) -> WaveMatrix:
+        """Return the approximate inverse of the map from shear to tangential displacement.
+
+        It multiplies each wave by the inverse matrix of the kernel's spectrum on a periodic grid, the mean by zero: a
+        good preconditioner, on a free boundary not an exact inverse.
+        """
+        if dtype not in self._inverses:
+            self._inverses[dtype] = approximate_shear_inverse(self.setup, dtype)
+        return self._inverses[dtype]
+
+    @cached_property
+    def _inverses(self) -> dict[type, WaveMatrix]:
+        """The inverses found so far: a path of loads needs one many times."""
+        return {}
+
+
+def approximate_shear_inverse(setup: ConvolutionSetup, dtype: npt.DTypeLike) -> WaveMatrix:
+    """Return the approximate inverse of the tangential part of a convolution of shear."""
+    shape = setup.inverse_shape
+    xx, yy, xy = (
+        periodic_shear_spectrum(setup.kernel, component, shape, setup.grid.spacing) for component in ("xx", "yy", "xy")
+    )
+    determinant = xx * yy - xy**2
+    # The mean wave.
+    determinant[0, 0] = np.inf
+    if not (determinant > 0.0).all():
+        raise InputError(f"The response of the kernel {setup.kernel.kernel!r} to shear is not positive definite.")
+    symbols = {"xx": yy / determinant, "yy": xx / determinant, "xy": -xy / determinant}
+    return WaveMatrix({name: symbol.astype(dtype) for name, symbol in symbols.items()}, shape)
+
+
+def periodic_shear_spectrum(kernel: BoundKernel, component: str, shape: tuple[int, int], spacing: Pair) -> Array:
+    """Return the amplitudes of a component at half of the waves of a grid, shape (nx // 2 + 1, ny // 2 + 1)."""
+    return kernel.shear_spectrum(component, *half_waves(shape, spacing), spacing)

@@ -12,9 +12,14 @@ from roughcontact._base.machine import split
 from roughcontact._base.units import outlined
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._parts.kernels import BoundKernel, odd_axes
-from roughcontact._solve.convolvers.base import ConvolutionSetup, Convolver, PreparedConvolution, require_shear
+from roughcontact._solve.convolvers.base import (
+    ConvolutionSetup,
+    Convolver,
+    PreparedConvolution,
+    ShearConvolution,
+    require_shear,
+)
 from roughcontact._solve.convolvers.matrix import find_component
-from roughcontact._solve.convolvers.shear import ShearConvolution
 
 # Numbers of a Toeplitz matrix that are in memory at once: all of them up to 2048 cells along y.
 _MAX_MATRIX_NUMBERS = 2**22

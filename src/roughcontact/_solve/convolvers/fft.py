@@ -15,11 +15,13 @@ from roughcontact._solve.convolvers.base import (
     ConvolutionSetup,
     Convolver,
     PreparedConvolution,
+    ShearConvolution,
     mixed_spectrum,
+    periodic_shear_spectrum,
     require_shear,
     wrapped_spectrum,
 )
-from roughcontact._solve.convolvers.shear import ShearConvolution, SymbolShear, periodic_shear_spectrum
+from roughcontact._solve.convolvers.shear import SymbolShear
 from roughcontact._solve.convolvers.transforms import (
     multiply_columns,
     multiply_waves,

@@ -8,7 +8,6 @@ t = s(g), the law of the interaction, where c = 0, and g <= 0 where p is at its 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import attrs
 import numpy as np
@@ -17,11 +16,9 @@ from roughcontact._base.arrays import Array, Mask
 from roughcontact._base.units import Estimate, WarningText, si
 from roughcontact._parts.grid import Boundary, Grid, extend, grow
 from roughcontact._parts.interactions import BoundInteraction, Interaction, ShortRange
-
-if TYPE_CHECKING:
-    from roughcontact._solve.solution.contact import ContactSolution
-    from roughcontact._solve.solution.origin import Origin
-    from roughcontact._solve.solution.results import Area
+from roughcontact._solve.solution.fields import ContactFields
+from roughcontact._solve.solution.origin import Origin
+from roughcontact._solve.solution.results import Area
 
 # Rounding of the gap over its largest term, as in `conditions`.
 _ROUNDING = 16.0 * float(np.finfo(np.float64).eps)
@@ -188,7 +185,7 @@ def count_patch_cells(mask: Mask, boundary: Boundary) -> float:
     return max(min(disc, float(cells)), 1.0)
 
 
-def widen_area(area: Area, solution: ContactSolution, origin: Origin) -> Area:
+def widen_area(area: Area, solution: ContactFields, origin: Origin) -> Area:
     """Return an area with the uncertainty by the size of the cells beside that of its estimator."""
     cells = _count_cohesive_cells(solution, origin)
     if cells is None or area.value == 0.0:
@@ -201,7 +198,7 @@ def widen_area(area: Area, solution: ContactSolution, origin: Origin) -> Area:
     return attrs.evolve(area, uncertainty=math.hypot(area.uncertainty, error * area.value))
 
 
-def _count_cohesive_cells(solution: ContactSolution, origin: Origin) -> float | None:
+def _count_cohesive_cells(solution: ContactFields, origin: Origin) -> float | None:
     """Return the number of cells of the cohesive length; None without a law."""
     if solution.tension is None or origin.missing:
         return None
@@ -229,7 +226,7 @@ def describe_range(law: Interaction, grid: Grid, modulus: float) -> WarningText 
     return WarningText(text, "cohesive length", cells)
 
 
-def warn_of_attraction(solution: ContactSolution, origin: Origin) -> tuple[str, ...]:
+def warn_of_attraction(solution: ContactFields, origin: Origin) -> tuple[str, ...]:
     """Return the warnings of the range of the law by which the surfaces attract each other, and of the border, if any.
 
     A range that is chosen by the cells, as that of `ShortRange`, is an uncertainty of each answer instead.
@@ -244,7 +241,7 @@ def warn_of_attraction(solution: ContactSolution, origin: Origin) -> tuple[str, 
     return tuple(filter(None, found))
 
 
-def warn_of_border(solution: ContactSolution) -> WarningText | None:
+def warn_of_border(solution: ContactFields) -> WarningText | None:
     """Return a warning if the tension reaches a free border, beyond which it is cut off; None otherwise."""
     ratio, _ = find_cut_tension(solution)
     if ratio <= _MAX_BORDER_TENSION:
@@ -256,7 +253,7 @@ def warn_of_border(solution: ContactSolution) -> WarningText | None:
     return WarningText(text, "border tension", ratio)
 
 
-def find_cut_tension(solution: ContactSolution) -> tuple[float, float]:
+def find_cut_tension(solution: ContactFields) -> tuple[float, float]:
     """Return the largest tension at a free border over the largest of all, and about the force beyond it, N.
 
     Each line of cells across the border is continued by its fall from the last but one cell to the last, over no more
@@ -284,7 +281,7 @@ def find_cut_tension(solution: ContactSolution) -> tuple[float, float]:
     return ratio, min(force * solution.grid.cell_area, abs(solution.force))
 
 
-def interpolate_peak(solution: ContactSolution) -> Estimate:
+def interpolate_peak(solution: ContactFields) -> Estimate:
     """Return the maximum contact pressure, Pa, of the parabolas through the highest cell and its neighbours.
 
     The load of a patch does not tell it where surfaces attract each other, as it does without adhesion.
@@ -302,7 +299,7 @@ def interpolate_peak(solution: ContactSolution) -> Estimate:
     return Estimate(highest + rise, 0.5 * rise + 0.25 * drop, "Pa")
 
 
-def average_gap(solution: ContactSolution) -> Estimate:
+def average_gap(solution: ContactFields) -> Estimate:
     """Return the mean gap, m, over the cell centres; its uncertainty is that of summits between the cells."""
     gap = np.maximum(solution.gap, 0.0)
     initial = solution.gap - solution.displacement

@@ -15,7 +15,7 @@ Duchon, Splines minimizing rotation-invariant semi-norms in Sobolev spaces (1977
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any, TypeVar
 
 import attrs
 import numpy as np
@@ -23,11 +23,10 @@ import numpy as np
 from roughcontact._base.arrays import Array, IntArray, Mask
 from roughcontact._parts.grid import Boundary, Grid, extend, grow
 from roughcontact._parts.surfaces import MAX_BANDWIDTH, fill, polynomial, solve_in_bands
+from roughcontact._solve.solution.fields import ContactFields
 from roughcontact.errors import InputError
 
-if TYPE_CHECKING:
-    from roughcontact._solve.solution.contact import ContactSolution
-
+S = TypeVar("S", bound=ContactFields)
 # Cells from the contact within which its edge, ellipses and curvature depend on the gap, and from a measured point
 # within which the surface of minimum bending is better than the harmonic one.
 _BENDING_RANGE = 6
@@ -56,7 +55,7 @@ _SECOND_DIFFERENCES = (
 _NON_MEASURED = "non-measured"
 
 
-def heal(solution: ContactSolution) -> ContactSolution:
+def heal(solution: S) -> S:
     """Return the solution with gaps at its non-measured points; those that would touch stay non-measured.
 
     Pressure, displacement and certificate are those of the solution: points that were not measured carry nothing.
@@ -67,7 +66,7 @@ def heal(solution: ContactSolution) -> ContactSolution:
     return solution._keep("healed", lambda: _heal(solution, missing))
 
 
-def _heal(solution: ContactSolution, missing: Mask) -> ContactSolution:
+def _heal(solution: S, missing: Mask) -> S:
     harmonic = fill(np.where(missing, np.nan, solution.initial_gap))
     gap = _bend_near(harmonic, missing, solution.contact, solution)
     touching = missing & solution.contact
@@ -77,7 +76,7 @@ def _heal(solution: ContactSolution, missing: Mask) -> ContactSolution:
     return healed
 
 
-def _overlaps(gap: Array, solution: ContactSolution, missing: Mask) -> Mask:
+def _overlaps(gap: Array, solution: ContactFields, missing: Mask) -> Mask:
     """Return the missing points, shape (n,), that overlap by more than the error of the initial gap found there."""
     overlap = solution.approach - gap[missing] - solution.displacement[missing]
     places = np.flatnonzero(overlap > 0.0)
@@ -108,7 +107,7 @@ class FilledGap:
     mean_std: float
 
 
-def fill_gap(solution: ContactSolution) -> FilledGap:
+def fill_gap(solution: ContactFields) -> FilledGap:
     """Return the gap with values at all non-measured points, and their uncertainty.
 
     Far from measured points nothing is known of the gap: there it is, on a free domain, the form through the measured
@@ -153,7 +152,7 @@ def _find_unknown_fraction(missing: Mask, boundary: Boundary) -> Array:
     return unknown
 
 
-def _find_lost_load_std(solution: ContactSolution, missing: Mask, holes: IntArray, gap: Array) -> float:
+def _find_lost_load_std(solution: ContactFields, missing: Mask, holes: IntArray, gap: Array) -> float:
     """Return the standard deviation of the mean gap by the load that non-measured points would have carried, m.
 
     They would have carried as much as the points around their holes; around a single one the neighbours do.
@@ -191,7 +190,7 @@ def _scatter_of_mean(gap: Array, missing: Mask, count: float) -> float:
     return _DEEP_SCATTER * count / gap.size * float(gap[measured].std()) / math.sqrt(independent)
 
 
-def _bend_near(gap: Array, missing: Mask, places: Mask, solution: ContactSolution) -> Array:
+def _bend_near(gap: Array, missing: Mask, places: Mask, solution: ContactFields) -> Array:
     """Return a gap with the surface of minimum bending at the missing points near `places`, masks of the same shape."""
     near = missing & grow(places, _BENDING_RANGE, solution.boundary)
     if not near.any():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
+from typing import Any
 
 import attrs
 import numpy as np
@@ -14,10 +14,8 @@ from roughcontact._base.units import WarningText, si
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._parts.materials import Elastic, ElasticPerfectlyPlastic, Material
 from roughcontact._parts.surfaces import border_jump, rms_slope
+from roughcontact._solve.solution.fields import ContactFields
 from roughcontact.errors.door import guarded
-
-if TYPE_CHECKING:
-    from roughcontact._solve.solution.contact import ContactSolution
 
 # Young's modulus of the softest rubbers, Pa, minimum Poisson's ratio of softer solids that are gels and not foams, and
 # Young's modulus of the softest gels and tissues, Pa (M. F. Ashby, Materials Selection in Mechanical Design).
@@ -189,7 +187,7 @@ def find_scene(initial_gap: Array, grid: Grid, boundary: Boundary, materials: It
     return [Finding("units", len(implausible), units), _find_jump(initial_gap, boundary)]
 
 
-def find_contact(solution: ContactSolution, materials: Iterable[Material]) -> list[Finding]:
+def find_contact(solution: ContactFields, materials: Iterable[Material]) -> list[Finding]:
     """Return the findings on half-space, domain and grid of a solved contact."""
     names = (
         "crown",
@@ -222,7 +220,7 @@ def find_contact(solution: ContactSolution, materials: Iterable[Material]) -> li
     ]
 
 
-def list_warnings(solution: ContactSolution, materials: Iterable[Material]) -> tuple[str, ...]:
+def list_warnings(solution: ContactFields, materials: Iterable[Material]) -> tuple[str, ...]:
     """Return the warnings of a solution, likely causes first; after a failed solve only those before a solve."""
     materials = tuple(materials)
     findings = find_scene(solution.initial_gap, solution.grid, solution.boundary, materials)
@@ -237,7 +235,7 @@ def list_warnings(solution: ContactSolution, materials: Iterable[Material]) -> t
 
 
 @guarded
-def exceeds_metals(solution: ContactSolution, materials: Iterable[Material]) -> bool:
+def exceeds_metals(solution: ContactFields, materials: Iterable[Material]) -> bool:
     """Return whether stiff bodies without a hardness carry more than metals do; this may be intended."""
     softest = min((one.young for one in materials if isinstance(one, Elastic)), default=0.0)
     return (
@@ -247,7 +245,7 @@ def exceeds_metals(solution: ContactSolution, materials: Iterable[Material]) -> 
     )
 
 
-def _find_isotropy(solution: ContactSolution, materials: Iterable[Material]) -> Finding:
+def _find_isotropy(solution: ContactFields, materials: Iterable[Material]) -> Finding:
     names = [type(material).__name__ for material in materials if not material.is_isotropic]
     if not names or solution.directional_moduli is not None:
         return Finding("isotropy", 0, "materials and kernel agree on the directions")
@@ -298,7 +296,7 @@ def _find_jump(initial_gap: Array, boundary: Boundary) -> Finding:
     return Finding(name, jump, f"the heights jump across the border by {jump:.3g} times the step between cells")
 
 
-def _find_crown(solution: ContactSolution) -> Finding:
+def _find_crown(solution: ContactFields) -> Finding:
     """Return how much a roller ends at the periodic border, if contacts end before it.
 
     It is the change of the slope across the border over the median of those inside, so that neither a jump nor steep
@@ -341,7 +339,7 @@ def _average_parts(profile: Array) -> Array:
     return np.asarray(np.diff(sums) / np.diff(ends))
 
 
-def _find_edge_contact(solution: ContactSolution) -> Finding:
+def _find_edge_contact(solution: ContactFields) -> Finding:
     """Return the fraction of the load on patches at a free border."""
     name = "edge contact"
     patches = solution.patches
@@ -363,7 +361,7 @@ def _find_edge_contact(solution: ContactSolution) -> Finding:
     return Finding(name, fraction, f"{_percent(fraction)} of the load is on contacts that reach the free border")
 
 
-def _find_tilt(solution: ContactSolution, edge: Finding) -> Finding:
+def _find_tilt(solution: ContactFields, edge: Finding) -> Finding:
     """Return the fraction of the variance of the heights that is a plane, if contacts at a free border matter."""
     name = "tilt"
     initial_gap = solution.initial_gap
@@ -382,7 +380,7 @@ def _find_tilt(solution: ContactSolution, edge: Finding) -> Finding:
     return Finding(name, fraction, text)
 
 
-def _find_single_cells(solution: ContactSolution) -> Finding:
+def _find_single_cells(solution: ContactFields) -> Finding:
     """Return the fraction of the load on single cells, with a hint if the load may be in another unit."""
     name = "cells per contact"
     forces = solution.patches.forces
@@ -395,7 +393,7 @@ def _find_single_cells(solution: ContactSolution) -> Finding:
     return Finding(name, single, text)
 
 
-def _find_slope(solution: ContactSolution) -> Finding:
+def _find_slope(solution: ContactFields) -> Finding:
     """Return the rms slope of the initial gap between cells that are both in contact."""
     name = "slope"
     total = 0.0
@@ -408,7 +406,7 @@ def _find_slope(solution: ContactSolution) -> Finding:
     return Finding(name, slope, f"the rms slope of both surfaces together is {slope:.3g} in contact")
 
 
-def _find_departure(solution: ContactSolution) -> Finding:
+def _find_departure(solution: Any) -> Finding:
     """Return the distance of the area from the range of Persson's theory, in standard deviations."""
     name = "theory"
     theory = solution.theory

@@ -6,7 +6,7 @@ import abc
 import math
 from collections.abc import Iterable
 from enum import Enum
-from typing import TYPE_CHECKING, Any, ClassVar, Generic, Literal, TypeAlias, TypeVar
+from typing import Any, ClassVar, Generic, Literal, TypeAlias, TypeVar
 
 import attrs
 import numpy as np
@@ -20,9 +20,6 @@ from roughcontact._base.units import ShownAsPrinted, WarningText, prefixed, si, 
 from roughcontact._parts.surfaces import HeightMap
 from roughcontact._solve.solution.additions import Condition
 from roughcontact.errors import InputError
-
-if TYPE_CHECKING:
-    from roughcontact._solve.solution.contact import ContactSolution
 
 T_co = TypeVar("T_co", covariant=True)
 DEFAULT_AREA = "blend"
@@ -86,7 +83,7 @@ class Response(Part, abc.ABC, Generic[T_co]):
     memory_arrays: ClassVar[float] = 12.0
 
     @abc.abstractmethod
-    def respond(self, solution: ContactSolution) -> T_co:
+    def respond(self, solution: Any) -> T_co:
         """Return the response: an `Estimate`, or an object with its uncertainty and warnings.
 
         Raises
@@ -117,7 +114,7 @@ def require_with_friction(response: Response[Any]) -> None:
         raise InputError(f"The response {name!r} is not for a contact with friction: {response.refused_with_friction}.")
 
 
-def ask(solution: ContactSolution, response: Response[Any]) -> Any:
+def ask(solution: Any, response: Response[Any]) -> Any:
     """Return what a response answers, with a value and an uncertainty if it is a number; see `ContactSolution`."""
     require_memory_of_answer(solution, response)
     found = response.respond(solution._view(response))
@@ -126,7 +123,7 @@ def ask(solution: ContactSolution, response: Response[Any]) -> Any:
     return found
 
 
-def require_memory_of_answer(solution: ContactSolution, response: Response[Any]) -> None:
+def require_memory_of_answer(solution: Any, response: Response[Any]) -> None:
     """Refuse a response that takes more memory than there is, or than its problem allows."""
     source: Any = None if solution.origin is None else solution.origin.source
     require_memory(
@@ -369,18 +366,19 @@ class AreaEstimator(Response[Area]):
     with_adhesion = "contact pressure"
 
     @abc.abstractmethod
-    def estimate(self, solution: ContactSolution) -> Area:
+    def estimate(self, solution: Any) -> Area:
         """Return the real contact area and its uncertainty."""
 
-    def respond(self, solution: ContactSolution) -> Area:
+    def respond(self, solution: Any) -> Area:
         """Return the real contact area, as `ContactSolution.area` does."""
-        return solution.area(self)
+        area: Area = solution.area(self)
+        return area
 
 
 areas = Registry(AreaEstimator, "area estimator", "roughcontact.areas")
 
 
-def estimate_saturated_area(solution: ContactSolution, estimator: str | AreaEstimator) -> Area:
+def estimate_saturated_area(solution: Any, estimator: str | AreaEstimator) -> Area:
     """Return the saturated area; see `ContactSolution.saturated_area`."""
     name = str(estimator) if isinstance(estimator, str) else type(estimator).__name__
     areas.resolve(estimator)
@@ -398,7 +396,7 @@ def estimate_saturated_area(solution: ContactSolution, estimator: str | AreaEsti
         initial_gap=-solution.initial_gap,
         approach=-solution.approach,
     )
-    rest = complement.area(estimator)
+    rest: Area = complement.area(estimator)
     # A larger saturated area would carry more than the load.
     admissible = float(np.sum(solution.pressure / solution.pressure_limit)) * solution.grid.cell_area
     value = min(solution.grid.area - rest.value, admissible)
@@ -424,14 +422,14 @@ def estimate_saturated_area(solution: ContactSolution, estimator: str | AreaEsti
     )
 
 
-def _undecided(solution: ContactSolution) -> float:
+def _undecided(solution: Any) -> float:
     """Return the area of the cells at the limit with zero gap, within the residual, m2: saturated or not."""
     at_limit = solution.pressure > (1.0 - _LIMIT_TOLERANCE) * solution.pressure_limit
     closed = np.abs(solution.gap) <= _LIMIT_TOLERANCE * solution.residuals.scale
-    return int(np.count_nonzero(at_limit & closed)) * solution.grid.cell_area
+    return int(np.count_nonzero(at_limit & closed)) * float(solution.grid.cell_area)
 
 
-def estimate_attractive_area(solution: ContactSolution, fraction: float) -> Area:
+def estimate_attractive_area(solution: Any, fraction: float) -> Area:
     """Return the area of strong tension; see `ContactSolution.attractive_area`."""
     fraction = number(fraction, "The fraction of the maximum tension", above=0.0)
     if fraction >= 1.0:

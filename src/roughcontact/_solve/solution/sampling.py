@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import Any
 
 import attrs
 import numpy as np
@@ -12,10 +12,8 @@ from scipy import special
 from roughcontact._base.arrays import Array, IntArray, Mask
 from roughcontact._parts.grid import Grid, extend
 from roughcontact._parts.surfaces import FlatSurface, polynomial
+from roughcontact._solve.solution.fields import ContactFields
 from roughcontact.reference.roughness import Waves, find_lay, transform_waves
-
-if TYPE_CHECKING:
-    from roughcontact._solve.solution.contact import ContactSolution
 
 # All constants were set on the tuned classes of docs/studies/sampling.py.
 # Tiles of a square domain along each side, between which the load is compared with the area, and cells along a side
@@ -107,7 +105,7 @@ class PlaceStatistics:
     unevenness: float
 
 
-def _is_sampled(solution: ContactSolution) -> bool:
+def _is_sampled(solution: ContactFields) -> bool:
     """Return whether there are other places, and their differences can be estimated."""
     if solution.origin is None or solution.tension is not None or not solution.status.success:
         return False
@@ -116,13 +114,13 @@ def _is_sampled(solution: ContactSolution) -> bool:
     return is_random and (all(solution.boundary.free_axes) or not _has_form(solution))
 
 
-def _has_form(solution: ContactSolution) -> bool:
+def _has_form(solution: ContactFields) -> bool:
     """Return whether a ball, say, is pressed on the roughness, so that it touches in a part of the domain."""
     known = () if solution.origin is None else solution.origin.surfaces
     return any(not (one.is_random or isinstance(one, FlatSurface)) for one in known)
 
 
-def find_area_sampling(solution: ContactSolution) -> float | None:
+def find_area_sampling(solution: Any) -> float | None:
     """Return the standard deviation of the area between places, over the area; None if it is not known."""
     found = solution._place
     if found is None:
@@ -131,7 +129,7 @@ def find_area_sampling(solution: ContactSolution) -> float | None:
     return _keep_known(found.elasticity * math.hypot(even, found.unevenness))
 
 
-def find_stiffness_sampling(solution: ContactSolution, stiffness: float) -> float | None:
+def find_stiffness_sampling(solution: Any, stiffness: float) -> float | None:
     """Return the standard deviation of the stiffness, N/m, between places, over it; None if it is not known."""
     found = solution._place
     free = solution.boundary.free_axes
@@ -148,7 +146,7 @@ def find_stiffness_sampling(solution: ContactSolution, stiffness: float) -> floa
     return _keep_known(rough * max(1.0 - stiffness / flat, _MIN_ROUGH_FRACTION))
 
 
-def find_peak_sampling(solution: ContactSolution) -> float | None:
+def find_peak_sampling(solution: Any) -> float | None:
     """Return the standard deviation of the maximum pressure between places, over it; None if it is not known."""
     found = solution._place
     if found is None:
@@ -164,7 +162,7 @@ def _keep_known(relative: float) -> float | None:
     return relative if relative <= 1.0 else None
 
 
-def find_sampling_warning(solution: ContactSolution) -> str:
+def find_sampling_warning(solution: Any) -> str:
     """Return why other places may differ more than the sampling errors say, empty without a reason."""
     found = solution._place
     if found is None:
@@ -178,7 +176,7 @@ def find_sampling_warning(solution: ContactSolution) -> str:
     return ""
 
 
-def find_place_statistics(solution: ContactSolution, non_measured: Mask | None = None) -> PlaceStatistics | None:
+def find_place_statistics(solution: ContactFields, non_measured: Mask | None = None) -> PlaceStatistics | None:
     """Return the statistics of the place; None where no other places are known, or without a contact or roughness.
 
     The roughness at non-measured points, shape `grid.shape`, is not known, whatever gap the solution has there.
@@ -217,7 +215,7 @@ class _Window:
         return i, j
 
 
-def _find_window(solution: ContactSolution) -> _Window:
+def _find_window(solution: ContactFields) -> _Window:
     grid = solution.grid
     if not _has_form(solution):
         return _Window((0, 0), grid.shape, grid.size)
@@ -242,7 +240,7 @@ def _count_tiles(window: _Window, per_side: int) -> tuple[int, int]:
     return nx, ny
 
 
-def _share(solution: ContactSolution, window: _Window, per_side: int) -> tuple[Array, Array]:
+def _share(solution: ContactFields, window: _Window, per_side: int) -> tuple[Array, Array]:
     """Return the fractions of the load and of the area of each tile of a window."""
     nx, ny = _count_tiles(window, per_side)
     rows, columns = (
@@ -258,7 +256,7 @@ def _share(solution: ContactSolution, window: _Window, per_side: int) -> tuple[A
     return np.asarray(loads, dtype=np.float64), np.asarray(areas, dtype=np.float64)
 
 
-def _compare_tiles(solution: ContactSolution, window: _Window, elasticity: float) -> float:
+def _compare_tiles(solution: ContactFields, window: _Window, elasticity: float) -> float:
     r"""Return the standard deviation of the area at a given load, by tiles of a window.
 
     With loads F and areas A of independent tiles the ratio of the sums, :math:`r = \sum A / \sum F`, has
@@ -272,7 +270,7 @@ def _compare_tiles(solution: ContactSolution, window: _Window, elasticity: float
     return math.sqrt((count * found + _PATCH_WEIGHT * usual) / (count + _PATCH_WEIGHT))
 
 
-def _find_unevenness(solution: ContactSolution, window: _Window, waves: Waves, measured: Mask) -> float | None:
+def _find_unevenness(solution: ContactFields, window: _Window, waves: Waves, measured: Mask) -> float | None:
     r"""Return the relative standard deviation of the rms slope in contact beyond that of a Gaussian surface.
 
     None where the cells that are compared are flat, or their upper half is, as on a map of a few steps.
@@ -335,7 +333,7 @@ def _find_excess(loads: Array, slopes: Array, usual: Array, chance: float) -> fl
 
 
 def _vary_across_lay(
-    solution: ContactSolution, window: _Window, waves: Waves, slopes: Array, upper: Mask, chance: float
+    solution: ContactFields, window: _Window, waves: Waves, slopes: Array, upper: Mask, chance: float
 ) -> float:
     """Return the variance of the mean square slope in contact by strips along the lay, beyond that by chance.
 
@@ -369,7 +367,7 @@ def _vary_across_lay(
     return (1.0 - across**-2) * max(found)
 
 
-def _sample_slopes(solution: ContactSolution, window: _Window, measured: Mask) -> tuple[Array, Array, Mask]:
+def _sample_slopes(solution: ContactFields, window: _Window, measured: Mask) -> tuple[Array, Array, Mask]:
     """Return gaps within a window and their squared slopes, of every so many cells, and which of them are measured.
 
     On a free boundary they are less their plane, or a form.
@@ -398,7 +396,7 @@ def _invert(measured: Mask) -> Mask | None:
     return None if measured.all() else ~measured
 
 
-def _find_chance(solution: ContactSolution, window: _Window, waves: Waves, square: float) -> float:
+def _find_chance(solution: ContactFields, window: _Window, waves: Waves, square: float) -> float:
     """Return the relative variance of the mean square slope between places of a Gaussian surface of this spectrum.
 
     Of large windows the middle is taken, and the longest waves.
@@ -436,7 +434,7 @@ def _find_elasticity(fraction: float) -> float:
     return 2.0 / math.sqrt(math.pi) * ratio * math.exp(-(ratio**2)) / fraction
 
 
-def _find_long_waves(solution: ContactSolution, window: _Window) -> Waves | None:
+def _find_long_waves(solution: ContactFields, window: _Window) -> Waves | None:
     """Return the waves of coarse heights, on a free boundary less their plane or form; None for flat surfaces."""
     cells = window.shape
     shape = (min(cells[0], _COARSE_CELLS), min(cells[1], _COARSE_CELLS))
@@ -453,7 +451,7 @@ def _find_long_waves(solution: ContactSolution, window: _Window) -> Waves | None
     return transform_waves(coarse, Grid(shape, window.size), repeats)
 
 
-def _vary_maxima(solution: ContactSolution, dependence: float) -> float:
+def _vary_maxima(solution: ContactFields, dependence: float) -> float:
     """Return the relative standard deviation of the maximum pressure, from the fall of the highest local maxima.
 
     Of many independent places that have maxima with an exponential tail, the highest one scatters as the mean fall

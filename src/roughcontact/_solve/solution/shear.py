@@ -250,6 +250,10 @@ class Sheared(Addition):
             },
         }
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        # Arrays in pickles and deep copies are writable: the constructor makes them read-only again.
+        return _restore, (attrs.asdict(self, recurse=False),)
+
     @classmethod
     def rebuild(cls, described: Mapping[str, Any], arrays: Mapping[str, RealArray], grid: Grid, given: Any) -> Sheared:
         """Return what `describe` has described, with a friction law instead of the one in the file if it is given."""
@@ -276,6 +280,10 @@ class Sheared(Addition):
             residuals=FrictionalResiduals(**known["residuals"]),
             **{name: int(known[name]) for name in _COUNTS},
         )
+
+
+def _restore(fields: dict[str, Any]) -> Sheared:
+    return Sheared(**fields)
 
 
 def _write_pair(values: Pair, unit: str) -> str:

@@ -10,7 +10,7 @@ import os
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 import attrs
 import numpy as np
@@ -40,13 +40,11 @@ from roughcontact._base.arrays import Array, Mask, RealArray, frozen_array, read
 from roughcontact._base.tables import make_dataset
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._solve.solution.additions import describe_additions, rebuild_additions
+from roughcontact._solve.solution.answers import ContactAnswers
 from roughcontact._solve.solution.origin import Origin, key_of_origin, require_key, versions
 from roughcontact._solve.solution.results import GridLevel, Residuals, Status
 from roughcontact.errors import InputError, MissingPackage
 from roughcontact.errors.warning import warn
-
-if TYPE_CHECKING:
-    from roughcontact._solve.solution.contact import ContactSolution
 
 # Type as which xarray writes booleans, which netCDF does not have; no other array is of this type. Its attribute for
 # them is not read: HDF5 may search a damaged file for an endless text.
@@ -140,7 +138,7 @@ def read_netcdf(path: Path) -> tuple[dict[str, RealArray], dict[str, Any]]:
         return unpack(packed)
 
 
-def write(path: Path, solution: ContactSolution, *, flush: bool = True) -> None:
+def write(path: Path, solution: ContactAnswers, *, flush: bool = True) -> None:
     """Write a solution; see `ContactSolution.save` and, for `flush`, `replacing`."""
     if path.suffix not in (".npz", ".nc"):
         raise InputError.about("The name of a solution's file", path.name, "one ending in .npz or .nc")
@@ -181,12 +179,12 @@ def read_figures(path: Path, key: str) -> dict[str, Any]:
         return {**numbers, **stated}
 
 
-def verify(path: Path, solution: ContactSolution) -> None:
+def verify(path: Path, solution: ContactAnswers) -> None:
     """Raise `InputError` unless the residuals recomputed from a solution's pressure confirm it."""
     verify_states(path, [solution])
 
 
-def verify_states(path: Path, states: Sequence[ContactSolution]) -> None:
+def verify_states(path: Path, states: Sequence[ContactAnswers]) -> None:
     """Raise `InputError` unless the problem of the first state confirms all of them."""
     first = states[0]
     origin = first.origin
@@ -240,18 +238,18 @@ def require_sound(fields: Mapping[str, Any], arrays: Mapping[str, RealArray]) ->
         raise InputError(f"Its status is {status.name}, but values are not finite or the pressure leaves its bounds.")
 
 
-def to_xarray(solution: ContactSolution) -> Any:
+def to_xarray(solution: ContactAnswers) -> Any:
     """Return the solution as an xarray dataset; see `ContactSolution.to_xarray`."""
     variables = {name: np.asarray(values) for name, values in _list_variables(solution).items()}
     return _dataset(solution, variables | {name: values for name, (values, _, _) in list_added(solution).items()})
 
 
-def list_added(solution: ContactSolution) -> dict[str, tuple[RealArray, str, str]]:
+def list_added(solution: ContactAnswers) -> dict[str, tuple[RealArray, str, str]]:
     """Return the fields that physics have added to a solution; see `Addition.list_fields`."""
     return {name: field for one in solution.added for name, field in one.list_fields().items()}
 
 
-def _dataset(solution: ContactSolution, packed: Mapping[str, RealArray]) -> Any:
+def _dataset(solution: ContactAnswers, packed: Mapping[str, RealArray]) -> Any:
     grid = solution.grid
     variables = {}
     fields = _FIELDS | {name: (words, unit) for name, (_, words, unit) in list_added(solution).items()}
@@ -266,7 +264,7 @@ def _dataset(solution: ContactSolution, packed: Mapping[str, RealArray]) -> Any:
     return make_dataset(variables, places, title)
 
 
-def disassemble(solution: ContactSolution) -> tuple[dict[str, npt.ArrayLike], dict[str, Any]]:
+def disassemble(solution: ContactAnswers) -> tuple[dict[str, npt.ArrayLike], dict[str, Any]]:
     """Return all arrays by name, and everything else as data for JSON."""
     parts: dict[str, RealArray] = {}
     origin = solution.origin
@@ -295,11 +293,11 @@ def disassemble(solution: ContactSolution) -> tuple[dict[str, npt.ArrayLike], di
     return {**_list_variables(solution), **{_PART_PREFIX + name: values for name, values in parts.items()}}, header
 
 
-def _list_variables(solution: ContactSolution) -> dict[str, npt.ArrayLike]:
+def _list_variables(solution: ContactAnswers) -> dict[str, npt.ArrayLike]:
     return {**{name: getattr(solution, name) for name in _FIELDS}, **scalars_of(solution)}
 
 
-def scalars_of(solution: ContactSolution) -> dict[str, float]:
+def scalars_of(solution: ContactAnswers) -> dict[str, float]:
     """Return the scalars of a file by name, in SI units."""
     figures = {
         "maximum_pressure": float(solution.pressure.max()),
@@ -309,7 +307,7 @@ def scalars_of(solution: ContactSolution) -> dict[str, float]:
     return {name: figures.get(name, getattr(solution, name, math.nan)) for name in _SCALARS}
 
 
-def _estimate(solution: ContactSolution, what: str) -> dict[str, float]:
+def _estimate(solution: ContactAnswers, what: str) -> dict[str, float]:
     """Return an area and its uncertainty; nan if it fails, so that the solution can still be saved."""
     try:
         area = getattr(solution, what)()

@@ -6,20 +6,18 @@ import math
 import textwrap
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from types import MappingProxyType
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
 from roughcontact._base.units import WIDTH, Estimate, counted, kind_of, percent, prefixed, si, warn_about, with_spread
 from roughcontact._parts.grid import FIRST_LOADING, Load
 from roughcontact._parts.materials import Material
 from roughcontact._parts.surfaces import HeightMap
+from roughcontact._solve.solution.answers import ContactAnswers
 from roughcontact._solve.solution.attraction import average_gap
 from roughcontact._solve.solution.plausibility import exceeds_metals
 from roughcontact._solve.solution.results import Area
 from roughcontact._solve.solution.sampling import find_sampling_warning
 from roughcontact.errors.door import guarded
-
-if TYPE_CHECKING:
-    from roughcontact._solve.solution.contact import ContactSolution
 
 S = TypeVar("S")
 T = TypeVar("T")
@@ -34,7 +32,7 @@ _MAX_REPR_CELLS = 2**20
 _MAX_NAMED_LOADS = 3
 
 
-def list_answers(solution: ContactSolution) -> dict[str, str]:
+def list_answers(solution: ContactAnswers) -> dict[str, str]:
     """Return the texts of contact area, load, maximum pressure, approach and differences between places by name."""
     peak = _attempt(solution.peak_pressure, None)
     answers = {
@@ -53,7 +51,7 @@ def list_answers(solution: ContactSolution) -> dict[str, str]:
 
 
 @guarded
-def describe_other_places(solution: ContactSolution, estimates: Mapping[str, Area | Estimate | None]) -> str:
+def describe_other_places(solution: ContactAnswers, estimates: Mapping[str, Area | Estimate | None]) -> str:
     """Return how much other places of the same surface differ, in words; empty where it is not known.
 
     Parameters
@@ -82,7 +80,7 @@ def describe_other_places(solution: ContactSolution, estimates: Mapping[str, Are
 
 
 def list_all_warnings(
-    solution: ContactSolution, known: Mapping[str, Area | Estimate] = MappingProxyType({})
+    solution: ContactAnswers, known: Mapping[str, Area | Estimate] = MappingProxyType({})
 ) -> list[str]:
     """Return the warnings of a solution, of its answers (see `list_answers`) and of other known estimates by name.
 
@@ -107,7 +105,7 @@ def list_all_warnings(
     return list(gathered)
 
 
-def describe_work(solution: ContactSolution) -> str:
+def describe_work(solution: ContactAnswers) -> str:
     """Return the cost of a solve as text."""
     counts = counted(solution.iterations, "iteration"), counted(solution.convolutions, "convolution")
     return f"{', '.join(counts)}, {solution.seconds:.2g} s"
@@ -121,7 +119,7 @@ def describe_maps(maps: Sequence[HeightMap]) -> str:
     return f"roughness shorter than {shortest} is not included"
 
 
-def summarize(solution: ContactSolution, maps: Sequence[HeightMap], materials: Mapping[str, Material]) -> str:
+def summarize(solution: ContactAnswers, maps: Sequence[HeightMap], materials: Mapping[str, Material]) -> str:
     """Return answers, status, warnings and cost, line by line; the status of a failure first."""
     status = ("status", str(solution.status))
     rows = [*list_answers(solution).items()]
@@ -147,7 +145,7 @@ def summarize(solution: ContactSolution, maps: Sequence[HeightMap], materials: M
     return "\n".join(line for label, text in rows for line in _wrap(label, text))
 
 
-def abbreviate(solution: ContactSolution) -> str:
+def abbreviate(solution: ContactAnswers) -> str:
     """Return the solution in one line, with the area unless it takes long."""
     shape = " x ".join(map(str, solution.grid.shape))
     verdict, _, _ = str(solution.status).partition(":")
@@ -173,7 +171,7 @@ def format_sampling(one: Area | Estimate | None) -> str:
     return f"+- {percent(sampling / abs(one.value))}" if one is not None and one.value and sampling else ""
 
 
-def _format_area(area: Area | None, solution: ContactSolution) -> str:
+def _format_area(area: Area | None, solution: ContactAnswers) -> str:
     # A pressure that is nan has no cell in contact.
     if area is None or not math.isfinite(solution.force):
         return _UNKNOWN
@@ -198,13 +196,13 @@ def _wrap(label: str, text: str) -> Iterator[str]:
 
 
 @guarded
-def name_load(solution: ContactSolution) -> str:
+def name_load(solution: ContactAnswers) -> str:
     """Return the load as it was given, such as ``10 N``; the mean pressure if it is not known."""
     load = find_load(solution)
     return si(solution.mean_pressure, "Pa") if load is None else str(load).removeprefix(f"{load.kind} ")
 
 
-def find_load(solution: ContactSolution) -> Load | None:
+def find_load(solution: ContactAnswers) -> Load | None:
     """Return the load that was given; None if it is not known."""
     if solution.origin is None:
         return None
@@ -212,13 +210,13 @@ def find_load(solution: ContactSolution) -> Load | None:
     return Load(kind, value)
 
 
-def note_loads(solutions: Sequence[ContactSolution]) -> list[str]:
+def note_loads(solutions: Sequence[ContactAnswers]) -> list[str]:
     """Return a note that each load is a first loading; none without a hardness or for one load."""
     return [FIRST_LOADING] if len(solutions) > 1 and any(solution.capped for solution in solutions) else []
 
 
 @guarded
-def list_quantities(solution: ContactSolution) -> tuple[dict[str, Estimate], list[str]]:
+def list_quantities(solution: ContactAnswers) -> tuple[dict[str, Estimate], list[str]]:
     """Return the quantities of a solution by name, in SI units, and all warnings."""
     area = solution.area()
     peak = solution.peak_pressure()

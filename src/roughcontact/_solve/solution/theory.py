@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import Any
 
 import attrs
 import numpy as np
@@ -12,12 +12,10 @@ from roughcontact._base.arrays import Array
 from roughcontact._base.units import ShownAsPrinted, si
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._parts.interactions import Interaction
+from roughcontact._solve.solution.fields import ContactFields
 from roughcontact.reference.persson import PerssonContact, evaluate_persson
 from roughcontact.reference.roughness import Waves, find_lay, find_shape, transform_waves
 from roughcontact.reference.stickiness import FullContactEnergies, PastewkaRobbins, evaluate_full_contact
-
-if TYPE_CHECKING:
-    from roughcontact._solve.solution.contact import ContactSolution
 
 # Range of theoretical over solved area on isotropic Gaussian surfaces of Hurst exponents 0.3 to 0.8, and the range of
 # contact fractions where it holds (docs/studies/persson.py).
@@ -66,7 +64,7 @@ class TheoryBeside(ShownAsPrinted):
         return f"area {100.0 * area:.3g} % ({self.area_ratio:.2f} of the solved), mean gap {si(gap, 'm')}{beside}"
 
 
-def compare_with_theory(solution: ContactSolution) -> TheoryBeside | None:
+def compare_with_theory(solution: Any) -> TheoryBeside | None:
     """Return the theory beside a solution, or None if it does not hold: see `ContactSolution.theory`."""
     applies = _has_spectrum(solution) and solution.contact.any()
     waves = _find_waves(solution.initial_gap, solution.grid) if applies else None
@@ -115,7 +113,7 @@ class Stickiness(ShownAsPrinted):
         return f"ratio {self.criterion.ratio:.3g}, sticky below 1 (Pastewka, Robbins); {costs}"
 
 
-def find_stickiness(solution: ContactSolution) -> Stickiness | None:
+def find_stickiness(solution: ContactFields) -> Stickiness | None:
     """Return the theories of adhesion beside a solution; see `ContactSolution.stickiness`."""
     if solution.tension is None or solution.origin is None or solution.origin.missing or not _has_spectrum(solution):
         return None
@@ -129,7 +127,7 @@ def find_stickiness(solution: ContactSolution) -> Stickiness | None:
     return Stickiness(_find_criterion(solution, waves, work, work / float(law.strength)), energies, work)
 
 
-def _find_criterion(solution: ContactSolution, waves: Waves, work: float, reach: float) -> PastewkaRobbins | None:
+def _find_criterion(solution: ContactFields, waves: Waves, work: float, reach: float) -> PastewkaRobbins | None:
     if not (_is_gaussian(solution.initial_gap) and _is_resolved(waves, solution.grid)):
         return None
     slope = math.sqrt(waves.sum(waves.square)) * waves.height / waves.cell
@@ -139,7 +137,7 @@ def _find_criterion(solution: ContactSolution, waves: Waves, work: float, reach:
     return found if 0.75 * reach < slope * found.patch_diameter else None
 
 
-def _has_spectrum(solution: ContactSolution) -> bool:
+def _has_spectrum(solution: ContactFields) -> bool:
     """Return whether the solution is one of elastic half-spaces whose heights have a spectrum."""
     return bool(
         solution.boundary is Boundary.PERIODIC

@@ -5,7 +5,7 @@ from __future__ import annotations
 import abc
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, final
+from typing import Any, final
 from xml.sax.saxutils import quoteattr
 
 import attrs
@@ -17,11 +17,9 @@ from roughcontact._base.checks import Part
 from roughcontact._base.registry import Registry
 from roughcontact._parts.grid import Grid
 from roughcontact._solve.solution import storage
+from roughcontact._solve.solution.answers import ContactAnswers
 from roughcontact._solve.solution.storage import list_added, scalars_of
 from roughcontact.errors import InputError, MissingPackage
-
-if TYPE_CHECKING:
-    from roughcontact._solve.solution.contact import ContactSolution
 
 _FIELDS = ("pressure", "gap", "initial_gap", "displacement")
 _MASKS = ("contact", "saturated", "non_measured")
@@ -52,7 +50,7 @@ class SolutionWriter(Part, abc.ABC):
         """The endings of the file names that it writes, lower case, with the dot."""
 
     @abc.abstractmethod
-    def write(self, solution: ContactSolution, path: Path) -> None:
+    def write(self, solution: Any, path: Path) -> None:
         """Write the file, completely or not at all."""
 
 
@@ -69,12 +67,12 @@ class ArchiveWriter(SolutionWriter):
         """Npz and nc."""
         return frozenset({".npz", ".nc"})
 
-    def write(self, solution: ContactSolution, path: Path) -> None:
+    def write(self, solution: Any, path: Path) -> None:
         """Write the file."""
         storage.write(path, solution)
 
 
-def write_solution(solution: ContactSolution, path: Path) -> None:
+def write_solution(solution: ContactAnswers, path: Path) -> None:
     """Write a solution in the format that the ending of the file names."""
     # Endings of this package are found without loading plug-ins.
     names = sorted(writers, key=lambda name: path.suffix != f".{name}")
@@ -88,7 +86,7 @@ def write_solution(solution: ContactSolution, path: Path) -> None:
     raise InputError.about("The name of a solution's file", path.name, f"one ending in {', '.join(sorted(known))}")
 
 
-def describe_as_data(solution: ContactSolution) -> dict[str, Any]:
+def describe_as_data(solution: ContactAnswers) -> dict[str, Any]:
     """Return a solution as plain data; see `ContactSolution.to_dict`."""
     # The problem, which it states, stands above the solution.
     writer: Any = writers.create("json")
@@ -109,7 +107,7 @@ class VtiWriter(SolutionWriter):
         """Vti."""
         return frozenset({".vti"})
 
-    def write(self, solution: ContactSolution, path: Path) -> None:
+    def write(self, solution: Any, path: Path) -> None:
         """Write the file."""
         cells = cells_of(solution)
         numbers = {name: np.array([value]) for name, value in scalars_of(solution).items()}
@@ -122,7 +120,7 @@ class VtiWriter(SolutionWriter):
             file.write(b"\n</AppendedData>\n</VTKFile>\n")
 
 
-def cells_of(solution: ContactSolution) -> dict[str, RealArray]:
+def cells_of(solution: ContactAnswers) -> dict[str, RealArray]:
     """Return the fields of a solution by name, shape (nx, ny): float64, masks as uint8.
 
     They include the heights of the bodies, m, if the problem is known; heights of a flat counterbody are omitted.
@@ -142,7 +140,7 @@ def cells_of(solution: ContactSolution) -> dict[str, RealArray]:
     return fields
 
 
-def to_pyvista(solution: ContactSolution) -> Any:
+def to_pyvista(solution: ContactAnswers) -> Any:
     """Return the solution as `pyvista.ImageData`; see `ContactSolution.to_pyvista`."""
     try:
         import pyvista
