@@ -24,7 +24,7 @@ ROUGH = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.1, shortest=5e-5, longest=2e
 PROBLEM = rc.ContactProblem(rc.Body(ROUGH, STEEL), grid=GRID)
 LOADS = [0.5, 1.0, 2.0]
 SWEEP = PROBLEM.sweep(force=LOADS)
-SOLUTION = SWEEP.solutions[1]
+SOLUTION = SWEEP.states[1]
 
 
 def hide(monkeypatch, package):
@@ -42,11 +42,11 @@ def draw_3d(subject, **settings):
 class TestSweep:
     def test_it_is_a_sequence_of_its_solutions(self):
         assert len(SWEEP) == 3
-        assert list(SWEEP) == list(SWEEP.solutions)
+        assert list(SWEEP) == list(SWEEP.states)
         assert SWEEP[1] is SOLUTION
-        assert SWEEP[-1] is SWEEP.solutions[2]
-        assert SWEEP[np.int64(0)] is SWEEP.solutions[0]
-        assert SWEEP[1:].solutions == SWEEP.solutions[1:]
+        assert SWEEP[-1] is SWEEP.states[2]
+        assert SWEEP[np.int64(0)] is SWEEP.states[0]
+        assert SWEEP[1:].states == SWEEP.states[1:]
         assert [solution.force for solution in reversed(SWEEP)] == pytest.approx(LOADS[::-1])
 
     def test_secants_are_chords_between_neighbours_in_load(self):

@@ -235,7 +235,7 @@ class TestText:
         )
         ladder = rc.extrapolate(problem, pressure=20e6, levels=2)
         assert str(ladder) in out
-        assert fit(str(ladder.solutions[-1])).splitlines()[0] in out
+        assert fit(str(ladder.states[-1])).splitlines()[0] in out
 
     @pytest.mark.parametrize(
         "arguments",

@@ -403,7 +403,7 @@ class TestSweep:
         problem = rough(64, boundary=boundary, hardness=hardness, seed=3)
         highest = 0.2 if hardness is None else 0.25 * SLOPE
         loads = np.array([0.05, 1.0, 0.3, 0.31, 1.0, 0.02, 0.7]) * highest * YOUNG
-        for load, solution in zip(loads, problem.sweep(pressure=loads).solutions, strict=True):
+        for load, solution in zip(loads, problem.sweep(pressure=loads).states, strict=True):
             cold = problem.solve(pressure=load)
             assert solution.mean_pressure == pytest.approx(load, rel=1e-12)
             assert solution.residuals.error <= 2e-8
@@ -413,8 +413,8 @@ class TestSweep:
         problem, loads = rough(64), np.geomspace(1e-4, 0.02, 6)
         order = [3, 0, 5, 1, 4, 2]
         one, other = problem.sweep(pressure=loads), problem.sweep(pressure=loads[order])
-        for index, solution in zip(order, other.solutions, strict=True):
-            np.testing.assert_array_equal(solution.pressure, one.solutions[index].pressure)
+        for index, solution in zip(order, other.states, strict=True):
+            np.testing.assert_array_equal(solution.pressure, one.states[index].pressure)
 
     @pytest.mark.slow
     @pytest.mark.parametrize(

@@ -109,7 +109,7 @@ GOOD_FOR = {
     "read_raw": {"file": "map.npz"},
     "run_in": {"problem": LIMITED, "pressure": 1e7}, "ContactSolution.load": {"path": "solution.npz"},
     "load": {"path": "solution.npz"},
-    "Direct.require": {"boundary": rc.Boundary.FREE}, "limited.verify": {"solution": SWEEP.solutions[0]},
+    "Direct.require": {"boundary": rc.Boundary.FREE}, "limited.verify": {"solution": SWEEP.states[0]},
     "SelfAffineSurface": {"rms_slope": 0.1}, "HeightMap.filtered": {"shortest": 5e-4},
     "interface_law": {"pressure": [1e7, 2e7], "responses": ()}, "fit": {"name": "area"},
     "InterfaceLaw.__getitem__": {"name": "area"}, "to_moose": {"path": "m.csv"},
@@ -376,7 +376,7 @@ def is_finite(value):
     if isinstance(value, rc.Area):
         return all(map(math.isfinite, (value.value, value.fraction, value.uncertainty)))
     if isinstance(value, types_of_rc.Sweep):
-        return all(map(is_finite, value.solutions)) and is_finite(value.area)
+        return all(map(is_finite, value.states)) and is_finite(value.area)
     if isinstance(value, (rc.Grid, types_of_rc.Load, reference.Hertz, extrapolation.Extrapolation)):
         return all(map(is_finite, attrs.astuple(value, recurse=False)))
     return True

@@ -335,12 +335,12 @@ class TestSurfaces:
 class TestSweeps:
     def test_bands_are_two_standard_deviations(self, sweep):
         axes = draw("sweep", sweep, "area-load")
-        found = [solution.area() for solution in sweep.solutions]
+        found = [solution.area() for solution in sweep.states]
         fractions = np.array([100 * area.fraction for area in found])
         np.testing.assert_allclose(axes.lines[0].get_ydata(), fractions)
         (band,) = axes.collections
         height = band.get_paths()[0].get_extents().ymax
-        nominal = sweep.solutions[0].grid.area
+        nominal = sweep.states[0].grid.area
         expected = max(f + 200 * area.uncertainty / nominal for f, area in zip(fractions, found, strict=True))
         assert height == pytest.approx(expected)
         assert (axes.get_xlabel(), axes.get_ylabel()) == ("force, mN", "contact area, % of nominal")
@@ -348,7 +348,7 @@ class TestSweeps:
     def test_stiffness_is_that_of_each_solution(self, sweep):
         axes = draw("sweep", sweep, "stiffness-load")
         assert axes.get_ylabel() == "stiffness, MN/m"
-        found = [1e-6 * solution.stiffness().value for solution in sweep.solutions]
+        found = [1e-6 * solution.stiffness().value for solution in sweep.states]
         np.testing.assert_allclose(axes.lines[0].get_ydata(), found)
 
     def test_what_is_refused_stands_in_its_place(self):
@@ -406,7 +406,7 @@ class TestFigures:
         surface = rc.SelfAffineSurface(hurst=0.8, rms_height=3e-7, shortest=6e-5, longest=1e-4, seed=3)
         problem = rc.ContactProblem(rc.Body(surface, STEEL), grid=grid, boundary="periodic")
         sweep = problem.sweep(pressure=[1e7, 1.2e8])
-        subjects = {"solution": sweep.solutions[-1], "sweep": sweep}
+        subjects = {"solution": sweep.states[-1], "sweep": sweep}
         for kind, names in BY_SUBJECT.items():
             for name in (None, *names):
                 drawn = surface.plot(grid, name) if kind == "surface" else subjects[kind].plot(name)

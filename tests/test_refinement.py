@@ -59,7 +59,7 @@ def test_a_ladder_gives_the_area_of_its_finest_grid(cells):
     problem = rc.ContactProblem(body, grid=rc.Grid((cells, cells), 250e-6), boundary="periodic")
     ladder = rc.extrapolate(problem, pressure=100e6, levels=3)
     true = 1.14192e-2
-    assert ladder.area.value == ladder.solutions[-1].area().value
+    assert ladder.area.value == ladder.states[-1].area().value
     assert abs(ladder.area.fraction - true) <= 2 * ladder.area.uncertainty / problem.plan.grid.area
     assert ladder.eq_28.value / problem.plan.grid.area > 1.05 * true
     assert str(ladder).count("\n") == 4

@@ -183,7 +183,7 @@ def draw(folder: Path = FIGURES, cells: int = 2048, edge_cells: int = 128) -> No
     grid = rc.Grid((cells, cells), SIDE)
     surface = make_surface(1)
     loads = np.geomspace(0.002, 0.3, 9)
-    solutions = make_problem(surface, grid).sweep(pressure=loads * MODULUS).solutions
+    solutions = make_problem(surface, grid).sweep(pressure=loads * MODULUS).states
     theory = rc.reference.persson(surface.heights(grid), grid, MODULUS, loads * MODULUS)
     area.loglog(loads, [100 * one.area().fraction for one in solutions], "o", markerfacecolor="none", label="solved")
     area.loglog(loads, 100 * theory.area_fraction, "-", label="Persson")

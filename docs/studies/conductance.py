@@ -99,7 +99,7 @@ def draw_loads(axes: Axes, cells: int, loads: int) -> None:
     """Draw the conductance per area over the pressure without and with a film."""
     problem = rough(cells, 0.8, 4, wide=True)
     pressures = np.geomspace(3e-3, 0.5, loads) * 0.1 * MODULUS
-    solutions = problem.sweep(pressure=pressures.tolist()).solutions
+    solutions = problem.sweep(pressure=pressures.tolist()).states
     for film, color in zip((0.0, 1e-8, 1e-7), LIGHT.lines, strict=False):
         found = [solution.conductance(50.0, film).per_area for solution in solutions]
         label = f"film of {1e6 * film:g} mm² K/W" if film else "no film"

@@ -97,7 +97,7 @@ class Design:
     def solve(self, change: np.ndarray) -> tuple[rc.ContactSolution, ...]:
         """Return the contacts at all loads."""
         surface = rc.HeightMap(self.heights(change), size=self.cells * 1e-6, periodic=True)
-        return rc.ContactProblem(rc.Body(surface, STEEL), boundary="periodic").sweep(pressure=PRESSURES).solutions
+        return rc.ContactProblem(rc.Body(surface, STEEL), boundary="periodic").sweep(pressure=PRESSURES).states
 
     def objective(self, change: np.ndarray, target: np.ndarray) -> tuple[float, np.ndarray]:
         """Return the sum of the squared relative errors of the participation, and its gradient."""

@@ -40,7 +40,7 @@ def measure(hurst: float, seed: int, loads: tuple[float, ...] = LOADS, cells: in
     rows = []
     for load in sorted(loads, reverse=True):
         pressures = unit * load * np.array([1.0 + STEP, 1.0, 1.0 - STEP])
-        above, at, below = problem.sweep(pressure=pressures).solutions
+        above, at, below = problem.sweep(pressure=pressures).states
         theory = rc.reference.persson(heights, grid, problem.plan.modulus, pressures[1])
         gaps = [float(np.mean(one.gap)) for one in (above, at, below)]
         stiffness = (pressures[0] - pressures[2]) / (gaps[2] - gaps[0])
@@ -84,7 +84,7 @@ def draw(folder: Path = FIGURES, cells: int = 256) -> None:
         problem = rc.ContactProblem(rc.Body(surface, rc.Elastic(1e9, 0.0)), grid=grid, boundary="periodic")
         heights = surface.heights(grid)
         pressures = loads * problem.plan.modulus * 0.1
-        solutions = problem.sweep(pressure=pressures).solutions
+        solutions = problem.sweep(pressure=pressures).states
         theory = rc.reference.persson(heights, grid, problem.plan.modulus, pressures)
         rms = float(heights.std())
         area.loglog(

@@ -161,7 +161,7 @@ def draw_law(axes: Axes, cells: int, loads: int) -> None:
         problem = rough(cells, hurst, 4, wide=True)
         height = float(problem.initial_gap.std())
         pressures = np.geomspace(3e-3, 0.4, loads) * 0.1 * MODULUS
-        found = [one.stiffness().value for one in problem.sweep(pressure=pressures.tolist()).solutions]
+        found = [one.stiffness().value for one in problem.sweep(pressure=pressures.tolist()).states]
         law = np.array(found) / SIZE**2 * height / pressures
         axes.plot(pressures / (0.1 * MODULUS), law, "o-", color=color, ms=4, label=f"Hurst exponent {hurst:g}")
     add_key(axes)

@@ -93,14 +93,14 @@ def measure(problem: rc.ContactProblem, kind: str, values: Sequence[float], tole
     ended = time.process_time()
     products = float(np.mean([solution.convolutions for solution in cold]))
     factors = [
-        (one.errors[-1] / one.errors[0]) ** (1 / one.iterations) for one in sweep.solutions if one.iterations > 0
+        (one.errors[-1] / one.errors[0]) ** (1 / one.iterations) for one in sweep.states if one.iterations > 0
     ]
     return Cost(
         products=products,
         sweep=sweep.convolutions / products,
         cpu=LOADS * (ended - between) / (between - started),
         cold=float(np.median([one.errors[0] for one in cold])),
-        warm=float(np.median([one.errors[0] for one in sweep.solutions])),
+        warm=float(np.median([one.errors[0] for one in sweep.states])),
         factor=float(np.median(factors)),
     )
 

@@ -910,9 +910,9 @@ def test_a_worker_may_take_no_more_memory_than_there_is():
 def test_the_answers_are_those_of_the_library(solved, sweep):
     _, state = solved
     assert state["notes"] == []
-    found = describe_solutions(sweep.solutions)
+    found = describe_solutions(sweep.states)
     assert state["warnings"] == list_warnings(found)
-    for answer, expected, solution in zip(state["answers"], found, sweep.solutions, strict=True):
+    for answer, expected, solution in zip(state["answers"], found, sweep.states, strict=True):
         assert answer["quantities"] == expected["quantities"]
         assert answer["warnings"] == expected["warnings"]
         assert answer["certified"]
@@ -928,7 +928,7 @@ def test_the_table_is_the_answers_with_units(solved, sweep):
     columns = {
         "contact area, m2": sweep.area,
         "force, N": sweep.force,
-        "uncertainty of maximum pressure, Pa": [one.peak_pressure().uncertainty for one in sweep.solutions],
+        "uncertainty of maximum pressure, Pa": [one.peak_pressure().uncertainty for one in sweep.states],
     }
     for name, expected in columns.items():
         np.testing.assert_allclose([float(row[name]) for row in rows], expected, rtol=1e-8)
@@ -938,7 +938,7 @@ def test_the_table_is_the_answers_with_units(solved, sweep):
 @pytest.mark.slow
 def test_the_fields_are_those_of_the_library(solved, sweep, tmp_path):
     client, state = solved
-    for index, solution in enumerate(sweep.solutions):
+    for index, solution in enumerate(sweep.states):
         path = tmp_path / f"{index}.npz"
         path.write_bytes(client.get(f"runs/{state['id']}/solution-{index + 1}.npz"))
         with np.load(path) as data:
@@ -1016,12 +1016,12 @@ def test_numbers_of_responses_are_drawn_over_positive_loads(sweep):
     stiffness = [rc.Estimate(value, 1.0, "N/m") for value in (6.0, 8.0)]
     absent = [rc.Estimate(np.inf, 0.0, "W/K"), rc.Estimate(8.0, 1.0, "W/K")]
     law = make_law(
-        attrs.evolve(sweep, solutions=sweep.solutions[::-1]), {"stiffness": stiffness, "conductance": absent}
+        attrs.evolve(sweep, solutions=sweep.states[::-1]), {"stiffness": stiffness, "conductance": absent}
     )
     assert list(law.columns) == ["stiffness"]
     assert law.pressures == pytest.approx([60e6, 100e6], rel=1e-9)
     assert list(law["stiffness"].values) == [8.0, 6.0]
-    assert not make_law(attrs.evolve(sweep, solutions=sweep.solutions[:1]), {"stiffness": stiffness[:1]}).columns
+    assert not make_law(attrs.evolve(sweep, solutions=sweep.states[:1]), {"stiffness": stiffness[:1]}).columns
 
 
 def test_an_infinite_answer_is_sent_as_json_can():

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from statistics import NormalDist
+from typing import Any
 
 import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array
 from roughcontact._base.checks import callback, integer, number
-from roughcontact._base.units import Force, Length, Pressure, ShownAsPrinted, si
+from roughcontact._base.tables import Table, TableResult
+from roughcontact._base.units import Estimate, Force, Length, Pressure, ShownAsPrinted, si
 from roughcontact._parts.grid import Grid, Load
 from roughcontact._parts.surfaces import Continuation, bilinear, cells_for, find_maps, rms_slope
-from roughcontact._solve.problem import Body, ContactProblem, require_memory_of_solve, resample_problem
+from roughcontact._solve.problem import Body, ContactProblem, march, require_memory_of_solve, resample_problem
 from roughcontact._solve.solution import DEFAULT_AREA, Area, AreaEstimator, ContactSolution, areas
 from roughcontact._solve.solvers import Step
 from roughcontact.errors import InputError
@@ -70,56 +72,64 @@ def on_grid(problem: ContactProblem, shape: tuple[int, int], interpolation: str 
 
 
 @attrs.frozen(eq=False)
-class Ladder(ShownAsPrinted):
+class Ladder(TableResult):
     """Solutions of one contact on ever finer grids.
 
     Attributes
     ----------
-    solutions
+    states
         From coarse to fine.
     estimator
         The area estimator.
     """
 
-    solutions: tuple[ContactSolution, ...]
+    states: tuple[ContactSolution, ...]
     estimator: str | AreaEstimator
 
     @property
     def cells(self) -> tuple[float, ...]:
         """Square roots of the cell counts."""
-        return tuple(math.sqrt(solution.grid.cells) for solution in self.solutions)
+        return tuple(math.sqrt(solution.grid.cells) for solution in self.states)
 
     @property
     def areas(self) -> tuple[Area, ...]:
         """The estimator's area on each grid."""
-        return tuple(solution.area(self.estimator) for solution in self.solutions)
+        return tuple(solution.area(self.estimator) for solution in self.states)
 
     @property
     def eq_28(self) -> Extrapolation:
         """The paper's exponential through the counted areas, m2."""
-        return exponential(self.cells, [solution.area("cell-count").value for solution in self.solutions])
+        return exponential(self.cells, [solution.area("cell-count").value for solution in self.states])
 
     @property
     def area(self) -> Area:
         """The area on the finest grid: extrapolation makes it worse, because its error does not fall steadily."""
-        return self.solutions[-1].area(self.estimator)
+        return self.states[-1].area(self.estimator)
 
     @property
     def convolutions(self) -> int:
         """Convolutions of all solves, each on its own grid."""
-        return sum(solution.convolutions for solution in self.solutions)
+        return sum(solution.convolutions for solution in self.states)
 
-    def __str__(self) -> str:
-        nominal = self.solutions[-1].grid.area
-        rows = [
-            (f"{solution.grid.shape[0]} x {solution.grid.shape[1]}", solution.area("cell-count").value, area)
-            for solution, area in zip(self.solutions, self.areas, strict=True)
-        ]
-        lines = [f"{'cells':>12} {'counted, %':>12} {'estimated, %':>14} {'+-':>8}"]
-        for name, counted, area in rows:
-            values = 100 * counted / nominal, 100 * area.fraction, 100 * area.uncertainty / nominal
-            lines.append("{:>12} {:>12.5g} {:>14.5g} {:>8.2g}".format(name, *values))
-        return "\n".join((*lines, f"{'eq. 28':>12} {100 * self.eq_28.value / nominal:>12.5g}"))
+    def table(self) -> Table:
+        """Return a row for each grid, with its counted and estimated area; see `roughcontact.typing.Table`."""
+        shapes = np.array([state.grid.shape for state in self.states])
+        counted = np.array([state.area("cell-count").value for state in self.states])
+        areas = [Estimate(area.value, area.uncertainty, "m2", area.warnings) for area in self.areas]
+        return Table({"nx": shapes[:, 0], "ny": shapes[:, 1], "counted": counted, "area": areas}, {"counted": "m2"})
+
+    def short_table(self) -> Table:
+        """Return a row for each grid for people, the areas in percent of nominal."""
+        percent = 100.0 / self.states[-1].grid.area
+        columns: dict[str, Any] = {
+            "cells": [" x ".join(map(str, state.grid.shape)) for state in self.states],
+            "counted, %": [f"{percent * state.area('cell-count').value:.5g}" for state in self.states],
+            "estimated, %": [Estimate(percent * area.value, percent * area.uncertainty, "") for area in self.areas],
+        }
+        return Table(columns)
+
+    def _list_results(self) -> Mapping[str, str]:
+        return {"eq. 28": f"{100.0 * self.eq_28.value / self.states[-1].grid.area:.5g} %"}
 
 
 @guarded
@@ -190,14 +200,15 @@ def solve_ladder(
     on_step: Callable[[Step], None] | None = None,
 ) -> Ladder:
     """Return the solutions of a problem on ever finer grids, each starting from the pressure of the one before."""
-    solutions: list[ContactSolution] = []
-    for problem in problems:
+
+    def refine(coarser: Sequence[ContactSolution], problem: ContactProblem) -> ContactSolution:
         start = None
-        if solutions:
+        if coarser:
             free_x, free_y = problem.boundary.free_axes
-            start = bilinear(solutions[-1].pressure, problem.plan.grid.shape, periodic=(not free_x, not free_y))
-        solutions.append(problem.solve(**load.arguments, start=start, on_step=on_step))
-    return Ladder(tuple(solutions), estimator)
+            start = bilinear(coarser[-1].pressure, problem.plan.grid.shape, periodic=(not free_x, not free_y))
+        return problem.solve(**load.arguments, start=start, on_step=on_step)
+
+    return Ladder(march(problems, refine), estimator)
 
 
 @attrs.frozen(eq=False)

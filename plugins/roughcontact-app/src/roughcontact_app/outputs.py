@@ -58,7 +58,7 @@ class Outputs:
 
     def steps(self) -> Iterator[Callable[[], dict[str, Any]]]:
         """Yield functions that write a file and return what the page is to know of it."""
-        solutions = self.sweep.solutions
+        solutions = self.sweep.states
         largest = max(solutions, key=lambda solution: solution.force)
         yield self._write_table
         for index in range(len(solutions)):
@@ -68,7 +68,7 @@ class Outputs:
             drawn += [(self.sweep, name) for name in _panels_of("sweep", largest)]
         first, *others = drawn + [(largest, name) for name in _panels_of("solution", largest)]
         yield partial(self._draw, *first)
-        yield partial(_write_report, self.sweep.solutions, self.folder, self.asked)
+        yield partial(_write_report, self.sweep.states, self.folder, self.asked)
         law = make_law(self.sweep, self.asked)
         for name in law.columns:
             yield partial(self._draw_law, law, name)
@@ -83,7 +83,7 @@ class Outputs:
 
     def _write_solution(self, index: int) -> dict[str, Any]:
         name = f"solution-{index + 1}.npz"
-        self.sweep.solutions[index].save(self.folder / name)
+        self.sweep.states[index].save(self.folder / name)
         return {"role": "solution", "file": name, "load": index}
 
     def _draw(self, subject: Sweep | ContactSolution, name: str) -> dict[str, Any]:

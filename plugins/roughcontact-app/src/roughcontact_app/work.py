@@ -185,8 +185,8 @@ def _solve(settings: Settings, uploads: Uploads, folder: Path, send: Send) -> di
         # Its cost depends on the answer: it says nothing of the time of other runs.
         ratio = None
     else:
-        asked, problems = ask(asked_responses(settings), result.solutions)
-        answers = describe_solutions(result.solutions, asked)
+        asked, problems = ask(asked_responses(settings), result.states)
+        answers = describe_solutions(result.states, asked)
         outputs = Outputs(result, asked, answers, folder, dark)
     found = {"answers": answers, "warnings": [*list_warnings(answers), *problems]}
     send({"phase": "drawing", "text": "Pictures and tables follow.", "ratio": ratio, **found})

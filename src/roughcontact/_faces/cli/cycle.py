@@ -123,7 +123,7 @@ def cycle_to_json(
     content["jumps"] = [list(jump) for jump in cycle.jumps]
     content["states"] = describe_rows(table)
     # Both branches have the same approaches.
-    inputs = find_inputs(cycle.loading.solutions)
+    inputs = find_inputs(cycle.loading.states)
     content["inputs"] = None if inputs is None else inputs | describe_responses(asked)
     if reasons:
         content["without_answer"] = dict(reasons)

@@ -223,7 +223,7 @@ def _solve(
         ladder = rc.extrapolate(problem, **loads[0].arguments, levels=options.refine, on_step=steps)
         if not options.quiet:
             print(f"{ladder}\n", file=sys.stderr if options.json or options.csv else None)
-        return ladder.solutions[-1], ladder.solutions[-1:]
+        return ladder.states[-1], ladder.states[-1:]
 
     plan = problem.plan
     done = 0
@@ -238,7 +238,7 @@ def _solve(
 
     # The state of surfaces that attract each other depends on the loads before.
     sweep = run_sweep(solve, loads) if problem.adhesion is None else follow_loads(solve, loads)
-    return sweep, sweep.solutions
+    return sweep, sweep.states
 
 
 def _is_measured(problem: rc.ContactProblem) -> bool:

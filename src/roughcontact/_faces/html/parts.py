@@ -58,7 +58,7 @@ class Picture:
 
 def draw_panels(kind: str, subject: ContactSolution | Sweep) -> Iterator[Picture]:
     """Yield each registered panel of a kind of subject; a panel that refuses or fails says why."""
-    solution = subject if isinstance(subject, ContactSolution) else subject.solutions[0]
+    solution = subject if isinstance(subject, ContactSolution) else subject.states[0]
     names = (name for name in panels if _draws(name, kind, solution.tension is not None))
     first = _PANEL_ORDER[kind]
     for name in sorted(names, key=lambda name: (first.index(name) if name in first else len(first), name)):
@@ -122,14 +122,14 @@ def make_warnings(texts: Sequence[str]) -> str:
 
 def list_sweep_warnings(sweep: Sweep) -> list[str]:
     """Return the warnings at all loads, each once."""
-    return gather_warnings([(name_load(solution), list_quantities(solution)[1]) for solution in sweep.solutions])
+    return gather_warnings([(name_load(solution), list_quantities(solution)[1]) for solution in sweep.states])
 
 
 def make_rows(sweep: Sweep) -> str:
     """Return the table of a sweep: a row for each load, and each quantity in one unit."""
-    given = {_GIVEN[load.kind] for load in loads_of(sweep.solutions)}
-    found = [_choose_columns(solution, given) for solution in sweep.solutions]
-    columns: dict[str, list[Any]] = {"load": [name_load(solution) for solution in sweep.solutions]}
+    given = {_GIVEN[load.kind] for load in loads_of(sweep.states)}
+    found = [_choose_columns(solution, given) for solution in sweep.states]
+    columns: dict[str, list[Any]] = {"load": [name_load(solution) for solution in sweep.states]}
     columns |= {name: [quantities[name] for quantities in found] for name in found[0]}
     return grid(*Table(columns).to_cells(), "The answers, a row for each load")
 

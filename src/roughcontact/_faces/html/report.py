@@ -184,18 +184,18 @@ def _write_solution(solution: ContactSolution, answers: Answers = _NO_ANSWERS) -
 @write_page.register
 def _write_sweep(sweep: Sweep, answers: Answers = _NO_ANSWERS) -> str:
     """Return the page of a sweep: all loads, with what responses have answered, then the largest in detail."""
-    largest = max(sweep.solutions, key=lambda solution: solution.force)
+    largest = max(sweep.states, key=lambda solution: solution.force)
     problem, missing = find_problem(largest)
     return _make_page(
         counted(len(sweep), "load"),
         [
-            _make_head(largest, problem, loads_of(sweep.solutions)),
-            make_verdict(sweep.solutions),
+            _make_head(largest, problem, loads_of(sweep.states)),
+            make_verdict(sweep.states),
             make_rows(sweep),
             _NOTE,
-            *map(note, note_loads(sweep.solutions)),
+            *map(note, note_loads(sweep.states)),
             make_warnings(list_sweep_warnings(sweep)),
-            make_responses(answers, sweep.solutions),
+            make_responses(answers, sweep.states),
             make_curves(sweep) if can_draw() else "",
             section(f"The largest load, {name_load(largest)}", _make_answer(largest)),
             _make_figures(largest),

@@ -138,7 +138,7 @@ def title_of_surface(sampled: Any) -> str:
 
 def loads_of(sweep: Any) -> tuple[Array, str, str]:
     """Return the loads of a sweep, their name and their unit: forces on a free boundary, else mean pressures."""
-    if sweep.solutions[0].boundary.value == "free":
+    if sweep.states[0].boundary.value == "free":
         return sweep.force, "force", "N"
     return sweep.mean_pressure, "mean pressure", "Pa"
 

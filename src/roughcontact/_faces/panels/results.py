@@ -80,8 +80,8 @@ class AreaLoadPanel(Panel):
     subject = "sweep"
 
     def draw(self, subject: Any, axes: Any) -> None:
-        found = [solution.area() for solution in subject.solutions]
-        nominal = subject.solutions[0].grid.area
+        found = [solution.area() for solution in subject.states]
+        nominal = subject.states[0].grid.area
         _draw(axes, subject, [(one.fraction, one.uncertainty / nominal) for one in found], "%", "contact area")
 
 
@@ -93,7 +93,7 @@ class StiffnessLoadPanel(Panel):
     subject = "sweep"
 
     def draw(self, subject: Any, axes: Any) -> None:
-        found = [solution.stiffness() for solution in subject.solutions]
+        found = [solution.stiffness() for solution in subject.states]
         _draw(axes, subject, [(one.value, one.uncertainty) for one in found], "N/m", "stiffness")
 
 
@@ -105,7 +105,7 @@ class LoadApproachPanel(Panel):
     subject = "sweep"
 
     def draw(self, subject: Any, axes: Any) -> None:
-        found: list[Estimate] = [solution.response("approach") for solution in subject.solutions]
+        found: list[Estimate] = [solution.response("approach") for solution in subject.states]
         loads, label = _scale_loads(subject)
         approach, deviation = (np.array([getattr(one, name) for one in found]) for name in ("value", "uncertainty"))
         factor, unit = prefixed(float(np.abs(approach).max()), "m")

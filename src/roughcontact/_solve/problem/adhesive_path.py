@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import partial
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
 from roughcontact._base.arrays import Array
 from roughcontact._base.machine.progress import ChangeProgress, count_done
 from roughcontact._parts.grid import Load
+from roughcontact._solve.problem.path import march
 from roughcontact._solve.problem.plan import SolvePlan
 from roughcontact._solve.problem.run import run_solve
 from roughcontact._solve.problem.scene import Scene
@@ -44,10 +45,7 @@ def solve_loads(problem: Scene, loads: tuple[Load, ...], change: ChangeProgress)
 
 def follow_loads(solve: Solve, loads: Sequence[Load], first: ContactSolution | None = None) -> Sweep:
     """Return the solutions in the order of the loads, each from the ones before."""
-    solutions: list[ContactSolution] = [] if first is None else [first]
-    for load in loads if first is None else loads[1:]:
-        solutions.append(follow(solve, solutions, load))
-    return Sweep(tuple(solutions))
+    return Sweep(march(loads if first is None else loads[1:], partial(follow, solve), first))
 
 
 def follow(solve: Solve, before: Sequence[ContactSolution], load: Load) -> ContactSolution:
@@ -75,8 +73,13 @@ def open_gap(state: ContactSolution) -> Array:
     return np.where(state.contact, 0.0, np.maximum(state.gap, 0.0))
 
 
-def cells_of(state: ContactSolution) -> float:
+def plan_of(state: ContactSolution) -> Any:
+    """Return the plan of a state's problem."""
     assert state.origin is not None
-    plan = state.origin.source.plan
+    return state.origin.scene.plan
+
+
+def cells_of(state: ContactSolution) -> float:
+    plan = plan_of(state)
     cells: float = plan.interaction.cohesive_cells(plan.grid.resolved.spacing, plan.surface_modulus)
     return cells

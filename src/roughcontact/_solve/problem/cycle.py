@@ -14,11 +14,11 @@ import numpy as np
 from roughcontact._base.arrays import Array, Mask
 from roughcontact._base.checks import callback
 from roughcontact._base.machine.progress import ChangeProgress, count_done, tell_both
-from roughcontact._base.registry import find_view
-from roughcontact._base.tables import Table, TableResult
+from roughcontact._base.tables import Table
 from roughcontact._base.units import Estimate, Length, si, write_column
 from roughcontact._parts.grid import Load
-from roughcontact._solve.problem.adhesive_path import Solve, cells_of, follow_loads, open_gap, require_resolved
+from roughcontact._solve.problem.adhesive_path import Solve, cells_of, follow_loads, open_gap, plan_of, require_resolved
+from roughcontact._solve.problem.path import Path
 from roughcontact._solve.problem.plan import SolvePlan
 from roughcontact._solve.problem.pull_off import find_lowest
 from roughcontact._solve.problem.scene import Scene
@@ -41,7 +41,7 @@ _COLUMNS = ("mean_pressure", "force", "approach", "area", "area_uncertainty", "a
 
 
 @attrs.frozen(eq=False)
-class AdhesionCycle(TableResult):
+class AdhesionCycle(Path):
     """Loading and unloading of surfaces that attract each other.
 
     Attributes
@@ -61,8 +61,34 @@ class AdhesionCycle(TableResult):
     (5, 5)
     """
 
+    kind = "adhesion cycle"
+    view = "cycle"
+
     loading: Sweep
     unloading: Sweep
+
+    @property
+    def states(self) -> tuple[ContactSolution, ...]:
+        """Those of loading, then those of unloading."""
+        return (*self.loading, *self.unloading)
+
+    @property
+    def _saved_states(self) -> tuple[ContactSolution, ...]:
+        return (*self.loading, *self.unloading[1:])
+
+    def _note_rest(self) -> dict[str, Any]:
+        return {"loading": len(self.loading)}
+
+    @classmethod
+    def _restore(cls, states: tuple[ContactSolution, ...], notes: Mapping[str, Any]) -> AdhesionCycle:
+        last = int(notes["loading"])
+        if not 0 < last < len(states):
+            raise InputError("The file is damaged: a branch of its cycle has no state.")
+        return cls(Sweep(states[:last]), Sweep(states[last - 1 :]))
+
+    def list_numbers(self) -> Mapping[str, Estimate | None]:
+        """Return pull-in, pull-off and the energy lost."""
+        return {"pull_in": self.pull_in, "pull_off": self.pull_off, "dissipated": self.dissipated}
 
     @cached_property
     def energies(self) -> tuple[Array, Array]:
@@ -152,10 +178,6 @@ class AdhesionCycle(TableResult):
     def _list_results(self) -> Mapping[str, str]:
         return describe_cycle(self)
 
-    def plot(self, *, axes: Any = None, dark: bool = False) -> Any:
-        """Draw the force of both branches over the approach (extra ``plot``); see `ContactSolution.plot`."""
-        return find_view("cycle")(self, axes, dark)
-
     @property
     def warnings(self) -> tuple[str, ...]:
         """Why all numbers of the cycle must not be trusted, in sentences; empty without a reason."""
@@ -229,9 +251,8 @@ def run_cycle(
 
 def _find_energies(sweep: Sweep) -> Array:
     found = []
+    law = plan_of(sweep[0]).interaction
     for state in sweep:
-        assert state.origin is not None
-        law = state.origin.source.plan.interaction
         elastic = 0.5 * float(np.sum(state.pressure * state.displacement))
         attraction = float(np.sum(law.energy(open_gap(state))))
         found.append((elastic + attraction) * state.grid.cell_area)

@@ -16,7 +16,7 @@ from roughcontact._parts.grid import Grid, Load
 from roughcontact._parts.kernels import InfluenceKernel, has_layers
 from roughcontact._solve.problem.body import Body
 from roughcontact._solve.problem.expressions import describe_part
-from roughcontact._solve.problem.path import AS_GIVEN, FrictionalPath
+from roughcontact._solve.problem.frictional_path import AS_GIVEN, FrictionalPath
 from roughcontact._solve.problem.problem import ContactProblem
 from roughcontact._solve.problem.saved import problem_of
 from roughcontact._solve.solution import (

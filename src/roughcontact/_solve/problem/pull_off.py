@@ -14,7 +14,7 @@ from roughcontact._base.arrays import Array, Mask
 from roughcontact._base.units import Estimate
 from roughcontact._parts.grid import Load, extend
 from roughcontact._parts.interactions import Exponential, ShortRange
-from roughcontact._solve.problem.adhesive_path import Solve, cells_of, follow, open_gap, require_resolved
+from roughcontact._solve.problem.adhesive_path import Solve, cells_of, follow, open_gap, plan_of, require_resolved
 from roughcontact._solve.problem.plan import SolvePlan
 from roughcontact._solve.problem.run import run_solve
 from roughcontact._solve.problem.scene import Scene
@@ -261,8 +261,7 @@ def _find_counting_error(state: ContactSolution, size: float) -> float:
 
 def _count_falling_cells(state: ContactSolution) -> float:
     """Return over how many cells the tension falls at the edge of what is attracted."""
-    assert state.origin is not None
-    law = state.origin.source.plan.interaction
+    law = plan_of(state).interaction
     gap = open_gap(state)
     falls = np.where(gap > 0.0, -law.slope(gap), 0.0)
     around = extend(gap, 1, state.boundary)
@@ -283,7 +282,7 @@ def find_lowest(sweep: Sweep, warnings: tuple[str, ...]) -> Estimate:
     origin = sweep[0].origin
     if origin is None or origin.source is None or not 0 < int(sweep.force.argmin()) < len(sweep) - 1:
         return find_minimum(sweep, warnings)
-    refined = Sweep(tuple(_refine(partial(run_solve, origin.source), sweep.solutions)))
+    refined = Sweep(tuple(_refine(partial(run_solve, origin.source), sweep.states)))
     found = find_minimum(refined, warnings)
     if not origin.source.plan.chosen_range:
         return found

@@ -9,16 +9,21 @@ from typing import Any
 
 from roughcontact._base import checks
 from roughcontact._base.archive import HEADER, read_some
-from roughcontact._solve.problem.path import FrictionalPath
+from roughcontact._solve.problem.cycle import AdhesionCycle
+from roughcontact._solve.problem.frictional_path import FrictionalPath
+from roughcontact._solve.problem.path import Path as StatePath
 from roughcontact._solve.problem.problem import ContactProblem
-from roughcontact._solve.solution import PATH_KIND, ContactSolution
+from roughcontact._solve.problem.sweep import Sweep
+from roughcontact._solve.solution import ContactSolution
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 
+_PATHS = (Sweep, AdhesionCycle, FrictionalPath)
+
 
 @guarded
-def load(path: str | os.PathLike[str], *, verify: bool = True) -> ContactSolution | FrictionalPath:
-    """Return what `save` wrote: a solution, or a path with friction.
+def load(path: str | os.PathLike[str], *, verify: bool = True) -> ContactSolution | StatePath:
+    """Return what `save` wrote: a solution, a sweep, a cycle or a path with friction.
 
     Parameters
     ----------
@@ -51,7 +56,7 @@ def load(path: str | os.PathLike[str], *, verify: bool = True) -> ContactSolutio
     kind = find_saved_kind(file)
     if kind is None:
         raise InputError(f"{file.name} holds no solution and no path: rc.read_surface reads height maps.")
-    found: ContactSolution | FrictionalPath = kind.load(file, verify=verify)
+    found: ContactSolution | StatePath = kind.load(file, verify=verify)
     return found
 
 
@@ -70,7 +75,7 @@ def find_saved_kind(path: Path) -> Any:
     if f"{HEADER}.npy" not in names:
         return None
     # States with friction had no name of a field in files, before they were solutions.
-    kinds = {PATH_KIND: FrictionalPath, "frictional solution": ContactSolution}
+    kinds: dict[str, Any] = {one.kind: one for one in _PATHS} | {"frictional solution": ContactSolution}
     return kinds.get(str(read_some(path)[1].get("kind")))
 
 
@@ -81,7 +86,7 @@ def problem_of(solution: ContactSolution) -> ContactProblem:
     """
     if solution.origin is None:
         raise InputError("The solution does not say which problem it solves, so that nothing can be computed with it.")
-    problem = solution.origin.source or ContactProblem(**solution.origin.problem)
+    problem = solution.origin.scene
     if not isinstance(problem, ContactProblem):
         raise InputError(f"What was solved must be a ContactProblem, but is {problem!r}.")
     return problem

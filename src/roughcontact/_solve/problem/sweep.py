@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, overload
 
 import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array
-from roughcontact._base.checks import flag, item_of
+from roughcontact._base.checks import flag
 from roughcontact._base.registry import find_view
-from roughcontact._base.tables import Table, TableResult, make_dataset
+from roughcontact._base.tables import Table, make_dataset
 from roughcontact._base.units import Estimate, counted, si
 from roughcontact._parts.grid import Load
+from roughcontact._solve.problem.path import Path, march
 from roughcontact._solve.solution import ContactSolution, note_loads
 from roughcontact.errors.door import guarded
 
@@ -46,24 +47,21 @@ _LOAD_NAMES = {
 
 
 @attrs.frozen(eq=False)
-class Sweep(TableResult):
+class Sweep(Path):
     """Solutions at several loads, and their results as columns of a table: iterable, with `len` and ``[]``.
 
     ``sweep[0]`` is a solution, ``sweep[:3]`` a sweep.
 
     Attributes
     ----------
-    solutions
+    states
         In the order of the loads.
     """
 
-    solutions: tuple[ContactSolution, ...]
+    kind = "sweep"
+    view = "panels"
 
-    def __iter__(self) -> Iterator[ContactSolution]:
-        return iter(self.solutions)
-
-    def __len__(self) -> int:
-        return len(self.solutions)
+    states: tuple[ContactSolution, ...]
 
     @overload
     def __getitem__(self, index: int) -> ContactSolution: ...
@@ -72,33 +70,22 @@ class Sweep(TableResult):
     def __getitem__(self, index: slice) -> Sweep: ...
 
     def __getitem__(self, index: int | slice) -> ContactSolution | Sweep:
-        chosen = item_of(self.solutions, index, "The index of a sweep")
-        return Sweep(chosen) if isinstance(chosen, tuple) else chosen
+        chosen = super().__getitem__(index)
+        return chosen if isinstance(chosen, ContactSolution) else Sweep(tuple(chosen))
 
-    @property
-    def force(self) -> Array:
-        """Normal forces, N."""
-        return np.array([solution.force for solution in self.solutions])
-
-    @property
-    def mean_pressure(self) -> Array:
-        """Nominal mean pressures, Pa."""
-        return np.array([solution.mean_pressure for solution in self.solutions])
-
-    @property
-    def approach(self) -> Array:
-        """Approaches since first touch, m."""
-        return np.array([solution.approach for solution in self.solutions])
+    @classmethod
+    def _restore(cls, states: tuple[ContactSolution, ...], notes: Mapping[str, Any]) -> Sweep:
+        return cls(states)
 
     @property
     def area(self) -> Array:
         """Real contact areas by the default estimator, m2."""
-        return np.array([solution.area().value for solution in self.solutions])
+        return np.array([solution.area().value for solution in self.states])
 
     @property
     def area_uncertainty(self) -> Array:
         """One standard deviation of each area, m2."""
-        return np.array([solution.area().uncertainty for solution in self.solutions])
+        return np.array([solution.area().uncertainty for solution in self.states])
 
     @property
     def secant_stiffness(self) -> Array:
@@ -126,11 +113,6 @@ class Sweep(TableResult):
         secants[order] = slopes[np.cumsum(is_new) - 1]
         return secants
 
-    @property
-    def convolutions(self) -> int:
-        """Convolutions of all solves together."""
-        return sum(solution.convolutions for solution in self.solutions)
-
     def plot(self, panel: Any = None, *, axes: Any = None, dark: bool = False) -> Any:
         """Draw the results over the load (extra ``plot``); see `ContactSolution.plot`."""
         return find_view("panels")("sweep", self, panel, axes, flag(dark, "dark="))
@@ -141,20 +123,20 @@ class Sweep(TableResult):
         Its columns are ``mean_pressure``, ``force``, ``approach``, ``area``, ``area_uncertainty``, ``area_fraction``,
         ``peak_pressure``, ``peak_pressure_uncertainty`` and ``secant_stiffness``, then what friction adds.
         """
-        peaks = [solution.peak_pressure() for solution in self.solutions]
+        peaks = [solution.peak_pressure() for solution in self.states]
         columns = {name: getattr(self, name) for name in _COLUMN_UNITS if hasattr(self, name)}
         columns |= {
-            "area_fraction": self.area / [solution.grid.area for solution in self.solutions],
+            "area_fraction": self.area / [solution.grid.area for solution in self.states],
             "peak_pressure": np.array([peak.value for peak in peaks]),
             "peak_pressure_uncertainty": np.array([peak.uncertainty for peak in peaks]),
         }
-        added, units = _tabulate_added(self.solutions)
+        added, units = _tabulate_added(self.states)
         return Table({name: columns[name] for name in _COLUMN_UNITS} | added, _COLUMN_UNITS | units)
 
     def short_table(self) -> Table:
         """Return a row for each load for people: the area with its uncertainty in percent of nominal."""
-        percent = 100.0 / self.solutions[0].grid.area
-        areas = [solution.area() for solution in self.solutions]
+        percent = 100.0 / self.states[0].grid.area
+        areas = [solution.area() for solution in self.states]
         columns: dict[str, Any] = {
             "mean pressure": self.mean_pressure,
             "force": self.force,
@@ -165,7 +147,7 @@ class Sweep(TableResult):
         return Table(columns, {"mean pressure": "Pa", "force": "N", "approach": "m", "secant": "N/m"})
 
     def _list_notes(self) -> Sequence[str]:
-        return note_loads(self.solutions)
+        return note_loads(self.states)
 
     def to_xarray(self) -> Any:
         """Return the results and fields as an `xarray.Dataset` over the load, x and y, m (extra ``store``).
@@ -177,7 +159,7 @@ class Sweep(TableResult):
 
     def __repr__(self) -> str:
         low, high = (si(float(bound), "Pa") for bound in (self.mean_pressure.min(), self.mean_pressure.max()))
-        return f"<Sweep {counted(len(self), 'load')}, mean pressure {low} to {high}, {self.solutions[0].grid}>"
+        return f"<Sweep {counted(len(self), 'load')}, mean pressure {low} to {high}, {self.states[0].grid}>"
 
 
 def _tabulate_added(states: Sequence[ContactSolution]) -> tuple[dict[str, list[Any]], dict[str, str]]:
@@ -196,11 +178,13 @@ def _tabulate_added(states: Sequence[ContactSolution]) -> tuple[dict[str, list[A
 @guarded
 def run_sweep(solve: Callable[[Load, Array | None], ContactSolution], loads: tuple[Load, ...]) -> Sweep:
     """Return the solutions at all loads, from the largest down: each starts from earlier ones."""
-    solutions: dict[int, ContactSolution] = {}
-    for index in order_of_solving(loads):
-        load = loads[index]
-        solutions[index] = solve(load, predict_pressure([*solutions.values()][-2:], load))
-    return Sweep(tuple(solutions[index] for index in range(len(loads))))
+    order = order_of_solving(loads)
+
+    def follow(before: Sequence[ContactSolution], load: Load) -> ContactSolution:
+        return solve(load, predict_pressure(before[-2:], load))
+
+    found = dict(zip(order, march([loads[index] for index in order], follow), strict=True))
+    return Sweep(tuple(found[index] for index in range(len(loads))))
 
 
 def report_states(
@@ -224,7 +208,7 @@ def order_of_solving(loads: Sequence[Load]) -> list[int]:
     return sorted(range(len(loads)), key=lambda index: -loads[index].value)
 
 
-def predict_pressure(solutions: list[ContactSolution], load: Load) -> Array | None:
+def predict_pressure(solutions: Sequence[ContactSolution], load: Load) -> Array | None:
     """Return a pressure to start from, shape (nx, ny), Pa; None if a solve without it is as fast.
 
     Towards smaller loads the pressure of a cell falls nearly in proportion to the load inside a contact, and as a
@@ -269,10 +253,10 @@ def predict_pressure(solutions: list[ContactSolution], load: Load) -> Array | No
 
 def to_dataset(sweep: Sweep) -> Any:
     """Return scalars and fields over the load; see `Sweep.to_xarray`."""
-    first = sweep.solutions[0]
+    first = sweep.states[0]
     kind = "pressure"
     loads = sweep.mean_pressure
-    origins = [solution.origin for solution in sweep.solutions]
+    origins = [solution.origin for solution in sweep.states]
     kinds = {next(iter(origin.load)) for origin in origins if origin is not None}
     if len(kinds) == 1 and None not in origins:
         (kind,) = kinds
@@ -282,7 +266,7 @@ def to_dataset(sweep: Sweep) -> Any:
         name: ("load", values, {"units": table.units[name]}) for name, values in table.columns.items()
     }
     for name, words, unit in (("pressure", "contact pressure", "Pa"), ("gap", "gap", "m")):
-        fields = np.stack([getattr(solution, name) for solution in sweep.solutions])
+        fields = np.stack([getattr(solution, name) for solution in sweep.states])
         variables[name] = (("load", "x", "y"), fields, {"long_name": words, "units": unit})
     notes = {"long_name": "gap before deformation", "units": "m"}
     variables["initial_gap"] = (("x", "y"), first.initial_gap.copy(), notes)

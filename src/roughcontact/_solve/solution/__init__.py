@@ -56,7 +56,6 @@ from roughcontact._solve.solution.shear import find_sides as find_sides
 from roughcontact._solve.solution.shear import read_estimate as read_estimate
 from roughcontact._solve.solution.states import read_states as read_states
 from roughcontact._solve.solution.states import write_states as write_states
-from roughcontact._solve.solution.storage import PATH_KIND as PATH_KIND
 from roughcontact._solve.solution.storage import read as read
 from roughcontact._solve.solution.storage import read_figures as read_figures
 from roughcontact._solve.solution.storage import require_netcdf as require_netcdf

@@ -6,6 +6,7 @@ import functools
 import math
 import platform
 from collections.abc import Mapping
+from functools import cached_property
 from importlib.metadata import version
 from typing import Any
 
@@ -18,6 +19,7 @@ from roughcontact._base.archive.plain import (
     key_of_description,
     missing_classes,
     programs_of,
+    public_class,
     rebuild_fields,
 )
 from roughcontact._base.arrays import RealArray, as_shape
@@ -156,6 +158,12 @@ class Origin:
         if not isinstance(described, dict) or described | _PROBLEM_PART != described:
             raise InputError("What was solved must be described as a ContactProblem.")
         return rebuild_fields(described, arrays, (object,))[1]
+
+    @cached_property
+    def scene(self) -> Any:
+        """The `ContactProblem`, built anew where there is no `source`; `InputError` if it cannot be built."""
+        kind: Any = public_class("ContactProblem")
+        return self.source or kind(**self.problem)
 
     @property
     def maps(self) -> tuple[HeightMap, ...]:

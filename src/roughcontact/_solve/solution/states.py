@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -17,36 +18,28 @@ from roughcontact._solve.solution.contact import ContactSolution
 from roughcontact.errors import InputError
 
 
-def write_states(
-    path: Path, states: Sequence[ContactSolution], pressed: ContactSolution | None, notes: Mapping[str, Any]
-) -> None:
-    """Write the states of a path, that under the normal load alone, and notes for JSON."""
+def write_states(path: Path, kind: str, states: Sequence[ContactSolution], notes: Mapping[str, Any]) -> None:
+    """Write the states of a path of a kind, and notes for JSON."""
     _require_suffix(path)
     arrays: dict[str, RealArray] = {}
     described = []
-    for state in [*([] if pressed is None else [pressed]), *states]:
+    for state in states:
         fields, header = storage.disassemble(state)
         named = {name: np.asarray(values) for name, values in fields.items()}
         names = {name: digest_of(values) for name, values in named.items()}
         arrays |= {names[name]: values for name, values in named.items()}
         described.append({"header": header, "arrays": names})
-    header = {
-        "kind": storage.PATH_KIND,
-        "pressed": pressed is not None,
-        "notes": describe(notes, {}),
-        "states": described,
-    }
-    write_archive(path, arrays, header)
+    write_archive(path, arrays, {"kind": kind, "notes": describe(notes, {}), "states": described})
 
 
 def read_states(
-    path: Path, *, verify: bool, given: Mapping[str, Any]
-) -> tuple[tuple[ContactSolution, ...], ContactSolution | None, dict[str, Any]]:
+    path: Path, kind: str, *, verify: bool, given: Mapping[str, Any] = MappingProxyType({})
+) -> tuple[tuple[ContactSolution, ...], dict[str, Any]]:
     """Return what `write_states` has written; `given` has parts in place of those in the file, by kind of addition."""
     _require_suffix(path)
     arrays, header = read_archive(path)
-    if header.get("kind") != storage.PATH_KIND:
-        raise InputError(f"The file {path.name} does not hold a {storage.PATH_KIND}.")
+    if header.get("kind") != kind:
+        raise InputError(f"The file {path.name} does not hold a {kind}.")
     with storage.usable(path, "its header is wrong"):
         if any(digest_of(values) != name for name, values in arrays.items()):
             raise InputError("An array is not the one that it is named after.")
@@ -54,11 +47,11 @@ def read_states(
         if not states:
             raise InputError("It has no state.")
         _require_row(states)
-        notes = rebuild(header["notes"], {})
+        # Former files of paths with friction have it beside their notes.
+        notes = {"pressed": header.get("pressed"), **rebuild(header["notes"], {})}
     if verify:
-        storage.verify_states(path, states)
-    pressed = states.pop(0) if header["pressed"] else None
-    return tuple(states), pressed, notes
+        states = storage.verify_states(path, states)
+    return tuple(states), notes
 
 
 def _require_suffix(path: Path) -> None:
@@ -69,7 +62,11 @@ def _require_suffix(path: Path) -> None:
 def _require_row(states: Sequence[ContactSolution]) -> None:
     """Raise `InputError` unless each step of one increment begins with the state before."""
     for before, after in pairwise(states):
-        if after.sheared.increments == 1 and after.sheared.before.digest != before.end.digest:
+        if (
+            after.shear is not None
+            and after.sheared.increments == 1
+            and after.sheared.before.digest != before.end.digest
+        ):
             raise InputError("The states do not follow each other.")
 
 

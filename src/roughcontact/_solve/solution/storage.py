@@ -50,8 +50,8 @@ from roughcontact.errors.warning import warn
 # them is not read: HDF5 may search a damaged file for an endless text.
 _STORED_BOOLEANS = np.int8
 T = TypeVar("T")
+S = TypeVar("S", bound=ContactAnswers)
 _ARCHIVE_KIND = "solution"
-PATH_KIND = "frictional path"
 # Files of states with friction from before these were solutions.
 _FRICTIONAL_KIND = "frictional solution"
 _FRICTIONAL_PLAIN = ("friction", "given", "pair", "dissipated", "elastic_energy", "passes", "iterations", "increments")
@@ -158,8 +158,7 @@ def read(path: Path, key: str | None = None) -> dict[str, Any]:
     arrays, header = read_netcdf(path) if path.suffix == ".nc" else read_archive(path)
     kind = header.get("kind")
     if kind not in (_ARCHIVE_KIND, _FRICTIONAL_KIND):
-        found = ": FrictionalPath.load reads it" if kind == PATH_KIND else ""
-        raise InputError(f"The file {path.name} does not hold a solution{found}.")
+        raise InputError(f"The file {path.name} does not hold a solution, but {kind!s:.40}: rc.load reads paths too.")
     with usable(path, "its header is wrong"):
         if kind == _FRICTIONAL_KIND:
             arrays, header = translate_frictional(header["states"][0], arrays)
@@ -184,8 +183,8 @@ def verify(path: Path, solution: ContactAnswers) -> None:
     verify_states(path, [solution])
 
 
-def verify_states(path: Path, states: Sequence[ContactAnswers]) -> None:
-    """Raise `InputError` unless the problem of the first state confirms all of them."""
+def verify_states(path: Path, states: Sequence[S]) -> list[S]:
+    """Return states with their problem, that of the first one; `InputError` unless it confirms all of them."""
     first = states[0]
     origin = first.origin
     missing = "It does not name its problem." if origin is None else origin.missing
@@ -199,6 +198,7 @@ def verify_states(path: Path, states: Sequence[ContactAnswers]) -> None:
         problem = kind(**origin.bound(first.grid))
         for state in states:
             problem.verify(state)
+        return [attrs.evolve(one, origin=attrs.evolve(one.origin, source=problem)) for one in states if one.origin]
 
 
 @contextlib.contextmanager

@@ -143,8 +143,8 @@ def solve_reference(
     """
     smooth = _is_smooth(problem, interpolation)
     ladder = solve_ladder(_make_problems(attrs.evolve(problem, solver="auto"), finest, interpolation, smooth), load)
-    solutions = ladder.solutions
-    last = ladder.solutions[-1]
+    solutions = ladder.states
+    last = ladder.states[-1]
     area = ladder.area
     known: dict[str, Any] = {"area": area.value, "area_error": 2.0 * area.uncertainty}
     values = {"p_max": [float(solution.pressure.max()) for solution in solutions]}

@@ -1,0 +1,363 @@
+"""Paths of normal and tangential loads with friction: their increments, extrapolated numbers, and energy lost."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Mapping
+from functools import cached_property
+from pathlib import Path as File
+from typing import Any
+
+import attrs
+import numpy as np
+
+from roughcontact._base import checks
+from roughcontact._base.arrays import Array, read_only
+from roughcontact._base.machine.progress import ChangeProgress, tell_both
+from roughcontact._base.tables import Table
+from roughcontact._base.units import Estimate, PlainText, counted, outlined
+from roughcontact._parts.grid import Load
+from roughcontact._parts.interactions import Coulomb, FrictionLaw
+from roughcontact._solve.problem.coupled import CoupledSolve
+from roughcontact._solve.problem.friction_certificate import require_frictional
+from roughcontact._solve.problem.friction_plan import (
+    list_omitted_shear,
+    list_pair,
+    require_memory_of_friction,
+    write_rows,
+)
+from roughcontact._solve.problem.increments import (
+    GIVEN_INCREMENTS,
+    follow_steps,
+    list_steps,
+    refine_steps,
+)
+from roughcontact._solve.problem.path import Path
+from roughcontact._solve.problem.scene import Scene
+from roughcontact._solve.problem.step_numbers import StepNumbers, list_cell_errors, numbers_of
+from roughcontact._solve.problem.task import limit_load
+from roughcontact._solve.solution import ContactSolution, read_estimate, read_states
+from roughcontact._solve.solvers import Step
+from roughcontact.errors import InputError
+from roughcontact.errors.door import guarded
+
+# States that a picture draws in each step, and the states of a path of which it draws more.
+_DRAWN_STATES = 10
+_MAX_REFINED_STATES = 12
+# Numbers over the largest of their kind that a table shows as zero.
+_TABLE_ROUNDING = 1e-9
+# Why a step has its increments, if their number was given.
+AS_GIVEN = "as given"
+
+
+@attrs.frozen(eq=False)
+class TangentialLoop:
+    """Tangential force over displacement along a path, from its start.
+
+    Attributes
+    ----------
+    force
+        Force (x, y) at each state, shape (n + 1, 2), N.
+    displacement
+        Displacement (x, y), shape (n + 1, 2), m.
+    uncertainty
+        Standard deviation of the displacement by the increments, shape (n + 1, 2), m.
+    """
+
+    force: Array = attrs.field(converter=read_only, repr=outlined)
+    displacement: Array = attrs.field(converter=read_only, repr=outlined)
+    uncertainty: Array = attrs.field(converter=read_only, repr=outlined)
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class FrictionalPath(Path):
+    """The states of a contact with friction along a path of loads: iterable, with `len` and ``[]``.
+
+    Attributes
+    ----------
+    states
+        The states at the given loads.
+    pressed
+        The state under the normal load alone, from which the path starts; None if it starts from the first touch.
+    numbers
+        Displacement, energy lost and area that sticks of each step, with the uncertainty of the increments.
+    increments
+        Increments of each step.
+    reasons
+        Why each step has its increments, in words.
+
+    Examples
+    --------
+    Half a fretting cycle of a ball:
+
+    >>> import roughcontact as rc
+    >>> steel = rc.Elastic(young=210e9, poisson=0.3)
+    >>> ball, flat = rc.Body(rc.SphereSurface(radius=1e-3), steel), rc.Body(rc.FlatSurface(), steel)
+    >>> problem = rc.ContactProblem(ball, flat, grid=rc.Grid((32, 32), 100e-6))
+    >>> path = problem.path(force=1.0, tangential_force=[(0.2, 0.0), (-0.2, 0.0)], friction=0.3)
+    >>> len(path), [f"{x * 1e9:.1f} nm" for x in path.loop.displacement[:, 0]]
+    (2, ['0.0 nm', '65.8 nm', '-65.8 nm'])
+    """
+
+    kind = "frictional path"
+    view = "path"
+
+    states: tuple[ContactSolution, ...]
+    pressed: ContactSolution | None
+    numbers: tuple[StepNumbers, ...]
+    increments: tuple[int, ...]
+    reasons: tuple[str, ...]
+
+    @property
+    def detailed(self) -> ContactSolution:
+        """The state that a page shows in detail, the last one."""
+        return self.states[-1]
+
+    @cached_property
+    def loop(self) -> TangentialLoop:
+        """Tangential force over displacement, from the start of the path."""
+        start = self.pressed
+        forces = [(0.0, 0.0) if start is None else start.tangential_force]
+        forces += [(one.tangential_force[0].value, one.tangential_force[1].value) for one in self.numbers]
+        moved = [(0.0, 0.0) if start is None else start.tangential_displacement]
+        moved += [(one.displacement[0].value, one.displacement[1].value) for one in self.numbers]
+        unsure = [(0.0, 0.0)]
+        unsure += [(one.displacement[0].uncertainty, one.displacement[1].uncertainty) for one in self.numbers]
+        return TangentialLoop(np.array(forces), np.array(moved), np.array(unsure))
+
+    @property
+    def dissipated(self) -> Estimate:
+        """Energy lost by friction along the path, J, without that of pressing; with its uncertainty."""
+        parts = [one.dissipated for one in self.numbers]
+        warnings = dict.fromkeys(text for part in parts for text in part.warnings)
+        value = math.fsum(part.value for part in parts)
+        return Estimate(value, math.fsum(part.uncertainty for part in parts), "J", tuple(warnings))
+
+    @property
+    def work(self) -> Array:
+        """Energy lost by friction at each place in each step, by the slip at its end, shape (n, nx, ny), J/m2.
+
+        It is what models of fretting wear take; its sum over the cells is that of a step in one increment.
+        """
+        return np.stack([np.einsum("aij,aij->ij", one.sheared.traction, one.slip) for one in self.states])
+
+    @cached_property
+    def warnings(self) -> tuple[str, ...]:
+        """Why numbers of the path must not be trusted, in sentences; empty without a reason."""
+        parts = [part for one in self.numbers for part in (*one.displacement, one.dissipated, one.stick_area)]
+        found = [text for part in parts for text in part.warnings]
+        return tuple(dict.fromkeys([*found, *(text for state in self.states for text in state.warnings)]))
+
+    @cached_property
+    def drawn_loop(self) -> TangentialLoop:
+        """The loop with states between those of the path, which a picture needs: a turn alone is a straight line.
+
+        Where the path has many states, its increments are not exact, or its problem is not known, it is `loop`.
+        """
+        origin = self.states[0].origin
+        exact = self.pressed is not None and all(count == 1 for count in self.increments)
+        if origin is None or origin.source is None or not exact or len(self) > _MAX_REFINED_STATES:
+            return self.loop
+        parts = np.arange(1, _DRAWN_STATES + 1)[:, np.newaxis] / _DRAWN_STATES
+        ends = np.array([(0.0, 0.0), *(state.tangential_load.values for state in self.states)])
+        targets = np.concatenate([old + parts * (new - old) for old, new in itertools.pairwise(ends)])
+        # To the last bit: the turns are states of the path.
+        targets[_DRAWN_STATES - 1 :: _DRAWN_STATES] = ends[1:]
+        along = {self.states[0].tangential_load.kind: targets.tolist()}
+        path: FrictionalPath = origin.source.path(**origin.load, **along, friction=self.states[0].friction, substeps=1)
+        return path.loop
+
+    def table(self) -> Table:
+        """Return a row for each step, in SI units; see `roughcontact.typing.Table`."""
+        columns: dict[str, Any] = {
+            "force": np.array([state.force for state in self.states]),
+            **{f"tangential_{axis}": self._forces(k) for k, axis in enumerate("xy")},
+            **{f"displacement_{axis}": self._displacements(k) for k, axis in enumerate("xy")},
+            "dissipated": [one.dissipated for one in self.numbers],
+            "stick_area": [one.stick_area for one in self.numbers],
+            "approach": np.array([state.approach for state in self.states]),
+            "increments": list(self.increments),
+        }
+        units = {"force": "N", "tangential_x": "N", "tangential_y": "N", "approach": "m"}
+        return Table(columns, units)
+
+    def _forces(self, axis: int) -> Any:
+        values = _without_rounding(self.loop.force[1:])[:, axis]
+        if self.states[0].tangential_load.kind != "displacement":
+            return values
+        return [
+            attrs.evolve(one.tangential_force[axis], value=value)
+            for one, value in zip(self.numbers, values.tolist(), strict=True)
+        ]
+
+    def _displacements(self, axis: int) -> list[Estimate]:
+        values = _without_rounding(self.loop.displacement[1:])[:, axis].tolist()
+        return [
+            attrs.evolve(one.displacement[axis], value=value) for one, value in zip(self.numbers, values, strict=True)
+        ]
+
+    def explain(self) -> str:
+        """Return the constants of the pair, the increments with their reasons, and what was omitted, in words."""
+        first = self.states[0]
+        pair = first.sheared.pair
+        passes = max(state.sheared.passes for state in self.states)
+        omitted = list_omitted_shear(pair)
+        if pair.beta == 0.0 and self.pressed is not None:
+            omitted.append(("omitted", "tangential solve of pressing: without a tangential load nothing moves"))
+        rows = [
+            *list_pair(pair, passes),
+            *(
+                (f"step {number}", f"{counted(count, 'increment')}: {reason}")
+                for number, (count, reason) in enumerate(zip(self.increments, self.reasons, strict=True), 1)
+            ),
+            *omitted,
+        ]
+        return PlainText("\n".join(write_rows(rows)))
+
+    @property
+    def _saved_states(self) -> tuple[ContactSolution, ...]:
+        return (*([] if self.pressed is None else [self.pressed]), *self.states)
+
+    def _note_rest(self) -> dict[str, Any]:
+        numbers = [attrs.asdict(one) for one in self.numbers]
+        return {
+            "key": "",
+            "pressed": self.pressed is not None,
+            "increments": list(self.increments),
+            "reasons": list(self.reasons),
+            "numbers": numbers,
+        }
+
+    @classmethod
+    def _restore(cls, states: tuple[ContactSolution, ...], notes: Mapping[str, Any]) -> FrictionalPath:
+        pressed, *rest = states if notes["pressed"] else (None, *states)
+        if len(notes["numbers"]) != len(rest):
+            raise InputError("The file is damaged: its numbers are not those of its states.")
+        numbers = (_read_numbers(one, state) for one, state in zip(notes["numbers"], rest, strict=True) if state)
+        return cls(
+            states=tuple(state for state in rest if state),
+            pressed=pressed,
+            numbers=tuple(numbers),
+            increments=tuple(int(count) for count in notes["increments"]),
+            reasons=tuple(str(text) for text in notes["reasons"]),
+        )
+
+    def _list_results(self) -> Mapping[str, str]:
+        return {"energy lost": str(attrs.evolve(self.dissipated, warnings=()))}
+
+    def __repr__(self) -> str:
+        return f"<FrictionalPath {counted(len(self), 'state')}, {self.states[0].grid}, lost {self.dissipated}>"
+
+
+def save_path(file: File, path: FrictionalPath, key: str) -> None:
+    """Write a path under the key by which a study finds it; see `FrictionalPath.save`."""
+    path._save(file, key=key)
+
+
+def load_path(file: File, *, verify: bool, key: str = "", law: FrictionLaw | None = None) -> FrictionalPath:
+    """Return the path in a file; see `FrictionalPath.load`.
+
+    Parameters
+    ----------
+    file, verify
+        The file, and whether to recompute the certificate of each state.
+    key
+        The key that it must have; empty: any.
+    law
+        Its friction law, which then need not be registered; None: the one in the file.
+    """
+    given = {} if law is None else {"shear": law}
+    states, notes = read_states(file, FrictionalPath.kind, verify=verify, given=given)
+    if key not in ("", notes.get("key")):
+        raise InputError(f"The file {file.name} does not hold the path with the key {key}.")
+    return FrictionalPath._restore(states, notes)
+
+
+def _read_numbers(stored: Mapping[str, Any], state: ContactSolution) -> StepNumbers:
+    def read_pair(name: str) -> tuple[Estimate, Estimate]:
+        x, y = map(read_estimate, stored[name])
+        return x, y
+
+    # Files of the first version do not state the error of the force.
+    pushed = tuple(Estimate(value, 0.0, "N") for value in state.tangential_force)
+    return StepNumbers(
+        displacement=read_pair("displacement"),
+        tangential_force=read_pair("tangential_force") if "tangential_force" in stored else (pushed[0], pushed[1]),
+        dissipated=read_estimate(stored["dissipated"]),
+        stick_area=read_estimate(stored["stick_area"]),
+    )
+
+
+def _without_rounding(values: Array) -> Array:
+    """Return values with zeros in place of those that are rounding beside the largest one."""
+    return np.where(np.abs(values) < _TABLE_ROUNDING * np.abs(values).max(), 0.0, values)
+
+
+def resolve_friction(friction: object) -> FrictionLaw:
+    """Return a friction law: a number is a coefficient of friction."""
+    if isinstance(friction, FrictionLaw):
+        return friction
+    if isinstance(friction, (bool, str)) or not isinstance(friction, (int, float, np.ndarray, np.number)):
+        raise InputError.about("friction=", friction, "a coefficient or a FrictionLaw such as Coulomb(0.3)")
+    return Coulomb(friction)
+
+
+def run_path(
+    problem: Scene,
+    normal: Mapping[str, object],
+    tangential: Mapping[str, object],
+    friction: object,
+    substeps: object,
+    on_increment: object,
+    change: ChangeProgress,
+) -> FrictionalPath:
+    """Return the states along a path; see `ContactProblem.path`."""
+    law = resolve_friction(friction)
+    count = None if substeps == "auto" else checks.integer(substeps, "substeps=", at_least=1)
+    told = checks.callback(on_increment, "on_increment=", "increment")
+    tell = tell_both(told, lambda done: change(str(done)))
+    require_frictional(problem)
+    run = CoupledSolve(problem, law)
+    segments = list_steps(run, normal, tangential)
+    require_memory_of_friction(problem.plan, states=len(segments))
+    has_pressing = segments[0].number == 0
+    if count is not None or all(segment.exact for segment in segments):
+        steps = follow_steps(run, segments, count or 1, tell)
+        warning = () if all(segment.exact for segment in segments) else (GIVEN_INCREMENTS,)
+        numbers = [numbers_of(step, error, warning) for step, error in zip(steps, list_cell_errors(steps), strict=True)]
+        reasons = [segment.exact or AS_GIVEN for segment in segments]
+    else:
+        steps, numbers, reasons = refine_steps(run, segments, tell)
+    kept = slice(1 if has_pressing else 0, None)
+    return FrictionalPath(
+        states=tuple(steps[kept]),
+        pressed=steps[0] if has_pressing else None,
+        numbers=tuple(numbers[kept]),
+        increments=tuple(step.sheared.increments for step in steps[kept]),
+        reasons=tuple(reasons[kept]),
+    )
+
+
+@guarded
+def run_slide(
+    problem: Scene,
+    normal: Mapping[str, object],
+    friction: object,
+    direction: object,
+    on_step: Callable[[Step], None] | None = None,
+    on_pass: Callable[[Step], None] | None = None,
+) -> ContactSolution:
+    """Return the contact in steady sliding; see `ContactProblem.slide`.
+
+    `on_step` is called after each iteration of the frictionless contact, from which the bodies slide, and `on_pass`
+    after each alternation of pressure and traction of unlike bodies.
+    """
+    law = resolve_friction(friction)
+    angle = math.radians(checks.number(direction, "The direction of sliding", "degrees"))
+    require_frictional(problem)
+    load = Load.of(**normal)
+    limit_load(problem.plan, problem.initial_gap, load)
+    # Exactly along an axis.
+    x, y = (round(value, 15) for value in (math.cos(angle), math.sin(angle)))
+    return CoupledSolve(problem, law, on_step=on_step).slide(load, (x, y), on_pass)
