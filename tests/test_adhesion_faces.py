@@ -16,7 +16,7 @@ import pytest
 import roughcontact as rc
 from roughcontact import testing as kit
 from roughcontact.__main__ import main
-from roughcontact._faces.cli import cycle as cycle_command
+from roughcontact._faces.cli import paths as path_command
 
 LAW = ["--adhesion", "exponential", "work=50mJ/m2", "range=60nm"]
 BODY = ["--young", "5MPa", "--poisson", "0.5"]
@@ -149,7 +149,7 @@ class TestCycleOfTheCommand:
 
     @pytest.mark.parametrize("doubtful", [True, False])
     def test_ends_with_three_where_an_answer_alone_is_doubtful(self, ball, capsys, monkeypatch, doubtful):
-        monkeypatch.setattr(cycle_command, "is_doubtful", lambda *_: doubtful)
+        monkeypatch.setattr(path_command, "is_doubtful", lambda *_: doubtful)
         status, printed = run(capsys, "solve", ball, *self.CYCLE, *BODY, *self.LAW, "--stiffness")
         assert status == (3 if doubtful else 0)
         assert ("doubtful: see its warnings" in printed.err) == doubtful
@@ -161,7 +161,7 @@ class TestCycleOfTheCommand:
             (("--cycle", "3nm", "-3nm", *LAW), "--cycle needs its lower approach first, but got 3 nm and -3 nm"),
             ((*CYCLE, *LAW, "--states", "1"), "The number of --states must be at least 2, but got 1"),
             ((*CYCLE, *LAW, "--pull-off"), "--pull-off is for single loads"),
-            ((*CYCLE, *LAW, "-o", "cycle.npz"), "must be a file that ends in"),
+            ((*CYCLE, *LAW, "-o", "cycle.nc"), "must be a file that ends in"),
             ((*CYCLE, "--adhesion", "exponential", "work=50mJ/m2", "range=1nm"), "A path cannot be followed"),
             ((*CYCLE, "--dry-run", "--adhesion", "exponential", "work=50mJ/m2", "range=1nm"), "cannot be followed"),
         ],

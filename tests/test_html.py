@@ -255,7 +255,7 @@ class TestSweep:
     @pytest.mark.usefixtures("plain")
     def test_warnings_and_failures_name_their_loads(self, sweep):
         failed = attrs.evolve(sweep[1], status=rc.Status.STALLED)
-        broken = attrs.evolve(sweep, solutions=(sweep[0], failed, sweep[2]))
+        broken = attrs.evolve(sweep, states=(sweep[0], failed, sweep[2]))
         words = text_of(read(broken.to_html()))
         assert "Not converged at 200 MPa: " in words
         assert "Do not use these numbers" in words

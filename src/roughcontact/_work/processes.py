@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import abc
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import attrs
 import numpy as np
@@ -11,8 +12,8 @@ import numpy as np
 from roughcontact._base.arrays import Array, Mask
 from roughcontact._base.checks import Part, callback, integer, number
 from roughcontact._base.registry import Registry
-from roughcontact._base.tables import Table
-from roughcontact._base.units import Force, Pressure, ShownAsPrinted, si
+from roughcontact._base.tables import Table, TableResult
+from roughcontact._base.units import Estimate, Force, Pressure, si
 from roughcontact._parts.surfaces import HeightMap, repeats
 from roughcontact._solve.problem import Body, ContactProblem
 from roughcontact._solve.solution import Area, ContactSolution
@@ -147,7 +148,7 @@ class Cycle:
 
 
 @attrs.frozen(eq=False, kw_only=True)
-class RunIn(ShownAsPrinted):
+class RunIn(TableResult):
     """Surfaces that were run in, and a record of the cycles.
 
     Attributes
@@ -178,19 +179,39 @@ class RunIn(ShownAsPrinted):
     def __repr__(self) -> str:
         return f"<RunIn {str(self).splitlines()[0]}>"
 
-    def __str__(self) -> str:
+    def table(self) -> Table:
+        """Return a row for each cycle, in SI units; see `roughcontact.typing.Table`."""
+        areas = {"area": [one.area for one in self.cycles], "saturated_area": [one.saturated for one in self.cycles]}
+        columns: dict[str, Any] = {
+            "cycle": range(1, len(self.cycles) + 1),
+            "shift_x": [one.shift[0] for one in self.cycles],
+            "shift_y": [one.shift[1] for one in self.cycles],
+            "volume": np.array([one.volume for one in self.cycles]),
+            "deepest": np.array([one.deepest for one in self.cycles]),
+            **{name: [Estimate(one.value, one.uncertainty, "m2") for one in found] for name, found in areas.items()},
+            "approach": np.array([one.approach for one in self.cycles]),
+        }
+        return Table(columns, {"volume": "m3", "deepest": "m", "approach": "m"})
+
+    def short_table(self) -> Table:
+        """Return a row for each cycle for people, with the areas in percent of nominal."""
         nominal = self.problem.plan.grid.area
+        lost = [one.deepest > _MIN_PRINTED_LOSS_RATIO * one.approach for one in self.cycles]
+        pairs = list(zip(self.cycles, lost, strict=True))
+        return Table(
+            {
+                "cycle": range(1, len(self.cycles) + 1),
+                "shift": [str(one.shift) for one in self.cycles],
+                "volume, um3": [f"{one.volume * 1e18 if is_lost else 0.0:.4g}" for one, is_lost in pairs],
+                "deepest": [si(one.deepest if is_lost else 0.0, "m", 3) for one, is_lost in pairs],
+                "area, %": [f"{100 * one.area.value / nominal:.4g}" for one in self.cycles],
+                "saturated, %": [f"{100 * one.saturated.value / nominal:.3g}" for one in self.cycles],
+            }
+        )
+
+    def _list_head(self) -> Sequence[str]:
         end = "shakedown" if self.shakedown else "no shakedown yet"
-        rows = []
-        for place, cycle in enumerate(self.cycles, start=1):
-            lost = cycle.deepest > _MIN_PRINTED_LOSS_RATIO * cycle.approach
-            volume, deepest = (cycle.volume, cycle.deepest) if lost else (0.0, 0.0)
-            loss = (f"{volume * 1e18:.4g}", si(deepest, "m", 3))
-            areas = (f"{100 * cycle.area.value / nominal:.4g}", f"{100 * cycle.saturated.value / nominal:.3g}")
-            rows.append((str(place), str(cycle.shift), *loss, *areas))
-        table = Table.from_rows(("cycle", "shift", "volume, um3", "deepest", "area, %", "saturated, %"), rows)
-        summary = f"{end} after {len(self.cycles)} cycles, {self.volume * 1e18:.4g} um3 flattened"
-        return f"{summary}\n{table.to_text()}"
+        return [f"{end} after {len(self.cycles)} cycles, {self.volume * 1e18:.4g} um3 flattened"]
 
 
 @guarded

@@ -20,11 +20,12 @@ from roughcontact._base.arrays import Array
 from roughcontact._base.units import fit, quantity
 from roughcontact._faces.cli import Command
 from roughcontact._faces.cli.answers import plan_picture, to_json, to_text
-from roughcontact._faces.cli.friction import path_to_json, path_to_text
 from roughcontact._faces.cli.options import METRE, NUMBER, add_reading, fields_of, name_options, whole_number
+from roughcontact._faces.cli.paths import path_to_json, path_to_text
 from roughcontact._faces.cli.problem import read_map
 from roughcontact._faces.panels.figures import save_figure
 from roughcontact._parts.surfaces import list_facts, write_facts
+from roughcontact._solve.problem import Path as StatePath
 from roughcontact._solve.problem import find_saved_kind
 from roughcontact._solve.solution import find_scene
 from roughcontact.reference import roughness, texture
@@ -96,7 +97,7 @@ examples:
         subject = _read(options)
         if isinstance(subject, rc.ContactSolution):
             print((to_json if options.json else to_text)([subject]))
-        elif isinstance(subject, rc.FrictionalPath):
+        elif isinstance(subject, StatePath):
             print((path_to_json if options.json else path_to_text)(subject))
         elif options.json:
             raise rc.InputError("--json is for solutions and paths: omit it for a height map.")
@@ -125,7 +126,7 @@ examples:
         """Draw the map or the solution of the file, and return 0."""
         path = plan_picture(options.output)
         subject = _read(options)
-        if isinstance(subject, rc.FrictionalPath):
+        if isinstance(subject, StatePath):
             if options.panel is not None:
                 raise rc.InputError("--panel is for maps and solutions: omit it for a path, which has one picture.")
             axes = subject.plot(dark=options.dark)

@@ -24,17 +24,17 @@ from roughcontact._faces.cli.answers import (
     write_late,
     write_outputs,
 )
-from roughcontact._faces.cli.cycle import plan_cycle_outputs, refuse_for_cycle, solve_cycle
+from roughcontact._faces.cli.cycle import refuse_for_cycle, solve_cycle
 from roughcontact._faces.cli.friction import (
     explain_friction,
     friction_of,
-    plan_friction_outputs,
     refuse_for_friction,
     solve_friction,
 )
 from roughcontact._faces.cli.help import add_group, tell
 from roughcontact._faces.cli.inputs import describe_responses, describe_wanted
 from roughcontact._faces.cli.options import add_accuracy, add_problem, whole_number
+from roughcontact._faces.cli.paths import plan_path_outputs
 from roughcontact._faces.cli.problem import loads_of, problem_of, set_tolerance
 from roughcontact._faces.cli.progress import (
     count_grids,
@@ -124,10 +124,8 @@ examples:
                 require_with_friction(response)
         maps = [name for name in (options.surface, options.counterbody) if name is not None]
         paths = [checks.path(name, "The map") for name in maps]
-        if law is not None:
-            files = plan_friction_outputs(options, paths)
-        elif options.cycle is not None:
-            files = plan_cycle_outputs(options, paths)
+        if law is not None or options.cycle is not None:
+            files = plan_path_outputs(options, paths)
         else:
             files = plan_outputs(options.output, options.report, paths, max(1, len(loads_of(options))))
         with show_progress("reading the maps", quiet=options.quiet) as change:
@@ -147,7 +145,7 @@ examples:
             return 0
         if options.cycle is not None:
             cycle, doubtful = solve_cycle(options, problem, asked, files)
-            return _status((*cycle.loading, *cycle.unloading), doubtful, quiet=options.quiet)
+            return _status(cycle.states, doubtful, quiet=options.quiet)
         if law is not None:
             doubtful = solve_friction(options, problem, law, loads, asked, files)
             return _report_warnings(doubtful, quiet=options.quiet)

@@ -19,7 +19,6 @@ from roughcontact._parts.materials import Material, Rigid
 from roughcontact._parts.surfaces import FlatSurface, HeightMap, Surface, SurfaceSum, find_maps
 from roughcontact._solve.problem import (
     AS_GIVEN,
-    AdhesionCycle,
     Body,
     ContactProblem,
     ExpressionWriter,
@@ -28,6 +27,7 @@ from roughcontact._solve.problem import (
     describe_part,
     write_number,
 )
+from roughcontact._solve.problem import Path as StatePath
 from roughcontact._solve.solution import (
     ContactSolution,
     describe_work,
@@ -43,7 +43,7 @@ saved = {read}
 problem = rc.ContactProblem(**saved.origin.problem)"""
 # How the file of a subject is written, and its solution read.
 _OF_SOLUTION = ("solution.save(\"solution.npz\") writes, or 'Fields (.npz)' on the page,", _READ)
-_OF_CYCLE = ('cycle.loading[0].save("solution.npz") writes', _READ)
+_OF_CYCLE = ('cycle.save("cycle.npz") writes', 'rc.load("cycle.npz")[0]')
 _OF_PATH = ('path.save("path.npz") writes', 'rc.FrictionalPath.load("path.npz")[0]')
 _OF_STATE = ('state.save("state.npz") writes', 'rc.ContactSolution.load("state.npz")')
 # Digits of an angle in degrees that rounding leaves.
@@ -74,8 +74,15 @@ def write_script(solution: ContactSolution, problem: ContactProblem, load: Load)
     )
 
 
-def write_path_script(problem: ContactProblem, path: FrictionalPath) -> str:
-    """Return a Python script that follows a path with friction again; empty if no line makes its law."""
+def write_path_script(problem: ContactProblem, path: StatePath) -> str:
+    """Return a Python script that follows a path again; empty if no line makes its law of friction."""
+    if isinstance(path, FrictionalPath):
+        return _write_frictional_script(problem, path)
+    approaches = _write_numbers(load.value for load in _loads_of(path.given))
+    return f"{_write_problem(problem, _OF_CYCLE)}\ncycle = problem.cycle(approach={approaches})\nprint(cycle)\n"
+
+
+def _write_frictional_script(problem: ContactProblem, path: FrictionalPath) -> str:
     writer = ExpressionWriter()
     try:
         law = writer.write(path[0].friction)
@@ -107,12 +114,6 @@ def _write_sliding_script(problem: ContactProblem, state: ContactSolution, load:
     angle = write_number(round(math.degrees(math.atan2(y, x)), _ANGLE_DIGITS))
     given = f"{load.kind}={write_number(load.value)}, friction={law}, direction={angle}"
     return f"{_write_problem(problem, _OF_STATE, *writer.modules)}\nstate = problem.slide({given})\nprint(state)\n"
-
-
-def write_cycle_script(problem: ContactProblem, cycle: AdhesionCycle) -> str:
-    """Return a Python script that solves a cycle with adhesion again."""
-    approaches = _write_numbers(load.value for load in _loads_of(cycle.loading))
-    return f"{_write_problem(problem, _OF_CYCLE)}\ncycle = problem.cycle(approach={approaches})\nprint(cycle)\n"
 
 
 def _write_problem(problem: ContactProblem, file: tuple[str, str], *modules: str) -> str:

@@ -13,7 +13,8 @@ from roughcontact._base.units import Estimate
 from roughcontact._faces.html.elements import element, escape, grid, items, section, tag
 from roughcontact._faces.panels.figures import draw_panel, forget_figure, write_png
 from roughcontact._parts.grid import Load
-from roughcontact._solve.problem import AdhesionCycle, FrictionalPath, Sweep
+from roughcontact._solve.problem import Path as StatePath
+from roughcontact._solve.problem import Sweep
 from roughcontact._solve.solution import (
     ContactSolution,
     find_load,
@@ -70,12 +71,10 @@ def draw_panels(kind: str, subject: ContactSolution | Sweep) -> Iterator[Picture
             yield Picture(name, caption, refusal=" ".join(str(error).split()) or type(error).__name__)
 
 
-def draw_curve(subject: AdhesionCycle | FrictionalPath) -> Picture:
-    """Return the curve that a cycle or a path draws."""
+def draw_curve(subject: StatePath) -> Picture:
+    """Return the curve that a path draws."""
     drawn = subject.plot()
-    words = (inspect.getdoc(type(subject).plot) or "").partition(" (extra")[0].removeprefix("Draw the ")
-    caption = f"The {words}."
-    picture = Picture("curve", caption, write_png(drawn.figure))
+    picture = Picture("curve", f"The {subject.curve}.", write_png(drawn.figure))
     forget_figure(drawn)
     return picture
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import inspect
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from datetime import date
 from pathlib import Path
 from types import MappingProxyType
@@ -13,7 +13,7 @@ from typing import final
 
 import attrs
 
-from roughcontact._base.tables import Result, Table
+from roughcontact._base.tables import Result
 from roughcontact._base.units import counted
 from roughcontact._faces.html.elements import CSS, element, escape, grid, items, quantity, section, table, tag
 from roughcontact._faces.html.inputs import (
@@ -21,7 +21,6 @@ from roughcontact._faces.html.inputs import (
     list_certificate,
     list_inputs,
     list_versions,
-    write_cycle_script,
     write_path_script,
     write_script,
 )
@@ -41,15 +40,14 @@ from roughcontact._faces.html.parts import (
 from roughcontact._faces.panels.figures import can_draw, draw_panel
 from roughcontact._parts.grid import Load
 from roughcontact._solve.problem import (
-    AdhesionCycle,
     ContactProblem,
     FrictionalPath,
     Sweep,
-    describe_cycle,
     explain_state,
     find_problem,
     include_friction,
 )
+from roughcontact._solve.problem import Path as StatePath
 from roughcontact._solve.solution import (
     DEFAULT_AREA,
     MORE_THAN_METALS,
@@ -205,51 +203,34 @@ def _write_sweep(sweep: Sweep, answers: Answers = _NO_ANSWERS) -> str:
 
 
 @write_page.register
-def _write_path(path: FrictionalPath, answers: Answers = _NO_ANSWERS) -> str:
-    """Return the page of a path with friction: its states, with answers of responses, then the last in detail."""
-    last = path[-1]
-    problem, missing = find_problem(last)
-    results = {"energy lost": str(attrs.evolve(path.dissipated, warnings=())), "friction": repr(path[0].friction)}
+def _write_path(path: StatePath, answers: Answers = _NO_ANSWERS) -> str:
+    """Return the page of a path: its states, with what responses have answered, then one of them in detail."""
+    detailed = path.detailed
+    problem, missing = find_problem(detailed)
     script = "" if problem is None else write_path_script(problem, path)
-    plan = "" if problem is None else f"{include_friction(problem.plan)}\n{path.explain()}"
     return _make_page(
         counted(len(path), "state"),
         [
-            _make_head(last, problem, loads_of([last])),
+            _make_head(detailed, problem, loads_of(path.given)),
             make_verdict(path.states),
-            _make_states(
-                add_answers(path.table(), answers), results, (*path.warnings, *list_answer_warnings(answers)), path
-            ),
-            section("The last state", _make_answer(last)),
-            _make_figures(last),
-            *_make_details(last, problem, missing, script, plan or path.explain()),
+            *_make_states(path, answers),
+            section(_name_detailed(path), _make_answer(detailed)),
+            _make_figures(detailed),
+            *_make_details(detailed, problem, missing, script, _explain(problem, path)),
         ],
     )
 
 
-@write_page.register
-def _write_cycle(cycle: AdhesionCycle, answers: Answers = _NO_ANSWERS) -> str:
-    """Return the page of a cycle: its states, with answers of responses, then the largest load in detail."""
-    states = (*cycle.loading, *cycle.unloading)
-    largest = max(states, key=lambda state: state.force)
-    problem, missing = find_problem(largest)
-    script = "" if problem is None else write_cycle_script(problem, cycle)
-    return _make_page(
-        counted(len(states), "state"),
-        [
-            _make_head(largest, problem, loads_of(cycle.loading)),
-            make_verdict(states),
-            _make_states(
-                add_answers(cycle.short_table(), answers),
-                describe_cycle(cycle),
-                (*cycle.warnings, *list_answer_warnings(answers)),
-                cycle,
-            ),
-            section(f"The largest load, {name_load(largest)}", _make_answer(largest)),
-            _make_figures(largest),
-            *_make_details(largest, problem, missing, script),
-        ],
-    )
+def _explain(problem: ContactProblem | None, path: StatePath) -> str:
+    """Return the plan of a path with friction; empty: that of its states."""
+    if not isinstance(path, FrictionalPath):
+        return ""
+    return path.explain() if problem is None else f"{include_friction(problem.plan)}\n{path.explain()}"
+
+
+def _name_detailed(path: StatePath) -> str:
+    is_last = path.detailed is path[-1]
+    return "The last state" if is_last else f"The largest load, {name_load(path.detailed)}"
 
 
 @functools.singledispatch
@@ -309,17 +290,16 @@ def _make_figures(solution: ContactSolution) -> str:
     return make_figures("Figures", draw_panels("solution", solution), answer)
 
 
-def _make_states(
-    states: Table, answers: Mapping[str, str], warnings: Sequence[str], subject: AdhesionCycle | FrictionalPath
-) -> str:
-    """Return answers, table, warnings and curve of a path or a cycle."""
-    found = {name.capitalize(): quantity(text) for name, text in answers.items()}
-    title = "Force and displacement"
+def _make_states(path: StatePath, answers: Answers) -> Iterator[str]:
+    """Yield answers, table, warnings and curve of a path."""
+    found = {name.capitalize(): quantity(text) for name, text in path._list_results().items()}
+    title = path.curve.capitalize()
     words = "The table has its numbers."
-    curve = make_figures(title, [draw_curve(subject)], words) if can_draw() else section(title, note(_NO_FIGURES))
-    rows = grid(*states.to_cells(), "The states, in their order")
-    parts = (table(found, "The answer", class_="answer"), rows, _NOTE, make_warnings(warnings), curve)
-    return "\n".join(parts)
+    yield table(found, "The answer", class_="answer")
+    yield grid(*add_answers(path.short_table(), answers).to_cells(), "The states, in their order")
+    yield _NOTE
+    yield make_warnings((*path.warnings, *list_answer_warnings(answers)))
+    yield make_figures(title, [draw_curve(path)], words) if can_draw() else section(title, note(_NO_FIGURES))
 
 
 def _make_details(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from itertools import pairwise
 from typing import Any
@@ -63,6 +63,7 @@ class AdhesionCycle(Path):
 
     kind = "adhesion cycle"
     view = "cycle"
+    curve = "force of both branches over the approach"
 
     loading: Sweep
     unloading: Sweep
@@ -71,6 +72,22 @@ class AdhesionCycle(Path):
     def states(self) -> tuple[ContactSolution, ...]:
         """Those of loading, then those of unloading."""
         return (*self.loading, *self.unloading)
+
+    @property
+    def given(self) -> Sequence[ContactSolution]:
+        """The states of loading: those of unloading have the same approaches."""
+        return self.loading.states
+
+    def list_rest(self) -> Mapping[str, Any]:
+        """Return the approaches, m, between which the contact jumps."""
+        return {"jumps": [list(jump) for jump in self.jumps]}
+
+    def label_states(self) -> tuple[Table, list[str]]:
+        """Return branch and approach of each state, and its name in a sentence."""
+        columns = self.short_table().columns
+        heads = Table({name: columns[name] for name in ("branch", "approach")}, {"approach": "m"}, ("branch",))
+        pairs = zip(columns["approach"], columns["branch"], strict=True)
+        return heads, [f"at {si(float(approach), 'm', 3)}, {branch}" for approach, branch in pairs]
 
     @property
     def _saved_states(self) -> tuple[ContactSolution, ...]:

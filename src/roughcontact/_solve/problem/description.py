@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable, Mapping, Sequence
-from pathlib import Path
+from pathlib import Path as File
 from typing import Any, TypeVar, final
 
 import attrs
@@ -17,6 +17,7 @@ from roughcontact._parts.kernels import InfluenceKernel, has_layers
 from roughcontact._solve.problem.body import Body
 from roughcontact._solve.problem.expressions import describe_part
 from roughcontact._solve.problem.frictional_path import AS_GIVEN, FrictionalPath
+from roughcontact._solve.problem.path import Path
 from roughcontact._solve.problem.problem import ContactProblem
 from roughcontact._solve.problem.saved import problem_of
 from roughcontact._solve.solution import (
@@ -47,7 +48,7 @@ class JsonWriter(SolutionWriter):
         """The ending of a JSON file."""
         return frozenset({".json"})
 
-    def write(self, solution: ContactSolution, path: Path) -> None:
+    def write(self, solution: ContactSolution, path: File) -> None:
         """Write the file."""
         with replacing(path) as partial:
             partial.write_text(f"{format_json(self.describe(solution))}\n", encoding="utf-8")
@@ -215,14 +216,13 @@ def _describe_along(states: Sequence[ContactSolution]) -> dict[str, Any]:
     }
 
 
-def find_path_inputs(path: FrictionalPath) -> dict[str, Any] | None:
+def find_path_inputs(path: Path) -> dict[str, Any] | None:
     """Return the problem of a path, its loads and the law, and increments that were given; None if not known."""
-    # Under one normal load the bodies are pressed first, and then moved.
-    found = find_inputs(path if path.pressed is None else path[:1])
+    found = find_inputs(path.given)
     if found is None:
         return None
     found |= _describe_along(path)
-    if AS_GIVEN in path.reasons:
+    if isinstance(path, FrictionalPath) and AS_GIVEN in path.reasons:
         found["substeps"] = path.increments[path.reasons.index(AS_GIVEN)]
     return found
 

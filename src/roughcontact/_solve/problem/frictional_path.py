@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path as File
 from typing import Any
@@ -37,7 +37,7 @@ from roughcontact._solve.problem.path import Path
 from roughcontact._solve.problem.scene import Scene
 from roughcontact._solve.problem.step_numbers import StepNumbers, list_cell_errors, numbers_of
 from roughcontact._solve.problem.task import limit_load
-from roughcontact._solve.solution import ContactSolution, read_estimate, read_states
+from roughcontact._solve.solution import ContactSolution, find_load, read_estimate, read_states
 from roughcontact._solve.solvers import Step
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
@@ -102,6 +102,7 @@ class FrictionalPath(Path):
 
     kind = "frictional path"
     view = "path"
+    curve = "tangential force over the displacement"
 
     states: tuple[ContactSolution, ...]
     pressed: ContactSolution | None
@@ -129,10 +130,7 @@ class FrictionalPath(Path):
     @property
     def dissipated(self) -> Estimate:
         """Energy lost by friction along the path, J, without that of pressing; with its uncertainty."""
-        parts = [one.dissipated for one in self.numbers]
-        warnings = dict.fromkeys(text for part in parts for text in part.warnings)
-        value = math.fsum(part.value for part in parts)
-        return Estimate(value, math.fsum(part.uncertainty for part in parts), "J", tuple(warnings))
+        return _sum_lost(self.numbers)
 
     @property
     def work(self) -> Array:
@@ -157,7 +155,7 @@ class FrictionalPath(Path):
         """
         origin = self.states[0].origin
         exact = self.pressed is not None and all(count == 1 for count in self.increments)
-        if origin is None or origin.source is None or not exact or len(self) > _MAX_REFINED_STATES:
+        if origin is None or origin.missing or not exact or len(self) > _MAX_REFINED_STATES:
             return self.loop
         parts = np.arange(1, _DRAWN_STATES + 1)[:, np.newaxis] / _DRAWN_STATES
         ends = np.array([(0.0, 0.0), *(state.tangential_load.values for state in self.states)])
@@ -165,7 +163,7 @@ class FrictionalPath(Path):
         # To the last bit: the turns are states of the path.
         targets[_DRAWN_STATES - 1 :: _DRAWN_STATES] = ends[1:]
         along = {self.states[0].tangential_load.kind: targets.tolist()}
-        path: FrictionalPath = origin.source.path(**origin.load, **along, friction=self.states[0].friction, substeps=1)
+        path: FrictionalPath = origin.scene.path(**origin.load, **along, friction=self.states[0].friction, substeps=1)
         return path.loop
 
     def table(self) -> Table:
@@ -216,6 +214,38 @@ class FrictionalPath(Path):
         return PlainText("\n".join(write_rows(rows)))
 
     @property
+    def given(self) -> Sequence[ContactSolution]:
+        """The states whose normal loads were given: under one load the bodies are pressed first, and then moved."""
+        return self.states if self.pressed is None else self.states[:1]
+
+    @property
+    def dissipated_in_loop(self) -> Estimate | None:
+        """Energy lost since the loads last were those at the end of the path, J; None if they never were."""
+        states = self._saved_states
+        numbers = self.numbers[len(self.numbers) - len(states) + 1 :]
+        loads = [(find_load(state), state.tangential_load.values) for state in states]
+        for back in range(2, len(states)):
+            if loads[-1 - back] == loads[-1]:
+                return _sum_lost(numbers[-back:])
+        return None
+
+    def list_numbers(self) -> Mapping[str, Estimate | None]:
+        """Return the energy lost along the path, and in its last loop if it ends with one."""
+        return {"dissipated": self.dissipated, "loop": self.dissipated_in_loop}
+
+    def list_rest(self) -> Mapping[str, Any]:
+        """Return the constants of the pair of materials."""
+        return {"pair": attrs.asdict(self.states[0].sheared.pair)}
+
+    def label_states(self) -> tuple[Table, list[str]]:
+        """Return the number of each state with its tangential loads, and its name in a sentence."""
+        table = self.table()
+        along = [name for name in ("tangential_x", "tangential_y") if any(map(_is_pushed, table.columns[name]))]
+        numbers = range(1, len(self) + 1)
+        heads = Table({"state": numbers, **{name: table.columns[name] for name in along}}, table.units)
+        return heads, [f"state {number}" for number in numbers]
+
+    @property
     def _saved_states(self) -> tuple[ContactSolution, ...]:
         return (*([] if self.pressed is None else [self.pressed]), *self.states)
 
@@ -244,10 +274,25 @@ class FrictionalPath(Path):
         )
 
     def _list_results(self) -> Mapping[str, str]:
-        return {"energy lost": str(attrs.evolve(self.dissipated, warnings=()))}
+        found = {"energy lost": self.dissipated, "in the last loop": self.dissipated_in_loop}
+        texts = {name: str(attrs.evolve(one, warnings=())) for name, one in found.items() if one is not None}
+        texts["friction"] = repr(self.states[0].friction)
+        return texts | {"status": "; ".join(dict.fromkeys(str(state.status) for state in self))}
 
     def __repr__(self) -> str:
         return f"<FrictionalPath {counted(len(self), 'state')}, {self.states[0].grid}, lost {self.dissipated}>"
+
+
+def _sum_lost(steps: Sequence[StepNumbers]) -> Estimate:
+    """Return the energy lost in steps together, J."""
+    parts = [one.dissipated for one in steps]
+    warnings = dict.fromkeys(text for part in parts for text in part.warnings)
+    value = math.fsum(part.value for part in parts)
+    return Estimate(value, math.fsum(part.uncertainty for part in parts), "J", tuple(warnings))
+
+
+def _is_pushed(force: float | Estimate) -> bool:
+    return (force.value if isinstance(force, Estimate) else force) != 0.0
 
 
 def save_path(file: File, path: FrictionalPath, key: str) -> None:

@@ -13,7 +13,7 @@ import numpy as np
 from roughcontact._base import checks
 from roughcontact._base.arrays import Array
 from roughcontact._base.registry import find_view
-from roughcontact._base.tables import TableResult
+from roughcontact._base.tables import Table, TableResult
 from roughcontact._base.units import Estimate
 from roughcontact._solve.solution import ContactSolution, read_states, write_states
 
@@ -24,9 +24,10 @@ T = TypeVar("T")
 class Path(TableResult, Sequence[ContactSolution]):
     """The states of a contact in their order: iterable, with `len` and ``[]``; a row of numbers for each."""
 
-    # Its name in files, and the view that draws it.
+    # Its name in files, the view that draws it, and what this view shows.
     kind: ClassVar[str]
     view: ClassVar[str]
+    curve: ClassVar[str]
 
     @property
     @abc.abstractmethod
@@ -73,9 +74,28 @@ class Path(TableResult, Sequence[ContactSolution]):
         """The state that a page shows in detail, that of the largest load."""
         return max(self.states, key=lambda state: state.force)
 
+    @property
+    def given(self) -> Sequence[ContactSolution]:
+        """The states whose loads were given, in their order."""
+        return self.states
+
     def list_numbers(self) -> Mapping[str, Estimate | None]:
         """Return the numbers of the path as a whole by name; None where one has no value."""
         return {}
+
+    def list_rest(self) -> Mapping[str, Any]:
+        """Return what else data of the path as a whole have, as plain values."""
+        return {}
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Why all numbers of the path must not be trusted, in sentences; empty without a reason."""
+        return ()
+
+    def label_states(self) -> tuple[Table, list[str]]:
+        """Return the columns that tell the states apart, and the name of each in a sentence."""
+        numbers = range(1, len(self) + 1)
+        return Table({"state": numbers}), [f"state {number}" for number in numbers]
 
     def verify(self) -> None:
         """Recompute the certificate of each state; `InputError` if one contradicts itself or the state before."""

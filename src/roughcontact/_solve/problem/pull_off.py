@@ -280,11 +280,11 @@ def _find_attracted(state: ContactSolution) -> Mask:
 def find_lowest(sweep: Sweep, warnings: tuple[str, ...]) -> Estimate:
     """Return the lowest force of a branch, N, solved more finely where it may be."""
     origin = sweep[0].origin
-    if origin is None or origin.source is None or not 0 < int(sweep.force.argmin()) < len(sweep) - 1:
+    if origin is None or origin.missing or not 0 < int(sweep.force.argmin()) < len(sweep) - 1:
         return find_minimum(sweep, warnings)
-    refined = Sweep(tuple(_refine(partial(run_solve, origin.source), sweep.states)))
+    refined = Sweep(tuple(_refine(partial(run_solve, origin.scene), sweep.states)))
     found = find_minimum(refined, warnings)
-    if not origin.source.plan.chosen_range:
+    if not origin.scene.plan.chosen_range:
         return found
     attracted = _find_attracted(refined[int(refined.force.argmin())])
     size = count_patch_cells(attracted, sweep[0].boundary)

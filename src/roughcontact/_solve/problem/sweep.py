@@ -60,6 +60,7 @@ class Sweep(Path):
 
     kind = "sweep"
     view = "panels"
+    curve = "results over the load"
 
     states: tuple[ContactSolution, ...]
 

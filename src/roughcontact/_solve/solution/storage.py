@@ -158,7 +158,7 @@ def read(path: Path, key: str | None = None) -> dict[str, Any]:
     arrays, header = read_netcdf(path) if path.suffix == ".nc" else read_archive(path)
     kind = header.get("kind")
     if kind not in (_ARCHIVE_KIND, _FRICTIONAL_KIND):
-        raise InputError(f"The file {path.name} does not hold a solution, but {kind!s:.40}: rc.load reads paths too.")
+        raise InputError(f"The file {path.name} does not hold a solution: rc.load reads sweeps, cycles and paths too.")
     with usable(path, "its header is wrong"):
         if kind == _FRICTIONAL_KIND:
             arrays, header = translate_frictional(header["states"][0], arrays)

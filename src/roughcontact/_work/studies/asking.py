@@ -14,7 +14,8 @@ from roughcontact._base.arrays import Array, Pair
 from roughcontact._base.registry import Registry, find_view
 from roughcontact._base.tables import Table, page_or_file
 from roughcontact._base.units import Estimate, kind_of
-from roughcontact._solve.problem import AdhesionCycle, FrictionalPath, Sweep
+from roughcontact._solve.problem import Path as StatePath
+from roughcontact._solve.problem import Sweep
 from roughcontact._solve.solution import (
     ContactSolution,
     Response,
@@ -316,7 +317,7 @@ def ask_states(
 
 @guarded
 def write_report(
-    solutions: Sequence[ContactSolution] | AdhesionCycle | FrictionalPath,
+    solutions: Sequence[ContactSolution] | StatePath,
     path: Path,
     answers: Answers = _NO_ANSWERS,
 ) -> None:
@@ -332,6 +333,6 @@ def write_report(
         The results of each response by its name, one for each solution or row of the table.
     """
     subject: Any = solutions
-    if not isinstance(solutions, (AdhesionCycle, FrictionalPath)):
+    if not isinstance(solutions, StatePath):
         subject = Sweep(tuple(solutions)) if len(solutions) > 1 else solutions[0]
     page_or_file(lambda: find_view("page")(subject, answers), path)
