@@ -410,6 +410,39 @@ class TestLoad:
         assert isinstance(state, rc.ContactSolution)
         np.testing.assert_array_equal(state.shear, path[0].shear)
 
+    def test_a_sweep(self, tmp_path):
+        sweep = small().sweep(force=[1.0, 0.5, 2.0])
+        sweep.save(tmp_path / "sweep.npz")
+        loaded = rc.load(tmp_path / "sweep.npz")
+        assert isinstance(loaded, rc.typing.Sweep)
+        for one, other in zip(sweep, loaded, strict=True):
+            assert_equal(other, one)
+        # The problem is built and prepared once for all of them.
+        assert loaded[0].origin.source is loaded[2].origin.source
+        assert loaded[1].stiffness() == sweep[1].stiffness()
+
+    def test_a_cycle(self, tmp_path):
+        ball = rc.Body(rc.ParaboloidSurface(radius=1e-6), rc.Elastic(young=10e6, poisson=0.5))
+        law = rc.Exponential(work="50mJ/m2", range="120nm")
+        problem = rc.ContactProblem(ball, grid=rc.Grid((24, 24), 2e-6), adhesion=law)
+        cycle = problem.cycle(approach=np.linspace(-0.3e-6, 0.1e-6, 4))
+        cycle.save(tmp_path / "cycle.npz")
+        for verify in (True, False):
+            loaded = rc.load(tmp_path / "cycle.npz", verify=verify)
+            assert str(loaded) == str(cycle)
+            assert loaded.losses[1].tolist() == cycle.losses[1].tolist()
+            assert loaded.pull_off == cycle.pull_off
+        with pytest.raises(rc.InputError, match="does not hold a sweep"):
+            rc.typing.Sweep.load(tmp_path / "cycle.npz")
+
+    def test_a_forged_state_of_a_sweep_is_refused(self, tmp_path):
+        sweep = small().sweep(force=[1.0, 0.5])
+        forged = attrs.evolve(sweep[1], pressure=1.01 * sweep[1].pressure)
+        attrs.evolve(sweep, states=(sweep[0], forged)).save(tmp_path / "sweep.npz")
+        with pytest.raises(rc.InputError, match="cannot be"):
+            rc.load(tmp_path / "sweep.npz")
+        assert len(rc.load(tmp_path / "sweep.npz", verify=False)) == 2
+
     def test_other_files_get_a_sentence(self, tmp_path):
         np.savez(tmp_path / "map.npz", heights=np.zeros((4, 4)), size=1e-6)
         (tmp_path / "text.txt").write_text("1 2\n3 4\n")

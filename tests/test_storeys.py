@@ -120,3 +120,31 @@ def test_each_assignment_has_a_line_of_its_own():
 @pytest.mark.parametrize("name", NAMES)
 def test_a_module_holds_one_subject(name):
     assert NAMES[name].read_text(encoding="utf-8").count("\n") <= 500
+
+
+def list_classes():
+    """Return the names of the bases of each class, and of the methods that it defines."""
+    found = {}
+    for path in NAMES.values():
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ClassDef):
+                bases = {name.id for base in node.bases for name in ast.walk(base) if isinstance(name, ast.Name)}
+                found[node.name] = bases, {one.name for one in node.body if isinstance(one, ast.FunctionDef)}
+    return found
+
+
+def test_results_are_printed_saved_and_reported_by_their_base():
+    """A class below a noun adds rows and numbers; its texts, tables, files and pages are those of the base."""
+    classes = list_classes()
+    results = {"Result"}
+    while below := {name for name, (bases, _) in classes.items() if bases & results} - results:
+        results |= below
+    assert {"ContactSolution", "Sweep", "AdhesionCycle", "FrictionalPath", "RunIn", "StudyResult"} <= results
+    allowed = {
+        "Result": {"to_html", "_repr_html_"},
+        "TableResult": {"__str__", "to_csv", "to_pandas", "_repr_html_"},
+        "ContactSolution": {"__str__", "save", "load"},
+        "Path": {"save", "load"},
+    }
+    written = {"__str__", "to_csv", "to_pandas", "to_html", "_repr_html_", "save", "load"}
+    assert {name: classes[name][1] & written for name in results if classes[name][1] & written} == allowed

@@ -310,8 +310,11 @@ class TableResult(Result, abc.ABC):
         below += [*self._list_notes(), *(f"warning: {text}" for text in self._list_warnings())]
         if head and below:
             below.insert(0, "")
-        rows = self.short_table().to_text(keys=self._keys, max_rows=_MAX_PRINTED_ROWS)
-        return "\n".join([*map(fit, above), rows, *map(fit, below)])
+        return "\n".join([*map(fit, above), self._write_rows(), *map(fit, below)])
+
+    def _write_rows(self) -> str:
+        """Return the rows as text."""
+        return self.short_table().to_text(keys=self._keys, max_rows=_MAX_PRINTED_ROWS)
 
     def _repr_html_(self) -> str:
         results = [f"{name}: {text}" for name, text in self._list_results().items()]

@@ -81,8 +81,8 @@ class StabilityReport(TableResult):
     def _list_head(self) -> Sequence[str]:
         return [self._summary]
 
-    def __str__(self) -> str:
-        lines = [self._summary, ""]
+    def _write_rows(self) -> str:
+        lines = []
         before = ""
         for check in self._worst_first:
             lines.append(str(attrs.evolve(check, finding="as above") if check.finding == before else check))
