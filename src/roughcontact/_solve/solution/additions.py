@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 import attrs
 
-from roughcontact._base.archive.plain import Described
+from roughcontact._base.archive.plain import Described, describe, rebuild
 from roughcontact._base.arrays import RealArray
 from roughcontact._base.registry import Registry
 from roughcontact._base.units import Estimate, ShownAsPrinted
@@ -77,7 +77,8 @@ class Certificate(ShownAsPrinted):
 class Addition(abc.ABC):
     """What a physics adds to the state of a contact; the state prints, saves and judges it.
 
-    It names its kind in files; `additions` lists the classes that a file may build.
+    A subclass is a frozen class of attrs whose fields are numbers, texts and arrays, or describes itself. It names its
+    kind in files; the registry `additions` lists the classes that a file may build.
     """
 
     kind: ClassVar[str]
@@ -87,14 +88,15 @@ class Addition(abc.ABC):
     def conditions(self) -> tuple[Condition, ...]:
         """Its conditions of the certificate."""
 
-    @abc.abstractmethod
     def describe(self, arrays: dict[str, RealArray]) -> Described:
-        """Return it as data for JSON, and put its arrays into `arrays` under the digest of their content."""
+        """Return its fields as data for JSON, and put arrays into `arrays` under the digest of their content."""
+        own: Any = self
+        return describe(attrs.asdict(own, recurse=False), arrays)
 
     @classmethod
-    @abc.abstractmethod
     def rebuild(cls, described: Mapping[str, Any], arrays: Mapping[str, RealArray], grid: Grid, given: Any) -> Addition:
         """Return what `describe` has described, on a grid; `given` is a part that a file need not name, or None."""
+        return cls(**rebuild(described, arrays))
 
     def list_rows(self, state: Any) -> dict[str, str]:
         """Return its numbers in words by name, for texts and pages of a state."""
