@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+import abc
 import contextlib
 import sys
 import threading
 import traceback
 import types
 import warnings
-import weakref
 from collections.abc import Iterator
 from typing import Any
 
@@ -22,8 +22,6 @@ class _Thread(threading.local):
 
 
 _THREAD = _Thread()
-# The solutions whose own warnings have been given.
-_WARNED: weakref.WeakSet[Any] = weakref.WeakSet()
 
 
 class Answer:
@@ -32,10 +30,14 @@ class Answer:
     __slots__ = ()
 
 
-class AskedOf:
+class AskedOf(abc.ABC):
     """A base of solutions, whose own `warnings` a script gets by `warnings.warn` with the first answer."""
 
     __slots__ = ()
+
+    @abc.abstractmethod
+    def _is_first_answer(self) -> bool:
+        """Return whether no answer was given before this one."""
 
 
 def warn(text: str, category: type[Warning] = UserWarning) -> None:
@@ -61,8 +63,7 @@ def warn_of(found: object, args: tuple[Any, ...]) -> None:
     if _THREAD.says_warnings or not isinstance(found, Answer):
         return
     texts = dict.fromkeys(getattr(found, "warnings", ()))
-    if args and isinstance(args[0], AskedOf) and args[0] not in _WARNED:
-        _WARNED.add(args[0])
+    if args and isinstance(args[0], AskedOf) and args[0]._is_first_answer():
         texts = dict.fromkeys(getattr(args[0], "warnings", ())) | texts
     for text in texts:
         warn(str(text), ContactWarning)

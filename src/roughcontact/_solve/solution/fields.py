@@ -276,6 +276,11 @@ class ContactFields(AskedOf):
         """What was computed of the solution and is asked for again, by name."""
         return {}
 
+    def _is_first_answer(self) -> bool:
+        is_first = "answered" not in self._found
+        self._found["answered"] = True
+        return is_first
+
     def _keep(self, name: str, find: Callable[[], T]) -> T:
         """Return what a function finds of the solution; it is called once for each name."""
         if name not in self._found:
