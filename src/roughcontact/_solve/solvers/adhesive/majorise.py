@@ -17,10 +17,10 @@ from roughcontact._solve.solvers.base import (
     DEFAULT_TOLERANCE,
     Outcome,
     Solver,
-    Step,
     Task,
     iteration_limit,
     positive_tolerance,
+    record_error,
 )
 from roughcontact._solve.solvers.conjugate import ProjectedConjugateGradient
 
@@ -100,6 +100,7 @@ class _Rounds:
         self._rms = rms
 
     def solve(self) -> Outcome:
+        task = self._task
         gap, contact = self._first_gap()
         tension = self._interaction.tension(gap)
         inner = 1e-3
@@ -110,7 +111,7 @@ class _Rounds:
                 return self._outcome(np.zeros_like(gap), np.zeros_like(gap), found)
             contact, displacement, approach = found
             before = gap
-            gap = displacement + self._task.initial_gap - approach
+            gap = displacement + task.initial_gap - approach
             closed = contact > 0.0
             gap = np.where(closed, 0.0, np.maximum(gap, 0.0))
             scale = min(self._rms, float(np.ptp(displacement))) or self._rms or 1.0
@@ -120,18 +121,13 @@ class _Rounds:
             rate = min(change / changes[-1], _SLOWEST) if changes[-1] > 0.0 and math.isfinite(changes[-1]) else 0.9
             changes.append(change)
             error = change * rate / (1.0 - rate)
-            self._record(error)
+            record_error(task, self._errors, error)
             tension = self._interaction.tension(gap)
             finest = _INNER * self._parts.tolerance
             if error <= 0.5 * self._parts.tolerance and inner <= 2.0 * finest:
                 return self._finish(contact, tension)
             inner = max(finest, min(inner, _LOOSE * change, _INNER * error))
         return self._outcome(contact - tension, tension, Status.MAXIMUM_ITERATIONS)
-
-    def _record(self, error: float) -> None:
-        self._errors.append(error)
-        if self._task.on_step is not None:
-            self._task.on_step(Step(self._task.initial_gap.shape, len(self._errors) - 1, error))
 
     def _first_gap(self) -> tuple[Array, Array]:
         """Return the gap to start from and its contact pressure: of the task, or of a contact without adhesion."""

@@ -8,6 +8,7 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array, Mask, RealArray, sum_of_products
+from roughcontact._solve.solvers.base import IdleCount
 from roughcontact._solve.solvers.shear.base import ShearSystem, Verified
 from roughcontact._solve.solvers.shear.discs import MIN_SIZE, dot, magnitude
 from roughcontact._solve.solvers.shear.face import Face
@@ -73,17 +74,14 @@ class ShearDescent:
         self._last: _Taken | None = None
         self._error = _FORCE_ERROR * goal
         self._length = max(self._length, _CAREFUL_LENGTH)
-        best = math.inf
-        idle = 0
-        while self.iterations < max_iterations and idle < _MAX_IDLE_ITERATIONS:
+        idles = IdleCount()
+        while self.iterations < max_iterations:
             self.iterations += 1
             if not self._iterate():
                 break
             residual = self._estimate()
-            if residual <= goal:
+            if residual <= goal or idles.add(residual) == _MAX_IDLE_ITERATIONS:
                 break
-            idle = 0 if residual < 0.5 * best else idle + 1
-            best = min(best, residual)
         on_circle = self._system.find_on_circle(self._shear)
         return self._system.control.project(self._shear, self._system.limit, circle=on_circle)[0]
 

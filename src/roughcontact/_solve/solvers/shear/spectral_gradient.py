@@ -8,7 +8,14 @@ import numpy as np
 from roughcontact._base.arrays import sum_of_products
 from roughcontact._solve.convolvers import ShearConvolution
 from roughcontact._solve.solution import Status
-from roughcontact._solve.solvers.shear.base import ShearOutcome, ShearSolver, ShearSystem, ShearTask, Verified, unloaded
+from roughcontact._solve.solvers.shear.base import (
+    ShearOutcome,
+    ShearSolver,
+    ShearSystem,
+    ShearTask,
+    Verified,
+    solve_on_limits,
+)
 from roughcontact._solve.solvers.spectral_gradient import SpectralSearch
 
 
@@ -28,15 +35,11 @@ class SpectralShearGradient(ShearSolver):
 
     def solve(self, convolution: ShearConvolution, task: ShearTask) -> ShearOutcome:
         """Return the shear; see `ShearSolver.solve`."""
-        if not task.limit.any():
-            return unloaded(task)
-        system = ShearSystem(convolution, task)
-        found, status, iterations = descend_by_gradients(system, Verified(system, system.start(task)), task, 0)
-        return system.outcome(found, status, iterations)
+        return solve_on_limits(convolution, task, descend_by_gradients)
 
 
 def descend_by_gradients(
-    system: ShearSystem, found: Verified, task: ShearTask, iterations: int
+    system: ShearSystem, found: Verified, task: ShearTask, iterations: int = 0
 ) -> tuple[Verified, Status, int]:
     """Return the shear from a start, how the solve ended, and the iterations, of which some may have been made."""
     search = SpectralSearch(1.0 / system.own)
