@@ -134,7 +134,8 @@ class _Run:
         idles = IdleCount()
         while True:
             if goal < _SINGLE and descent.dtype is np.float32:
-                descent = self._continue_in_double(descent, gap)
+                self._products += descent.products
+                descent = self._begin(gap, np.float64)
             status = self._descend(descent, gap, goal)
             if status is not None:
                 return self._outcome(gap, descent, status)
@@ -154,11 +155,6 @@ class _Run:
         descent = AdhesiveDescent(self._problem, dtype)
         descent.start(gap)
         return descent
-
-    def _continue_in_double(self, descent: AdhesiveDescent, gap: Array) -> AdhesiveDescent:
-        """Return a descent in float64 from the gap of one in float32."""
-        self._products += descent.products
-        return self._begin(gap, np.float64)
 
     def _pressure_of(self, gap: Array) -> Array:
         """Return the pressure of a gap in float64."""

@@ -111,9 +111,7 @@ class _Rounds:
                 return self._outcome(np.zeros_like(gap), np.zeros_like(gap), found)
             contact, displacement, approach = found
             before = gap
-            gap = displacement + task.initial_gap - approach
-            closed = contact > 0.0
-            gap = np.where(closed, 0.0, np.maximum(gap, 0.0))
+            gap = self._find_gap(displacement, contact, approach)
             scale = min(self._rms, float(np.ptp(displacement))) or self._rms or 1.0
             change = float(np.abs(gap - before).max()) / scale
             if not math.isfinite(change):
@@ -138,23 +136,26 @@ class _Rounds:
             gap = task.start_gap
             if gap is None:
                 self._convolutions += 1
-                moved = self._apply(pressure) + task.initial_gap
+                displacement = self._apply(pressure)
                 bearing = np.maximum(pressure, 0.0)
                 approach = task.approach
                 if approach is None:
-                    load = float(bearing.sum())
-                    approach = float((bearing * moved).sum()) / load if load > 0.0 else float(moved.min())
-                gap = np.maximum(moved - approach, 0.0)
-                gap[bearing > 0.0] = 0.0
+                    moved = displacement + task.initial_gap
+                    approach = _find_approach(bearing, moved, float(moved.min()))
+                gap = self._find_gap(displacement, bearing, approach)
             return gap, np.maximum(pressure + self._interaction.tension(gap), 0.0) * (gap <= 0.0)
         nothing = np.zeros_like(task.initial_gap)
         first = self._press(nothing, nothing, 1e-3)
         if isinstance(first, Status):
             return task.initial_gap - float(task.initial_gap.min()), nothing
         contact, displacement, approach = first
-        gap = np.maximum(displacement + task.initial_gap - approach, 0.0)
+        return self._find_gap(displacement, contact, approach), contact
+
+    def _find_gap(self, displacement: Array, contact: Array, approach: float) -> Array:
+        """Return the gap: zero where the contact pressure is above zero, and nowhere negative."""
+        gap = np.maximum(displacement + self._task.initial_gap - approach, 0.0)
         gap[contact > 0.0] = 0.0
-        return gap, contact
+        return gap
 
     def _apply(self, pressure: Array) -> Array:
         return self._convolution.to_numpy(self._convolution.apply(self._convolution.from_numpy(pressure)))
@@ -193,8 +194,7 @@ class _Rounds:
         if approach is None:
             bearing = np.where(outcome.pressure < limit, outcome.pressure, 0.0)
             moved = pressed + inner.initial_gap
-            load = float(bearing.sum())
-            approach = float((bearing * moved).sum()) / load if load > 0.0 else float(moved.max())
+            approach = _find_approach(bearing, moved, float(moved.max()))
         displacement = pressed + (lifted - task.initial_gap)
         return outcome.pressure, displacement, approach + lowest
 
@@ -219,3 +219,9 @@ class _Rounds:
             convolutions=self._convolutions,
             errors=tuple(self._errors),
         )
+
+
+def _find_approach(bearing: Array, moved: Array, unloaded: float) -> float:
+    """Return the mean of the gap before the approach, weighted by a pressure; without any load, that of no load."""
+    load = float(bearing.sum())
+    return float((bearing * moved).sum()) / load if load > 0.0 else unloaded

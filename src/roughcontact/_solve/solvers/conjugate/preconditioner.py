@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import lru_cache
 
 import attrs
@@ -354,15 +354,14 @@ class CoarseCorrection:
         self._inverse = inverse
         mx, my = inverse.padded
         mean = total(weights) / (mx * my)
-        bx, by = (count_blocks(axis, count, mean) for axis, count in zip(inverse.axes, (mx, my), strict=True))
-        partition = divide(shape, (mx, my), (bx, by))
+        partition = partition_for(inverse.axes, mean, shape, (mx, my))
+        bx, by = partition.blocks
         self._blocks = inverse.blocks(active, partition)
         self._diagonal = self._blocks.sums(weights).astype(np.float32)
         half = np.fft.fftfreq(bx, 1 / bx).astype(int)
         stiffness = inverse.long_waves(half, by // 2 + 1)
         size = mx * my / (bx * by)
-        growth = np.minimum((stiffness / (LONG_WAVE_CUT * mean)) ** 2, MAX_CUT_EXPONENT)
-        far = stiffness * np.exp(growth) * np.float32(size)
+        far = stiffness * cut_factor(stiffness, mean) * np.float32(size)
         self._mean = np.float32(size * mean)
         self._approximate = 1.0 / (far + self._mean)
 
@@ -483,6 +482,17 @@ def count_blocks(stiffness: RealArray, count: int, mean: float) -> int:
             break
         size *= 2
     return max(count // size, 1)
+
+
+def partition_for(axes: Iterable[RealArray], mean: float, shape: tuple[int, int], padded: tuple[int, int]) -> Partition:
+    """Return the blocks of a coarse correction of cells, from the stiffness along both axes; see `count_blocks`."""
+    bx, by = (count_blocks(axis, count, mean) for axis, count in zip(axes, padded, strict=True))
+    return divide(shape, padded, (bx, by))
+
+
+def cut_factor(stiffness: RealArray, mean: float) -> RealArray:
+    """Return the factor on the stiffness of waves that leaves long ones to the far part of a kernel, none of others."""
+    return np.exp(np.minimum((stiffness / (LONG_WAVE_CUT * mean)) ** 2, MAX_CUT_EXPONENT))
 
 
 @lru_cache(maxsize=4)
