@@ -96,8 +96,7 @@ class _Rounds:
         self._limit = np.broadcast_to(task.pressure_limit, task.initial_gap.shape)
         self._convolutions = 0
         self._errors: list[float] = []
-        rms = float(task.initial_gap.std()) if task.rms_gap is None else task.rms_gap
-        self._rms = rms
+        self._rms = float(task.initial_gap.std()) if task.rms_gap is None else task.rms_gap
 
     def solve(self) -> Outcome:
         task = self._task

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
-from functools import lru_cache
 
 import attrs
 import numpy as np
@@ -12,7 +11,7 @@ import numpy as np
 from roughcontact._base.arrays import IntArray, Mask, Pair, RealArray, sum_of_products
 from roughcontact._base.checks import integer, number, numbers
 from roughcontact._solve.convolvers import InverseConvolution, PreparedConvolution
-from roughcontact._solve.solvers.conjugate.active import ActiveCells, Partition
+from roughcontact._solve.solvers.conjugate.active import ActiveCells, Partition, divide
 from roughcontact._solve.solvers.projection import dot, total
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
@@ -491,12 +490,5 @@ def partition_for(axes: Iterable[RealArray], mean: float, shape: tuple[int, int]
 
 
 def cut_factor(stiffness: RealArray, mean: float) -> RealArray:
-    """Return the factor on the stiffness of waves that leaves long ones to the far part of a kernel, none of others."""
+    """Return the factor on the stiffness of waves that takes short ones, beyond the cut, out of the far part."""
     return np.exp(np.minimum((stiffness / (LONG_WAVE_CUT * mean)) ** 2, MAX_CUT_EXPONENT))
-
-
-@lru_cache(maxsize=4)
-def divide(shape: tuple[int, int], padded: tuple[int, int], blocks: tuple[int, int]) -> Partition:
-    """Return the partition of the cells; a solve repeats a few of them."""
-    rows, columns = (((np.arange(n) * b) // m).astype(np.int32) for n, m, b in zip(shape, padded, blocks, strict=True))
-    return Partition(shape, blocks, rows, columns)
