@@ -126,7 +126,7 @@ class AdhesiveDescent:
         self.set_state(gap, pressure)
 
     def set_state(self, gap: Array, pressure: RealArray) -> None:
-        """Continue from a gap of the extended grid, in float64, and from its pressure, which is kept if it can be."""
+        """Continue from a gap of the extended grid, in float64, and its pressure, which may be changed in place."""
         self.gap: RealArray = gap.astype(self.dtype)
         self.pressure: RealArray = pressure.astype(self.dtype, copy=False)
         self._map(lambda tile: self._attract(self._inside(self.gap, tile), self.tension, tile))

@@ -302,7 +302,7 @@ class ShearSystem:
         )
 
 
-def solve_on_limits(
+def solve_shear(
     convolution: ShearConvolution,
     task: ShearTask,
     descend: Callable[[ShearSystem, Verified, ShearTask], tuple[Verified, Status, int]],

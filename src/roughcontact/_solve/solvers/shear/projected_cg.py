@@ -13,7 +13,7 @@ from roughcontact._solve.solvers.shear.base import (
     ShearSystem,
     ShearTask,
     Verified,
-    solve_on_limits,
+    solve_shear,
 )
 from roughcontact._solve.solvers.shear.descent import ShearDescent
 from roughcontact._solve.solvers.shear.spectral_gradient import descend_by_gradients
@@ -41,7 +41,7 @@ class ProjectedShearCG(ShearSolver):
 
     def solve(self, convolution: ShearConvolution, task: ShearTask) -> ShearOutcome:
         """Return the shear; see `ShearSolver.solve`."""
-        return solve_on_limits(convolution, task, _descend)
+        return solve_shear(convolution, task, _descend)
 
 
 def _descend(system: ShearSystem, best: Verified, task: ShearTask) -> tuple[Verified, Status, int]:

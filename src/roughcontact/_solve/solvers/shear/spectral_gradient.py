@@ -14,7 +14,7 @@ from roughcontact._solve.solvers.shear.base import (
     ShearSystem,
     ShearTask,
     Verified,
-    solve_on_limits,
+    solve_shear,
 )
 from roughcontact._solve.solvers.spectral_gradient import SpectralSearch
 
@@ -35,7 +35,7 @@ class SpectralShearGradient(ShearSolver):
 
     def solve(self, convolution: ShearConvolution, task: ShearTask) -> ShearOutcome:
         """Return the shear; see `ShearSolver.solve`."""
-        return solve_on_limits(convolution, task, descend_by_gradients)
+        return solve_shear(convolution, task, descend_by_gradients)
 
 
 def descend_by_gradients(
