@@ -43,9 +43,28 @@ def _find_root(function: Callable[[float], float], low: float, high: float) -> f
     return float(optimize.brentq(function, low, high, xtol=1e-15, rtol=1e-13))
 
 
+@attrs.frozen
+class _AdhesiveBall:
+    """A ball on a flat that attract each other.
+
+    Parameters
+    ----------
+    radius
+        Relative radius of curvature R, m.
+    modulus
+        Contact modulus E*, Pa.
+    work
+        Work of adhesion w, J/m2.
+    """
+
+    radius: float = attrs.field(converter=read_length)
+    modulus: float = attrs.field(converter=read_pressure)
+    work: float = attrs.field(converter=read_work)
+
+
 @guarded
 @attrs.frozen
-class JKR:
+class JKR(_AdhesiveBall):
     r"""A soft ball on a flat, of which the attraction has no range: Johnson, Kendall and Roberts.
 
     .. math:: F = \frac{4 E^* a^3}{3R} - \sqrt{8\pi w E^* a^3}, \quad
@@ -73,10 +92,6 @@ class JKR:
     >>> print(f"{ball.pull_off * 1e3:.3f} mN, {ball.radius_at_zero_load * 1e6:.1f} um")
     -2.356 mN, 413.5 um
     """
-
-    radius: float = attrs.field(converter=read_length)
-    modulus: float = attrs.field(converter=read_pressure)
-    work: float = attrs.field(converter=read_work)
 
     @property
     def pull_off(self) -> float:
@@ -110,7 +125,7 @@ class JKR:
 
 @guarded
 @attrs.frozen
-class DMT:
+class DMT(_AdhesiveBall):
     r"""A stiff ball on a flat, of which the attraction does not deform: Derjaguin, Muller and Toporov.
 
     .. math:: F = \frac{4 E^* a^3}{3R} - 2\pi w R, \quad \delta = \frac{a^2}{R}, \quad F_c = -2\pi w R
@@ -137,10 +152,6 @@ class DMT:
     -6.28 nN, 1.06 nm
     """
 
-    radius: float = attrs.field(converter=read_length)
-    modulus: float = attrs.field(converter=read_pressure)
-    work: float = attrs.field(converter=read_work)
-
     @property
     def pull_off(self) -> float:
         """Minimum of the force, N."""
@@ -162,7 +173,7 @@ class DMT:
 
 @guarded
 @attrs.frozen
-class MaugisDugdale:
+class MaugisDugdale(_AdhesiveBall):
     r"""A ball on a flat that attract each other with a constant tension up to the gap w / strength: Maugis.
 
     The tension acts from the contact radius a to the radius c. With :math:`K = \tfrac43 E^*`,
@@ -203,9 +214,6 @@ class MaugisDugdale:
     lambda 0.612: -1.6801 pi w R
     """
 
-    radius: float = attrs.field(converter=read_length)
-    modulus: float = attrs.field(converter=read_pressure)
-    work: float = attrs.field(converter=read_work)
     strength: float = attrs.field(converter=read_pressure)
 
     @property

@@ -232,9 +232,7 @@ class Monitor:
 
     def record(self, error: float) -> None:
         """Record the error of an iterate, and report it to `Task.on_step`."""
-        self.errors.append(error)
-        if self._task.on_step is not None:
-            self._task.on_step(Step(self._task.initial_gap.shape, len(self.errors) - 1, error))
+        record_error(self._task, self.errors, error)
 
     @property
     def has_iterations_left(self) -> bool:
@@ -242,11 +240,10 @@ class Monitor:
         return len(self.errors) <= self._max_iterations
 
     def _status(self, violation: Violation) -> Status | None:
-        if not (math.isfinite(violation.error) and math.isfinite(violation.approach)):
+        if not math.isfinite(violation.approach):
             return Status.NOT_FINITE
-        if violation.error > max(self.tolerance, violation.floor):
-            return None if self.has_iterations_left else Status.MAXIMUM_ITERATIONS
-        return Status.CONVERGED.within(violation.floor, self.tolerance)
+        status = judge_error(violation.error, violation.floor, self.tolerance)
+        return Status.MAXIMUM_ITERATIONS if status is None and not self.has_iterations_left else status
 
     def outcome(self, pressure: Array, status: Status, convolutions: int) -> Outcome:
         """Return the outcome of the solve, with the recorded errors."""
@@ -257,6 +254,42 @@ class Monitor:
             convolutions=convolutions,
             errors=tuple(self.errors),
         )
+
+
+def record_error(task: Task, errors: list[float], error: float) -> None:
+    """Add the error of an iterate to those before, and report it to `Task.on_step`."""
+    errors.append(error)
+    if task.on_step is not None:
+        task.on_step(Step(task.initial_gap.shape, len(errors) - 1, error))
+
+
+def judge_error(error: float, floor: float, tolerance: float) -> Status | None:
+    """Return how a solve ends with an error, at least the floor by rounding; None while it should continue."""
+    if not math.isfinite(error):
+        return Status.NOT_FINITE
+    if error > max(tolerance, floor):
+        return None
+    return Status.CONVERGED.within(floor, tolerance)
+
+
+class IdleCount:
+    """The number of errors in a row that are not below half of the lowest one before them.
+
+    Attributes
+    ----------
+    lowest
+        The lowest error so far.
+    """
+
+    def __init__(self, start: float = math.inf) -> None:
+        self.lowest = start
+        self._count = 0
+
+    def add(self, error: float) -> int:
+        """Return the number after a further error."""
+        self._count = 0 if error < 0.5 * self.lowest else self._count + 1
+        self.lowest = min(self.lowest, error)
+        return self._count
 
 
 @guarded

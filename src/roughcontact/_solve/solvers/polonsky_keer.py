@@ -73,58 +73,54 @@ class PolonskyKeer(Solver):
         """
         self.require(capped=task.capped, approach=task.mean_pressure is None)
         monitor = Monitor(task, self.tolerance, self.max_iterations)
-        pressure = starting_pressure(task)
-        search = _Search(np.zeros_like(pressure))
-        load = (task.mean_pressure or 0.0) * pressure.size
-        convolutions = 0
+        load = (task.mean_pressure or 0.0) * task.initial_gap.size
         # In a contact of one cell there is no descent: a start that leads there is dropped, once.
-        dropped = task.start is None
-        while True:
+        spare = None if task.start is None else attrs.evolve(task, start=None)
+        state: _State | None = _State(starting_pressure(task))
+        convolutions = 0
+        while state is not None:
+            pressure = state.pressure
             displacement = convolution.apply(pressure)
             convolutions += 1
             _, status = monitor.judge(pressure, displacement)
             if status is not None:
                 return monitor.outcome(pressure, status, convolutions)
-            contact = pressure > 0.0
-            gap = _subtract_mean(displacement + task.initial_gap, contact, convolution)
-            step = search.step(gap, contact, convolution)
+            state = state.advance(displacement + task.initial_gap, load, convolution)
             convolutions += 1
-            if step is None and not dropped:
-                dropped = True
-                pressure = starting_pressure(attrs.evolve(task, start=None))
-                search = _Search(np.zeros_like(pressure))
-                continue
-            if step is None:
-                return monitor.outcome(pressure, Status.STALLED, convolutions)
-            pressure = np.maximum(pressure - step * search.direction, 0.0)
-            overlap = (pressure == 0.0) & (gap < 0.0)
-            search.restart = bool(overlap.any())
-            pressure[overlap] = -step * gap[overlap]
-            pressure *= load / convolution.sum(pressure)
+            if state is None and spare is not None:
+                state = _State(starting_pressure(spare))
+                spare = None
+        return monitor.outcome(pressure, Status.STALLED, convolutions)
 
 
-class _Search:
-    """The conjugate direction t of equations 12 to 18."""
+@attrs.frozen(eq=False)
+class _State:
+    """A pressure, the direction t of equations 12 to 18 that led to it, and the square of the gap before that step.
 
-    def __init__(self, direction: Array) -> None:
-        self.direction = direction
-        self.restart = True
-        self._square = 1.0
+    A direction of None is that of the start, or of a step after which cells overlap: the next one is the gap itself.
+    """
 
-    def step(self, gap: Array, contact: Mask, convolution: PreparedConvolution) -> float | None:
-        """Update the direction and return the step length; None if there is no descent."""
-        residual = np.where(contact, gap, 0.0)
+    pressure: Array
+    direction: Array | None = None
+    square: float = 1.0
+
+    def advance(self, gap: Array, load: float, convolution: PreparedConvolution) -> _State | None:
+        """Return the state after one step, from the gap; None if there is no descent."""
+        contact = self.pressure > 0.0
+        gap = _subtract_mean(gap, contact, convolution)
+        direction = residual = np.where(contact, gap, 0.0)
         square = convolution.dot(residual, residual)
-        if self.restart:
-            self.direction = residual
-        else:
-            self.direction = residual + np.where(contact, square / self._square * self.direction, 0.0)
-        self._square = square
-        change = _subtract_mean(convolution.apply(self.direction), contact, convolution)
-        curvature = convolution.dot(change, self.direction)
+        if self.direction is not None:
+            direction = residual + np.where(contact, square / self.square * self.direction, 0.0)
+        curvature = convolution.dot(_subtract_mean(convolution.apply(direction), contact, convolution), direction)
         if not curvature > 0.0:
             return None
-        return convolution.dot(gap, self.direction) / curvature
+        length = convolution.dot(gap, direction) / curvature
+        pressure = np.maximum(self.pressure - length * direction, 0.0)
+        overlap = (pressure == 0.0) & (gap < 0.0)
+        pressure[overlap] = -length * gap[overlap]
+        pressure *= load / convolution.sum(pressure)
+        return _State(pressure, None if overlap.any() else direction, square)
 
 
 def _subtract_mean(values: Array, contact: Mask, convolution: PreparedConvolution) -> Array:

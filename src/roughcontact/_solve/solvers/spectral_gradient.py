@@ -71,8 +71,7 @@ class SpectralGradient(Solver):
         displacement = convolution.apply(pressure)
         convolutions = 1
         exact = True
-        energies: deque[float] = deque(maxlen=_ENERGY_MEMORY)
-        length = math.nan
+        search: SpectralSearch | None = None
         while True:
             violation, status = monitor.judge(pressure, displacement)
             if not exact and (status is not None or len(monitor.errors) % _REFRESH_INTERVAL == 0):
@@ -86,11 +85,10 @@ class SpectralGradient(Solver):
                 return monitor.outcome(pressure, status, convolutions)
             gradient = displacement + task.initial_gap
             gradient -= violation.approach
-            energies.append(_energy(pressure, displacement, gradient, convolution))
-            if math.isnan(length):
-                length = _first_length(gradient, convolution)
+            if search is None:
+                search = SpectralSearch(_first_length(gradient, convolution))
                 convolutions += 1
-            projected = nearest_pressure(_advance(pressure, gradient, -length), task)
+            projected = nearest_pressure(_advance(pressure, gradient, -search.length), task)
             step = projected - pressure
             change = convolution.apply(step)
             convolutions += 1
@@ -98,15 +96,45 @@ class SpectralGradient(Solver):
             curvature = convolution.dot(step, change)
             if not (slope < 0.0 and math.isfinite(curvature)):
                 return monitor.outcome(pressure, Status.STALLED, convolutions)
-            part = 1.0
-            if energies[-1] + slope + 0.5 * curvature > max(energies) + _MIN_DECREASE * slope:
-                part = min(1.0, -slope / curvature)
-            if curvature > 0.0:
-                # Zero for a given approach on a periodic domain, where a uniform pressure displaces nothing.
-                length = convolution.dot(step, step) / curvature
+            before = _energy(pressure, displacement, gradient, convolution)
+            after = before + slope + 0.5 * curvature
+            part = search.find_part(before, after, slope, curvature, convolution.dot(step, step))
             pressure = projected if part == 1.0 else np.clip(_advance(pressure, step, part), 0.0, task.pressure_limit)
             displacement = _advance(displacement, change, part)
             exact = False
+
+
+class SpectralSearch:
+    """The length of the steps along projected gradients, after Barzilai and Borwein, with a nonmonotone line search.
+
+    Attributes
+    ----------
+    length
+        Length of the next step, in units of the gradient.
+    """
+
+    def __init__(self, length: float) -> None:
+        self.length = length
+        self._energies: deque[float] = deque(maxlen=_ENERGY_MEMORY)
+
+    def find_part(self, before: float, after: float, slope: float, curvature: float, square: float) -> float:
+        """Return the part of a step to be taken, and choose the length of the next one.
+
+        Parameters
+        ----------
+        before, after
+            Energy at both ends of the step.
+        slope, curvature
+            Derivatives of the energy along the step, at its start.
+        square
+            Square of the step.
+        """
+        self._energies.append(before)
+        is_too_high = after > max(self._energies) + _MIN_DECREASE * slope
+        if curvature > 0.0:
+            # Zero for a given approach on a periodic domain, where a uniform pressure displaces nothing.
+            self.length = square / curvature
+        return -slope / curvature if is_too_high and curvature > -slope > 0.0 else 1.0
 
 
 def _advance(start: Array, direction: Array, length: float) -> Array:

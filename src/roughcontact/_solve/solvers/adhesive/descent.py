@@ -115,21 +115,20 @@ class AdhesiveDescent:
 
     def start(self, gap: Array) -> None:
         """Continue from a gap of the extended grid, in float64; its pressure is computed."""
-        self.gap: RealArray = gap.astype(self.dtype)
         displacement: RealArray = (gap - self.problem.closing).astype(self.dtype)
-        self.pressure = self._inverse.multiply(displacement, self._symbol, self._inverse.padded)
-        self.pressure += self.dtype(self.problem.base)
+        pressure = self._inverse.multiply(displacement, self._symbol, self._inverse.padded)
+        pressure += self.dtype(self.problem.base)
         self.products += 1
-        self._mask = np.ones(self.gap.shape, dtype=bool)
-        self._residual: RealArray = np.empty_like(self.gap)
+        self._mask = np.ones(gap.shape, dtype=bool)
+        self._residual: RealArray = np.empty(gap.shape, dtype=self.dtype)
         self.tension: RealArray = np.zeros(self._shape, dtype=self.dtype)
         self._trial: RealArray = np.zeros(self._shape, dtype=self.dtype)
-        self._map(lambda tile: self._attract(self._inside(self.gap, tile), self.tension, tile))
+        self.set_state(gap, pressure)
 
-    def set_state(self, gap: Array, pressure: Array) -> None:
-        """Replace the gap and its pressure, on the extended grid in float64, by what they are without rounding."""
-        self.gap = gap.astype(self.dtype)
-        self.pressure = pressure.astype(self.dtype)
+    def set_state(self, gap: Array, pressure: RealArray) -> None:
+        """Continue from a gap of the extended grid, in float64, and its pressure, which may be changed in place."""
+        self.gap: RealArray = gap.astype(self.dtype)
+        self.pressure: RealArray = pressure.astype(self.dtype, copy=False)
         self._map(lambda tile: self._attract(self._inside(self.gap, tile), self.tension, tile))
 
     def is_apart(self) -> bool:

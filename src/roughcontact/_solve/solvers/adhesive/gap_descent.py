@@ -19,12 +19,14 @@ from roughcontact._solve.solvers.adhesive.gap_problem import gap_scale, hold_mea
 from roughcontact._solve.solvers.adhesive.nested_start import nested_start, start_from_task
 from roughcontact._solve.solvers.base import (
     DEFAULT_TOLERANCE,
+    IdleCount,
     Outcome,
     Solver,
-    Step,
     Task,
     iteration_limit,
+    judge_error,
     positive_tolerance,
+    record_error,
 )
 from roughcontact._solve.solvers.conjugate import ProjectedConjugateGradient
 
@@ -129,35 +131,30 @@ class _Run:
         gap = self._guess.gap
         descent = self._begin(gap, np.float32)
         goal = _MARGIN * self._tolerance
-        best = math.inf
+        idles = IdleCount()
         while True:
             if goal < _SINGLE and descent.dtype is np.float32:
-                descent = self._continue_in_double(descent, gap)
+                self._products += descent.products
+                descent = self._begin(gap, np.float64)
             status = self._descend(descent, gap, goal)
             if status is not None:
                 return self._outcome(gap, descent, status)
             gap = hold_mean(self._problem, self._task, descent.gap.astype(np.float64))
             outcome = self._outcome(gap, descent, Status.CONVERGED)
             violation = self._verify(outcome)
-            if violation.error <= max(self._tolerance, violation.floor):
-                return attrs.evolve(outcome, status=Status.CONVERGED.within(violation.floor, self._tolerance))
-            if not math.isfinite(violation.error):
-                return attrs.evolve(outcome, status=Status.NOT_FINITE)
-            if violation.error > 0.5 * best and descent.dtype is np.float64:
-                return attrs.evolve(outcome, status=Status.STALLED)
-            goal = 0.0 if violation.error > 0.5 * best else goal * min(0.5, _MARGIN * self._tolerance / violation.error)
-            best = min(best, violation.error)
+            status = judge_error(violation.error, violation.floor, self._tolerance)
+            is_idle = idles.add(violation.error) > 0
+            if status is None and is_idle and descent.dtype is np.float64:
+                status = Status.STALLED
+            if status is not None:
+                return attrs.evolve(outcome, status=status)
+            goal = 0.0 if is_idle else goal * min(0.5, _MARGIN * self._tolerance / violation.error)
             descent.set_state(gap, self._pressure_of(gap))
 
     def _begin(self, gap: Array, dtype: type) -> AdhesiveDescent:
         descent = AdhesiveDescent(self._problem, dtype)
         descent.start(gap)
         return descent
-
-    def _continue_in_double(self, descent: AdhesiveDescent, gap: Array) -> AdhesiveDescent:
-        """Return a descent in float64 from the gap of one in float32."""
-        self._products += descent.products
-        return self._begin(gap, np.float64)
 
     def _pressure_of(self, gap: Array) -> Array:
         """Return the pressure of a gap in float64."""
@@ -176,22 +173,16 @@ class _Run:
         displacement = convolution.to_numpy(convolution.apply(convolution.from_numpy(outcome.pressure)))
         assert outcome.tension is not None
         violation = self._conditions.measure(outcome.pressure, outcome.tension, displacement)
-        self._record(violation.error)
+        record_error(self._task, self._errors, violation.error)
         return violation
-
-    def _record(self, error: float) -> None:
-        self._errors.append(error)
-        if self._task.on_step is not None:
-            self._task.on_step(Step(self._task.initial_gap.shape, len(self._errors) - 1, error))
 
     def _descend(self, descent: AdhesiveDescent, gap: Array, goal: float) -> Status | None:
         """Iterate until the error is below a goal, or cannot be lowered: None, or how the solve ended."""
         scale = gap_scale(self._task, gap, self._problem)
-        best = math.inf
-        idle = 0
+        idles = IdleCount()
         while True:
             error = descent.measure() / scale
-            self._record(error)
+            record_error(self._task, self._errors, error)
             if not math.isfinite(error):
                 return Status.NOT_FINITE
             if error <= goal:
@@ -200,9 +191,8 @@ class _Run:
                 return Status.MAXIMUM_ITERATIONS
             self._left -= 1
             descent.cautious = error > _NEAR
-            idle = 0 if error < 0.5 * best else idle + 1
-            best = min(best, error)
-            rounded = descent.dtype is np.float32 and best < _ROUNDED
+            idle = idles.add(error)
+            rounded = descent.dtype is np.float32 and idles.lowest < _ROUNDED
             if idle > (_IDLE_SINGLE if rounded else _IDLE) or not descent.advance():
                 return None
             self._apart = self._apart + 1 if descent.is_apart() else 0

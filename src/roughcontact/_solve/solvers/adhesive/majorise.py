@@ -17,10 +17,10 @@ from roughcontact._solve.solvers.base import (
     DEFAULT_TOLERANCE,
     Outcome,
     Solver,
-    Step,
     Task,
     iteration_limit,
     positive_tolerance,
+    record_error,
 )
 from roughcontact._solve.solvers.conjugate import ProjectedConjugateGradient
 
@@ -96,10 +96,10 @@ class _Rounds:
         self._limit = np.broadcast_to(task.pressure_limit, task.initial_gap.shape)
         self._convolutions = 0
         self._errors: list[float] = []
-        rms = float(task.initial_gap.std()) if task.rms_gap is None else task.rms_gap
-        self._rms = rms
+        self._rms = float(task.initial_gap.std()) if task.rms_gap is None else task.rms_gap
 
     def solve(self) -> Outcome:
+        task = self._task
         gap, contact = self._first_gap()
         tension = self._interaction.tension(gap)
         inner = 1e-3
@@ -110,9 +110,7 @@ class _Rounds:
                 return self._outcome(np.zeros_like(gap), np.zeros_like(gap), found)
             contact, displacement, approach = found
             before = gap
-            gap = displacement + self._task.initial_gap - approach
-            closed = contact > 0.0
-            gap = np.where(closed, 0.0, np.maximum(gap, 0.0))
+            gap = self._find_gap(displacement, contact, approach)
             scale = min(self._rms, float(np.ptp(displacement))) or self._rms or 1.0
             change = float(np.abs(gap - before).max()) / scale
             if not math.isfinite(change):
@@ -120,18 +118,13 @@ class _Rounds:
             rate = min(change / changes[-1], _SLOWEST) if changes[-1] > 0.0 and math.isfinite(changes[-1]) else 0.9
             changes.append(change)
             error = change * rate / (1.0 - rate)
-            self._record(error)
+            record_error(task, self._errors, error)
             tension = self._interaction.tension(gap)
             finest = _INNER * self._parts.tolerance
             if error <= 0.5 * self._parts.tolerance and inner <= 2.0 * finest:
                 return self._finish(contact, tension)
             inner = max(finest, min(inner, _LOOSE * change, _INNER * error))
         return self._outcome(contact - tension, tension, Status.MAXIMUM_ITERATIONS)
-
-    def _record(self, error: float) -> None:
-        self._errors.append(error)
-        if self._task.on_step is not None:
-            self._task.on_step(Step(self._task.initial_gap.shape, len(self._errors) - 1, error))
 
     def _first_gap(self) -> tuple[Array, Array]:
         """Return the gap to start from and its contact pressure: of the task, or of a contact without adhesion."""
@@ -142,23 +135,26 @@ class _Rounds:
             gap = task.start_gap
             if gap is None:
                 self._convolutions += 1
-                moved = self._apply(pressure) + task.initial_gap
+                displacement = self._apply(pressure)
                 bearing = np.maximum(pressure, 0.0)
                 approach = task.approach
                 if approach is None:
-                    load = float(bearing.sum())
-                    approach = float((bearing * moved).sum()) / load if load > 0.0 else float(moved.min())
-                gap = np.maximum(moved - approach, 0.0)
-                gap[bearing > 0.0] = 0.0
+                    moved = displacement + task.initial_gap
+                    approach = _find_approach(bearing, moved, float(moved.min()))
+                gap = self._find_gap(displacement, bearing, approach)
             return gap, np.maximum(pressure + self._interaction.tension(gap), 0.0) * (gap <= 0.0)
         nothing = np.zeros_like(task.initial_gap)
         first = self._press(nothing, nothing, 1e-3)
         if isinstance(first, Status):
             return task.initial_gap - float(task.initial_gap.min()), nothing
         contact, displacement, approach = first
-        gap = np.maximum(displacement + task.initial_gap - approach, 0.0)
+        return self._find_gap(displacement, contact, approach), contact
+
+    def _find_gap(self, displacement: Array, contact: Array, approach: float) -> Array:
+        """Return the gap: zero where the contact pressure is above zero, and nowhere negative."""
+        gap = np.maximum(displacement + self._task.initial_gap - approach, 0.0)
         gap[contact > 0.0] = 0.0
-        return gap, contact
+        return gap
 
     def _apply(self, pressure: Array) -> Array:
         return self._convolution.to_numpy(self._convolution.apply(self._convolution.from_numpy(pressure)))
@@ -197,8 +193,7 @@ class _Rounds:
         if approach is None:
             bearing = np.where(outcome.pressure < limit, outcome.pressure, 0.0)
             moved = pressed + inner.initial_gap
-            load = float(bearing.sum())
-            approach = float((bearing * moved).sum()) / load if load > 0.0 else float(moved.max())
+            approach = _find_approach(bearing, moved, float(moved.max()))
         displacement = pressed + (lifted - task.initial_gap)
         return outcome.pressure, displacement, approach + lowest
 
@@ -223,3 +218,9 @@ class _Rounds:
             convolutions=self._convolutions,
             errors=tuple(self._errors),
         )
+
+
+def _find_approach(bearing: Array, moved: Array, unloaded: float) -> float:
+    """Return the mean of the gap before the approach, weighted by a pressure; without any load, that of no load."""
+    load = float(bearing.sum())
+    return float((bearing * moved).sum()) / load if load > 0.0 else unloaded

@@ -7,7 +7,7 @@ import math
 import attrs
 import numpy as np
 
-from roughcontact._base.arrays import Array, RealArray
+from roughcontact._base.arrays import Array
 from roughcontact._parts.interactions import BoundInteraction
 from roughcontact._solve.convolvers import PreparedConvolution
 from roughcontact._solve.solution import GridLevel
@@ -16,7 +16,7 @@ from roughcontact._solve.solvers.adhesive.gap_problem import GapProblem, gap_sca
 from roughcontact._solve.solvers.adhesive.stiffness import SurfaceStiffness, surface_stiffness
 from roughcontact._solve.solvers.base import Task
 from roughcontact._solve.solvers.conjugate import ProjectedConjugateGradient
-from roughcontact._solve.solvers.conjugate.nested_iteration import coarsen, interpolate
+from roughcontact._solve.solvers.conjugate.nested_iteration import coarsen, interpolate, repeat_cells
 
 # Error of the contact without adhesion at which a descent starts from it.
 _ROUGHLY = 1e-2
@@ -79,21 +79,19 @@ def nested_start(convolution: PreparedConvolution, task: Task, extended: tuple[i
     """
     stiffness = surface_stiffness(convolution, extended)
     halved = coarsen(convolution.setup.grid, task)
-    factors = (1, 1) if halved is None else _factors(task.initial_gap.shape, halved[0].shape)
-    mx, my = stiffness.extended
-    if halved is None or mx % factors[0] or my % factors[1]:
+    if halved is None:
         return _start_from_contact(convolution, task, stiffness)
-    coarse_extended = (mx // factors[0], my // factors[1])
-    coarse_task = attrs.evolve(halved[1], interaction=_average(task.interaction, factors))
-    guess = nested_start(convolution.on(halved[0]), coarse_task, coarse_extended)
+    grid, coarse_task = halved
+    fx, fy = (n // m for n, m in zip(task.initial_gap.shape, grid.shape, strict=True))
+    mx, my = stiffness.extended
+    if mx % fx or my % fy:
+        return _start_from_contact(convolution, task, stiffness)
+    coarse_task = attrs.evolve(coarse_task, interaction=_average(task.interaction, fx, fy))
+    guess = nested_start(convolution.on(grid), coarse_task, (mx // fx, my // fy))
     guess = _descend(guess, coarse_task)
     problem = make_gap_problem(stiffness, task)
-    gap = hold_mean(problem, task, _refine(guess, problem, factors))
-    return GapGuess(problem, gap, guess.products / (factors[0] * factors[1]), guess.levels)
-
-
-def _factors(fine: tuple[int, ...], coarse: tuple[int, int]) -> tuple[int, int]:
-    return fine[0] // coarse[0], fine[1] // coarse[1]
+    gap = hold_mean(problem, task, _refine(guess, problem, fx, fy))
+    return GapGuess(problem, gap, guess.products / (fx * fy), guess.levels)
 
 
 def _start_from_contact(convolution: PreparedConvolution, task: Task, stiffness: SurfaceStiffness) -> GapGuess:
@@ -129,9 +127,8 @@ def _gap_of_pressure(problem: GapProblem, task: Task, pressure: Array) -> Array:
     return gap
 
 
-def _average(interaction: BoundInteraction | None, factors: tuple[int, int]) -> BoundInteraction | None:
+def _average(interaction: BoundInteraction | None, fx: int, fy: int) -> BoundInteraction | None:
     """Return an interaction on a coarser grid: its arrays are averaged."""
-    fx, fy = factors
 
     def average(values: Array) -> Array:
         nx, ny = values.shape
@@ -158,16 +155,16 @@ def _descend(guess: GapGuess, task: Task) -> GapGuess:
     return attrs.evolve(guess, gap=gap, products=guess.products + descent.products, levels=(*guess.levels, level))
 
 
-def _refine(guess: GapGuess, problem: GapProblem, factors: tuple[int, int]) -> Array:
+def _refine(guess: GapGuess, problem: GapProblem, fx: int, fy: int) -> Array:
     """Return the gap on a finer grid: the displacement is interpolated, and cells in contact stay so.
 
     A cell of a coarse one in contact may be open, but not by less than half of the range of the law.
     """
     coarse = guess.gap
-    gap = interpolate(coarse - guess.problem.closing, *factors)
+    gap = interpolate(coarse - guess.problem.closing, fx, fy)
     gap += problem.closing
     inside = problem.stiffness.inner(gap)
-    parent = _repeat(guess.problem.stiffness.inner(coarse), factors)
+    parent = repeat_cells(guess.problem.stiffness.inner(coarse), fx, fy)
     near = 0.0
     if problem.interaction is not None:
         near = 0.5 * float(np.max(problem.interaction.strength)) / problem.interaction.steepest
@@ -176,7 +173,3 @@ def _refine(guess: GapGuess, problem: GapProblem, factors: tuple[int, int]) -> A
     np.maximum(inside, 0.0, out=inside, where=~flattened)
     np.minimum(inside, 0.0, out=inside, where=flattened)
     return gap
-
-
-def _repeat(values: RealArray, factors: tuple[int, int]) -> RealArray:
-    return np.repeat(np.repeat(values, factors[1], axis=1), factors[0], axis=0)

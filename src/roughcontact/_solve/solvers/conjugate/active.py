@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import TypeAlias
 
 import attrs
@@ -28,6 +28,13 @@ class Partition:
     blocks: tuple[int, int]
     rows: npt.NDArray[np.int32]
     columns: npt.NDArray[np.int32]
+
+
+@lru_cache(maxsize=4)
+def divide(shape: tuple[int, int], padded: tuple[int, int], blocks: tuple[int, int]) -> Partition:
+    """Return the partition of the cells; a solve repeats a few of them."""
+    rows, columns = (((np.arange(n) * b) // m).astype(np.int32) for n, m, b in zip(shape, padded, blocks, strict=True))
+    return Partition(shape, blocks, rows, columns)
 
 
 @attrs.frozen(eq=False)

@@ -16,18 +16,18 @@ from roughcontact._solve.solvers.projection import Control, ReleasedCells, dot
 
 # Step lengths in units of the direction: the first, the maximum, and the length after a return to the gradient, also
 # the factor on a rejected step.
-_FIRST_LENGTH = 0.65
-_MAX_LENGTH = 1.5
-_CAREFUL_LENGTH = 0.3
+FIRST_LENGTH = 0.65
+MAX_LENGTH = 1.5
+CAREFUL_LENGTH = 0.3
 # Maximum rejected steps: 0.3^40 = 1e-21 of the first is below any rounding.
 _MAX_BACKTRACKS = 40
 # Position of the minimum of the energy along a clipped step above which the step is taken in full, and above which it
 # is taken up to the minimum; otherwise it is rejected.
 _FULL_STEP_PART = 0.75
-_SHORTENED_STEP_PART = 0.1
+SHORTENED_STEP_PART = 0.1
 # Minimum slope along the conjugate direction, over the slope along the preconditioned gradient, that is not rounding:
 # they are equal except for released or clipped cells.
-_MIN_CONJUGATE_SLOPE = 0.01
+MIN_CONJUGATE_SLOPE = 0.01
 _NO_CELLS: IntArray = np.zeros(0, dtype=np.intp)
 _NO_GAP: RealArray = np.zeros(0, dtype=np.float32)
 
@@ -83,7 +83,7 @@ class Descent:
         self._limit = limit
         self._capped = bool(np.isfinite(limit).any())
         self._shape = shape
-        self._length = _FIRST_LENGTH
+        self._length = FIRST_LENGTH
         # The vector of the gap between two steps.
         self._active_gap = _NO_GAP
         self._step: RealArray | None = None
@@ -217,7 +217,7 @@ class Descent:
     def _find_direction(self, state: ActiveState, released: ReleasedCells, residual: RealArray) -> RealArray | None:
         """Return the first of conjugate, preconditioned and plain gradient that lowers the energy; None without one."""
         preconditioned = self._preconditioner.apply(state.active, state.weights, residual)
-        steepness = _MIN_CONJUGATE_SLOPE * dot(residual, preconditioned)
+        steepness = MIN_CONJUGATE_SLOPE * dot(residual, preconditioned)
         candidates: tuple[tuple[Callable[[], RealArray], float], ...] = (
             (lambda: self._conjugate(preconditioned, state.active), steepness),
             (lambda: preconditioned, 0.0),
@@ -227,7 +227,7 @@ class Descent:
             direction = self._control.admissible(find(), state.weights, released)
             if dot(residual, direction) > max(minimum, 0.0):
                 return direction
-            self._length = _CAREFUL_LENGTH
+            self._length = CAREFUL_LENGTH
         return None
 
     def _conjugate(self, preconditioned: RealArray, active: ActiveCells) -> RealArray:
@@ -268,7 +268,7 @@ class Descent:
                 del pressure
                 self._active_gap = state.active.gather(self.gap)
                 return True
-            self._length *= _CAREFUL_LENGTH
+            self._length *= CAREFUL_LENGTH
         return False
 
     def _add_to_gap(self, change: RealArray, part: np.float32) -> None:
@@ -292,20 +292,18 @@ class Descent:
         before = state.pressure
         if not clipped:
             length = np.float32(self._length)
-            self._length = min(_MAX_LENGTH, self._length * min(max(part, 0.25), 4.0))
+            self._length = min(MAX_LENGTH, self._length * min(max(part, 0.25), 4.0))
             full = _move_between(before, trial, part)
             if not self._is_outside(full, limit):
                 return part, full
             part = min(part, 1.0)
             np.copyto(trial, length * direction)
             trial += before
-        elif part > _FULL_STEP_PART:
-            self._length = min(_MAX_LENGTH, self._length * math.sqrt(min(max(part, 0.8), 4.0)))
-            return 1.0, trial
-        elif part > _SHORTENED_STEP_PART:
-            self._length *= max(part, 0.5)
         else:
-            return 0.0, before
+            part, factor = choose_part(part)
+            self._length = min(MAX_LENGTH, self._length * factor)
+            if part in (0.0, 1.0):
+                return part, trial if part else before
         shortened = _move_between(before, trial, part)
         return part, np.clip(shortened, 0.0, limit, out=shortened)
 
@@ -313,6 +311,16 @@ class Descent:
         above = self._capped and bool((pressure > limit).any())
         self.met_limit |= above
         return above or bool(pressure.min() < 0.0)
+
+
+def choose_part(wanted: float) -> tuple[float, float]:
+    """Return the part of a step that meets bounds to be taken, zero for none, and the factor on the next length.
+
+    `wanted` is the position of the minimum of the energy along the step.
+    """
+    if wanted > _FULL_STEP_PART:
+        return 1.0, math.sqrt(min(max(wanted, 0.8), 4.0))
+    return (wanted, max(wanted, 0.5)) if wanted > SHORTENED_STEP_PART else (0.0, 1.0)
 
 
 def _move_between(before: Array, trial: Array, part: float) -> Array:

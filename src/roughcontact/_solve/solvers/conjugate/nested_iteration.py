@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import TypeVar
 
 import attrs
 import numpy as np
@@ -15,6 +16,8 @@ from roughcontact._solve.solution import GridLevel
 from roughcontact._solve.solvers.base import Monitor, Outcome, Step, Task, starting_pressure
 from roughcontact._solve.solvers.conjugate.refinement import NearlyFull, Refinement
 from roughcontact.errors.door import guarded
+
+Values = TypeVar("Values", RealArray, Mask)
 
 # Minimum cells along a halved axis, and maximum cells of the grid that estimates the approach.
 _MIN_COARSE_CELLS = 32
@@ -118,7 +121,7 @@ def _refine(
     products = guess.products / (fx * fy)
     gap = interpolate(displacement, fx, fy)
     gap += task.initial_gap
-    is_open = (gap >= 0.0) & ~_repeat(pressure > 0.0, fx, fy)
+    is_open = (gap >= 0.0) & ~repeat_cells(pressure > 0.0, fx, fy)
     contact = np.count_nonzero(pressure) / pressure.size
     if contact == 1.0 or (contact > _NEARLY_FULL_FRACTION and not task.capped):
         full = _close(convolution, task)
@@ -136,14 +139,14 @@ def _refine(
     if task.capped:
         # Parabolas overshoot.
         met_limit = met_limit or bool((fine > task.pressure_limit).any())
-        np.copyto(fine, task.pressure_limit, where=_repeat(pressure >= coarse.pressure_limit, fx, fy))
+        np.copyto(fine, task.pressure_limit, where=repeat_cells(pressure >= coarse.pressure_limit, fx, fy))
         np.minimum(fine, task.pressure_limit, out=fine)
     return InitialGuess(fine, products, guess.levels, met_limit=met_limit)
 
 
-def _repeat(mask: Mask, fx: int, fy: int) -> Mask:
-    """Return the mask on the grid with fx x fy cells for each."""
-    return np.repeat(np.repeat(mask, fy, axis=1), fx, axis=0)
+def repeat_cells(values: Values, fx: int, fy: int) -> Values:
+    """Return the values on the grid with fx x fy cells for each."""
+    return np.repeat(np.repeat(values, fy, axis=1), fx, axis=0)
 
 
 @guarded

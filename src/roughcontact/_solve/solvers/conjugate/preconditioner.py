@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from functools import lru_cache
+from collections.abc import Callable, Iterable
 
 import attrs
 import numpy as np
@@ -12,7 +11,7 @@ import numpy as np
 from roughcontact._base.arrays import IntArray, Mask, Pair, RealArray, sum_of_products
 from roughcontact._base.checks import integer, number, numbers
 from roughcontact._solve.convolvers import InverseConvolution, PreparedConvolution
-from roughcontact._solve.solvers.conjugate.active import ActiveCells, Partition
+from roughcontact._solve.solvers.conjugate.active import ActiveCells, Partition, divide
 from roughcontact._solve.solvers.projection import dot, total
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
@@ -354,15 +353,14 @@ class CoarseCorrection:
         self._inverse = inverse
         mx, my = inverse.padded
         mean = total(weights) / (mx * my)
-        bx, by = (count_blocks(axis, count, mean) for axis, count in zip(inverse.axes, (mx, my), strict=True))
-        partition = divide(shape, (mx, my), (bx, by))
+        partition = partition_for(inverse.axes, mean, shape, (mx, my))
+        bx, by = partition.blocks
         self._blocks = inverse.blocks(active, partition)
         self._diagonal = self._blocks.sums(weights).astype(np.float32)
         half = np.fft.fftfreq(bx, 1 / bx).astype(int)
         stiffness = inverse.long_waves(half, by // 2 + 1)
         size = mx * my / (bx * by)
-        growth = np.minimum((stiffness / (LONG_WAVE_CUT * mean)) ** 2, MAX_CUT_EXPONENT)
-        far = stiffness * np.exp(growth) * np.float32(size)
+        far = stiffness * cut_factor(stiffness, mean) * np.float32(size)
         self._mean = np.float32(size * mean)
         self._approximate = 1.0 / (far + self._mean)
 
@@ -485,8 +483,12 @@ def count_blocks(stiffness: RealArray, count: int, mean: float) -> int:
     return max(count // size, 1)
 
 
-@lru_cache(maxsize=4)
-def divide(shape: tuple[int, int], padded: tuple[int, int], blocks: tuple[int, int]) -> Partition:
-    """Return the partition of the cells; a solve repeats a few of them."""
-    rows, columns = (((np.arange(n) * b) // m).astype(np.int32) for n, m, b in zip(shape, padded, blocks, strict=True))
-    return Partition(shape, blocks, rows, columns)
+def partition_for(axes: Iterable[RealArray], mean: float, shape: tuple[int, int], padded: tuple[int, int]) -> Partition:
+    """Return the blocks of a coarse correction of cells, from the stiffness along both axes; see `count_blocks`."""
+    bx, by = (count_blocks(axis, count, mean) for axis, count in zip(axes, padded, strict=True))
+    return divide(shape, padded, (bx, by))
+
+
+def cut_factor(stiffness: RealArray, mean: float) -> RealArray:
+    """Return the factor on the stiffness of waves that takes short ones, beyond the cut, out of the far part."""
+    return np.exp(np.minimum((stiffness / (LONG_WAVE_CUT * mean)) ** 2, MAX_CUT_EXPONENT))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from functools import cached_property
 
 import attrs
@@ -11,7 +10,7 @@ import numpy as np
 from roughcontact._base.arrays import Array, RealArray, sum_of_products
 from roughcontact._solve.convolvers import InverseConvolution, PreparedConvolution
 from roughcontact._solve.solution import GridLevel, Status, Violation
-from roughcontact._solve.solvers.base import Monitor, Task
+from roughcontact._solve.solvers.base import IdleCount, Monitor, Task
 from roughcontact._solve.solvers.conjugate.active import ActiveCells
 from roughcontact._solve.solvers.conjugate.descent import Descent
 from roughcontact._solve.solvers.conjugate.preconditioner import Preconditioner, PunchWeights, multiply_active
@@ -263,8 +262,7 @@ class Refinement:
         shape = pressure.shape
         flat = pressure.reshape(-1)
         del pressure
-        best = math.inf
-        idle = 0
+        idles = IdleCount()
         goal = _GOAL_FRACTION * self._monitor.tolerance
         while True:
             if self._openings is not None:
@@ -279,8 +277,7 @@ class Refinement:
                 self._monitor.errors.pop()
             violation, status = self._monitor.judge(flat.reshape(shape), displacement)
             if status is None:
-                idle = 0 if violation.error < 0.5 * best else idle + 1
-                best = min(best, violation.error)
+                idle = idles.add(violation.error)
                 if idle > _MAX_IDLE_VERIFICATIONS:
                     status = Status.STALLED
             if status is not None:
@@ -321,16 +318,14 @@ class Refinement:
         self._descent.start(pressure, gap)
         error = violation.error
         slow = 0
-        best = violation.error
-        idle = 0
+        idles = IdleCount(violation.error)
         while self._monitor.has_iterations_left and self._descent.iterate():
             previous = error
             error = self._descent.error() / violation.scale
             self._monitor.record(error)
             late = error < _LATE_ERROR_FRACTION * violation.error
             slow = slow + 1 if late and error > _SLOW_ERROR_RATIO * previous else 0
-            idle = 0 if error < 0.5 * best else idle + 1
-            best = min(best, error)
+            idle = idles.add(error)
             if error <= goal or slow >= _MAX_SLOW_ITERATIONS or idle >= _MAX_IDLE_ITERATIONS:
                 break
         return self._descent.stop()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import abc
 import math
+from collections.abc import Callable
 from functools import cached_property
 from typing import TypeAlias
 
@@ -16,7 +17,7 @@ from roughcontact._base.registry import Registry
 from roughcontact._parts.grid import Boundary
 from roughcontact._solve.convolvers import ShearConvolution, WaveMatrix
 from roughcontact._solve.solution import Status
-from roughcontact._solve.solvers.base import DEFAULT_TOLERANCE
+from roughcontact._solve.solvers.base import DEFAULT_TOLERANCE, judge_error
 from roughcontact._solve.solvers.conjugate.active import ListedCells
 from roughcontact._solve.solvers.shear.discs import ForceControl, magnitude, natural_residual
 from roughcontact.errors import InputError
@@ -138,19 +139,6 @@ class ShearSolver(Part, abc.ABC):
 shear_solvers = Registry(ShearSolver, "shear solver", "roughcontact.shear_solvers")
 
 
-def unloaded(task: ShearTask) -> ShearOutcome:
-    """Return the outcome of a task without any limit above zero: no shear."""
-    x, y = (one or 0.0 for one in task.displacement)
-    return ShearOutcome(
-        shear=np.zeros_like(task.offset, dtype=np.float64),
-        displacement=(x, y),
-        residual=0.0,
-        iterations=0,
-        products=0,
-        status=Status.CONVERGED,
-    )
-
-
 def _power_of_two(value: float) -> float:
     return math.ldexp(1.0, math.frexp(value)[1])
 
@@ -192,11 +180,7 @@ class Verified:
 
     def judge(self, tolerance: float) -> Status | None:
         """Return the status of the solve; None while it should continue."""
-        if not math.isfinite(self.residual):
-            return Status.NOT_FINITE
-        if self.residual > max(tolerance, self.floor):
-            return None
-        return Status.CONVERGED.within(self.floor, tolerance)
+        return judge_error(self.residual, self.floor, tolerance)
 
 
 class ShearSystem:
@@ -316,3 +300,23 @@ class ShearSystem:
             products=self.products,
             status=status,
         )
+
+
+def solve_shear(
+    convolution: ShearConvolution,
+    task: ShearTask,
+    descend: Callable[[ShearSystem, Verified, ShearTask], tuple[Verified, Status, int]],
+) -> ShearOutcome:
+    """Return the outcome of a descent on the cells with a limit, which returns shear, status and iterations."""
+    if not task.limit.any():
+        x, y = (one or 0.0 for one in task.displacement)
+        return ShearOutcome(
+            shear=np.zeros_like(task.offset, dtype=np.float64),
+            displacement=(x, y),
+            residual=0.0,
+            iterations=0,
+            products=0,
+            status=Status.CONVERGED,
+        )
+    system = ShearSystem(convolution, task)
+    return system.outcome(*descend(system, Verified(system, system.start(task)), task))

@@ -8,26 +8,24 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array, Mask, RealArray, sum_of_products
+from roughcontact._solve.solvers.base import IdleCount
+from roughcontact._solve.solvers.conjugate.descent import (
+    CAREFUL_LENGTH,
+    FIRST_LENGTH,
+    MAX_LENGTH,
+    MIN_CONJUGATE_SLOPE,
+    SHORTENED_STEP_PART,
+    choose_part,
+)
 from roughcontact._solve.solvers.shear.base import ShearSystem, Verified
 from roughcontact._solve.solvers.shear.discs import MIN_SIZE, dot, magnitude
 from roughcontact._solve.solvers.shear.face import Face
 from roughcontact._solve.solvers.shear.preconditioner import PunchWeights
 
-# Step lengths in units of the direction: the first, the maximum, and the minimum at a restart, also the factor on a
-# rejected step.
-_FIRST_LENGTH = 0.65
-_MAX_LENGTH = 1.5
-_CAREFUL_LENGTH = 0.3
 # Maximum rejected steps of an iteration: 0.3^20 = 3e-11 of the first is below the rounding of float32.
 _MAX_BACKTRACKS = 20
-# Position of the minimum of the energy along a step that meets circles above which the step is taken in full, and
-# above which it is taken up to the minimum; otherwise it is rejected.
-_FULL_STEP_PART = 0.75
-_SHORTENED_STEP_PART = 0.1
 # Maximum part of a step, where the energy hardly bends.
 _MAX_PART = 100.0
-# Minimum slope along the conjugate direction, over the slope along the preconditioned residual.
-_MIN_CONJUGATE_SLOPE = 0.01
 # Admissible error of the force in a step, over the sum of the limits, over the goal.
 _FORCE_ERROR = 0.01
 # Fraction of the cells that hit their circle above which the next direction is not conjugate: 0.003 and 0.03 change
@@ -61,7 +59,7 @@ class ShearDescent:
     def __init__(self, system: ShearSystem) -> None:
         self._system = system
         self._punch = PunchWeights(system)
-        self._length = _FIRST_LENGTH
+        self._length = FIRST_LENGTH
         self.iterations = 0
 
     def run(self, start: Verified, goal: float, max_iterations: int) -> Array:
@@ -72,18 +70,15 @@ class ShearDescent:
         self._lag: RealArray = np.zeros(self._shear.shape, dtype=np.float32)
         self._last: _Taken | None = None
         self._error = _FORCE_ERROR * goal
-        self._length = max(self._length, _CAREFUL_LENGTH)
-        best = math.inf
-        idle = 0
-        while self.iterations < max_iterations and idle < _MAX_IDLE_ITERATIONS:
+        self._length = max(self._length, CAREFUL_LENGTH)
+        idles = IdleCount()
+        while self.iterations < max_iterations:
             self.iterations += 1
             if not self._iterate():
                 break
             residual = self._estimate()
-            if residual <= goal:
+            if residual <= goal or idles.add(residual) == _MAX_IDLE_ITERATIONS:
                 break
-            idle = 0 if residual < 0.5 * best else idle + 1
-            best = min(best, residual)
         on_circle = self._system.find_on_circle(self._shear)
         return self._system.control.project(self._shear, self._system.limit, circle=on_circle)[0]
 
@@ -114,14 +109,14 @@ class ShearDescent:
             if self._move(face, residual, direction):
                 return True
             if direction is preconditioned:
-                self._length *= _CAREFUL_LENGTH
+                self._length *= CAREFUL_LENGTH
             direction = preconditioned
         return False
 
     def _conjugate(self, face: Face, residual: RealArray, preconditioned: RealArray) -> RealArray:
         """Return the direction that is conjugate to the last step, or the preconditioned residual."""
         if self._last is None:
-            self._length = max(self._length, _CAREFUL_LENGTH)
+            self._length = max(self._length, CAREFUL_LENGTH)
             return preconditioned
         last = face.balance(self._last.step)
         bent = face.curvature * last
@@ -131,7 +126,7 @@ class ShearDescent:
             return preconditioned
         last *= np.float32(-product / curvature)
         direction = np.add(preconditioned, last, out=last)
-        steep = sum_of_products(residual, direction) > _MIN_CONJUGATE_SLOPE * sum_of_products(residual, preconditioned)
+        steep = sum_of_products(residual, direction) > MIN_CONJUGATE_SLOPE * sum_of_products(residual, preconditioned)
         return direction if steep else preconditioned
 
     def _move(self, face: Face, residual: RealArray, direction: RealArray) -> bool:
@@ -152,7 +147,7 @@ class ShearDescent:
             return False
         # The mean shear of a periodic contact has no stiffness.
         wanted = slope / max(slope - after, slope / _MAX_PART)
-        if wanted <= _SHORTENED_STEP_PART:
+        if wanted <= SHORTENED_STEP_PART:
             return False
         part = self._choose_part(face, move, wanted, meets=bool(hits.any()))
         along *= np.float32(part)
@@ -199,13 +194,11 @@ class ShearDescent:
         """
         if not meets:
             part = wanted if wanted <= 1.0 else min(wanted, max(1.0, self._find_room(face, step)))
-            self._length = min(_MAX_LENGTH, self._length * max(part, 0.25))
+            self._length = min(MAX_LENGTH, self._length * max(part, 0.25))
             return part
-        if wanted > _FULL_STEP_PART:
-            self._length = min(_MAX_LENGTH, self._length * math.sqrt(min(max(wanted, 0.8), 4.0)))
-            return 1.0
-        self._length *= max(wanted, 0.5)
-        return wanted
+        part, factor = choose_part(wanted)
+        self._length = min(MAX_LENGTH, self._length * factor)
+        return part
 
     def _find_room(self, face: Face, step: RealArray) -> float:
         """Return the part of a step up to which all cells that stick remain within their circles."""

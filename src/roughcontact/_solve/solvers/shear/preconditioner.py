@@ -10,13 +10,7 @@ import numpy as np
 
 from roughcontact._base.arrays import Array, Mask, RealArray
 from roughcontact._solve.convolvers import WaveMatrix
-from roughcontact._solve.solvers.conjugate.preconditioner import (
-    LONG_WAVE_CUT,
-    MAX_CUT_EXPONENT,
-    count_blocks,
-    divide,
-    solve_on_blocks,
-)
+from roughcontact._solve.solvers.conjugate.preconditioner import cut_factor, partition_for, solve_on_blocks
 from roughcontact._solve.solvers.shear.base import ShearSystem
 from roughcontact._solve.solvers.shear.discs import dot
 
@@ -126,17 +120,13 @@ class CoarseCorrection:
         mx, my = inverse.padded
         stiffness = system.mean_stiffness
         mean = max(0.5 * float(np.trace(weights.total)) / (mx * my), _MIN_MEAN)
-        bx, by = (
-            count_blocks(axis, count, mean)
-            for axis, count in zip((stiffness[:, 0], stiffness[0]), (mx, my), strict=True)
-        )
-        self._blocks = system.cells.blocks(divide(system.shape, (mx, my), (bx, by)))
-        self._shape = (bx, by)
+        partition = partition_for((stiffness[:, 0], stiffness[0]), mean, system.shape, (mx, my))
+        self._blocks = system.cells.blocks(partition)
+        self._shape = bx, by = partition.blocks
         diagonal = [self._blocks.sums(one).astype(np.float32) for one in (weights.xx, weights.xy, weights.yy)]
         size = mx * my / (bx * by)
         half = np.s_[: bx // 2 + 1, : by // 2 + 1]
-        growth = np.minimum((stiffness[half] / (LONG_WAVE_CUT * mean)) ** 2, MAX_CUT_EXPONENT)
-        far = np.exp(growth) * np.float32(size)
+        far = cut_factor(stiffness[half], mean) * np.float32(size)
         means = [np.float32(one.mean()) for one in (diagonal[0], diagonal[2])]
         xx, yy = (
             system.scaled_inverse(name)[half] * far + mean for name, mean in zip(("xx", "yy"), means, strict=True)

@@ -6,7 +6,15 @@ import attrs
 
 from roughcontact._solve.convolvers import ShearConvolution
 from roughcontact._solve.solution import Status
-from roughcontact._solve.solvers.shear.base import ShearOutcome, ShearSolver, ShearSystem, ShearTask, Verified, unloaded
+from roughcontact._solve.solvers.base import IdleCount
+from roughcontact._solve.solvers.shear.base import (
+    ShearOutcome,
+    ShearSolver,
+    ShearSystem,
+    ShearTask,
+    Verified,
+    solve_shear,
+)
 from roughcontact._solve.solvers.shear.descent import ShearDescent
 from roughcontact._solve.solvers.shear.spectral_gradient import descend_by_gradients
 
@@ -33,19 +41,18 @@ class ProjectedShearCG(ShearSolver):
 
     def solve(self, convolution: ShearConvolution, task: ShearTask) -> ShearOutcome:
         """Return the shear; see `ShearSolver.solve`."""
-        if not task.limit.any():
-            return unloaded(task)
-        system = ShearSystem(convolution, task)
-        descent = ShearDescent(system)
-        best = Verified(system, system.start(task))
-        idle = 0
-        while (status := best.judge(task.tolerance)) is None and descent.iterations < task.max_iterations:
-            goal = max(_GOAL_FRACTION * max(task.tolerance, best.floor), _FLOAT32_GAIN * best.residual)
-            found = Verified(system, descent.run(best, goal, task.max_iterations))
-            idle = 0 if found.residual < 0.5 * best.residual else idle + 1
-            best = found if found.residual < best.residual else best
-            if idle == _MAX_IDLE_PASSES:
-                found, status, others = descend_by_gradients(system, best, task, descent.iterations)
-                status = Status.RESCUED if status is Status.CONVERGED else status
-                return system.outcome(found, status, others)
-        return system.outcome(best, status or Status.MAXIMUM_ITERATIONS, descent.iterations)
+        return solve_shear(convolution, task, _descend)
+
+
+def _descend(system: ShearSystem, best: Verified, task: ShearTask) -> tuple[Verified, Status, int]:
+    """Return the shear from a start, how the solve ended, and the iterations."""
+    descent = ShearDescent(system)
+    idles = IdleCount(best.residual)
+    while (status := best.judge(task.tolerance)) is None and descent.iterations < task.max_iterations:
+        goal = max(_GOAL_FRACTION * max(task.tolerance, best.floor), _FLOAT32_GAIN * best.residual)
+        found = Verified(system, descent.run(best, goal, task.max_iterations))
+        best = found if found.residual < best.residual else best
+        if idles.add(found.residual) == _MAX_IDLE_PASSES:
+            found, status, iterations = descend_by_gradients(system, best, task, descent.iterations)
+            return found, Status.RESCUED if status is Status.CONVERGED else status, iterations
+    return best, status or Status.MAXIMUM_ITERATIONS, descent.iterations

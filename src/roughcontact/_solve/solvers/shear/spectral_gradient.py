@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from collections import deque
-
 import attrs
 import numpy as np
 
 from roughcontact._base.arrays import sum_of_products
 from roughcontact._solve.convolvers import ShearConvolution
 from roughcontact._solve.solution import Status
-from roughcontact._solve.solvers.shear.base import ShearOutcome, ShearSolver, ShearSystem, ShearTask, Verified, unloaded
-
-# A step may raise the energy up to the maximum of the last 10, less 1e-4 of the predicted decrease: values of Birgin,
-# Martinez and Raydan (2000).
-_ENERGY_MEMORY = 10
-_MIN_DECREASE = 1e-4
+from roughcontact._solve.solvers.shear.base import (
+    ShearOutcome,
+    ShearSolver,
+    ShearSystem,
+    ShearTask,
+    Verified,
+    solve_shear,
+)
+from roughcontact._solve.solvers.spectral_gradient import SpectralSearch
 
 
 @attrs.frozen
@@ -34,36 +35,27 @@ class SpectralShearGradient(ShearSolver):
 
     def solve(self, convolution: ShearConvolution, task: ShearTask) -> ShearOutcome:
         """Return the shear; see `ShearSolver.solve`."""
-        if not task.limit.any():
-            return unloaded(task)
-        system = ShearSystem(convolution, task)
-        found, status, iterations = descend_by_gradients(system, Verified(system, system.start(task)), task, 0)
-        return system.outcome(found, status, iterations)
+        return solve_shear(convolution, task, descend_by_gradients)
 
 
 def descend_by_gradients(
-    system: ShearSystem, found: Verified, task: ShearTask, iterations: int
+    system: ShearSystem, found: Verified, task: ShearTask, iterations: int = 0
 ) -> tuple[Verified, Status, int]:
     """Return the shear from a start, how the solve ended, and the iterations, of which some may have been made."""
-    length = 1.0 / system.own
-    energies: deque[float] = deque(maxlen=_ENERGY_MEMORY)
+    search = SpectralSearch(1.0 / system.own)
     while (status := found.judge(task.tolerance)) is None:
         if iterations >= task.max_iterations:
             return found, Status.MAXIMUM_ITERATIONS, iterations
         iterations += 1
         # With the force restored, the displacement of an axis with a given force does not matter.
-        energies.append(found.energy)
-        step = system.control.project(found.shear + length * found.slip, system.limit)[0] - found.shear
+        step = system.control.project(found.shear + search.length * found.slip, system.limit)[0] - found.shear
         if not step.any():
             return found, Status.STALLED, iterations
-        slope = sum_of_products(found.slip, step)
+        slope = -sum_of_products(found.slip, step)
         trial = Verified(system, found.shear + step)
-        curvature = sum_of_products(
-            step, found.slip - trial.slip - (found.displacement - trial.displacement)[:, np.newaxis]
+        turned = found.slip - trial.slip - (found.displacement - trial.displacement)[:, np.newaxis]
+        part = search.find_part(
+            found.energy, trial.energy, slope, sum_of_products(step, turned), sum_of_products(step, step)
         )
-        if trial.energy > max(energies) - _MIN_DECREASE * slope and curvature > slope > 0.0:
-            trial = Verified(system, found.shear + slope / curvature * step)
-        if curvature > 0.0:
-            length = sum_of_products(step, step) / curvature
-        found = trial
+        found = trial if part == 1.0 else Verified(system, found.shear + part * step)
     return found, status, iterations
