@@ -19,13 +19,12 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact.__main__ import main
+from roughcontact.__main__ import commands, main
 from roughcontact._base.machine import progress
 from roughcontact._base.units import fit
-from roughcontact._faces.cli import commands
 from roughcontact._faces.cli.progress import count_grids
 from roughcontact._solve.problem import find_required_load
-from roughcontact._solve.solvers import Step
+from roughcontact.typing import Step
 from systems import posix
 
 GRID = rc.Grid((48, 48), 48e-6)

@@ -12,16 +12,14 @@ from hypothesis import strategies as st
 
 import roughcontact as rc
 from extended_precision import violations
-from roughcontact._parts.grid import Load
-from roughcontact._solve.convolvers.base import InverseConvolution, approximate_inverse
+from roughcontact._solve.convolvers.base import approximate_inverse
 from roughcontact._solve.problem.sweep import predict_pressure
-from roughcontact._solve.problem.task import make_task
 from roughcontact._solve.solvers.conjugate.active import active_cells
 from roughcontact._solve.solvers.conjugate.descent import Descent
 from roughcontact._solve.solvers.conjugate.nested_iteration import nested_iteration
 from roughcontact._solve.solvers.conjugate.preconditioner import PunchWeights
 from roughcontact._solve.solvers.conjugate.refinement import Openings
-from roughcontact.typing import Task, estimate_approach, solve_in_window
+from roughcontact.typing import InverseConvolution, Load, Task, estimate_approach, make_task, solve_in_window
 from strategies import STRICT, height_maps, moduli, problems, strict
 
 YOUNG, SLOPE = 1.0, 0.1

@@ -6,9 +6,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import roughcontact as rc
-from roughcontact._solve.convolvers.base import InverseConvolution, approximate_inverse
+from roughcontact._solve.convolvers.base import approximate_inverse
 from roughcontact._solve.solvers.conjugate.active import active_cells
 from roughcontact._solve.solvers.conjugate.preconditioner import ExtendedInverse, half_space_inverse, is_steep
+from roughcontact.typing import InverseConvolution
 
 
 def plate(shape, bending):

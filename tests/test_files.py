@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
 import roughcontact as rc
-from roughcontact._parts.files.reading import read_raw
 from roughcontact._parts.surfaces.filling import fill
+from roughcontact.typing import read_raw
 
 HEIGHTS = np.random.default_rng(0).random((5, 7)) * 1e-6
 
@@ -158,7 +158,7 @@ def test_a_reader_of_somebody_else(tmp_path):
         suffixes = frozenset({".bytes"})
 
         def read(self, path):
-            from roughcontact._parts.files import RawMap
+            from roughcontact.typing import RawMap
 
             return RawMap(np.frombuffer(path.read_bytes(), dtype=np.uint8).reshape(2, 2) * 1e-9, (1.0, 1.0))
 

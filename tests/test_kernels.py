@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import roughcontact as rc
-from roughcontact._parts.kernels import BoundKernel
 from roughcontact._parts.kernels.half_space import cell_potential
+from roughcontact.typing import BoundKernel
 from strategies import aspects
 
 

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
 import roughcontact as rc
-from roughcontact._parts.files.reading import read_raw
+from roughcontact.typing import read_raw
 
 HEIGHTS = np.random.default_rng(0).random((5, 7)) * 1e-6
 # Bytes that may be taken to refuse a file.

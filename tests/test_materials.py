@@ -8,8 +8,9 @@ import pytest
 from hypothesis import given
 
 import roughcontact as rc
-from roughcontact._parts.materials import TYPICAL, combined_pressure_limit, contact_modulus
+from roughcontact._parts.materials import combined_pressure_limit, contact_modulus
 from roughcontact._work.studies.toml import read_study
+from roughcontact.typing import TYPICAL
 from strategies import moduli
 
 

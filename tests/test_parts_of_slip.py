@@ -14,7 +14,6 @@ from roughcontact._answers.areas.approach import find_shift
 from roughcontact._answers.areas.curvature import curvature_resolution
 from roughcontact._answers.flow import percolation
 from roughcontact._answers.flow.network import find_paths
-from roughcontact._answers.linear.conductance import Conductance
 from roughcontact._answers.slip import (
     _approach_std,
     _compare_areas,
@@ -23,7 +22,7 @@ from roughcontact._answers.slip import (
     _displace,
     _dissipate,
 )
-from roughcontact.responses import find_percolation
+from roughcontact.responses import Conductance, find_percolation
 
 GRID = rc.Grid((60, 50), (60e-6, 75e-6))
 RADIUS = 1e-3

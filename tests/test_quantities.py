@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact.__main__ import main
-from roughcontact._faces.cli import commands
-from roughcontact._faces.cli.options import quantity, whole_number
+from roughcontact.__main__ import commands, main
+from roughcontact._faces.cli.options import whole_number
 from roughcontact._work.studies.toml import read_study
+from roughcontact.typing import quantity
 
 GOOD = {
     "N": {

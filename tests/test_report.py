@@ -15,9 +15,8 @@ import pytest
 import roughcontact as rc
 from roughcontact import reference
 from roughcontact.__main__ import main
-from roughcontact._parts.grid import Load
 from roughcontact._work.reports.error.reference import solve_reference
-from roughcontact.typing import ErrorReport, ReportRow, Timing
+from roughcontact.typing import ErrorReport, Load, ReportRow, Timing
 
 PNG = b"\x89PNG"
 ROOT = Path(__file__).parent.parent

@@ -12,7 +12,6 @@ import pytest
 
 import roughcontact as rc
 from roughcontact.__main__ import main
-from roughcontact._parts.grid import Load
 from roughcontact._work.reports.stability.check import RULES, SolvedProblem
 from roughcontact._work.reports.stability.checks import (
     check_area,
@@ -21,7 +20,7 @@ from roughcontact._work.reports.stability.checks import (
     shift_half_cell,
     sum_displacement,
 )
-from roughcontact.typing import Verdict
+from roughcontact.typing import Load, Verdict
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "benchmarks"))
 

@@ -14,10 +14,11 @@ from hypothesis.extra import numpy as hnp
 from scipy import optimize
 
 import roughcontact as rc
-from roughcontact._answers.subsurface.field import StressField, find_steps, maximum_shear
+from roughcontact._answers.subsurface.field import find_steps, maximum_shear
 from roughcontact._base import machine
 from roughcontact._parts.kernels.stress_cells import STRESS_COMPONENTS, cell_stress
 from roughcontact.reference import hertz_sphere
+from roughcontact.responses import StressField
 from roughcontact.typing import HalfSpaceStress, StressConvolution
 
 NU = 0.3

@@ -18,9 +18,9 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact._solve.problem.sweep import Sweep
 from roughcontact._work.studies.chain import run_chain
 from roughcontact._work.studies.record import read_index, write_index
+from roughcontact.typing import Sweep
 from scenes import ROUGH, make_problem, make_study
 from systems import posix
 

@@ -11,8 +11,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import roughcontact as rc
-from roughcontact._base.units import PlainText, si, with_spread
+from roughcontact._base.units import PlainText, with_spread
 from roughcontact._solve.solution import summary
+from roughcontact.typing import si
 
 STEEL = rc.Elastic(young=200e9, poisson=0.3)
 ROUGH = rc.SelfAffineSurface(hurst=0.7, rms_slope=0.1, shortest=8e-6, longest=64e-6, seed=2)
