@@ -185,7 +185,7 @@ force = [0.0, 20e-9]
 """,
         encoding="utf-8",
     )
-    from roughcontact._work.studies.toml import read_study
+    from unit_files import read_study
 
     result = read_study(tmp_path / "study.toml").run(tmp_path / "results")
     states = [result.solution(record) for record in result]

@@ -21,7 +21,6 @@ import pytest
 import roughcontact as rc
 from roughcontact import extrapolation, reference
 from roughcontact import typing as types_of_rc
-from roughcontact._base.registry import Registry
 from roughcontact.errors import door
 
 GRID = rc.Grid((8, 8), 1e-3)
@@ -36,7 +35,7 @@ for module in (reference, extrapolation):
 PUBLIC = {name: value for name, value in PUBLIC.items() if getattr(value, "__module__", "").startswith("roughcontact")}
 
 
-REGISTRIES = [value for value in PUBLIC.values() if isinstance(value, Registry)]
+REGISTRIES = [value for value in PUBLIC.values() if isinstance(value, type(rc.kernels))]
 
 
 def problem(**options):

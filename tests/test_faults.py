@@ -22,13 +22,12 @@ from matplotlib.figure import Figure
 
 import roughcontact as rc
 from roughcontact.__main__ import main as command
-from roughcontact._base.archive import remove_stale
 from roughcontact._faces.panels.figures import save_figure
-from roughcontact._work.studies.record import read_index, write_index
 from roughcontact.errors import NotWritten
 from roughcontact.typing import Table, replacing
 from scenes import list_unfinished, without_seconds
 from systems import linux
+from unit_files import read_index, remove_stale, write_index
 
 resource = pytest.importorskip("resource", reason="full disks and permissions are those of POSIX")
 

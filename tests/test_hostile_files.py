@@ -24,13 +24,10 @@ import roughcontact as rc
 import roughcontact._faces.cli
 from damage import right_key
 from roughcontact.__main__ import main
-from roughcontact._base import archive
-from roughcontact._base.archive import SEAL, pack, read_archive, seal, write_archive
 from roughcontact._parts.files.bounds import _count_inflated, _is_sound, require_bounded
 from roughcontact._work.studies import record
-from roughcontact._work.studies.record import read_index
-from roughcontact._work.studies.toml import read_study
 from systems import posix
+from unit_files import SEAL, archive, pack, read_archive, read_index, read_study, seal, write_archive
 
 h5py = pytest.importorskip("h5py")
 xarray = pytest.importorskip("xarray")

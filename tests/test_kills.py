@@ -15,9 +15,9 @@ import attrs
 import pytest
 
 import roughcontact as rc
-from roughcontact._work.studies.record import read_index
 from scenes import list_unfinished, without_seconds
 from systems import posix
+from unit_files import read_index
 
 # SIGKILLs at random moments of a study, by how it runs and what is killed. docs/trust/trust.md states their sum.
 KILLS = {"serial": 40, "worker of a pool": 20, "parent of a pool": 20, "worker of dask": 20}

@@ -9,9 +9,9 @@ from hypothesis import given
 
 import roughcontact as rc
 from roughcontact._parts.materials import combined_pressure_limit, contact_modulus
-from roughcontact._work.studies.toml import read_study
 from roughcontact.typing import TYPICAL
 from strategies import moduli
+from unit_files import read_study
 
 
 def test_contact_modulus_is_of_the_plane_strain_moduli():

@@ -17,12 +17,12 @@ import pytest
 
 import roughcontact as rc
 from roughcontact.__main__ import main
-from roughcontact._base.archive.plain import key_of
 from roughcontact._base.machine import limit_of_memory, require_memory
 from roughcontact._solve.problem import accuracy
 from roughcontact._solve.problem.friction_plan import _FRICTION_ARRAYS, _STATE_ARRAYS
 from roughcontact.typing import available_memory, binary, require_memory_of_solve
 from systems import linux
+from unit_files import key_of
 
 NAN = float("nan")
 STEEL = rc.Elastic(1e9, 0.0)

@@ -11,8 +11,8 @@ import pytest
 import roughcontact as rc
 from roughcontact.__main__ import commands, main
 from roughcontact._faces.cli.options import whole_number
-from roughcontact._work.studies.toml import read_study
 from roughcontact.typing import quantity
+from unit_files import read_study
 
 GOOD = {
     "N": {

@@ -15,10 +15,9 @@ from pathlib import Path
 import pytest
 
 import roughcontact as rc
-from roughcontact._base.archive import read_archive
-from roughcontact._work.studies.toml import read_study
 from scenes import list_unfinished, without_seconds
 from systems import posix
+from unit_files import read_archive, read_study
 
 # Two contacts in domains twice and three times as long as wide, with cells 1:3 and odd numbers of them.
 STUDY = """

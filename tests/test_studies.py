@@ -19,10 +19,10 @@ import pytest
 
 import roughcontact as rc
 from roughcontact._work.studies.chain import run_chain
-from roughcontact._work.studies.record import read_index, write_index
 from roughcontact.typing import Sweep
 from scenes import ROUGH, make_problem, make_study
 from systems import posix
+from unit_files import read_index, write_index
 
 
 @attrs.frozen

@@ -11,9 +11,9 @@ import pytest
 import roughcontact as rc
 from roughcontact.__main__ import main
 from roughcontact._faces.cli.run import list_warnings
-from roughcontact._work.studies.toml import read_study
 from roughcontact.typing import build_problem
 from scenes import ROUGH, make_problem, make_study
+from unit_files import read_study
 
 STUDY = """
 [problems.rough]

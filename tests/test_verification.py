@@ -16,12 +16,13 @@ from hypothesis import HealthCheck, given, settings
 
 import roughcontact as rc
 from damage import right_key, write_forged
-from roughcontact._base.archive import plain, read_archive
-from roughcontact._base.archive.plain import key_of, programs, programs_of
+from roughcontact._base.archive import plain
+from roughcontact._base.archive.plain import programs, programs_of
 from roughcontact._solve.solution import storage
 from roughcontact._work.studies import record
 from strategies import wild_problems
 from systems import posix
+from unit_files import key_of, read_archive
 
 HARDNESS = np.linspace(2e9, 6e9, 120).reshape(12, 10)
 SURFACE = rc.SelfAffineSurface(hurst=0.8, rms_height=1e-7, longest=1e-4, shortest=2e-5, seed=5)
