@@ -1,21 +1,12 @@
 from __future__ import annotations
 
-from types import SimpleNamespace
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
 
 import roughcontact as rc
 from roughcontact import reference
-from roughcontact._answers.areas.cells import count_sides, find_straight_rows
-from roughcontact.typing import Whole
 from strategies import problems
-
-
-def touching(contact, boundary):
-    """What the counts of sides read of a solution."""
-    return SimpleNamespace(contact=contact, boundary=boundary, parts=Whole())
 
 
 @settings(max_examples=40)
@@ -41,19 +32,6 @@ def test_full_contact_is_the_nominal_area_exactly():
         area = solution.area(name)
         assert area.fraction == 1.0
         assert area.uncertainty == 0.0
-
-
-@pytest.mark.parametrize(
-    ("boundary", "sides"), [(rc.Boundary.FREE, 4), (rc.Boundary.PERIODIC, 6), (rc.Boundary.WRAPPED, 6)]
-)
-def test_sides_are_counted_across_a_periodic_border(boundary, sides):
-    mask = np.zeros((5, 6), dtype=bool)
-    mask[0, 2:4] = True
-    assert count_sides(touching(mask, boundary)) == sides
-
-
-def test_a_row_of_cells_is_not_its_own_neighbour():
-    assert count_sides(touching(np.array([[True, False, False, True]]), rc.Boundary.PERIODIC)) == 2
 
 
 def hertz(cells_across, offset):
@@ -167,12 +145,3 @@ def test_the_uncertainties_hold_strips_along_the_grid(name, rows):
         area = rc.ContactProblem(body, grid=grid, boundary="periodic").solve(pressure=mean).area(name)
         held.append(abs(area.fraction - 2e4 * strip.half_width(mean)) <= 2 * area.uncertainty / grid.area)
     assert np.mean(held) >= 0.9
-
-
-def test_straight_rows():
-    mask = np.zeros((6, 6), dtype=bool)
-    mask[1:3, 1:5] = True
-    assert sorted(find_straight_rows(touching(mask, rc.Boundary.FREE))) == [2, 2, 4, 4]
-    for shift in range(6):
-        moved = np.roll(mask, (shift, -shift), (0, 1))
-        assert sorted(find_straight_rows(touching(moved, rc.Boundary.PERIODIC))) == [2, 2, 4, 4]

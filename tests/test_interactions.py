@@ -10,8 +10,7 @@ import pytest
 from scipy import integrate
 
 import roughcontact as rc
-from roughcontact._base.units import parse_quantity
-from roughcontact.typing import BoundInteraction
+from roughcontact.typing import BoundInteraction, quantity
 
 WORK = 0.05
 LAWS = [
@@ -195,7 +194,7 @@ def test_texts_with_units():
     assert rc.Exponential("50mJ/m2", "2nm").range == 2e-9
     assert rc.Exponential("50 mN/m", "2nm").work == pytest.approx(0.05, rel=1e-15)
     assert rc.Dugdale("0.05 J/m^2", "10MPa").strength == 1e7
-    assert parse_quantity("50mJ/m2", "J/m2") == 0.05
+    assert quantity("J/m2")("50mJ/m2") == 0.05
     for wrong in ("50", "50mJ", "50Pa", "work"):
         with pytest.raises(rc.InputError, match="work of adhesion"):
             rc.Exponential(wrong, 2e-9)

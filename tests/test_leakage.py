@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import sys
 
 import hypothesis
 import hypothesis.strategies as st
@@ -12,8 +11,6 @@ import pytest
 from scipy import integrate, ndimage
 
 import roughcontact as rc
-from roughcontact._answers.flow import network as networks
-from roughcontact._answers.flow.network import make_network
 from roughcontact.responses import find_percolation
 from roughcontact.typing import Residuals
 
@@ -403,25 +400,6 @@ def test_flow_and_mean_gap_between_creases_and_sharp_edges_are_within_two(
     for coarse, fine in zip(*found, strict=True):
         assert abs(coarse.value - fine.value) <= 2.0 * coarse.uncertainty or (coarse.value == 0.0 and coarse.warnings)
         assert abs(coarse.value - fine.value) <= 0.1 * fine.value or coarse.warnings
-
-
-def test_iteration_finds_the_flow_of_elimination():
-    pytest.importorskip("pyamg")
-    solution = solved(cells=128, x=0.15)
-    network = make_network(solution.gap, ~solution.contact, aspect=1.0, periodic=True)
-    exact = networks.eliminate(network)
-    pressure, converged = networks.iterate(network)
-    assert converged
-    flows = [float(network.dissipation(one)[1].sum()) for one in (exact, pressure)]
-    assert flows[1] == pytest.approx(flows[0], rel=2e-3)
-    np.testing.assert_allclose(pressure, exact, atol=1e-2)
-
-
-def test_large_flows_need_pyamg(monkeypatch):
-    monkeypatch.setattr(networks, "MAX_ELIMINATION_CELLS", 10)
-    monkeypatch.setitem(sys.modules, "pyamg", None)
-    with pytest.raises(rc.MissingPackage, match=r"pip install 'roughcontact\[flow\]'"):
-        with_gap(np.full((8, 8), 1e-6)).leakage(axis=0, **WATER)
 
 
 @pytest.mark.parametrize(

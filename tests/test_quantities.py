@@ -10,7 +10,6 @@ import pytest
 
 import roughcontact as rc
 from roughcontact.__main__ import commands, main
-from roughcontact._faces.cli.options import whole_number
 from roughcontact.typing import quantity
 from unit_files import read_study
 
@@ -90,14 +89,6 @@ def test_anything_else_is_refused_and_shown(unit):
             quantity(unit)(text)
         assert str(caught.value).startswith(repr(text[:80])), text[:80]
         assert len(str(caught.value)) < 250
-
-
-def test_whole_numbers():
-    assert whole_number("256") == 256
-    assert whole_number("-1") == -1
-    for text in ("2,5", "2.0", "1_000", "\uff12", " 2", "1e3", "0x10", "", "nan", "9" * 5000):
-        with pytest.raises(argparse.ArgumentTypeError, match="is not a whole number; write it like 256"):
-            whole_number(text)
 
 
 def typed_options():

@@ -1,5 +1,7 @@
 """The house: a module imports only from its own storey or from lower ones, and nothing imports in a circle.
 
+Tests enter by the public names; only those of files named `unit` know what is inside.
+
 The table of docs/extend/architecture.md is the one that is held: it is read here, not typed again.
 """
 
@@ -136,3 +138,27 @@ def test_each_assignment_has_a_line_of_its_own():
 @pytest.mark.parametrize("name", NAMES)
 def test_a_module_holds_one_subject(name):
     assert NAMES[name].read_text(encoding="utf-8").count("\n") <= 500
+
+
+TESTS = Path(__file__).parent
+# To be entered by the front door next.
+INSIDE = {
+    "test_friction_faces.py",
+    "test_friction_laws.py",
+    "test_frictional_paths.py",
+    "test_html.py",
+    "test_partial_slip.py",
+    "test_sliding_stress.py",
+}
+
+
+def imports_private(path):
+    nodes = list(ast.walk(ast.parse(path.read_text(encoding="utf-8"))))
+    names = [alias.name for node in nodes if isinstance(node, ast.Import) for alias in node.names]
+    names += [f"{node.module}.{one.name}" for node in nodes if isinstance(node, ast.ImportFrom) for one in node.names]
+    return any(re.match(r"roughcontact\.(\w+\.)*_(?!_)", name) for name in names)
+
+
+def test_only_unit_tests_import_what_is_private():
+    others = [path for path in TESTS.glob("*.py") if "unit" not in path.stem.split("_")]
+    assert {path.name for path in others if imports_private(path)} == INSIDE

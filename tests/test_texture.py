@@ -11,12 +11,8 @@ from scipy.special import ellipe
 from scipy.stats import norm
 
 import roughcontact as rc
-from roughcontact.reference.texture import _PARAMETERS
 
 SIZE = (64e-6, 48e-6)
-
-
-UNITS = {name: unit for name, (unit, _) in _PARAMETERS.items()}
 
 
 def values(found):
@@ -173,11 +169,12 @@ def test_units_and_rearrangements(seed, scale, periodic):
     """Heights and lengths in another unit, x and y exchanged, and the surface turned over."""
     grid = rc.Grid((24, 18), SIZE)
     heights = np.random.default_rng(seed).standard_normal(grid.shape) * 1e-7
-    one = values(rc.reference.texture(heights, grid, periodic=periodic))
+    found = rc.reference.texture(heights, grid, periodic=periodic)
+    one = values(found)
     wider = rc.Grid(grid.shape, (SIZE[0] * scale, SIZE[1] * scale))
     scaled = values(rc.reference.texture(scale * heights, wider, periodic=periodic))
     for name in one:
-        length = scale if UNITS[name] == "m" else 1.0
+        length = scale if getattr(found, name).unit == "m" else 1.0
         assert scaled[name] == pytest.approx(length * one[name], rel=1e-6, abs=1e-15), name
     turned = values(rc.reference.texture(heights.T, rc.Grid((18, 24), SIZE[::-1]), periodic=periodic))
     below = values(rc.reference.texture(-heights, grid, periodic=periodic))

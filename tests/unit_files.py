@@ -1,6 +1,6 @@
 """The files of the package by its own hands, as tests need them: study files, records, paths, archives and their seals.
 
-Tests that use these functions as tools, and find no public name for them, take them from here: one place knows where they are.
+Tests that use these functions as tools, and find no public name for them, take them from here.
 """
 
 from __future__ import annotations
