@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import attrs
+import pytest
 
 import roughcontact as rc
 
@@ -35,3 +36,8 @@ def without_seconds(records):
 
 def list_unfinished(folder):
     return sorted(path.name for path in folder.rglob("*.partial"))
+
+
+def rather_slow(cases, ordinary):
+    """Return the cases of a test; the ordinary run tries only some of them."""
+    return [case if case in ordinary else pytest.param(case, marks=pytest.mark.slow) for case in cases]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 import sys
 from pathlib import Path
@@ -116,6 +117,12 @@ def test_the_cells_that_an_accuracy_may_take_are_bounded(monkeypatch, shape, siz
         assert caught.value.solution.grid.shape == trials[-1].shape
 
 
+@functools.cache
+def find_fine_area(body, boundary):
+    problem = rc.ContactProblem(body, grid=rc.Grid((160, 160), 1e-5), boundary=boundary)
+    return problem.solve(pressure=3e7).area().value
+
+
 @pytest.mark.filterwarnings("error", "ignore::roughcontact.errors.ContactWarning")
 @pytest.mark.parametrize("shape", [(2, 64), (64, 2), (1, 64), (2, 31)])
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
@@ -123,8 +130,7 @@ def test_grids_of_two_cells_are_refined(shape, boundary):
     body = rc.Body(rc.WavySurface(1e-8, (1e-5, 5e-6)), rc.Elastic(2e11, 0.3))
     problem = rc.ContactProblem(body, grid=rc.Grid(shape, 1e-5), boundary=boundary)
     solution = problem.solve(pressure=3e7, area_within=0.1)
-    fine = rc.on_grid(problem, (160, 160)).solve(pressure=3e7)
-    assert solution.area().value == pytest.approx(fine.area().value, rel=0.1)
+    assert solution.area().value == pytest.approx(find_fine_area(body, boundary), rel=0.1)
     assert min(solution.grid.shape) > 2
 
 

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 import roughcontact as rc
 from extended_precision import violations
 from roughcontact.typing import InverseConvolution, Load, Task, estimate_approach, make_task, solve_in_window
+from scenes import rather_slow
 from strategies import STRICT, height_maps, moduli, problems, strict
 
 YOUNG, SLOPE = 1.0, 0.1
@@ -27,7 +28,7 @@ def rough(n, *, boundary="periodic", hardness=None, seed=0, cells=8, solver=STRI
     return rc.ContactProblem(body, grid=rc.Grid((n, n), float(n)), boundary=boundary, solver=solver, kernel=kernel)
 
 
-SIZES = [64, 128, 256, *(pytest.param(n, marks=pytest.mark.slow) for n in (512, 1024))]
+SIZES = rather_slow([64, 128, 256, 512, 1024], [64, 256])
 
 
 @pytest.mark.parametrize("n", SIZES)
@@ -450,7 +451,7 @@ def test_a_start_far_from_the_solution_does_not_keep_it_from_being_found(shape, 
     assert len(found.errors) >= found.iterations
 
 
-@pytest.mark.parametrize("seed", [7, 48])
+@pytest.mark.parametrize("seed", rather_slow([7, 48], [7]))
 def test_an_approach_on_cells_500_times_as_long_as_wide_is_found(seed):
     heights = 1e-7 * np.random.default_rng(seed).standard_normal((8, 32))
     surface = rc.HeightMap(heights, (8e-6, 1.6e-2), periodic=True)

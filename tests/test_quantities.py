@@ -105,7 +105,8 @@ def typed_options():
 
 @pytest.mark.parametrize("convert", typed_options())
 def test_every_option_of_every_command_is_strict(convert):
-    for text in (*ALWAYS_BAD, *BAD[""][:3]):
+    # Reading a million characters once for each unit will do.
+    for text in (*(one for one in ALWAYS_BAD if len(one) < 100), *BAD[""][:3]):
         with pytest.raises(argparse.ArgumentTypeError, match="write it like"):
             convert(text)
 
