@@ -19,6 +19,7 @@ import pytest
 
 import roughcontact as rc
 from roughcontact.__main__ import commands
+from scenes import read_problem
 from systems import posix
 
 GRID = rc.Grid((48, 48), 48e-6)
@@ -42,8 +43,7 @@ def folder(tmp_path, monkeypatch):
 
 
 def solve(name="rough.npz", boundary="free", **load):
-    surface = rc.read_surface(name)
-    return rc.ContactProblem(rc.Body(surface, rc.Elastic(210e9, 0.3)), boundary=boundary).solve(**load)
+    return read_problem(name, boundary).solve(**load)
 
 
 def too_wide(text):

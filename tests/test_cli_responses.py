@@ -15,6 +15,7 @@ import pytest
 
 import roughcontact as rc
 from roughcontact.typing import Table
+from scenes import read_problem
 
 SIZE = (96e-6, 32e-6)
 SHAPE = (48, 48)
@@ -30,8 +31,7 @@ def folder(tmp_path, monkeypatch):
 
 
 def solve(**load):
-    body = rc.Body(rc.read_surface("map.npz"), rc.Elastic(210e9, 0.3))
-    return rc.ContactProblem(body, boundary="periodic").solve(**load)
+    return read_problem("map.npz").solve(**load)
 
 
 def same(found, estimate):

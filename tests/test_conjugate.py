@@ -13,19 +13,16 @@ from hypothesis import strategies as st
 import roughcontact as rc
 from extended_precision import violations
 from roughcontact.typing import InverseConvolution, Load, Task, estimate_approach, make_task, solve_in_window
-from scenes import rather_slow
+from scenes import make_rough, rather_slow
 from strategies import STRICT, height_maps, moduli, problems, strict
 
 YOUNG, SLOPE = 1.0, 0.1
 
 
-def rough(n, *, boundary="periodic", hardness=None, seed=0, cells=8, solver=STRICT, kernel="love"):
-    surface = rc.SelfAffineSurface(
-        hurst=0.8, rms_slope=SLOPE, shortest=float(cells), longest=float(n), rolloff=n / 8, seed=seed
-    )
+def rough(n, *, hardness=None, cells=8, solver=STRICT, **parts):
     material = rc.Elastic(YOUNG, 0.0) if hardness is None else rc.ElasticPerfectlyPlastic(YOUNG, 0.0, hardness)
-    body = rc.Body(surface, material)
-    return rc.ContactProblem(body, grid=rc.Grid((n, n), float(n)), boundary=boundary, solver=solver, kernel=kernel)
+    waves = {"rms_slope": SLOPE, "shortest": float(cells), "longest": float(n), "rolloff": n / 8}
+    return make_rough(n, float(n), material, solver=solver, **waves, **parts)
 
 
 SIZES = rather_slow([64, 128, 256, 512, 1024], [64, 256])

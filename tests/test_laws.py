@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
+from scenes import make_problem
 
 STEEL = rc.Elastic(200e9, 0.3)
 GRID = rc.Grid((64, 48), (64e-6, 48e-6))
@@ -44,7 +45,7 @@ class Words(rc.Response):
 
 
 def problem(surface=ROUGH, material=STEEL, boundary="periodic", **options):
-    return rc.ContactProblem(rc.Body(surface, material), grid=GRID, boundary=boundary, threads=1, **options)
+    return make_problem(surface, material, grid=GRID, boundary=boundary, threads=1, **options)
 
 
 @pytest.fixture(scope="module")

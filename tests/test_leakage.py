@@ -13,6 +13,7 @@ from scipy import integrate, ndimage
 import roughcontact as rc
 from roughcontact.responses import find_percolation
 from roughcontact.typing import Residuals
+from scenes import make_rough
 
 RIDGE = rc.HeightMap(np.tile(1e-4 * np.cos(np.arange(16) * np.pi / 8.0), (16, 1)), size=1.0, periodic=True)
 WATER = {"viscosity": 1e-3, "pressure_drop": 1e5}
@@ -63,12 +64,10 @@ def random_gap(seed, shape=(24, 18), closed=0.3):
     return np.exp(rng.normal(size=shape)) * 1e-6, rng.random(shape) < closed
 
 
-def rough(cells=128, seed=1, x=0.15, boundary="periodic", size=(1.0, 1.0), scale=1.0, modulus=1e9):
-    surface = rc.SelfAffineSurface(
-        hurst=0.8, rms_slope=0.05, shortest=scale / 16, longest=scale, rolloff=0.25 * scale, seed=seed
-    )
-    grid = rc.Grid((cells, cells), (scale * size[0], scale * size[1]))
-    return rc.ContactProblem(rc.Body(surface, rc.Elastic(modulus, 0.0)), grid=grid, boundary=boundary, threads=1)
+def rough(cells=128, seed=1, size=(1.0, 1.0), scale=1.0, modulus=1e9, **parts):
+    waves = {"rms_slope": 0.05, "shortest": scale / 16, "longest": scale, "rolloff": 0.25 * scale, "seed": seed}
+    sides = (scale * size[0], scale * size[1])
+    return make_rough(cells, sides, rc.Elastic(modulus, 0.0), threads=1, **waves, **parts)
 
 
 def solved(x=0.15, modulus=1e9, **options):

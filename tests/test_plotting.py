@@ -19,6 +19,7 @@ from matplotlib.figure import Figure
 import roughcontact as rc
 from roughcontact.plotting import make_figure
 from roughcontact.testing.strategies import height_maps, problems
+from scenes import make_problem, make_rough
 
 STEEL = rc.Elastic(210e9, 0.3)
 BY_SUBJECT = {
@@ -71,14 +72,13 @@ def test_every_panel_of_a_surface_draws(surface, dark, data):
 
 def ball(cells=64, hardness=None, force=0.15):
     material = STEEL if hardness is None else rc.ElasticPerfectlyPlastic(210e9, 0.3, hardness)
-    problem = rc.ContactProblem(rc.Body(rc.SphereSurface(1e-3), material), grid=rc.Grid((cells, cells), 30e-6))
-    return problem.solve(force=force)
+    grid = rc.Grid((cells, cells), 30e-6)
+    return make_problem(rc.SphereSurface(1e-3), material, grid=grid).solve(force=force)
 
 
-def rough(boundary="periodic", shape=(96, 64), pressure=300e6):
-    surface = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.05, shortest=6e-6, longest=30e-6, seed=4)
-    problem = rc.ContactProblem(rc.Body(surface, STEEL), grid=rc.Grid(shape, (90e-6, 60e-6)), boundary=boundary)
-    return problem.solve(pressure=pressure)
+def rough(**parts):
+    waves = {"rms_slope": 0.05, "shortest": 6e-6, "longest": 30e-6, "seed": 4}
+    return make_rough((96, 64), (90e-6, 60e-6), STEEL, **waves, **parts).solve(pressure=300e6)
 
 
 @pytest.fixture(scope="module")

@@ -16,7 +16,7 @@ import roughcontact as rc
 from roughcontact import reference
 from roughcontact.__main__ import main
 from roughcontact.typing import ErrorReport, ReportRow, Timing
-from scenes import rather_slow
+from scenes import make_problem, rather_slow
 
 PNG = b"\x89PNG"
 ROOT = Path(__file__).parent.parent
@@ -26,7 +26,7 @@ HERTZ = reference.hertz_sphere(1.0, 1e-3, MODULUS)
 
 
 def ball(cells=128, **parts):
-    return rc.ContactProblem(rc.Body(rc.SphereSurface(1e-3), STEEL), grid=rc.Grid((cells, cells), 100e-6), **parts)
+    return make_problem(rc.SphereSurface(1e-3), STEEL, grid=rc.Grid((cells, cells), 100e-6), **parts)
 
 
 @pytest.fixture(scope="module")

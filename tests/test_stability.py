@@ -12,6 +12,7 @@ import pytest
 import roughcontact as rc
 from roughcontact.__main__ import main
 from roughcontact.typing import Verdict
+from scenes import make_problem, make_rough
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "benchmarks"))
 
@@ -25,13 +26,13 @@ STEEL = rc.Elastic(200e9, 0.3)
 CELL = 1e-6
 
 
-def rough(n=64, *, boundary="periodic", cells=8.0, material=STEEL, slope=0.02, **options):
-    surface = rc.SelfAffineSurface(hurst=0.8, rms_slope=slope, shortest=cells * CELL, longest=n * CELL, seed=0)
-    return rc.ContactProblem(rc.Body(surface, material), grid=rc.Grid((n, n), n * CELL), boundary=boundary, **options)
+def rough(n=64, *, cells=8.0, material=STEEL, slope=0.02, **options):
+    waves = {"rms_slope": slope, "shortest": cells * CELL, "longest": n * CELL}
+    return make_rough(n, n * CELL, material, **waves, **options)
 
 
 def ball(n=64, **options):
-    return rc.ContactProblem(rc.Body(rc.ParaboloidSurface(1e-2), STEEL), grid=rc.Grid((n, n), 1e-3), **options)
+    return make_problem(rc.ParaboloidSurface(1e-2), STEEL, grid=rc.Grid((n, n), 1e-3), **options)
 
 
 @pytest.mark.parametrize("max_cells", [2**18, 2**10])

@@ -13,6 +13,7 @@ from scipy import optimize
 import roughcontact as rc
 from roughcontact.reference import hertz_sphere
 from roughcontact.typing import HalfSpaceStress, StressConvolution
+from scenes import make_rough
 
 NU = 0.3
 STEEL = rc.Elastic(200e9, NU)
@@ -90,15 +91,9 @@ def press_ball(cells, shape, *, sides=(1.0, 1.0), place=(0.0, 0.0), boundary="fr
 
 
 def rough(cells, seed, boundary="periodic", load=2e-3, length=1e-3, young=200e9, aspect=1):
-    surface = rc.SelfAffineSurface(
-        hurst=0.7, rms_slope=0.05, shortest=length / 8, longest=length, rolloff=length / 3, seed=seed
-    )
-    problem = rc.ContactProblem(
-        rc.Body(surface, rc.Elastic(young, NU)),
-        grid=rc.Grid((cells, cells * aspect), length),
-        boundary=boundary,
-        threads=1,
-    )
+    waves = {"hurst": 0.7, "rms_slope": 0.05, "shortest": length / 8, "longest": length, "rolloff": length / 3}
+    material = rc.Elastic(young, NU)
+    problem = make_rough((cells, cells * aspect), length, material, boundary=boundary, threads=1, seed=seed, **waves)
     return problem.solve(pressure=load * young), problem
 
 

@@ -13,8 +13,8 @@ from roughcontact.__main__ import main as command
 from roughcontact._faces.panels.figures import save_figure
 from roughcontact.errors import NotWritten
 from roughcontact.typing import Table
-from scenes import list_unfinished
-from test_faults import GRID, ROUGH, STEEL, full_disk, problem, study, without_privileges
+from scenes import ELASTIC, SMALL_GRID, SMALL_ROUGH, list_unfinished, small_problem, small_study
+from test_faults import full_disk, without_privileges
 from unit_files import write_index
 
 # Ways to write a file of each format, by its name.
@@ -47,13 +47,13 @@ def made(tmp_path_factory):
     pytest.importorskip("h5netcdf")
     cells = Table.from_rows([f"column {place}" for place in range(80)], [tuple("1234" * 20)] * 9)
     table = paper_output().PaperTable("table", "title", cells)
-    rough = rc.HeightMap(ROUGH.heights(GRID), 264.2e-6)
+    rough = rc.HeightMap(SMALL_ROUGH.heights(SMALL_GRID), 264.2e-6)
     found = {
-        "solution": problem().solve(force=0.1),
-        "result": study(seeds=[0]).run(folder / "study"),
-        "report": rc.error_vs_time(problem(), force=0.1, reference={"area": 1e-9}, cells=[12, 24], repeats=1),
+        "solution": small_problem().solve(force=0.1),
+        "result": small_study(seeds=[0]).run(folder / "study"),
+        "report": rc.error_vs_time(small_problem(), force=0.1, reference={"area": 1e-9}, cells=[12, 24], repeats=1),
         "table": table,
-        "maps": rc.ContactProblem(rc.Body(rough, STEEL), rc.Body(rough, STEEL)),
+        "maps": rc.ContactProblem(rc.Body(rough, ELASTIC), rc.Body(rough, ELASTIC)),
     }
     for name, write in FORMATS.items():
         write(folder / name, found)
@@ -87,7 +87,7 @@ class TestDisk:
 
     def test_the_command(self, tmp_path, made, capsys, monkeypatch):
         monkeypatch.chdir(tmp_path)
-        np.savez(tmp_path / "map.npz", heights=ROUGH.heights(GRID), size=1e-4)
+        np.savez(tmp_path / "map.npz", heights=SMALL_ROUGH.heights(SMALL_GRID), size=1e-4)
         solve = ["solve", "map.npz", "--force", "0.1N", "--young", "200GPa", "-o", "out"]
         with full_disk(500):
             assert command(solve) == 2

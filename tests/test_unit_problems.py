@@ -31,13 +31,14 @@ from roughcontact.typing import (
     replacing,
     solve_slabs,
 )
+from scenes import make_problem
 
 WAVE = rc.WavySurface(1e-6, 100e-6)
 
 
 def problem(shape=(96, 64), size=(300e-6, 200e-6), boundary="periodic", surface=WAVE, material=None):
     material = rc.Elastic(2e9, 0.25) if material is None else material
-    return rc.ContactProblem(rc.Body(surface, material), grid=rc.Grid(shape, size), boundary=boundary, threads=1)
+    return make_problem(surface, material, grid=rc.Grid(shape, size), boundary=boundary, threads=1)
 
 
 def trial(shape=(96, 64), area=(1.0, 0.01), peak=(math.nan, math.nan)):

@@ -38,6 +38,7 @@ from roughcontact.typing import (
     project_to_load,
     rescale_to_load,
 )
+from scenes import make_problem
 
 FLAT = np.array([math.inf])
 
@@ -45,9 +46,7 @@ FLAT = np.array([math.inf])
 def problem(shape=(24, 20), size=(24.0, 30.0), boundary="periodic", surface=None, hardness=None, solver="auto"):
     material = rc.Elastic(1.0, 0.0) if hardness is None else rc.ElasticPerfectlyPlastic(1.0, 0.0, hardness)
     surface = rc.ParaboloidSurface(100.0) if surface is None else surface
-    return rc.ContactProblem(
-        rc.Body(surface, material), grid=rc.Grid(shape, size), boundary=boundary, solver=solver, threads=1
-    )
+    return make_problem(surface, material, grid=rc.Grid(shape, size), boundary=boundary, solver=solver, threads=1)
 
 
 @pytest.mark.parametrize("share", [0.1, 0.7])

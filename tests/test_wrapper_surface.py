@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
+from scenes import make_problem
 
 SIZE = 32e-6
 GRID = rc.Grid((32, 32), SIZE)
@@ -63,7 +64,7 @@ class Highest(rc.Surface):
 
 
 def problem(surface, boundary="periodic", **options):
-    return rc.ContactProblem(rc.Body(surface, STEEL), boundary=boundary, **options)
+    return make_problem(surface, STEEL, **{"grid": None, "boundary": boundary, **options})
 
 
 @pytest.mark.parametrize("wrapper", WRAPPERS)
