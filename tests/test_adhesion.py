@@ -161,6 +161,7 @@ class TestBall:
         assert np.ptp(areas) < 0.02 * areas.mean()
         assert np.ptp(approaches) < 0.004 * approaches.mean()
 
+    @pytest.mark.slow
     def test_limit_of_johnson_by_two_ranges(self):
         found = []
         for cells in (64, 128):

@@ -257,6 +257,7 @@ def make_plain():
     return rc.ContactProblem(body, grid=rc.Grid((32, 32), 8e-6)).solve(force=1e-8)
 
 
+@pytest.mark.usefixtures("no_pictures")
 def test_report_solves_it_again(solution, tmp_path, capsys):
     text = solution.to_html()
     start = text.index("import hashlib")

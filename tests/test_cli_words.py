@@ -78,6 +78,7 @@ class TestAdvice:
         np.savez("tilted.npz", heights=np.where(lost, np.nan, heights), size=GRID.size)
         return ["solve", "tilted.npz", "--non-measured", "fill", *LOADED]
 
+    @pytest.mark.usefixtures("no_pictures")
     def test_of_a_solve_and_its_report(self, run, tilted):
         status, out, _ = run(*tilted, "--explain", "--report", "report.html")
         assert status == 3

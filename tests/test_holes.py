@@ -74,7 +74,7 @@ def test_points_that_are_missing_outside_the_contact_change_no_number(domain, ma
         assert abs(found.value - true.value) <= 2.0 * found.uncertainty
 
 
-@pytest.mark.parametrize("grouped", [False, True], ids=["single", "grouped"])
+@pytest.mark.parametrize("grouped", rather_slow([False, True], [True]), ids=["single", "grouped"])
 def test_areas_with_points_missing_inside_the_contact_are_within_two(grouped):
     ratios = []
     for seed in range(8):

@@ -40,6 +40,7 @@ class TestPrint:
         ],
         ids=["steel at 30 GPa", "steel at 2 GPa", "with a hardness", "a polymer"],
     )
+    @pytest.mark.usefixtures("no_pictures")
     def test_a_pressure_that_no_metal_bears_is_remarked(self, material, force, said):
         ball = rc.Body(rc.SphereSurface(1e-4), material)
         solution = rc.ContactProblem(ball, grid=rc.Grid((48, 40), (1e-4, 9e-5))).solve(force=force)
