@@ -11,7 +11,7 @@ import pytest
 import roughcontact as rc
 from roughcontact.errors import InputError, NotConverged
 from roughcontact.reference import DMT, JKR, JohnsonWave, MaugisDugdale, PastewkaRobbins
-from scenes import rather_slow
+from scenes import make_problem, rather_slow
 
 MODULUS = 1e9
 RADIUS = 1e-6
@@ -26,8 +26,7 @@ BOUNDARIES = ("free", "periodic", "wrapped")
 
 
 def make_rough(shape=(48, 48), size=1e-6, law=LAW, material=MATERIAL, boundary="periodic", **parts):
-    body = rc.Body(ROUGH, material)
-    return rc.ContactProblem(body, grid=rc.Grid(shape, size), boundary=boundary, adhesion=law, **parts)
+    return make_problem(ROUGH, material, grid=rc.Grid(shape, size), boundary=boundary, adhesion=law, **parts)
 
 
 def make_ball(law, side, cells, *, boundary="free", center=(0.0, 0.0)):
@@ -579,8 +578,8 @@ ROUGH_RUBBER = rc.SelfAffineSurface(hurst=0.8, rms_height=0.5e-6, longest=50e-6,
 def press_rubber(boundary="periodic", shape=(48, 48), size=100e-6, **parts):
     """Return rough rubber whose contact carries a tension of some 20 kPa."""
     law = rc.Exponential("50mJ/m2", "300nm")
-    body = rc.Body(ROUGH_RUBBER, rc.Elastic(2e6, 0.5))
-    return rc.ContactProblem(body, grid=rc.Grid(shape, size), boundary=boundary, adhesion=law, **parts)
+    rubber = rc.Elastic(2e6, 0.5)
+    return make_problem(ROUGH_RUBBER, rubber, grid=rc.Grid(shape, size), boundary=boundary, adhesion=law, **parts)
 
 
 class TestLoadsThatAreCarried:

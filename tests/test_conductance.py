@@ -11,6 +11,7 @@ import pytest
 
 import roughcontact as rc
 from roughcontact.responses import Conductance, ContactConductance
+from scenes import make_problem
 
 
 def ball(cells, seed, hardness=None, boundary="free", size=None):
@@ -18,9 +19,7 @@ def ball(cells, seed, hardness=None, boundary="free", size=None):
     rng = np.random.default_rng(seed)
     surface = rc.ParaboloidSurface(1000.0, center=tuple(rng.uniform(-0.5, 0.5, 2)))
     material = rc.Elastic(1.0, 0.0) if hardness is None else rc.ElasticPerfectlyPlastic(1.0, 0.0, hardness)
-    problem = rc.ContactProblem(
-        rc.Body(surface, material), grid=rc.Grid((n, n), float(n)), boundary=boundary, threads=1
-    )
+    problem = make_problem(surface, material, grid=rc.Grid((n, n), float(n)), boundary=boundary, threads=1)
     return problem.solve(force=4 / 3 * cells**3 / 1000.0)
 
 

@@ -11,6 +11,7 @@ from scipy import integrate, special
 
 import roughcontact as rc
 from roughcontact import reference
+from scenes import make_problem
 
 GRID = rc.Grid((96, 64), (3e-3, 1e-3))
 MODULUS = 2e9
@@ -36,8 +37,7 @@ def rough(seed=1, cells=256, **options):
 
 
 def solve(surface, grid, load, **options):
-    body = rc.Body(surface, rc.Elastic(1e9, 0.0))
-    problem = rc.ContactProblem(body, grid=grid, boundary=options.pop("boundary", "periodic"), **options)
+    problem = make_problem(surface, rc.Elastic(1e9, 0.0), **{"grid": grid, "boundary": "periodic", **options})
     return problem.solve(pressure=load * 1e9 * 0.1)
 
 

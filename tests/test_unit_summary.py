@@ -8,12 +8,12 @@ import pytest
 import roughcontact as rc
 from roughcontact._base.units import PlainText, with_spread
 from roughcontact._solve.solution import summary
-from test_summary import make_problem
+from test_summary import rough_problem
 
 
 class TestShort:
     def test_a_large_solution_is_not_estimated_for_one_line(self, monkeypatch):
-        solution = make_problem().solve(pressure=1e8)
+        solution = rough_problem().solve(pressure=1e8)
         monkeypatch.setattr(summary, "_MAX_REPR_CELLS", 100)
         monkeypatch.setattr(rc.ContactSolution, "area", lambda self: pytest.fail("the area was estimated"))
         assert repr(solution) == "<ContactSolution 32 x 32, free: converged, 100 MPa>"

@@ -19,8 +19,8 @@ import unkind_classes
 
 from roughcontact.reference import hertz_elliptic
 
-# Tips of few cells err by more than is stated.
 WARNING = ["tip-1", "tip-4", "slender", "strips-unkind"]
+# Tips of few cells err by more than is stated.
 HELD = [name for name in unkind_classes.CLASSES if name not in ("tip-1.5", "tip-4")]
 
 

@@ -15,6 +15,7 @@ from hypothesis import HealthCheck, given, settings
 
 import roughcontact as rc
 from damage import right_key, write_forged
+from scenes import make_problem
 from strategies import wild_problems
 from systems import posix
 from unit_files import read_archive
@@ -24,8 +25,8 @@ SURFACE = rc.SelfAffineSurface(hurst=0.8, rms_height=1e-7, longest=1e-4, shortes
 
 
 def problem(hardness=HARDNESS):
-    body = rc.Body(SURFACE, rc.ElasticPerfectlyPlastic(210e9, 0.3, hardness))
-    return rc.ContactProblem(body, grid=rc.Grid((12, 10), 1e-4), boundary="periodic")
+    material = rc.ElasticPerfectlyPlastic(210e9, 0.3, hardness)
+    return make_problem(SURFACE, material, grid=rc.Grid((12, 10), 1e-4), boundary="periodic")
 
 
 @pytest.fixture(scope="module")
