@@ -76,7 +76,7 @@ def ball(cells=64, hardness=None, force=0.15):
     return make_problem(rc.SphereSurface(1e-3), material, grid=grid).solve(force=force)
 
 
-def rough(**parts):
+def press_rough(**parts):
     waves = {"rms_slope": 0.05, "shortest": 6e-6, "longest": 30e-6, "seed": 4}
     return make_rough((96, 64), (90e-6, 60e-6), STEEL, **waves, **parts).solve(pressure=300e6)
 
@@ -93,7 +93,7 @@ def plastic():
 
 @pytest.fixture(scope="module")
 def periodic():
-    return rough()
+    return press_rough()
 
 
 @pytest.fixture(scope="module")

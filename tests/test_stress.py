@@ -90,7 +90,7 @@ def press_ball(cells, shape, *, sides=(1.0, 1.0), place=(0.0, 0.0), boundary="fr
     return problem.solve(force=force, tolerance=tolerance), hertz_sphere(force, RADIUS, modulus), problem
 
 
-def rough(cells, seed, boundary="periodic", load=2e-3, length=1e-3, young=200e9, aspect=1):
+def press_rough(cells, seed, boundary="periodic", load=2e-3, length=1e-3, young=200e9, aspect=1):
     waves = {"hurst": 0.7, "rms_slope": 0.05, "shortest": length / 8, "longest": length, "rolloff": length / 3}
     material = rc.Elastic(young, NU)
     problem = make_rough((cells, cells * aspect), length, material, boundary=boundary, threads=1, seed=seed, **waves)
@@ -148,7 +148,7 @@ def test_hertz_at_all_points(material):
 
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
 def test_at_the_surface_the_normal_stress_is_the_pressure(boundary):
-    solution, _ = rough(48, 3, boundary)
+    solution, _ = press_rough(48, 3, boundary)
     xx, yy, zz, yz, xz, _ = solution.stress(0.0).components[0] / solution.pressure.max()
     np.testing.assert_allclose(zz, -solution.pressure / solution.pressure.max(), atol=2e-6)
     assert max(np.abs(yz).max(), np.abs(xz).max()) < 1e-6
@@ -172,7 +172,7 @@ def test_far_away_the_contact_is_a_point():
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
 @pytest.mark.parametrize("friction", [None, 0.6])
 def test_the_stress_is_in_equilibrium(boundary, friction):
-    solution, _ = rough(64, 1, boundary, aspect=2)
+    solution, _ = press_rough(64, 1, boundary, aspect=2)
     dx, dy = solution.grid.spacing
     z, step = 6.0 * dx, 0.25 * dx
     above, here, below = solution.stress([z - step, z, z + step], friction=friction, direction=25.0).components
@@ -229,16 +229,16 @@ def test_units_change_nothing_but_the_scale(boundary, length, stiffness):
     ("boundary", "aspect", "seed"), [("periodic", 1, 21), ("periodic", 2, 22), ("periodic", 1, 23)]
 )
 def test_the_uncertainty_of_the_maximum_holds_on_rough_surfaces(boundary, aspect, seed):
-    exact, _ = rough(192 // aspect, seed, boundary, aspect=aspect)
+    exact, _ = press_rough(192 // aspect, seed, boundary, aspect=aspect)
     true = exact.stress().maximum
     for cells in (48, 96):
-        found = rough(cells // aspect, seed, boundary, aspect=aspect)[0].stress().maximum
+        found = press_rough(cells // aspect, seed, boundary, aspect=aspect)[0].stress().maximum
         assert abs(found.value - true.value) < 3.0 * math.hypot(found.uncertainty, true.uncertainty)
         assert found.uncertainty < 0.15 * found.value
 
 
 def test_memory_does_not_grow_with_the_depths():
-    solution, _ = rough(128, 6, "free")
+    solution, _ = press_rough(128, 6, "free")
     peaks = []
     for count in (3, 24):
         tracemalloc.start()
@@ -259,16 +259,16 @@ def test_the_maximum_says_why_it_must_not_be_trusted():
     assert "smallest of the depths" in " ".join(ends.warnings)
     assert "uncertain" in str(ends)
     # Three cells a wave hide summits: the stress is as uncertain as the maximum pressure.
-    coarse, _ = rough(24, 3, aspect=2)
+    coarse, _ = press_rough(24, 3, aspect=2)
     found = coarse.stress().maximum
     peak = coarse.peak_pressure()
     assert found.uncertainty / found.value >= 0.7 * peak.uncertainty / peak.value > 0.02
     assert "cells below the surface, where it depends on the grid" in " ".join(found.warnings)
-    bordering, _ = rough(48, 1, "free", load=0.02)
+    bordering, _ = press_rough(48, 1, "free", load=0.02)
     found = bordering.stress().maximum
     assert found.uncertainty == found.value
     assert "border" in " ".join(found.warnings)
-    wrapped, _ = rough(48, 1, "wrapped")
+    wrapped, _ = press_rough(48, 1, "wrapped")
     assert "wrapped" in " ".join(wrapped.stress().maximum.warnings)
 
 

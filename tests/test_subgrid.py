@@ -67,7 +67,7 @@ def test_the_uncertainty_holds_where_contacts_merge(load):
     assert area.fraction == pytest.approx(exact, rel=0.02)
 
 
-def rough(cells, per_wave, *, hurst, seed, kernel="love"):
+def make_resampled(cells, per_wave, *, hurst, seed, kernel="love"):
     """32 shortest waves a side."""
     surface = rc.SelfAffineSurface(hurst=hurst, rms_slope=0.1, shortest=1.0, longest=16.0, rolloff=8.0, seed=seed)
     heights = surface.heights(rc.Grid((128, 128), 32.0))
@@ -83,11 +83,11 @@ ROUGH = [(0.8, 21), *(pytest.param(h, s, marks=pytest.mark.slow) for h, s in ((0
 @pytest.mark.parametrize("fraction", [0.005, 0.025, 0.08, 0.25])
 def test_blend_on_rough_surfaces(fraction, hurst, seed):
     """About 1, 5, 16 and 45 % contact; the uncertainties hold down to two cells a wave."""
-    exact = rough(1024, 32, hurst=hurst, seed=seed).solve(pressure=0.1 * fraction).area().fraction
+    exact = make_resampled(1024, 32, hurst=hurst, seed=seed).solve(pressure=0.1 * fraction).area().fraction
     light = fraction < 0.01
     for per_wave, most in ((8, 0.5 if light else 0.3), (4, 3.5 if light else 1.5), (2, np.inf)):
         for kernel in ("love", "fourier"):
-            problem = rough(32 * per_wave, per_wave, hurst=hurst, seed=seed, kernel=kernel)
+            problem = make_resampled(32 * per_wave, per_wave, hurst=hurst, seed=seed, kernel=kernel)
             area = problem.solve(pressure=0.1 * fraction).area()
             assert abs(area.fraction / exact - 1) <= most / 100
             assert abs(area.fraction - exact) * 32.0**2 <= 2 * area.uncertainty
@@ -98,8 +98,8 @@ def test_blend_on_rough_surfaces(fraction, hurst, seed):
 @pytest.mark.parametrize(("hurst", "seed"), [(0.8, 31), (0.5, 32), (0.8, 33)])
 @pytest.mark.parametrize("fraction", [0.005, 0.025])
 def test_a_finer_grid_where_the_grid_hardly_resolves_the_waves(fraction, hurst, seed):
-    problem = rough(64, 2, hurst=hurst, seed=seed)
-    exact = rough(1024, 32, hurst=hurst, seed=seed).solve(pressure=0.1 * fraction).area().fraction
+    problem = make_resampled(64, 2, hurst=hurst, seed=seed)
+    exact = make_resampled(1024, 32, hurst=hurst, seed=seed).solve(pressure=0.1 * fraction).area().fraction
     area = rc.on_grid(problem, (512, 512)).solve(pressure=0.1 * fraction).area()
     assert area.fraction == pytest.approx(exact, rel=0.005)
 
@@ -205,7 +205,7 @@ def test_the_uncertainty_of_full_contact_holds_gaps_between_the_cells():
 
 
 def test_areas_of_patches_sum_to_the_area():
-    problem = rough(64, 2, hurst=0.8, seed=1)
+    problem = make_resampled(64, 2, hurst=0.8, seed=1)
     solution = problem.solve(pressure=0.06)
     for name in ("hertz", "blend", "level-set"):
         area = solution.area(name)

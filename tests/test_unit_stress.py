@@ -13,7 +13,7 @@ from roughcontact._answers.subsurface.field import find_steps, maximum_shear
 from roughcontact._base import machine
 from roughcontact._parts.kernels.stress_cells import STRESS_COMPONENTS, cell_stress
 from roughcontact.responses import StressField
-from test_stress import NU, XX, XY, XZ, YY, YZ, ZZ, boussinesq, convolve, rough
+from test_stress import NU, XX, XY, XZ, YY, YZ, ZZ, boussinesq, convolve, press_rough
 
 
 def is_odd(axis, component, load):
@@ -129,7 +129,7 @@ def test_invariants_are_those_of_the_principal_stresses(values):
 
 
 def test_the_array_and_the_fields_are_the_same():
-    solution, _ = rough(32, 6)
+    solution, _ = press_rough(32, 6)
     h = solution.grid.spacing[0]
     stress = solution.stress([2.0 * h, 0.5 * h, 9.0 * h])
     assert len(stress) == 3
@@ -149,7 +149,7 @@ def test_the_array_and_the_fields_are_the_same():
 
 
 def test_an_array_beyond_the_memory_is_refused(monkeypatch):
-    solution, _ = rough(128, 6)
+    solution, _ = press_rough(128, 6)
     monkeypatch.setattr(machine, "available_memory", lambda *_: 2**20)
     with pytest.raises(rc.InputError, match="one at a time"):
         _ = solution.stress(np.linspace(1e-6, 1e-3, 64)).components
