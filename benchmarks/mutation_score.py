@@ -191,7 +191,7 @@ class Recorder:
     def pytest_runtest_setup(self, item) -> None:
         # A cached value is computed anew, or only the first test would run its lines.
         for name, module in list(sys.modules.items()):
-            if name.startswith("roughcontact."):
+            if name.startswith(("roughcontact.", "test_")):
                 for one in list(vars(module).values()):
                     if isinstance(one, functools._lru_cache_wrapper):
                         one.cache_clear()

@@ -68,6 +68,12 @@ def run(capsys):
     return call
 
 
+@pytest.fixture
+def no_pictures(monkeypatch):
+    """Reports without their pictures, for tests of what stands beside these: drawing eight takes two seconds."""
+    monkeypatch.setattr("roughcontact._faces.html.report.can_draw", lambda: False)
+
+
 class DaskCluster:
     """A scheduler of dask in this process, and workers, processes of their own that nobody starts again."""
 

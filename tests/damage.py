@@ -7,8 +7,7 @@ import copy
 import numpy as np
 
 import roughcontact as rc
-from roughcontact._base.archive import SEAL, digest_of, pack, seal, write_archive
-from roughcontact._base.archive.plain import key_of_description
+from unit_files import SEAL, digest_of, key_of_description, pack, seal, write_archive
 
 
 def damage_bytes(data, rng):

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import attrs
+import numpy as np
+import pytest
 
 import roughcontact as rc
 
@@ -11,8 +13,38 @@ GRID = rc.Grid((48, 48), 1e-4)
 ROUGH = rc.SelfAffineSurface(hurst=0.8, rms_height=1e-7, longest=1e-4, shortest=8e-6, seed=5)
 
 
-def make_problem(surface=ROUGH, material=STEEL, **parts):
-    return rc.ContactProblem(rc.Body(surface, material), grid=GRID, **parts)
+# A contact that is solved in milliseconds.
+SMALL_GRID = rc.Grid((24, 24), 1e-4)
+SMALL_ROUGH = rc.SelfAffineSurface(hurst=0.8, rms_height=1e-7, longest=1e-4, shortest=16e-6, seed=5)
+ELASTIC = rc.Elastic(200e9, 0.3)
+_SURFACE_FIELDS = {field.name for field in attrs.fields(rc.SelfAffineSurface)}
+
+
+def make_problem(surface=ROUGH, material=STEEL, *, grid=GRID, **parts):
+    """Return the contact of a surface with a rigid flat."""
+    return rc.ContactProblem(rc.Body(surface, material), grid=grid, **parts)
+
+
+def small_problem(surface=SMALL_ROUGH, **parts):
+    return make_problem(surface, ELASTIC, grid=SMALL_GRID, **parts)
+
+
+def make_rough(cells, size, material=ELASTIC, *, boundary="periodic", **fields):
+    """Return the contact of a self-affine surface, of a Hurst exponent of 0.8, with a rigid flat.
+
+    `cells` and `size` are of the grid, one number or one for x and one for y; `fields` are those of the surface and the
+    other parts of the problem.
+    """
+    grid = rc.Grid(np.broadcast_to(cells, 2), size)
+    parts = {name: fields.pop(name) for name in fields.keys() - _SURFACE_FIELDS}
+    return make_problem(
+        rc.SelfAffineSurface(**{"hurst": 0.8} | fields), material, grid=grid, boundary=boundary, **parts
+    )
+
+
+def read_problem(name, boundary="periodic", **parts):
+    """Return the contact of a steel body, whose surface is a file, with a rigid flat."""
+    return make_problem(rc.read_surface(name), rc.Elastic(210e9, 0.3), grid=None, boundary=boundary, **parts)
 
 
 def make_study(**changes):
@@ -29,9 +61,20 @@ def make_study(**changes):
     return rc.Study(**{**parts, **changes})
 
 
+def small_study(**changes):
+    """Return a study of one small problem, two loads and three seeds, unless other things are given."""
+    parts = {"problems": small_problem(), "force": [0.1, 0.3], "seeds": [0, 1, 2]}
+    return rc.Study(**{**parts, "areas": ["blend", "cell-count"], **changes})
+
+
 def without_seconds(records):
     return [attrs.evolve(record, seconds=0.0) for record in records]
 
 
 def list_unfinished(folder):
     return sorted(path.name for path in folder.rglob("*.partial"))
+
+
+def rather_slow(cases, ordinary):
+    """Return the cases of a test; the ordinary run tries only some of them."""
+    return [case if case in ordinary else pytest.param(case, marks=pytest.mark.slow) for case in cases]

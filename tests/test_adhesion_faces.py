@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import html
-import io
 import json
 import re
 import runpy
@@ -16,18 +15,20 @@ import pytest
 import roughcontact as rc
 from roughcontact import testing as kit
 from roughcontact.__main__ import main
-from roughcontact._faces.cli import paths as path_command
 
 LAW = ["--adhesion", "exponential", "work=50mJ/m2", "range=60nm"]
 BODY = ["--young", "5MPa", "--poisson", "0.5"]
 
 
+def write_ball(folder):
+    grid = rc.Grid((32, 32), 8e-6)
+    np.savez(folder / "ball.npz", heights=rc.ParaboloidSurface(2e-6).heights(grid), size=grid.size)
+    return folder / "ball.npz"
+
+
 @pytest.fixture(scope="module")
 def ball(tmp_path_factory):
-    grid = rc.Grid((32, 32), 8e-6)
-    path = tmp_path_factory.mktemp("maps") / "ball.npz"
-    np.savez(path, heights=rc.ParaboloidSurface(2e-6).heights(grid), size=grid.size)
-    return path
+    return write_ball(tmp_path_factory.mktemp("maps"))
 
 
 def run(capsys, *arguments):
@@ -147,13 +148,6 @@ class TestCycleOfTheCommand:
         assert status == 3
         assert "continue it" in " ".join(printed.out.split())
 
-    @pytest.mark.parametrize("doubtful", [True, False])
-    def test_ends_with_three_where_an_answer_alone_is_doubtful(self, ball, capsys, monkeypatch, doubtful):
-        monkeypatch.setattr(path_command, "is_doubtful", lambda *_: doubtful)
-        status, printed = run(capsys, "solve", ball, *self.CYCLE, *BODY, *self.LAW, "--stiffness")
-        assert status == (3 if doubtful else 0)
-        assert ("doubtful: see its warnings" in printed.err) == doubtful
-
     @pytest.mark.parametrize(
         ("arguments", "sentence"),
         [
@@ -185,7 +179,7 @@ force = [0.0, 20e-9]
 """,
         encoding="utf-8",
     )
-    from roughcontact._work.studies.toml import read_study
+    from unit_files import read_study
 
     result = read_study(tmp_path / "study.toml").run(tmp_path / "results")
     states = [result.solution(record) for record in result]
@@ -263,6 +257,7 @@ def make_plain():
     return rc.ContactProblem(body, grid=rc.Grid((32, 32), 8e-6)).solve(force=1e-8)
 
 
+@pytest.mark.usefixtures("no_pictures")
 def test_report_solves_it_again(solution, tmp_path, capsys):
     text = solution.to_html()
     start = text.index("import hashlib")
@@ -364,19 +359,6 @@ responses = ["pull-off", {type = "first-yield", yield_stress = "1 MPa"}]
         for record in json.loads(printed.out)["records"]:
             assert record["pull-off"] == pytest.approx(expected.value, rel=1e-9)
             assert record["pull-off_uncertainty"] == pytest.approx(expected.uncertainty, rel=1e-9)
-
-    def test_several_loads_share_it(self, ball, capsys, monkeypatch):
-        from roughcontact._answers.linear import pull_off
-
-        calls = []
-        follow = pull_off.find_pull_off
-        monkeypatch.setattr(pull_off, "find_pull_off", lambda *given: calls.append(given) or follow(*given))
-        law = ["--adhesion", "exponential", "work=51mJ/m2", "range=200nm"]
-        status, printed = run(capsys, "solve", ball, "--loads", "1nN", "0N", *BODY, *law, "--pull-off", "--csv")
-        assert status in (0, 3)
-        rows = list(csv.DictReader(io.StringIO(printed.out)))
-        assert len({row["pull-off [N]"] for row in rows}) == len(calls) == 1
-        assert -2.0 < float(rows[0]["pull-off [N]"]) / (np.pi * 0.051 * 2e-6) < -1.5
 
     def test_without_attraction_there_is_none(self, ball):
         problem = attrs.evolve(make_problem(), adhesion=None)

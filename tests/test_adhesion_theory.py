@@ -93,6 +93,7 @@ class TestStickiness:
         body = rc.Body(surface, rc.Elastic(0.75 * E, 0.5))
         return rc.ContactProblem(body, grid=grid, **options).solve(pressure=2e-3 * E), surface.heights(grid), grid
 
+    @pytest.mark.usefixtures("no_pictures")
     def test_is_that_of_the_heights(self):
         solution, heights, grid = self.solve(1.0)
         found = solution.stickiness

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import pytest
 
 import roughcontact as rc
 from roughcontact import extrapolation, reference
+from scenes import make_problem
 
 GRID = rc.Grid((8, 8), 1e-3)
 STEEL = rc.Elastic(210e9, 0.3)
@@ -16,8 +19,7 @@ NAN, INF = float("nan"), float("inf")
 ROUGH = {"hurst": 0.8, "shortest": 1e-4, "longest": 1e-3}
 
 
-def problem(**options):
-    return rc.ContactProblem(BODY, **{"grid": GRID, **options})
+problem = partial(make_problem, BODY.surface, BODY.material, grid=GRID)
 
 
 def with_infinite():

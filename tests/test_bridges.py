@@ -364,7 +364,7 @@ def test_tables_show_in_a_notebook():
 
 
 def test_a_long_table_is_cut_in_the_middle_and_texts_are_escaped():
-    from roughcontact._base.tables import Table
+    from roughcontact.typing import Table
 
     table = Table({"load": [float(load) for load in range(100)], "text": ["<b>&"] * 100}, {"load": "N"})
     page = ElementTree.fromstring(table.to_html("a < b").replace("</div>", "</div>\n", 1).join(["<div>", "</div>"]))

@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact.__main__ import main
-from roughcontact._faces.cli import commands
-from roughcontact._faces.cli.options import quantity
+from roughcontact.__main__ import commands, main
+from roughcontact.typing import quantity
 
 PNG = b"\x89PNG"
 SHIPPED = ("check", "completion", "info", "plot", "report", "run", "solve", "stability", "surface")

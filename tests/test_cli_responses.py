@@ -15,6 +15,7 @@ import pytest
 
 import roughcontact as rc
 from roughcontact.typing import Table
+from scenes import read_problem
 
 SIZE = (96e-6, 32e-6)
 SHAPE = (48, 48)
@@ -30,8 +31,7 @@ def folder(tmp_path, monkeypatch):
 
 
 def solve(**load):
-    body = rc.Body(rc.read_surface("map.npz"), rc.Elastic(210e9, 0.3))
-    return rc.ContactProblem(body, boundary="periodic").solve(**load)
+    return read_problem("map.npz").solve(**load)
 
 
 def same(found, estimate):
@@ -241,6 +241,7 @@ def words_of(path):
 
 
 @pytest.mark.parametrize("place", [["--report", "r.html"], ["--quiet", "-o", "r.html"]])
+@pytest.mark.usefixtures("no_pictures")
 def test_a_report_has_the_answers(run, place):
     pytest.importorskip("matplotlib")
     asked = ["--stiffness", "--conductance", "45", "--leakage", "viscosity=1mPa.s", "pressure_drop=1bar"]
@@ -271,6 +272,7 @@ def test_a_report_of_several_loads_has_a_row_for_each(run):
     assert all(cell in page for (cell,) in cells)
 
 
+@pytest.mark.usefixtures("no_pictures")
 def test_a_report_has_the_load_that_was_searched(run):
     pytest.importorskip("matplotlib")
     run(
@@ -309,6 +311,7 @@ def test_answers_without_a_number_stay_beside_those_with_one(run, monkeypatch):
     assert low == ["1.5", "nan"]
 
 
+@pytest.mark.usefixtures("no_pictures")
 def test_a_response_without_an_answer_leaves_the_report(run):
     pytest.importorskip("matplotlib")
     status, out, err = run(*LOADED, "--force", "20mN", "--stability", "-o", "one.npz", "--report", "r.html")

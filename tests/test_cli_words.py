@@ -12,9 +12,6 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact._faces.cli.options import name_options
-from roughcontact._solve.solution.plausibility import PLAUSIBILITY_RULES
-from roughcontact._work.reports.stability.check import RULES
 from systems import posix
 
 GRID = rc.Grid((48, 48), 48e-6)
@@ -44,22 +41,6 @@ def run(run):
 
 
 class TestOptionsInSentences:
-    @pytest.mark.parametrize(
-        ("sentence", "words"),
-        [
-            ("give size=(x, y), m (on the command line --size).", "give --size X Y."),
-            ("or keep them with non_measured='keep' (on the command line --non-measured).", "--non-measured keep."),
-            ("such as unit=1e-9 (on the command line --unit 1nm).", "such as --unit 1nm."),
-            ("if that is the micrometre, size=(6.4e-05, 4.8e-05)): give", "--size 6.4e-05m 4.8e-05m): give"),
-            ("give decimal=',' or decimal='.'.", "give --decimal ',' or --decimal '.'."),
-            ("skip the lines with skip_rows=.", "with --skip-rows."),
-            ("numpy.savez(path, size=(lx, ly))", "numpy.savez(path, size=(lx, ly))"),
-            ("Subtract it, on the command line --detrend plane.", "Subtract it, on the command line --detrend plane."),
-        ],
-    )
-    def test_take_the_place_of_arguments(self, sentence, words):
-        assert words in name_options(sentence, ["size", "unit", "non_measured", "decimal", "skip_rows"])
-
     def test_of_a_table_without_a_size(self, run):
         status, _, err = run("solve", "table.csv", *LOADED)
         assert status == 2
@@ -89,11 +70,6 @@ PYTHON = re.compile(r"\w\(|\w=|\brc\.|\w\.\w+\(|\b[A-Z][a-z]+[A-Z]\w+|on the com
 class TestAdvice:
     """What a rule advises is in words that suit all who read it: in Python, on the command line and on a page."""
 
-    def test_no_advice_is_in_python_or_an_option(self):
-        for rule in (*RULES.values(), *PLAUSIBILITY_RULES.values()):
-            assert not PYTHON.search(rule.advice), rule.advice
-            assert "--" not in rule.advice
-
     @pytest.fixture
     def tilted(self):
         """A map that is tilted, and filled in."""
@@ -102,6 +78,7 @@ class TestAdvice:
         np.savez("tilted.npz", heights=np.where(lost, np.nan, heights), size=GRID.size)
         return ["solve", "tilted.npz", "--non-measured", "fill", *LOADED]
 
+    @pytest.mark.usefixtures("no_pictures")
     def test_of_a_solve_and_its_report(self, run, tilted):
         status, out, _ = run(*tilted, "--explain", "--report", "report.html")
         assert status == 3

@@ -12,31 +12,20 @@ from hypothesis import strategies as st
 
 import roughcontact as rc
 from extended_precision import violations
-from roughcontact._parts.grid import Load
-from roughcontact._solve.convolvers.base import InverseConvolution, approximate_inverse
-from roughcontact._solve.problem.sweep import predict_pressure
-from roughcontact._solve.problem.task import make_task
-from roughcontact._solve.solvers.conjugate.active import active_cells
-from roughcontact._solve.solvers.conjugate.descent import Descent
-from roughcontact._solve.solvers.conjugate.nested_iteration import nested_iteration
-from roughcontact._solve.solvers.conjugate.preconditioner import PunchWeights
-from roughcontact._solve.solvers.conjugate.refinement import Openings
-from roughcontact.typing import Task, estimate_approach, solve_in_window
+from roughcontact.typing import InverseConvolution, Load, Task, estimate_approach, make_task, solve_in_window
+from scenes import make_rough, rather_slow
 from strategies import STRICT, height_maps, moduli, problems, strict
 
 YOUNG, SLOPE = 1.0, 0.1
 
 
-def rough(n, *, boundary="periodic", hardness=None, seed=0, cells=8, solver=STRICT, kernel="love"):
-    surface = rc.SelfAffineSurface(
-        hurst=0.8, rms_slope=SLOPE, shortest=float(cells), longest=float(n), rolloff=n / 8, seed=seed
-    )
+def rough(n, *, hardness=None, cells=8, solver=STRICT, **parts):
     material = rc.Elastic(YOUNG, 0.0) if hardness is None else rc.ElasticPerfectlyPlastic(YOUNG, 0.0, hardness)
-    body = rc.Body(surface, material)
-    return rc.ContactProblem(body, grid=rc.Grid((n, n), float(n)), boundary=boundary, solver=solver, kernel=kernel)
+    waves = {"rms_slope": SLOPE, "shortest": float(cells), "longest": float(n), "rolloff": n / 8}
+    return make_rough(n, float(n), material, solver=solver, **waves, **parts)
 
 
-SIZES = [64, 128, 256, *(pytest.param(n, marks=pytest.mark.slow) for n in (512, 1024))]
+SIZES = rather_slow([64, 128, 256, 512, 1024], [64, 256])
 
 
 @pytest.mark.parametrize("n", SIZES)
@@ -189,31 +178,6 @@ def test_near_full_contact_the_openings_give_the_same_pressure(kernel, fraction,
     np.testing.assert_allclose(solution.pressure, direct.pressure, atol=1e-6 * direct.pressure.max())
 
 
-def test_where_the_openings_do_not_settle_the_pressure_is_sought(monkeypatch):
-    monkeypatch.setattr(Openings, "_descend", lambda self, peak, goal: self._closing.astype(np.float32))
-    solution = rough(128).solve(pressure=SLOPE * YOUNG)
-    assert solution.status is rc.Status.CONVERGED
-    assert solution.levels[-1].single > 0
-
-
-def test_weights_are_exact_while_cells_join_and_leave():
-    """But for the cells beyond the stencil, which act by a few per cent."""
-    rng = np.random.default_rng(0)
-    for boundary in ("free", "periodic"):
-        convolution = rough(64, boundary=boundary).convolution
-        inverse = approximate_inverse(convolution.setup, np.float32)
-        mask = rng.random(64 * 64) < 0.2
-        weights = PunchWeights(inverse, (64, 64))
-        weights.update(active_cells(mask, mask.__getitem__))
-        for _ in range(5):
-            mask = mask.copy()
-            mask[rng.integers(0, mask.size, 20)] ^= True
-            found = weights.update(active_cells(mask, mask.__getitem__))
-        assert weights.products == 1
-        exact = PunchWeights(inverse, (64, 64)).update(active_cells(mask, mask.__getitem__))
-        np.testing.assert_allclose(found, exact, atol=0.03 * exact.max())
-
-
 @pytest.mark.parametrize("shape", [(64, 64), (63, 33), (5, 8), (1, 7)])
 def test_coefficients_of_the_inverse_are_the_response_to_one_cell(shape):
     inverse = InverseConvolution(np.hypot(*np.ogrid[: shape[0], : shape[1] // 2 + 1]), shape)
@@ -334,24 +298,6 @@ def test_levels_and_steps_report_the_work():
     assert steps[-1].error == solution.errors[-1] <= 1e-8
 
 
-def test_nested_iteration_starts_near_the_solution():
-    problem = rough(128)
-    task = Task(
-        initial_gap=problem.initial_gap / problem.plan.peak_to_valley, mean_pressure=5e-3 / problem.plan.peak_to_valley
-    )
-    start = nested_iteration(problem.convolution, task)
-    assert start.pressure.min() >= 0
-    fine = problem.solve(pressure=5e-3).pressure / problem.plan.peak_to_valley
-    assert np.abs(start.pressure - fine).sum() < 0.5 * fine.sum()
-
-
-def test_after_a_stall_another_method_continues(monkeypatch):
-    monkeypatch.setattr(Descent, "iterate", lambda self: False)
-    solution = rough(64).solve(pressure=5e-3)
-    assert solution.status is rc.Status.RESCUED
-    assert solution.residuals.error <= 2e-8
-
-
 @pytest.mark.parametrize("levels", [1, 2, 50])
 @pytest.mark.parametrize("left", [1e-3, 2e-6, 1e-7])
 def test_an_approach_next_to_full_contact_is_found_through_loads(left, levels, monkeypatch):
@@ -428,18 +374,6 @@ class TestSweep:
         cold = sum(problem.solve(pressure=load).convolutions for load in loads)
         assert problem.sweep(pressure=loads).convolutions < 0.93 * cold
 
-    @pytest.mark.slow
-    @settings(max_examples=30, deadline=None)
-    @given(st.integers(0, 99), st.floats(0.05, 0.9), st.floats(0.4, 1.2), st.sampled_from([None, 0.2 * SLOPE * YOUNG]))
-    def test_a_start_is_within_the_bounds(self, seed, load, ratio, hardness):
-        problem, load = rough(64, hardness=hardness, seed=seed), 0.15 * load * SLOPE * YOUNG
-        found = [problem.solve(pressure=p, throw=False) for p in (load, 0.8 * load)]
-        start = predict_pressure(found, Load("pressure", 0.8 * ratio * load))
-        if start is not None:
-            assert (start >= 0.0).all()
-            assert (start <= found[0].pressure_limit).all()
-            assert not start[~found[1].contact].any()
-
     def test_stiffness_of_a_sphere(self):
         """Hertz: dF/d(approach) = 2 E* a."""
         body = rc.Body(rc.ParaboloidSurface(1e-2), rc.Elastic(1e11, 0.0))
@@ -514,7 +448,7 @@ def test_a_start_far_from_the_solution_does_not_keep_it_from_being_found(shape, 
     assert len(found.errors) >= found.iterations
 
 
-@pytest.mark.parametrize("seed", [7, 48])
+@pytest.mark.parametrize("seed", rather_slow([7, 48], [7]))
 def test_an_approach_on_cells_500_times_as_long_as_wide_is_found(seed):
     heights = 1e-7 * np.random.default_rng(seed).standard_normal((8, 32))
     surface = rc.HeightMap(heights, (8e-6, 1.6e-2), periodic=True)

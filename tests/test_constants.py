@@ -1,6 +1,6 @@
 """Every number that a module is named by says what it is: value, unit, meaning and where it comes from.
 
-`python tests/test_constants.py` prints the constants that do not, room by room.
+`python tests/test_constants.py` prints the constants that do not.
 """
 
 from __future__ import annotations
@@ -8,8 +8,6 @@ from __future__ import annotations
 import ast
 import tokenize
 from pathlib import Path
-
-import pytest
 
 import roughcontact
 
@@ -29,10 +27,6 @@ NUMERIC_CALLS = {
     "linspace",
     "frozenset",
 }
-
-
-def room_of(path):
-    return path.relative_to(ROOT).parts[0].removesuffix(".py")
 
 
 def is_numeric(node):
@@ -78,27 +72,18 @@ def find_constants(path):
     return found
 
 
-CONSTANTS = [(path, *constant) for path in MODULES for constant in find_constants(path)]
-ROOMS = sorted({room_of(path) for path, *_ in CONSTANTS})
-
-
-def list_unexplained(room):
+def list_unexplained():
     return [
         f"{path.relative_to(ROOT)}:{line} {name}"
-        for path, line, name, explained in CONSTANTS
-        if room_of(path) == room and not explained
+        for path in MODULES
+        for line, name, explained in find_constants(path)
+        if not explained
     ]
 
 
-@pytest.mark.parametrize("room", ROOMS)
-def test_every_constant_is_explained(room):
-    assert list_unexplained(room) == []
+def test_every_constant_is_explained():
+    assert list_unexplained() == []
 
 
 if __name__ == "__main__":
-    for room in ROOMS:
-        total = sum(room_of(path) == room for path, *_ in CONSTANTS)
-        print(f"{room}: {len(list_unexplained(room))} of {total} constants without a comment")
-        for line in list_unexplained(room):
-            print("   ", line)
-    print(len(CONSTANTS), "constants")
+    print("\n".join(list_unexplained()))

@@ -1,14 +1,11 @@
 from __future__ import annotations
 
-import pickle
-
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 import roughcontact as rc
-from roughcontact._solve.convolvers.base import approximate_inverse
 from roughcontact.typing import BoundKernel, ConvolutionSetup, PreparedConvolution
 from strategies import grids, pressures, seeds
 
@@ -158,17 +155,3 @@ def test_the_setup_refuses_a_boundary_that_is_not_served(convolver, boundary):
 def test_a_convolver_needs_its_boundaries_and_how_it_prepares_and_a_convolution_how_it_is_applied():
     assert rc.Convolver.__abstractmethods__ == {"boundaries", "prepare"}
     assert PreparedConvolution.__abstractmethods__ == {"setup", "apply"}
-
-
-def test_the_convolution_and_its_inverse_share_one_spectrum(monkeypatch):
-    calls = []
-    monkeypatch.setattr(
-        rc.Love, "spectrum", lambda self, *given, _spectrum=rc.Love.spectrum: calls.append(1) or _spectrum(self, *given)
-    )
-    convolution = rc.CircularFFT().prepare(KERNEL, rc.Grid((24, 20), (24.0, 20.0)), rc.Boundary.PERIODIC)
-    inverse = approximate_inverse(convolution.setup)
-    assert len(calls) == 1
-    wave = np.cos(2 * np.pi * np.arange(24) / 8)[:, np.newaxis] * np.ones(20)
-    np.testing.assert_allclose(inverse.apply(convolution.apply(wave)), wave, atol=1e-12)
-    again = pickle.loads(pickle.dumps(convolution))
-    np.testing.assert_array_equal(again.apply(wave), convolution.apply(wave))

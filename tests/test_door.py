@@ -12,6 +12,7 @@ import traceback
 import types
 import typing
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
 
 import attrs
@@ -21,8 +22,8 @@ import pytest
 import roughcontact as rc
 from roughcontact import extrapolation, reference
 from roughcontact import typing as types_of_rc
-from roughcontact._base.registry import Registry
 from roughcontact.errors import door
+from scenes import make_problem
 
 GRID = rc.Grid((8, 8), 1e-3)
 WAVE = rc.WavySurface(1e-6, 1e-3)
@@ -36,11 +37,10 @@ for module in (reference, extrapolation):
 PUBLIC = {name: value for name, value in PUBLIC.items() if getattr(value, "__module__", "").startswith("roughcontact")}
 
 
-REGISTRIES = [value for value in PUBLIC.values() if isinstance(value, Registry)]
+REGISTRIES = [value for value in PUBLIC.values() if isinstance(value, type(rc.kernels))]
 
 
-def problem(**options):
-    return rc.ContactProblem(rc.Body(WAVE, STEEL), **{"grid": GRID, **options})
+problem = partial(make_problem, WAVE, STEEL, grid=GRID)
 
 
 def is_guarded(function):

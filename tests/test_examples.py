@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 import roughcontact as rc
-from roughcontact._faces.cli import commands
+from roughcontact.__main__ import commands
 
 ROOT = Path(__file__).parent.parent
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]

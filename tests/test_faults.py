@@ -18,34 +18,16 @@ from pathlib import Path
 import attrs
 import numpy as np
 import pytest
-from matplotlib.figure import Figure
 
 import roughcontact as rc
-from roughcontact.__main__ import main as command
-from roughcontact._base.archive import remove_stale, replacing
-from roughcontact._base.tables import Table
-from roughcontact._faces.panels.figures import save_figure
-from roughcontact._work.studies.record import read_index, write_index
-from roughcontact.errors import NotWritten
-from scenes import list_unfinished, without_seconds
+from roughcontact.typing import replacing
+from scenes import ELASTIC, SMALL_ROUGH, list_unfinished, small_problem, small_study, without_seconds
 from systems import linux
+from unit_files import read_index, remove_stale
 
 resource = pytest.importorskip("resource", reason="full disks and permissions are those of POSIX")
 
 SEED = 13
-
-STEEL = rc.Elastic(200e9, 0.3)
-GRID = rc.Grid((24, 24), 1e-4)
-ROUGH = rc.SelfAffineSurface(hurst=0.8, rms_height=1e-7, longest=1e-4, shortest=16e-6, seed=5)
-
-
-def problem(surface=ROUGH, **parts):
-    return rc.ContactProblem(rc.Body(surface, STEEL), grid=GRID, **parts)
-
-
-def study(**changes):
-    parts = {"problems": problem(), "force": [0.1, 0.3], "seeds": [0, 1, 2], "areas": ["blend", "cell-count"]}
-    return rc.Study(**{**parts, **changes})
 
 
 @attrs.frozen
@@ -63,7 +45,7 @@ class Trouble(rc.Surface):
             TROUBLES[self.trouble](grid)
             if self.trouble in FIELDS:
                 return FIELDS[self.trouble](grid)
-        return attrs.evolve(ROUGH, seed=self.seed).heights(grid)
+        return attrs.evolve(SMALL_ROUGH, seed=self.seed).heights(grid)
 
 
 class Locked(Trouble):
@@ -119,7 +101,7 @@ class TestOneFailingPart:
 
     @pytest.mark.parametrize("trouble", EXCEPTIONS)
     def test_a_surface(self, tmp_path, trouble):
-        troubled = study(problems=problem(Trouble(trouble)))
+        troubled = small_study(problems=small_problem(Trouble(trouble)))
         result = troubled.run(tmp_path)
         assert [record.success for record in result.records] == [True, True, False, False, True, True]
         for record in result.failed:
@@ -140,7 +122,9 @@ class TestOneFailingPart:
             "convolver": {"convolver": BrokenConvolver()},
             "solver": {"solver": BrokenSolver()},
         }[part]
-        result = study(problems={"broken": problem(**broken), "good": problem()}, seeds=[]).run(tmp_path)
+        result = small_study(problems={"broken": small_problem(**broken), "good": small_problem()}, seeds=[]).run(
+            tmp_path
+        )
         assert [record.problem for record in result.failed] == ["broken", "broken"]
         assert result.failed[0].message.startswith(f"The {part} ")
         assert "KeyError: 'absent'" in result.failed[0].message
@@ -148,7 +132,7 @@ class TestOneFailingPart:
     def test_an_estimator(self, tmp_path, monkeypatch):
         with monkeypatch.context() as broken:
             broken.setattr(rc.CellCount, "estimate", lambda *_: {}["absent"])
-            result = study().run(tmp_path)
+            result = small_study().run(tmp_path)
             assert result.computed == 6
             assert "6 without all areas" in str(result)
             for record in result.records:
@@ -157,9 +141,9 @@ class TestOneFailingPart:
                 assert record.message == "The area estimator 'cell-count' failed (KeyError: 'absent')."
             # What is known is not estimated again.
             broken.setattr(rc.Blend, "estimate", lambda *_: pytest.fail("estimated again"))
-            assert without_seconds(study().run(tmp_path).records) == without_seconds(result.records)
+            assert without_seconds(small_study().run(tmp_path).records) == without_seconds(result.records)
         monkeypatch.setattr(rc.ContactProblem, "solve", lambda *_, **__: pytest.fail("solved again"))
-        again = study().run(tmp_path)
+        again = small_study().run(tmp_path)
         assert again.computed == 0
         assert not again.failed
         assert all(set(record.areas) == {"blend", "cell-count"} for record in again.records)
@@ -167,19 +151,23 @@ class TestOneFailingPart:
     def test_the_default_estimator(self, tmp_path, monkeypatch):
         with monkeypatch.context() as broken:
             broken.setattr(rc.Blend, "estimate", lambda *_: raise_(MemoryError("blend")))
-            result = study(areas=["blend"]).run(tmp_path)
+            result = small_study(areas=["blend"]).run(tmp_path)
             assert "'blend' failed (MemoryError: blend)" in result.records[0].message
             assert result.solution(result.records[0]).force == pytest.approx(0.1)
         monkeypatch.setattr(rc.ContactProblem, "solve", lambda *_, **__: pytest.fail("solved again"))
-        again = study(areas=["blend"]).run(tmp_path)
+        again = small_study(areas=["blend"]).run(tmp_path)
         assert not again.failed
         assert all(record.areas["blend"][0] > 0.0 for record in again.records)
 
     @pytest.mark.slow
     def test_a_problem_that_cannot_be_sent_to_a_worker(self, tmp_path):
-        problems = {"locked": problem(Locked("NaN")), "good": problem(), "broken": problem(Trouble("a key"))}
+        problems = {
+            "locked": small_problem(Locked("NaN")),
+            "good": small_problem(),
+            "broken": small_problem(Trouble("a key")),
+        }
         with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as executor:
-            result = study(problems=problems, seeds=[1]).run(tmp_path, executor=executor)
+            result = small_study(problems=problems, seeds=[1]).run(tmp_path, executor=executor)
         assert [record.success for record in result.records] == [False] * 2 + [True] * 2 + [False] * 2
         assert re.fullmatch(EXCEPTIONS["a key"] + r"\.", result.records[-1].message)
         assert "Sending the problem to a worker failed (TypeError: locked)" in result.records[0].message
@@ -222,17 +210,17 @@ class TestInterruption:
         with monkeypatch.context() as patched:
             patched.setattr(rc.ContactProblem, "solve", interrupt)
             with pytest.raises(KeyboardInterrupt):
-                study().run(tmp_path)
+                small_study().run(tmp_path)
         (index,) = tmp_path.glob("study-*.json")
         assert len(read_index(index)) == 2
         assert not list_unfinished(tmp_path)
-        assert study().run(tmp_path).computed == 3
+        assert small_study().run(tmp_path).computed == 3
 
     def test_of_a_worker(self, tmp_path, monkeypatch):
         monkeypatch.setattr(rc.ContactProblem, "solve", lambda *_, **__: raise_(KeyboardInterrupt()))
         with ThreadPoolExecutor(1) as executor:
             with pytest.raises(KeyboardInterrupt):
-                study(seeds=range(50)).run(tmp_path, executor=executor)
+                small_study(seeds=range(50)).run(tmp_path, executor=executor)
             # What had not begun was cancelled.
             assert executor._work_queue.qsize() <= 50
         assert not list(tmp_path.glob("*.npz"))
@@ -240,7 +228,7 @@ class TestInterruption:
     def test_by_the_caller(self, tmp_path):
         with ThreadPoolExecutor(1) as executor:
             with pytest.raises(ZeroDivisionError):
-                study(seeds=range(30)).run(tmp_path, executor=executor, on_records=lambda _: 1 / 0)
+                small_study(seeds=range(30)).run(tmp_path, executor=executor, on_records=lambda _: 1 / 0)
             executor.shutdown()
         assert len(list(tmp_path.glob("*.npz"))) < 20
 
@@ -248,12 +236,12 @@ class TestInterruption:
         executor = ThreadPoolExecutor(1)
         executor.shutdown()
         with pytest.raises(rc.StudyStopped, match=r"The executor broke \(cannot schedule.*: 0 of 6 solves"):
-            study().run(tmp_path, executor=executor)
+            small_study().run(tmp_path, executor=executor)
 
     @pytest.mark.filterwarnings("ignore:.*must be registered")
     @pytest.mark.parametrize("trouble", ["killed", pytest.param("ends the process", marks=pytest.mark.slow)])
     def test_a_worker_that_its_task_kills(self, tmp_path, trouble):
-        deadly, seen = study(problems=problem(Trouble(trouble)), seeds=[0, 1, 2]), []
+        deadly, seen = small_study(problems=small_problem(Trouble(trouble)), seeds=[0, 1, 2]), []
         with (
             ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as executor,
             pytest.raises(rc.StudyStopped, match=r"The executor broke.*2 of 6 solves are reported"),
@@ -275,7 +263,7 @@ class TestUnfinishedFiles:
             subprocess.run([sys.executable, "-c", kill, str(tmp_path / name)], check=False)
             # The next process removes what the one before has left.
             assert len(list_unfinished(tmp_path)) == 1
-        study(seeds=[0]).run(tmp_path)
+        small_study(seeds=[0]).run(tmp_path)
         assert not list_unfinished(tmp_path)
 
     def test_by_the_next_that_writes_into_the_folder(self, tmp_path):
@@ -338,49 +326,6 @@ def dead_process():
     return process.pid
 
 
-# Ways to write a file of each format, by its name.
-FORMATS = {
-    "solution.npz": lambda path, made: made["solution"].save(path),
-    "solution.nc": lambda path, made: made["solution"].save(path),
-    "records.csv": lambda path, made: made["result"].to_csv(path),
-    "report.csv": lambda path, made: made["report"].to_csv(path),
-    **{f"report.{ending}": lambda path, made: made["report"].draw(path) for ending in ("png", "svg", "pdf")},
-    "solution.png": lambda path, made: save_figure(made["solution"].plot(), path),
-    "study.json": lambda path, made: write_index(path, made["result"].records),
-    "table.csv": lambda path, made: paper_output().write_results([made["table"]], {}, path.parent),
-    "figure.png": lambda path, made: paper_output().write_results([], {"figure": Figure()}, path.parent),
-    "maps.npz": lambda path, made: paper_maps()._write(path, "key", (made["maps"], 0.0, True)),
-}
-
-
-def paper_output():
-    return pytest.importorskip("roughcontact_paper.output")
-
-
-def paper_maps():
-    return pytest.importorskip("roughcontact_paper.synthetic_pair")
-
-
-@pytest.fixture(scope="module")
-def made(tmp_path_factory):
-    """What there is to write, and whole files of it."""
-    folder = tmp_path_factory.mktemp("whole")
-    pytest.importorskip("h5netcdf")
-    cells = Table.from_rows([f"column {place}" for place in range(80)], [tuple("1234" * 20)] * 9)
-    table = paper_output().PaperTable("table", "title", cells)
-    rough = rc.HeightMap(ROUGH.heights(GRID), 264.2e-6)
-    found = {
-        "solution": problem().solve(force=0.1),
-        "result": study(seeds=[0]).run(folder / "study"),
-        "report": rc.error_vs_time(problem(), force=0.1, reference={"area": 1e-9}, cells=[12, 24], repeats=1),
-        "table": table,
-        "maps": rc.ContactProblem(rc.Body(rough, STEEL), rc.Body(rough, STEEL)),
-    }
-    for name, write in FORMATS.items():
-        write(folder / name, found)
-    return {**found, "folder": folder}
-
-
 @contextlib.contextmanager
 def full_disk(size):
     """Let files grow to a size only: writing more fails as on a full disk, in the same calls of the system."""
@@ -414,34 +359,10 @@ def without_privileges():
 class TestDisk:
     """A full disk, a folder that cannot be written to: a sentence, and what was there stays as it was."""
 
-    @pytest.mark.slow
-    @pytest.mark.parametrize("name", FORMATS)
-    def test_full(self, tmp_path, made, name):
-        (tmp_path / name).write_text("what was there")
-        size = (made["folder"] / name).stat().st_size
-        for part in (0.0, 0.5, 0.99) if name.endswith(("npz", "csv")) else (0.5,):
-            # The size of a file may change by a few digits of a time.
-            with (
-                full_disk(int(part * size)),
-                pytest.raises(NotWritten, match=f"{name}' cannot be written: File too large"),
-            ):
-                FORMATS[name](tmp_path / name, made)
-            assert (tmp_path / name).read_text() == "what was there"
-            assert not list_unfinished(tmp_path)
-
-    @pytest.mark.parametrize("name", [name for name in FORMATS if not name.endswith(("png", "svg", "pdf"))])
-    def test_read_only(self, tmp_path, made, name):
-        (tmp_path / name).write_text("what was there")
-        tmp_path.chmod(0o555)
-        with without_privileges(), pytest.raises(NotWritten, match=f"{name}' cannot be written: Permission denied"):
-            FORMATS[name](tmp_path / name, made)
-        assert os.listdir(tmp_path) == [name]
-        assert (tmp_path / name).read_text() == "what was there"
-
     def test_a_full_disk_keeps_what_is_finished(self, tmp_path):
         """The solutions of the larger problem do not fit."""
-        large = rc.ContactProblem(rc.Body(ROUGH, STEEL), grid=rc.Grid((64, 64), 1e-4))
-        both, seen = study(problems={"small": problem(), "large": large}, seeds=[0]), []
+        large = rc.ContactProblem(rc.Body(SMALL_ROUGH, ELASTIC), grid=rc.Grid((64, 64), 1e-4))
+        both, seen = small_study(problems={"small": small_problem(), "large": large}, seeds=[0]), []
         with (
             full_disk(60_000),
             pytest.raises(rc.StudyStopped, match=r"cannot be written to .*: 2 of 4 solves"),
@@ -459,55 +380,42 @@ class TestDisk:
             ThreadPoolExecutor(2) as executor,
             pytest.raises(rc.StudyStopped, match="File too large"),
         ):
-            study(seeds=range(6)).run(tmp_path, executor=executor)
-        assert study(seeds=range(6)).run(tmp_path).computed == 12
+            small_study(seeds=range(6)).run(tmp_path, executor=executor)
+        assert small_study(seeds=range(6)).run(tmp_path).computed == 12
 
     def test_a_folder_that_cannot_be_made_or_written_to(self, tmp_path):
         (tmp_path / "file").write_text("")
         with pytest.raises(rc.InputError, match=r"folder .*file/deep' of the study cannot be made"):
-            study().run(tmp_path / "file" / "deep")
+            small_study().run(tmp_path / "file" / "deep")
         (tmp_path / "closed").mkdir(mode=0o555)
         with without_privileges(), pytest.raises(rc.StudyStopped, match=r"\(Permission denied\): 0 of 6 solves"):
-            study().run(tmp_path / "closed")
+            small_study().run(tmp_path / "closed")
 
     def test_a_finished_study_is_read_where_nothing_can_be_written(self, tmp_path):
-        first = study().run(tmp_path)
+        first = small_study().run(tmp_path)
         tmp_path.chmod(0o555)
         with without_privileges():
-            again = study().run(tmp_path)
+            again = small_study().run(tmp_path)
         assert again.records == first.records
 
     def test_a_device_is_not_replaced(self):
         with pytest.raises(rc.InputError, match="something else than a file at '/dev/null'"), replacing("/dev/null"):
             pass
 
-    def test_the_command(self, tmp_path, made, capsys, monkeypatch):
-        monkeypatch.chdir(tmp_path)
-        np.savez(tmp_path / "map.npz", heights=ROUGH.heights(GRID), size=1e-4)
-        solve = ["solve", "map.npz", "--force", "0.1N", "--young", "200GPa", "-o", "out"]
-        with full_disk(500):
-            assert command(solve) == 2
-        assert "cannot be written: File too large" in capsys.readouterr().err
-        assert os.listdir(tmp_path / "out") == []
-        with full_disk((made["folder"] / "solution.npz").stat().st_size + 5000):
-            assert command(solve) == 2
-        assert "solution.png' cannot be written" in capsys.readouterr().err
-        assert os.listdir(tmp_path / "out") == ["solution.npz"]
-
 
 def test_nothing_depends_on_the_clocks(tmp_path, monkeypatch):
     """They jump by a year, forwards and backwards, at each call."""
-    first = study().run(tmp_path / "steady")
+    first = small_study().run(tmp_path / "steady")
     rng = random.Random(SEED)
     for name in ("time", "monotonic", "perf_counter", "process_time", "thread_time"):
         monkeypatch.setattr(time, name, lambda: rng.uniform(-3e7, 3e7))
-    result = study().run(tmp_path / "jumps")
-    assert study().run(tmp_path / "jumps").computed == 0
+    result = small_study().run(tmp_path / "jumps")
+    assert small_study().run(tmp_path / "jumps").computed == 0
     monkeypatch.undo()
     assert without_seconds(first.records) == without_seconds(result.records)
     for record in result.records:
         assert (result.solution(record).pressure == first.solution(record).pressure).all()
-    assert study().run(tmp_path / "jumps").computed == 0
+    assert small_study().run(tmp_path / "jumps").computed == 0
 
 
 @pytest.mark.slow
@@ -518,13 +426,13 @@ def test_too_little_memory_for_one_problem(tmp_path):
         "import resource, sys\n"
         f"sys.path.insert(0, {os.path.dirname(__file__)!r})\n"
         "from test_faults import *\n"
-        "large = rc.ContactProblem(rc.Body(rc.SphereSurface(1e-3), STEEL), grid=rc.Grid((4000, 4000), 1e-4))\n"
-        "problems = {'first': problem(), 'large': large, 'last': problem(rc.SphereSurface(1e-3))}\n"
+        "large = rc.ContactProblem(rc.Body(rc.SphereSurface(1e-3), ELASTIC), grid=rc.Grid((4000, 4000), 1e-4))\n"
+        "problems = {'first': small_problem(), 'large': large, 'last': small_problem(rc.SphereSurface(1e-3))}\n"
         # Libraries of linear algebra take buffers at their first use, and end the process where they cannot.
-        "study(problems={'before': problem()}, seeds=[]).run(sys.argv[1] + '/before')\n"
+        "small_study(problems={'before': small_problem()}, seeds=[]).run(sys.argv[1] + '/before')\n"
         "pages = int(open('/proc/self/statm').read().split()[0]) * resource.getpagesize()\n"
         "resource.setrlimit(resource.RLIMIT_AS, (pages + 2**27, pages + 2**27))\n"
-        "for record in study(problems=problems, seeds=[]).run(sys.argv[1]).records:\n"
+        "for record in small_study(problems=problems, seeds=[]).run(sys.argv[1]).records:\n"
         "    print(record.problem, record.success, record.message)\n"
     )
     done = subprocess.run([sys.executable, "-c", script, str(tmp_path)], capture_output=True, text=True, check=True)

@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
 import roughcontact as rc
-from roughcontact._parts.files.reading import read_raw
-from roughcontact._parts.surfaces.filling import fill
+from roughcontact.typing import read_raw
 
 HEIGHTS = np.random.default_rng(0).random((5, 7)) * 1e-6
 
@@ -54,20 +53,6 @@ def test_non_measured_points_are_refused_or_filled(tmp_path):
     np.testing.assert_array_equal(surface.values[known], HEIGHTS[known])
     assert surface.values[2, 3] == pytest.approx(np.mean([HEIGHTS[1, 3], HEIGHTS[3, 3], HEIGHTS[2, 2], HEIGHTS[2, 4]]))
     assert surface.values[0, 0] == pytest.approx(np.mean([HEIGHTS[0, 1], HEIGHTS[1, 0]]))
-
-
-def test_filling_makes_no_summit_and_continues_planes():
-    rng = np.random.default_rng(1)
-    incomplete = rng.random((20, 30))
-    incomplete[5:12, 8:20] = np.nan
-    incomplete[rng.random(incomplete.shape) < 0.3] = np.nan
-    complete = fill(incomplete)
-    assert np.nanmin(incomplete) <= complete.min()
-    assert complete.max() <= np.nanmax(incomplete)
-    plane = 3.0 * np.arange(20)[:, None] - np.arange(30)
-    plane_with_gap = plane.astype(float)
-    plane_with_gap[5:12, 8:20] = np.nan
-    np.testing.assert_allclose(fill(plane_with_gap), plane, atol=1e-12)
 
 
 @pytest.mark.parametrize(
@@ -158,7 +143,7 @@ def test_a_reader_of_somebody_else(tmp_path):
         suffixes = frozenset({".bytes"})
 
         def read(self, path):
-            from roughcontact._parts.files import RawMap
+            from roughcontact.typing import RawMap
 
             return RawMap(np.frombuffer(path.read_bytes(), dtype=np.uint8).reshape(2, 2) * 1e-9, (1.0, 1.0))
 
@@ -403,23 +388,6 @@ def test_an_image_of_gwyddion_has_its_size_its_unit_and_x_first(tmp_path):
     np.testing.assert_array_equal(rc.read_surface(tmp_path / "image.txt", unit="nm").values, surface.values)
     with pytest.raises(rc.InputError, match="states its own unit of height"):
         rc.read_surface(tmp_path / "image.txt", unit=1e-6)
-
-
-def test_many_points_are_filled_as_few_are(monkeypatch):
-    """Iterations with a multigrid cycle, in memory in proportion to the points, against the direct solution."""
-    rng = np.random.default_rng(2)
-    heights = 1e-3 + 1e-7 * (rng.random((200, 230)) + np.cos(np.arange(230) / 20))
-    heights[4:-3, 5:-2] = np.nan
-    heights[rng.random(heights.shape) < 0.3] = np.nan
-    heights[90, 100] = heights[20:180, 60] = 1e-3
-    iterated = fill(heights)
-    monkeypatch.setattr("roughcontact._parts.surfaces.filling._MAX_DIRECT_POINTS", heights.size)
-    # The direct solution loses digits to the mean height.
-    np.testing.assert_allclose(iterated - 1e-3, fill(heights - 1e-3), atol=1e-11 * 1e-7, rtol=0)
-    known = np.isfinite(heights)
-    np.testing.assert_array_equal(iterated[known], heights[known])
-    assert heights[known].min() <= iterated.min()
-    assert iterated.max() <= heights[known].max()
 
 
 def test_points_that_take_more_memory_than_there_is_are_not_filled(tmp_path, monkeypatch):

@@ -14,7 +14,7 @@ from scipy import integrate
 
 import roughcontact as rc
 from roughcontact._solve.problem.friction_certificate import FoundTractions, FrictionalContact
-from roughcontact._solve.solvers import ProjectedShearCG, ShearTask
+from roughcontact._solve.solvers import ProjectedShearCG
 from roughcontact.errors import InputError
 from roughcontact.reference import (
     CattaneoMindlin,
@@ -23,6 +23,7 @@ from roughcontact.reference import (
     bonded_punch,
     frictional_punch,
 )
+from roughcontact.typing import ShearTask
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "benchmarks"))
 

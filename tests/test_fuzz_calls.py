@@ -508,6 +508,7 @@ def test_every_argument_has_a_good_value():
         inspect.signature(call).bind(**arguments)
 
 
+@pytest.mark.usefixtures("no_pictures")
 @pytest.mark.parametrize("name", CALLABLE)
 def test_good_values_are_accepted(name, folder):
     with warnings.catch_warnings():

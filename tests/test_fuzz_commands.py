@@ -20,8 +20,7 @@ import numpy as np
 import pytest
 
 import test_fuzz_calls
-from roughcontact.__main__ import main
-from roughcontact._faces.cli import commands
+from roughcontact.__main__ import commands, main
 from systems import linux, posix
 
 # Command lines of the long run, of one block of it, and of the ordinary run.

@@ -19,9 +19,8 @@ import scipy.io
 
 import roughcontact as rc
 from damage import damage_bytes, forge, write_forged
-from roughcontact._base.archive import SEAL, read_archive, seal
-from roughcontact._work.studies.record import read_index
 from strategies import STRICT
+from unit_files import SEAL, read_archive, read_index, seal
 
 h5py = pytest.importorskip("h5py")
 tifffile = pytest.importorskip("tifffile")

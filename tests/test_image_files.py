@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import roughcontact as rc
-from roughcontact._parts.files.reading import read_raw
+from roughcontact.typing import read_raw
 
 tifffile = pytest.importorskip("tifffile")
 

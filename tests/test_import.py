@@ -8,6 +8,8 @@ import subprocess
 import sys
 from importlib.metadata import requires
 
+import pytest
+
 HEAVY = {
     "matplotlib",
     "pint",
@@ -25,27 +27,32 @@ HEAVY = {
 }
 
 
-def loaded_after(script):
-    probe = f"{script}\nimport json, sys\nprint(json.dumps(sorted(sys.modules)))"
+STEPS = (
+    "import scipy.fft",
+    "import roughcontact as rc",
+    "body = rc.Body(rc.WavySurface(1e-6, 1e-4), rc.Elastic(1e9, 0.3)); "
+    "solution = rc.ContactProblem(body, grid=rc.Grid((16, 16), 1e-4)).solve(pressure=1e4)",
+    "solution.area()",
+)
+
+
+@pytest.fixture(scope="module")
+def loaded():
+    """The modules that each step of a script has loaded: the transforms, the package, a solve and its area."""
+    probe = "import json, sys\n" + "".join(f"{step}\nprint(json.dumps(sorted(sys.modules)))\n" for step in STEPS)
     done = subprocess.run([sys.executable, "-c", probe], capture_output=True, text=True, check=True)
-    return set(json.loads(done.stdout.splitlines()[-1]))
+    return [set(json.loads(line)) for line in done.stdout.splitlines()]
 
 
-def test_import_loads_nothing_heavy():
-    before, after = loaded_after("import scipy.fft"), loaded_after("import roughcontact")
-    assert not HEAVY & (after - before)
+def test_import_loads_nothing_heavy(loaded):
+    transforms, package, _, _ = loaded
+    assert not HEAVY & (package - transforms)
 
 
-def test_a_solve_loads_nothing_heavy_and_its_area_only_what_it_needs():
-    script = """
-import roughcontact as rc
-body = rc.Body(rc.WavySurface(1e-6, 1e-4), rc.Elastic(1e9, 0.3))
-solution = rc.ContactProblem(body, grid=rc.Grid((16, 16), 1e-4)).solve(pressure=1e4)
-"""
-    before = loaded_after("import scipy.fft")
-    assert not HEAVY & (loaded_after(script) - before)
-    needed = {"scipy.ndimage", "scipy.optimize", "scipy.sparse.linalg"}
-    assert HEAVY & (loaded_after(script + "solution.area()") - before) <= needed
+def test_a_solve_loads_nothing_heavy_and_its_area_only_what_it_needs(loaded):
+    transforms, _, solve, area = loaded
+    assert not HEAVY & (solve - transforms)
+    assert HEAVY & (area - transforms) <= {"scipy.ndimage", "scipy.optimize", "scipy.sparse.linalg"}
 
 
 def test_the_core_needs_three_packages():

@@ -10,28 +10,19 @@ import pytest
 from scipy import integrate
 
 import roughcontact as rc
-from roughcontact._base.units import parse_quantity
-from roughcontact._parts.interactions import (
-    BoundInteraction,
-    Dugdale,
-    Exponential,
-    Interaction,
-    ShortRange,
-    VanDerWaals,
-    interactions,
-)
+from roughcontact.typing import BoundInteraction, quantity
 
 WORK = 0.05
 LAWS = [
-    Exponential(WORK, 2e-9),
-    Dugdale(WORK, 1e7),
-    Dugdale(WORK, 1e7, smoothing=1.0),
-    VanDerWaals(WORK, 5e-10),
+    rc.Exponential(WORK, 2e-9),
+    rc.Dugdale(WORK, 1e7),
+    rc.Dugdale(WORK, 1e7, smoothing=1.0),
+    rc.VanDerWaals(WORK, 5e-10),
 ]
 GAPS = np.linspace(0.0, 2e-8, 4001)
 
 
-class Linear(Interaction):
+class Linear(rc.Interaction):
     """A law of one's own: the tension falls in a straight line."""
 
     def __repr__(self):
@@ -111,19 +102,19 @@ class TestEveryLaw:
 
 
 def test_closed_forms():
-    assert Exponential(0.05, 2e-9).tension(np.array([2e-9]))[0] == pytest.approx(0.05 / 2e-9 / math.e, rel=1e-14)
-    assert VanDerWaals(0.05, 1e-9).tension(np.array([1e-9]))[0] == pytest.approx(2 * 0.05 / 1e-9 / 8, rel=1e-14)
+    assert rc.Exponential(0.05, 2e-9).tension(np.array([2e-9]))[0] == pytest.approx(0.05 / 2e-9 / math.e, rel=1e-14)
+    assert rc.VanDerWaals(0.05, 1e-9).tension(np.array([1e-9]))[0] == pytest.approx(2 * 0.05 / 1e-9 / 8, rel=1e-14)
     # The Hamaker constant of two half-spaces, A = 12 pi w z^2: the tension far away is A / (6 pi g^3).
     hamaker = 12.0 * math.pi * 0.05 * 1e-18
-    assert VanDerWaals(0.05, 1e-9).tension(np.array([1e-4]))[0] == pytest.approx(
+    assert rc.VanDerWaals(0.05, 1e-9).tension(np.array([1e-4]))[0] == pytest.approx(
         hamaker / (6 * math.pi * 1e-12), rel=4e-5
     )
-    dugdale = Dugdale(0.05, 1e7, smoothing=0.2)
+    dugdale = rc.Dugdale(0.05, 1e7, smoothing=0.2)
     np.testing.assert_allclose(dugdale.tension(np.array([0.0, 3.9e-9, 5e-9, 6.1e-9])), [1e7, 1e7, 5e6, 0.0], atol=1e-8)
     assert dugdale.steepest == pytest.approx(math.pi * 1e14 / (4 * 0.2 * 0.05), rel=1e-14)
 
 
-class _Linear(Interaction):
+class _Linear(rc.Interaction):
     """A law of one's own, whose tension falls linearly: with an array of strengths it varies from cell to cell."""
 
     def __init__(self, strength):
@@ -153,20 +144,20 @@ def test_work_and_strength_of_a_law_of_ones_own_are_numbers_or_arrays():
     [((0.0, 0.0), 1e9, "The cell"), ((1e-8, np.nan), 1e9, "The cell"), ((1e-8, 3e-8), 0.0, "The contact modulus")],
 )
 def test_cells_and_moduli_that_no_grid_has(ask, spacing, modulus, what):
-    law = ShortRange(0.05) if ask == "resolve" else Exponential(0.05, 1e-9)
+    law = rc.ShortRange(0.05) if ask == "resolve" else rc.Exponential(0.05, 1e-9)
     with pytest.raises(rc.InputError, match=what):
         getattr(law, ask)(spacing, modulus)
 
 
 def test_a_short_range_has_no_units_without_a_grid():
     with pytest.raises(rc.InputError, match="depends on the grid"):
-        ShortRange(0.05).scaled(1e-9, 1e6)
+        rc.ShortRange(0.05).scaled(1e-9, 1e6)
 
 
 def test_work_and_range_may_vary_from_cell_to_cell():
     work = np.array([[0.01, 0.02, 0.03]])
-    for law in (Exponential(work, 2e-9), Dugdale(work, 1e7), VanDerWaals(work, 1e-9), ShortRange(work)):
-        if isinstance(law, ShortRange):
+    for law in (rc.Exponential(work, 2e-9), rc.Dugdale(work, 1e7), rc.VanDerWaals(work, 1e-9), rc.ShortRange(work)):
+        if isinstance(law, rc.ShortRange):
             law = law.resolve((1e-8, 1e-8), 1e9)
         np.testing.assert_allclose(law.work, work, rtol=1e-14)
         gap = np.full((1, 3), 3e-9)
@@ -177,7 +168,7 @@ def test_work_and_range_may_vary_from_cell_to_cell():
         np.testing.assert_allclose(part.tension(gap[:, 1:] / 1e-9), bound.tension(gap / 1e-9)[:, 1:], rtol=1e-14)
         again = copy.deepcopy(law)
         assert not again.work.flags.writeable
-    same = BoundInteraction(Exponential(0.05, 2e-9))
+    same = BoundInteraction(rc.Exponential(0.05, 2e-9))
     assert same.convert(lambda values: values[:, 1:]) is same
 
 
@@ -187,26 +178,26 @@ def _at(law, cell):
 
 
 def test_the_shortest_range_is_that_which_the_grid_resolves():
-    law = ShortRange("50mJ/m2").resolve((1e-8, 3e-8), 1e9)
+    law = rc.ShortRange("50mJ/m2").resolve((1e-8, 3e-8), 1e9)
     assert law.cohesive_cells((1e-8, 3e-8), 1e9) == pytest.approx(2.0, rel=1e-14)
     assert law.work == 0.05
     # Half of the cell: the range shrinks by the square root.
-    finer = ShortRange(0.05).resolve((5e-9, 1.5e-8), 1e9)
+    finer = rc.ShortRange(0.05).resolve((5e-9, 1.5e-8), 1e9)
     assert finer.range == pytest.approx(law.range / math.sqrt(2.0), rel=1e-14)
     with pytest.raises(rc.InputError, match="depends on the grid"):
-        ShortRange(0.05).tension(np.zeros(3))
-    fixed = Exponential(0.05, 2e-9)
+        rc.ShortRange(0.05).tension(np.zeros(3))
+    fixed = rc.Exponential(0.05, 2e-9)
     assert fixed.resolve((1e-8, 1e-8), 1e9) is fixed
 
 
 def test_texts_with_units():
-    assert Exponential("50mJ/m2", "2nm").range == 2e-9
-    assert Exponential("50 mN/m", "2nm").work == pytest.approx(0.05, rel=1e-15)
-    assert Dugdale("0.05 J/m^2", "10MPa").strength == 1e7
-    assert parse_quantity("50mJ/m2", "J/m2") == 0.05
+    assert rc.Exponential("50mJ/m2", "2nm").range == 2e-9
+    assert rc.Exponential("50 mN/m", "2nm").work == pytest.approx(0.05, rel=1e-15)
+    assert rc.Dugdale("0.05 J/m^2", "10MPa").strength == 1e7
+    assert quantity("J/m2")("50mJ/m2") == 0.05
     for wrong in ("50", "50mJ", "50Pa", "work"):
         with pytest.raises(rc.InputError, match="work of adhesion"):
-            Exponential(wrong, 2e-9)
+            rc.Exponential(wrong, 2e-9)
 
 
 @pytest.mark.parametrize(
@@ -214,17 +205,17 @@ def test_texts_with_units():
 )
 def test_wrong_values(value):
     with pytest.raises(rc.InputError, match="work of adhesion"):
-        Exponential(value, 1e-9)
+        rc.Exponential(value, 1e-9)
     with pytest.raises(rc.InputError, match="range"):
-        VanDerWaals(0.05, value)
+        rc.VanDerWaals(0.05, value)
     with pytest.raises(rc.InputError, match="smoothing"):
-        Dugdale(0.05, 1e7, smoothing=value)
+        rc.Dugdale(0.05, 1e7, smoothing=value)
 
 
 def test_a_registered_law_is_made_by_its_name():
     name = "law of a straight line"
-    interactions.register(name)(Linear)
-    assert isinstance(interactions.resolve(name), Linear)
+    rc.interactions.register(name)(Linear)
+    assert isinstance(rc.interactions.resolve(name), Linear)
     assert Linear().cohesive_cells((1e-8, 1e-8), 1e9) == pytest.approx(1e9 / 2.5e14 / 1e-8, rel=1e-3)
 
 

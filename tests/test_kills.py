@@ -15,29 +15,15 @@ import attrs
 import pytest
 
 import roughcontact as rc
-from roughcontact._work.studies.record import read_index
-from scenes import list_unfinished, without_seconds
+from scenes import SMALL_ROUGH, list_unfinished, small_problem, small_study, without_seconds
 from systems import posix
+from unit_files import read_index
 
 # SIGKILLs at random moments of a study, by how it runs and what is killed. docs/trust/trust.md states their sum.
 KILLS = {"serial": 40, "worker of a pool": 20, "parent of a pool": 20, "worker of dask": 20}
 # Kills in one test, which takes less than a minute.
 BLOCK = {"serial": 10, "worker of a pool": 10, "parent of a pool": 10, "worker of dask": 5}
 SEED = 13
-
-
-STEEL = rc.Elastic(200e9, 0.3)
-GRID = rc.Grid((24, 24), 1e-4)
-ROUGH = rc.SelfAffineSurface(hurst=0.8, rms_height=1e-7, longest=1e-4, shortest=16e-6, seed=5)
-
-
-def problem(surface=ROUGH, **parts):
-    return rc.ContactProblem(rc.Body(surface, STEEL), grid=GRID, **parts)
-
-
-def study(**changes):
-    parts = {"problems": problem(), "force": [0.1, 0.3], "seeds": [0, 1, 2], "areas": ["blend", "cell-count"]}
-    return rc.Study(**{**parts, **changes})
 
 
 @attrs.frozen
@@ -52,13 +38,13 @@ class Deadly(rc.Surface):
     def heights(self, grid):
         if self.seed == 1:
             os.kill(os.getpid(), signal.SIGKILL)
-        return attrs.evolve(ROUGH, seed=self.seed).heights(grid)
+        return attrs.evolve(SMALL_ROUGH, seed=self.seed).heights(grid)
 
 
 def kill_study():
     """A study of 12 solves in 4 chains, which takes about half a second."""
-    problems = {"free": problem(), "periodic": problem(boundary="periodic")}
-    return study(problems=problems, force=[0.05, 0.2, 0.5], seeds=[0, 1])
+    problems = {"free": small_problem(), "periodic": small_problem(boundary="periodic")}
+    return small_study(problems=problems, force=[0.05, 0.2, 0.5], seeds=[0, 1])
 
 
 def run_serially(folder):
@@ -206,7 +192,7 @@ class TestKills:
             require_no_loss(folder / "study", undisturbed)
 
     def test_dask_gives_up_a_task_that_kills_its_workers(self, tmp_path, dask_cluster):
-        deadly = study(problems={"good": problem(), "deadly": problem(Deadly())}, seeds=[0, 1])
+        deadly = small_study(problems={"good": small_problem(), "deadly": small_problem(Deadly())}, seeds=[0, 1])
         # Dask gives a task up when it has ended four.
         dask_cluster.start(5)
         with pytest.raises(rc.StudyStopped, match=r"Every worker .*'deadly'.*KilledWorker.*6 of 8"):

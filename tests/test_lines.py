@@ -219,7 +219,11 @@ def find_line_answers(solution, length, axis):
 
 @pytest.mark.parametrize(
     ("boundary", "kernel"),
-    [(FREE_PERIODIC, "love"), (rc.Boundary.PERIODIC, "love"), (rc.Boundary.PERIODIC, "fourier")],
+    [
+        (FREE_PERIODIC, "love"),
+        (rc.Boundary.PERIODIC, "fourier"),
+        pytest.param(rc.Boundary.PERIODIC, "love", marks=pytest.mark.slow),
+    ],
 )
 @pytest.mark.parametrize("wavy", [False, True])
 def test_answers_do_not_depend_on_the_length_of_a_line(boundary, kernel, wavy):
@@ -488,8 +492,15 @@ def test_a_profile_that_ends_is_called_one_of_a_row(name, boundary):
     assert not found["straight"]
 
 
-@pytest.mark.parametrize("boundary", [FREE_PERIODIC, PERIODIC_FREE])
-@pytest.mark.parametrize("along", [1, 3])
+@pytest.mark.parametrize(
+    ("boundary", "along"),
+    [
+        (FREE_PERIODIC, 1),
+        (PERIODIC_FREE, 3),
+        pytest.param(FREE_PERIODIC, 3, marks=pytest.mark.slow),
+        pytest.param(PERIODIC_FREE, 1, marks=pytest.mark.slow),
+    ],
+)
 def test_the_largest_shear_below_a_line_is_as_uncertain_as_its_straight_edges(along, boundary):
     """Their cells err alike: by 0.3 to 0.1 % of 0.300 p_max (Johnson 1985, p. 102), several times as below a ball."""
     errors = []

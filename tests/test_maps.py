@@ -6,14 +6,11 @@ import importlib
 import re
 from pathlib import Path
 
-import attrs
 import numpy as np
 import pytest
 from scipy import ndimage
 
 import roughcontact as rc
-from roughcontact._parts.surfaces.continuation import Continuation, find_maps
-from roughcontact._parts.surfaces.statistics import fit_power_law
 
 ROOT = Path(__file__).parent.parent
 STEEL = rc.Elastic(210e9, 0.3)
@@ -196,82 +193,7 @@ class TestWarnings:
         assert "rise in steps" in said[1][0]
 
 
-class TestSpectrum:
-    @pytest.mark.parametrize("hurst", [0.3, 0.8])
-    def test_the_power_law_of_self_affine_maps(self, hurst):
-        """Exponents scatter about the true one by the standard error that is stated; sampling moves them by 0.2."""
-        deviations = []
-        for seed in range(8):
-            surface = rc.SelfAffineSurface(
-                hurst=hurst, rms_slope=0.1, shortest=2.0, longest=160.0, rolloff=60.0, seed=seed
-            )
-            heights = surface.heights(rc.Grid((160, 160), 160.0))[:128, :128]
-            law = fit_power_law(heights, rc.Grid((128, 128), 128.0), 4.0)
-            deviations.append((law.exponent - 2.0 - 2.0 * hurst) / law.exponent_std)
-        assert abs(np.mean(deviations)) < 1.0
-        assert np.sqrt(np.mean(np.square(deviations))) < 1.6
-
-    def test_a_law_has_the_power_and_the_direction_of_the_map(self):
-        surface = rc.SelfAffineSurface(
-            hurst=0.8, rms_slope=0.1, shortest=2.0, longest=128.0, peklenik=4.0, lay=0.5, seed=1
-        )
-        grid = rc.Grid((128, 128), 128.0)
-        heights = surface.heights(grid)
-        law = fit_power_law(heights, grid, 4.0)
-        q = 2.0 * np.pi * np.fft.fftfreq(128)
-        qx, qy = q[:, np.newaxis], q[np.newaxis, :]
-        power, radius = np.abs(np.fft.fft2(heights, norm="forward")) ** 2, np.hypot(qx, qy)
-        band = (radius > np.pi / 4) & (radius < np.pi / 2)
-        across = np.abs(np.cos(np.arctan2(qy, qx) - 0.5)) < 0.3
-        for part, ratio in ((band, 0.2), (band & across, 0.2), (band & ~across, 0.8)):
-            assert law.evaluate(qx, qy)[part].sum() == pytest.approx(power[part].sum(), rel=ratio)
-        assert law.evaluate(qx, qy)[0, 0] == 0.0
-
-
 class TestBeyondResolution:
-    def continued(self, surface, shortest, index=0, finest=0.5e-6):
-        return Continuation(shortest, finest, None, (0, index), 0.0).extend(surface)
-
-    @pytest.mark.parametrize("periodic", [True, False])
-    def test_long_waves_are_kept(self, periodic):
-        surface = attrs.evolve(ROUGH, shortest=5e-6, longest=64e-6, rolloff=32e-6)
-        grid = rc.Grid((64, 64), 64e-6)
-        tilt = 0.0 if periodic else 0.01 * grid.x - 0.02 * grid.y + 50.0 * grid.x**2
-        source = rc.HeightMap(surface.heights(grid) + tilt, size=64e-6, periodic=periodic)
-        fine = self.continued(source, 1e-6)
-        assert fine.grid.shape == (256, 256)
-        x, y = fine.grid.x, fine.grid.y
-        true = surface.heights(fine.grid) + (0.0 if periodic else 0.01 * x - 0.02 * y + 50.0 * x**2)
-        added = fine.values - true
-        inside = slice(None) if periodic else slice(16, -16)
-        spectrum = np.fft.fft2(added[inside, inside], norm="forward")
-        k = np.abs(np.fft.fftfreq(len(spectrum), 0.25e-6))
-        long = np.hypot(k[:, np.newaxis], k) < 1 / 8e-6
-        rms = np.std(surface.heights(grid))
-        if periodic:
-            assert np.abs(spectrum[long]).max() < 1e-12 * rms
-        # The waves between 5 and 4 um are drawn, and those below; they are small.
-        assert np.sqrt(np.mean(added[inside, inside] ** 2)) < 0.1 * rms
-
-    def test_shorter_waves_only_add(self):
-        source = rc.HeightMap(ROUGH.heights(GRID), size=GRID.size, periodic=True)
-        coarse, fine = (self.continued(source, shortest) for shortest in (1e-6, 0.5e-6))
-        spectra = [np.fft.fft2(one.values, norm="forward") for one in (coarse, fine)]
-        # By the centre of the domain, in waves that both hold.
-        k = np.arange(-120, 121)
-        waves = [one[np.ix_(k, k)] * np.exp(-1j * np.pi * (k[:, None] + k) * (1.0 / len(one) - 1.0)) for one in spectra]
-        inside = np.hypot(k[:, None], k) < 120
-        np.testing.assert_allclose(waves[1][inside], waves[0][inside], atol=1e-12 * np.abs(waves[0]).max())
-        assert np.std(fine.values - self.continued(source, 0.5e-6, 1).values) > 0.0
-
-    def test_maps_are_found_wherever_they_are(self):
-        one, two = crop(64), crop(96)
-        total = rc.SphereSurface(1e-3) + one + rc.PlacedMap(two)
-        assert find_maps(total) == (one, two)
-        extended = self.continued(total, 1e-6)
-        assert [found.grid.shape for found in find_maps(extended)] == [(256, 256), (384, 384)]
-        assert extended.parts[0] == rc.SphereSurface(1e-3)
-
     def test_the_table(self):
         mask = np.zeros((48, 48), dtype=bool)
         mask[:5, :5] = True

@@ -17,7 +17,7 @@ STEEL = rc.ElasticPerfectlyPlastic(210e9, 0.3, 6e9)
 TIGHT = rc.ProjectedConjugateGradient(tolerance=1e-14)
 
 
-def rough(shape, size, seed=0, rms=5e-8):
+def cut_map(shape, size, seed=0, rms=5e-8):
     """A smooth random map that is not periodic: a part of a larger self-affine one."""
     larger = rc.Grid((2 * shape[0], 2 * shape[1]), (2 * size[0], 2 * size[1]))
     surface = rc.SelfAffineSurface(
@@ -30,19 +30,19 @@ class TestPlacedMap:
     """A map placed elsewhere has the same heights."""
 
     def test_a_map_in_its_own_place_is_itself(self):
-        surface = rough((24, 32), (3e-5, 4e-5))
+        surface = cut_map((24, 32), (3e-5, 4e-5))
         for method in ("bilinear", "cubic"):
             placed = rc.PlacedMap(surface, interpolation=method)
             np.testing.assert_allclose(placed.heights(surface.grid), surface.values, rtol=1e-9, atol=1e-20)
 
     def test_a_quarter_turn_is_counter_clockwise(self):
-        surface = rough((24, 32), (3e-5, 4e-5))
+        surface = cut_map((24, 32), (3e-5, 4e-5))
         turned = rc.PlacedMap(surface, rotation=math.pi / 2).heights(rc.Grid((32, 24), (4e-5, 3e-5)))
         # A summit on the +x axis goes to the +y axis.
         np.testing.assert_allclose(turned, surface.values.T[::-1], atol=1e-18)
 
     def test_turning_over_exchanges_left_and_right(self):
-        surface = rough((24, 32), (3e-5, 4e-5))
+        surface = cut_map((24, 32), (3e-5, 4e-5))
         np.testing.assert_allclose(
             rc.PlacedMap(surface, mirrored=True).heights(surface.grid), surface.values[::-1], atol=1e-18
         )
@@ -82,7 +82,7 @@ class TestPlacedMap:
         np.testing.assert_allclose(placed, np.roll(surface.heights(fine), (3, -6), axis=(0, 1)), atol=1e-18)
 
     def test_a_grid_that_the_map_does_not_cover_is_refused(self):
-        surface = rough((24, 32), (3e-5, 4e-5))
+        surface = cut_map((24, 32), (3e-5, 4e-5))
         with pytest.raises(rc.InputError, match="does not cover"):
             rc.PlacedMap(surface, offset=(1e-6, 0)).heights(surface.grid)
         with pytest.raises(rc.InputError, match="does not cover"):
@@ -180,7 +180,7 @@ def assert_same(one, other, change=lambda field: field):
 
 def test_maps_of_different_pitch_and_unit_are_as_if_brought_to_one_grid_by_hand(tmp_path):
     """One map in micrometres on 0.5 um, the other in metres on 1 um, on larger ground, lying askew by whole cells."""
-    fine, coarse = rough((64, 64), (32e-6, 32e-6), 1), rough((60, 50), (60e-6, 50e-6), 2)
+    fine, coarse = cut_map((64, 64), (32e-6, 32e-6), 1), cut_map((60, 50), (60e-6, 50e-6), 2)
     np.savetxt(tmp_path / "fine.txt", 1e6 * fine.values, fmt="%.18g")
     read = rc.read_surface(tmp_path / "fine.txt", size=32e-6, unit=1e-6)
     pair = rc.match(read, coarse, offset=(3e-6, 4e-6))
@@ -195,7 +195,7 @@ def test_maps_of_different_pitch_and_unit_are_as_if_brought_to_one_grid_by_hand(
 @pytest.fixture(scope="module")
 def bodies():
     """Two maps and a sphere that saturates some cells."""
-    one, other = rough((96, 80), (96e-6, 80e-6), 3, rms=3e-7), rough((96, 80), (96e-6, 80e-6), 4, rms=2e-7)
+    one, other = cut_map((96, 80), (96e-6, 80e-6), 3, rms=3e-7), cut_map((96, 80), (96e-6, 80e-6), 4, rms=2e-7)
     return rc.SphereSurface(5e-3), one, other
 
 
@@ -238,14 +238,14 @@ class TestForm:
         assert rc.HeightMap(np.full((64, 64), 3.3e-6), 1e-4).separate("sphere").radius == math.inf
 
     def test_roughness_of_a_ball_is_what_was_put_on_it(self):
-        bumps = rough((64, 64), (1e-4, 1e-4), 5).detrend(2)
+        bumps = cut_map((64, 64), (1e-4, 1e-4), 5).detrend(2)
         parts = rc.HeightMap(bumps.values + rc.SphereSurface(5e-3).heights(bumps.grid), 1e-4).separate("sphere")
         assert parts.radius == pytest.approx(5e-3, rel=2e-3)
         assert np.std(parts.roughness.values - bumps.values) < 0.02 * bumps.values.std()
 
     @pytest.mark.parametrize("form", ["mean", "plane", "sphere", 0, 1, 3])
     def test_both_parts_make_the_map(self, form):
-        surface = rough((24, 32), (3e-5, 4e-5))
+        surface = cut_map((24, 32), (3e-5, 4e-5))
         parts = surface.separate(form)
         np.testing.assert_allclose(parts.form.values + parts.roughness.values, surface.values, atol=1e-20)
         np.testing.assert_array_equal(surface.detrend(form).values, parts.roughness.values)
@@ -284,7 +284,7 @@ class TestNonMeasured:
     """Points that were not measured, and do not touch."""
 
     def test_they_never_touch(self):
-        surface = rough((48, 48), (48e-6, 48e-6), 6)
+        surface = cut_map((48, 48), (48e-6, 48e-6), 6)
         top = surface.values > np.quantile(surface.values, 0.98)
         complete, incomplete = (
             rc.ContactProblem(rc.Body(rc.HeightMap(surface.values, 48e-6, non_measured=non_measured), STEEL)).solve(
@@ -302,7 +302,7 @@ class TestNonMeasured:
         """A region without data under the middle of a ball, in a map that is nearly flat."""
         non_measured = np.zeros((64, 64), dtype=bool)
         non_measured[24:40, 24:40] = True
-        flat = rc.HeightMap(rough((64, 64), (64e-6, 64e-6), rms=1e-9).values, 64e-6, non_measured=non_measured)
+        flat = rc.HeightMap(cut_map((64, 64), (64e-6, 64e-6), rms=1e-9).values, 64e-6, non_measured=non_measured)
         problem = rc.ContactProblem(rc.Body(flat + rc.SphereSurface(1e-3), rc.Elastic(1e11, 0.3)), boundary=boundary)
         solution = problem.solve(**load)
         assert solution.contact.any()
@@ -312,7 +312,7 @@ class TestNonMeasured:
     def test_those_of_either_body_count(self):
         non_measured = np.zeros((32, 32), dtype=bool)
         non_measured[3, 4] = True
-        one = rough((32, 32), (32e-6, 32e-6), 1)
+        one = cut_map((32, 32), (32e-6, 32e-6), 1)
         for first, second in ((non_measured, None), (None, non_measured), (non_measured, non_measured.T)):
             bodies = [rc.Body(rc.HeightMap(one.values, 32e-6, non_measured=mask), STEEL) for mask in (first, second)]
             plan = rc.ContactProblem(*bodies).plan
@@ -326,7 +326,7 @@ class TestNonMeasured:
     def test_they_stay_where_they_are(self):
         non_measured = np.zeros((40, 40), dtype=bool)
         non_measured[8:16, 20:28] = True
-        surface = rc.HeightMap(rough((40, 40), (4e-5, 4e-5)).values, 4e-5, non_measured=non_measured)
+        surface = rc.HeightMap(cut_map((40, 40), (4e-5, 4e-5)).values, 4e-5, non_measured=non_measured)
         for method in ("bilinear", "cubic", "mean"):
             half = surface.resample((20, 20), method).non_measured
             np.testing.assert_array_equal(half, non_measured[::2, ::2])
@@ -345,7 +345,7 @@ class TestNonMeasured:
                 rc.HeightMap(np.eye(4), 1.0, non_measured=non_measured)
 
     def test_a_file_with_non_measured_points(self, tmp_path):
-        values = rough((12, 12), (1e-5, 1e-5)).values.copy()
+        values = cut_map((12, 12), (1e-5, 1e-5)).values.copy()
         values[3, 4] = np.nan
         np.savez(tmp_path / "map.npz", heights=values, size=1e-5)
         surface = rc.read_surface(tmp_path / "map.npz", non_measured="keep")
@@ -355,9 +355,9 @@ class TestNonMeasured:
 
 
 def test_the_plan_has_the_history_of_each_map(tmp_path):
-    np.savez(tmp_path / "ball.npz", heights=rough((32, 32), (32e-6, 32e-6)).values, size=32e-6)
+    np.savez(tmp_path / "ball.npz", heights=cut_map((32, 32), (32e-6, 32e-6)).values, size=32e-6)
     ball = rc.read_surface(tmp_path / "ball.npz").detrend("sphere")
-    ring = rough((40, 40), (60e-6, 60e-6), 1).detrend("plane")
+    ring = cut_map((40, 40), (60e-6, 60e-6), 1).detrend("plane")
     pair = rc.match(ball, ring, rotation=0.1, offset=(1e-6, 0), mirrored=True, interpolation="cubic", shape=(50, 50))
     problem = rc.ContactProblem(
         rc.Body(rc.SphereSurface(5e-3) + pair.body, STEEL), rc.Body(pair.counterbody, STEEL), grid=pair.grid
@@ -370,13 +370,13 @@ def test_the_plan_has_the_history_of_each_map(tmp_path):
 
 
 def test_a_place_is_stated_to_a_thousandth_of_a_cell():
-    one = rough((32, 48), (32e-6, 24e-6))
+    one = cut_map((32, 48), (32e-6, 24e-6))
     placed = rc.match(one, one, offset=(675.8e-15, 3.00004e-6)).counterbody
     assert "its centre at (0 m, 1.5 µm)" in placed.provenance
 
 
 def test_a_matched_pair_is_refined_between_its_points():
-    one, other = rough((32, 32), (32e-6, 32e-6), 7), rough((40, 40), (40e-6, 40e-6), 8)
+    one, other = cut_map((32, 32), (32e-6, 32e-6), 7), cut_map((40, 40), (40e-6, 40e-6), 8)
     pair = rc.match(one, other, interpolation="cubic")
     problem = rc.ContactProblem(rc.Body(pair.body, STEEL), rc.Body(pair.counterbody, STEEL), grid=pair.grid)
     refined = rc.on_grid(problem, tuple(4 * n for n in pair.grid.shape)).solve(force=0.05)

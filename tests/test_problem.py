@@ -15,7 +15,7 @@ GRID = rc.Grid((48, 40), (48e-6, 50e-6))
 STEEL = rc.Elastic(210e9, 0.3)
 
 
-def rough(seed=0, grid=GRID):
+def sample_map(seed=0, grid=GRID):
     surface = rc.SelfAffineSurface(hurst=0.7, rms_height=1e-7, shortest=8e-6, longest=40e-6, seed=seed)
     return rc.HeightMap(surface.heights(grid), size=grid.size)
 
@@ -54,7 +54,7 @@ def test_the_contract_of_the_readme():
 
 
 def test_gap_displacement_and_approach_fit_together():
-    solution = rc.ContactProblem(rc.Body(rough(), STEEL)).solve(pressure=1e8, tolerance=1e-7)
+    solution = rc.ContactProblem(rc.Body(sample_map(), STEEL)).solve(pressure=1e8, tolerance=1e-7)
     expected = solution.initial_gap + solution.displacement - solution.approach
     np.testing.assert_array_equal(solution.gap, expected)
     assert np.abs(solution.gap[solution.contact]).max() < 1e-6 * np.ptp(solution.initial_gap)
@@ -62,7 +62,7 @@ def test_gap_displacement_and_approach_fit_together():
 
 
 def test_force_and_pressure_are_the_same_load():
-    problem = rc.ContactProblem(rc.Body(rough(), STEEL))
+    problem = rc.ContactProblem(rc.Body(sample_map(), STEEL))
     by_pressure, by_force = problem.solve(pressure=1e8), problem.solve(force=1e8 * GRID.area)
     np.testing.assert_allclose(by_force.pressure, by_pressure.pressure, rtol=1e-12, atol=1e-12 * 1e8)
 
@@ -85,8 +85,8 @@ def test_scaling_by_powers_of_two_changes_no_bit(case, length, stress):
 
 @pytest.mark.parametrize("boundary", ["free", "periodic", "wrapped"])
 def test_scaling_heights_alone_by_a_power_of_two_changes_no_bit(boundary):
-    plain = rc.ContactProblem(rc.Body(rough(), STEEL), boundary=boundary).solve(pressure=1e8)
-    flatter = rc.HeightMap(rough().values / 4, size=GRID.size)
+    plain = rc.ContactProblem(rc.Body(sample_map(), STEEL), boundary=boundary).solve(pressure=1e8)
+    flatter = rc.HeightMap(sample_map().values / 4, size=GRID.size)
     scaled = rc.ContactProblem(rc.Body(flatter, STEEL), boundary=boundary).solve(pressure=1e8 / 4)
     np.testing.assert_array_equal(scaled.pressure, plain.pressure / 4)
 
@@ -95,9 +95,9 @@ def test_scaling_heights_alone_by_a_power_of_two_changes_no_bit(boundary):
 @pytest.mark.parametrize(("length", "stress"), [(3.7, 1.0), (1.0, 0.3), (1e-3, 1e5)])
 def test_scaling_by_other_factors_changes_rounding_only(boundary, length, stress):
     solver = rc.SpectralGradient(tolerance=1e-14)
-    plain = rc.ContactProblem(rc.Body(rough(), STEEL), boundary=boundary, solver=solver).solve(pressure=1e8)
+    plain = rc.ContactProblem(rc.Body(sample_map(), STEEL), boundary=boundary, solver=solver).solve(pressure=1e8)
     body = rc.Body(
-        rc.HeightMap(rough().values * length, size=np.array(GRID.size) * length), rc.Elastic(210e9 * stress, 0.3)
+        rc.HeightMap(sample_map().values * length, size=np.array(GRID.size) * length), rc.Elastic(210e9 * stress, 0.3)
     )
     scaled = rc.ContactProblem(body, boundary=boundary, solver=solver).solve(pressure=1e8 * stress)
     np.testing.assert_allclose(scaled.pressure / stress, plain.pressure, rtol=0, atol=1e-13 * plain.pressure.max())
@@ -105,16 +105,16 @@ def test_scaling_by_other_factors_changes_rounding_only(boundary, length, stress
 
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
 def test_swapping_the_bodies_changes_nothing(boundary):
-    one, other = rc.Body(rough(0), STEEL), rc.Body(rough(1), rc.Elastic(70e9, 0.34))
+    one, other = rc.Body(sample_map(0), STEEL), rc.Body(sample_map(1), rc.Elastic(70e9, 0.34))
     there = rc.ContactProblem(one, other, boundary=boundary).solve(pressure=1e8)
     back = rc.ContactProblem(other, one, boundary=boundary).solve(pressure=1e8)
     np.testing.assert_array_equal(there.pressure, back.pressure)
 
 
 def test_roughness_may_be_on_either_body():
-    split = rc.ContactProblem(rc.Body(rough(0), STEEL), rc.Body(rough(1), STEEL)).solve(pressure=1e8)
+    split = rc.ContactProblem(rc.Body(sample_map(0), STEEL), rc.Body(sample_map(1), STEEL)).solve(pressure=1e8)
     half = rc.Elastic(105e9, 0.3)
-    joined = rc.ContactProblem(rc.Body(rough(0) + rough(1), half)).solve(pressure=1e8)
+    joined = rc.ContactProblem(rc.Body(sample_map(0) + sample_map(1), half)).solve(pressure=1e8)
     np.testing.assert_allclose(joined.pressure, split.pressure, atol=1e-7 * split.pressure.max())
 
 
@@ -132,11 +132,11 @@ def test_mirroring_the_surface_mirrors_the_pressure(seed):
 
 
 def test_translation_on_a_periodic_boundary_moves_the_pressure():
-    moved = rc.HeightMap(np.roll(rough().values, (5, 11), axis=(0, 1)), size=GRID.size)
+    moved = rc.HeightMap(np.roll(sample_map().values, (5, 11), axis=(0, 1)), size=GRID.size)
     solver = rc.SpectralGradient(tolerance=1e-12)
     here, there = (
         rc.ContactProblem(rc.Body(s, STEEL), boundary="periodic", solver=solver).solve(pressure=1e8)
-        for s in (rough(), moved)
+        for s in (sample_map(), moved)
     )
     np.testing.assert_allclose(
         there.pressure, np.roll(here.pressure, (5, 11), axis=(0, 1)), atol=1e-9 * here.pressure.max()
@@ -144,12 +144,12 @@ def test_translation_on_a_periodic_boundary_moves_the_pressure():
 
 
 def test_a_solve_runs_twice_to_the_same_bits():
-    problem = rc.ContactProblem(rc.Body(rough(), STEEL))
+    problem = rc.ContactProblem(rc.Body(sample_map(), STEEL))
     np.testing.assert_array_equal(problem.solve(pressure=1e8).pressure, problem.solve(pressure=1e8).pressure)
 
 
 def test_direct_and_fft_give_one_solution():
-    small = rough(grid=rc.Grid((20, 18), (40e-6, 36e-6)))
+    small = sample_map(grid=rc.Grid((20, 18), (40e-6, 36e-6)))
     one, other = (
         rc.ContactProblem(rc.Body(small, STEEL), convolver=c, solver=rc.SpectralGradient(tolerance=1e-12))
         for c in ("direct", "dc-fft")
@@ -158,18 +158,18 @@ def test_direct_and_fft_give_one_solution():
 
 
 def test_explain_says_what_runs_and_what_is_omitted():
-    text = rc.ContactProblem(rc.Body(rough(), STEEL), boundary="periodic").explain()
+    text = rc.ContactProblem(rc.Body(sample_map(), STEEL), boundary="periodic").explain()
     for words in ("48 x 40 cells", "Love", "CircularFFT", "omitted", "padding", "pressure limit"):
         assert words in text
     limited = rc.ElasticPerfectlyPlastic(210e9, 0.3, 6e9)
-    text = rc.ContactProblem(rc.Body(rough(), limited), rc.Body(rough(1), STEEL)).explain()
+    text = rc.ContactProblem(rc.Body(sample_map(), limited), rc.Body(sample_map(1), STEEL)).explain()
     assert "6 GPa" in text
     assert "96 x 80 cells" in text
     assert "pressure limit: neither" not in text
     assert "rigid" not in text
     assert "adhesion: none is given" in text
     law = rc.Exponential(0.05, 1e-7)
-    text = rc.ContactProblem(rc.Body(rough(), STEEL), boundary="periodic", adhesion=law).explain()
+    text = rc.ContactProblem(rc.Body(sample_map(), STEEL), boundary="periodic", adhesion=law).explain()
     assert "the repulsive part of the law: the wall is hard" in text
     assert "none is given" not in text
 
@@ -190,7 +190,7 @@ def test_explain_lists_the_grids_of_the_solve(shape):
 
 
 def test_explain_says_what_is_done_with_non_measured_points():
-    heights = np.array(rough().values)
+    heights = np.array(sample_map().values)
     heights[3, 5:8] = np.nan
     kept = rc.ContactProblem(rc.Body(rc.HeightMap(heights, GRID.size), STEEL)).explain()
     assert "3 of 1920 points were not measured: they carry nothing" in kept
@@ -200,12 +200,12 @@ def test_explain_says_what_is_done_with_non_measured_points():
 
 
 def test_the_grid_of_a_map_is_used():
-    assert rc.ContactProblem(rc.Body(rough(), STEEL)).plan.grid == GRID
-    assert rc.ContactProblem(rc.Body(rc.WavySurface(1e-6, 1e-5) + rough(), STEEL)).plan.grid == GRID
+    assert rc.ContactProblem(rc.Body(sample_map(), STEEL)).plan.grid == GRID
+    assert rc.ContactProblem(rc.Body(rc.WavySurface(1e-6, 1e-5) + sample_map(), STEEL)).plan.grid == GRID
 
 
 def test_problems_solutions_and_errors_travel_to_other_processes():
-    problem = rc.ContactProblem(rc.Body(rough(), STEEL), solver=rc.PolonskyKeer(max_iterations=1))
+    problem = rc.ContactProblem(rc.Body(sample_map(), STEEL), solver=rc.PolonskyKeer(max_iterations=1))
     with pytest.raises(rc.NotConverged) as caught:
         problem.solve(pressure=1e8)
     copy = pickle.loads(pickle.dumps(caught.value))
@@ -229,7 +229,7 @@ class Optimist(rc.Solver):
 
 @pytest.mark.parametrize("change", [lambda p: p, lambda p: 2 * p, lambda p: p - 2 * p.mean()])
 def test_a_solver_that_lies_is_found_out(change):
-    problem = rc.ContactProblem(rc.Body(rough(), STEEL), solver=Optimist(change))
+    problem = rc.ContactProblem(rc.Body(sample_map(), STEEL), solver=Optimist(change))
     with pytest.raises(rc.NotConverged, match="do not confirm"):
         problem.solve(pressure=1e6)
 
@@ -250,13 +250,13 @@ class Creeping(rc.Material):
 
 
 def test_a_material_by_subclassing_is_as_good_as_what_ships():
-    own = rc.ContactProblem(rc.Body(rough(), Creeping(210e9 / (1 - 0.3**2)))).solve(pressure=1e8)
-    ours = rc.ContactProblem(rc.Body(rough(), STEEL)).solve(pressure=1e8)
+    own = rc.ContactProblem(rc.Body(sample_map(), Creeping(210e9 / (1 - 0.3**2)))).solve(pressure=1e8)
+    ours = rc.ContactProblem(rc.Body(sample_map(), STEEL)).solve(pressure=1e8)
     np.testing.assert_allclose(own.pressure, ours.pressure, atol=1e-7 * ours.pressure.max())
 
 
 def test_what_looks_unlike_what_was_meant_is_noted():
-    steep = rc.HeightMap(rough().values * 1e3, size=GRID.size)
+    steep = rc.HeightMap(sample_map().values * 1e3, size=GRID.size)
     assert any("are in m and" in warning for warning in rc.ContactProblem(rc.Body(steep, STEEL)).plan.warnings)
     broken = rc.WavySurface(1e-6, 12.2e-6, phase=1.0)
     jumping = rc.ContactProblem(rc.Body(broken, STEEL), grid=rc.Grid((200, 200), 250e-6), boundary="periodic")
@@ -287,7 +287,7 @@ def test_a_solver_must_return_an_outcome():
             return None
 
     with pytest.raises(rc.InputError, match="must return an Outcome"):
-        rc.ContactProblem(rc.Body(rough(), STEEL), solver=Silent()).solve(pressure=1e6)
+        rc.ContactProblem(rc.Body(sample_map(), STEEL), solver=Silent()).solve(pressure=1e6)
 
 
 def test_a_convolver_must_return_a_prepared_convolution():
@@ -296,7 +296,7 @@ def test_a_convolver_must_return_a_prepared_convolution():
             return kernel
 
     with pytest.raises(rc.InputError, match="must return a PreparedConvolution"):
-        rc.ContactProblem(rc.Body(rough(), STEEL), convolver=Wrong()).solve(pressure=1e8)
+        rc.ContactProblem(rc.Body(sample_map(), STEEL), convolver=Wrong()).solve(pressure=1e8)
 
 
 def test_another_tolerance_samples_no_surface_anew():

@@ -10,13 +10,14 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
+from scenes import make_problem
 
 HARDNESS = np.linspace(1e9, 3e9, 120).reshape(12, 10)
 
 
 def solve():
-    body = rc.Body(rc.ParaboloidSurface(1e-3), rc.ElasticPerfectlyPlastic(210e9, 0.3, HARDNESS))
-    return rc.ContactProblem(body, grid=rc.Grid((12, 10), 1e-4)).solve(force=2.0)
+    material = rc.ElasticPerfectlyPlastic(210e9, 0.3, HARDNESS)
+    return make_problem(rc.ParaboloidSurface(1e-3), material, grid=rc.Grid((12, 10), 1e-4)).solve(force=2.0)
 
 
 def load(solution, folder, suffix):

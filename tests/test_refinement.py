@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact._answers.refinement import on_grid
 
 STEEL = rc.Elastic(200e9, 0.3)
 
@@ -46,7 +45,7 @@ def test_sums_of_surfaces_are_refined():
     values = 1e-3 * np.random.default_rng(0).standard_normal((32, 32))
     surface = rc.HeightMap(values, size=32.0, periodic=True) + rc.WavySurface(0.1, 32.0)
     problem = rc.ContactProblem(rc.Body(surface, rc.Elastic(1.0, 0.0)), boundary="periodic")
-    finer = on_grid(problem, (64, 64))
+    finer = rc.on_grid(problem, (64, 64))
     assert finer.plan.grid.shape == (64, 64)
     coarse, fine = problem.solve(pressure=1e-4), finer.solve(pressure=1e-4)
     assert fine.approach == pytest.approx(coarse.approach, rel=0.1)

@@ -11,7 +11,6 @@ import pytest
 import roughcontact as rc
 from extended_precision import violations
 from roughcontact.__main__ import main
-from roughcontact._solve.solvers.conjugate.solver import ProjectedConjugateGradient
 from roughcontact.typing import Outcome
 from strategies import strict
 
@@ -156,14 +155,14 @@ def test_any_start_comes_to_the_load(solver, boundary):
 @pytest.fixture
 def count_solves(monkeypatch):
     """A list with an entry for each solve, which stops an endless one."""
-    seen, solve = [], ProjectedConjugateGradient.solve
+    seen, solve = [], rc.ProjectedConjugateGradient.solve
 
     def counted(self, convolution, task):
         seen.append(task)
         assert len(seen) < ENDLESS
         return solve(self, convolution, task)
 
-    monkeypatch.setattr(ProjectedConjugateGradient, "solve", counted)
+    monkeypatch.setattr(rc.ProjectedConjugateGradient, "solve", counted)
     return seen
 
 

@@ -7,7 +7,7 @@ import pytest
 from scipy.io import savemat
 
 import roughcontact as rc
-from roughcontact._work.studies.toml import read_study
+from unit_files import read_study
 
 SIZE = (200e-6, 150e-6)
 READING = {"size": SIZE, "unit": 1e-6, "non_measured": "keep"}

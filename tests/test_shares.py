@@ -15,10 +15,9 @@ from pathlib import Path
 import pytest
 
 import roughcontact as rc
-from roughcontact._base.archive import read_archive
-from roughcontact._work.studies.toml import read_study
-from scenes import list_unfinished, without_seconds
+from scenes import list_unfinished, rather_slow, without_seconds
 from systems import posix
+from unit_files import read_archive, read_study
 
 # Two contacts in domains twice and three times as long as wide, with cells 1:3 and odd numbers of them.
 STUDY = """
@@ -202,7 +201,7 @@ def places(records):
     return {(record.problem, record.seed) for record in records}
 
 
-@pytest.mark.parametrize("count", [2, 5, 30])
+@pytest.mark.parametrize("count", rather_slow([2, 5, 30], [2, 30]))
 def test_shares_are_disjoint_even_and_the_whole(tmp_path, count):
     results = [small_study().run(tmp_path, share=(number, count)) for number in range(1, count + 1)]
     sizes = [len(result) // 2 for result in results]

@@ -11,8 +11,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import roughcontact as rc
-from roughcontact._parts.kernels import odd_axes
-from roughcontact._solve.convolvers.base import periodic_shear_spectrum
 from roughcontact.typing import BoundKernel, PairConstants, pair_constants
 from strategies import aspects, grids, seeds
 
@@ -101,16 +99,6 @@ def test_long_waves_are_those_of_the_half_space(aspect, angle):
             for kernel in (rc.Love(), rc.FourierHalfSpace())
         )
         np.testing.assert_allclose(love, fourier, rtol=0, atol=1e-5 * 2 / q)
-
-
-@pytest.mark.parametrize("kernel", [rc.Love(), rc.FourierHalfSpace()])
-def test_half_the_sampling_wave_number_moves_no_other_axis(kernel):
-    bound = BoundKernel(kernel, pair=PAIR)
-    for component in COMPONENTS:
-        values = periodic_shear_spectrum(bound, component, (8, 6), (1.0, 1.4))
-        odd_x, odd_y = odd_axes(component)
-        assert values[-1].any() == (not odd_x)
-        assert values[:, -1].any() == (not odd_y)
 
 
 def test_a_wave_of_shear_across_its_normal_displaces_more_by_one_plus_gamma():

@@ -91,6 +91,7 @@ def test_uncertainties_of_rough_contacts_are_near_the_errors(name, tables):
     assert np.sqrt(np.mean(stated**2)) <= largest * np.sqrt(np.mean(errors**2))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [*QUANTITIES, *RESPONSES])
 def test_uncertainties_fall_with_the_cells(name, tables):
     _, smallest = (QUANTITIES | RESPONSES)[name]

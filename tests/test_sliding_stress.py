@@ -17,7 +17,9 @@ from roughcontact._answers.subsurface.field import von_mises
 from roughcontact._parts.kernels.stress_cells import cell_stress
 from roughcontact.reference import SlidingCylinder, SlidingSphere
 from test_sliding_reference import tangential_point_force
-from test_stress import NU, RADIUS, STEEL, XX, XY, XZ, YY, YZ, ZZ, convolve, press_ball, rough, superpose
+from test_stress import NU, RADIUS, STEEL, XX, XY, XZ, YY, YZ, ZZ, convolve, press_ball
+from test_stress import press_rough as rough
+from test_unit_stress import superpose
 
 EXCHANGED = [YY, XX, ZZ, XZ, YZ, XY]
 

@@ -12,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import roughcontact as rc
+from scenes import make_problem
 
 GRID = rc.Grid((16, 16), 100e-6)
 STEEL = rc.Elastic(210e9, 0.3)
@@ -32,7 +33,7 @@ class Rubber(rc.Material):
 
 
 def solve(surface=BALL, material=STEEL, *, load=None, grid=GRID, **settings):
-    return rc.ContactProblem(rc.Body(surface, material), grid=grid, **settings).solve(**(load or {"force": 1.0}))
+    return make_problem(surface, material, grid=grid, **settings).solve(**(load or {"force": 1.0}))
 
 
 SOLUTIONS = {

@@ -11,11 +11,17 @@ from hypothesis import strategies as st
 
 import roughcontact as rc
 from extended_precision import violations
-from roughcontact._parts.grid import Load
-from roughcontact._parts.kernels import BoundKernel
-from roughcontact._solve.problem.task import make_task
-from roughcontact._solve.solvers import nearest_pressure, project_to_load, rescale_to_load, starting_pressure
-from roughcontact.typing import PreparedConvolution, Task
+from roughcontact.typing import (
+    BoundKernel,
+    Load,
+    PreparedConvolution,
+    Task,
+    make_task,
+    nearest_pressure,
+    project_to_load,
+    rescale_to_load,
+    starting_pressure,
+)
 from strategies import problems, seeds
 
 SOLVERS = [rc.PolonskyKeer(), rc.SpectralGradient(), rc.ProjectedConjugateGradient()]

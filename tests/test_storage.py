@@ -18,10 +18,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import roughcontact as rc
-from roughcontact._base import archive
-from roughcontact._base.archive.plain import describe, key_of, rebuild
-from roughcontact._base.registry import registries
 from strategies import problems
+from unit_files import archive, describe, key_of, rebuild, registries
 
 BODY = rc.Body(rc.ParaboloidSurface(1e-3), rc.ElasticPerfectlyPlastic(210e9, 0.3, 6e9))
 

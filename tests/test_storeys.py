@@ -1,16 +1,17 @@
 """The house: a module imports only from its own storey or from lower ones, and nothing imports in a circle.
 
+Tests enter by the public names; only those of files named `unit` know what is inside.
+
 The table of docs/extend/architecture.md is the one that is held: it is read here, not typed again.
 """
 
 from __future__ import annotations
 
 import ast
+import functools
 import re
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
-
-import pytest
 
 import roughcontact
 
@@ -53,7 +54,9 @@ def imported_modules(path):
                 yield inner if inner in NAMES else node.module
 
 
-IMPORTS = {name: {one for one in imported_modules(path) if one != "roughcontact"} for name, path in NAMES.items()}
+@functools.cache
+def read_imports():
+    return {name: {one for one in imported_modules(path) if one != "roughcontact"} for name, path in NAMES.items()}
 
 
 def test_the_folders_are_the_storeys():
@@ -62,17 +65,20 @@ def test_the_folders_are_the_storeys():
     assert len(ROOMS) <= 30
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_imports_go_down(name):
-    here = room_of(name)
-    for other in IMPORTS[name]:
-        there = room_of(other)
-        if there == here:
-            continue
-        above, below = LEVEL[here.split(".")[0]], LEVEL[there.split(".")[0]]
-        assert below <= above, f"{name} imports {other}"
-        if here in ROOMS and there in ROOMS and above == below:
-            assert ROOMS[there] < ROOMS[here], f"{name} imports {other}"
+def goes_up(name, other):
+    """Tell whether a module imports from a storey above its own, or from its own in the wrong order of rooms."""
+    here, there = room_of(name), room_of(other)
+    if there == here:
+        return False
+    above, below = LEVEL[here.split(".")[0]], LEVEL[there.split(".")[0]]
+    if here in ROOMS and there in ROOMS and above == below:
+        return ROOMS[there] >= ROOMS[here]
+    return below > above
+
+
+def test_imports_go_down():
+    pairs = {(name, one) for name, imports in read_imports().items() for one in imports}
+    assert sorted(pair for pair in pairs if goes_up(*pair)) == []
 
 
 def test_only_the_command_line_imports_the_whole_package():
@@ -90,7 +96,7 @@ def find_circle(graph):
 
 def test_rooms_import_each_other_in_no_circle():
     graph = {}
-    for name, imports in IMPORTS.items():
+    for name, imports in read_imports().items():
         others = {room_of(one) for one in imports}
         graph.setdefault(room_of(name), set()).update(others - {room_of(name)})
     assert find_circle(graph) == ""
@@ -98,11 +104,11 @@ def test_rooms_import_each_other_in_no_circle():
 
 def test_files_import_each_other_in_no_circle():
     # A package stands for the files that its __init__ imports, so a file that imports its own package is a circle.
-    assert find_circle(IMPORTS) == ""
+    assert find_circle(read_imports()) == ""
 
 
 def test_most_imports_name_a_room_and_not_its_files():
-    deep = [(name, one) for name, imports in IMPORTS.items() for one in imports if one.count(".") > 2]
+    deep = [(name, one) for name, imports in read_imports().items() for one in imports if one.count(".") > 2]
     assert sum(room_of(name) != room_of(other) for name, other in deep) <= 100
 
 
@@ -117,9 +123,32 @@ def test_each_assignment_has_a_line_of_its_own():
     assert len(packed) <= 10
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_a_module_holds_one_subject(name):
-    assert NAMES[name].read_text(encoding="utf-8").count("\n") <= 500
+def test_a_module_holds_one_subject():
+    assert [name for name, path in NAMES.items() if path.read_text(encoding="utf-8").count("\n") > 500] == []
+
+
+TESTS = Path(__file__).parent
+# To be entered by the front door next.
+INSIDE = {
+    "test_friction_faces.py",
+    "test_friction_laws.py",
+    "test_frictional_paths.py",
+    "test_html.py",
+    "test_partial_slip.py",
+    "test_sliding_stress.py",
+}
+
+
+def imports_private(path):
+    nodes = list(ast.walk(ast.parse(path.read_text(encoding="utf-8"))))
+    names = [alias.name for node in nodes if isinstance(node, ast.Import) for alias in node.names]
+    names += [f"{node.module}.{one.name}" for node in nodes if isinstance(node, ast.ImportFrom) for one in node.names]
+    return any(re.match(r"roughcontact\.(\w+\.)*_(?!_)", name) for name in names)
+
+
+def test_only_unit_tests_import_what_is_private():
+    others = [path for path in TESTS.glob("*.py") if "unit" not in path.stem.split("_")]
+    assert {path.name for path in others if imports_private(path)} == INSIDE
 
 
 def list_classes():

@@ -8,17 +8,12 @@ import tracemalloc
 import attrs
 import numpy as np
 import pytest
-from hypothesis import example, given
-from hypothesis import strategies as st
-from hypothesis.extra import numpy as hnp
 from scipy import optimize
 
 import roughcontact as rc
-from roughcontact._answers.subsurface.field import StressField, find_steps, maximum_shear
-from roughcontact._base import machine
-from roughcontact._parts.kernels.stress_cells import STRESS_COMPONENTS, cell_stress
 from roughcontact.reference import hertz_sphere
 from roughcontact.typing import HalfSpaceStress, StressConvolution
+from scenes import make_rough
 
 NU = 0.3
 STEEL = rc.Elastic(200e9, NU)
@@ -95,21 +90,11 @@ def press_ball(cells, shape, *, sides=(1.0, 1.0), place=(0.0, 0.0), boundary="fr
     return problem.solve(force=force, tolerance=tolerance), hertz_sphere(force, RADIUS, modulus), problem
 
 
-def rough(cells, seed, boundary="periodic", load=2e-3, length=1e-3, young=200e9, aspect=1):
-    surface = rc.SelfAffineSurface(
-        hurst=0.7, rms_slope=0.05, shortest=length / 8, longest=length, rolloff=length / 3, seed=seed
-    )
-    problem = rc.ContactProblem(
-        rc.Body(surface, rc.Elastic(young, NU)),
-        grid=rc.Grid((cells, cells * aspect), length),
-        boundary=boundary,
-        threads=1,
-    )
+def press_rough(cells, seed, boundary="periodic", load=2e-3, length=1e-3, young=200e9, aspect=1):
+    waves = {"hurst": 0.7, "rms_slope": 0.05, "shortest": length / 8, "longest": length, "rolloff": length / 3}
+    material = rc.Elastic(young, NU)
+    problem = make_rough((cells, cells * aspect), length, material, boundary=boundary, threads=1, seed=seed, **waves)
     return problem.solve(pressure=load * young), problem
-
-
-def is_odd(axis, component, load):
-    return (component + load).count(axis) % 2 == 1
 
 
 def convolve(loads, z, boundary="free", sides=(1.0, 1.0), of="z", steps=(1, 1), common=None):
@@ -121,93 +106,12 @@ def convolve(loads, z, boundary="free", sides=(1.0, 1.0), of="z", steps=(1, 1), 
     return convolution.apply(convolution.transform(loads, of), z, of, steps)
 
 
-def superpose(load, z, nu, sides, images, letter="z"):
-    """Return the stress by all cells and so many rings of images of the domain, summed one by one, float64."""
-    nx, ny = load.shape
-    reach_x, reach_y = max(nx * images, nx - 1), max(ny * images, ny - 1)
-    table = cell_stress(z, nu, (reach_x + 1, reach_y + 1), sides, np.float64, letter)
-    x, y = np.arange(-reach_x, reach_x + 1), np.arange(-reach_y, reach_y + 1)
-    # The outermost image lies half on each side.
-    ends = [np.where(images * (np.abs(o) == n * images), 0.5, 1.0) for o, n in ((x, nx), (y, ny))]
-    stress = np.empty((6, nx, ny))
-    for place, component in enumerate(STRESS_COMPONENTS):
-        kernel = table[place][np.abs(x)][:, np.abs(y)] * ends[0][:, np.newaxis] * ends[1]
-        kernel *= np.sign(x)[:, np.newaxis] if is_odd("x", component, letter) else 1.0
-        kernel *= np.sign(y) if is_odd("y", component, letter) else 1.0
-        mx, my = (nx, ny) if images else (2 * nx, 2 * ny)
-        folded = np.zeros((mx, my))
-        np.add.at(folded, ((x % mx)[:, np.newaxis], y % my), kernel)
-        whole = np.fft.ifft2(np.fft.fft2(folded) * np.fft.fft2(load, (mx, my))).real
-        stress[place] = whole[:nx, :ny]
-    return stress
-
-
-@pytest.mark.parametrize(("nu", "z", "sides"), [(0.3, 0.4, (1.0, 0.7)), (0.0, 2.0, (1.0, 1.0)), (0.5, 1.0, (0.3, 2.0))])
-def test_a_cell_is_the_integral_of_point_forces(nu, z, sides):
-    nodes, weights = np.polynomial.legendre.leggauss(80)
-    table = cell_stress(z, nu, (4, 3), sides, np.float64)
-    for i, j in ((0, 0), (1, 0), (0, 2), (3, 1)):
-        x = (i - 0.5 * nodes[:, np.newaxis]) * sides[0]
-        y = (j - 0.5 * nodes[np.newaxis, :]) * sides[1]
-        points = boussinesq(x, y, z, nu)
-        whole = np.einsum("aij,i,j->a", points, weights, weights) * sides[0] * sides[1] / 4.0
-        np.testing.assert_allclose(table[:, i, j], whole, atol=1e-9)
-
-
-@pytest.mark.parametrize("sides", [(1.0, 1.0), (1.0, 1.7)])
-@pytest.mark.parametrize("z", [0.0, 0.3, 2.5, 11.0])
-def test_transforms_are_the_sums_over_cells(sides, z):
-    pressure = np.random.default_rng(5).random((24, 15)).astype(np.float32)
-    free = convolve(pressure, z, "free", sides, common=(4, 1))
-    np.testing.assert_allclose(free, superpose(pressure, z, NU, sides, 0), atol=2e-6)
-    # Only without a mean does the sum over images converge.
-    even = pressure - np.float32(pressure.mean(dtype=np.float64))
-    periodic = convolve(even, z, "periodic", sides)
-    np.testing.assert_allclose(periodic, superpose(even, z, NU, sides, 16), atol=3e-6)
-
-
 def test_the_mean_pressure_of_a_periodic_body_is_confined():
     for z in (0.0, 0.5, 30.0):
         stress = convolve(np.full((12, 8), 1.0, np.float32), z, "periodic")
         lateral = -NU / (1.0 - NU)
         expected = np.array([lateral, lateral, -1.0, 0.0, 0.0, 0.0])[:, np.newaxis, np.newaxis]
         np.testing.assert_allclose(stress, np.broadcast_to(expected, stress.shape), atol=1e-6)
-
-
-@pytest.mark.parametrize("boundary", ["free", "periodic", "free-periodic", "periodic-free"])
-@pytest.mark.parametrize("slides", [False, True])
-@pytest.mark.parametrize(
-    ("shape", "z", "sides"),
-    [
-        ((128, 64), 8.0, (1.0, 1.0)),
-        ((64, 160), 17.0, (1.0, 1.0)),
-        ((96, 33), 40.0, (1.0, 1.0)),
-        ((64, 64), 700.0, (1.0, 1.0)),
-        ((50, 66), 9.0, (1.0, 1.0)),
-        ((100, 76), 18.0, (1.0, 1.0)),
-        ((64, 96), 20.0, (1.0, 2.0)),
-        ((128, 64), 17.0, (1.0, 0.4)),
-    ],
-)
-def test_fewer_points_at_depth_lose_nothing(boundary, slides, shape, z, sides):
-    rng = np.random.default_rng(int(z))
-    steps = find_steps(shape, sides, z)
-    assert max(steps) > 1
-
-    of = "zxy" if slides else "z"
-    fields = (rng.random((3, *shape)) * (rng.random((3, *shape)) < 0.2)).astype(np.float32)
-    fields = fields[: len(of)]
-    few = convolve(fields, z, boundary, sides, of, steps)
-    # A finer grid has points there: each cell is cut into 2 x 2, and the middle of the block is a corner of the cells.
-    fine = np.kron(fields, np.ones((1, 2, 2), np.float32))
-    many = convolve(fine, 2.0 * z, boundary, sides, of)
-    for axis, step in ((1, steps[0]), (2, steps[1])):
-        # Cubic interpolation halfway between four points.
-        first = np.arange(few.shape[axis]) * 2 * step + step - 1
-        taken = [np.take(many, np.clip(first + k, 0, many.shape[axis] - 1), axis=axis) for k in (-1, 0, 1, 2)]
-        many = (9.0 * (taken[1] + taken[2]) - taken[0] - taken[3]) / 16.0
-    inner = (slice(None), slice(1, -1), slice(1, -1))
-    assert np.abs(few - many)[inner].max() < (4e-4 if slides else 3e-4) * np.abs(many).max()
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -244,7 +148,7 @@ def test_hertz_at_all_points(material):
 
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
 def test_at_the_surface_the_normal_stress_is_the_pressure(boundary):
-    solution, _ = rough(48, 3, boundary)
+    solution, _ = press_rough(48, 3, boundary)
     xx, yy, zz, yz, xz, _ = solution.stress(0.0).components[0] / solution.pressure.max()
     np.testing.assert_allclose(zz, -solution.pressure / solution.pressure.max(), atol=2e-6)
     assert max(np.abs(yz).max(), np.abs(xz).max()) < 1e-6
@@ -268,7 +172,7 @@ def test_far_away_the_contact_is_a_point():
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
 @pytest.mark.parametrize("friction", [None, 0.6])
 def test_the_stress_is_in_equilibrium(boundary, friction):
-    solution, _ = rough(64, 1, boundary, aspect=2)
+    solution, _ = press_rough(64, 1, boundary, aspect=2)
     dx, dy = solution.grid.spacing
     z, step = 6.0 * dx, 0.25 * dx
     above, here, below = solution.stress([z - step, z, z + step], friction=friction, direction=25.0).components
@@ -301,33 +205,6 @@ def test_a_periodic_contact_far_from_its_images_is_a_free_one():
 
 
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
-def test_stresses_add_and_follow_the_symmetry(boundary):
-    one, other = np.random.default_rng(2).random((2, 20, 14)).astype(np.float32)
-    first, second = convolve(one, 1.5, boundary), convolve(other, 1.5, boundary)
-    np.testing.assert_allclose(convolve(one + other, 1.5, boundary), first + second, atol=3e-6)
-    turned = convolve(one.T, 1.5, boundary).transpose(0, 2, 1)
-    np.testing.assert_allclose(turned, first[[YY, XX, ZZ, XZ, YZ, XY]], atol=2e-6)
-    mirrored = convolve(one[::-1], 1.5, boundary)[:, ::-1]
-    signs = np.array([-1.0 if is_odd("x", component, "z") else 1.0 for component in STRESS_COMPONENTS])
-    signs = signs[:, np.newaxis, np.newaxis]
-    np.testing.assert_allclose(mirrored, signs * first, atol=2e-6)
-
-
-@given(hnp.arrays(np.float64, (6, 5), elements=st.floats(-10.0, 10.0)))
-@example(np.full((6, 5), 3e-125))
-def test_invariants_are_those_of_the_principal_stresses(values):
-    xx, yy, zz, yz, xz, xy = values
-    tensors = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]).transpose(2, 0, 1)
-    low, middle, high = np.linalg.eigvalsh(tensors).T
-    size = 1.0 + np.abs(values).max()
-    np.testing.assert_allclose(maximum_shear(values), 0.5 * (high - low), atol=1e-7 * size)
-    field = StressField(1.0, rc.Grid((5, 2), 1.0), np.repeat(values[:, :, np.newaxis], 2, axis=2), 2.0)
-    mises = np.sqrt(0.5 * ((high - low) ** 2 + (high - middle) ** 2 + (middle - low) ** 2))
-    np.testing.assert_allclose(field.von_mises[:, 0], 2.0 * mises, atol=1e-6 * size)
-    np.testing.assert_allclose(field.shear[:, 0], high - low, atol=2e-7 * size)
-
-
-@pytest.mark.parametrize("boundary", ["free", "periodic"])
 @pytest.mark.parametrize(("length", "stiffness"), [(2.0**-20, 2.0**-30), (2.0**20, 1.0), (1.0, 2.0**30)])
 def test_units_change_nothing_but_the_scale(boundary, length, stiffness):
     heights = 1e-6 * np.random.default_rng(4).standard_normal((32, 24))
@@ -352,36 +229,16 @@ def test_units_change_nothing_but_the_scale(boundary, length, stiffness):
     ("boundary", "aspect", "seed"), [("periodic", 1, 21), ("periodic", 2, 22), ("periodic", 1, 23)]
 )
 def test_the_uncertainty_of_the_maximum_holds_on_rough_surfaces(boundary, aspect, seed):
-    exact, _ = rough(192 // aspect, seed, boundary, aspect=aspect)
+    exact, _ = press_rough(192 // aspect, seed, boundary, aspect=aspect)
     true = exact.stress().maximum
     for cells in (48, 96):
-        found = rough(cells // aspect, seed, boundary, aspect=aspect)[0].stress().maximum
+        found = press_rough(cells // aspect, seed, boundary, aspect=aspect)[0].stress().maximum
         assert abs(found.value - true.value) < 3.0 * math.hypot(found.uncertainty, true.uncertainty)
         assert found.uncertainty < 0.15 * found.value
 
 
-def test_the_array_and_the_fields_are_the_same():
-    solution, _ = rough(32, 6)
-    h = solution.grid.spacing[0]
-    stress = solution.stress([2.0 * h, 0.5 * h, 9.0 * h])
-    assert len(stress) == 3
-    assert stress.components.shape == (3, len(STRESS_COMPONENTS), 32, 32)
-    assert stress.von_mises.shape == (3, 32, 32)
-    fields = list(stress)
-    assert [field.depth for field in fields] == [*stress.depths]
-    assert [field.grid.shape for field in fields] == [(32, 32), (32, 32), (16, 16)]
-    for place in (0, 1):
-        np.testing.assert_array_equal(fields[place].components, stress.components[place])
-        np.testing.assert_allclose(fields[place].von_mises, stress.von_mises[place], rtol=1e-5)
-        assert stress.profile[place] == pytest.approx(fields[place].von_mises.max(), rel=0.05)
-    np.testing.assert_array_equal(stress[-1].components, fields[2].components)
-    assert "maximum von Mises" in str(stress)
-    assert "16 x 16" in str(fields[2])
-    assert not stress.components.flags.writeable
-
-
 def test_memory_does_not_grow_with_the_depths():
-    solution, _ = rough(128, 6, "free")
+    solution, _ = press_rough(128, 6, "free")
     peaks = []
     for count in (3, 24):
         tracemalloc.start()
@@ -390,13 +247,6 @@ def test_memory_does_not_grow_with_the_depths():
         peaks.append(tracemalloc.get_traced_memory()[1])
         tracemalloc.stop()
     assert peaks[1] < 1.05 * peaks[0]
-
-
-def test_an_array_beyond_the_memory_is_refused(monkeypatch):
-    solution, _ = rough(128, 6)
-    monkeypatch.setattr(machine, "available_memory", lambda *_: 2**20)
-    with pytest.raises(rc.InputError, match="one at a time"):
-        _ = solution.stress(np.linspace(1e-6, 1e-3, 64)).components
 
 
 def test_the_maximum_says_why_it_must_not_be_trusted():
@@ -409,16 +259,16 @@ def test_the_maximum_says_why_it_must_not_be_trusted():
     assert "smallest of the depths" in " ".join(ends.warnings)
     assert "uncertain" in str(ends)
     # Three cells a wave hide summits: the stress is as uncertain as the maximum pressure.
-    coarse, _ = rough(24, 3, aspect=2)
+    coarse, _ = press_rough(24, 3, aspect=2)
     found = coarse.stress().maximum
     peak = coarse.peak_pressure()
     assert found.uncertainty / found.value >= 0.7 * peak.uncertainty / peak.value > 0.02
     assert "cells below the surface, where it depends on the grid" in " ".join(found.warnings)
-    bordering, _ = rough(48, 1, "free", load=0.02)
+    bordering, _ = press_rough(48, 1, "free", load=0.02)
     found = bordering.stress().maximum
     assert found.uncertainty == found.value
     assert "border" in " ".join(found.warnings)
-    wrapped, _ = rough(48, 1, "wrapped")
+    wrapped, _ = press_rough(48, 1, "wrapped")
     assert "wrapped" in " ".join(wrapped.stress().maximum.warnings)
 
 

@@ -11,18 +11,17 @@ import signal
 import subprocess
 import sys
 import time
-from concurrent.futures import BrokenExecutor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import BrokenExecutor, ProcessPoolExecutor, ThreadPoolExecutor
 
 import attrs
 import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact._solve.problem.sweep import Sweep
-from roughcontact._work.studies.chain import run_chain
-from roughcontact._work.studies.record import read_index, write_index
+from roughcontact.typing import Sweep
 from scenes import ROUGH, make_problem, make_study
 from systems import posix
+from unit_files import read_index, write_index
 
 
 @attrs.frozen
@@ -104,34 +103,6 @@ def test_any_executor_gives_the_same(tmp_path, pool):
     strip = [attrs.evolve(record, seconds=0.0) for record in pooled.records]
     assert strip == [attrs.evolve(record, seconds=0.0) for record in alone.records]
     assert sorted(record.key for record in seen) == sorted(record.key for record in pooled.records)
-
-
-class Flaky(ThreadPoolExecutor):
-    """Loses the first task of each chain."""
-
-    def __init__(self):
-        super().__init__(1)
-        self.lost = set()
-
-    def submit(self, work, chain):
-        name = (chain.name, chain.seed)
-        if name in self.lost:
-            return super().submit(work, chain)
-        self.lost.add(name)
-        # The worker dies after it has solved the first load.
-        run_chain(attrs.evolve(chain, loads=chain.loads[:1]))
-        future = Future()
-        future.set_exception(RuntimeError("the worker died"))
-        return future
-
-
-def test_a_task_whose_worker_died_is_run_again_from_where_it_was(tmp_path):
-    with Flaky() as executor:
-        result = make_study().run(tmp_path, executor=executor)
-    assert not result.failed
-    assert len(result.records) == 12
-    # The first load of each chain was on disk already.
-    assert result.computed == 8
 
 
 class Dead(ThreadPoolExecutor):

@@ -11,10 +11,9 @@ import pytest
 
 import roughcontact as rc
 from roughcontact.__main__ import main
-from roughcontact._work.studies.record import read_index
-from roughcontact._work.studies.toml import read_study
 from roughcontact.typing import describe_response
 from scenes import ROUGH, make_problem
+from unit_files import read_index, read_study
 
 
 def conductance(conductivity=45.0):

@@ -15,8 +15,8 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact._work.studies.record import read_index
 from scenes import ROUGH, STEEL, make_problem, make_study
+from unit_files import read_index
 
 
 def build(hurst, seed, boundary="periodic"):

@@ -10,10 +10,9 @@ import pytest
 
 import roughcontact as rc
 from roughcontact.__main__ import main
-from roughcontact._faces.cli.run import list_warnings
-from roughcontact._work.studies.toml import read_study
 from roughcontact.typing import build_problem
-from scenes import ROUGH, make_problem, make_study
+from scenes import ROUGH
+from unit_files import read_study
 
 STUDY = """
 [problems.rough]
@@ -87,16 +86,6 @@ class TestFiles:
         assert printed.count("A Young's modulus of 210 Pa is that of a foam or a gel.") == 1
         assert "and the unit of heights from a file. [2 of 4 solves]" in printed
         assert main(["run", str(study_file)]) == 3
-
-    def test_warnings_that_differ_in_numbers_alone_are_one(self, tmp_path):
-        result = make_study(problems=make_problem(), seeds=[]).run(tmp_path)
-        texts = ("9.5 % of 3 µm.", "99 % of 1 m.", "1e-5 % of 4 m."), ("99 % of 1 m.", "Another.")
-        records = [attrs.evolve(result[0], warnings=own) for own in (*texts, ())]
-        lines = list_warnings(attrs.evolve(result, records=tuple(records)))
-        assert lines == [
-            "warning  1e-5 % of 4 m. [2 of 3 solves, with other numbers]",
-            "warning  Another. [1 of 3 solves]",
-        ]
 
     @pytest.mark.parametrize(
         ("old", "new", "words"),

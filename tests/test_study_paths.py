@@ -12,9 +12,7 @@ import pytest
 
 import roughcontact as rc
 from roughcontact.__main__ import main
-from roughcontact._base.archive.plain import key_of
-from roughcontact._solve.problem import load_path, save_path
-from roughcontact._work.studies.toml import read_study
+from unit_files import key_of, load_path, read_study, save_path
 
 STUDY = """
 [problems.long]

@@ -11,7 +11,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import roughcontact as rc
-from roughcontact._parts.surfaces.statistics import polynomial
 from strategies import seeds
 
 GRID = rc.Grid((40, 30), (2e-4, 3e-4))
@@ -356,25 +355,6 @@ class TestGaussianFilter:
             surface.filtered()
         with pytest.raises(rc.InputError, match="must be above the shortest"):
             surface.filtered(8e-6, 4e-6)
-
-
-@pytest.mark.parametrize("shape", [(12, 9), (24, 18), (36, 9), (30, 7)])
-@pytest.mark.parametrize("holes", [False, True])
-def test_a_form_is_the_same_polynomial_on_other_cells(shape, holes):
-    """Through the centres of 12 x 9 cells, at those of others on the same domain."""
-
-    def exact(nx, ny):
-        x, y = ((np.arange(n) + 0.5) / n for n in (nx, ny))
-        return 3.0 + 2.0 * x[:, np.newaxis] - 5.0 * x[:, np.newaxis] ** 2 * y + 4.0 * y**2
-
-    heights = exact(12, 9)
-    missing = None
-    if holes:
-        missing = np.random.default_rng(1).random(heights.shape) < 0.2
-        heights = np.where(missing, 1e3, heights)
-    np.testing.assert_allclose(polynomial(heights, 3, missing, shape), exact(*shape), rtol=1e-10)
-    if shape == (12, 9):
-        np.testing.assert_allclose(polynomial(heights, 3, missing), exact(12, 9), rtol=1e-10)
 
 
 @pytest.mark.parametrize("interpolation", ["cubic", "bilinear"])

@@ -18,14 +18,14 @@ import pytest
 import roughcontact as rc
 import roughcontact.testing as kit
 from roughcontact.__main__ import main
-from roughcontact._base.archive.plain import describe
-from roughcontact._solve.solvers import shear_solvers
 from roughcontact.typing import Outcome, PreparedConvolution, RawMap, ShearConvolution, ShearSolver
+from unit_files import describe
 
 ROOT = Path(__file__).parent.parent
 EXAMPLE = ROOT / "plugins" / "roughcontact-example"
 HARDNESS = np.linspace(1e8, 1e9, 120).reshape(12, 10)
-CAREFUL_SHEAR = shear_solvers.create("projected-cg")
+(CAREFUL_SHEAR_CLASS,) = entry_points(group="roughcontact.shear_solvers", name="projected-cg")
+CAREFUL_SHEAR = CAREFUL_SHEAR_CLASS.load()()
 # Registered classes that cannot be made without arguments.
 MADE = {
     "conductance": [rc.responses.create("conductance", (50.0, 20.0)), rc.responses.create("conductance", 1.0, 1e-9)],

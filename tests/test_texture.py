@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -11,12 +13,8 @@ from scipy.special import ellipe
 from scipy.stats import norm
 
 import roughcontact as rc
-from roughcontact.reference.texture import _PARAMETERS
 
 SIZE = (64e-6, 48e-6)
-
-
-UNITS = {name: unit for name, (unit, _) in _PARAMETERS.items()}
 
 
 def values(found):
@@ -94,6 +92,12 @@ def test_sums_of_cosines_have_exact_moments(shape, size, phase):
         assert getattr(found, name).value == pytest.approx(value, rel=1e-9), name
 
 
+@functools.cache
+def sample_wave(cells):
+    grid = rc.Grid((cells, 4), SIZE)
+    return rc.reference.texture(rc.WavySurface((2e-6, 0.0), SIZE[0] / 4).heights(grid), grid)
+
+
 @pytest.mark.parametrize(
     ("name", "exact", "order"),
     [
@@ -109,9 +113,7 @@ def test_numbers_of_sampled_heights_converge(name, exact, order):
     """Means of other functions have an error of second order in the cell, or of first where heights are counted."""
     errors = []
     for cells in (257, 4097):
-        grid = rc.Grid((cells, 4), SIZE)
-        heights = rc.WavySurface((2e-6, 0.0), SIZE[0] / 4).heights(grid)
-        errors.append(abs(getattr(rc.reference.texture(heights, grid), name).value / 2e-6 - exact))
+        errors.append(abs(getattr(sample_wave(cells), name).value / 2e-6 - exact))
     assert errors[1] < 2.0 * errors[0] / 16.0**order
     assert order == 1 or errors[1] < 1e-6
 
@@ -173,11 +175,12 @@ def test_units_and_rearrangements(seed, scale, periodic):
     """Heights and lengths in another unit, x and y exchanged, and the surface turned over."""
     grid = rc.Grid((24, 18), SIZE)
     heights = np.random.default_rng(seed).standard_normal(grid.shape) * 1e-7
-    one = values(rc.reference.texture(heights, grid, periodic=periodic))
+    found = rc.reference.texture(heights, grid, periodic=periodic)
+    one = values(found)
     wider = rc.Grid(grid.shape, (SIZE[0] * scale, SIZE[1] * scale))
     scaled = values(rc.reference.texture(scale * heights, wider, periodic=periodic))
     for name in one:
-        length = scale if UNITS[name] == "m" else 1.0
+        length = scale if getattr(found, name).unit == "m" else 1.0
         assert scaled[name] == pytest.approx(length * one[name], rel=1e-6, abs=1e-15), name
     turned = values(rc.reference.texture(heights.T, rc.Grid((18, 24), SIZE[::-1]), periodic=periodic))
     below = values(rc.reference.texture(-heights, grid, periodic=periodic))

@@ -11,6 +11,7 @@ from scipy import integrate, special
 
 import roughcontact as rc
 from roughcontact import reference
+from scenes import make_problem
 
 GRID = rc.Grid((96, 64), (3e-3, 1e-3))
 MODULUS = 2e9
@@ -30,14 +31,13 @@ def gaussian(rng, grid, hurst=0.8, low=3, high=20):
     return scipy.fft.ifft2(noise * power).real
 
 
-def rough(seed=1, cells=256, **options):
+def draw_surface(seed=1, cells=256, **options):
     options = {"hurst": 0.8, "rms_slope": 0.1, "shortest": 1 / 32, "longest": 0.5, "rolloff": 0.25} | options
     return rc.SelfAffineSurface(seed=seed, **options), rc.Grid((cells, cells), 1.0)
 
 
 def solve(surface, grid, load, **options):
-    body = rc.Body(surface, rc.Elastic(1e9, 0.0))
-    problem = rc.ContactProblem(body, grid=grid, boundary=options.pop("boundary", "periodic"), **options)
+    problem = make_problem(surface, rc.Elastic(1e9, 0.0), **{"grid": grid, "boundary": "periodic", **options})
     return problem.solve(pressure=load * 1e9 * 0.1)
 
 
@@ -57,7 +57,7 @@ class TestMoments:
         """Counted: cells above all eight neighbours, 12 cells a shortest wave; density, mean height, deviation."""
         counts, heights, expected = [], [], []
         for seed in range(6):
-            surface, grid = rough(seed, 384)
+            surface, grid = draw_surface(seed, 384)
             z = surface.heights(grid)
             around = [np.roll(z, (i, j), (0, 1)) for i in (-1, 0, 1) for j in (-1, 0, 1) if (i, j) != (0, 0)]
             summits = z > np.max(around, axis=0)
@@ -111,7 +111,7 @@ class TestBearingArea:
         np.testing.assert_allclose(curve.uncertainties, np.sqrt(exact * (1 - exact) / 120_000), rtol=0.6)
 
     def test_falls_from_one_to_zero_and_its_integral_is_the_mean(self):
-        surface, grid = rough(seed=4, cells=64)
+        surface, grid = draw_surface(seed=4, cells=64)
         heights = surface.heights(grid)
         curve = rc.reference.bearing_area(heights)
         assert np.all(np.diff(curve.fractions) <= 0.0)
@@ -121,7 +121,7 @@ class TestBearingArea:
         assert abs(mean) < 1e-2 * np.ptp(heights)
 
     def test_elastic_bodies_touch_on_less_at_the_same_mean_gap(self):
-        surface, grid = rough(seed=2, cells=128)
+        surface, grid = draw_surface(seed=2, cells=128)
         solution = solve(surface, grid, 0.02)
         heights = surface.heights(grid)
         levels = np.linspace(heights.min() - heights.mean(), heights.max() - heights.mean(), 400)
@@ -158,7 +158,7 @@ class TestPersson:
             assert found.stiffness == pytest.approx(p / slope(p), rel=1e-9)
 
     def test_stiffness_is_the_slope_of_the_gap(self):
-        surface, grid = rough()
+        surface, grid = draw_surface()
         pressures = 1e8 * np.geomspace(1e-4, 0.5, 9)
         above, at, below = (
             reference.persson(surface.heights(grid), grid, 1e9, pressures * factor) for factor in (1.05, 1.0, 1 / 1.05)
@@ -167,7 +167,7 @@ class TestPersson:
         assert slope == pytest.approx(at.stiffness, rel=5e-3)
 
     def test_light_load_and_full_contact(self):
-        surface, grid = rough()
+        surface, grid = draw_surface()
         heights, unit = surface.heights(grid), 1e9 * 0.1
         light = reference.persson(heights, grid, 1e9, [1e-12 * unit, 1e-6 * unit])
         assert light.area_fraction / light.pressure * unit == pytest.approx(4 / math.sqrt(2 * math.pi), rel=1e-6)
@@ -193,7 +193,7 @@ class TestPersson:
         assert (small.mean_gap * 2.0**40 == first.mean_gap).all()
 
     def test_a_windowed_map_gives_about_the_same(self):
-        surface, grid = rough(cells=384)
+        surface, grid = draw_surface(cells=384)
         heights = surface.heights(grid)
         whole = reference.persson(heights, grid, 1e9, 5e6)
         cut = rc.Grid((256, 288), (256 / 384, 288 / 384))
@@ -202,7 +202,7 @@ class TestPersson:
         assert part.mean_gap == pytest.approx(whole.mean_gap, rel=0.3)
 
     def test_one_pressure_gives_numbers_and_several_a_table(self):
-        surface, grid = rough()
+        surface, grid = draw_surface()
         heights = surface.heights(grid)
         assert reference.persson(heights, grid, 1e9, 5e6).mean_gap.shape == ()
         assert len(str(reference.persson(heights, grid, 1e9, [5e6, 6e6])).splitlines()) == 3
@@ -232,7 +232,7 @@ class TestBeside:
     @pytest.mark.parametrize("hurst", [0.3, 0.8])
     def test_theory_and_solution_agree_as_is_known(self, hurst):
         """The area is low by a fifth to a third, the mean gap right to a few per cent of the rms height."""
-        surface, grid = rough(5, hurst=hurst, longest=1.0, rolloff=0.125)
+        surface, grid = draw_surface(5, hurst=hurst, longest=1.0, rolloff=0.125)
         for load, low, high in ((0.01, 0.65, 0.74), (0.1, 0.74, 0.81), (0.2, 0.79, 0.86)):
             solution = solve(surface, grid, load)
             theory = solution.theory
@@ -248,15 +248,15 @@ class TestBeside:
     def test_the_longer_sides_of_the_cells_resolve_the_waves_or_not(self, shape):
         """Waves of 2.5 such sides are not resolved, those of 6 are, whichever axis has them."""
         for cells, known in ((2.5, False), (6.0, True)):
-            surface, _ = rough(hurst=0.5, shortest=cells / 128, longest=0.12, rolloff=0.12, seed=5)
+            surface, _ = draw_surface(hurst=0.5, shortest=cells / 128, longest=0.12, rolloff=0.12, seed=5)
             assert (solve(surface, rc.Grid(shape, 1.0), 0.1).theory is not None) == known
 
     @pytest.mark.parametrize(
         "make",
         [
-            lambda: solve(*rough(cells=128), 0.05, boundary="free"),
-            lambda: solve(*rough(), 0.05, boundary="wrapped"),
-            lambda: solve(*rough(peklenik=3.0), 0.05),
+            lambda: solve(*draw_surface(cells=128), 0.05, boundary="free"),
+            lambda: solve(*draw_surface(), 0.05, boundary="wrapped"),
+            lambda: solve(*draw_surface(peklenik=3.0), 0.05),
             lambda: solve(rc.WavySurface(1e-3, 0.25), rc.Grid((64, 64), 1.0), 0.05),
             lambda: solve(rc.SphereSurface(5.0), rc.Grid((64, 64), 1.0), 0.001),
         ],
@@ -268,13 +268,16 @@ class TestBeside:
         assert "Persson" not in str(solution)
 
     def test_a_limited_contact_has_no_theory(self):
-        surface, grid = rough()
+        surface, grid = draw_surface()
         body = rc.Body(surface, rc.ElasticPerfectlyPlastic(1e9, 0.0, 5e7))
         assert rc.ContactProblem(body, grid=grid, boundary="periodic").solve(pressure=1e7).theory is None
 
     def test_a_worn_surface_gets_a_warning(self):
         """Short waves in the valleys alone: near-Gaussian heights, but a contact that they do not roughen."""
-        (surface, grid), (shorter, _) = rough(2, rolloff=0.5, shortest=1 / 8), rough(3, longest=1 / 12, rolloff=1 / 12)
+        (surface, grid), (shorter, _) = (
+            draw_surface(2, rolloff=0.5, shortest=1 / 8),
+            draw_surface(3, longest=1 / 12, rolloff=1 / 12),
+        )
         long, short = (one.heights(grid) / one.heights(grid).std() for one in (surface, shorter))
         heights = 0.02 * (long + 0.3 * short * (long < 0.5))
         solution = solve(rc.HeightMap(heights, size=1.0, periodic=True), grid, 0.1)

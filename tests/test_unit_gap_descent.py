@@ -7,13 +7,10 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact._parts.interactions import BoundInteraction, Dugdale, Exponential, VanDerWaals
-from roughcontact._parts.kernels import BoundKernel
-from roughcontact._solve.solution import Status
 from roughcontact._solve.solution.attraction import AdhesiveConditions
-from roughcontact._solve.solvers import Task
-from roughcontact._solve.solvers.adhesive import GapDescent, LinearisedGap, Majorise, surface_stiffness
+from roughcontact._solve.solvers.adhesive import LinearisedGap, surface_stiffness
 from roughcontact.reference import MaugisDugdale
+from roughcontact.typing import BoundInteraction, BoundKernel, Task
 
 TOLERANCE = 1e-5
 
@@ -36,7 +33,7 @@ def make_rough(shape=(64, 64), spacing=(1.0, 1.0), seed=1, slope=1.0):
 
 def make_law(work, cells=4.0, cell=1.0):
     """Return an exponential law with so many cells of the cohesive length."""
-    return BoundInteraction(Exponential(work, math.sqrt(cells * cell * work)))
+    return BoundInteraction(rc.Exponential(work, math.sqrt(cells * cell * work)))
 
 
 def judge(convolution, task, outcome):
@@ -55,8 +52,8 @@ def contact_of(outcome):
 
 def solve(convolution, task, solver=None):
     """Return an outcome that the conditions confirm, and whose load is right."""
-    outcome = (solver or GapDescent()).solve(convolution, task)
-    assert outcome.status is Status.CONVERGED
+    outcome = (solver or rc.GapDescent()).solve(convolution, task)
+    assert outcome.status is rc.Status.CONVERGED
     assert judge(convolution, task, outcome).error < 2.0 * TOLERANCE
     if task.mean_pressure is not None:
         size = np.abs(outcome.pressure).mean()
@@ -74,7 +71,7 @@ class Ball:
         self.work = radius**3 / (4.5 * math.pi * self.radius**2)
         strength = self.work / ((self.radius * self.work**2) ** (1 / 3) / tabor)
         self.theory = MaugisDugdale(self.radius, 1.0, self.work, strength)
-        self.law = BoundInteraction(Dugdale(self.work, strength, smoothing))
+        self.law = BoundInteraction(rc.Dugdale(self.work, strength, smoothing))
         # The tension around a hard ball acts far out.
         cells = cells or 2 * math.ceil((1.3 + 0.15 / tabor) * radius + 5)
         self.grid = rc.Grid((cells, cells), float(cells))
@@ -150,7 +147,7 @@ def test_descent_and_majorise_agree(boundary, control, limit):
     task = Task(initial_gap=gap, interaction=make_law(0.1), pressure_limit=limit, **load)
     convolution = prepare(grid, boundary)
     descent = solve(convolution, task)
-    other = solve(convolution, task, Majorise())
+    other = solve(convolution, task, rc.Majorise())
     np.testing.assert_array_equal(contact_of(descent), contact_of(other))
     np.testing.assert_allclose(descent.pressure, other.pressure, atol=2e-4 * descent.pressure.max())
     if math.isfinite(limit):
@@ -158,13 +155,15 @@ def test_descent_and_majorise_agree(boundary, control, limit):
         assert descent.pressure.min() >= -float(task.interaction.strength)
 
 
-@pytest.mark.parametrize("law", [Dugdale(0.2, 0.25, 0.5), VanDerWaals(0.2, 2.2), Exponential(0.2, 0.9)], ids=repr)
+@pytest.mark.parametrize(
+    "law", [rc.Dugdale(0.2, 0.25, 0.5), rc.VanDerWaals(0.2, 2.2), rc.Exponential(0.2, 0.9)], ids=repr
+)
 def test_every_law_by_both_solvers(law):
     grid, gap = make_rough((48, 48), seed=3)
     task = Task(initial_gap=gap, interaction=BoundInteraction(law), mean_pressure=0.02)
     convolution = prepare(grid)
     descent = solve(convolution, task)
-    other = solve(convolution, task, Majorise())
+    other = solve(convolution, task, rc.Majorise())
     assert contact_of(descent).mean() == pytest.approx(contact_of(other).mean(), abs=0.01)
 
 
@@ -174,8 +173,8 @@ def test_weak_attraction_changes_the_pressure_in_proportion():
     plain = rc.ProjectedConjugateGradient(1e-9).solve(convolution, Task(initial_gap=gap, mean_pressure=0.05))
     changes = []
     for work in (1e-3, 1e-4, 1e-5):
-        task = Task(initial_gap=gap, mean_pressure=0.05, interaction=BoundInteraction(Exponential(work, 0.5)))
-        outcome = GapDescent(1e-8).solve(convolution, task)
+        task = Task(initial_gap=gap, mean_pressure=0.05, interaction=BoundInteraction(rc.Exponential(work, 0.5)))
+        outcome = rc.GapDescent(1e-8).solve(convolution, task)
         changes.append(np.abs(outcome.pressure - plain.pressure).max())
     assert changes[1] / changes[0] == pytest.approx(0.1, rel=0.2)
     assert changes[2] / changes[1] == pytest.approx(0.1, rel=0.2)
@@ -187,7 +186,7 @@ def test_without_interaction_it_is_the_default_solver():
     task = Task(initial_gap=gap, mean_pressure=0.05)
     convolution = prepare(grid)
     plain = rc.ProjectedConjugateGradient().solve(convolution, task)
-    for solver in (GapDescent(), Majorise()):
+    for solver in (rc.GapDescent(), rc.Majorise()):
         np.testing.assert_array_equal(solver.solve(convolution, task).pressure, plain.pressure)
 
 
@@ -211,7 +210,7 @@ def test_shapes_of_domains_and_cells_and_their_transposes(shape, spacing, bounda
 def test_a_law_that_varies_attracts_where_it_is_strong():
     grid, gap = make_rough(seed=5)
     work = np.where(grid.x < 0.0, 0.3, 1e-6) + 0.0 * grid.y
-    task = Task(initial_gap=gap, interaction=BoundInteraction(Exponential(work, 1.1)), mean_pressure=0.02)
+    task = Task(initial_gap=gap, interaction=BoundInteraction(rc.Exponential(work, 1.1)), mean_pressure=0.02)
     for boundary in ("periodic", "free"):
         outcome = solve(prepare(grid, boundary), task)
         assert outcome.tension[:32].max() > 1e4 * outcome.tension[32:].max()
@@ -233,14 +232,16 @@ def test_more_tension_less_contact_until_it_separates():
     assert areas[-1] > 0.0
     strength = float(law.strength)
     assert (
-        GapDescent().solve(convolution, Task(initial_gap=gap, interaction=law, mean_pressure=-1.01 * strength)).status
-        is Status.SEPARATED
+        rc.GapDescent()
+        .solve(convolution, Task(initial_gap=gap, interaction=law, mean_pressure=-1.01 * strength))
+        .status
+        is rc.Status.SEPARATED
     )
 
 
 def test_attraction_across_a_gap_without_contact():
     grid, gap = make_rough()
-    law = BoundInteraction(VanDerWaals(0.2, 4.0))
+    law = BoundInteraction(rc.VanDerWaals(0.2, 4.0))
     for boundary in ("periodic", "free"):
         task = Task(initial_gap=gap, approach=-3.0, interaction=law)
         outcome = solve(prepare(grid, boundary), task)
@@ -296,13 +297,13 @@ def test_a_kernel_without_inverse_is_refused_in_a_sentence():
     grid, gap = make_rough()
     convolution = rc.CircularFFT().prepare(BoundKernel(Blind()), grid, rc.Boundary.PERIODIC)
     with pytest.raises(rc.InputError, match="majorise"):
-        GapDescent().solve(convolution, Task(initial_gap=gap, interaction=make_law(0.1), mean_pressure=0.05))
+        rc.GapDescent().solve(convolution, Task(initial_gap=gap, interaction=make_law(0.1), mean_pressure=0.05))
 
 
 def test_numbers_that_are_not_finite_end_the_solve():
     grid, gap = make_rough()
 
-    class Broken(Exponential):
+    class Broken(rc.Exponential):
         def tension(self, gap):
             return super().tension(gap) * np.nan
 
@@ -310,8 +311,8 @@ def test_numbers_that_are_not_finite_end_the_solve():
             return self
 
     task = Task(initial_gap=gap, interaction=BoundInteraction(Broken(0.1, 0.5)), mean_pressure=0.05)
-    outcome = GapDescent().solve(prepare(grid), task)
-    assert outcome.status is Status.NOT_FINITE
+    outcome = rc.GapDescent().solve(prepare(grid), task)
+    assert outcome.status is rc.Status.NOT_FINITE
     assert outcome.iterations < 5
 
 
@@ -319,13 +320,13 @@ def test_a_limit_of_iterations_ends_the_solve_and_steps_are_reported():
     grid, gap = make_rough()
     steps = []
     task = Task(initial_gap=gap, interaction=make_law(0.1), mean_pressure=0.05, on_step=steps.append)
-    outcome = GapDescent(max_iterations=3).solve(prepare(grid), task)
-    assert outcome.status is Status.MAXIMUM_ITERATIONS
+    outcome = rc.GapDescent(max_iterations=3).solve(prepare(grid), task)
+    assert outcome.status is rc.Status.MAXIMUM_ITERATIONS
     assert [step.error for step in steps] == list(outcome.errors)
     assert steps[-1].shape == (64, 64)
 
 
-@pytest.mark.parametrize("solver", [GapDescent(), Majorise()])
+@pytest.mark.parametrize("solver", [rc.GapDescent(), rc.Majorise()])
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
 @pytest.mark.parametrize("given", ["load", "approach"])
 def test_a_solution_is_found_again_from_itself(solver, boundary, given):
@@ -353,19 +354,19 @@ def test_what_cannot_be_pressed_is_said():
     grid, gap = make_rough((32, 32))
     convolution = prepare(grid)
     task = Task(initial_gap=gap, interaction=make_law(0.02), mean_pressure=-10.0)
-    outcome = Majorise().solve(convolution, task)
-    assert outcome.status is Status.SEPARATED
+    outcome = rc.Majorise().solve(convolution, task)
+    assert outcome.status is rc.Status.SEPARATED
     assert not outcome.pressure.any()
     far = attrs.evolve(task, mean_pressure=None, approach=-50.0 * float(gap.std()))
-    apart = Majorise().solve(convolution, far)
-    assert apart.status is Status.CONVERGED
+    apart = rc.Majorise().solve(convolution, far)
+    assert apart.status is rc.Status.CONVERGED
     # Nothing touches: the tension of an open gap is all, and moves the surfaces by next to nothing.
     assert not contact_of(apart).any()
     np.testing.assert_allclose(apart.tension, task.interaction.tension(gap - far.approach), rtol=1e-3, atol=1e-30)
     steps = []
     given = attrs.evolve(task, mean_pressure=0.01, on_step=steps.append)
-    few = Majorise(max_rounds=2).solve(convolution, given)
-    assert few.status is Status.MAXIMUM_ITERATIONS
+    few = rc.Majorise(max_rounds=2).solve(convolution, given)
+    assert few.status is rc.Status.MAXIMUM_ITERATIONS
     assert few.iterations == len(few.errors) == len(steps) == 2
     assert [step.iteration for step in steps] == [0, 1]
     assert [step.error for step in steps] == list(few.errors)

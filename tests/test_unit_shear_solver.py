@@ -11,14 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import roughcontact as rc
-from roughcontact._parts.kernels import BoundKernel
-from roughcontact._solve.solvers import (
-    ProjectedShearCG,
-    ShearTask,
-    SpectralShearGradient,
-    natural_residual,
-    shear_solvers,
-)
+from roughcontact._solve.solvers import ProjectedShearCG, SpectralShearGradient, shear_solvers
 from roughcontact._solve.solvers.conjugate.preconditioner import solve_on_blocks
 from roughcontact._solve.solvers.shear import projected_cg
 from roughcontact._solve.solvers.shear.base import ShearSystem
@@ -26,7 +19,7 @@ from roughcontact._solve.solvers.shear.descent import ShearDescent
 from roughcontact._solve.solvers.shear.discs import ForceControl, project_to_discs
 from roughcontact._solve.solvers.shear.face import Face
 from roughcontact._solve.solvers.shear.preconditioner import CoarseCorrection, PunchWeights
-from roughcontact.typing import PairConstants
+from roughcontact.typing import BoundKernel, PairConstants, ShearTask, natural_residual
 from strategies import seeds
 
 MODULUS, RADIUS, CELL, FRICTION = 100e9, 1e-2, 1e-6, 0.3

@@ -17,7 +17,7 @@ MODULUS = YOUNG / (1 - POISSON**2)
 BOUNDARIES = ("free", "periodic", "wrapped")
 
 
-def rough(boundary, load, shape=(20, 16), hardness=None, seed=3, solver="auto", **more):
+def press_noise(boundary, load, shape=(20, 16), hardness=None, seed=3, solver="auto", **more):
     """Return the contact of white noise at a load over E* times the rms slope, on cells that are not square."""
     size = (shape[0] * 1.5e-6, shape[1] * 1e-6)
     noise = np.random.default_rng(seed).standard_normal(shape)
@@ -46,7 +46,7 @@ def matrix_of(solution, cells):
 @pytest.mark.parametrize(("load", "hardness"), [(0.002, None), (0.1, None), (0.1, 0.3), (0.6, None)])
 @pytest.mark.parametrize("boundary", BOUNDARIES)
 def test_the_solution_is_that_of_the_matrix(boundary, load, hardness, compliance):
-    _, solution = rough(boundary, load, hardness=hardness)
+    _, solution = press_noise(boundary, load, hardness=hardness)
     compliance *= solution.grid.spacing[0] / solution.modulus
     right = np.random.default_rng(1).standard_normal(solution.grid.shape)
     for saturated in (False, True):
@@ -65,7 +65,7 @@ def test_the_solution_is_that_of_the_matrix(boundary, load, hardness, compliance
 
 
 def test_in_full_contact_the_mean_is_omitted():
-    _, solution = rough("periodic", 40.0)
+    _, solution = press_noise("periodic", 40.0)
     tangent = Tangent(solution)
     assert tangent.is_rigid
     right = np.random.default_rng(0).standard_normal(solution.grid.shape)
@@ -82,7 +82,7 @@ def test_in_full_contact_the_mean_is_omitted():
 @pytest.mark.parametrize("hardness", [None, 0.3])
 def test_it_is_the_difference_of_solves(boundary, hardness):
     solver = rc.ProjectedConjugateGradient(tolerance=1e-12)
-    problem, solution = rough(boundary, 0.1, hardness=hardness, solver=solver, seed=5)
+    problem, solution = press_noise(boundary, 0.1, hardness=hardness, solver=solver, seed=5)
     answer = Tangent(solution).solve(np.ones(solution.grid.shape))
     stiffness = answer.values.sum() * solution.grid.cell_area
     best = np.inf
@@ -96,7 +96,7 @@ def test_it_is_the_difference_of_solves(boundary, hardness):
 
 
 def test_the_matrix_is_symmetric():
-    _, solution = rough("free", 0.2)
+    _, solution = press_noise("free", 0.2)
     tangent, rng = Tangent(solution), np.random.default_rng(2)
     one, other = rng.standard_normal((2, *solution.grid.shape))
     products = [(tangent.solve(a).values * b).sum() for a, b in ((one, other), (other, one))]
@@ -105,7 +105,7 @@ def test_the_matrix_is_symmetric():
 
 @pytest.mark.parametrize("scale", [2.0**-40, 2.0**60])
 def test_units_change_nothing_but_the_scale(scale):
-    _, solution = rough("free", 0.1)
+    _, solution = press_noise("free", 0.1)
     ones = np.ones(solution.grid.shape)
     one = Tangent(solution).solve(ones)
     other = Tangent(solution).solve(scale * ones)
@@ -113,9 +113,9 @@ def test_units_change_nothing_but_the_scale(scale):
 
 
 def test_a_layered_kernel_and_other_convolvers_serve():
-    _, solution = rough("periodic", 0.05, kernel="fourier")
-    _, direct = rough("free", 0.05, convolver="direct")
-    _, fast = rough("free", 0.05)
+    _, solution = press_noise("periodic", 0.05, kernel="fourier")
+    _, direct = press_noise("free", 0.05, convolver="direct")
+    _, fast = press_noise("free", 0.05)
     ones = np.ones(solution.grid.shape)
     assert Tangent(solution).solve(ones).error < 1e-12
     values = [Tangent(one).solve(ones).values.sum() for one in (direct, fast)]
@@ -123,7 +123,7 @@ def test_a_layered_kernel_and_other_convolvers_serve():
 
 
 def test_what_cannot_be_solved_is_said():
-    _, solution = rough("free", 0.05)
+    _, solution = press_noise("free", 0.05)
     with pytest.raises(rc.InputError, match="which problem"):
         Tangent(attrs.evolve(solution, origin=None))
     with pytest.raises(NotConverged, match="residual"):

@@ -18,11 +18,11 @@ from hypothesis import strategies as st
 import roughcontact as rc
 from roughcontact._base import machine
 from roughcontact._base.archive.plain import key_of
-from roughcontact._base.machine import available_threads, choose_threads, map_tiles, split, use_threads
+from roughcontact._base.machine import choose_threads, map_tiles, split, use_threads
 from roughcontact._solve.convolvers.base import approximate_inverse
 from roughcontact._solve.problem import run as run_module
 from roughcontact._work.studies.toml import read_study
-from roughcontact.typing import BoundKernel, PairConstants
+from roughcontact.typing import BoundKernel, PairConstants, available_threads
 from strategies import grids, seeds
 from test_memory import rough_problem
 

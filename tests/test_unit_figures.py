@@ -16,7 +16,6 @@ from matplotlib.ticker import LogLocator, MaxNLocator
 
 import roughcontact as rc
 from exact_contacts import ball, with_fields
-from roughcontact._answers.laws import LawColumn, PowerFit
 from roughcontact._faces.panels import results
 from roughcontact._faces.panels.curves import _count_columns, draw_band, scale_axes
 from roughcontact._faces.panels.figures import arrange, draw_panel, title_of
@@ -36,7 +35,7 @@ from roughcontact._faces.panels.solution import areas_of_patches, find_surfaces
 from roughcontact._faces.panels.surfaces import average_in_bands, average_radially, correlate, spectral_density
 from roughcontact._faces.panels.theme import DARK, LIGHT, plain_logarithms, theme_of
 from roughcontact._work.studies import StudyNames
-from roughcontact.typing import ErrorReport, ReportRow, Timing
+from roughcontact.typing import ErrorReport, LawColumn, PowerFit, ReportRow, Timing
 
 
 @pytest.fixture(autouse=True)

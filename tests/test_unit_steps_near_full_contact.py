@@ -9,9 +9,7 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact._parts.grid import Load
-from roughcontact._solve.problem.task import make_task, pressure_unit
-from roughcontact._solve.solvers.base import Monitor, starting_pressure
+from roughcontact._solve.problem.task import pressure_unit
 from roughcontact._solve.solvers.conjugate.active import active_cells
 from roughcontact._solve.solvers.conjugate.descent import ActiveState, Descent
 from roughcontact._solve.solvers.conjugate.nested_iteration import (
@@ -24,6 +22,7 @@ from roughcontact._solve.solvers.conjugate.nested_iteration import (
 from roughcontact._solve.solvers.conjugate.preconditioner import Preconditioner, PunchWeights, _smaller
 from roughcontact._solve.solvers.conjugate.refinement import NearlyFull, OpeningPreconditioner, Openings, Refinement
 from roughcontact._solve.solvers.projection import ApproachControl, LoadControl
+from roughcontact.typing import Load, Monitor, make_task, starting_pressure
 
 SIZE = (64.0, 96.0)
 

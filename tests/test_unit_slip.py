@@ -14,7 +14,6 @@ from roughcontact._answers.areas.approach import find_shift
 from roughcontact._answers.areas.curvature import curvature_resolution
 from roughcontact._answers.flow import percolation
 from roughcontact._answers.flow.network import find_paths
-from roughcontact._answers.linear.conductance import Conductance
 from roughcontact._answers.slip import (
     _approach_std,
     _compare_areas,
@@ -23,7 +22,7 @@ from roughcontact._answers.slip import (
     _displace,
     _dissipate,
 )
-from roughcontact.responses import find_percolation
+from roughcontact.responses import Conductance, find_percolation
 
 GRID = rc.Grid((60, 50), (60e-6, 75e-6))
 RADIUS = 1e-3
@@ -102,7 +101,7 @@ def test_a_conductance_reads_well():
 @pytest.mark.parametrize("axis", [0, 1])
 def test_the_load_that_closes_a_gap_lies_between_the_last_open_and_the_first_closed_contact(axis, monkeypatch):
     grid = rc.Grid((32, 24), (32.0, 24.0))
-    body = rc.Body(rc.HeightMap(rough(grid), size=grid.size, periodic=True), rc.Elastic(1e9, 0.0))
+    body = rc.Body(rc.HeightMap(sum_waves(grid), size=grid.size, periodic=True), rc.Elastic(1e9, 0.0))
     given = rc.ContactProblem(body, grid=grid, boundary="periodic", threads=1)
     found = find_percolation(given, axis=axis, within=0.02)
     low, high = found.last_open, found.first_closed
@@ -123,7 +122,7 @@ def test_the_load_that_closes_a_gap_lies_between_the_last_open_and_the_first_clo
     assert found.area_fraction.uncertainty > sure.area_fraction.uncertainty
 
 
-def rough(grid):
+def sum_waves(grid):
     """Some waves of random phases and directions."""
     rng = np.random.default_rng(5)
     heights = np.zeros(grid.shape)

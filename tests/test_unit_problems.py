@@ -13,23 +13,32 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact._base.archive import _has_ended, _machine, _remove_stale_once, replacing
-from roughcontact._parts.grid import Load
+from roughcontact._base.archive import _has_ended, _machine, _remove_stale_once
 from roughcontact._solve.problem.accuracy import Target, _coarsest, _is_confirmed, _mean_square_curvature, _refine
 from roughcontact._solve.problem.memory import _round_down, memory_of_solve
 from roughcontact._solve.problem.run import _are_close, _sample_modulus
 from roughcontact._solve.problem.sweep import order_of_solving
-from roughcontact._solve.problem.task import make_task, maximum_pressure, pressure_unit
-from roughcontact._solve.solution.conditions import ContactConditions
-from roughcontact._solve.solution.origin import Trial
-from roughcontact.typing import SlabProcesses, SlabSolution, ending_all, plan_slabs, solve_slabs
+from roughcontact._solve.problem.task import maximum_pressure, pressure_unit
+from roughcontact.typing import (
+    ContactConditions,
+    Load,
+    SlabProcesses,
+    SlabSolution,
+    Trial,
+    ending_all,
+    make_task,
+    plan_slabs,
+    replacing,
+    solve_slabs,
+)
+from scenes import make_problem
 
 WAVE = rc.WavySurface(1e-6, 100e-6)
 
 
 def problem(shape=(96, 64), size=(300e-6, 200e-6), boundary="periodic", surface=WAVE, material=None):
     material = rc.Elastic(2e9, 0.25) if material is None else material
-    return rc.ContactProblem(rc.Body(surface, material), grid=rc.Grid(shape, size), boundary=boundary, threads=1)
+    return make_problem(surface, material, grid=rc.Grid(shape, size), boundary=boundary, threads=1)
 
 
 def trial(shape=(96, 64), area=(1.0, 0.01), peak=(math.nan, math.nan)):

@@ -11,7 +11,6 @@ import pytest
 
 import roughcontact as rc
 from exact_contacts import MODULUS, with_fields
-from roughcontact._parts.interactions import BoundInteraction
 from roughcontact._solve.problem import cycle, pull_off
 from roughcontact._solve.solution.attraction import (
     AdhesiveConditions,
@@ -25,6 +24,7 @@ from roughcontact._solve.solution.attraction import (
     widen_area,
 )
 from roughcontact._solve.solution.results import _undecided, estimate_attractive_area
+from roughcontact.typing import BoundInteraction
 
 LAW = BoundInteraction(rc.Exponential(2.0, 4.0))
 GRID = rc.Grid((9, 12), (4.5, 24.0))

@@ -12,7 +12,7 @@ import pytest
 import roughcontact as rc
 from exact_contacts import MODULUS, ball, distances, edge, with_fields
 from roughcontact._answers.areas import calibration, quantity_calibration
-from roughcontact._answers.areas.cells import count_saturated
+from roughcontact._answers.areas.cells import count_saturated, count_sides, find_straight_rows
 from roughcontact._answers.areas.contour import (
     _count_alike,
     _find_bracketed_root,
@@ -416,3 +416,30 @@ def test_an_area_is_that_of_its_patches_and_at_most_nominal():
     sure = total_area(solution, np.array([0.0, 200.0]), np.zeros(2), 9.9, edges, "")
     unsure = total_area(solution, np.array([0.0, 200.0]), np.zeros(2), 10.1, edges, "")
     assert (len(sure.warnings), len(unsure.warnings)) == (0, 1)
+
+
+def touching(contact, boundary):
+    """What the counts of sides read of a solution."""
+    return SimpleNamespace(contact=contact, boundary=boundary, parts=Whole())
+
+
+@pytest.mark.parametrize(
+    ("boundary", "sides"), [(rc.Boundary.FREE, 4), (rc.Boundary.PERIODIC, 6), (rc.Boundary.WRAPPED, 6)]
+)
+def test_sides_are_counted_across_a_periodic_border(boundary, sides):
+    mask = np.zeros((5, 6), dtype=bool)
+    mask[0, 2:4] = True
+    assert count_sides(touching(mask, boundary)) == sides
+
+
+def test_a_row_of_cells_is_not_its_own_neighbour():
+    assert count_sides(touching(np.array([[True, False, False, True]]), rc.Boundary.PERIODIC)) == 2
+
+
+def test_straight_rows():
+    mask = np.zeros((6, 6), dtype=bool)
+    mask[1:3, 1:5] = True
+    assert sorted(find_straight_rows(touching(mask, rc.Boundary.FREE))) == [2, 2, 4, 4]
+    for shift in range(6):
+        moved = np.roll(mask, (shift, -shift), (0, 1))
+        assert sorted(find_straight_rows(touching(moved, rc.Boundary.PERIODIC))) == [2, 2, 4, 4]

@@ -9,36 +9,36 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact._parts.grid import Load
 from roughcontact._solve.convolvers import transforms
-from roughcontact._solve.convolvers.base import InverseConvolution
 from roughcontact._solve.convolvers.transforms import multiply_waves
-from roughcontact._solve.problem.task import make_task, pressure_unit
+from roughcontact._solve.problem.task import pressure_unit
 from roughcontact._solve.solvers.conjugate import solver as conjugate
 from roughcontact._solve.solvers.conjugate.active import ListedCells, MaskedCells, active_cells
 from roughcontact._solve.solvers.conjugate.descent import Descent
-from roughcontact._solve.solvers.conjugate.nested_iteration import (
-    _average,
-    _extent,
-    coarsen,
-    estimate_approach,
-    find_window,
-    interpolate,
-)
+from roughcontact._solve.solvers.conjugate.nested_iteration import _average, _extent, coarsen, find_window, interpolate
 from roughcontact._solve.solvers.conjugate.preconditioner import (
     CoarseCorrection,
     RigidCorrection,
     _BlockAverage,
     _gather_blocks,
     _spread_blocks,
-    count_blocks,
     divide,
     half_space_inverse,
     multiply_active,
 )
-from roughcontact._solve.solvers.projection import ApproachControl, LoadControl, project_to_load, rescale_to_load
+from roughcontact._solve.solvers.projection import ApproachControl, LoadControl
 from roughcontact._solve.solvers.spectral_gradient import _energy, _first_length
-from roughcontact.typing import Task
+from roughcontact.typing import (
+    InverseConvolution,
+    Load,
+    Task,
+    count_blocks,
+    estimate_approach,
+    make_task,
+    project_to_load,
+    rescale_to_load,
+)
+from scenes import make_problem
 
 FLAT = np.array([math.inf])
 
@@ -46,9 +46,7 @@ FLAT = np.array([math.inf])
 def problem(shape=(24, 20), size=(24.0, 30.0), boundary="periodic", surface=None, hardness=None, solver="auto"):
     material = rc.Elastic(1.0, 0.0) if hardness is None else rc.ElasticPerfectlyPlastic(1.0, 0.0, hardness)
     surface = rc.ParaboloidSurface(100.0) if surface is None else surface
-    return rc.ContactProblem(
-        rc.Body(surface, material), grid=rc.Grid(shape, size), boundary=boundary, solver=solver, threads=1
-    )
+    return make_problem(surface, material, grid=rc.Grid(shape, size), boundary=boundary, solver=solver, threads=1)
 
 
 @pytest.mark.parametrize("share", [0.1, 0.7])

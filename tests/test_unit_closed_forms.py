@@ -19,11 +19,11 @@ from roughcontact._answers.linear.stiffness import _find_rows, _shift
 from roughcontact._base.archive import remove_stale
 from roughcontact._parts.files.points import put_on_grid
 from roughcontact._parts.files.text import require_heights
-from roughcontact._parts.grid import Load, grow
-from roughcontact._solve.problem.sweep import Sweep, predict_pressure
+from roughcontact._parts.grid import grow
+from roughcontact._solve.problem.sweep import predict_pressure
 from roughcontact._solve.solvers.conjugate.descent import Descent
 from roughcontact._solve.solvers.projection import ApproachControl, LoadControl, ReleasedCells, project_to_weighted_load
-from roughcontact.typing import Whole
+from roughcontact.typing import Load, Sweep, Whole
 
 CORNERS = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
 

@@ -1,14 +1,18 @@
 """The smooth extension of the residual, for kernels that are much stiffer for short waves."""
 
+import pickle
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 import roughcontact as rc
-from roughcontact._solve.convolvers.base import InverseConvolution, approximate_inverse
+from roughcontact._solve.convolvers.base import approximate_inverse
 from roughcontact._solve.solvers.conjugate.active import active_cells
 from roughcontact._solve.solvers.conjugate.preconditioner import ExtendedInverse, half_space_inverse, is_steep
+from roughcontact.typing import InverseConvolution
+from test_convolvers import KERNEL
 
 
 def plate(shape, bending):
@@ -73,3 +77,17 @@ def test_no_half_space_is_steep_and_its_weights_are_above_zero(boundary, shape):
 @pytest.mark.parametrize("bending", [0.0, 0.3, 1.0, 4.0])
 def test_steep_is_what_a_plate_stiffens_for_waves_of_a_some_cells(bending):
     assert is_steep(plate((64, 48), bending)) == (bending >= 1.0)
+
+
+def test_the_convolution_and_its_inverse_share_one_spectrum(monkeypatch):
+    calls = []
+    monkeypatch.setattr(
+        rc.Love, "spectrum", lambda self, *given, _spectrum=rc.Love.spectrum: calls.append(1) or _spectrum(self, *given)
+    )
+    convolution = rc.CircularFFT().prepare(KERNEL, rc.Grid((24, 20), (24.0, 20.0)), rc.Boundary.PERIODIC)
+    inverse = approximate_inverse(convolution.setup)
+    assert len(calls) == 1
+    wave = np.cos(2 * np.pi * np.arange(24) / 8)[:, np.newaxis] * np.ones(20)
+    np.testing.assert_allclose(inverse.apply(convolution.apply(wave)), wave, atol=1e-12)
+    again = pickle.loads(pickle.dumps(convolution))
+    np.testing.assert_array_equal(again.apply(wave), convolution.apply(wave))

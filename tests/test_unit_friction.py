@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact._parts.grid import Load
 from roughcontact._solve.problem import increments as module
 from roughcontact._solve.problem.friction_certificate import (
     FrictionalFields,
@@ -29,7 +28,7 @@ from roughcontact._solve.problem.increments import (
     refine_steps,
 )
 from roughcontact._solve.problem.step_numbers import CellErrors, _find_limit, extrapolate_numbers, numbers_of
-from roughcontact._solve.solution import TangentialLoad
+from roughcontact.typing import Load, TangentialLoad
 
 PUSH = "tangential_force"
 

@@ -1,0 +1,25 @@
+"""The files of the package by its own hands, as tests need them: study files, records, paths, archives and their seals.
+
+Tests that use these functions as tools, and find no public name for them, take them from here.
+"""
+
+from __future__ import annotations
+
+from roughcontact._base import archive as archive
+from roughcontact._base.archive import SEAL as SEAL
+from roughcontact._base.archive import digest_of as digest_of
+from roughcontact._base.archive import pack as pack
+from roughcontact._base.archive import read_archive as read_archive
+from roughcontact._base.archive import remove_stale as remove_stale
+from roughcontact._base.archive import seal as seal
+from roughcontact._base.archive import write_archive as write_archive
+from roughcontact._base.archive.plain import describe as describe
+from roughcontact._base.archive.plain import key_of as key_of
+from roughcontact._base.archive.plain import key_of_description as key_of_description
+from roughcontact._base.archive.plain import rebuild as rebuild
+from roughcontact._base.registry import registries as registries
+from roughcontact._solve.problem import load_path as load_path
+from roughcontact._solve.problem import save_path as save_path
+from roughcontact._work.studies.record import read_index as read_index
+from roughcontact._work.studies.record import write_index as write_index
+from roughcontact._work.studies.toml import read_study as read_study
