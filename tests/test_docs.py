@@ -29,9 +29,9 @@ MODULES = sorted(
     for module in pkgutil.walk_packages(roughcontact.__path__, "roughcontact.")
     if not module.name.endswith("__main__")
 )
+CLASSES = [name for name in roughcontact.__all__ if inspect.isclass(getattr(roughcontact, name))]
 WITH_EXAMPLES = {
     "roughcontact.extrapolation",
-    "roughcontact._parts.grid",
     "roughcontact.kernels.love",
     "roughcontact.reference.closed_forms",
     "roughcontact.reference.persson",
@@ -62,6 +62,15 @@ def test_examples_in_docstrings(name):
     assert result.attempted > 0 or name not in WITH_EXAMPLES
 
 
+@pytest.mark.parametrize("name", CLASSES)
+def test_examples_of_a_public_class(name):
+    """They belong to no private module, and their methods to no public one."""
+    runner = doctest.DocTestRunner(optionflags=doctest.ELLIPSIS)
+    for example in doctest.DocTestFinder().find(getattr(roughcontact, name), name, module=False, globs={}):
+        runner.run(example)
+    assert runner.tries > runner.failures == 0
+
+
 @pytest.mark.parametrize("name", sorted(roughcontact.__all__))
 def test_each_public_class_and_function_shows_an_example(name):
     public = getattr(roughcontact, name)
@@ -79,7 +88,11 @@ def test_examples_in_the_reference():
 
 def test_every_public_name_has_its_entry():
     pages = "\n".join(page.read_text(encoding="utf-8") for page in (DOCS / "api").glob("*.rst"))
-    entered = re.findall(r"^\.\. (?:auto\w+|data):: (?:roughcontact\.(?:typing|testing)\.)?(\w+)$", pages, re.M)
+    entered = re.findall(
+        r"^\.\. (?:auto\w+|data):: (?:roughcontact\.(?:faces|responses|results|solving|testing|typing)\.)?(\w+)$",
+        pages,
+        re.M,
+    )
     arrays = {"Array", "IntArray", "Mask", "Pair", "RealArray"}
     public = {*roughcontact.__all__, *roughcontact.typing.__all__, *roughcontact.testing.__all__}
     assert public - arrays <= set(entered)

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+import inspect
 import json
+import pickle
 import re
 import subprocess
 import sys
 from importlib.metadata import requires
+
+import pytest
+
+import roughcontact as rc
 
 HEAVY = {
     "matplotlib",
@@ -55,3 +61,17 @@ def test_the_core_needs_three_packages():
 
 def test_no_dependency_is_pinned_from_above():
     assert not any("<" in line.split(";")[0] or "==" in line.split(";")[0] for line in requires("roughcontact"))
+
+
+@pytest.mark.parametrize("name", rc.__all__)
+def test_what_is_public_belongs_to_the_package(name):
+    public = getattr(rc, name)
+    if inspect.isclass(public) or inspect.isfunction(public):
+        assert f"{public.__module__}.{public.__qualname__}" == f"roughcontact.{name}"
+        assert pickle.loads(pickle.dumps(public)) is public
+
+
+def test_a_pickle_that_names_a_private_module_is_read():
+    """As they were written when classes told the modules that define them."""
+    for module, name in (("_parts.grid", "Grid"), ("_solve.problem.body", "Body"), ("errors", "InputError")):
+        assert pickle.loads(f"croughcontact.{module}\n{name}\n.".encode()) is getattr(rc, name)

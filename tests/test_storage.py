@@ -229,7 +229,7 @@ def test_a_file_names_no_private_module(tmp_path):
 def test_every_part_that_ships_has_a_public_name():
     for registry in registries().values():
         for cls in subclasses(registry.base):
-            if cls.__module__.startswith("roughcontact.") and not cls.__name__.startswith("_"):
+            if cls.__module__.partition(".")[0] == "roughcontact" and not cls.__name__.startswith("_"):
                 public = getattr(rc, cls.__name__, None) is cls and cls.__name__ in rc.__all__
                 assert registry.name_of(cls) or public or inspect.isabstract(cls), cls
 
@@ -258,7 +258,8 @@ def test_a_solution_is_read_after_a_tidy_up(tmp_path):
         "import sys, numpy as np, roughcontact as rc\n"
         "loaded = rc.ContactSolution.load(sys.argv[1])\n"
         "again = rc.ContactProblem(**loaded.origin.problem).solve(**loaded.origin.load)\n"
-        "assert type(again.origin.problem['body']).__module__ == 'roughcontact._solve_tidy.problem.body'\n"
+        "assert 'roughcontact._solve_tidy.problem.body' in sys.modules\n"
+        "assert 'roughcontact._solve' not in sys.modules\n"
         "assert (again.pressure == loaded.pressure).all()\n"
         "np.save(sys.argv[2], [loaded.pressure, loaded.displacement, loaded.initial_gap, loaded.gap])\n"
     )

@@ -5,6 +5,7 @@ Surfaces and materials in; contact pressure, gap, approach and real contact area
 
 import importlib
 import inspect
+import types
 
 from roughcontact.errors import interrupt as _interrupt  # noqa: F401 - for an interrupt of what follows
 
@@ -24,6 +25,7 @@ from roughcontact._answers.areas import (
 )
 from roughcontact._answers.laws import interface_law
 from roughcontact._answers.refinement import beyond_resolution, extrapolate, on_grid
+from roughcontact._base.registry import publish
 from roughcontact._parts.files import SurfaceReader, read_surface, readers
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._parts.interactions import (
@@ -220,4 +222,7 @@ def __dir__() -> list[str]:
 for _public in (*(globals()[name] for name in __all__), *(getattr(typing, name) for name in typing.__all__)):
     if not inspect.isfunction(_public):
         guarded(_public if isinstance(_public, type) else type(_public))
-del _public
+for _name in __all__:
+    if isinstance(globals()[_name], (type, types.FunctionType)):
+        publish(globals()[_name], __name__)
+del _name, _public

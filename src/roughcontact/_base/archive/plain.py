@@ -18,14 +18,14 @@ from collections.abc import Iterable, Iterator, Mapping
 from enum import Enum
 from pathlib import Path
 from types import CodeType, FunctionType
-from typing import Any, TypeAlias, get_args, get_origin, get_type_hints
+from typing import Any, TypeAlias, get_args, get_origin
 
 import attrs
 import numpy as np
 
 from roughcontact._base.archive import digest_of, short_digest
 from roughcontact._base.arrays import RealArray
-from roughcontact._base.registry import Registry, path_of, registries
+from roughcontact._base.registry import Registry, field_types, path_of, registries
 from roughcontact.errors import InputError, shorten
 
 _texts: weakref.WeakKeyDictionary[Any, tuple[str, frozenset[str]]] = weakref.WeakKeyDictionary()
@@ -349,7 +349,7 @@ def _plug_in_bases() -> tuple[type, ...]:
 
 def _hints(cls: type) -> dict[str, Any]:
     try:
-        return get_type_hints(cls)
+        return field_types(cls)
     # Some names are imported for type checkers only: then a field may hold any plug-in.
     except Exception:
         return {}
