@@ -9,7 +9,7 @@ from hypothesis import given, settings
 import roughcontact as rc
 from roughcontact import reference
 from roughcontact._answers.areas.cells import count_sides, find_straight_rows
-from roughcontact.typing import Whole
+from roughcontact.solving import Whole
 from strategies import problems
 
 

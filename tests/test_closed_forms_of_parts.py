@@ -23,7 +23,7 @@ from roughcontact._parts.grid import Load, grow
 from roughcontact._solve.problem.sweep import Sweep, predict_pressure
 from roughcontact._solve.solvers.conjugate.descent import Descent
 from roughcontact._solve.solvers.projection import ApproachControl, LoadControl, ReleasedCells, project_to_weighted_load
-from roughcontact.typing import Whole
+from roughcontact.solving import Whole
 
 CORNERS = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
 

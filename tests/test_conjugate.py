@@ -21,7 +21,8 @@ from roughcontact._solve.solvers.conjugate.descent import Descent
 from roughcontact._solve.solvers.conjugate.nested_iteration import nested_iteration
 from roughcontact._solve.solvers.conjugate.preconditioner import PunchWeights
 from roughcontact._solve.solvers.conjugate.refinement import Openings
-from roughcontact.typing import Task, estimate_approach, solve_in_window
+from roughcontact.solving import estimate_approach, solve_in_window
+from roughcontact.typing import Task
 from strategies import STRICT, height_maps, moduli, problems, strict
 
 YOUNG, SLOPE = 1.0, 0.1

@@ -94,7 +94,8 @@ def test_every_public_name_has_its_entry():
         re.M,
     )
     arrays = {"Array", "IntArray", "Mask", "Pair", "RealArray"}
-    public = {*roughcontact.__all__, *roughcontact.typing.__all__, *roughcontact.testing.__all__}
+    modules = (getattr(roughcontact, name) for name in ("faces", "results", "solving", "testing", "typing"))
+    public = {*roughcontact.__all__}.union(*(module.__all__ for module in modules))
     assert public - arrays <= set(entered)
 
 
@@ -235,9 +236,9 @@ def test_site_needs_no_network(site):
 def test_site_shows_what_slots_hide(site):
     page = (site / "html" / "api" / "problem.html").read_text(encoding="utf-8")
     for name in (
-        "typing.ContactFields.gap",
-        "typing.ContactFields.contact",
-        "typing.ContactFields.patches",
+        "results.ContactFields.gap",
+        "results.ContactFields.contact",
+        "results.ContactFields.patches",
         "ContactProblem.plan",
     ):
         assert f'id="roughcontact.{name}"' in page

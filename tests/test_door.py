@@ -19,7 +19,7 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact import extrapolation, reference
+from roughcontact import extrapolation, faces, reference, results, solving
 from roughcontact import typing as types_of_rc
 from roughcontact._base.registry import Registry
 from roughcontact.errors import door
@@ -28,7 +28,8 @@ GRID = rc.Grid((8, 8), 1e-3)
 WAVE = rc.WavySurface(1e-6, 1e-3)
 STEEL = rc.Elastic(210e9, 0.3)
 PUBLIC = {f"rc.{name}": getattr(rc, name) for name in rc.__all__}
-PUBLIC |= {f"rc.typing.{name}": getattr(types_of_rc, name) for name in types_of_rc.__all__}
+for module in (faces, results, solving, types_of_rc):
+    PUBLIC |= {f"{module.__name__}.{name}": getattr(module, name) for name in module.__all__}
 for module in (reference, extrapolation):
     own = {k: v for k, v in vars(module).items() if getattr(v, "__module__", "").startswith(module.__name__)}
     PUBLIC |= {f"{module.__name__}.{name}": value for name, value in own.items() if name[0] != "_"}
@@ -197,7 +198,7 @@ BAD_CALLS = {
     ),
     "a choice that attrs refuses": (lambda: of(OutOfRange()), rc.InputError, "'of' must be in [1, 2] (got 3)."),
     "what holds no numbers": (
-        lambda: types_of_rc.GridLevel(object(), 1, 2),
+        lambda: solving.GridLevel(object(), 1, 2),
         rc.InputError,
         "shape= of GridLevel must be of type",
     ),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import inspect
 import json
 import pickle
@@ -75,3 +76,11 @@ def test_a_pickle_that_names_a_private_module_is_read():
     """As they were written when classes told the modules that define them."""
     for module, name in (("_parts.grid", "Grid"), ("_solve.problem.body", "Body"), ("errors", "InputError")):
         assert pickle.loads(f"croughcontact.{module}\n{name}\n.".encode()) is getattr(rc, name)
+
+
+def test_a_public_name_has_one_place_and_those_of_parts_are_few():
+    modules = ("faces", "responses", "results", "solving", "typing")
+    names = [name for module in modules for name in importlib.import_module(f"roughcontact.{module}").__all__]
+    assert len(set(names)) == len(names)
+    assert not set(names) & set(rc.__all__)
+    assert len(rc.typing.__all__) <= 60

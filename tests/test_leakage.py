@@ -15,7 +15,7 @@ import roughcontact as rc
 from roughcontact._answers.flow import network as networks
 from roughcontact._answers.flow.network import make_network
 from roughcontact.responses import find_percolation
-from roughcontact.typing import Residuals
+from roughcontact.results import Residuals
 
 RIDGE = rc.HeightMap(np.tile(1e-4 * np.cos(np.arange(16) * np.pi / 8.0), (16, 1)), size=1.0, periodic=True)
 WATER = {"viscosity": 1e-3, "pressure_drop": 1e5}

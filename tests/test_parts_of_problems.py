@@ -22,7 +22,7 @@ from roughcontact._solve.problem.sweep import order_of_solving
 from roughcontact._solve.problem.task import make_task, maximum_pressure, pressure_unit
 from roughcontact._solve.solution.conditions import ContactConditions
 from roughcontact._solve.solution.origin import Trial
-from roughcontact.typing import SlabProcesses, SlabSolution, ending_all, plan_slabs, solve_slabs
+from roughcontact.solving import SlabProcesses, SlabSolution, plan_slabs, solve_slabs
 
 WAVE = rc.WavySurface(1e-6, 100e-6)
 
@@ -340,7 +340,7 @@ def test_rows_of_slabs_are_those_of_their_coarser_rows(count, rows):
     ],
 )
 def test_an_error_of_one_process_ends_all(error, status, said, capsys):
-    with pytest.raises(SystemExit) as found, ending_all(SlabProcesses()):
+    with pytest.raises(SystemExit) as found, SlabProcesses().ending_all():
         raise error
     assert found.value.code == status
     assert said in capsys.readouterr().err

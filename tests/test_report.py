@@ -17,7 +17,7 @@ from roughcontact import reference
 from roughcontact.__main__ import main
 from roughcontact._parts.grid import Load
 from roughcontact._work.reports.error.reference import solve_reference
-from roughcontact.typing import ErrorReport, ReportRow, Timing
+from roughcontact.results import ErrorReport, ReportRow, Timing
 
 PNG = b"\x89PNG"
 ROOT = Path(__file__).parent.parent
@@ -102,7 +102,7 @@ def made_up(estimator, cells, error, cpu, **more):
 
 
 def report_of(*rows, error=0.0):
-    reference = rc.typing.KnownAnswer(area=1.0, area_error=error)
+    reference = rc.results.KnownAnswer(area=1.0, area_error=error)
     return ErrorReport(rows=rows, reference=reference, nominal=2.0, description="made up", repeats=1)
 
 

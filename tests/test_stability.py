@@ -21,7 +21,7 @@ from roughcontact._work.reports.stability.checks import (
     shift_half_cell,
     sum_displacement,
 )
-from roughcontact.typing import Verdict
+from roughcontact.results import Verdict
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "benchmarks"))
 

@@ -13,7 +13,7 @@ import roughcontact as rc
 from roughcontact.__main__ import main
 from roughcontact._work.studies.record import read_index
 from roughcontact._work.studies.toml import read_study
-from roughcontact.typing import describe_response
+from roughcontact.faces import describe_response
 from scenes import ROUGH, make_problem
 
 

@@ -12,7 +12,7 @@ import roughcontact as rc
 from roughcontact.__main__ import main
 from roughcontact._faces.cli.run import list_warnings
 from roughcontact._work.studies.toml import read_study
-from roughcontact.typing import build_problem
+from roughcontact.faces import build_problem
 from scenes import ROUGH, make_problem, make_study
 
 STUDY = """

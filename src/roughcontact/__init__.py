@@ -11,8 +11,12 @@ from roughcontact.errors import interrupt as _interrupt  # noqa: F401 - for an i
 
 # isort: split
 from roughcontact import examples as examples
+from roughcontact import faces as faces
 from roughcontact import plotting as plotting
-from roughcontact import typing
+from roughcontact import responses as _responses
+from roughcontact import results as results
+from roughcontact import solving as solving
+from roughcontact import typing as typing
 from roughcontact._answers.areas import (
     AreaEstimator,
     Blend,
@@ -96,7 +100,9 @@ from roughcontact.plotting import Panel, panels
 
 __version__ = "0.1.0"
 
-_MODULES = ("errors", "examples", "extrapolation", "plotting", "reference", "testing", "typing")
+_MODULES = (
+    "errors", "examples", "extrapolation", "faces", "plotting", "reference", "results", "solving", "testing", "typing",
+)  # fmt: skip
 
 __all__ = [
     "DCFFT",
@@ -219,10 +225,13 @@ def __dir__() -> list[str]:
 
 
 # The public functions are guarded where they are defined; a registry and RIGID_FLAT, by their classes.
-for _public in (*(globals()[name] for name in __all__), *(getattr(typing, name) for name in typing.__all__)):
+for _public in (
+    *(globals()[name] for name in __all__),
+    *(getattr(module, name) for module in (faces, _responses, results, solving, typing) for name in module.__all__),
+):
     if not inspect.isfunction(_public):
         guarded(_public if isinstance(_public, type) else type(_public))
 for _name in __all__:
     if isinstance(globals()[_name], (type, types.FunctionType)):
         publish(globals()[_name], __name__)
-del _name, _public
+del _name, _public, _responses

@@ -28,7 +28,8 @@ import pytest
 import roughcontact as rc
 from roughcontact._solve.solution.plausibility import PLAUSIBILITY_RULES
 from roughcontact._solve.solution.summary import list_all_warnings
-from roughcontact.typing import Step, gather_warnings, write_column
+from roughcontact.faces import gather_warnings, write_column
+from roughcontact.typing import Step
 
 from roughcontact_app import AppServer, Session, preview, scene, work
 from roughcontact_app.answers import describe_solutions, list_cycle_states, list_warnings, make_table, tabulate_cycle

@@ -252,7 +252,7 @@ def build_problem(table: Mapping[str, Any]) -> ContactProblem:
 
     Examples
     --------
-    >>> from roughcontact.typing import build_problem
+    >>> from roughcontact.faces import build_problem
     >>> ball = {"surface": {"type": "sphere", "radius": "1 mm"}, "material": "bearing steel"}
     >>> build_problem({"body": ball, "grid": {"shape": [32, 32], "size": "100 um"}})
     <ContactProblem 32 x 32 cells on 100 µm x 100 µm, free: SphereSurface on FlatSurface>
