@@ -21,7 +21,8 @@ from roughcontact._solve.problem import pressure_unit
 from roughcontact._solve.solution import ContactConditions
 from roughcontact._work.reports.stability.check import RULES, find_worst, format_row, summarize
 from roughcontact._work.reports.stability.checks import sum_displacement
-from roughcontact.typing import Array, Table, Verdict
+from roughcontact.results import Verdict
+from roughcontact.typing import Array, Table
 
 # Cells a side, few enough for plain sums.
 CELLS = 48

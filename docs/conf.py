@@ -142,17 +142,17 @@ def name_aliases() -> None:
 
 def show_cached_properties() -> None:
     """Put the cached properties of attrs classes where autodoc sees them: slots hide their docstrings."""
-    for module in [name for name in sys.modules if name.startswith("roughcontact.")]:
-        for cls in list(vars(sys.modules[module]).values()):
-            if isinstance(cls, type) and cls.__module__ == module and attrs.has(cls):
-                found = inspect.unwrap(vars(cls).get("__getattr__", object))
-                cached = getattr(found, "__globals__", {}).get("cached_properties", {})
-                # What no page shows stays cached.
-                hidden = {name: function for name, function in cached.items() if not name.startswith("_")}
-                for name, function in hidden.items():
-                    setattr(cls, name, property(function))
-                if hidden:
-                    cls.__slots__ = tuple(name for name in cls.__slots__ if name not in hidden)
+    modules = [module for name, module in sys.modules.items() if name.partition(".")[0] == "roughcontact"]
+    for cls in {one for module in modules for one in vars(module).values() if isinstance(one, type)}:
+        if cls.__module__.partition(".")[0] == "roughcontact" and attrs.has(cls):
+            found = inspect.unwrap(vars(cls).get("__getattr__", object))
+            cached = getattr(found, "__globals__", {}).get("cached_properties", {})
+            # What no page shows stays cached.
+            hidden = {name: function for name, function in cached.items() if not name.startswith("_")}
+            for name, function in hidden.items():
+                setattr(cls, name, property(function))
+            if hidden:
+                cls.__slots__ = tuple(name for name in cls.__slots__ if name not in hidden)
 
 
 def on_the_site(app: Sphinx, docname: str, source: list[str]) -> None:

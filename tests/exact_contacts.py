@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 import roughcontact as rc
-from roughcontact.typing import Residuals
+from roughcontact.results import Residuals
 
 MODULUS = 2e9
 

@@ -16,7 +16,6 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact import typing as types
 
 STEEL = rc.Elastic(210e9, 0.3)
 GRID = rc.Grid((24, 16), (3e-4, 2e-4))
@@ -355,7 +354,7 @@ def test_nothing_prints_a_wall_of_numbers_in_a_notebook():
 
 
 def test_tables_show_in_a_notebook():
-    shown = (types.Sweep, types.InterfaceLaw, types.ErrorReport, types.StabilityReport)
+    shown = (rc.results.Sweep, rc.results.InterfaceLaw, rc.results.ErrorReport, rc.results.StabilityReport)
     tables = [result for result in results() if isinstance(result, shown)]
     assert len(tables) == len(shown)
     for table in tables:
@@ -385,7 +384,7 @@ def test_the_list_of_names_is_what_scripts_type():
         for registry in (rc.areas, rc.kernels, rc.convolvers, rc.solvers, rc.flattening_models)
         for name in registry
     }
-    results_and_choices = {rc.Area, rc.Estimate, rc.Status, rc.Boundary, rc.typing.KnownAnswer}
+    results_and_choices = {rc.Area, rc.Estimate, rc.Status, rc.Boundary, rc.results.KnownAnswer}
     results_and_choices |= {rc.FrictionalPath}
     for name in all_names - listed:
         cls = getattr(rc, name)

@@ -395,7 +395,7 @@ def test_a_cylinder_is_straight_along_an_infinite_radius(tmp_path, capsys, radiu
         np.testing.assert_array_equal(data["heights"], expected)
     assert rc.ParaboloidSurface(tuple(text.split())) == rc.ParaboloidSurface(radius)
     table = {"radius": text.split()}
-    assert rc.typing.build_part(rc.surfaces, "paraboloid", table, "it") == rc.ParaboloidSurface(radius)
+    assert rc.faces.build_part(rc.surfaces, "paraboloid", table, "it") == rc.ParaboloidSurface(radius)
 
 
 @pytest.mark.parametrize("wrong", ["sphere --radius inf", "paraboloid --radius inf", "paraboloid --radius inf inf"])

@@ -12,7 +12,8 @@ from hypothesis import strategies as st
 
 import roughcontact as rc
 from extended_precision import violations
-from roughcontact.typing import InverseConvolution, Load, Task, estimate_approach, make_task, solve_in_window
+from roughcontact.solving import estimate_approach, make_task, solve_in_window
+from roughcontact.typing import InverseConvolution, Load, Task
 from scenes import make_rough, rather_slow
 from strategies import STRICT, height_maps, moduli, problems, strict
 

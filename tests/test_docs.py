@@ -25,9 +25,9 @@ MODULES = sorted(
     for module in pkgutil.walk_packages(roughcontact.__path__, "roughcontact.")
     if not module.name.endswith("__main__")
 )
+CLASSES = [name for name in roughcontact.__all__ if inspect.isclass(getattr(roughcontact, name))]
 WITH_EXAMPLES = {
     "roughcontact.extrapolation",
-    "roughcontact._parts.grid",
     "roughcontact.kernels.love",
     "roughcontact.reference.closed_forms",
     "roughcontact.reference.persson",
@@ -41,6 +41,15 @@ def test_examples_in_docstrings(name):
     result = doctest.testmod(importlib.import_module(name), optionflags=doctest.ELLIPSIS)
     assert result.failed == 0
     assert result.attempted > 0 or name not in WITH_EXAMPLES
+
+
+@pytest.mark.parametrize("name", CLASSES)
+def test_examples_of_a_public_class(name):
+    """They belong to no private module, and their methods to no public one."""
+    runner = doctest.DocTestRunner(optionflags=doctest.ELLIPSIS)
+    for example in doctest.DocTestFinder().find(getattr(roughcontact, name), name, module=False, globs={}):
+        runner.run(example)
+    assert runner.tries > runner.failures == 0
 
 
 @pytest.mark.parametrize("name", sorted(roughcontact.__all__))
@@ -60,9 +69,14 @@ def test_examples_in_the_reference():
 
 def test_every_public_name_has_its_entry():
     pages = "\n".join(page.read_text(encoding="utf-8") for page in (DOCS / "api").glob("*.rst"))
-    entered = re.findall(r"^\.\. (?:auto\w+|data):: (?:roughcontact\.(?:typing|testing)\.)?(\w+)$", pages, re.M)
+    entered = re.findall(
+        r"^\.\. (?:auto\w+|data):: (?:roughcontact\.(?:faces|responses|results|solving|testing|typing)\.)?(\w+)$",
+        pages,
+        re.M,
+    )
     arrays = {"Array", "IntArray", "Mask", "Pair", "RealArray"}
-    public = {*roughcontact.__all__, *roughcontact.typing.__all__, *roughcontact.testing.__all__}
+    modules = (getattr(roughcontact, name) for name in ("faces", "results", "solving", "testing", "typing"))
+    public = {*roughcontact.__all__}.union(*(module.__all__ for module in modules))
     assert public - arrays <= set(entered)
 
 

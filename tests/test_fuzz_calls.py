@@ -26,7 +26,7 @@ import pytest
 from matplotlib import pyplot
 
 import roughcontact as rc
-from roughcontact import extrapolation, reference
+from roughcontact import extrapolation, faces, reference, results, solving
 from roughcontact import typing as types_of_rc
 
 # Calls of the long run, and of one block of it.
@@ -64,8 +64,8 @@ BOUND = types_of_rc.BoundKernel(rc.Love())
 # Methods that parts call on each other: any error of roughcontact will do, and what they return is not judged.
 INNER = ("Love", "FourierHalfSpace", "DCFFT", "CircularFFT", "Direct", "project_to_load", "rescale_to_load")
 INNER += ("nearest_pressure", "starting_pressure", "PolonskyKeer.solve", "ProjectedConjugateGradient.solve")
-INNER += ("SpectralGradient.solve", "natural_residual", "make_task", "confirm", "certify", "make_solution")
-INNER += ("find_patches", "solve_on_cells", "require_found", "require_certified", "estimate_approach")
+INNER += ("SpectralGradient.solve", "natural_residual", "make_task", "confirm")
+INNER += ("find_patches", "solve_on_cells", "estimate_approach")
 
 # A good value for each argument that has no default, by its name; the loads are given as pressures.
 GOOD = {
@@ -105,7 +105,7 @@ GOOD_FOR = {
     "CircularFFT.prepare": {"kernel": BOUND},
     "Direct.prepare": {"kernel": BOUND, "boundary": rc.Boundary.FREE},
     "DCFFT.require": {"boundary": rc.Boundary.FREE},
-    "ContactProblem": {"grid": GRID}, "typing.KnownAnswer": {"area": 1e-9}, "read_surface": {"path": "map.npz"},
+    "ContactProblem": {"grid": GRID}, "read_surface": {"path": "map.npz"},
     "read_raw": {"file": "map.npz"},
     "run_in": {"problem": LIMITED, "pressure": 1e7}, "ContactSolution.load": {"path": "solution.npz"},
     "load": {"path": "solution.npz"},
@@ -133,10 +133,6 @@ GOOD_FOR = {
     "rescale_to_load": {"pressure": np.ones((8, 8))},
     "halve_shape": {"shape": (128, 45)}, "count_blocks": {"stiffness": np.arange(65.0), "count": 128, "mean": 1.0},
     "find_patches": {"contact": SOLUTION.contact, "pressure": SOLUTION.pressure},
-    "make_solution": {
-        "certificate": types_of_rc.confirm(PLAN, PROBLEM.convolution, TASK, OUTCOME),
-    },
-    "require_found": {"error": 1e-9},
     "solve_on_cells": {
         "operator": PROBLEM.convolution, "inverse": PROBLEM.convolution.inverse(np.float32), "unit": 1e-9,
         "cells": SOLUTION.contact, "right": np.ones(GRID.shape), "tolerance": 1e-2, "rigid": False,
@@ -277,7 +273,7 @@ SKIPPED |= {
 }
 SKIPPED |= {"list_answer_warnings"}
 # Plug-ins call them with processes, plans and classes of their own.
-SKIPPED |= {"ending_all", "plan_slabs", "solve_slabs", "solve_in_window"}
+SKIPPED |= {"plan_slabs", "solve_slabs", "solve_in_window"}
 # Rows and columns for which convolvers and processes ask.
 SKIPPED |= {"SelfAffineSurface.half_spectrum", "Love.coefficients_from"}
 # Views by pyvista, which takes 560 MB: tests/test_bridges.py has them.
@@ -308,11 +304,11 @@ def is_made(value):
 def collect():
     """Return the public calls by name."""
     calls = {}
-    for module in (rc, reference, extrapolation, types_of_rc):
+    for module in (rc, reference, extrapolation, faces, solving, types_of_rc):
         for name in getattr(module, "__all__", vars(module)):
             value = getattr(module, name)
             if inspect.isfunction(value) and name[0] != "_" and value.__module__.startswith("roughcontact"):
-                if module in (rc, types_of_rc) or value.__module__.startswith(module.__name__):
+                if module in (rc, faces, solving, types_of_rc) or value.__module__.startswith(module.__name__):
                     calls[name] = value
             elif module is reference and is_made(value) and value.__module__.startswith(module.__name__):
                 calls[f"reference.{name}"] = value
@@ -405,7 +401,7 @@ def use(value):
             return
         case rc.Body():
             surface, material, grid = value.surface, value.material, value.own_grid or GRID
-        case rc.ContactSolution() | types_of_rc.Sweep() | types_of_rc.SolvePlan():
+        case rc.ContactSolution() | results.Sweep() | results.SolvePlan():
             yield str(value)
             return
         case rc.Study():

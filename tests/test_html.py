@@ -22,7 +22,7 @@ from roughcontact._faces.html import parts, report
 from roughcontact._faces.html.elements import escape, quantity
 from roughcontact._solve.problem import write_number
 from roughcontact._solve.solution import origin as origins
-from roughcontact.typing import gather_warnings, list_quantities
+from roughcontact.faces import gather_warnings, list_quantities
 
 STEEL = rc.Elastic(young=200e9, poisson=0.3)
 HOSTILE = "<script>alert(1)</script>.npz & \"'\x00\ud800"

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import importlib
+import inspect
 import json
+import pickle
 import re
 import subprocess
 import sys
 from importlib.metadata import requires
 
 import pytest
+
+import roughcontact as rc
 
 HEAVY = {
     "matplotlib",
@@ -62,3 +67,25 @@ def test_the_core_needs_three_packages():
 
 def test_no_dependency_is_pinned_from_above():
     assert not any("<" in line.split(";")[0] or "==" in line.split(";")[0] for line in requires("roughcontact"))
+
+
+@pytest.mark.parametrize("name", rc.__all__)
+def test_what_is_public_belongs_to_the_package(name):
+    public = getattr(rc, name)
+    if inspect.isclass(public) or inspect.isfunction(public):
+        assert f"{public.__module__}.{public.__qualname__}" == f"roughcontact.{name}"
+        assert pickle.loads(pickle.dumps(public)) is public
+
+
+def test_a_pickle_that_names_a_private_module_is_read():
+    """As they were written when classes told the modules that define them."""
+    for module, name in (("_parts.grid", "Grid"), ("_solve.problem.body", "Body"), ("errors", "InputError")):
+        assert pickle.loads(f"croughcontact.{module}\n{name}\n.".encode()) is getattr(rc, name)
+
+
+def test_a_public_name_has_one_place_and_those_of_parts_are_few():
+    modules = ("faces", "responses", "results", "solving", "typing")
+    names = [name for module in modules for name in importlib.import_module(f"roughcontact.{module}").__all__]
+    assert len(set(names)) == len(names)
+    assert not set(names) & set(rc.__all__)
+    assert len(rc.typing.__all__) <= 60

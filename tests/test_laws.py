@@ -445,7 +445,7 @@ class TestFiles:
 
 
 def small_law(gap, conductance=(1e3, 2e3), unit="W/(m2 K)", **columns):
-    from roughcontact.typing import InterfaceLaw, LawColumn
+    from roughcontact.results import InterfaceLaw, LawColumn
 
     pressures = 1e6 * np.arange(1.0, len(gap) + 1.0)
     made = {"mean_gap": ("m", gap), "conductance": (unit, conductance), **columns}

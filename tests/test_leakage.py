@@ -12,7 +12,7 @@ from scipy import integrate, ndimage
 
 import roughcontact as rc
 from roughcontact.responses import find_percolation
-from roughcontact.typing import Residuals
+from roughcontact.results import Residuals
 from scenes import make_rough, rather_slow
 
 RIDGE = rc.HeightMap(np.tile(1e-4 * np.cos(np.arange(16) * np.pi / 8.0), (16, 1)), size=1.0, periodic=True)

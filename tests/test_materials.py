@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact.typing import TYPICAL
+from roughcontact.faces import TYPICAL
 from unit_files import read_study
 
 

@@ -17,7 +17,8 @@ import pytest
 
 import roughcontact as rc
 from roughcontact.__main__ import main
-from roughcontact.typing import available_memory, binary, require_memory_of_solve
+from roughcontact.solving import available_memory, require_memory_of_solve
+from roughcontact.typing import binary
 from systems import linux
 from unit_files import key_of
 

@@ -10,7 +10,7 @@ from hypothesis.extra.numpy import arrays
 from scipy import sparse
 
 import roughcontact as rc
-from roughcontact.typing import find_patches
+from roughcontact.solving import find_patches
 from strategies import problems
 
 GRID = rc.Grid((6, 8), (6.0, 8.0))

@@ -15,7 +15,7 @@ import pytest
 import roughcontact as rc
 from roughcontact import reference
 from roughcontact.__main__ import main
-from roughcontact.typing import ErrorReport, ReportRow, Timing
+from roughcontact.results import ErrorReport, ReportRow, Timing
 from scenes import make_problem, rather_slow
 
 PNG = b"\x89PNG"
@@ -101,7 +101,7 @@ def made_up(estimator, cells, error, cpu, **more):
 
 
 def report_of(*rows, error=0.0):
-    reference = rc.typing.KnownAnswer(area=1.0, area_error=error)
+    reference = rc.results.KnownAnswer(area=1.0, area_error=error)
     return ErrorReport(rows=rows, reference=reference, nominal=2.0, description="made up", repeats=1)
 
 

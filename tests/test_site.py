@@ -130,9 +130,9 @@ def test_site_needs_no_network(site):
 def test_site_shows_what_slots_hide(site):
     page = (site / "html" / "api" / "problem.html").read_text(encoding="utf-8")
     for name in (
-        "typing.ContactFields.gap",
-        "typing.ContactFields.contact",
-        "typing.ContactFields.patches",
+        "results.ContactFields.gap",
+        "results.ContactFields.contact",
+        "results.ContactFields.patches",
         "ContactProblem.plan",
     ):
         assert f'id="roughcontact.{name}"' in page

@@ -11,17 +11,8 @@ from hypothesis import strategies as st
 
 import roughcontact as rc
 from extended_precision import violations
-from roughcontact.typing import (
-    BoundKernel,
-    Load,
-    PreparedConvolution,
-    Task,
-    make_task,
-    nearest_pressure,
-    project_to_load,
-    rescale_to_load,
-    starting_pressure,
-)
+from roughcontact.solving import make_task, nearest_pressure, project_to_load, rescale_to_load, starting_pressure
+from roughcontact.typing import BoundKernel, Load, PreparedConvolution, Task
 from strategies import problems, seeds
 
 SOLVERS = [rc.PolonskyKeer(), rc.SpectralGradient(), rc.ProjectedConjugateGradient()]

@@ -11,7 +11,7 @@ import pytest
 
 import roughcontact as rc
 from roughcontact.__main__ import main
-from roughcontact.typing import Verdict
+from roughcontact.results import Verdict
 from scenes import make_problem, make_rough
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "benchmarks"))

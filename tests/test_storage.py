@@ -227,7 +227,7 @@ def test_a_file_names_no_private_module(tmp_path):
 def test_every_part_that_ships_has_a_public_name():
     for registry in registries().values():
         for cls in subclasses(registry.base):
-            if cls.__module__.startswith("roughcontact.") and not cls.__name__.startswith("_"):
+            if cls.__module__.partition(".")[0] == "roughcontact" and not cls.__name__.startswith("_"):
                 public = getattr(rc, cls.__name__, None) is cls and cls.__name__ in rc.__all__
                 assert registry.name_of(cls) or public or inspect.isabstract(cls), cls
 
@@ -256,7 +256,8 @@ def test_a_solution_is_read_after_a_tidy_up(tmp_path):
         "import sys, numpy as np, roughcontact as rc\n"
         "loaded = rc.ContactSolution.load(sys.argv[1])\n"
         "again = rc.ContactProblem(**loaded.origin.problem).solve(**loaded.origin.load)\n"
-        "assert type(again.origin.problem['body']).__module__ == 'roughcontact._solve_tidy.problem.body'\n"
+        "assert 'roughcontact._solve_tidy.problem.body' in sys.modules\n"
+        "assert 'roughcontact._solve' not in sys.modules\n"
         "assert (again.pressure == loaded.pressure).all()\n"
         "np.save(sys.argv[2], [loaded.pressure, loaded.displacement, loaded.initial_gap, loaded.gap])\n"
     )
@@ -412,7 +413,7 @@ class TestLoad:
         sweep = small().sweep(force=[1.0, 0.5, 2.0])
         sweep.save(tmp_path / "sweep.npz")
         loaded = rc.load(tmp_path / "sweep.npz")
-        assert isinstance(loaded, rc.typing.Sweep)
+        assert isinstance(loaded, rc.results.Sweep)
         for one, other in zip(sweep, loaded, strict=True):
             assert_equal(other, one)
         # The problem is built and prepared once for all of them.
@@ -431,7 +432,7 @@ class TestLoad:
             assert loaded.losses[1].tolist() == cycle.losses[1].tolist()
             assert loaded.pull_off == cycle.pull_off
         with pytest.raises(rc.InputError, match="does not hold a sweep"):
-            rc.typing.Sweep.load(tmp_path / "cycle.npz")
+            rc.results.Sweep.load(tmp_path / "cycle.npz")
 
     def test_a_forged_state_of_a_sweep_is_refused(self, tmp_path):
         sweep = small().sweep(force=[1.0, 0.5])

@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact.typing import Sweep
+from roughcontact.results import Sweep
 from scenes import ROUGH, make_problem, make_study
 from systems import posix
 from unit_files import read_index, write_index
@@ -55,6 +55,21 @@ def test_a_record_is_its_solution(tmp_path):
         assert solution.area().value == record.areas["blend"][0]
         again = rc.ContactProblem(**solution.origin.problem).solve(**solution.origin.load)
         np.testing.assert_allclose(again.pressure, solution.pressure, atol=1e-3 * record.p_max)
+
+
+def test_the_keys_of_parts_that_ship_stay():
+    """Those of earlier versions: a study of many hours is continued."""
+    ball = rc.Body(rc.SphereSurface(1e-3), rc.Elastic(210e9, 0.3))
+    rough = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.1, shortest=16e-6, longest=64e-6, seed=1)
+    soft = rc.Body(rough + rc.SphereSurface(1e-3), rc.ElasticPerfectlyPlastic(210e9, 0.3, 2e9))
+    grid = rc.Grid((16, 16), 100e-6)
+    solver = rc.SpectralGradient(tolerance=1e-6)
+    flat = rc.Body(rc.FlatSurface(), "glass")
+    plastic = rc.ContactProblem(soft, flat, grid=grid, boundary="periodic", kernel="fourier", solver=solver)
+    sticky = rc.ContactProblem(ball, grid=grid, adhesion=rc.Exponential(work=0.05, range=2e-6))
+    assert rc.Study(rc.ContactProblem(ball, grid=grid), force=[1.0]).key == "956a2b6e5605"
+    assert rc.Study({"b": plastic}, pressure=[1e6, 2e6], seeds=(0, 1)).key == "68197aed1936"
+    assert rc.Study(sticky, force=[-1e-4, 1e-3]).key == "9a56246bebf7"
 
 
 def test_seeds_are_added_to_the_surfaces_own(tmp_path):

@@ -11,7 +11,7 @@ import pytest
 
 import roughcontact as rc
 from roughcontact.__main__ import main
-from roughcontact.typing import describe_response
+from roughcontact.faces import describe_response
 from scenes import ROUGH, make_problem
 from unit_files import read_index, read_study
 

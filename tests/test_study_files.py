@@ -10,7 +10,7 @@ import pytest
 
 import roughcontact as rc
 from roughcontact.__main__ import main
-from roughcontact.typing import build_problem
+from roughcontact.faces import build_problem
 from scenes import ROUGH
 from unit_files import read_study
 

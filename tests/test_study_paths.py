@@ -295,7 +295,7 @@ def test_studies_without_friction_keep_their_keys():
     assert plain.key == key_of([{"problem": problem.parts}, [{"force": 1.0}], ()])[:12]
     assert len({plain.key, *(study.key for study in sheared)}) == 5
     assert not {"dissipated", "stick_area"} & set(
-        rc.typing.Record(problem="a", seed=None, control="force", load=1.0, key="0" * 32, status="FAILED").row()
+        rc.results.Record(problem="a", seed=None, control="force", load=1.0, key="0" * 32, status="FAILED").row()
     )
 
 

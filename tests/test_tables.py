@@ -182,7 +182,7 @@ def test_each_result_has_table_file_text_and_page(tmp_path):
         tree = html5lib.HTMLParser(strict=True, namespaceHTMLElements=False).parse(page)
         texts = " ".join("".join(tree.itertext()).split())
         assert all(" ".join(text.split()) in texts for text in getattr(result, "warnings", ()))
-        if not isinstance(result, rc.typing.Sweep):
+        if not isinstance(result, rc.results.Sweep):
             # The page of a sweep states the numbers at each load with their uncertainties instead.
             assert all(" ".join(heading.split()) in texts for heading in headings)
         found = result._repr_html_()

@@ -43,7 +43,7 @@ from roughcontact._answers.areas.hertz import (
 from roughcontact._answers.areas.outline import _chain, contours, outline
 from roughcontact._answers.areas.peak import _find_cut, _find_highest, _find_summits, _gather
 from roughcontact._answers.areas.spline import Spline
-from roughcontact.typing import Whole
+from roughcontact.solving import Whole
 
 
 @pytest.mark.parametrize("value", [1.0, 0.5])

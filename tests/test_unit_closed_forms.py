@@ -23,7 +23,9 @@ from roughcontact._parts.grid import grow
 from roughcontact._solve.problem.sweep import predict_pressure
 from roughcontact._solve.solvers.conjugate.descent import Descent
 from roughcontact._solve.solvers.projection import ApproachControl, LoadControl, ReleasedCells, project_to_weighted_load
-from roughcontact.typing import Load, Sweep, Whole
+from roughcontact.results import Sweep
+from roughcontact.solving import Whole
+from roughcontact.typing import Load
 
 CORNERS = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
 

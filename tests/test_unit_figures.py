@@ -35,7 +35,7 @@ from roughcontact._faces.panels.solution import areas_of_patches, find_surfaces
 from roughcontact._faces.panels.surfaces import average_in_bands, average_radially, correlate, spectral_density
 from roughcontact._faces.panels.theme import DARK, LIGHT, plain_logarithms, theme_of
 from roughcontact._work.studies import StudyNames
-from roughcontact.typing import ErrorReport, LawColumn, PowerFit, ReportRow, Timing
+from roughcontact.results import ErrorReport, LawColumn, PowerFit, ReportRow, Timing
 
 
 @pytest.fixture(autouse=True)
@@ -471,7 +471,7 @@ def made_up(estimator, cells, error, cpu, **more):
 
 
 def report_of(*rows, error=0.0):
-    reference = rc.typing.KnownAnswer(area=1.0, area_error=error, p_max=1.0, p_max_error=error)
+    reference = rc.results.KnownAnswer(area=1.0, area_error=error, p_max=1.0, p_max_error=error)
     return ErrorReport(rows=rows, reference=reference, nominal=2.0, description="made up", repeats=3)
 
 

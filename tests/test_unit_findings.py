@@ -10,7 +10,7 @@ import pytest
 import roughcontact as rc
 from exact_contacts import MODULUS, with_fields
 from roughcontact._solve.solution.plausibility import _MAX_METAL_PRESSURE, find_contact, find_scene
-from roughcontact.typing import exceeds_metals
+from roughcontact.faces import exceeds_metals
 
 
 def judge(contact, rule):

@@ -28,7 +28,8 @@ from roughcontact._solve.problem.increments import (
     refine_steps,
 )
 from roughcontact._solve.problem.step_numbers import CellErrors, _find_limit, extrapolate_numbers, numbers_of
-from roughcontact.typing import Load, TangentialLoad
+from roughcontact.results import TangentialLoad
+from roughcontact.typing import Load
 
 PUSH = "tangential_force"
 

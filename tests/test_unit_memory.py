@@ -10,7 +10,7 @@ import roughcontact as rc
 from roughcontact._base.machine import limit_of_memory, require_memory
 from roughcontact._solve.problem import accuracy
 from roughcontact._solve.problem.friction_plan import _FRICTION_ARRAYS, _STATE_ARRAYS
-from roughcontact.typing import available_memory, require_memory_of_solve
+from roughcontact.solving import available_memory, require_memory_of_solve
 from test_memory import STEEL, WAVY, contact, push
 
 NAN = float("nan")

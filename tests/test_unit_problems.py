@@ -19,18 +19,16 @@ from roughcontact._solve.problem.memory import _round_down, memory_of_solve
 from roughcontact._solve.problem.run import _are_close, _sample_modulus
 from roughcontact._solve.problem.sweep import order_of_solving
 from roughcontact._solve.problem.task import maximum_pressure, pressure_unit
-from roughcontact.typing import (
+from roughcontact.results import Trial
+from roughcontact.solving import (
     ContactConditions,
-    Load,
     SlabProcesses,
     SlabSolution,
-    Trial,
-    ending_all,
     make_task,
     plan_slabs,
-    replacing,
     solve_slabs,
 )
+from roughcontact.typing import Load, replacing
 from scenes import make_problem
 
 WAVE = rc.WavySurface(1e-6, 100e-6)
@@ -349,7 +347,7 @@ def test_rows_of_slabs_are_those_of_their_coarser_rows(count, rows):
     ],
 )
 def test_an_error_of_one_process_ends_all(error, status, said, capsys):
-    with pytest.raises(SystemExit) as found, ending_all(SlabProcesses()):
+    with pytest.raises(SystemExit) as found, SlabProcesses().ending_all():
         raise error
     assert found.value.code == status
     assert said in capsys.readouterr().err

@@ -22,7 +22,8 @@ from roughcontact._solve.solvers.conjugate.nested_iteration import (
 from roughcontact._solve.solvers.conjugate.preconditioner import Preconditioner, PunchWeights, _smaller
 from roughcontact._solve.solvers.conjugate.refinement import NearlyFull, OpeningPreconditioner, Openings, Refinement
 from roughcontact._solve.solvers.projection import ApproachControl, LoadControl
-from roughcontact.typing import Load, Monitor, make_task, starting_pressure
+from roughcontact.solving import make_task, starting_pressure
+from roughcontact.typing import Load, Monitor
 
 SIZE = (64.0, 96.0)
 

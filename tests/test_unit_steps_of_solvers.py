@@ -28,16 +28,8 @@ from roughcontact._solve.solvers.conjugate.preconditioner import (
 )
 from roughcontact._solve.solvers.projection import ApproachControl, LoadControl
 from roughcontact._solve.solvers.spectral_gradient import _energy, _first_length
-from roughcontact.typing import (
-    InverseConvolution,
-    Load,
-    Task,
-    count_blocks,
-    estimate_approach,
-    make_task,
-    project_to_load,
-    rescale_to_load,
-)
+from roughcontact.solving import count_blocks, estimate_approach, make_task, project_to_load, rescale_to_load
+from roughcontact.typing import InverseConvolution, Load, Task
 from scenes import make_problem
 
 FLAT = np.array([math.inf])

@@ -22,7 +22,8 @@ from roughcontact._base.machine import choose_threads, map_tiles, split, use_thr
 from roughcontact._solve.convolvers.base import approximate_inverse
 from roughcontact._solve.problem import run as run_module
 from roughcontact._work.studies.toml import read_study
-from roughcontact.typing import BoundKernel, PairConstants, available_threads
+from roughcontact.faces import available_threads
+from roughcontact.typing import BoundKernel, PairConstants
 from strategies import grids, seeds
 from test_memory import rough_problem
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+import linecache
 import sys
 import textwrap
 import types
@@ -40,14 +42,18 @@ class Foam:
 """
 
 
-def test_a_digest_without_a_source_knows_all_that_a_class_does(monkeypatch):
-    """Code, defaults, enclosed values, members of every kind, and what it names in its module; not the process."""
+def test_a_key_knows_the_cells_of_a_notebook(monkeypatch):
+    """The text of the class in its cell, and what it names in the module; not the number of the cell."""
     plain = dict.fromkeys(("constant", "default", "limit", "helper", "field", "inside", "body", "made"), 3.0)
+    cells = (f"/tmp/ipykernel_1/{number}.py" for number in itertools.count())
 
     def digest(**changes):
         module = types.ModuleType("a_notebook")
         monkeypatch.setitem(sys.modules, "a_notebook", module)
-        exec(NOTEBOOK.format(**plain | changes), vars(module))
+        text = NOTEBOOK.format(**plain | changes)
+        cell = next(cells)
+        monkeypatch.setitem(linecache.cache, cell, (len(text), None, text.splitlines(keepends=True), cell))
+        exec(compile(text, cell, "exec"), vars(module))
         return tuple(programs([module.Foam]))
 
     changed = {digest(**{name: 4.0}) for name in plain}

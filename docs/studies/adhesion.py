@@ -186,7 +186,7 @@ def make_elastomer(cells: int, law: rc.Interaction, rms_height: float = 0.5e-6) 
     return rc.ContactProblem(rc.Body(surface, ELASTOMER), grid=grid, boundary="periodic", adhesion=law)
 
 
-def run_elastomer(cells: int, law: rc.Interaction, steps: int = 41) -> rc.typing.AdhesionCycle:
+def run_elastomer(cells: int, law: rc.Interaction, steps: int = 41) -> rc.results.AdhesionCycle:
     """Return a cycle of it from before the first touch to nine tenths of the mean gap."""
     problem = make_elastomer(cells, law)
     gap = float(problem.initial_gap.mean())

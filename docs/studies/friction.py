@@ -120,7 +120,7 @@ def _rms(values: np.ndarray) -> float:
 
 
 def freeze_cone(
-    problem: rc.ContactProblem, contact: rc.typing.ContactSolution, pushed: float, *, coupled: bool
+    problem: rc.ContactProblem, contact: rc.ContactSolution, pushed: float, *, coupled: bool
 ) -> tuple[float, np.ndarray]:
     """Return displacement, m, and traction, Pa, within the limits of a pressure that the traction does not change."""
     task = make_task(problem, contact, pushed, coupled=coupled, tolerance=1e-6)
@@ -130,7 +130,7 @@ def freeze_cone(
 
 def make_task(
     problem: rc.ContactProblem,
-    contact: rc.typing.ContactSolution,
+    contact: rc.ContactSolution,
     pushed: float,
     *,
     coupled: bool,

@@ -17,7 +17,7 @@ FIGURES = Path(__file__).parent.parent / "figures"
 SEEDS = (1, 2, 3)
 
 
-def make_law(seed: int, cells: int = 512) -> rc.typing.InterfaceLaw:
+def make_law(seed: int, cells: int = 512) -> rc.results.InterfaceLaw:
     """Return the law of a steel surface on a flat of steel."""
     steel = rc.Elastic(young=210e9, poisson=0.3)
     surface = rc.SelfAffineSurface(

@@ -17,7 +17,7 @@ from doc_tables import DocTable, pick, write
 from matplotlib.figure import Figure
 
 import roughcontact as rc
-from roughcontact.typing import MatchedPair
+from roughcontact.results import MatchedPair
 
 FIGURES = Path(__file__).parent.parent / "figures"
 STEEL = rc.ElasticPerfectlyPlastic(young=210e9, poisson=0.3, hardness=6e9)

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 
 import roughcontact as rc
 from roughcontact.plotting import LIGHT, add_key, style
-from roughcontact.typing import PartialSlip
+from roughcontact.responses import PartialSlip
 
 FIGURES = Path(__file__).parent.parent / "figures"
 STEEL = rc.Elastic(young=210e9, poisson=0.3)

@@ -21,7 +21,7 @@ import roughcontact as rc
 from roughcontact._faces.panels.results import draw_errors
 from roughcontact.extrapolation import exponential, power_law
 from roughcontact.plotting import style
-from roughcontact.typing import ErrorReport
+from roughcontact.results import ErrorReport
 from roughcontact_paper import published
 
 FIGURES = Path(__file__).parent.parent / "figures"
@@ -41,11 +41,11 @@ class Method:
     cpu: float
 
 
-def make_reference() -> rc.typing.KnownAnswer:
+def make_reference() -> rc.results.KnownAnswer:
     """Return the converged answers of docs/trust/paper.md."""
     area = published.TRUE_AREA[LOAD] / 100 * 250e-6**2
     p_max = published.TRUE_P_MAX[LOAD] * 1e9
-    return rc.typing.KnownAnswer(
+    return rc.results.KnownAnswer(
         area=area, area_error=BOUND * area, p_max=p_max, p_max_error=BOUND * p_max, source="converged answers"
     )
 

@@ -28,7 +28,7 @@ ANSWERS = {
 }
 
 
-def solve_balls(name: str) -> list[tuple[rc.typing.RequiredLoad, float, int]]:
+def solve_balls(name: str) -> list[tuple[rc.results.RequiredLoad, float, int]]:
     """Return the loads of balls beside the centre of a cell, the forces by Hertz, and the convolutions of one solve."""
     rng = np.random.default_rng(3)
     found = []
@@ -48,7 +48,7 @@ def solve_balls(name: str) -> list[tuple[rc.typing.RequiredLoad, float, int]]:
     return found
 
 
-def solve_rough(name: str, fields: dict[str, float]) -> list[tuple[rc.typing.RequiredLoad, float, int]]:
+def solve_rough(name: str, fields: dict[str, float]) -> list[tuple[rc.results.RequiredLoad, float, int]]:
     """Return the loads on 128 x 128 cells of answers on 512 x 512, those forces, and the convolutions of one solve."""
     found = []
     for seed in SEEDS:

@@ -19,6 +19,7 @@ from scipy import optimize
 import roughcontact as rc
 from roughcontact.plotting import LIGHT, style
 from roughcontact.reference import SlidingSphere, hertz_sphere
+from roughcontact.responses import StressMaximum
 
 FIGURES = Path(__file__).parent.parent / "figures"
 STEEL = rc.Elastic(young=200e9, poisson=0.3)
@@ -150,7 +151,7 @@ def list_edges() -> list[list[str]]:
 EDGE_SCENES = ((0.8, 0.02), (0.5, 0.05), (0.8, 0.2), (0.3, 0.1)) * 2
 
 
-def list_errors(pairs: list[tuple[rc.typing.StressMaximum, float]]) -> list[str]:
+def list_errors(pairs: list[tuple[StressMaximum, float]]) -> list[str]:
     error = np.array([abs(found.value / true - 1.0) for found, true in pairs])
     stated = np.array([found.uncertainty / true for found, true in pairs])
     return [

@@ -92,9 +92,7 @@ def measure(problem: rc.ContactProblem, kind: str, values: Sequence[float], tole
     sweep = problem.sweep(**{kind: values})
     ended = time.process_time()
     products = float(np.mean([solution.convolutions for solution in cold]))
-    factors = [
-        (one.errors[-1] / one.errors[0]) ** (1 / one.iterations) for one in sweep.states if one.iterations > 0
-    ]
+    factors = [(one.errors[-1] / one.errors[0]) ** (1 / one.iterations) for one in sweep.states if one.iterations > 0]
     return Cost(
         products=products,
         sweep=sweep.convolutions / products,

@@ -5,13 +5,18 @@ Surfaces and materials in; contact pressure, gap, approach and real contact area
 
 import importlib
 import inspect
+import types
 
 from roughcontact.errors import interrupt as _interrupt  # noqa: F401 - for an interrupt of what follows
 
 # isort: split
 from roughcontact import examples as examples
+from roughcontact import faces as faces
 from roughcontact import plotting as plotting
-from roughcontact import typing
+from roughcontact import responses as _responses
+from roughcontact import results as results
+from roughcontact import solving as solving
+from roughcontact import typing as typing
 from roughcontact._answers.areas import (
     AreaEstimator,
     Blend,
@@ -24,6 +29,7 @@ from roughcontact._answers.areas import (
 )
 from roughcontact._answers.laws import interface_law
 from roughcontact._answers.refinement import beyond_resolution, extrapolate, on_grid
+from roughcontact._base.registry import publish
 from roughcontact._parts.files import SurfaceReader, read_surface, readers
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._parts.interactions import (
@@ -93,7 +99,9 @@ from roughcontact.plotting import Panel, panels
 
 __version__ = "0.1.0"
 
-_MODULES = ("errors", "examples", "extrapolation", "plotting", "reference", "testing", "typing")
+_MODULES = (
+    "errors", "examples", "extrapolation", "faces", "plotting", "reference", "results", "solving", "testing", "typing",
+)  # fmt: skip
 
 __all__ = [
     "DCFFT",
@@ -215,7 +223,13 @@ def __dir__() -> list[str]:
 
 
 # The public functions are guarded where they are defined; a registry and RIGID_FLAT, by their classes.
-for _public in (*(globals()[name] for name in __all__), *(getattr(typing, name) for name in typing.__all__)):
+for _public in (
+    *(globals()[name] for name in __all__),
+    *(getattr(module, name) for module in (faces, _responses, results, solving, typing) for name in module.__all__),
+):
     if not inspect.isfunction(_public):
         guarded(_public if isinstance(_public, type) else type(_public))
-del _public
+for _name in __all__:
+    if isinstance(globals()[_name], (type, types.FunctionType)):
+        publish(globals()[_name], __name__)
+del _name, _public, _responses

@@ -1,61 +1,30 @@
-"""The types that plug-ins, callbacks and annotations name, but scripts seldom construct, and a solver's helpers.
+"""The types that a part of your own names: a material, kernel, convolver, solver, law, response, reader or command.
 
 ===========  ==========================================================================================================
-for          types
+for          names
 ===========  ==========================================================================================================
-kernels      `SupportsCoefficients`, `SupportsRows`, `SupportsSpectrum`, `SupportsShear`, `SupportsStress`,
-             `SupportsConduction`, `SupportsTangential`; `HalfSpaceStress`
-convolvers   `BoundKernel`, `ConvolutionSetup`, `PreparedConvolution`, `InverseConvolution`, `ShearConvolution`,
-             `StressConvolution`, `WaveMatrix`; the function `padded_shape`
-solvers      `Task`, `Outcome`, `Step`, `GridLevel`, `Monitor`, `ContactConditions`, `Violation`; the functions
-             `starting_pressure`, `nearest_pressure`, `project_to_load`, `rescale_to_load`,
-             `halve_shape`, `count_blocks`, `solve_in_window`, `estimate_approach`, `GridSolution`, the numbers
-             `LONG_WAVE_CUT` and `MAX_CUT_EXPONENT`; for a solve of your own
-             `bind_kernel`, `make_task`, `confirm`, `ConfirmedFields`, `certify`, `make_solution`, `require_certified`;
-             for one that is divided among processes `SlabProcesses`, `plan_slabs`, `solve_slabs`, `SlabSolution`,
-             `SolveRecord`, `ending_all`, `Whole`, `find_patches`, `solve_on_cells`, `LinearSolution`, `require_found`
-materials    the mapping `TYPICAL` of typical ones by name; `PairConstants`, the function `pair_constants`
-readers      `RawMap`; the function `read_raw`
-commands     `Table`; the functions `quantity`, `replacing`, `si`, `binary`, `write_column`, `available_memory`,
-             `available_threads`, `limit_address_space`, `require_memory_of_solve`, `run_sweep`, `name_load`,
-             `list_quantities`, `describe_other_places`, `gather_warnings`, `exceeds_metals`, `build_part`,
-             `build_layer`, `build_problem`, `describe_response`, `build_response`, `ask_states`, `tabulate_answers`,
-             `list_answer_warnings`, `write_report`
-results      `ContactFields`, `Certificate`, `Condition`, `Residuals`, `Accuracy`, `Trial`, `ContactPatches`, `Load`,
-             `Origin`, `SolvePlan`,
-             `Sweep`, `RequiredLoad`, `Ladder`, `BeyondResolution`, `RunIn`, `Cycle`, `StudyResult`, `Record`,
-             `ErrorReport`, `KnownAnswer`, `ReportRow`, `Timing`, `StabilityReport`, `Check`, `Verdict`,
-             `MatchedPair`, `Separated`, `PartialSlip`, `FrettingLoop`, `InterfaceLaw`, `LawColumn`, `PowerFit`,
-             `TheoryBeside`, `Stickiness`, `AdhesionCycle`, `Stress`, `StressField`, `StressMaximum`, `YieldPoint`,
-             `WarningText`
+all parts    `Part`, the base of those without one of their own; numbers in SI units or texts with a unit, `Quantity`,
+             `Length`, `Pressure`, `Force`; the load of a contact, `Load`
 arrays       `Array` (float64), `RealArray` (float32 or float64), `IntArray`, `Mask` (bool), `Pair` (x, y)
-arguments    `Quantity`, `Length`, `Pressure`, `Force`: numbers in SI units, or texts with a unit
-parts        `Part`, the base of all
-responses    `ResponseForm`, `ResponseField`, `Leakage`, `Throat`, `Percolation`
-friction     `Sheared`, `FrictionalResiduals`, `FrictionalState`, `TangentialLoad`, `TangentialLoop`, `StepNumbers`,
-             `Increment`
+kernels      `SupportsCoefficients`, `SupportsRows`, `SupportsSpectrum`, `SupportsShear`, `SupportsStress`,
+             `SupportsConduction`, `SupportsTangential`; `HalfSpaceStress`; `PairConstants`, `pair_constants`
+convolvers   `BoundKernel`, `ConvolutionSetup`, `PreparedConvolution`, `InverseConvolution`, `ShearConvolution`,
+             `StressConvolution`; the function `padded_shape`
+solvers      `Task`, `Outcome`, `Step`, `Monitor`, `Violation`, `BoundInteraction`; `ShearSolver`, `ShearTask`,
+             `ShearOutcome`, `natural_residual`
+readers      `RawMap`; the function `read_raw`
+commands     `Command`, `Table`; the functions `quantity`, `si`, `binary`, `replacing`
 ===========  ==========================================================================================================
+
+What calls return is in `roughcontact.results`; what a solve in your own hands needs, in `roughcontact.solving`; what a
+page shows, in `roughcontact.faces`.
 """
 
-from roughcontact._answers.laws import InterfaceLaw, LawColumn, PowerFit
-from roughcontact._answers.linear.tangent import LinearSolution, require_found, solve_on_cells
-from roughcontact._answers.refinement import BeyondResolution, Ladder
 from roughcontact._base.archive import replacing
 from roughcontact._base.arrays import Array, IntArray, Mask, Pair, RealArray
 from roughcontact._base.checks import Part
-from roughcontact._base.machine import available_memory, available_threads, limit_address_space
 from roughcontact._base.tables import Table
-from roughcontact._base.units import (
-    Force,
-    Length,
-    Pressure,
-    Quantity,
-    WarningText,
-    binary,
-    quantity,
-    si,
-    write_column,
-)
+from roughcontact._base.units import Force, Length, Pressure, Quantity, binary, quantity, si
 from roughcontact._faces.cli import Command
 from roughcontact._parts.files import RawMap, read_raw
 from roughcontact._parts.grid import Load
@@ -71,71 +40,17 @@ from roughcontact._parts.kernels import (
     SupportsStress,
     SupportsTangential,
 )
-from roughcontact._parts.materials import TYPICAL, PairConstants, pair_constants
-from roughcontact._parts.surfaces import MatchedPair, Separated
+from roughcontact._parts.materials import PairConstants, pair_constants
 from roughcontact._solve.convolvers import (
     ConvolutionSetup,
     InverseConvolution,
     PreparedConvolution,
     ShearConvolution,
     StressConvolution,
-    WaveMatrix,
     padded_shape,
 )
-from roughcontact._solve.problem import (
-    AdhesionCycle,
-    ConfirmedFields,
-    Increment,
-    RequiredLoad,
-    SlabProcesses,
-    SlabSolution,
-    SolvePlan,
-    SolveRecord,
-    StepNumbers,
-    Sweep,
-    TangentialLoop,
-    bind_kernel,
-    certify,
-    confirm,
-    ending_all,
-    make_solution,
-    make_task,
-    plan_slabs,
-    require_certified,
-    require_memory_of_solve,
-    run_sweep,
-    solve_slabs,
-)
-from roughcontact._solve.solution import (
-    Accuracy,
-    Certificate,
-    Condition,
-    ContactConditions,
-    ContactFields,
-    ContactPatches,
-    FrictionalResiduals,
-    FrictionalState,
-    GridLevel,
-    Origin,
-    Residuals,
-    Sheared,
-    Stickiness,
-    TangentialLoad,
-    TheoryBeside,
-    Trial,
-    Violation,
-    Whole,
-    describe_other_places,
-    exceeds_metals,
-    find_patches,
-    gather_warnings,
-    list_quantities,
-    name_load,
-)
+from roughcontact._solve.solution import Violation
 from roughcontact._solve.solvers import (
-    LONG_WAVE_CUT,
-    MAX_CUT_EXPONENT,
-    GridSolution,
     Monitor,
     Outcome,
     ShearOutcome,
@@ -143,129 +58,38 @@ from roughcontact._solve.solvers import (
     ShearTask,
     Step,
     Task,
-    count_blocks,
-    estimate_approach,
-    halve_shape,
     natural_residual,
-    nearest_pressure,
-    project_to_load,
-    rescale_to_load,
-    solve_in_window,
-    starting_pressure,
-)
-from roughcontact._work.processes import Cycle, RunIn
-from roughcontact._work.reports.error import ErrorReport, KnownAnswer, ReportRow, Timing
-from roughcontact._work.reports.stability import Check, StabilityReport, Verdict
-from roughcontact._work.studies import (
-    Record,
-    ResponseField,
-    ResponseForm,
-    StudyResult,
-    ask_states,
-    build_layer,
-    build_part,
-    build_problem,
-    build_response,
-    describe_response,
-    list_answer_warnings,
-    tabulate_answers,
-    write_report,
-)
-from roughcontact.responses import (
-    Conductance,
-    FrettingLoop,
-    Leakage,
-    PartialSlip,
-    Percolation,
-    Stress,
-    StressField,
-    StressMaximum,
-    Throat,
-    YieldPoint,
 )
 
 __all__ = [
-    "LONG_WAVE_CUT",
-    "MAX_CUT_EXPONENT",
-    "TYPICAL",
-    "Accuracy",
-    "AdhesionCycle",
     "Array",
-    "BeyondResolution",
     "BoundInteraction",
     "BoundKernel",
-    "Certificate",
-    "Check",
     "Command",
-    "Condition",
-    "Conductance",
-    "ConfirmedFields",
-    "ContactConditions",
-    "ContactFields",
-    "ContactPatches",
     "ConvolutionSetup",
-    "Cycle",
-    "ErrorReport",
     "Force",
-    "FrettingLoop",
-    "FrictionalResiduals",
-    "FrictionalState",
-    "GridLevel",
-    "GridSolution",
     "HalfSpaceStress",
-    "Increment",
     "IntArray",
-    "InterfaceLaw",
     "InverseConvolution",
-    "KnownAnswer",
-    "Ladder",
-    "LawColumn",
-    "Leakage",
     "Length",
-    "LinearSolution",
     "Load",
     "Mask",
-    "MatchedPair",
     "Monitor",
-    "Origin",
     "Outcome",
     "Pair",
     "PairConstants",
     "Part",
-    "PartialSlip",
-    "Percolation",
-    "PowerFit",
     "PreparedConvolution",
     "Pressure",
     "Quantity",
     "RawMap",
     "RealArray",
-    "Record",
-    "ReportRow",
-    "RequiredLoad",
-    "Residuals",
-    "ResponseField",
-    "ResponseForm",
-    "RunIn",
-    "Separated",
     "ShearConvolution",
     "ShearOutcome",
     "ShearSolver",
     "ShearTask",
-    "Sheared",
-    "SlabProcesses",
-    "SlabSolution",
-    "SolvePlan",
-    "SolveRecord",
-    "StabilityReport",
     "Step",
-    "StepNumbers",
-    "Stickiness",
-    "Stress",
     "StressConvolution",
-    "StressField",
-    "StressMaximum",
-    "StudyResult",
     "SupportsCoefficients",
     "SupportsConduction",
     "SupportsRows",
@@ -273,67 +97,15 @@ __all__ = [
     "SupportsSpectrum",
     "SupportsStress",
     "SupportsTangential",
-    "Sweep",
     "Table",
-    "TangentialLoad",
-    "TangentialLoop",
     "Task",
-    "TheoryBeside",
-    "Throat",
-    "Timing",
-    "Trial",
-    "Verdict",
     "Violation",
-    "WarningText",
-    "WaveMatrix",
-    "Whole",
-    "YieldPoint",
-    "ask_states",
-    "available_memory",
-    "available_threads",
     "binary",
-    "bind_kernel",
-    "build_layer",
-    "build_part",
-    "build_problem",
-    "build_response",
-    "certify",
-    "confirm",
-    "count_blocks",
-    "describe_other_places",
-    "describe_response",
-    "ending_all",
-    "estimate_approach",
-    "exceeds_metals",
-    "find_patches",
-    "gather_warnings",
-    "halve_shape",
-    "limit_address_space",
-    "list_answer_warnings",
-    "list_quantities",
-    "make_solution",
-    "make_task",
-    "name_load",
     "natural_residual",
-    "nearest_pressure",
     "padded_shape",
     "pair_constants",
-    "plan_slabs",
-    "project_to_load",
     "quantity",
     "read_raw",
     "replacing",
-    "require_certified",
-    "require_found",
-    "require_memory_of_solve",
-    "rescale_to_load",
-    "run_sweep",
     "si",
-    "solve_in_window",
-    "solve_on_cells",
-    "solve_slabs",
-    "starting_pressure",
-    "tabulate_answers",
-    "write_column",
-    "write_report",
 ]

@@ -28,7 +28,8 @@ import pytest
 import roughcontact as rc
 from roughcontact._solve.solution.plausibility import PLAUSIBILITY_RULES
 from roughcontact._solve.solution.summary import list_all_warnings
-from roughcontact.typing import Step, gather_warnings, write_column
+from roughcontact.faces import gather_warnings, write_column
+from roughcontact.typing import Step
 
 from roughcontact_app import AppServer, Session, preview, scene, work
 from roughcontact_app.answers import describe_solutions, list_cycle_states, list_warnings, make_table, tabulate_cycle
@@ -1015,9 +1016,7 @@ def test_responses_are_those_of_the_library_in_answers_table_and_report(client):
 def test_numbers_of_responses_are_drawn_over_positive_loads(sweep):
     stiffness = [rc.Estimate(value, 1.0, "N/m") for value in (6.0, 8.0)]
     absent = [rc.Estimate(np.inf, 0.0, "W/K"), rc.Estimate(8.0, 1.0, "W/K")]
-    law = make_law(
-        attrs.evolve(sweep, solutions=sweep.states[::-1]), {"stiffness": stiffness, "conductance": absent}
-    )
+    law = make_law(attrs.evolve(sweep, solutions=sweep.states[::-1]), {"stiffness": stiffness, "conductance": absent})
     assert list(law.columns) == ["stiffness"]
     assert law.pressures == pytest.approx([60e6, 100e6], rel=1e-9)
     assert list(law["stiffness"].values) == [8.0, 6.0]

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import roughcontact as rc
 from roughcontact.__main__ import main
-from roughcontact.typing import build_problem
+from roughcontact.faces import build_problem
 
 from roughcontact_layered import Layer, LayeredKernel, PairKernel
 

@@ -7,8 +7,9 @@ import roughcontact as rc
 import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from roughcontact.solving import make_task
 from roughcontact.testing import claims
-from roughcontact.typing import Load, make_task
+from roughcontact.typing import Load
 
 from roughcontact_torch import MaskedConjugateGradient, TorchFFT, masked, solve_at_once
 from roughcontact_torch.graph import GraphedIteration

@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 import roughcontact as rc
 import torch
-from roughcontact.typing import Load, Outcome, confirm, make_task
+from roughcontact.solving import confirm, make_task
+from roughcontact.typing import Load, Outcome
 
 from roughcontact_torch import MaskedConjugateGradient, TorchFFT, solve_on_device
 from test_contact import STEEL, problem

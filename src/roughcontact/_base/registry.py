@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import functools
 import inspect
+import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from importlib.metadata import EntryPoint, entry_points
 from types import MappingProxyType
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, TypeVar, get_type_hints
 
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
@@ -21,6 +22,8 @@ from roughcontact.errors.warning import warn
 T = TypeVar("T")
 C = TypeVar("C", bound=type)
 _BY_KIND: dict[str, Registry[Any]] = {}
+# The modules that define public classes: annotations of their fields name what is known there.
+_DEFINED_IN: dict[type, str] = {}
 
 
 class Registry(Generic[T]):
@@ -49,7 +52,7 @@ class Registry(Generic[T]):
     >>> rc.areas.create("blnd")
     Traceback (most recent call last):
         ...
-    roughcontact.errors.InputError: There is no area estimator named 'blnd'. Did you mean 'blend'? Known: ...
+    roughcontact.InputError: There is no area estimator named 'blnd'. Did you mean 'blend'? Known: ...
     """
 
     def __init__(
@@ -72,12 +75,12 @@ class Registry(Generic[T]):
         def enter(cls: C) -> C:
             checked = self._require_class(cls, "")
             # A class defined again (a notebook cell run twice) replaces itself.
-            owners = {entry.value for entry in self._entries().get(name, [])}
+            owners = {_owner(entry.value) for entry in self._entries().get(name, [])}
             if name in self._classes:
-                owners.add(path_of(self._classes[name]))
-            if owners - {path_of(cls)}:
+                owners.add(_owner(path_of(self._classes[name])))
+            if owners - {_owner(path_of(cls))}:
                 raise InputError(
-                    f"The name {name!r} of {self._a_kind} is taken already by {', '.join(sorted(map(_owner, owners)))}."
+                    f"The name {name!r} of {self._a_kind} is taken already by {', '.join(sorted(owners))}."
                 )
             self._classes[name] = checked
             return cls
@@ -220,3 +223,17 @@ def _owner(path: str) -> str:
 def path_of(cls: type) -> str:
     """Return the path of a class, ``module:name``; the main module of a process pool counts as ``__main__``."""
     return f"{cls.__module__}:{cls.__qualname__}".replace("__mp_main__:", "__main__:")
+
+
+def publish(public: Any, package: str) -> None:
+    """Let a class or a function say that it belongs to a package, in tracebacks, in pickles and to `help`."""
+    if isinstance(public, type):
+        _DEFINED_IN[public] = public.__module__
+    public.__module__ = package
+
+
+def field_types(cls: type) -> dict[str, Any]:
+    """Return the types by which the fields of a class are annotated; NameError if one is not known."""
+    modules = [_DEFINED_IN.get(base, base.__module__) for base in reversed(cls.__mro__)]
+    known = {name: value for module in modules for name, value in vars(sys.modules.get(module, object)).items()}
+    return get_type_hints(cls, known, {})

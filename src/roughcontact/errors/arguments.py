@@ -18,6 +18,9 @@ from roughcontact.errors import InputError, WrongCall, message_of, short
 
 # Size of a number whose square and its inverse float64 holds.
 _MIN_SQUARED = 1e-150
+# Modules with the names that annotations take from elsewhere.
+_PUBLIC_MODULES = tuple(f"roughcontact.{name}" for name in ("faces", "responses", "results", "solving", "typing"))
+_PUBLIC_MODULES += ("roughcontact",)
 # What is taken for a number; True and False are not.
 _NUMBERS = {float: numbers.Real, int: numbers.Integral}
 
@@ -62,8 +65,8 @@ def _mismatched(call: str, signature: inspect.Signature, kwargs: dict[str, Any],
 
 def _types_of(function: Callable[..., Any]) -> dict[str, Any]:
     """Return the types of a function's arguments; names imported for annotations alone are public, or of typing."""
-    package = sys.modules["roughcontact"]
-    places = (typing, package.typing, package, sys.modules[function.__module__])
+    public = [sys.modules[name] for name in _PUBLIC_MODULES]
+    places = (typing, *public, sys.modules[function.__module__])
     return typing.get_type_hints(function, {name: one for place in places for name, one in vars(place).items()})
 
 

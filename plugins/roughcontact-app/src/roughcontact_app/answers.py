@@ -12,19 +12,18 @@ from typing import Any
 import attrs
 from roughcontact import ContactSolution, Estimate, FrictionalPath
 from roughcontact.errors import RoughContactError
-from roughcontact.typing import (
-    AdhesionCycle,
-    Table,
+from roughcontact.faces import (
     describe_other_places,
     exceeds_metals,
     gather_warnings,
     list_answer_warnings,
     list_quantities,
     name_load,
-    si,
     tabulate_answers,
     write_column,
 )
+from roughcontact.results import AdhesionCycle
+from roughcontact.typing import Table, si
 
 from roughcontact_app.responses import finite
 from roughcontact_app.words import end_sentence, in_words_of_page

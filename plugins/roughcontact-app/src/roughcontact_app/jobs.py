@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from roughcontact.errors import InputError
-from roughcontact.typing import available_threads
+from roughcontact.faces import available_threads
 
 from roughcontact_app.process import TaskEnded, Worker
 from roughcontact_app.settings import Settings

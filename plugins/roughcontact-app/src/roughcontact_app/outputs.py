@@ -12,17 +12,10 @@ import attrs
 import numpy as np
 from roughcontact import ContactSolution, FrictionalPath
 from roughcontact.errors import RoughContactError
+from roughcontact.faces import tabulate_answers, write_report
 from roughcontact.plotting import panels
-from roughcontact.typing import (
-    AdhesionCycle,
-    InterfaceLaw,
-    LawColumn,
-    Sweep,
-    Table,
-    replacing,
-    tabulate_answers,
-    write_report,
-)
+from roughcontact.results import AdhesionCycle, InterfaceLaw, LawColumn, Sweep
+from roughcontact.typing import Table, replacing
 
 from roughcontact_app.answers import make_table, repeat_last_of_loading, tabulate_cycle
 

@@ -17,7 +17,7 @@ from typing import Any
 
 from roughcontact.errors import ContactWarning
 from roughcontact.errors.door import translated
-from roughcontact.typing import limit_address_space
+from roughcontact.faces import limit_address_space
 
 # Bytes of one message: answers and plans are thousands.
 _LONGEST = 4_000_000

@@ -8,9 +8,9 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import attrs
-from roughcontact import ContactSolution, Response, responses, typing
+from roughcontact import ContactSolution, Response, faces, responses
 from roughcontact.errors import InputError, RoughContactError
-from roughcontact.typing import build_response, describe_response
+from roughcontact.faces import build_response, describe_response
 
 from roughcontact_app.words import end_sentence, in_words_of_page
 
@@ -124,7 +124,7 @@ def ask_states(
     asked: Mapping[str, Response[Any]], states: Sequence[ContactSolution]
 ) -> tuple[dict[str, list[Any]], list[str]]:
     """Return what each response says of each state of a cycle, None where it has no answer, and in sentences why."""
-    found, reasons = typing.ask_states(asked, states)
+    found, reasons = faces.ask_states(asked, states)
     return found, [
         end_sentence(f"{TICK_BOXES[name].label}: {in_words_of_page(reason)}") for name, reason in reasons.items()
     ]

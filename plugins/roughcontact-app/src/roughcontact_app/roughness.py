@@ -9,8 +9,8 @@ from typing import Any
 import attrs
 from roughcontact import Grid, HeightMap
 from roughcontact.errors import RoughContactError
+from roughcontact.faces import write_column
 from roughcontact.reference import texture
-from roughcontact.typing import write_column
 
 from roughcontact_app.outputs import draw
 from roughcontact_app.scene import ShownSurface

@@ -26,16 +26,9 @@ from roughcontact import (
     read_surface,
 )
 from roughcontact.errors import InputError, MissingPackage, RoughContactError
-from roughcontact.typing import (
-    TYPICAL,
-    Load,
-    Pair,
-    RawMap,
-    build_layer,
-    build_problem,
-    read_raw,
-    require_memory_of_solve,
-)
+from roughcontact.faces import TYPICAL, build_layer, build_problem
+from roughcontact.solving import require_memory_of_solve
+from roughcontact.typing import Load, Pair, RawMap, read_raw
 
 from roughcontact_app.settings import (
     Settings,

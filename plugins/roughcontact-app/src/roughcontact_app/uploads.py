@@ -14,7 +14,8 @@ from pathlib import Path
 import attrs
 from roughcontact import readers
 from roughcontact.errors import InputError, RoughContactError
-from roughcontact.typing import available_memory, binary
+from roughcontact.solving import available_memory
+from roughcontact.typing import binary
 
 # Bytes of one file, and of all together; larger maps are for a script.
 _LARGEST = 1 << 29

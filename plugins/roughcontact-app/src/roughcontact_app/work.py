@@ -11,7 +11,9 @@ from typing import Any, TypeAlias
 
 from roughcontact import ContactProblem, ContactSolution, FrictionalPath, ProjectedConjugateGradient
 from roughcontact.errors import InputError, RoughContactError
-from roughcontact.typing import AdhesionCycle, Array, Increment, Load, Sweep, binary, pair_constants, run_sweep, si
+from roughcontact.faces import run_sweep
+from roughcontact.results import AdhesionCycle, Increment, Sweep
+from roughcontact.typing import Array, Load, binary, pair_constants, si
 
 from roughcontact_app.answers import (
     describe_cycle,

@@ -10,7 +10,8 @@ from pathlib import Path
 from typing import Any
 
 import roughcontact as rc
-from roughcontact.typing import Command, build_part, ending_all, quantity
+from roughcontact.faces import build_part
+from roughcontact.typing import Command, quantity
 
 _METRE, _PASCAL, _NEWTON, _NUMBER = (quantity(unit) for unit in ("m", "Pa", "N", ""))
 # Where the mpiexec of MPICH and of Open MPI states the number of a process.
@@ -59,7 +60,7 @@ numbers.json.
         from roughcontact_mpi.processes import Processes
 
         processes = Processes()
-        with ending_all(processes):
+        with processes.ending_all():
             _run(processes, options)
         return 0
 

@@ -10,15 +10,8 @@ from typing import Any, cast
 
 import attrs
 import roughcontact as rc
-from roughcontact.typing import (
-    Load,
-    Step,
-    plan_slabs,
-    replacing,
-    require_memory_of_solve,
-    si,
-    solve_slabs,
-)
+from roughcontact.solving import plan_slabs, require_memory_of_solve, solve_slabs
+from roughcontact.typing import Load, Step, replacing, si
 
 from roughcontact_mpi.arrays import SlabArray
 from roughcontact_mpi.convolver import SlabFFT
@@ -34,7 +27,7 @@ _ESTIMATORS = ("blend", "cell-count", "hertz", "level-set", "level-set-richardso
 
 
 @attrs.frozen(eq=False, kw_only=True)
-class SlabSolution(rc.typing.SlabSolution):
+class SlabSolution(rc.solving.SlabSolution):
     """The solution of a contact: its numbers on each process, and its fields, `SlabArray`, by slab."""
 
     _found: dict[str, rc.Estimate] = attrs.field(factory=dict, init=False, repr=False)

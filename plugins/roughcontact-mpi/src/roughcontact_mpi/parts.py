@@ -9,7 +9,8 @@ import attrs
 import numpy as np
 import roughcontact as rc
 import scipy.fft
-from roughcontact.typing import Array, IntArray, Mask, RealArray, Whole
+from roughcontact.solving import Whole
+from roughcontact.typing import Array, IntArray, Mask, RealArray
 
 from roughcontact_mpi.arrays import SlabArray
 from roughcontact_mpi.processes import Processes

@@ -7,7 +7,9 @@ from functools import cached_property
 import attrs
 import numpy as np
 import roughcontact as rc
-from roughcontact.typing import Array, ContactPatches, IntArray, RealArray, find_patches
+from roughcontact.results import ContactPatches
+from roughcontact.solving import find_patches
+from roughcontact.typing import Array, IntArray, RealArray
 from scipy import sparse
 
 from roughcontact_mpi.arrays import SlabArray

@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 import roughcontact as rc
-from roughcontact.typing import RealArray, SlabProcesses
+from roughcontact.solving import SlabProcesses
+from roughcontact.typing import RealArray
 
 # Where the mpiexec of MPICH and of Open MPI states the number of processes.
 _STARTED = ("PMI_SIZE", "OMPI_COMM_WORLD_SIZE")

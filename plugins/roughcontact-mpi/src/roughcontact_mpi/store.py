@@ -48,7 +48,7 @@ def _require_zarr() -> Any:
     return zarr
 
 
-def write_store(path: Path, solution: rc.typing.SlabSolution, numbers: Mapping[str, Any]) -> None:
+def write_store(path: Path, solution: rc.solving.SlabSolution, numbers: Mapping[str, Any]) -> None:
     """Write the fields of a solution to a zarr store, each process its rows; an older store is replaced at the end.
 
     Its arrays have the names, dimensions, units and coordinates of the netCDF files of roughcontact, so that

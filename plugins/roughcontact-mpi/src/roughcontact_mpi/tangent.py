@@ -7,7 +7,8 @@ from typing import Any, cast
 import attrs
 import numpy as np
 import roughcontact as rc
-from roughcontact.typing import Array, LinearSolution, Mask, require_found, solve_on_cells
+from roughcontact.solving import LinearSolution, solve_on_cells
+from roughcontact.typing import Array, Mask
 
 from roughcontact_mpi.arrays import SlabArray
 
@@ -52,5 +53,5 @@ class SlabTangent:
             unit=self.solution.grid.spacing[0] / self.solution.modulus,
             rigid=False,
         )
-        require_found(answer.error, tolerance, answer.iterations, self.solution)
+        answer.require(tolerance, self.solution)
         return attrs.evolve(answer, values=part.read(cast(Any, answer.values)))

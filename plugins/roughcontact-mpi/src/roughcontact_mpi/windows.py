@@ -5,7 +5,7 @@ from __future__ import annotations
 import attrs
 import numpy as np
 import roughcontact as rc
-from roughcontact.typing import Array, PreparedConvolution, make_solution
+from roughcontact.typing import Array, PreparedConvolution
 
 from roughcontact_mpi.arrays import SlabArray
 from roughcontact_mpi.parts import Part
@@ -31,7 +31,7 @@ class WindowSolution(rc.ContactSolution):
         return ()
 
 
-def open_window(solution: rc.typing.SlabSolution) -> WindowSolution:
+def open_window(solution: rc.solving.SlabSolution) -> WindowSolution:
     """Return a solution on the window of this process."""
     plan = solution.plan
     part = Part(solution.pressure.processes, plan.grid.shape, plan.boundary)
@@ -40,8 +40,7 @@ def open_window(solution: rc.typing.SlabSolution) -> WindowSolution:
     )
     labels, touching, count = label_slabs(part, solution.pressure, plan.grid, plan.boundary)
     patches = window_patches(part, labels, touching, count, pressure, plan.grid, plan.boundary)
-    certificate = solution.certificate(pressure, displacement)
-    base = make_solution(plan, initial_gap, solution.outcome(pressure), certificate, solution.seconds)
+    base = solution.to_solution(plan, initial_gap, pressure, displacement)
     fields = attrs.asdict(base, recurse=False)
     return WindowSolution(**fields, parts=part, patches=patches, convolution=solution.convolution)
 

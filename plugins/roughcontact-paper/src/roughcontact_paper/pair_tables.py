@@ -9,7 +9,8 @@ import numpy as np
 import numpy.typing as npt
 import roughcontact as rc
 from roughcontact.extrapolation import Extrapolation, exponential
-from roughcontact.typing import Residuals, Table
+from roughcontact.results import Residuals
+from roughcontact.typing import Table
 
 from roughcontact_paper import published
 from roughcontact_paper.output import PaperTable

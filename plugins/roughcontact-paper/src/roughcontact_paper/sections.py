@@ -6,7 +6,7 @@ from functools import partial
 from pathlib import Path
 
 from rich.console import Console
-from roughcontact.typing import RunIn
+from roughcontact.results import RunIn
 
 from roughcontact_paper import published
 from roughcontact_paper.output import show_table, solve_all, write_results

@@ -15,7 +15,8 @@ from typing import TypeAlias
 
 import numpy as np
 import roughcontact as rc
-from roughcontact.typing import RunIn, replacing
+from roughcontact.results import RunIn
+from roughcontact.typing import replacing
 
 Kept: TypeAlias = tuple[rc.ContactProblem, float, bool]
 

@@ -1,7 +1,5 @@
 """The default solver of roughcontact on tensors of torch, and one for GPUs that hardly wait for their hosts."""
 
-from roughcontact.typing import ending_all
-
 from roughcontact_torch.arrays import TensorArray
 from roughcontact_torch.convolver import TorchFFT
 from roughcontact_torch.masked import MaskedConjugateGradient
@@ -10,6 +8,8 @@ from roughcontact_torch.processes import Processes
 from roughcontact_torch.slab_arrays import SlabTensor
 from roughcontact_torch.slab_contact import SlabSolution, make_heights, solve_on_slabs
 from roughcontact_torch.together import solve_at_once
+
+ending_all = Processes.ending_all
 
 __all__ = [
     "MaskedConjugateGradient",

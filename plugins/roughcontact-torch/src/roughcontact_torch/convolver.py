@@ -11,6 +11,7 @@ import attrs
 import numpy as np
 import roughcontact as rc
 import torch
+from roughcontact.solving import halve_shape
 from roughcontact.typing import (
     Array,
     BoundKernel,
@@ -20,7 +21,6 @@ from roughcontact.typing import (
     PreparedConvolution,
     RealArray,
     ShearConvolution,
-    halve_shape,
     padded_shape,
 )
 

@@ -14,18 +14,8 @@ import numpy as np
 import roughcontact as rc
 import torch
 import torch.nn.functional as functional
-from roughcontact.typing import (
-    Array,
-    GridLevel,
-    GridSolution,
-    Outcome,
-    PreparedConvolution,
-    Step,
-    Task,
-    estimate_approach,
-    halve_shape,
-    solve_in_window,
-)
+from roughcontact.solving import GridLevel, GridSolution, estimate_approach, halve_shape, solve_in_window
+from roughcontact.typing import Array, Outcome, PreparedConvolution, Step, Task
 
 from roughcontact_torch.arrays import TensorArray
 from roughcontact_torch.convolver import TensorConvolution

@@ -15,7 +15,7 @@ import attrs
 import roughcontact as rc
 import torch
 import torch.nn.functional as functional
-from roughcontact.typing import LONG_WAVE_CUT, MAX_CUT_EXPONENT, count_blocks
+from roughcontact.solving import LONG_WAVE_CUT, MAX_CUT_EXPONENT, count_blocks
 
 # Cells of the stencil to each side of a cell that joins or leaves.
 STENCIL_REACH = 3

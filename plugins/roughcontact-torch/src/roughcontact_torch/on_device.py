@@ -8,7 +8,9 @@ from typing import Any, cast
 import attrs
 import roughcontact as rc
 import torch
-from roughcontact.typing import Array, Origin, SolveRecord, confirm, make_solution, make_task, require_certified
+from roughcontact.results import Origin
+from roughcontact.solving import SolveRecord, confirm, make_task
+from roughcontact.typing import Array
 
 from roughcontact_torch.together import shared_parts
 
@@ -50,9 +52,7 @@ class TensorSolution(SolveRecord):
         """Return the solution with numpy's arrays and every answer; its certificate is not computed again."""
         plan = self.problem.plan
         pressure, displacement = (field.numpy(force=True) for field in (self.pressure, self.displacement))
-        certificate = self.certificate(pressure, displacement)
-        outcome = self.outcome(pressure)
-        found = make_solution(plan, self.problem.initial_gap, outcome, certificate, self.seconds)
+        found = self.to_solution(plan, self.problem.initial_gap, pressure, displacement)
         return attrs.evolve(found, origin=Origin(self.problem.parts, self.load.arguments, source=self.problem))
 
 
@@ -115,7 +115,7 @@ def solve_on_device(
         initial_gap=_tensor(task.initial_gap) * plan.peak_to_valley,
     )
     if throw:
-        require_certified(solution)
+        solution.require_certified()
     return solution
 
 

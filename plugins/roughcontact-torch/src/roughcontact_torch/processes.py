@@ -13,7 +13,7 @@ import numpy as np
 import roughcontact as rc
 import torch
 import torch.distributed as distributed
-from roughcontact.typing import SlabProcesses, available_memory
+from roughcontact.solving import SlabProcesses, available_memory
 
 from roughcontact_torch.convolver import TorchFFT
 

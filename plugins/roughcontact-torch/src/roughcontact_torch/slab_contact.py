@@ -12,18 +12,9 @@ import numpy as np
 import roughcontact as rc
 import torch
 from roughcontact.errors import NotEnoughMemory
-from roughcontact.typing import (
-    Load,
-    Outcome,
-    SolvePlan,
-    Step,
-    Task,
-    binary,
-    bind_kernel,
-    plan_slabs,
-    require_memory_of_solve,
-    solve_slabs,
-)
+from roughcontact.results import SolvePlan
+from roughcontact.solving import bind_kernel, plan_slabs, require_memory_of_solve, solve_slabs
+from roughcontact.typing import Load, Outcome, Step, Task, binary
 
 from roughcontact_torch.masked import MaskedConjugateGradient
 from roughcontact_torch.processes import Processes
@@ -33,7 +24,7 @@ from roughcontact_torch.slab_grid import Transpose
 
 
 @attrs.frozen(eq=False, kw_only=True)
-class SlabSolution(rc.typing.SlabSolution):
+class SlabSolution(rc.solving.SlabSolution):
     """The solution of a contact: its numbers on each process, and its fields, `SlabTensor`, by slab.
 
     The `tensor` of a field has the rows of this process, on its device.

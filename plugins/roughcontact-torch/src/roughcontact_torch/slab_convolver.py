@@ -8,6 +8,7 @@ import attrs
 import numpy as np
 import roughcontact as rc
 import torch
+from roughcontact.solving import halve_shape
 from roughcontact.typing import (
     Array,
     BoundKernel,
@@ -16,7 +17,6 @@ from roughcontact.typing import (
     PreparedConvolution,
     RealArray,
     SupportsSpectrum,
-    halve_shape,
     padded_shape,
 )
 

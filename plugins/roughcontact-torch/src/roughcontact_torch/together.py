@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import roughcontact as rc
 import torch
-from roughcontact.typing import make_task
+from roughcontact.solving import make_task
 
 from roughcontact_torch.convolver import TensorConvolution
 from roughcontact_torch.masked import MaskedConjugateGradient, known_outcomes

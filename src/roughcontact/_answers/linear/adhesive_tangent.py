@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from roughcontact._answers.linear.tangent import LinearSolution, Tangent, require_found
+from roughcontact._answers.linear.tangent import LinearSolution, Tangent
 from roughcontact._base.arrays import Array, Mask, read_only
 from roughcontact._base.units import WarningText
 from roughcontact._parts.grid import Boundary
@@ -77,9 +77,8 @@ class AdhesiveTangent:
                 "The state is not stable at a given approach, so that it answers no small change: follow the approach "
                 "to a stable one by problem.sweep(approach=[...])."
             )
-        require_found(found.error, tolerance, found.iterations, self._solution)
         scale = size / self._unit
-        return LinearSolution(
+        answer = LinearSolution(
             found.pressure * scale,
             found.product * size * scale,
             found.error,
@@ -87,6 +86,8 @@ class AdhesiveTangent:
             found.products,
             found.margin,
         )
+        answer.require(tolerance, self._solution)
+        return answer
 
     @cached_property
     def _linearised(self) -> LinearisedGap:

@@ -66,16 +66,14 @@ class LinearSolution:
     products: int
     margin: float = 1.0
 
-
-@guarded
-def require_found(error: float, tolerance: float, iterations: int, solution: ContactSolution) -> None:
-    """Raise `NotConverged` if the error of a linear answer is above a tolerance and rounding."""
-    if not error <= max(tolerance, _ROUNDING_RESIDUAL):
-        raise NotConverged(
-            f"The linear answer of the contact was not found: after {iterations} iterations the residual is "
-            f"{error:.1e} of the right side.",
-            solution,
-        )
+    def require(self, tolerance: float, solution: ContactSolution) -> None:
+        """Raise `NotConverged`, of the solution that was asked, if the error is above a tolerance and rounding."""
+        if not self.error <= max(tolerance, _ROUNDING_RESIDUAL):
+            raise NotConverged(
+                f"The linear answer of the contact was not found: after {self.iterations} iterations the residual is "
+                f"{self.error:.1e} of the right side.",
+                solution,
+            )
 
 
 @guarded
@@ -192,7 +190,7 @@ class Tangent:
             answer = solve_on_cells(
                 self._operator, self._inverse, self.cells, right, tolerance, unit=self._unit, rigid=self.is_rigid
             )
-        require_found(answer.error, tolerance, answer.iterations, self._solution)
+        answer.require(tolerance, self._solution)
         return answer
 
     @cached_property

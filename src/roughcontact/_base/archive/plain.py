@@ -8,26 +8,26 @@ import functools
 import importlib.metadata
 import inspect
 import json
+import linecache
 import math
 import sys
 import textwrap
+import uuid
 import weakref
 from collections.abc import Iterable, Iterator, Mapping
 from enum import Enum
 from pathlib import Path
-from types import CellType, CodeType, FunctionType
-from typing import Any, TypeAlias, get_args, get_origin, get_type_hints
+from types import CodeType, FunctionType
+from typing import Any, TypeAlias, get_args, get_origin
 
 import attrs
 import numpy as np
 
 from roughcontact._base.archive import digest_of, short_digest
 from roughcontact._base.arrays import RealArray
-from roughcontact._base.registry import Registry, path_of, registries
+from roughcontact._base.registry import Registry, field_types, path_of, registries
 from roughcontact.errors import InputError, shorten
 
-# Members of a class that do not belong to its behaviour; the hash by attrs differs between processes.
-_IGNORED_MEMBERS = {"__module__", "__dict__", "__hash__", "__weakref__", "__firstlineno__", "__static_attributes__"}
 _texts: weakref.WeakKeyDictionary[Any, tuple[str, frozenset[str]]] = weakref.WeakKeyDictionary()
 Described: TypeAlias = Any
 _PACKAGE = __name__.partition(".")[0]
@@ -100,48 +100,47 @@ def _is_plain(value: object) -> bool:
 
 
 def _text_of(definition: Any) -> tuple[str, frozenset[str]]:
-    """Return the source of a class or function, as first seen, and the names in it; its code if there is no source."""
+    """Return the source of a class or function, as first seen, and the names in it.
+
+    What has no source, such as a class made by exec(), is another one in each process, since it may have changed.
+    """
     if definition not in _texts:
-        try:
-            # From CPython 3.13 on, inspect finds other lines for definitions by exec() in `python -c`.
-            if not Path(inspect.getsourcefile(definition) or "").is_file():
-                raise OSError
-            text = textwrap.dedent(inspect.getsource(definition))
-            names = frozenset(node.id for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Name))
-        except (OSError, TypeError, SyntaxError):
-            codes = list(_codes_of(definition, set()))
-            text = "\0".join(text for text, _ in codes)
-            names = frozenset(name for _, names in codes for name in names)
-        _texts[definition] = text, names
+        source = _source_in_file(definition) or _source_in_cell(definition)
+        names = frozenset(node.id for node in ast.walk(ast.parse(source)) if isinstance(node, ast.Name))
+        _texts[definition] = source or f"without source, {uuid.uuid4().hex}", names
     return _texts[definition]
 
 
-def _codes_of(value: Any, seen: set[int]) -> Iterator[tuple[str, tuple[str, ...]]]:
-    """Yield the code and the plain values that make up a class or function, each with the names that it uses."""
-    if id(value) in seen:
-        return
-    inner: list[Any] = []
-    if isinstance(value, CodeType):
-        yield repr((value.co_name, value.co_code)), value.co_names
-        inner = list(value.co_consts)
-    elif isinstance(value, (type, FunctionType)):
-        seen.add(id(value))
-        members = vars(value) if isinstance(value, type) else {}
-        inner = [member for name, member in sorted(members.items()) if name not in _IGNORED_MEMBERS]
-        if isinstance(value, FunctionType):
-            cells = [cell.cell_contents for cell in value.__closure__ or () if cell != CellType()]
-            inner = [value.__code__, value.__defaults__, value.__kwdefaults__, *cells]
-    elif isinstance(value, (classmethod, staticmethod, property, functools.cached_property)):
-        inner = [getattr(value, name, None) for name in ("__func__", "fget", "func")]
-    elif isinstance(value, frozenset):
-        # Sorted, to be the same in any process.
-        yield repr(sorted(map(repr, value))), ()
-    elif isinstance(value, (tuple, list, dict)):
-        inner = list(value.values() if isinstance(value, dict) else value)
-    elif _is_plain(value):
-        yield repr(value), ()
-    for item in inner:
-        yield from _codes_of(item, seen)
+def _source_in_file(definition: Any) -> str:
+    """Return the source of a class or function of a file; empty if it is of no file."""
+    with contextlib.suppress(OSError, TypeError, SyntaxError):
+        # From CPython 3.13 on, inspect finds other lines for definitions by exec() in `python -c`.
+        if Path(inspect.getsourcefile(definition) or "").is_file():
+            source = textwrap.dedent(inspect.getsource(definition))
+            ast.parse(source)
+            return source
+    return ""
+
+
+def _source_in_cell(definition: Any) -> str:
+    """Return the source of a class or function of a notebook, from the cell of a method; empty without one."""
+    members = vars(definition).values() if isinstance(definition, type) else [definition]
+    for cell in {code.co_filename: None for code in filter(None, map(_code_of, members))}:
+        # The lines of `python -c` are not those of an exec() in it, of the same name.
+        lines = [] if cell == "<string>" else linecache.getlines(cell)
+        with contextlib.suppress(SyntaxError):
+            for node in reversed(ast.parse("".join(lines)).body):
+                if isinstance(node, (ast.ClassDef, ast.FunctionDef)) and node.name == definition.__name__:
+                    first = min(one.lineno for one in (node, *node.decorator_list))
+                    return "".join(lines[first - 1 : node.end_lineno])
+    return ""
+
+
+def _code_of(member: Any) -> CodeType | None:
+    """Return the code of a function, a property or a method that may be behind the door; None of anything else."""
+    for name in ("__func__", "fget", "func"):
+        member = getattr(member, name, member)
+    return getattr(inspect.unwrap(member), "__code__", None) if callable(member) else None
 
 
 # Classes that plug-ins use in the fields of their parts, such as a layer of a coating.
@@ -350,7 +349,7 @@ def _plug_in_bases() -> tuple[type, ...]:
 
 def _hints(cls: type) -> dict[str, Any]:
     try:
-        return get_type_hints(cls)
+        return field_types(cls)
     # Some names are imported for type checkers only: then a field may hold any plug-in.
     except Exception:
         return {}

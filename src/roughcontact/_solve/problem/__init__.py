@@ -54,8 +54,6 @@ from roughcontact._solve.problem.run import ConfirmedFields as ConfirmedFields
 from roughcontact._solve.problem.run import certify as certify
 from roughcontact._solve.problem.run import computing as computing
 from roughcontact._solve.problem.run import confirm as confirm
-from roughcontact._solve.problem.run import make_solution as make_solution
-from roughcontact._solve.problem.run import require_certified as require_certified
 from roughcontact._solve.problem.run import run_solve as run_solve
 from roughcontact._solve.problem.saved import find_saved_kind as find_saved_kind
 from roughcontact._solve.problem.saved import load as load
@@ -63,7 +61,6 @@ from roughcontact._solve.problem.saved import problem_of as problem_of
 from roughcontact._solve.problem.slabs import SlabProcesses as SlabProcesses
 from roughcontact._solve.problem.slabs import SlabSolution as SlabSolution
 from roughcontact._solve.problem.slabs import SolveRecord as SolveRecord
-from roughcontact._solve.problem.slabs import ending_all as ending_all
 from roughcontact._solve.problem.slabs import plan_slabs as plan_slabs
 from roughcontact._solve.problem.slabs import solve_slabs as solve_slabs
 from roughcontact._solve.problem.step_numbers import StepNumbers as StepNumbers

@@ -81,7 +81,6 @@ class ConfirmedFields:
         return attrs.evolve(self, pressure=convert(self.pressure), displacement=convert(self.displacement))
 
 
-@guarded
 def certify(
     plan: SolvePlan,
     convolution: PreparedConvolution,
@@ -206,7 +205,6 @@ def _in_si(
     )
 
 
-@guarded
 def make_solution(
     plan: SolvePlan, initial_gap: Array, outcome: Outcome, certificate: ConfirmedFields, seconds: float
 ) -> ContactSolution:
@@ -426,7 +424,6 @@ def _solve(
     return solution
 
 
-@guarded
 def require_certified(solution: Any) -> None:
     """Raise `NotConverged` if a solution, whose fields may be of any kind, is not certified.
 

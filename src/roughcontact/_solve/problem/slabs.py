@@ -21,7 +21,7 @@ from roughcontact._solve.convolvers import Convolver, PreparedConvolution
 from roughcontact._solve.problem.body import RIGID_FLAT, Body
 from roughcontact._solve.problem.plan import SolvePlan
 from roughcontact._solve.problem.problem import ContactProblem
-from roughcontact._solve.problem.run import ConfirmedFields, certify, confirm, require_certified
+from roughcontact._solve.problem.run import ConfirmedFields, certify, confirm, make_solution, require_certified
 from roughcontact._solve.problem.task import bind_kernel, make_task
 from roughcontact._solve.solution import ContactSolution, GridLevel, Origin, Residuals, Status
 from roughcontact._solve.solvers import Outcome, ProjectedConjugateGradient, Solver, Step, Task, halve_shape
@@ -97,28 +97,27 @@ class SlabProcesses:
         """End all processes with an exit status."""
         sys.exit(status)
 
+    @contextlib.contextmanager
+    def ending_all(self) -> Iterator[None]:
+        """End all processes, with one sentence, when one of them fails inside the context: the others would wait.
 
-@contextlib.contextmanager
-def ending_all(processes: SlabProcesses) -> Iterator[None]:
-    """End all processes, with one sentence, when one of them fails inside the context: the others would wait forever.
-
-    The exit status is 1 if there is no certified answer or the error is not one of the user, else 2.
-    """
-    try:
-        yield
-    except KeyboardInterrupt:
-        processes.end(_INTERRUPTED)
-    except Exception as error:
-        if processes.rank:
-            time.sleep(_PRECEDENCE)
-        if isinstance(error, RoughContactError):
-            status = 1 if isinstance(error, (NotConverged, UnexpectedError)) else 2
-        else:
-            status = 1
-            traceback.print_exc()
-        where = f"process {processes.rank} of {processes.count}"
-        print(f"{processes.name}: {error} ({where})", file=sys.stderr, flush=True)
-        processes.end(status)
+        The exit status is 1 if there is no certified answer or the error is not one of the user, else 2.
+        """
+        try:
+            yield
+        except KeyboardInterrupt:
+            self.end(_INTERRUPTED)
+        except Exception as error:
+            if self.rank:
+                time.sleep(_PRECEDENCE)
+            if isinstance(error, RoughContactError):
+                status = 1 if isinstance(error, (NotConverged, UnexpectedError)) else 2
+            else:
+                status = 1
+                traceback.print_exc()
+            where = f"process {self.rank} of {self.count}"
+            print(f"{self.name}: {error} ({where})", file=sys.stderr, flush=True)
+            self.end(status)
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -179,15 +178,28 @@ class SolveRecord:
             levels=self.levels,
         )
 
-    def certificate(self, pressure: Array, displacement: Array) -> ConfirmedFields:
-        """Return the certificate, with these fields."""
-        return ConfirmedFields(
+    def to_solution(self, plan: SolvePlan, initial_gap: Array, pressure: Array, displacement: Array) -> ContactSolution:
+        """Return the solution with fields as arrays of numpy, shape (nx, ny); its certificate is not computed again.
+
+        Parameters
+        ----------
+        plan
+            The plan that was solved.
+        initial_gap, pressure, displacement
+            Gap before deformation, m; contact pressure, Pa; the displacement that it causes, m.
+        """
+        certificate = ConfirmedFields(
             pressure=pressure,
             displacement=displacement,
             approach=self.approach,
             status=self.status,
             residuals=self.residuals,
         )
+        return make_solution(plan, initial_gap, self.outcome(pressure), certificate, self.seconds)
+
+    def require_certified(self) -> None:
+        """Raise `NotConverged` if the solution is not certified."""
+        require_certified(self)
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -359,7 +371,8 @@ def solve_slabs(
     One process, whose slab is an array of numpy:
 
     >>> import roughcontact as rc
-    >>> from roughcontact.typing import Load, SlabSolution, plan_slabs, solve_slabs
+    >>> from roughcontact.solving import SlabSolution, plan_slabs, solve_slabs
+    >>> from roughcontact.typing import Load
     >>> heights = rc.WavySurface(1e-6, 50e-6).heights(rc.Grid((64, 64), 100e-6))
     >>> options = {"boundary": "periodic", "kernel": "love", "tolerance": None, "convolver": rc.CircularFFT()}
     >>> scene, plan = plan_slabs(heights, 100e-6, "glass", require=lambda grid, boundary: None, **options)
@@ -384,7 +397,7 @@ def solve_slabs(
         convolution=convolution,
     )
     if throw:
-        require_certified(solution)
+        solution.require_certified()
     return solution
 
 

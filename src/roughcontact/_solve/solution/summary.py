@@ -69,7 +69,7 @@ def describe_other_places(solution: ContactAnswers, estimates: Mapping[str, Area
     ...     rc.Body(rough, rc.Elastic(210e9, 0.3)), grid=rc.Grid((64, 64), 64e-6), boundary="periodic"
     ... )
     >>> solution = problem.solve(pressure=1e9)
-    >>> rc.typing.describe_other_places(solution, {"contact area": solution.area()})
+    >>> rc.faces.describe_other_places(solution, {"contact area": solution.area()})
     'contact area +- ... % (standard deviation)'
     """
     differences = [f"{name} {text}" for name, one in estimates.items() if (text := format_sampling(one))]

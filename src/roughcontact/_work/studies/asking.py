@@ -84,7 +84,7 @@ def describe_response(name: str) -> ResponseForm:
 
     Examples
     --------
-    >>> from roughcontact.typing import describe_response
+    >>> from roughcontact.faces import describe_response
     >>> [(field.name, field.unit) for field in describe_response("leakage").fields if field.is_needed]
     [('viscosity', 'Pa s'), ('pressure_drop', 'Pa')]
     """
@@ -123,7 +123,7 @@ def build_part(registry: Registry[Any], name: str, fields: Mapping[str, Any], wh
     Examples
     --------
     >>> import roughcontact as rc
-    >>> rc.typing.build_part(rc.surfaces, "sphere", {"radius": "5 mm"}, "the ball")
+    >>> rc.faces.build_part(rc.surfaces, "sphere", {"radius": "5 mm"}, "the ball")
     SphereSurface(radius=0.005, center=(0.0, 0.0))
     """
     return _build(registry.base, {**fields, "type": name}, what)
@@ -176,7 +176,7 @@ def build_response(name: str, fields: Mapping[str, Any]) -> Response[Any]:
 
     Examples
     --------
-    >>> from roughcontact.typing import build_response
+    >>> from roughcontact.faces import build_response
     >>> build_response("leakage", {"viscosity": "1 mPa.s", "pressure_drop": 1e5})
     GapFlow(axis=0, viscosity=0.001, pressure_drop=100000.0)
     """
@@ -196,7 +196,7 @@ def tabulate_answers(answers: Answers) -> dict[str, list[Estimate]]:
     Examples
     --------
     >>> import roughcontact as rc
-    >>> from roughcontact.typing import tabulate_answers
+    >>> from roughcontact.faces import tabulate_answers
     >>> columns = tabulate_answers({"stiffness": [rc.Estimate(2e6, 1e4, "N/m")]})
     >>> print(*columns["stiffness"])
     2 MN/m +- 0.5 %
@@ -229,7 +229,7 @@ def list_answer_warnings(answers: Answers, solutions: Sequence[ContactSolution] 
     Examples
     --------
     >>> import roughcontact as rc
-    >>> from roughcontact.typing import list_answer_warnings
+    >>> from roughcontact.faces import list_answer_warnings
     >>> found = rc.Estimate(2e6, 1e6, "N/m", warnings=("the grid is coarse",))
     >>> list_answer_warnings({"stiffness": [found], "conductance": [found]})
     ['stiffness, conductance: the grid is coarse']
@@ -286,7 +286,7 @@ def ask_states(
     Examples
     --------
     >>> import roughcontact as rc
-    >>> from roughcontact.typing import ask_states
+    >>> from roughcontact.faces import ask_states
     >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Elastic(young=210e9, poisson=0.3))
     >>> solution = rc.ContactProblem(ball, grid=rc.Grid((32, 32), 100e-6)).solve(force=1.0)
     >>> answers, reasons = ask_states({"perimeter": rc.responses.create("perimeter")}, [solution])

@@ -7,13 +7,13 @@ import inspect
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from types import NoneType, UnionType
-from typing import Any, TypeVar, Union, get_args, get_origin, get_type_hints
+from typing import Any, TypeVar, Union, get_args, get_origin
 
 import attrs
 
 from roughcontact._base.arrays import Pair
 from roughcontact._base.checks import INFINITE
-from roughcontact._base.registry import Registry, registries
+from roughcontact._base.registry import Registry, field_types, registries
 from roughcontact._base.units import parse_quantity
 from roughcontact._parts.files import read_surface
 from roughcontact._parts.grid import Boundary, Grid
@@ -252,7 +252,7 @@ def build_problem(table: Mapping[str, Any]) -> ContactProblem:
 
     Examples
     --------
-    >>> from roughcontact.typing import build_problem
+    >>> from roughcontact.faces import build_problem
     >>> ball = {"surface": {"type": "sphere", "radius": "1 mm"}, "material": "bearing steel"}
     >>> build_problem({"body": ball, "grid": {"shape": [32, 32], "size": "100 um"}})
     <ContactProblem 32 x 32 cells on 100 µm x 100 µm, free: SphereSurface on FlatSurface>
@@ -336,7 +336,7 @@ def list_fields(cls: type) -> dict[str, Field]:
         parameters = inspect.signature(cls).parameters
         return {name: Field(Any, None, one.default is one.empty) for name, one in parameters.items()}
     try:
-        hints = get_type_hints(cls)
+        hints = field_types(cls)
     # A class of a script may be annotated with what is not known in its module.
     except NameError:
         hints = {}

@@ -156,7 +156,7 @@ def halve_shape(shape: tuple[int, int]) -> tuple[int, int]:
     Examples
     --------
     >>> import roughcontact as rc
-    >>> rc.typing.halve_shape((128, 45))
+    >>> rc.solving.halve_shape((128, 45))
     (64, 45)
     """
     nx, ny = (n // 2 if n % 2 == 0 and n // 2 >= _MIN_COARSE_CELLS else n for n in grid_shape(shape))
@@ -187,7 +187,8 @@ def estimate_approach(convolution: PreparedConvolution, task: Task) -> tuple[flo
     Examples
     --------
     >>> import roughcontact as rc
-    >>> from roughcontact.typing import Load, estimate_approach, make_task
+    >>> from roughcontact.solving import estimate_approach, make_task
+    >>> from roughcontact.typing import Load
     >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Elastic(young=210e9, poisson=0.3))
     >>> problem = rc.ContactProblem(ball, grid=rc.Grid((256, 256), 400e-6))
     >>> task = make_task(problem.plan, problem.initial_gap, Load.of(pressure=62.5e6))
@@ -372,7 +373,8 @@ def solve_in_window(
     Examples
     --------
     >>> import roughcontact as rc
-    >>> from roughcontact.typing import GridSolution, Load, make_task, solve_in_window
+    >>> from roughcontact.solving import GridSolution, make_task, solve_in_window
+    >>> from roughcontact.typing import Load
     >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Elastic(young=210e9, poisson=0.3))
     >>> problem = rc.ContactProblem(ball, grid=rc.Grid((256, 256), 400e-6))
     >>> def solve(convolution, task):

@@ -466,7 +466,7 @@ def count_blocks(stiffness: RealArray, count: int, mean: float) -> int:
     --------
     >>> import numpy as np
     >>> import roughcontact as rc
-    >>> rc.typing.count_blocks(np.arange(65.0), 128, 1.0)
+    >>> rc.solving.count_blocks(np.arange(65.0), 128, 1.0)
     16
     """
     count = integer(count, "count=", at_least=1)

@@ -69,7 +69,7 @@ class KnownAnswer:
     Examples
     --------
     >>> import roughcontact as rc
-    >>> exact = rc.typing.KnownAnswer(area=1.5e-9, area_error=1e-12, source="closed form")
+    >>> exact = rc.results.KnownAnswer(area=1.5e-9, area_error=1e-12, source="closed form")
     >>> print(exact.source)
     closed form
     """

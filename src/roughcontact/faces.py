@@ -1,0 +1,63 @@
+"""What a page, a service or a command needs to ask for a contact in words and to show it in words.
+
+===============  ==================================================================================================
+for              names
+===============  ==================================================================================================
+input            `build_problem`, `build_part`, `build_layer`, `build_response`; what a response asks for,
+                 `describe_response`, `ResponseForm`, `ResponseField`; typical materials by name, `TYPICAL`
+the machine      `available_threads`, `limit_address_space`
+a run            `run_sweep`, `ask_states`
+words            `name_load`, `list_quantities`, `describe_other_places`, `gather_warnings`, `exceeds_metals`,
+                 `list_answer_warnings`
+tables, reports  `tabulate_answers`, `write_column`, `write_report`
+===============  ==================================================================================================
+"""
+
+from roughcontact._base.machine import available_threads, limit_address_space
+from roughcontact._base.units import write_column
+from roughcontact._parts.materials import TYPICAL
+from roughcontact._solve.problem import run_sweep
+from roughcontact._solve.solution import (
+    describe_other_places,
+    exceeds_metals,
+    gather_warnings,
+    list_quantities,
+    name_load,
+)
+from roughcontact._work.studies import (
+    ResponseField,
+    ResponseForm,
+    ask_states,
+    build_layer,
+    build_part,
+    build_problem,
+    build_response,
+    describe_response,
+    list_answer_warnings,
+    tabulate_answers,
+    write_report,
+)
+
+__all__ = [
+    "TYPICAL",
+    "ResponseField",
+    "ResponseForm",
+    "ask_states",
+    "available_threads",
+    "build_layer",
+    "build_part",
+    "build_problem",
+    "build_response",
+    "describe_other_places",
+    "describe_response",
+    "exceeds_metals",
+    "gather_warnings",
+    "limit_address_space",
+    "list_answer_warnings",
+    "list_quantities",
+    "name_load",
+    "run_sweep",
+    "tabulate_answers",
+    "write_column",
+    "write_report",
+]

@@ -1,0 +1,81 @@
+"""A solve in your own hands: what a solver on other arrays, or on several processes, shares with those that ship.
+
+`bind_kernel` makes a kernel dimensionless and a convolver prepares it, `make_task` makes the `Task` of a load, a solver
+answers with an `Outcome` (`roughcontact.typing`), and `confirm` recomputes the conditions of contact from the fields
+alone, which gives a `ConfirmedFields`. A `SolveRecord` keeps the numbers of fields of another kind, and makes a
+`ContactSolution` of them.
+
+==================  ===============================================================================================
+for                 names
+==================  ===============================================================================================
+pressures           `starting_pressure`, `nearest_pressure`, `project_to_load`, `rescale_to_load`,
+                    `ContactConditions`
+nested grids        `halve_shape`, `solve_in_window`, `GridSolution`, `GridLevel`, `estimate_approach`
+a preconditioner    `WaveMatrix`, `count_blocks`, `LONG_WAVE_CUT`, `MAX_CUT_EXPONENT`
+memory              `available_memory`, `require_memory_of_solve`
+slabs of processes  `SlabProcesses`, `plan_slabs`, `solve_slabs`, `SlabSolution`
+answers on slabs    `Whole`, `find_patches`, `solve_on_cells`, `LinearSolution`
+==================  ===============================================================================================
+"""
+
+from roughcontact._answers.linear.tangent import LinearSolution, solve_on_cells
+from roughcontact._base.machine import available_memory
+from roughcontact._solve.convolvers import WaveMatrix
+from roughcontact._solve.problem import (
+    ConfirmedFields,
+    SlabProcesses,
+    SlabSolution,
+    SolveRecord,
+    bind_kernel,
+    confirm,
+    make_task,
+    plan_slabs,
+    require_memory_of_solve,
+    solve_slabs,
+)
+from roughcontact._solve.solution import ContactConditions, GridLevel, Whole, find_patches
+from roughcontact._solve.solvers import (
+    LONG_WAVE_CUT,
+    MAX_CUT_EXPONENT,
+    GridSolution,
+    count_blocks,
+    estimate_approach,
+    halve_shape,
+    nearest_pressure,
+    project_to_load,
+    rescale_to_load,
+    solve_in_window,
+    starting_pressure,
+)
+
+__all__ = [
+    "LONG_WAVE_CUT",
+    "MAX_CUT_EXPONENT",
+    "ConfirmedFields",
+    "ContactConditions",
+    "GridLevel",
+    "GridSolution",
+    "LinearSolution",
+    "SlabProcesses",
+    "SlabSolution",
+    "SolveRecord",
+    "WaveMatrix",
+    "Whole",
+    "available_memory",
+    "bind_kernel",
+    "confirm",
+    "count_blocks",
+    "estimate_approach",
+    "find_patches",
+    "halve_shape",
+    "make_task",
+    "nearest_pressure",
+    "plan_slabs",
+    "project_to_load",
+    "require_memory_of_solve",
+    "rescale_to_load",
+    "solve_in_window",
+    "solve_on_cells",
+    "solve_slabs",
+    "starting_pressure",
+]
