@@ -27,6 +27,8 @@ from roughcontact._solve.problem.expressions import ExpressionWriter as Expressi
 from roughcontact._solve.problem.expressions import NotInAScript as NotInAScript
 from roughcontact._solve.problem.expressions import describe_part as describe_part
 from roughcontact._solve.problem.expressions import write_number as write_number
+from roughcontact._solve.problem.find_load import LoadSearch as LoadSearch
+from roughcontact._solve.problem.find_load import TriedLoad as TriedLoad
 from roughcontact._solve.problem.friction_certificate import require_frictional as require_frictional
 from roughcontact._solve.problem.friction_plan import explain_with_friction as explain_with_friction
 from roughcontact._solve.problem.friction_plan import include_friction as include_friction
