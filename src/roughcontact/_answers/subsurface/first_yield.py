@@ -149,6 +149,7 @@ class FirstYield(Response[YieldPoint]):
             width=_MIN_BRACKET_WIDTH,
             power=_BALL_SLOPE,
             rises=True,
+            has_kinks=True,
             factor=_MAX_LOAD_FACTOR,
         )
         found = search.run_from([solution])

@@ -27,6 +27,8 @@ _FIRST_FACTOR = 8.0
 _PROBING_FACTOR = 2.0
 # Steps from one load to the next, over that between the two before, up to which the pressure is extrapolated.
 _MAX_EXTRAPOLATION = 3.0
+# Smallest distance of two logarithmic loads through which the line from the last load is drawn.
+_MIN_LINE_WIDTH = 1e-2
 # Solutions that are kept beside those of the bracket: fields take memory.
 _KEPT_SOLUTIONS = 3
 # Factor by which the digits of the answer grow from load to load, about, by the secant rule; error from which on they
@@ -72,7 +74,7 @@ class LoadSearch(Generic[A]):
 
     The logarithm of most answers is nearly a straight line over that of the load: the line through the last two loads
     tells the next one, the parabola through three loads once they are on both sides. Where only the side is known, or
-    the answer jumps or bends, brackets are halved.
+    the answer jumps or bends, brackets are halved. Of an answer with kinks only the line from the last load is followed.
 
     Attributes
     ----------
@@ -90,6 +92,8 @@ class LoadSearch(Generic[A]):
         Whether the answer is known to rise with the load.
     factor
         Factor by which the load changes at most in the second step.
+    has_kinks
+        Whether the power of the load changes abruptly, as that of a stress does where a second cell touches.
     width
         Logarithm of the ratio of two loads between which an answer that is still not found jumps.
     on_answer
@@ -109,13 +113,14 @@ class LoadSearch(Generic[A]):
     width: float
     power: float = 1.0
     rises: bool = False
+    has_kinks: bool = False
     factor: float = _FIRST_FACTOR
     on_answer: Callable[[int], None] | None = None
     tried: list[TriedLoad[A]] = attrs.field(factory=list, init=False)
     solutions: dict[float, ContactSolution] = attrs.field(factory=dict, init=False)
     convolutions: int = attrs.field(default=0, init=False)
+    _last: TriedLoad[A] = attrs.field(init=False)
     _errors: list[float] = attrs.field(factory=list, init=False)
-    last: float = 0.0
     _stalls: int = attrs.field(default=0, init=False)
 
     def run(self, x: float) -> TriedLoad[A] | None:
@@ -160,8 +165,7 @@ class LoadSearch(Generic[A]):
         return self._take(x, solution)
 
     def _take(self, x: float, solution: ContactSolution) -> TriedLoad[A]:
-        found = self.read(x, solution)
-        self.last = x
+        found = self._last = self.read(x, solution)
         self.tried = sorted([*self.tried, found], key=lambda one: one.x)
         self.solutions[x] = solution
         kept = sorted(self.solutions, key=lambda one: abs(one - x))[:_KEPT_SOLUTIONS]
@@ -218,34 +222,22 @@ class LoadSearch(Generic[A]):
             # The answer jumps or bends.
             self._stalls += 1
             return middle
-        if self._stalls > STALLS:
-            return middle
-        others = [one for one in self.find_nearest(3) if one not in (low, high) and not _bends(low, high, one)]
-        if ALG:
-            last = next(one for one in self.tried if one.x == self.last)
-            other = min((one for one in self.tried if one is not last and math.isfinite(one.off) and abs(one.x-last.x)>=1e-2), key=lambda one: abs(one.x - last.x), default=None)
-            if ALG == 2 and others:
-                x = _at_zero([low, high, others[0]])
-                if low.x < x < high.x:
-                    return x
-            if other is not None and math.isfinite(last.off):
-                x = _at_zero([last, other])
-                if low.x < x < high.x:
-                    return x
-            if ALG == 1:
-                return middle
-        for one in others[:1]:
-            x = _at_zero([low, high, one])
+        for points in self._choose_points(low, high):
+            x = _at_zero(points)
             if low.x < x < high.x:
                 return x
-        near = self.find_nearest(2)
-        x = _at_zero(near)
-        if low.x < x < high.x and abs(x - near[0].x) <= HALF * (high.x - low.x):
-            return x
-        x = _at_zero([low, high])
-        if low.x < x < high.x:
-            return x
         return middle
+
+    def _choose_points(self, low: TriedLoad[A], high: TriedLoad[A]) -> list[list[TriedLoad[A]]]:
+        """Return the points of the polynomials to follow inside a bracket, the best ones first."""
+        if self.has_kinks:
+            last = self._last
+            apart = [one for one in self.tried if abs(one.x - last.x) >= _MIN_LINE_WIDTH and math.isfinite(one.off)]
+            return [[last, min(apart, key=lambda one: abs(one.x - last.x))]] if apart else []
+        if self._stalls > _MAX_STALLS:
+            return []
+        others = [one for one in self.find_nearest(3) if one not in (low, high)]
+        return [[low, high, *others[:1]], [low, high]]
 
     def _extrapolate(self) -> float | None:
         """Return a load farther out, while all answers are on one side of the wanted one; None beyond the ends."""
@@ -263,9 +255,7 @@ class LoadSearch(Generic[A]):
             reach = math.log(self.factor) * 2.0 ** (len(self.tried) - 2)
             step = math.inf
             near = self.find_nearest(3)
-            if len(near) == 3 and EXT and _bends(*near):
-                near = near[:2]
-            for count in (2, 3):
+            for count in (2,) if self.has_kinks else (2, 3):
                 ahead = (_at_zero(near[:count]) if len(near) >= count else math.nan) - edge.x
                 if math.isfinite(edge.off) and 0.0 < (ahead if upwards else -ahead) <= min(2.0 * step, reach):
                     step = abs(ahead)
@@ -273,22 +263,6 @@ class LoadSearch(Generic[A]):
         lightest, heaviest = (math.log(end / self.unit.value) if end > 0.0 else -math.inf for end in self.ends)
         x = min(edge.x + step, heaviest) if upwards else max(edge.x - step, lightest)
         return x if (x > edge.x if upwards else x < edge.x) else None
-
-
-def _bends(low, high, other):
-    if low.x == high.x or low.off == high.off:
-        return True
-    nearest = min(low, high, key=lambda one: abs(one.x - other.x))
-    inside = (high.off - low.off) / (high.x - low.x)
-    outside = (other.off - nearest.off) / (other.x - nearest.x)
-    return not 1/B < outside / inside < B
-import os
-EXT = int(os.environ.get("EXT", 0))
-HALF = float(os.environ.get("HALF", 0.5))
-ALG = int(os.environ.get("ALG", 0))
-STALLS = float(os.environ.get("STALLS", 1))
-SEC = int(os.environ.get("SEC", 0))
-B = float(os.environ.get("BEND", 3))
 
 
 def _at_zero(points: list[TriedLoad[A]]) -> float:
