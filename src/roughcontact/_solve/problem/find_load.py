@@ -217,11 +217,6 @@ class LoadSearch(Generic[A]):
         middle = 0.5 * (low.x + high.x)
         if not (math.isfinite(low.off) and math.isfinite(high.off)):
             return middle
-        self._errors.append(min(abs(low.off), abs(high.off)))
-        if len(self._errors) > 2 and self._errors[-1] > 0.5 * self._errors[-3]:
-            # The answer jumps or bends.
-            self._stalls += 1
-            return middle
         for points in self._choose_points(low, high):
             x = _at_zero(points)
             if low.x < x < high.x:
@@ -234,7 +229,11 @@ class LoadSearch(Generic[A]):
             last = self._last
             apart = [one for one in self.tried if abs(one.x - last.x) >= _MIN_LINE_WIDTH and math.isfinite(one.off)]
             return [[last, min(apart, key=lambda one: abs(one.x - last.x))]] if apart else []
-        if self._stalls > _MAX_STALLS:
+        self._errors.append(min(abs(low.off), abs(high.off)))
+        is_stalled = len(self._errors) > 2 and self._errors[-1] > 0.5 * self._errors[-3]
+        self._stalls += is_stalled
+        # The answer jumps or bends.
+        if is_stalled or self._stalls > _MAX_STALLS:
             return []
         others = [one for one in self.find_nearest(3) if one not in (low, high)]
         return [[low, high, *others[:1]], [low, high]]
