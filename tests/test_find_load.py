@@ -1,4 +1,4 @@
-"""The search for a load on answers of closed form: Hertz's ball, first yield, a plateau, a jump, a load out of reach."""
+"""The search for a load on answers of closed form: Hertz's ball, first yield, a plateau, a jump, out of reach."""
 
 from __future__ import annotations
 

@@ -71,6 +71,7 @@ from roughcontact._solve.problem.sweep import Sweep as Sweep
 from roughcontact._solve.problem.sweep import order_of_solving as order_of_solving
 from roughcontact._solve.problem.sweep import predict_pressure as predict_pressure
 from roughcontact._solve.problem.sweep import run_sweep as run_sweep
+from roughcontact._solve.problem.sweep import solve_from_largest as solve_from_largest
 from roughcontact._solve.problem.task import LOAD_TOLERANCE as LOAD_TOLERANCE
 from roughcontact._solve.problem.task import bind_kernel as bind_kernel
 from roughcontact._solve.problem.task import make_task as make_task

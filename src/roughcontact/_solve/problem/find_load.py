@@ -74,7 +74,8 @@ class LoadSearch(Generic[A]):
 
     The logarithm of most answers is nearly a straight line over that of the load: the line through the last two loads
     tells the next one, the parabola through three loads once they are on both sides. Where only the side is known, or
-    the answer jumps or bends, brackets are halved. Of an answer with kinks only the line from the last load is followed.
+    the answer jumps or bends, brackets are halved. Of an answer with kinks only the line from the last load is
+    followed.
 
     Attributes
     ----------

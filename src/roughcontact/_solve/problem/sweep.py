@@ -181,12 +181,20 @@ class Sweep(TableResult):
 
 @guarded
 def run_sweep(solve: Callable[[Load, Array | None], ContactSolution], loads: tuple[Load, ...]) -> Sweep:
-    """Return the solutions at all loads, from the largest down: each starts from earlier ones."""
-    solutions: dict[int, ContactSolution] = {}
-    for index in order_of_solving(loads):
-        load = loads[index]
-        solutions[index] = solve(load, predict_pressure([*solutions.values()][-2:], load))
+    """Return the solutions at all loads; see `solve_from_largest`."""
+    solutions = dict(solve_from_largest(solve, loads))
     return Sweep(tuple(solutions[index] for index in range(len(loads))))
+
+
+def solve_from_largest(
+    solve: Callable[[Load, Array | None], ContactSolution], loads: Sequence[Load]
+) -> Iterator[tuple[int, ContactSolution]]:
+    """Yield the position of each load and its solution, from the largest down: each starts from the two before."""
+    before: list[ContactSolution] = []
+    for index in order_of_solving(loads):
+        solution = solve(loads[index], predict_pressure(before, loads[index]))
+        before = [*before[-1:], solution]
+        yield index, solution
 
 
 def report_states(
