@@ -13,8 +13,14 @@ from roughcontact._base.arrays import Array
 from roughcontact._base.checks import callback, integer, number
 from roughcontact._base.units import Force, Length, Pressure, ShownAsPrinted, si
 from roughcontact._parts.grid import Grid, Load
-from roughcontact._parts.surfaces import Continuation, bilinear, cells_for, find_maps, rms_slope
-from roughcontact._solve.problem import Body, ContactProblem, require_memory_of_solve, resample_problem
+from roughcontact._parts.surfaces import Continuation, cells_for, find_maps, rms_slope
+from roughcontact._solve.problem import (
+    Body,
+    ContactProblem,
+    interpolate_pressure,
+    require_memory_of_solve,
+    resample_problem,
+)
 from roughcontact._solve.solution import DEFAULT_AREA, Area, AreaEstimator, ContactSolution, areas
 from roughcontact._solve.solvers import Step
 from roughcontact.errors import InputError
@@ -192,10 +198,7 @@ def solve_ladder(
     """Return the solutions of a problem on ever finer grids, each starting from the pressure of the one before."""
     solutions: list[ContactSolution] = []
     for problem in problems:
-        start = None
-        if solutions:
-            free_x, free_y = problem.boundary.free_axes
-            start = bilinear(solutions[-1].pressure, problem.plan.grid.shape, periodic=(not free_x, not free_y))
+        start = interpolate_pressure(solutions[-1], problem) if solutions else None
         solutions.append(problem.solve(**load.arguments, start=start, on_step=on_step))
     return Ladder(tuple(solutions), estimator)
 

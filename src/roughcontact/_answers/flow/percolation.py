@@ -137,7 +137,10 @@ def _enclose(
         rises=True,
         factor=_LOAD_STEP_FACTOR,
     )
-    _ = search.run_from(known) if known else search.run(0.0)
+    if known:
+        search.run_from(known)
+    else:
+        search.run(0.0)
     if search.bracket is not None:
         low, high = (search.solutions[one.x] for one in search.bracket)
         return low, high

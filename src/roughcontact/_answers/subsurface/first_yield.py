@@ -180,7 +180,8 @@ class FirstYield(Response[YieldPoint]):
 
     def _explain(self, search: LoadSearch[_Peak]) -> str:
         """Return why no load makes the body yield."""
-        lowest, highest = search.tried[0], search.tried[-1]
+        lowest = search.tried[0]
+        highest = search.tried[-1]
         if lowest.off > 0.0:
             return (
                 f"The attraction alone makes the {self.body} yield: without a load the von Mises stress is "

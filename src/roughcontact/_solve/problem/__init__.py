@@ -1,5 +1,6 @@
 """The contact problem: bodies, initial gap, load, plan, certificate."""
 
+from roughcontact._solve.problem.accuracy import interpolate_pressure as interpolate_pressure
 from roughcontact._solve.problem.accuracy import resample_problem as resample_problem
 from roughcontact._solve.problem.accuracy import tolerance_within as tolerance_within
 from roughcontact._solve.problem.adhesive_path import follow as follow

@@ -292,7 +292,7 @@ class _WantedAnswer:
                 f"near {self._write_pressure(bracket[0])} it jumps from {values[0]} to {values[1]}. "
                 "Refine the grid or choose another estimator."
             )
-        low, high = self._write_pressure(tried[0]), self._write_pressure(tried[-1])
+        low, high = (self._write_pressure(tried[place]) for place in (0, -1))
         nearest = min(tried, key=lambda one: abs(one.answer.value - self._wanted))
         found = f"{self._write(nearest.answer.value)} at {self._write_pressure(nearest)}"
         carried = self._search.load_at(tried[-1].x) >= (1.0 - 1e-9) * self._maximum
