@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -23,7 +22,6 @@ from roughcontact._answers.flow.network import (
 from roughcontact._answers.flow.percolation import _BLOCKS, _CORNERS, _SIDES, _is_open
 from roughcontact._answers.linear.conductance import _list_points
 from roughcontact._answers.linear.stiffness import _find_loss, _find_trust, _measure_rows
-from roughcontact._answers.subsurface.first_yield import _choose_load, _find_slope
 from roughcontact._answers.subsurface.maximum import PlanePeak, _fit_parabola, find_maximum
 
 
@@ -248,37 +246,6 @@ def test_the_uncertainty_beside_walls_is_that_of_their_distance(aspect):
     np.testing.assert_allclose(_find_distances(network, one, aspect=aspect, periodic=True), steps)
     free = np.tile([1.0, 2.0, 3.0, 4.0, 5.0, 6.0], 4) * math.sqrt(aspect)
     np.testing.assert_allclose(_find_distances(network, one, aspect=aspect, periodic=False), free)
-
-
-def trial(load, excess):
-    return SimpleNamespace(load=load, excess=excess)
-
-
-def test_the_next_load_of_a_power_law_is_that_of_first_yield():
-    """The stress of a ball rises as the third root of the load, other ones at their own power."""
-    assert _choose_load([trial(2.0, -0.3)], math.inf) == pytest.approx(2.9)
-    assert _choose_load([trial(2.0, 0.2)], math.inf) == pytest.approx(1.4)
-    for slope in (0.25, 0.6):
-        tried = [trial(1.0, slope * (1.0 - 3.0)), trial(2.0, slope * (2.0 - 3.0))]
-        assert _find_slope(tried) == pytest.approx(slope)
-        assert _choose_load(tried, math.inf) == pytest.approx(3.0)
-        assert _choose_load(tried, 2.5) == 2.5
-    # The nearest load that is apart gives the slope; flat ones count as 1:20; steps end at a factor of 300.
-    assert _find_slope([trial(0.0, -9.0), trial(1.0, -0.2), trial(1.995, -5.0), trial(2.0, 0.1)]) == pytest.approx(0.3)
-    assert _find_slope([trial(1.0, -0.2), trial(1.005, -0.1)]) == pytest.approx(1.0 / 3.0)
-    assert _choose_load([trial(1.0, -0.2), trial(2.0, -0.2)], math.inf) == pytest.approx(2.0 + 0.2 / 0.05)
-    assert _choose_load([trial(0.0, -9.0)], math.inf) == pytest.approx(math.log(300.0))
-    assert _choose_load([trial(0.0, 9.0)], math.inf) == pytest.approx(-math.log(300.0))
-
-
-def test_a_bracket_of_loads_is_halved_where_the_secant_leaves_it_and_given_up_where_the_stress_jumps():
-    # Backwards steep: the secant from the last load would pass the one that is too high.
-    tried = [trial(1.0, -0.4), trial(1.5, 0.2), trial(1.2, -0.35)]
-    slope = _find_slope(tried)
-    assert 1.2 + 0.35 / slope > 1.5
-    assert _choose_load(tried, math.inf) == pytest.approx(0.5 * (1.2 + 1.5))
-    assert _choose_load([trial(1.0, -0.3), trial(1.00005, 0.3)], math.inf) is None
-    assert _choose_load([trial(1.0, -0.3), trial(1.0003, 0.3)], math.inf) is not None
 
 
 @pytest.mark.parametrize("top", [-0.4, 0.0, 0.3])

@@ -15,8 +15,15 @@ from roughcontact._base.checks import callback, integer, number
 from roughcontact._base.tables import Table, TableResult
 from roughcontact._base.units import Estimate, Force, Length, Pressure, ShownAsPrinted, si
 from roughcontact._parts.grid import Grid, Load
-from roughcontact._parts.surfaces import Continuation, bilinear, cells_for, find_maps, rms_slope
-from roughcontact._solve.problem import Body, ContactProblem, march, require_memory_of_solve, resample_problem
+from roughcontact._parts.surfaces import Continuation, cells_for, find_maps, rms_slope
+from roughcontact._solve.problem import (
+    Body,
+    ContactProblem,
+    interpolate_pressure,
+    march,
+    require_memory_of_solve,
+    resample_problem,
+)
 from roughcontact._solve.solution import DEFAULT_AREA, Area, AreaEstimator, ContactSolution, areas
 from roughcontact._solve.solvers import Step
 from roughcontact.errors import InputError
@@ -202,13 +209,10 @@ def solve_ladder(
     """Return the solutions of a problem on ever finer grids, each starting from the pressure of the one before."""
 
     def refine(coarser: Sequence[ContactSolution], problem: ContactProblem) -> ContactSolution:
-        start = None
-        if coarser:
-            free_x, free_y = problem.boundary.free_axes
-            start = bilinear(coarser[-1].pressure, problem.plan.grid.shape, periodic=(not free_x, not free_y))
+        start = interpolate_pressure(coarser[-1], problem) if coarser else None
         return problem.solve(**load.arguments, start=start, on_step=on_step)
 
-    return Ladder(march(problems, refine), estimator)
+    return Ladder(tuple(march(problems, refine)), estimator)
 
 
 @attrs.frozen(eq=False)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 
 import attrs
 import numpy as np
@@ -14,14 +15,15 @@ from roughcontact._base.checks import number
 from roughcontact._base.units import ShownAsPrinted, si
 from roughcontact._parts.grid import Load
 from roughcontact._parts.surfaces import rms_slope
-from roughcontact._solve.problem import ContactProblem, maximum_pressure, predict_pressure
+from roughcontact._solve.problem import ContactProblem, LoadSearch, TriedLoad, maximum_pressure, run_solve
 from roughcontact._solve.solution import ContactSolution, Estimate, fill_gap
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 
 # First mean pressure over E* times the rms slope: a rough contact then has about two fifths of the nominal area.
 _FIRST_PRESSURE_RATIO = 0.25
-# Factor from one load to the next until both an open and a closed contact are known, and the largest over the first.
+# Factor of the load in the first step until both an open and a closed contact are known, and the largest over the
+# first load.
 _LOAD_STEP_FACTOR = 1.5
 _MAX_LOAD_FACTOR = 1e6
 # Relative distance of two loads at which the search ends for paths as wide as two cells or as narrow as a corner.
@@ -98,11 +100,12 @@ def find_percolation(problem: ContactProblem, *, axis: int = 0, within: float = 
         raise InputError.about("What is solved", problem, "a ContactProblem")
     axis = flow_axis(axis)
     within = number(within, "within=", above=0.0, at_most=1.0)
-    first, last = _enclose(problem, axis)
-    low, high = _bisect(problem, axis, first, last, within, _SIDES)
+    enclose = partial(_enclose, problem, axis)
     coarse = max(within, _WIDTH_TOLERANCE)
-    narrowed, _ = _bisect(problem, axis, first, low, coarse, _BLOCKS)
-    _, passed = _bisect(problem, axis, high, last, coarse, _CORNERS)
+    first, last = enclose(_SIDES, math.inf)
+    low, high = enclose(_SIDES, within, first, last)
+    narrowed, _ = enclose(_BLOCKS, coarse, first, low, high)
+    _, passed = enclose(_CORNERS, coarse, high, last)
     value = math.sqrt(low.mean_pressure * high.mean_pressure)
     unresolved = _RESOLUTION_STD * curvature_resolution(low)
     std = math.hypot(_WIDTH_STD * (passed.mean_pressure - narrowed.mean_pressure), unresolved * value)
@@ -114,46 +117,39 @@ def find_percolation(problem: ContactProblem, *, axis: int = 0, within: float = 
     return Percolation(Estimate(value, std, "Pa"), Estimate(fraction, spread, "", warnings), low, high, axis)
 
 
-def _enclose(problem: ContactProblem, axis: int) -> tuple[ContactSolution, ContactSolution]:
-    """Return a solution with an open path through sides, and one at a larger load without any, not even by corners."""
+def _enclose(
+    problem: ContactProblem, axis: int, width: int, within: float, *known: ContactSolution
+) -> tuple[ContactSolution, ContactSolution]:
+    """Return the last contact with an open path of a width and the first without any, at loads that differ by `within`.
+
+    They are searched between known contacts and above; the lightest of these stands for both if all are closed.
+    """
     maximum = maximum_pressure(problem.plan)
     slope = rms_slope(problem.initial_gap, problem.plan.grid)
-    guess = pressure = min(_FIRST_PRESSURE_RATIO * problem.plan.modulus * slope, 0.5 * maximum)
-    low: ContactSolution | None = None
-    high: ContactSolution | None = None
-    while guess / _MAX_LOAD_FACTOR < pressure < min(guess * _MAX_LOAD_FACTOR, maximum):
-        solution = _solve(problem, pressure, [one for one in (low, high) if one is not None])
-        if _is_open(solution, axis, _SIDES):
-            low = solution
-        elif not _is_open(solution, axis, _CORNERS):
-            high = solution
-        if low is not None and high is not None:
-            return low, high
-        pressure = pressure * _LOAD_STEP_FACTOR if high is None else pressure / _LOAD_STEP_FACTOR
-    if low is None:
-        raise InputError(
-            f"No path joins the two sides even at a mean pressure of {si(pressure * _LOAD_STEP_FACTOR, 'Pa')}."
-        )
-    raise InputError(f"The two sides are joined even at a mean pressure of {si(pressure / _LOAD_STEP_FACTOR, 'Pa')}.")
-
-
-def _bisect(
-    problem: ContactProblem,
-    axis: int,
-    low: ContactSolution,
-    high: ContactSolution,
-    within: float,
-    width: int,
-) -> tuple[ContactSolution, ContactSolution]:
-    """Return an open and a closed solution whose loads differ by no more than `within`."""
-    while high.mean_pressure > (1.0 + within) * low.mean_pressure:
-        middle = _solve(problem, math.sqrt(low.mean_pressure * high.mean_pressure), [low, high])
-        low, high = (middle, high) if _is_open(middle, axis, width) else (low, middle)
-    return low, high
-
-
-def _solve(problem: ContactProblem, pressure: float, near: list[ContactSolution]) -> ContactSolution:
-    return problem.solve(pressure=pressure, start=predict_pressure(near, Load("pressure", pressure)))
+    guess = min(_FIRST_PRESSURE_RATIO * problem.plan.modulus * slope, 0.5 * maximum)
+    lightest = known[0].mean_pressure if known else guess / _MAX_LOAD_FACTOR
+    search = LoadSearch(
+        solve=partial(run_solve, problem),
+        read=lambda x, solution: TriedLoad(x, -math.inf if _is_open(solution, axis, width) else math.inf, 0.0, None),
+        unit=Load("pressure", guess),
+        ends=(lightest, min(guess * _MAX_LOAD_FACTOR, maximum)),
+        width=math.log1p(within),
+        rises=True,
+        factor=_LOAD_STEP_FACTOR,
+    )
+    if known:
+        search.run_from(known)
+    else:
+        search.run(0.0)
+    if search.bracket is not None:
+        low, high = (search.solutions[one.x] for one in search.bracket)
+        return low, high
+    lowest, highest = (si(search.load_at(search.tried[place].x), "Pa") for place in (0, -1))
+    if search.tried[0].off < 0.0:
+        raise InputError(f"The two sides are joined even at a mean pressure of {highest}.")
+    if not known:
+        raise InputError(f"No path joins the two sides even at a mean pressure of {lowest}.")
+    return known[0], known[0]
 
 
 def _is_open(solution: ContactSolution, axis: int, width: int) -> bool:

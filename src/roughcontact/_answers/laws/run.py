@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from roughcontact._base.checks import callback, flag
 from roughcontact._base.machine.progress import count_done, show_progress, tell_both
 from roughcontact._base.units import Pressure, kind_of, si
 from roughcontact._parts.grid import FIRST_LOADING, Boundary, Load
-from roughcontact._solve.problem import ContactProblem, order_of_solving, predict_pressure
+from roughcontact._solve.problem import ContactProblem, run_solve, solve_from_largest
 from roughcontact._solve.solution import ContactSolution, Estimate, Response, read_number, responses
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
@@ -130,11 +131,7 @@ def _solve(
     """Return the estimates of each column and the warnings, in the order of the loads."""
     names = ("area", "mean_gap", *asked)
     found: dict[int, tuple[dict[str, Estimate], tuple[str, ...]]] = {}
-    last: list[ContactSolution] = []
-    for index in order_of_solving(loads):
-        load = loads[index]
-        solution = problem.solve(pressure=load.value, start=predict_pressure(last, load))
-        last = [*last[-1:], solution]
+    for index, solution in solve_from_largest(partial(run_solve, problem), loads):
         area = solution.area()
         nominal = solution.grid.area
         row = {

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from functools import partial
+from typing import TypeAlias
 
 import attrs
 
@@ -13,24 +15,29 @@ from roughcontact._base.arrays import Array
 from roughcontact._base.checks import number
 from roughcontact._base.units import Quantity, ShownAsPrinted, outlined, si
 from roughcontact._parts.grid import Load
-from roughcontact._solve.problem import ContactProblem, maximum_pressure, predict_pressure, problem_of
+from roughcontact._solve.problem import (
+    ContactProblem,
+    LoadSearch,
+    TriedLoad,
+    maximum_pressure,
+    problem_of,
+    run_solve,
+)
 from roughcontact._solve.solution import ContactSolution, Estimate, Response, responses
 from roughcontact.errors import InputError
 from roughcontact.errors.warning import Answer
 
-# Relative distance from the yield stress at which the search ends, and number of solves in it.
+# Relative distance from the yield stress at which the search ends.
 _STRESS_TOLERANCE = 1e-4
-_MAX_SOLVES = 25
 # Slope of the logarithm of the stress over the logarithm of the load: of a ball, and the smallest that is used.
 _BALL_SLOPE = 1.0 / 3.0
 _MIN_SLOPE = 0.05
-# Largest step of the logarithm of the load.
-_MAX_LOAD_STEP = math.log(300.0)
+# Largest factor of the load in the first step.
+_MAX_LOAD_FACTOR = 300.0
 # Width of a bracket of logarithmic loads below which the stress jumps across the yield stress from cell to cell.
 _MIN_BRACKET_WIDTH = 1e-4
-# Distance of two logarithmic loads from which their slope is used: in the search, and for the uncertainty, which must
-# not follow the steps of a maximum at the surface from cell to cell.
-_MIN_LOAD_DISTANCE = 1e-2
+# Distance of two logarithmic loads from which their slope gives the uncertainty, which must not follow the steps of a
+# maximum at the surface from cell to cell.
 _UNCERTAINTY_LOAD_DISTANCE = 0.1
 # Smallest load that is tried of surfaces that attract each other, over their attraction.
 _MIN_LOAD_FRACTION = 1e-3
@@ -83,6 +90,10 @@ class YieldPoint(ShownAsPrinted, Answer):
         return f"first yield{where} at {place}: {self.force}"
 
 
+# The maximum stress, and the number of its layer.
+_Peak: TypeAlias = tuple[StressMaximum, int]
+
+
 def _strength(value: Quantity) -> float:
     return number(value, "The yield stress", "Pa", above=0.0)
 
@@ -128,69 +139,58 @@ class FirstYield(Response[YieldPoint]):
         attraction = 0.0 if solution.tension is None else float(solution.tension.sum()) * solution.grid.cell_area
         if not solution.force > 0.0:
             solution = _press(problem, attraction)
-        trials = [self._measure(solution)]
-        # Below it the attraction alone has made the body yield.
-        lightest = math.log(_MIN_LOAD_FRACTION * attraction) if attraction > 0.0 else -math.inf
         carried = maximum_pressure(problem.plan) * solution.grid.area
-        heaviest = math.log(_MAX_LOAD_FRACTION * carried) if math.isfinite(carried) else math.inf
-        while not trials[-1].close:
-            load = _choose_load(trials, heaviest, lightest)
-            if load is None:
-                break
-            if trials[-1].load <= lightest + _MIN_BRACKET_WIDTH and trials[-1].excess > 0.0:
-                raise InputError(
-                    f"The attraction alone makes the {self.body} yield: without a load the von Mises stress is "
-                    f"{si(trials[-1].maximum.value, 'Pa')}."
-                )
-            if len(trials) == _MAX_SOLVES or (
-                trials[-1].load >= heaviest - _MIN_BRACKET_WIDTH and trials[-1].excess < 0.0
-            ):
-                raise InputError(
-                    f"No load was found at which the von Mises stress reaches {si(self.yield_stress, 'Pa')}: "
-                    f"at {si(trials[-1].solution.force, 'N')} it is {si(trials[-1].maximum.value, 'Pa')}."
-                )
-            trials.append(self._measure(_solve(problem, trials, load)))
-        last = min(trials, key=lambda one: abs(one.excess))
-        slope = max(_find_slope(trials, _UNCERTAINTY_LOAD_DISTANCE), _MIN_SLOPE)
-        relative = math.hypot(last.maximum.uncertainty / last.maximum.value, last.excess) / slope
-        force = last.solution.force * math.exp(-last.excess / slope)
-        found = warn_if_uncertain(force, relative * force, "N", last.maximum.warnings)
-        return YieldPoint(found, last.maximum, last.solution, last.layer)
+        search = LoadSearch(
+            solve=partial(run_solve, problem),
+            read=self._read,
+            unit=Load("force", solution.force),
+            # Below the first one the attraction alone has made the body yield.
+            ends=(_MIN_LOAD_FRACTION * attraction, _MAX_LOAD_FRACTION * carried),
+            width=_MIN_BRACKET_WIDTH,
+            power=_BALL_SLOPE,
+            rises=True,
+            has_kinks=True,
+            factor=_MAX_LOAD_FACTOR,
+        )
+        found = search.run_from([solution])
+        if found is None and search.is_jump:
+            found = min(search.bracket or (), key=lambda one: abs(one.off))
+        if found is None:
+            raise InputError(self._explain(search))
+        maximum, layer = found.answer
+        slope = max(search.find_slope(found, _UNCERTAINTY_LOAD_DISTANCE) or _BALL_SLOPE, _MIN_SLOPE)
+        relative = math.hypot(maximum.uncertainty / maximum.value, found.off) / slope
+        contact = search.solutions[found.x]
+        force = contact.force * math.exp(-found.off / slope)
+        estimate = warn_if_uncertain(force, relative * force, "N", maximum.warnings)
+        return YieldPoint(estimate, maximum, contact, layer)
 
-    def _measure(self, solution: ContactSolution) -> _Trial:
+    def _read(self, x: float, solution: ContactSolution) -> TriedLoad[_Peak]:
+        """Return the load with the maximum stress of the layer that is nearest to its yield stress, or beyond it."""
         below = StressBelow(None, self.body, friction=self.friction, direction=self.direction)
         stress = below.respond(solution)
         stated: tuple[float | None, ...] = getattr(stress._kernel, "yield_stresses", ())
-        if not stated:
-            return self._try(solution, stress.maximum, self.yield_stress)
-        trials = []
-        for place, maximum in stress.maxima.items():
+        found = []
+        for place, maximum in stress.maxima.items() if stated else [(len(stated), stress.maximum)]:
             own = stated[place] if place < len(stated) else None
+            strength = self.yield_stress if own is None else own
             layer = place + 1 if place < len(stated) else 0
-            trials.append(self._try(solution, maximum, self.yield_stress if own is None else own, layer))
-        return max(trials, key=lambda one: one.excess)
+            found.append(TriedLoad(x, math.log(maximum.value / strength), _STRESS_TOLERANCE, (maximum, layer)))
+        return max(found, key=lambda one: one.off)
 
-    def _try(self, solution: ContactSolution, maximum: StressMaximum, strength: float, layer: int = 0) -> _Trial:
-        return _Trial(solution, maximum, math.log(maximum.value / strength), layer)
-
-
-@attrs.frozen(eq=False)
-class _Trial:
-    """A load that was tried, its maximum stress, and the logarithm of this stress over the yield stress."""
-
-    solution: ContactSolution
-    maximum: StressMaximum
-    excess: float
-    layer: int = 0
-
-    @property
-    def load(self) -> float:
-        """The logarithm of the force."""
-        return math.log(self.solution.force)
-
-    @property
-    def close(self) -> bool:
-        return abs(self.excess) <= _STRESS_TOLERANCE
+    def _explain(self, search: LoadSearch[_Peak]) -> str:
+        """Return why no load makes the body yield."""
+        lowest = search.tried[0]
+        highest = search.tried[-1]
+        if lowest.off > 0.0:
+            return (
+                f"The attraction alone makes the {self.body} yield: without a load the von Mises stress is "
+                f"{si(lowest.answer[0].value, 'Pa')}."
+            )
+        return (
+            f"No load was found at which the von Mises stress reaches {si(self.yield_stress, 'Pa')}: "
+            f"at {si(search.load_at(highest.x), 'N')} it is {si(highest.answer[0].value, 'Pa')}."
+        )
 
 
 def _press(problem: ContactProblem, attraction: float) -> ContactSolution:
@@ -198,33 +198,3 @@ def _press(problem: ContactProblem, attraction: float) -> ContactSolution:
     if not attraction > 0.0:
         raise InputError("The contact carries no load from which that of first yield could be searched.")
     return problem.solve(force=attraction)
-
-
-def _solve(problem: ContactProblem, trials: list[_Trial], load: float) -> ContactSolution:
-    force = math.exp(load)
-    # The two nearest loads, the nearest last.
-    near = sorted(trials, key=lambda one: -abs(one.load - load))[-2:]
-    start = predict_pressure([one.solution for one in near], Load("force", force))
-    return problem.solve(force=force, start=start)
-
-
-def _find_slope(trials: list[_Trial], distance: float = _MIN_LOAD_DISTANCE) -> float:
-    """Return the slope through the last load and the nearest one at a distance; the slope of a ball without one."""
-    last = trials[-1]
-    apart = [one for one in trials if abs(one.load - last.load) >= distance]
-    if not apart:
-        return _BALL_SLOPE
-    other = min(apart, key=lambda one: abs(one.load - last.load))
-    return (last.excess - other.excess) / (last.load - other.load)
-
-
-def _choose_load(trials: list[_Trial], heaviest: float, lightest: float = -math.inf) -> float | None:
-    """Return the logarithm of the next force to try; None where the stress jumps across the yield stress."""
-    last = trials[-1]
-    step = -last.excess / max(_find_slope(trials), _MIN_SLOPE)
-    load = min(max(last.load + min(max(step, -_MAX_LOAD_STEP), _MAX_LOAD_STEP), lightest), heaviest)
-    low = max((one.load for one in trials if one.excess < 0.0), default=-math.inf)
-    high = min((one.load for one in trials if one.excess > 0.0), default=math.inf)
-    if 0.0 <= high - low <= _MIN_BRACKET_WIDTH:
-        return None
-    return load if low < load < high or high < low else 0.5 * (low + high)

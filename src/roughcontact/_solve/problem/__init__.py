@@ -1,5 +1,6 @@
 """The contact problem: bodies, initial gap, load, plan, certificate."""
 
+from roughcontact._solve.problem.accuracy import interpolate_pressure as interpolate_pressure
 from roughcontact._solve.problem.accuracy import resample_problem as resample_problem
 from roughcontact._solve.problem.accuracy import tolerance_within as tolerance_within
 from roughcontact._solve.problem.adhesive_path import follow as follow
@@ -26,6 +27,8 @@ from roughcontact._solve.problem.expressions import ExpressionWriter as Expressi
 from roughcontact._solve.problem.expressions import NotInAScript as NotInAScript
 from roughcontact._solve.problem.expressions import describe_part as describe_part
 from roughcontact._solve.problem.expressions import write_number as write_number
+from roughcontact._solve.problem.find_load import LoadSearch as LoadSearch
+from roughcontact._solve.problem.find_load import TriedLoad as TriedLoad
 from roughcontact._solve.problem.friction_certificate import require_frictional as require_frictional
 from roughcontact._solve.problem.friction_plan import explain_state as explain_state
 from roughcontact._solve.problem.friction_plan import explain_with_friction as explain_with_friction
@@ -68,6 +71,7 @@ from roughcontact._solve.problem.sweep import Sweep as Sweep
 from roughcontact._solve.problem.sweep import order_of_solving as order_of_solving
 from roughcontact._solve.problem.sweep import predict_pressure as predict_pressure
 from roughcontact._solve.problem.sweep import run_sweep as run_sweep
+from roughcontact._solve.problem.sweep import solve_from_largest as solve_from_largest
 from roughcontact._solve.problem.task import LOAD_TOLERANCE as LOAD_TOLERANCE
 from roughcontact._solve.problem.task import bind_kernel as bind_kernel
 from roughcontact._solve.problem.task import make_task as make_task

@@ -72,6 +72,12 @@ def resample_problem(problem: S, shape: tuple[int, int], interpolation: str | No
     return attrs.evolve(problem, body=body, counterbody=counterbody, grid=grid)
 
 
+def interpolate_pressure(solution: ContactSolution, problem: Scene) -> Array:
+    """Return the pressure of a solution on the grid of the same problem on other cells, to start from, Pa."""
+    free_x, free_y = problem.boundary.free_axes
+    return bilinear(solution.pressure, problem.plan.grid.shape, periodic=(not free_x, not free_y))
+
+
 @attrs.frozen
 class Target:
     """Admissible relative errors of area and maximum pressure, with 95 %; None if not requested."""
@@ -136,10 +142,7 @@ def solve_within(
     solution = None
     shortfall = ""
     while True:
-        start = None
-        if solution is not None:
-            free_x, free_y = problem.boundary.free_axes
-            start = bilinear(solution.pressure, rung.plan.grid.shape, periodic=(not free_x, not free_y))
+        start = None if solution is None else interpolate_pressure(solution, rung)
         try:
             solution = run_solve(rung, load, start, throw=False, on_step=on_step)
         except InputError as error:

@@ -45,7 +45,7 @@ def solve_loads(problem: Scene, loads: tuple[Load, ...], change: ChangeProgress)
 
 def follow_loads(solve: Solve, loads: Sequence[Load], first: ContactSolution | None = None) -> Sweep:
     """Return the solutions in the order of the loads, each from the ones before."""
-    return Sweep(march(loads if first is None else loads[1:], partial(follow, solve), first))
+    return Sweep(tuple(march(loads if first is None else loads[1:], partial(follow, solve), first)))
 
 
 def follow(solve: Solve, before: Sequence[ContactSolution], load: Load) -> ContactSolution:

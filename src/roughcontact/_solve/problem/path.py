@@ -151,9 +151,12 @@ def march(
     loads: Iterable[T],
     follow: Callable[[Sequence[ContactSolution], T], ContactSolution],
     first: ContactSolution | None = None,
-) -> tuple[ContactSolution, ...]:
-    """Return a state for each load in turn, found from those before; a first one may be given, as for no load."""
-    states = [] if first is None else [first]
+) -> Iterator[ContactSolution]:
+    """Yield a state for each load in turn, after a first one if it is given; each is found from the two before."""
+    before: Sequence[ContactSolution] = []
+    if first is not None:
+        before = [first]
+        yield first
     for load in loads:
-        states.append(follow(states, load))
-    return tuple(states)
+        before = [*before[-1:], follow(before, load)]
+        yield before[-1]

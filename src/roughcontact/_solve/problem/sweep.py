@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, overload
 
 import attrs
@@ -178,14 +178,21 @@ def _tabulate_added(states: Sequence[ContactSolution]) -> tuple[dict[str, list[A
 
 @guarded
 def run_sweep(solve: Callable[[Load, Array | None], ContactSolution], loads: tuple[Load, ...]) -> Sweep:
-    """Return the solutions at all loads, from the largest down: each starts from earlier ones."""
+    """Return the solutions at all loads; see `solve_from_largest`."""
+    solutions = dict(solve_from_largest(solve, loads))
+    return Sweep(tuple(solutions[index] for index in range(len(loads))))
+
+
+def solve_from_largest(
+    solve: Callable[[Load, Array | None], ContactSolution], loads: Sequence[Load]
+) -> Iterator[tuple[int, ContactSolution]]:
+    """Yield the position of each load and its solution, from the largest down: each starts from the two before."""
     order = order_of_solving(loads)
 
     def follow(before: Sequence[ContactSolution], load: Load) -> ContactSolution:
-        return solve(load, predict_pressure(before[-2:], load))
+        return solve(load, predict_pressure(before, load))
 
-    found = dict(zip(order, march([loads[index] for index in order], follow), strict=True))
-    return Sweep(tuple(found[index] for index in range(len(loads))))
+    return zip(order, march([loads[index] for index in order], follow), strict=True)
 
 
 def report_states(
