@@ -102,9 +102,10 @@ def find_percolation(problem: ContactProblem, *, axis: int = 0, within: float = 
     within = number(within, "within=", above=0.0, at_most=1.0)
     enclose = partial(_enclose, problem, axis)
     coarse = max(within, _WIDTH_TOLERANCE)
-    first, last = enclose(_SIDES, math.inf)
+    first, above = enclose(_SIDES, math.inf)
+    last = above if not _is_open(above, axis, _CORNERS) else enclose(_CORNERS, math.inf, above)[1]
     low, high = enclose(_SIDES, within, first, last)
-    narrowed, _ = enclose(_BLOCKS, coarse, first, low, high)
+    narrowed, _ = enclose(_BLOCKS, coarse, first, low)
     _, passed = enclose(_CORNERS, coarse, high, last)
     value = math.sqrt(low.mean_pressure * high.mean_pressure)
     unresolved = _RESOLUTION_STD * curvature_resolution(low)
@@ -122,17 +123,24 @@ def _enclose(
 ) -> tuple[ContactSolution, ContactSolution]:
     """Return the last contact with an open path of a width and the first without any, at loads that differ by `within`.
 
-    They are searched between known contacts and above; the lightest of these stands for both if all are closed.
+    They are searched above a known open contact, or between it and one that counts as closed.
     """
+    if len(known) == 2 and known[0] is known[1]:
+        return known[0], known[1]
     maximum = maximum_pressure(problem.plan)
     slope = rms_slope(problem.initial_gap, problem.plan.grid)
     guess = min(_FIRST_PRESSURE_RATIO * problem.plan.modulus * slope, 0.5 * maximum)
-    lightest = known[0].mean_pressure if known else guess / _MAX_LOAD_FACTOR
+
+    def read(x: float, solution: ContactSolution) -> TriedLoad[None]:
+        counted = [solution is one for one in known]
+        is_open = counted.index(True) == 0 if any(counted) else _is_open(solution, axis, width)
+        return TriedLoad(x, -math.inf if is_open else math.inf, 0.0, None)
+
     search = LoadSearch(
         solve=partial(run_solve, problem),
-        read=lambda x, solution: TriedLoad(x, -math.inf if _is_open(solution, axis, width) else math.inf, 0.0, None),
+        read=read,
         unit=Load("pressure", guess),
-        ends=(lightest, min(guess * _MAX_LOAD_FACTOR, maximum)),
+        ends=(guess / _MAX_LOAD_FACTOR, min(guess * _MAX_LOAD_FACTOR, maximum)),
         width=math.log1p(within),
         rises=True,
         factor=_LOAD_STEP_FACTOR,
@@ -147,9 +155,7 @@ def _enclose(
     lowest, highest = (si(search.load_at(search.tried[place].x), "Pa") for place in (0, -1))
     if search.tried[0].off < 0.0:
         raise InputError(f"The two sides are joined even at a mean pressure of {highest}.")
-    if not known:
-        raise InputError(f"No path joins the two sides even at a mean pressure of {lowest}.")
-    return known[0], known[0]
+    raise InputError(f"No path joins the two sides even at a mean pressure of {lowest}.")
 
 
 def _is_open(solution: ContactSolution, axis: int, width: int) -> bool:
