@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact._parts.interactions import shear_limit
 
 PRESSURE = np.array([[0.0, 1e6], [2e9, 5e7]])
 
@@ -26,9 +25,7 @@ def test_coefficients_may_vary_over_the_surface():
         with pytest.raises(ValueError, match="read-only"):
             law.coefficient[0, 0] = 1.0
         copy = pickle.loads(pickle.dumps(law))
-        assert np.array_equal(shear_limit(copy, PRESSURE), coefficient * PRESSURE)
-        with pytest.raises(rc.InputError, match=r"varies over cells of shape \(2, 2\)"):
-            shear_limit(law, np.ones((3, 3)))
+        assert np.array_equal(copy.limit(PRESSURE), coefficient * PRESSURE)
 
 
 @pytest.mark.parametrize(
@@ -44,24 +41,6 @@ def test_coefficients_that_are_refused(wrong):
 def test_strengths_that_are_refused(wrong):
     with pytest.raises(rc.InputError, match=r"^The shear strength"):
         rc.LimitedCoulomb(0.3, wrong)
-
-
-@pytest.mark.parametrize(
-    ("limit", "words"),
-    [
-        (lambda p: 0.3 * p.ravel(), "limits of shape"),
-        (lambda p: -p, "negative or not finite"),
-        (lambda p: p * np.nan, "negative or not finite"),
-        (lambda p: p + 1e5, "above zero where there is no pressure"),
-    ],
-)
-def test_limits_of_ones_own_are_checked(limit, words):
-    class Own(rc.FrictionLaw):
-        def limit(self, pressure):
-            return limit(pressure)
-
-    with pytest.raises(rc.InputError, match=words):
-        shear_limit(Own(), PRESSURE)
 
 
 def test_laws_have_names():

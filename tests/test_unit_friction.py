@@ -10,8 +10,11 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
+from roughcontact._parts.interactions import shear_limit
 from roughcontact._solve.problem import increments as module
 from roughcontact._solve.problem.friction_certificate import (
+    FoundTractions,
+    FrictionalContact,
     FrictionalFields,
     StrengthBound,
     _are_close,
@@ -30,6 +33,7 @@ from roughcontact._solve.problem.increments import (
 from roughcontact._solve.problem.step_numbers import CellErrors, _find_limit, extrapolate_numbers, numbers_of
 from roughcontact.results import TangentialLoad
 from roughcontact.typing import Load
+from test_frictional_paths import CELL, FRICTION, ROUGH
 
 PUSH = "tangential_force"
 
@@ -316,3 +320,58 @@ def test_tractions_of_one_direction_and_numbers_that_are_the_same():
     assert _are_close(1.0, 1.0 + 0.9e-10, 1.0)
     assert not _are_close(1.0, 1.0 + 1.1e-10, 1.0)
     assert _are_close(np.array([1.0, 2.0]), np.array([1.0, 2.0 + 1e-9]), 20.0)
+
+
+PRESSURE = np.array([[0.0, 1e6], [2e9, 5e7]])
+
+
+def test_a_coefficient_that_varies_is_for_the_cells_that_it_has():
+    law = rc.Coulomb(np.array([[0.1, 0.2], [0.3, 0.0]]))
+    with pytest.raises(rc.InputError, match=r"varies over cells of shape \(2, 2\)"):
+        shear_limit(law, np.ones((3, 3)))
+
+
+@pytest.mark.parametrize(
+    ("limit", "words"),
+    [
+        (lambda p: 0.3 * p.ravel(), "limits of shape"),
+        (lambda p: -p, "negative or not finite"),
+        (lambda p: p * np.nan, "negative or not finite"),
+        (lambda p: p + 1e5, "above zero where there is no pressure"),
+    ],
+)
+def test_limits_of_ones_own_are_checked(limit, words):
+    class Own(rc.FrictionLaw):
+        def limit(self, pressure):
+            return limit(pressure)
+
+    with pytest.raises(rc.InputError, match=words):
+        shear_limit(Own(), PRESSURE)
+
+
+def test_energy_that_slip_would_gain_has_no_unit():
+    """Reversed, the traction of sliding cells would gain what it loses."""
+    residuals = []
+    for scale in (1.0, 1e3):
+        problem = rc.ContactProblem(
+            rc.Body(ROUGH, rc.Elastic(200e9 * scale, 0.3)),
+            rc.Body(rc.FlatSurface(), rc.Elastic(200e9 * scale, 0.3)),
+            grid=rc.Grid((24, 16), (24 * CELL, 16 * CELL)),
+            boundary="periodic",
+            threads=1,
+        )
+        loads = {"force": 0.02 * scale, "tangential_force": [(0.004 * scale, 0.0)], "friction": FRICTION}
+        run = FrictionalContact(problem, rc.Coulomb(FRICTION))
+        state = problem.path(**loads)[0]
+        wrong = attrs.evolve(state.end, shear=-state.shear)
+        found = FoundTractions(state, wrong.shear, np.zeros(2), state.status, 1, 0)
+        start = run.fields_of(state.sheared.before)
+        again, _ = run.judge(state, wrong, state.tangential_load, state.sheared.before, start, found, 0.0)
+        assert not again.status.success
+        residuals.append(again.sheared.residuals.dissipation)
+        limit = state.shear_strength
+        gained = -float((wrong.shear * again.slip).sum())
+        cell = 0.5 * sum(problem.shear_convolution.own) * problem.plan.peak_to_valley / run.unit
+        assert residuals[-1] == pytest.approx(gained / (cell * limit.max() * limit.sum()))
+    assert residuals[0] == pytest.approx(residuals[1], rel=1e-6)
+    assert 0.0 < residuals[0] < 10.0

@@ -1381,7 +1381,7 @@ def test_the_responses_of_a_fretting_cycle_are_shown_and_tabulated(client):
     problem = make_problem(settings, make_scene(settings, None))
     path = problem.path(force=1.0, tangential_force=work.list_forces(problem, 0.2), friction=0.3)
     found = {one["name"]: one for one in state["answers"][0]["quantities"]}
-    contact = path[-1].contact
+    contact = path[-1]
     assert found["stiffness at the end"]["value"] == pytest.approx(contact.stiffness().value, rel=1e-6)
     assert found["conductance at the end"]["value"] == pytest.approx(contact.conductance((50.0, 20.0)).value, rel=1e-6)
     # Under pressure and traction.
@@ -1393,7 +1393,7 @@ def test_the_responses_of_a_fretting_cycle_are_shown_and_tabulated(client):
     (table,) = (one["file"] for one in state["outputs"] if one["role"] == "table")
     rows = list(csv.DictReader(io.StringIO(client.get(f"runs/{state['id']}/{table}").decode("utf-8"))))
     assert [float(row["stiffness [N/m]"]) for row in rows] == pytest.approx(
-        [path[0].contact.stiffness().value] * 20, rel=1e-4
+        [path[0].stiffness().value] * 20, rel=1e-4
     )
 
 
