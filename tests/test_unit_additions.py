@@ -11,6 +11,7 @@ import pytest
 
 import roughcontact as rc
 from roughcontact._solve.solution import Addition, Condition, additions
+from unit_files import read_archive, write_archive
 
 OIL = 2e6  # Pa
 
@@ -110,3 +111,21 @@ def test_it_is_on_the_page(sweep):
     page = sweep[0].to_html()
     assert "<th>Lubricant" in page or "Lubricant</th>" in page
     assert "its unevenness" in page
+
+
+@pytest.mark.parametrize("wrong", [None, "text", -1, [1, 2, 3]])
+def test_wrong_numbers_of_a_path_get_a_sentence(tmp_path, wrong):
+    """Notes beside the states, in a file that is whole otherwise."""
+    ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Elastic(young=210e9, poisson=0.3))
+    flat = rc.Body(rc.FlatSurface(), rc.Elastic(young=210e9, poisson=0.3))
+    problem = rc.ContactProblem(ball, flat, grid=rc.Grid((16, 16), 100e-6))
+    file = tmp_path / "path.npz"
+    problem.path(force=1.0, tangential_force=[(0.1, 0.0)], friction=0.3).save(file)
+    arrays, header = read_archive(file)
+    for name in header["notes"]["mapping"]:
+        notes = {**header["notes"]["mapping"], name: wrong}
+        write_archive(file, arrays, {**header, "notes": {"mapping": notes}})
+        if name in ("key", "pressed"):
+            continue
+        with pytest.raises(rc.InputError, match=r"The file path\.npz cannot be used"):
+            rc.load(file, verify=False)

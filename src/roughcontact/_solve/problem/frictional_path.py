@@ -262,7 +262,7 @@ class FrictionalPath(Path):
     @classmethod
     def _restore(cls, states: tuple[ContactSolution, ...], notes: Mapping[str, Any]) -> FrictionalPath:
         pressed, *rest = states if notes["pressed"] else (None, *states)
-        if len(notes["numbers"]) != len(rest):
+        if any(len(notes[name]) != len(rest) for name in ("numbers", "increments", "reasons")):
             raise InputError("The file is damaged: its numbers are not those of its states.")
         numbers = (_read_numbers(one, state) for one, state in zip(notes["numbers"], rest, strict=True) if state)
         return cls(
@@ -316,7 +316,7 @@ def load_path(file: File, *, verify: bool, key: str = "", law: FrictionLaw | Non
     states, notes = read_states(file, FrictionalPath.kind, verify=verify, given=given)
     if key not in ("", notes.get("key")):
         raise InputError(f"The file {file.name} does not hold the path with the key {key}.")
-    return FrictionalPath._restore(states, notes)
+    return FrictionalPath._rebuild(file, states, notes)
 
 
 def _read_numbers(stored: Mapping[str, Any], state: ContactSolution) -> StepNumbers:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import abc
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from pathlib import Path as File
 from typing import Any, ClassVar, Self, TypeVar, overload
 
 import attrs
@@ -15,7 +16,7 @@ from roughcontact._base.arrays import Array
 from roughcontact._base.registry import find_view
 from roughcontact._base.tables import Table, TableResult
 from roughcontact._base.units import Estimate
-from roughcontact._solve.solution import ContactSolution, read_states, write_states
+from roughcontact._solve.solution import ContactSolution, read_states, usable, write_states
 
 T = TypeVar("T")
 
@@ -125,8 +126,14 @@ class Path(TableResult, Sequence[ContactSolution]):
         InputError
             If there is no such file, it is damaged or of another kind, or its content contradicts itself.
         """
-        states, notes = read_states(checks.path(path, "The file"), cls.kind, verify=checks.flag(verify, "verify="))
-        return cls._restore(states, notes)
+        file = checks.path(path, "The file")
+        return cls._rebuild(file, *read_states(file, cls.kind, verify=checks.flag(verify, "verify=")))
+
+    @classmethod
+    def _rebuild(cls, file: File, states: tuple[ContactSolution, ...], notes: Mapping[str, Any]) -> Self:
+        """Return the path of what was read; `InputError` if it contradicts itself."""
+        with usable(file, "its numbers are wrong"):
+            return cls._restore(states, notes)
 
     @property
     def _saved_states(self) -> tuple[ContactSolution, ...]:

@@ -60,6 +60,7 @@ from roughcontact._solve.solution.storage import read as read
 from roughcontact._solve.solution.storage import read_figures as read_figures
 from roughcontact._solve.solution.storage import require_netcdf as require_netcdf
 from roughcontact._solve.solution.storage import scalars_of as scalars_of
+from roughcontact._solve.solution.storage import usable as usable
 from roughcontact._solve.solution.storage import write as write
 from roughcontact._solve.solution.summary import MORE_THAN_METALS as MORE_THAN_METALS
 from roughcontact._solve.solution.summary import describe_maps as describe_maps
