@@ -104,8 +104,9 @@ nitpick_ignore_regex = [
     (r"py:class", r"(abc|argparse|attrs?|collections|concurrent|contextlib|enum|numpy|os|pathlib|typing)\..*"),
     (r"py:class", r"(Array|(npt\.)?ArrayLike|Callable|IntArray|Mask|Pair|Path|Sequence|RealArray|NameOfNumber|T|T_co)"),
     (r"py:class", r"roughcontact\._(parts\.grid\.Load|base\.registry\.[A-Z]|work\.studies\.chain\.Chain)"),
-    (r"py:class", r"roughcontact\.(_solve\.solution\.(contact|frictional|whole)|errors\.door)\.T"),
+    (r"py:class", r"roughcontact\.(_solve\.solution\.\w+|errors\.door)\.(S|T|T_co)"),
     (r"py:class", r"roughcontact\._faces\.panels\.base\.Panel"),
+    (r"py:class", r"roughcontact\._solve\.solution\.answers\.ContactAnswers"),
     (r"py:class", r"roughcontact\._answers\.flow\.network\.FlowNetwork"),
 ]
 

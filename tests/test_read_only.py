@@ -42,7 +42,7 @@ def arrays_of(solution):
     """Yield every array that a public attribute of the solution, of its patches or of its area gives."""
     for thing in (solution, solution.patches, solution.area()):
         for name in dir(thing):
-            value = None if name.startswith("_") else getattr(thing, name)
+            value = None if name.startswith("_") else getattr(thing, name, None)
             if isinstance(value, np.ndarray):
                 yield name, value
 

@@ -148,7 +148,7 @@ def test_a_path_is_asked_at_its_end(tmp_path):
         problem, force=[1.0], tangential_force=[(0.1, 0.0)], friction=0.3, responses=["tangential-stiffness"]
     )
     result = sheared.run(tmp_path)
-    expected = result.path(result[0])[-1].contact.response("tangential-stiffness")
+    expected = result.path(result[0])[-1].response("tangential-stiffness")
     assert result[0].estimates["tangential-stiffness"].value == expected.value
     assert sheared.run(tmp_path).records == result.records
 

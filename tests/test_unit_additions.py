@@ -10,7 +10,9 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact._solve.solution import Addition, Condition, additions
+from roughcontact._solve.solution import additions
+from roughcontact.results import Condition
+from roughcontact.typing import Addition
 from unit_files import read_archive, write_archive
 
 OIL = 2e6  # Pa

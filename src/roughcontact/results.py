@@ -6,7 +6,8 @@ of                   classes
 a solution           `ContactFields`, `ContactPatches`, `Certificate`, `Condition`, `Residuals`, `Origin`, `Accuracy`,
                      `Trial`, `TheoryBeside`, `Stickiness`, `WarningText`
 a problem            `SolvePlan`, `RequiredLoad`
-several loads        `Sweep`, `AdhesionCycle`, `RunIn`, `Cycle`, `InterfaceLaw`, `LawColumn`, `PowerFit`
+several loads        `Path`, of which `Sweep` and `AdhesionCycle` are kinds; `RunIn`, `Cycle`, `InterfaceLaw`,
+                     `LawColumn`, `PowerFit`
 loads along the      `Sheared`, `FrictionalState`, `FrictionalResiduals`, `TangentialLoad`, `TangentialLoop`,
 surface              `StepNumbers`, `Increment`
 several grids        `Ladder`, `BeyondResolution`
@@ -25,6 +26,7 @@ from roughcontact._parts.surfaces import MatchedPair, Separated
 from roughcontact._solve.problem import (
     AdhesionCycle,
     Increment,
+    Path,
     RequiredLoad,
     SolvePlan,
     StepNumbers,
@@ -72,6 +74,7 @@ __all__ = [
     "LawColumn",
     "MatchedPair",
     "Origin",
+    "Path",
     "PowerFit",
     "Record",
     "ReportRow",

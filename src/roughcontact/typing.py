@@ -12,6 +12,7 @@ convolvers   `BoundKernel`, `ConvolutionSetup`, `PreparedConvolution`, `InverseC
              `StressConvolution`; the function `padded_shape`
 solvers      `Task`, `Outcome`, `Step`, `Monitor`, `Violation`, `BoundInteraction`; `ShearSolver`, `ShearTask`,
              `ShearOutcome`, `natural_residual`
+physics      `Addition`, what one adds to a state
 readers      `RawMap`; the function `read_raw`
 commands     `Command`, `Table`; the functions `quantity`, `si`, `binary`, `replacing`
 ===========  ==========================================================================================================
@@ -49,7 +50,7 @@ from roughcontact._solve.convolvers import (
     StressConvolution,
     padded_shape,
 )
-from roughcontact._solve.solution import Violation
+from roughcontact._solve.solution import Addition, Violation
 from roughcontact._solve.solvers import (
     Monitor,
     Outcome,
@@ -62,6 +63,7 @@ from roughcontact._solve.solvers import (
 )
 
 __all__ = [
+    "Addition",
     "Array",
     "BoundInteraction",
     "BoundKernel",

@@ -100,6 +100,10 @@ class NoSuchItem(InputError, IndexError):
     """There is no item at this position of a sequence."""
 
 
+class NoSuchField(InputError, AttributeError):
+    """The result was computed without what this field describes."""
+
+
 class WrongCall(InputError, TypeError):
     """Arguments of a call are missing, unknown, misplaced or of a wrong type."""
 

@@ -122,7 +122,9 @@ def _guard_class(cls: type) -> None:
     for name, member in list(vars(cls).items()):
         if (name.startswith("_") and name not in _OPERATIONS) or getattr(member, "__isabstractmethod__", False):
             continue
-        call = cls.__name__ if name == "__init__" else f"{cls.__name__}.{name}"
+        # A base may be a part of one public class, which users know.
+        owner = vars(cls).get("_public_name", cls.__name__)
+        call = owner if name == "__init__" else f"{owner}.{name}"
         if isinstance(member, types.FunctionType):
             setattr(cls, name, _guard(member, call))
         elif isinstance(member, (classmethod, staticmethod)):

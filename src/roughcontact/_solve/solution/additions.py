@@ -78,7 +78,7 @@ class Addition(abc.ABC):
     """What a physics adds to the state of a contact; the state prints, saves and judges it.
 
     A subclass is a frozen class of attrs whose fields are numbers, texts and arrays, or describes itself. It names its
-    kind in files; the registry `additions` lists the classes that a file may build.
+    kind in files, which build the classes of the entry points ``roughcontact.additions`` alone.
     """
 
     kind: ClassVar[str]

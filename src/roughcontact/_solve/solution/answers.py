@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import cached_property
-from typing import Any, Self, TypeVar, overload
+from typing import Any, ClassVar, Self, TypeVar, overload
 
 import attrs
 import numpy as np
@@ -44,6 +44,8 @@ T = TypeVar("T")
 @attrs.frozen(eq=False, kw_only=True)
 class ContactAnswers(ShearFields):
     """The fields of a solved contact, and the answers derived from them."""
+
+    _public_name: ClassVar[str] = "ContactSolution"
 
     def area(self, estimator: str | AreaEstimator = DEFAULT_AREA) -> Area:
         """Return the real contact area.

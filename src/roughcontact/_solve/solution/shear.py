@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from functools import cached_property
-from typing import Any, final
+from typing import Any, ClassVar, final
 
 import attrs
 import numpy as np
@@ -19,7 +19,7 @@ from roughcontact._parts.interactions import FrictionLaw, shear_limit
 from roughcontact._parts.materials import PairConstants
 from roughcontact._solve.solution.additions import Addition, Condition
 from roughcontact._solve.solution.fields import ContactFields
-from roughcontact.errors import InputError
+from roughcontact.errors import InputError, NoSuchField
 
 # Traction over the shear strength from which a cell counts as slipping: it moves the edge of the stick zone by less
 # than a cell, as the uncertainty of its area does.
@@ -312,7 +312,9 @@ def _field(values: Any, shape: tuple[int, ...]) -> RealArray:
 
 @attrs.frozen(eq=False, kw_only=True)
 class ShearFields(ContactFields):
-    """The fields that friction adds to a solved contact; `InputError` where it was solved without."""
+    """The fields that friction adds to a solved contact; `NoSuchField` where it was solved without."""
+
+    _public_name: ClassVar[str] = "ContactSolution"
 
     @cached_property
     def _sheared(self) -> Sheared | None:
@@ -322,7 +324,7 @@ class ShearFields(ContactFields):
     def sheared(self) -> Sheared:
         """What friction adds: law, tangential load, residuals, cost, and the state before."""
         if self._sheared is None:
-            raise InputError("The contact was solved without friction: call problem.path(...) or problem.slide(...).")
+            raise NoSuchField("The contact was solved without friction: call problem.path(...) or problem.slide(...).")
         return self._sheared
 
     @property
