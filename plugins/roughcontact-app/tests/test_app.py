@@ -1016,11 +1016,11 @@ def test_responses_are_those_of_the_library_in_answers_table_and_report(client):
 def test_numbers_of_responses_are_drawn_over_positive_loads(sweep):
     stiffness = [rc.Estimate(value, 1.0, "N/m") for value in (6.0, 8.0)]
     absent = [rc.Estimate(np.inf, 0.0, "W/K"), rc.Estimate(8.0, 1.0, "W/K")]
-    law = make_law(attrs.evolve(sweep, solutions=sweep.states[::-1]), {"stiffness": stiffness, "conductance": absent})
+    law = make_law(attrs.evolve(sweep, states=sweep.states[::-1]), {"stiffness": stiffness, "conductance": absent})
     assert list(law.columns) == ["stiffness"]
     assert law.pressures == pytest.approx([60e6, 100e6], rel=1e-9)
     assert list(law["stiffness"].values) == [8.0, 6.0]
-    assert not make_law(attrs.evolve(sweep, solutions=sweep.states[:1]), {"stiffness": stiffness[:1]}).columns
+    assert not make_law(attrs.evolve(sweep, states=sweep.states[:1]), {"stiffness": stiffness[:1]}).columns
 
 
 def test_an_infinite_answer_is_sent_as_json_can():
