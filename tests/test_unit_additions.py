@@ -63,6 +63,8 @@ def test_it_is_printed_and_judged(sweep):
     assert f"lubricant         {state.added[0].load:.3g} N" in str(state)
     assert state.certificate["lubricant"].residual == 0.0
     assert "lubricant 0.0e+00" in str(state.certificate)
+    with pytest.raises(rc.InputError, match="There is no condition of this contact named 'cone'"):
+        _ = state.certificate["cone"]
 
 
 def test_answers_are_those_of_the_contact(sweep):

@@ -13,6 +13,7 @@ from roughcontact._base.arrays import RealArray
 from roughcontact._base.registry import Registry
 from roughcontact._base.units import Estimate, ShownAsPrinted
 from roughcontact._parts.grid import Grid
+from roughcontact.errors import InputError
 
 
 @attrs.frozen
@@ -68,7 +69,10 @@ class Certificate(ShownAsPrinted):
         return max(one.residual for one in self.conditions if one.judges)
 
     def __getitem__(self, name: str) -> Condition:
-        return next(one for one in self.conditions if one.name == name)
+        known = {one.name: one for one in self.conditions}
+        if name not in known:
+            raise InputError.unknown("condition of this contact", name, known)
+        return known[name]
 
     def __str__(self) -> str:
         return ", ".join(map(str, self.conditions))
