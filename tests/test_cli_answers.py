@@ -512,7 +512,7 @@ def test_progress_is_shown_on_a_terminal_and_an_interrupt_is_clean(tmp_path):
     )
     os.close(slave)
     shown = b""
-    line = rb"\r +\d+ % \|.*\| \d\d:\d\d < .*  solving: 48 x 48 cells, iteration \d+"
+    line = rb"\r *\d+ % \|.*\| \d\d:\d\d < .*  solving: 48 x 48 cells, iteration \d+"
     while not re.search(line, shown):
         shown += os.read(terminal, 4096)
     process.send_signal(signal.SIGINT)
