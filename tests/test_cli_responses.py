@@ -214,7 +214,7 @@ def test_responses_along_a_path(run):
     _, out, _ = run(*arguments, *moved, "--stiffness", "--stress", "--json")
     found = json.loads(out)
     for row, state in zip(found["states"], path, strict=True):
-        assert row["stiffness"]["value"] == pytest.approx(state.contact.stiffness().value, rel=1e-6)
+        assert row["stiffness"]["value"] == pytest.approx(state.stiffness().value, rel=1e-6)
         # Under pressure and traction.
         assert row["stress von_mises"]["value"] == pytest.approx(state.stress().maximum.value, rel=1e-4)
     assert set(found["inputs"]["responses"]) == {"stiffness", "stress"}
