@@ -25,7 +25,7 @@ sweep = problem.sweep(pressure=[1e8, 1e9])
 # Cells, and the number of pictures that each one shows; those behind ``%matplotlib inline``.
 CELLS = {
     "solution.plot()": 1,
-    "fig = solution.plot('gap')": 1,
+    "fig = solution.plot()": 1,
     "fig": 1,
     "surface.plot(grid)": 1,
     "sweep.plot()": 1,

@@ -371,7 +371,10 @@ class AreaEstimator(Response[Area]):
 
     def respond(self, solution: Any) -> Area:
         """Return the real contact area, as `ContactSolution.area` does."""
-        area: Area = solution.area(self)
+        ask = getattr(solution, "area", None)
+        if not callable(ask):
+            raise InputError.about("The solution", solution, "a ContactSolution")
+        area: Area = ask(self)
         return area
 
 
