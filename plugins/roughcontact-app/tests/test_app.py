@@ -1392,9 +1392,7 @@ def test_the_responses_of_a_fretting_cycle_are_shown_and_tabulated(client):
     assert "stiffness, MN/m" in client.get(f"runs/{state['id']}/report.html").decode()
     (table,) = (one["file"] for one in state["outputs"] if one["role"] == "table")
     rows = list(csv.DictReader(io.StringIO(client.get(f"runs/{state['id']}/{table}").decode("utf-8"))))
-    assert [float(row["stiffness [N/m]"]) for row in rows] == pytest.approx(
-        [path[0].stiffness().value] * 20, rel=1e-4
-    )
+    assert [float(row["stiffness [N/m]"]) for row in rows] == pytest.approx([path[0].stiffness().value] * 20, rel=1e-4)
 
 
 def test_a_fretting_cycle_is_planned_solved_drawn_and_tabulated(client, tmp_path):
