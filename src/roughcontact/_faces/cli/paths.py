@@ -66,7 +66,7 @@ def write_path(
     files: Sequence[Path],
 ) -> bool:
     """Print a path, or a state, as text, JSON or CSV and write its files; return whether it has warnings."""
-    states = [subject] if isinstance(subject, rc.ContactSolution) else subject.states
+    states = subject.states if isinstance(subject, StatePath) else [subject]
     reports = [file for file in files if file.suffix == ".html"]
     # Files before the responses, of which one may have no answer.
     for file in files:
@@ -81,17 +81,16 @@ def write_path(
                 found = Asked(asked, *ask_all_states(asked, states, change))
     finally:
         for file in reports:
-            write_report(states if isinstance(subject, rc.ContactSolution) else subject, file, found.answers)
+            write_report(subject if isinstance(subject, StatePath) else states, file, found.answers)
     if not options.quiet:
         print(_format(subject, found, options))
         if files and not (options.json or options.csv):
             print(name_written(files))
-    warnings = subject.warnings if isinstance(subject, (rc.ContactSolution, StatePath)) else ()
-    return bool(warnings or found.reasons) or is_doubtful(found.answers, states)
+    return bool(subject.warnings or found.reasons) or is_doubtful(found.answers, states)
 
 
 def _format(subject: StatePath | rc.ContactSolution, asked: Asked, options: argparse.Namespace) -> str:
-    if not isinstance(subject, rc.ContactSolution):
+    if isinstance(subject, StatePath):
         write = path_to_json if options.json else path_to_csv if options.csv else path_to_text
         return write(subject, asked)
     if options.json:

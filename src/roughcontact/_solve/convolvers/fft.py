@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cached_property
 
 import attrs
@@ -21,7 +22,7 @@ from roughcontact._solve.convolvers.base import (
     require_shear,
     wrapped_spectrum,
 )
-from roughcontact._solve.convolvers.shear import SymbolShear
+from roughcontact._solve.convolvers.matrix import WaveMatrix
 from roughcontact._solve.convolvers.transforms import (
     multiply_columns,
     multiply_waves,
@@ -102,7 +103,7 @@ class _PaddedConvolution(_SymbolConvolution):
     @cached_property
     def _shear(self) -> ShearConvolution:
         require_shear(self.setup)
-        return SymbolShear.of(
+        return _SymbolShear.of(
             self.setup, lambda component: _find_symbol(self.setup, self.padded, component), self.symbol, self.padded
         )
 
@@ -160,7 +161,7 @@ class _CircularConvolution(_SymbolConvolution):
     def _shear(self) -> ShearConvolution:
         require_shear(self.setup)
         grid = self.setup.grid
-        return SymbolShear.of(
+        return _SymbolShear.of(
             self.setup,
             lambda component: periodic_shear_spectrum(self.setup.kernel, component, grid.shape, grid.spacing),
             self.symbol[: grid.shape[0] // 2 + 1],
@@ -172,3 +173,25 @@ class _CircularConvolution(_SymbolConvolution):
 
     def apply(self, pressure: RealArray) -> RealArray:
         return multiply_waves(pressure, self.symbol_like(pressure), pressure.shape)
+
+
+@attrs.frozen(eq=False)
+class _SymbolShear(ShearConvolution):
+    """Multiplication of waves by a matrix of symbols."""
+
+    setup: ConvolutionSetup
+    matrix: WaveMatrix
+
+    @classmethod
+    def of(
+        cls, setup: ConvolutionSetup, find_symbol: Callable[[str], Array], normal: Array, padded: tuple[int, int]
+    ) -> _SymbolShear:
+        """Return the convolution from a function that gives the symbol of a component, and the symbol of zz."""
+        components = ["xx", "yy", "xy"]
+        if setup.kernel.pair.beta != 0.0:
+            components += ["zx", "zy"]
+        symbols = {"zz": normal} | {component: find_symbol(component) for component in components}
+        return cls(setup, WaveMatrix({name: symbol for name, symbol in symbols.items() if symbol.any()}, padded))
+
+    def apply(self, tractions: RealArray, of: str = "xy", to: str = "xy") -> RealArray:
+        return self.matrix.apply(tractions, of, to)

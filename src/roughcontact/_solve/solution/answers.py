@@ -107,10 +107,15 @@ class ContactAnswers(ShearFields):
             )
         return self._normal if response.with_adhesion == "total pressure" else self._pressed
 
-    @cached_property
+    @property
     def _pressed(self) -> Self:
-        """The solution with its contact pressure alone, whose gap is the same."""
-        return attrs.evolve(self._normal, pressure=self.contact_pressure, tension=np.zeros(self.grid.shape))
+        """The normal contact with its contact pressure alone, whose gap is the same."""
+        if self.tension is None:
+            return self._normal
+        nothing = np.zeros(self.grid.shape)
+        return self._keep(
+            "pressed", lambda: attrs.evolve(self._normal, pressure=self.contact_pressure, tension=nothing)
+        )
 
     def _estimate_area(self, chosen: AreaEstimator) -> Area:
         area = chosen.estimate(heal(self._view(chosen)))
@@ -370,7 +375,7 @@ class ContactAnswers(ShearFields):
         InputError
             If there is no such estimator.
         """
-        return estimate_saturated_area(heal(self._normal if self.tension is None else self._pressed), estimator)
+        return estimate_saturated_area(heal(self._pressed), estimator)
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:
@@ -378,8 +383,7 @@ class ContactAnswers(ShearFields):
 
         The warnings of the `area` are not among them.
         """
-        pressed = self._normal if self.tension is None else self._pressed
-        found = list_warnings(pressed, self._materials.values())
+        found = list_warnings(self._pressed, self._materials.values())
         return found if self.origin is None else (*found, *warn_of_attraction(self, self.origin))
 
     @cached_property
