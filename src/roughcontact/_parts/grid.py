@@ -242,6 +242,10 @@ class Load:
         """SI unit of the value."""
         return _LOAD_KINDS[self.kind][1]
 
+    def after(self, datum: float) -> Load:
+        """Return the load of a contact whose first touch is at an approach of `datum`, m, from there."""
+        return Load("approach", self.value - datum) if self.kind == "approach" else self
+
     @classmethod
     def of(cls, **given: object) -> Load:
         """Return the one load that is given by `pressure`, Pa, `force`, N, or `approach`, m; the others are None.

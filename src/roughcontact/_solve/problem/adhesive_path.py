@@ -1,4 +1,4 @@
-"""Loads of surfaces that attract each other in their order: each state follows from the one before."""
+"""Loads in their order, each state from the one before: of surfaces that attract each other, or laws that remember."""
 
 from __future__ import annotations
 
@@ -15,15 +15,22 @@ from roughcontact._solve.problem.path import march
 from roughcontact._solve.problem.plan import SolvePlan
 from roughcontact._solve.problem.run import run_solve
 from roughcontact._solve.problem.scene import Scene
-from roughcontact._solve.problem.sweep import Sweep, report_states, run_sweep
+from roughcontact._solve.problem.sweep import Sweep, predict_pressure, report_states, run_sweep
 from roughcontact._solve.solution import TRAPPED_CELLS, ContactSolution, describe_range
 from roughcontact.errors import InputError
 
 
 class Solve(Protocol):
-    """A solve at a load, from a pressure and a gap."""
+    """A solve at a load, from a pressure and a gap, after a state that laws remember."""
 
-    def __call__(self, load: Load, start: Array | None = None, *, start_gap: Array | None = None) -> ContactSolution:
+    def __call__(
+        self,
+        load: Load,
+        start: Array | None = None,
+        *,
+        start_gap: Array | None = None,
+        before: ContactSolution | None = None,
+    ) -> ContactSolution:
         """Return the certified solution."""
 
 
@@ -38,9 +45,9 @@ def require_resolved(plan: SolvePlan) -> None:
 
 
 def solve_loads(problem: Scene, loads: tuple[Load, ...], change: ChangeProgress) -> Sweep:
-    """Return the solutions at all loads, with adhesion in their order."""
+    """Return the solutions at all loads, in their order where a state depends on those before."""
     solve = report_states(partial(run_solve, problem), count_done(change, len(loads), "load"))
-    return run_sweep(solve, loads) if problem.adhesion is None else follow_loads(solve, loads)
+    return follow_loads(solve, loads) if problem.remembers else run_sweep(solve, loads)
 
 
 def follow_loads(solve: Solve, loads: Sequence[Load], first: ContactSolution | None = None) -> Sweep:
@@ -53,8 +60,10 @@ def follow(solve: Solve, before: Sequence[ContactSolution], load: Load) -> Conta
     if not before:
         return solve(load)
     last = before[-1]
+    if last.tension is None:
+        return solve(load, predict_pressure(before, load), before=last)
     require_memory_of_flow(last, load)
-    return solve(load, last.pressure, start_gap=open_gap(last))
+    return solve(load, last.pressure, start_gap=open_gap(last), before=last)
 
 
 def require_memory_of_flow(last: ContactSolution, load: Load) -> None:

@@ -102,6 +102,12 @@ class InitialGap:
         """Return the sum of the pressure, shape (nx, ny), at non-measured points."""
         return 0.0 if self.non_measured is None else float(pressure[self.non_measured].sum())
 
+    def change(self, offset: Array) -> tuple[InitialGap, float]:
+        """Return the gap plus an offset, shape (nx, ny), m, from its first touch, and how much later that is, m."""
+        values = self.values + offset
+        datum = float(values.min() if self.non_measured is None else values[~self.non_measured].min())
+        return attrs.evolve(self, values=frozen_array(values - datum)), datum
+
     def with_depth(self, depth: float) -> InitialGap:
         """Return the same gap with the non-measured points at `depth`, m."""
         return attrs.evolve(self, values=frozen_array(np.where(np.asarray(self.non_measured), depth, self.values)))

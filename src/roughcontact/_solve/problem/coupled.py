@@ -15,7 +15,6 @@ from roughcontact._base.units import si
 from roughcontact._parts.grid import Load
 from roughcontact._parts.interactions import shear_limit
 from roughcontact._solve.problem.accuracy import with_tolerance
-from roughcontact._solve.problem.body import InitialGap
 from roughcontact._solve.problem.friction_certificate import (
     CAUSED_TRACTIONS,
     CONE_TOLERANCE,
@@ -90,6 +89,7 @@ class CoupledSolve(FrictionalContact):
 
     on_step: Callable[[Step], None] | None = None
     _known: dict[Load, ContactSolution] = attrs.field(factory=dict, init=False)
+    _ends: dict[ContactSolution, FrictionalFields] = attrs.field(factory=dict, init=False)
 
     def press(self, load: Load) -> ContactSolution:
         """Return the frictionless contact: that of `ContactProblem.solve`; the last one is kept."""
@@ -99,19 +99,25 @@ class CoupledSolve(FrictionalContact):
             self._known[load] = found
         return self._known[load]
 
-    def step(
-        self, load: Load, tangential: TangentialLoad, before: FrictionalState, start: FrictionalFields
-    ) -> tuple[ContactSolution, FrictionalFields]:
-        """Return the certified end of one increment, and its fields.
+    def fields_at(self, state: ContactSolution | None) -> FrictionalFields:
+        """Return the fields at the end of an increment, those of the last one without a product; None: unloaded."""
+        if state is None:
+            return self.fields_of(FrictionalState.unloaded(self.problem.plan.grid.shape))
+        return self._ends.get(state) or self.fields_of(state.end)
+
+    def step(self, load: Load, tangential: TangentialLoad, last: ContactSolution | None) -> ContactSolution:
+        """Return the certified end of one increment.
 
         Parameters
         ----------
         load, tangential
             The normal and the tangential load at the end of the increment.
-        before, start
-            The state at its begin, and the fields of this state.
+        last
+            The state at its begin; None: of bodies that just touch.
         """
         started = time.perf_counter()
+        before = FrictionalState.unloaded(self.problem.plan.grid.shape) if last is None else last.end
+        start = self.fields_at(last)
         with computing(self.problem):
             if load.value == 0.0:
                 found = self._unload(load, tangential, start)
@@ -120,7 +126,9 @@ class CoupledSolve(FrictionalContact):
                 found = step(load, tangential, start)
             solution, fields = self._certify(load, tangential, found, before, start, started)
         _LOGGER.info("increment to %s, %s: %s, %.3g s", load, tangential, solution.status.name, solution.seconds)
-        return _require_success(solution), fields
+        self._ends.clear()
+        self._ends[_require_success(solution)] = fields
+        return solution
 
     def slide(self, load: Load, direction: Pair, on_pass: Callable[[Step], None] | None = None) -> ContactSolution:
         """Return the contact of bodies that slide steadily: the traction is the shear strength, in one direction."""
@@ -229,22 +237,14 @@ class CoupledSolve(FrictionalContact):
 
     def _press_on(self, lifted: Array, load: Load, pressure: Array | None, error: float) -> ContactSolution:
         """Return the contact on the initial gap changed by the traction, as accurate as a coupled error asks for."""
-        gap, load, datum = self._change_gap(lifted, load)
+        gap, datum = self.problem._gap.change(lifted * self.length)
+        load = load.after(datum)
         inner = min(max(_INNER_ERROR * error, _TIGHTEST_INNER * self.tolerance), _LOOSEST_INNER * self.tolerance)
         problem = with_tolerance(self.problem, min(inner, 1.0))
         found = run_solve(problem, load, pressure, throw=False, gap=gap)
         # It solves the changed gap, which is not that of the problem.
         found = attrs.evolve(found, origin=None)
         return attrs.evolve(found, initial_gap=found.initial_gap + datum, approach=found.approach + datum)
-
-    def _change_gap(self, lifted: Array, load: Load) -> tuple[InitialGap, Load, float]:
-        """Return the changed initial gap, its minimum zero, the load from there, and that value, m."""
-        gap = self.problem._gap
-        values = gap.values + lifted * self.length
-        datum = float(values.min() if gap.non_measured is None else values[~gap.non_measured].min())
-        if load.kind == "approach":
-            load = Load("approach", load.value - datum)
-        return attrs.evolve(gap, values=values - datum), load, datum
 
     def _normal_error(self, contact: ContactSolution, load: Load, lifted: Array) -> float:
         """Return the error of a pressure on the gap changed by the traction."""

@@ -151,6 +151,8 @@ def describe_problem(problem: ContactProblem) -> dict[str, Any]:
     parts["tolerance"] = plan.solver.tolerance
     if problem.adhesion is not None:
         parts["adhesion"] = describe_part(problem.adhesion)
+    if problem.laws:
+        parts["laws"] = [describe_part(law) for law in problem.laws]
     for name in ("body", "counterbody"):
         body = getattr(problem, name)
         parts[name] = {"surface": describe_part(body.surface), "material": describe_part(body.material)}

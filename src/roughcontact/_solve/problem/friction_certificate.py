@@ -17,6 +17,7 @@ from roughcontact._solve.problem.run import certify, verify_solution
 from roughcontact._solve.problem.scene import Scene
 from roughcontact._solve.problem.task import make_task, pressure_unit
 from roughcontact._solve.solution import (
+    Governed,
     ContactSolution,
     FrictionalResiduals,
     FrictionalState,
@@ -278,6 +279,8 @@ def require_frictional(problem: Scene) -> None:
     """Raise `InputError` unless a problem has a contact with friction; its shear convolution is prepared."""
     if problem.adhesion is not None:
         raise InputError("Friction with adhesion is not known: omit adhesion=.")
+    if problem.laws:
+        raise InputError("Friction beside other laws is not known: omit laws=.")
     _ = problem.shear_convolution
 
 
@@ -285,8 +288,16 @@ def verify_state(problem: Scene, solution: ContactSolution) -> None:
     """Recompute the certificate of a solution, with friction or without; see `ContactProblem.verify`."""
     if solution.shear is not None:
         _verify_sheared(problem, solution, solution.sheared)
-    else:
-        verify_solution(problem.plan, problem.convolution, problem._gap, solution)
+        return
+    effect = next((one for one in solution.added if isinstance(one, Governed)), None)
+    if (effect is None) is bool(problem.laws):
+        raise InputError("What its laws have changed contradicts those of its problem.")
+    gap = problem._gap
+    if effect is not None:
+        again = effect.repeat(problem, solution)
+        effect.require_same(again)
+        gap = attrs.evolve(gap, values=gap.values + again.offset)
+    verify_solution(problem.plan, problem.convolution, gap, solution._normal)
 
 
 def _verify_sheared(problem: Scene, solution: ContactSolution, sheared: Sheared) -> None:

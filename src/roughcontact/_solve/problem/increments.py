@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 
@@ -14,6 +15,7 @@ from roughcontact._base.units import Estimate, WarningText, counted
 from roughcontact._parts.grid import Load
 from roughcontact._solve.problem.coupled import CoupledSolve
 from roughcontact._solve.problem.friction_certificate import FrictionalFields
+from roughcontact._solve.problem.path import march
 from roughcontact._solve.problem.scene import Scene
 from roughcontact._solve.problem.step_numbers import (
     StepNumbers,
@@ -22,7 +24,7 @@ from roughcontact._solve.problem.step_numbers import (
     numbers_of,
 )
 from roughcontact._solve.problem.task import limit_load
-from roughcontact._solve.solution import ContactSolution, FrictionalState, TangentialLoad
+from roughcontact._solve.solution import ContactSolution, TangentialLoad
 from roughcontact.errors import InputError
 
 # Minimum increments of a step by "auto", whose errors show their order with those of half and a quarter as many; the
@@ -189,26 +191,39 @@ def follow_steps(
     run: CoupledSolve, segments: Sequence[PathStep], count: int, tell: Callable[[Increment], object]
 ) -> list[ContactSolution]:
     """Return the state at the end of each step, with so many increments where one is not exact."""
-    state = FrictionalState.unloaded(run.problem.plan.grid.shape)
-    fields = run.fields_of(state)
+    counts = [1 if segment.exact else count for segment in segments]
+    places = [
+        (segment, number, total)
+        for segment, total in zip(segments, counts, strict=True)
+        for number in range(1, total + 1)
+    ]
+
+    def follow(before: Sequence[ContactSolution], place: tuple[PathStep, int, int]) -> ContactSolution:
+        segment, number, total = place
+        last = before[-1] if before else None
+        if number == 1 and last is not None:
+            _require_memory_of_flow(segment, last)
+        return run.step(*segment.at(number, total), last)
+
+    parts = march(places, follow)
     steps: list[ContactSolution] = []
-    for segment in segments:
-        if steps and segment.end.value < segment.start.value and steps[-1].saturated.any():
-            raise InputError(
-                "The normal load falls after the pressure has reached its limit: each state would be a first loading. "
-                "Give loads that do not fall, or the problem that run_in(...) returns."
-            )
-        parts: list[ContactSolution] = []
-        begin = fields
-        increments = 1 if segment.exact else count
-        for number in range(1, increments + 1):
-            load, target = segment.at(number, increments)
-            part, fields = run.step(load, target, state, fields)
-            state = part.end
-            parts.append(part)
-            tell(Increment(segment.number, segments[-1].number, number, increments, part))
-        steps.append(_join(run, parts, begin, fields, is_exact=bool(segment.exact)))
+    end: ContactSolution | None = None
+    for segment, total in zip(segments, counts, strict=True):
+        begin = run.fields_at(end)
+        found: list[ContactSolution] = []
+        for number, end in enumerate(itertools.islice(parts, total), 1):
+            found.append(end)
+            tell(Increment(segment.number, segments[-1].number, number, total, end))
+        steps.append(_join(run, found, begin, run.fields_at(end), is_exact=bool(segment.exact)))
     return [_add_error(step, error.dissipated) for step, error in zip(steps, list_cell_errors(steps), strict=True)]
+
+
+def _require_memory_of_flow(segment: PathStep, last: ContactSolution) -> None:
+    if segment.end.value < segment.start.value and last.saturated.any():
+        raise InputError(
+            "The normal load falls after the pressure has reached its limit: each state would be a first loading. "
+            "Give loads that do not fall, or the problem that run_in(...) returns."
+        )
 
 
 def _add_error(step: ContactSolution, error: float) -> ContactSolution:

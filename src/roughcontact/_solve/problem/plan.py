@@ -31,7 +31,7 @@ from roughcontact._parts.surfaces import FlatSurface
 from roughcontact._solve.convolvers import Convolver, Direct, convolvers
 from roughcontact._solve.problem.body import Body, InitialGap
 from roughcontact._solve.problem.memory import UNRESTRICTED_ARRAYS, memory_of_solve, require_arrays
-from roughcontact._solve.solution import RESOLVED_CELLS, areas, describe_range, find_scene, responses
+from roughcontact._solve.solution import RESOLVED_CELLS, Law, Process, areas, describe_range, find_scene, responses
 from roughcontact._solve.solvers import ProjectedConjugateGradient, Solver, halve_shape, solvers
 from roughcontact.errors import InputError
 
@@ -53,6 +53,7 @@ _MAX_CELL_ASPECT = 1e8
 _MAX_MAGNITUDE = 1e40
 # What the plan of a contact with friction does not omit: how its text begins.
 OMITTED_FRICTION = "friction"
+_REMEMBERS = ": remembers, so that loads are followed in their order"
 _OMITTED_IMAGES = {
     Boundary.FREE: "images of the domain: the boundary is free",
     Boundary.PERIODIC: "padding: the domain repeats, every image counts",
@@ -113,6 +114,8 @@ class SolvePlan:
         The law by which the surfaces attract each other, resolved for the grid; None without adhesion.
     chosen_range
         Whether its range is chosen by the cells.
+    laws
+        What else changes the contact.
     """
 
     grid: Grid
@@ -132,6 +135,7 @@ class SolvePlan:
     memory_limit: int | None = None
     interaction: Interaction | None = None
     chosen_range: bool = False
+    laws: tuple[Law, ...] = ()
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:
@@ -201,6 +205,7 @@ class SolvePlan:
             ),
             *histories,
             *self._describe_adhesion(),
+            *(("law", f"{law!r}{_REMEMBERS if isinstance(law, Process) else ''}") for law in self.laws),
             ("kernel", str(self.kernel)),
             ("convolver", f"{self.convolver} on {nx} x {ny} cells"),
             ("solver", repr(self.solver)),
@@ -284,6 +289,7 @@ def make_plan(
     threads: int | str = "auto",
     memory_limit: int | None = None,
     adhesion: Interaction | None = None,
+    laws: tuple[Law, ...] = (),
 ) -> SolvePlan:
     """Return the plan of a problem; `InputError` unless its parts fit together."""
     kernel = kernels.resolve(kernel)
@@ -335,6 +341,7 @@ def make_plan(
         memory_limit=memory_limit,
         interaction=interaction,
         chosen_range=interaction is not adhesion,
+        laws=laws,
     )
     plan.require_memory()
     return plan

@@ -50,6 +50,8 @@ class ContactProblem(Scene):
         Registered names or instances; ``"auto"`` chooses the convolver and the solver.
     adhesion
         The law by which the surfaces attract each other, such as `Exponential`; None: they do not.
+    laws
+        What else changes the contact, such as wear: a `Law`, its registered name, or a sequence of them.
     threads
         Threads of a solve, at most as many as this process may use; ``"auto"``: as many as gain on this grid, and one
         in a process of a pool. The solution is the same to the last bit.
@@ -160,7 +162,7 @@ class ContactProblem(Scene):
         approach: Iterable[Length] | None = None,
         progress: bool = False,
     ) -> Sweep:
-        """Solve for several loads, each starting from the ones before: from the largest down; with adhesion in order.
+        """Solve for several loads, each from those before; from the largest down, or in order where states remember.
 
         Parameters
         ----------
@@ -184,7 +186,7 @@ class ContactProblem(Scene):
         """
         make_loads = Load.sequence if self.adhesion is None else Load.signed_sequence
         loads = make_loads(pressure=pressure, force=force, approach=approach)
-        for load in loads:
+        for load in loads if not self.laws else ():
             limit_load(self.plan, self.initial_gap, load)
         with show_progress("sweep", shown=flag(progress, "progress=")) as change:
             return solve_loads(self, loads, change)

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from roughcontact._base.arrays import Array, frozen_array
 from roughcontact._base.machine import use_threads
-from roughcontact._base.units import outlined
+from roughcontact._base.units import outlined, si
 from roughcontact._parts.grid import Load
 from roughcontact._solve.convolvers import DCFFT, CircularFFT, Direct, PreparedConvolution
 from roughcontact._solve.problem.body import InitialGap
@@ -27,6 +27,7 @@ from roughcontact._solve.solution import (
     AdhesiveViolation,
     ContactConditions,
     ContactSolution,
+    Governed,
     Origin,
     Residuals,
     Status,
@@ -340,17 +341,25 @@ def run_solve(
     on_step: Callable[[Step], None] | None = None,
     start_gap: Array | None = None,
     gap: InitialGap | None = None,
+    before: ContactSolution | None = None,
 ) -> ContactSolution:
     """Return the certified solution at a load, on the gap of the problem or another one.
 
-    If it is not certified it is returned unfinished, or raised in `NotConverged` where `throw` is true.
+    If it is not certified it is returned unfinished, or raised in `NotConverged` where `throw` is true. Laws of the
+    problem remember the state `before`; None: the surfaces are fresh.
     """
     started = time.perf_counter()
     gap = problem._gap if gap is None else gap
+    effect = Governed.begin(problem, load, before) if problem.laws else None
+    inner = load
+    datum = 0.0
+    if effect is not None:
+        gap, datum = gap.change(effect.offset)
+        inner = _after_touch(load, datum)
     with computing(problem):
-        solution = _solve(problem, gap, load, start, on_step, started, start_gap)
+        solution = _solve(problem, gap, inner, start, on_step, started, start_gap)
         if solution.status is Status.SEPARATED and start_gap is None:
-            solution = _try_other_states(problem, gap, load, on_step, started) or solution
+            solution = _try_other_states(problem, gap, inner, on_step, started) or solution
     level = logging.INFO if solution.status.success else logging.WARNING
     _LOGGER.log(
         level,
@@ -362,7 +371,31 @@ def run_solve(
         solution.seconds,
     )
     solution = attrs.evolve(solution, origin=Origin(problem.parts, load.arguments, source=problem))
+    if effect is not None:
+        solution = _govern(solution, effect, datum)
     return require_success(solution) if throw else solution
+
+
+def _after_touch(load: Load, datum: float) -> Load:
+    """Return a load from the first touch of changed surfaces, which is at an approach of `datum`, m."""
+    found = load.after(datum)
+    if load.kind == "approach" and load.value > 0.0 >= found.value:
+        raise InputError(
+            f"At an approach of {si(load.value, 'm')} the surfaces do not touch: as the laws of the problem have "
+            f"changed them, the first touch is at {si(datum, 'm')}."
+        )
+    return found
+
+
+def _govern(solution: ContactSolution, effect: Governed, datum: float) -> ContactSolution:
+    """Return a solution with approach and gap from the first touch of the fresh surfaces, and the memory of the laws.
+
+    What is not certified leaves nothing behind.
+    """
+    changed = attrs.evolve(
+        solution, initial_gap=frozen_array(solution.initial_gap + datum), approach=solution.approach + datum
+    )
+    return changed._add(effect.finish(changed) if changed.status.success else effect)
 
 
 def _try_other_states(

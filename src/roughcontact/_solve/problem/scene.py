@@ -17,7 +17,8 @@ from roughcontact._solve.convolvers import Convolver, PreparedConvolution, Shear
 from roughcontact._solve.problem.body import RIGID_FLAT, Body, InitialGap, find_initial_gap
 from roughcontact._solve.problem.memory import require_memory_of_solve
 from roughcontact._solve.problem.plan import SolvePlan, make_plan
-from roughcontact._solve.problem.task import prepare_convolution, prepare_shear
+from roughcontact._solve.problem.task import prepare_convolution, prepare_shear, pressure_unit
+from roughcontact._solve.solution import Law, Process, as_laws
 from roughcontact._solve.solvers import Solver
 from roughcontact.errors import InputError
 
@@ -43,6 +44,7 @@ class Scene:
     convolver: str | Convolver = attrs.field(default="auto", kw_only=True)
     solver: str | Solver = attrs.field(default="auto", kw_only=True)
     adhesion: Interaction | None = attrs.field(default=None, kw_only=True, validator=_is_interaction)
+    laws: tuple[Law, ...] = attrs.field(default=(), converter=as_laws, kw_only=True)
     threads: int | str = attrs.field(default="auto", converter=thread_count, kw_only=True)
     memory_limit: int | None = attrs.field(default=None, converter=limit_of_memory, kw_only=True)
 
@@ -65,6 +67,7 @@ class Scene:
             threads=self.threads,
             memory_limit=self.memory_limit,
             adhesion=self.adhesion,
+            laws=self.laws,
         )
 
     @cached_property
@@ -111,7 +114,32 @@ class Scene:
         if self.adhesion is None:
             # Solutions without adhesion are named and saved as they were before there was any.
             del found["adhesion"]
+        if not self.laws:
+            del found["laws"]
         return found
+
+    @property
+    def remembers(self) -> bool:
+        """Whether a state depends on those before, so that loads are followed in their order."""
+        return self.adhesion is not None or any(isinstance(law, Process) for law in self.laws)
+
+    def displace(self, pressure: Array) -> Array:
+        """Return the displacement of both surfaces, positive into the bodies, by a pressure on the gap.
+
+        Parameters
+        ----------
+        pressure
+            Pressure that presses the surfaces apart, shape (nx, ny), Pa, such as that of a lubricant.
+
+        Returns
+        -------
+        Array
+            Shape (nx, ny), m; on a periodic boundary its mean is zero.
+        """
+        unit = pressure_unit(self.plan)
+        return self.convolution.to_numpy(
+            self.convolution.apply(self.convolution.from_numpy(pressure / unit)) * self.plan.peak_to_valley
+        )
 
     def explain(self) -> str:
         """Return the parts of a solve, and its omitted steps with their reasons, in words."""

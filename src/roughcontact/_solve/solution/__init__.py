@@ -22,6 +22,11 @@ from roughcontact._solve.solution.fields import find_patches as find_patches
 from roughcontact._solve.solution.healing import FilledGap as FilledGap
 from roughcontact._solve.solution.healing import fill_gap as fill_gap
 from roughcontact._solve.solution.healing import heal as heal
+from roughcontact._solve.solution.laws import Governed as Governed
+from roughcontact._solve.solution.laws import Law as Law
+from roughcontact._solve.solution.laws import Process as Process
+from roughcontact._solve.solution.laws import as_laws as as_laws
+from roughcontact._solve.solution.laws import laws as laws
 from roughcontact._solve.solution.origin import Accuracy as Accuracy
 from roughcontact._solve.solution.origin import Origin as Origin
 from roughcontact._solve.solution.origin import Trial as Trial

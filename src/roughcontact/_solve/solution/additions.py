@@ -11,7 +11,7 @@ import attrs
 from roughcontact._base.archive.plain import Described, describe, rebuild
 from roughcontact._base.arrays import RealArray
 from roughcontact._base.registry import Registry
-from roughcontact._base.units import Estimate, ShownAsPrinted
+from roughcontact._base.units import Estimate, ShownAsPrinted, si
 from roughcontact._parts.grid import Grid
 from roughcontact.errors import InputError
 
@@ -102,17 +102,21 @@ class Addition(abc.ABC):
         """Return what `describe` has described, on a grid; `given` is a part that a file need not name, or None."""
         return cls(**rebuild(described, arrays))
 
-    def list_rows(self, state: Any) -> dict[str, str]:
-        """Return its numbers in words by name, for texts and pages of a state."""
-        return {}
-
     def list_numbers(self, state: Any) -> dict[str, Estimate | tuple[Any, str]]:
         """Return its numbers by name, for data of a state: estimates, or a number or a list of them with its unit."""
         return {}
 
+    def list_rows(self, state: Any) -> dict[str, str]:
+        """Return its numbers in words by name, for texts and pages of a state."""
+        pairs = self.list_numbers(state).items()
+        return {
+            name.replace("_", " "): str(one) if isinstance(one, Estimate) else si(one[0], one[1], 5)
+            for name, one in pairs
+        }
+
     def list_columns(self, state: Any) -> dict[str, Estimate | tuple[float, str]]:
         """Return its numbers by name, for a row of a table: estimates, or a number with its unit."""
-        return {}
+        return self.list_numbers(state)
 
     def list_fields(self) -> dict[str, tuple[RealArray, str, str]]:
         """Return its fields of shape (nx, ny) by name, each with its meaning and unit."""

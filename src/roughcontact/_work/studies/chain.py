@@ -244,8 +244,7 @@ def run_chain(chain: Chain) -> ChainResult:
     solutions: list[ContactSolution] = []
     computed = 0
     keys = chain.solution_keys()
-    is_adhesive = chain.problem.adhesion is not None
-    for index in range(len(chain.loads)) if is_adhesive else order_of_solving(chain.loads):
+    for index in range(len(chain.loads)) if chain.problem.remembers else order_of_solving(chain.loads):
         key = keys[index]
         load = chain.loads[index]
         try:
@@ -271,7 +270,7 @@ def run_chain(chain: Chain) -> ChainResult:
 
 def _solve(problem: ContactProblem, load: Load, before: list[ContactSolution]) -> ContactSolution:
     """Return the solution at a load, from those before."""
-    if problem.adhesion is not None:
+    if problem.remembers:
         return follow(partial(run_solve, problem), before, load)
     return problem.solve(**load.arguments, start=predict_pressure(before, load))
 

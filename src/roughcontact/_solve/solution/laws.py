@@ -1,0 +1,297 @@
+"""Laws: a physics of one's own as a value of a problem, what it changes of a contact, and what it remembers."""
+
+from __future__ import annotations
+
+import abc
+from collections.abc import Iterable, Mapping, Sequence
+from types import MappingProxyType
+from typing import Any, ClassVar, TypeAlias, final
+
+import attrs
+import numpy as np
+
+from roughcontact._base.archive.plain import Described, describe, rebuild
+from roughcontact._base.arrays import Array, RealArray, frozen_array
+from roughcontact._base.checks import MAX_MAGNITUDE, Part
+from roughcontact._base.registry import Registry
+from roughcontact._base.units import Estimate
+from roughcontact._parts.grid import Grid, Load
+from roughcontact._solve.solution.additions import Addition, Condition
+from roughcontact.errors import InputError
+
+# Arrays of shape (nx, ny) by name: what a law remembers.
+Memory: TypeAlias = Mapping[str, Array]
+_NOTHING: Memory = MappingProxyType({})
+# Difference between machines of what a law gives, over its largest value.
+_MACHINE_DIFFERENCE = 1e-10
+
+
+class Law(Part, abc.ABC):
+    """A physics of your own: what it changes of a contact, and what it adds to its state.
+
+    A problem takes laws as ``laws=``. Its states print, save, draw and judge what they add; a class that is registered
+    in `roughcontact.laws`, or listed under the entry points ``roughcontact.laws``, may come from files.
+
+    Examples
+    --------
+    A lubricant of given pressure in the whole gap presses the surfaces apart:
+
+    >>> import attrs
+    >>> import roughcontact as rc
+    >>> @attrs.frozen
+    ... class Lubricant(rc.Law):
+    ...     pressure: float = attrs.field(metadata={"unit": "Pa"})
+    ...     def change_gap(self, problem, load, memory):
+    ...         rest = problem.initial_gap > 1e-7
+    ...         return problem.displace(rest * self.pressure)
+    ...     def list_numbers(self, state, memory):
+    ...         carried = self.pressure * float((state.initial_gap > 1e-7).sum()) * state.grid.cell_area
+    ...         return {"lubricant_load": (carried, "N")}
+    >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Elastic(young=210e9, poisson=0.3))
+    >>> problem = rc.ContactProblem(ball, grid=rc.Grid((32, 32), 100e-6), laws=Lubricant("2MPa"))
+    >>> print(problem.solve(force=1.0).certificate.error < 1e-5)
+    True
+    """
+
+    @abc.abstractmethod
+    def change_gap(self, problem: Any, load: Load, memory: Memory) -> Array:
+        """Return what it adds to the gap before deformation, shape (nx, ny), m.
+
+        Parameters
+        ----------
+        problem
+            The `ContactProblem`.
+        load
+            The normal load at the end of the increment.
+        memory
+            What it remembers of the increments before; empty of a law that does not remember.
+        """
+
+    def list_numbers(self, state: Any, memory: Memory) -> Mapping[str, Estimate | tuple[float, str]]:
+        """Return its numbers of a `ContactSolution` by name: estimates, or a number with its unit."""
+        return {}
+
+    def list_conditions(self, state: Any, memory: Memory) -> Iterable[Condition]:
+        """Return its conditions of the certificate, recomputed from the fields of a state."""
+        return ()
+
+
+class Process(Law):
+    """A law that remembers: what a contact changes of the surfaces, from one load to the next.
+
+    Attributes
+    ----------
+    remembered
+        The fields that it remembers, zero on fresh surfaces: meaning and unit by name.
+
+    Examples
+    --------
+    Summits that are worn by the pressure (Archard) over a sliding distance for each load:
+
+    >>> import attrs
+    >>> import roughcontact as rc
+    >>> @attrs.frozen
+    ... class Wear(rc.Process):
+    ...     rate: float = attrs.field(metadata={"unit": "m/Pa"})
+    ...     remembered = {"height_loss": ("height lost by wear", "m")}
+    ...     def change_gap(self, problem, load, memory):
+    ...         return memory["height_loss"]
+    ...     def remember(self, state, memory):
+    ...         return {"height_loss": memory["height_loss"] + self.rate * state.pressure}
+    >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Elastic(young=210e9, poisson=0.3))
+    >>> problem = rc.ContactProblem(ball, grid=rc.Grid((32, 32), 100e-6), laws=Wear(1e-17))
+    >>> peaks = [state.pressure.max() for state in problem.sweep(force=[1.0, 1.0, 1.0])]
+    >>> peaks[0] > peaks[1] > peaks[2]
+    True
+    """
+
+    remembered: ClassVar[Mapping[str, tuple[str, str]]]
+
+    @abc.abstractmethod
+    def remember(self, state: Any, memory: Memory) -> Memory:
+        """Return what it remembers after an increment, arrays of shape (nx, ny) by name.
+
+        Parameters
+        ----------
+        state
+            The `ContactSolution` at its end.
+        memory
+            What it remembers of those before.
+        """
+
+
+laws: Registry[Law] = Registry(Law, "law", "roughcontact.laws")
+
+
+def as_laws(given: object) -> tuple[Law, ...]:
+    """Return the laws of a problem, which may be given as one, as registered names, or as a sequence of them."""
+    one = isinstance(given, (str, Law)) or not isinstance(given, Sequence)
+    found: tuple[Any, ...] = (given,) if one else tuple(given)  # type: ignore[arg-type]
+    return tuple(laws.resolve(law) for law in found)
+
+
+@final
+@attrs.frozen(eq=False, kw_only=True)
+class Governed(Addition):
+    """What the laws of a problem have changed of a contact, and what they remember.
+
+    Attributes
+    ----------
+    laws
+        The laws of the problem.
+    offset
+        What they add to the gap before deformation, shape (nx, ny), m.
+    before, memory
+        What each of them remembers at the begin and at the end of the increment.
+    numbers
+        Their numbers by name, each with its unit.
+    added_conditions
+        Their conditions of the certificate.
+    """
+
+    kind = "laws"
+
+    laws: tuple[Law, ...]
+    offset: Array
+    before: tuple[Memory, ...]
+    memory: tuple[Memory, ...]
+    numbers: Mapping[str, Estimate | tuple[float, str]] = attrs.field(factory=dict)
+    added_conditions: tuple[Condition, ...] = ()
+
+    @classmethod
+    def begin(cls, problem: Any, load: Load, last: Any) -> Governed:
+        """Return what the laws of a problem change in an increment that follows a state, or None at the first."""
+        known = None if last is None else next((one for one in last.added if isinstance(one, cls)), None)
+        fresh = tuple(_start_memory(law, problem.plan.grid) for law in problem.laws)
+        return cls._change(problem, load, fresh if known is None else known.memory)
+
+    @classmethod
+    def _change(cls, problem: Any, load: Load, before: tuple[Memory, ...]) -> Governed:
+        grid = problem.plan.grid
+        offset = np.zeros(grid.shape)
+        for law, memory in zip(problem.laws, before, strict=True):
+            offset += _check_field(law.change_gap(problem, load, memory), grid, f"change_gap of {law!r}")
+        return cls(laws=problem.laws, offset=frozen_array(offset), before=before, memory=before)
+
+    def repeat(self, problem: Any, state: Any) -> Governed:
+        """Return it anew from what the laws remembered before, and a state with its origin."""
+        again = self._change(problem, Load.signed(**state.origin.load), self.before)
+        return again.finish(state) if state.status.success else again
+
+    def finish(self, state: Any) -> Governed:
+        """Return what they remember, and their numbers and conditions, at the end of the increment."""
+        pairs = list(zip(self.laws, self.before, strict=True))
+        memory = tuple(_remember(law, state, before) for law, before in pairs)
+        numbers: dict[str, Estimate | tuple[float, str]] = {}
+        conditions: list[Condition] = []
+        for law, after in zip(self.laws, memory, strict=True):
+            numbers |= law.list_numbers(state, after)
+            conditions += law.list_conditions(state, after)
+        return attrs.evolve(self, memory=memory, numbers=numbers, added_conditions=tuple(conditions))
+
+    def require_same(self, again: Governed) -> None:
+        """Raise `InputError` unless it is, up to rounding, what the laws give `again`."""
+        pairs = [("change of the gap", self.offset, again.offset)]
+        for stated, found in zip(self.memory, again.memory, strict=True):
+            pairs += [(f"memory {name!r}", stated[name], found[name]) for name in found]
+        for name, stated_field, found_field in pairs:
+            scale = float(np.abs(found_field).max())
+            if not np.abs(stated_field - found_field).max() <= _MACHINE_DIFFERENCE * scale:
+                raise InputError(f"Its {name} contradicts its laws and its fields.")
+
+    @property
+    def conditions(self) -> tuple[Condition, ...]:
+        """Those that the laws add."""
+        return self.added_conditions
+
+    def list_numbers(self, state: Any) -> dict[str, Estimate | tuple[Any, str]]:
+        """Return the numbers of the laws."""
+        return dict(self.numbers)
+
+    def list_rows(self, state: Any) -> dict[str, str]:
+        """Return the laws, and their numbers in words."""
+        return {"laws": "; ".join(map(repr, self.laws)), **super().list_rows(state)}
+
+    def list_fields(self) -> dict[str, tuple[RealArray, str, str]]:
+        """Return what the laws remember."""
+        found: dict[str, tuple[RealArray, str, str]] = {}
+        for law, memory in zip(self.laws, self.memory, strict=True):
+            if isinstance(law, Process):
+                found |= {name: (values, *law.remembered[name]) for name, values in memory.items()}
+        return found
+
+    def describe(self, arrays: dict[str, RealArray]) -> Described:
+        """Return it as data for JSON; see `Addition.describe`."""
+        named = {name: attrs.asdict(one) if isinstance(one, Estimate) else one for name, one in self.numbers.items()}
+        return {
+            **{name: describe(getattr(self, name), arrays) for name in ("laws", "offset", "before", "memory")},
+            "numbers": describe(named, arrays),
+            "conditions": describe([attrs.asdict(one) for one in self.added_conditions], arrays),
+        }
+
+    @classmethod
+    def rebuild(cls, described: Mapping[str, Any], arrays: Mapping[str, RealArray], grid: Grid, given: Any) -> Governed:
+        """Return what `describe` has described."""
+        found = tuple(rebuild(one, arrays, (Law,)) for one in described["laws"])
+        before, memory = (
+            tuple(
+                {name: _check_field(one[name], grid, f"memory {name!r}") for name in _list_remembered(law)}
+                for law, one in zip(found, rebuild(described[name], arrays), strict=True)
+            )
+            for name in ("before", "memory")
+        )
+        return cls(
+            laws=found,
+            offset=_check_field(rebuild(described["offset"], arrays), grid, "change of the gap"),
+            before=before,
+            memory=memory,
+            numbers={name: _read_number(one) for name, one in rebuild(described["numbers"], arrays).items()},
+            added_conditions=tuple(Condition(**one) for one in rebuild(described["conditions"], arrays)),
+        )
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # Arrays in pickles and deep copies are writable: the checks make them read-only again.
+        return _restore, (attrs.asdict(self, recurse=False),)
+
+
+def _restore(fields: dict[str, Any]) -> Governed:
+    memories = {
+        name: tuple({key: frozen_array(values) for key, values in one.items()} for one in fields[name])
+        for name in ("before", "memory")
+    }
+    return Governed(**fields | memories | {"offset": frozen_array(fields["offset"])})
+
+
+def _read_number(stored: Any) -> Estimate | tuple[float, str]:
+    if isinstance(stored, Mapping):
+        return Estimate(**{**stored, "warnings": tuple(stored["warnings"])})
+    value, unit = stored
+    return float(value), str(unit)
+
+
+def _list_remembered(law: Law) -> Iterable[str]:
+    return law.remembered if isinstance(law, Process) else ()
+
+
+def _start_memory(law: Law, grid: Grid) -> Memory:
+    names = _list_remembered(law)
+    return MappingProxyType({name: frozen_array(np.zeros(grid.shape)) for name in names}) if names else _NOTHING
+
+
+def _remember(law: Law, state: Any, before: Memory) -> Memory:
+    if not isinstance(law, Process):
+        return before
+    found = law.remember(state, before)
+    if not isinstance(found, Mapping) or set(found) != set(law.remembered):
+        raise InputError.about(f"remember of {law!r}", found, f"a mapping with {', '.join(law.remembered)}")
+    return {name: _check_field(found[name], state.grid, f"{name} of {law!r}") for name in law.remembered}
+
+
+def _check_field(values: object, grid: Grid, what: str) -> Array:
+    field = np.asarray(values)
+    if field.shape != grid.shape or field.dtype.kind not in "fiu" or not np.abs(field).max() <= MAX_MAGNITUDE:
+        raise InputError(
+            f"The {what} must be finite numbers of shape {grid.shape}, but it is an array of shape {field.shape} and "
+            f"type {field.dtype}."
+        )
+    return frozen_array(np.array(field, dtype=np.float64))
