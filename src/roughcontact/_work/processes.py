@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import abc
+import itertools
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -15,7 +16,7 @@ from roughcontact._base.registry import Registry
 from roughcontact._base.tables import Table, TableResult
 from roughcontact._base.units import Estimate, Force, Pressure, si
 from roughcontact._parts.surfaces import HeightMap, repeats
-from roughcontact._solve.problem import Body, ContactProblem
+from roughcontact._solve.problem import Body, ContactProblem, march
 from roughcontact._solve.solution import Area, ContactSolution
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
@@ -282,21 +283,26 @@ def run_in(
     state = _State(problem)
     cycles: list[Cycle] = []
     pressures: dict[tuple[int, int], Array] = {}
-    while True:
-        for shift in moves:
-            start = pressures.get(shift)
-            solution = state.shifted_problem(shift).solve(pressure=pressure, force=force, start=start)
-            if len(pressures) < _MAX_KEPT_PRESSURES or shift in pressures:
-                pressures[shift] = solution.pressure
-            cycles.append(state.flatten(solution, _height_loss(chosen, solution), shift))
-            volumes = [cycle.volume for cycle in cycles]
-            # Only a complete round counts.
-            complete = len(cycles) % len(moves) == 0
-            shakedown = complete and sum(volumes[-len(moves) :]) <= tolerance * sum(volumes)
-            if on_cycle is not None:
-                on_cycle(state.result(cycles, shakedown, solution))
-        if shakedown or len(cycles) >= rounds * len(moves):
-            return state.result(cycles, shakedown, solution)
+
+    def follow(_: Sequence[ContactSolution], shift: tuple[int, int]) -> ContactSolution:
+        found = state.shifted_problem(shift).solve(pressure=pressure, force=force, start=pressures.get(shift))
+        if len(pressures) < _MAX_KEPT_PRESSURES or shift in pressures:
+            pressures[shift] = found.pressure
+        return found
+
+    shakedown = False
+    for solution in march(itertools.islice(itertools.cycle(moves), rounds * len(moves)), follow):
+        shift = moves[len(cycles) % len(moves)]
+        cycles.append(state.flatten(solution, _height_loss(chosen, solution), shift))
+        volumes = [cycle.volume for cycle in cycles]
+        # Only a complete round counts.
+        complete = len(cycles) % len(moves) == 0
+        shakedown = complete and sum(volumes[-len(moves) :]) <= tolerance * sum(volumes)
+        if on_cycle is not None:
+            on_cycle(state.result(cycles, shakedown, solution))
+        if shakedown:
+            break
+    return state.result(cycles, shakedown, solution)
 
 
 class _State:

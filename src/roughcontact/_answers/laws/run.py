@@ -80,6 +80,11 @@ def interface_law(
         raise InputError.about("The problem of a law", problem, "a ContactProblem")
     if problem.adhesion is not None:
         raise InputError("A law of an interface knows no tension: omit adhesion=, or ask each state of problem.sweep.")
+    if problem.remembers:
+        raise InputError(
+            "A law of an interface has one state for each load, but a law of the problem remembers: omit laws= or ask "
+            "each state of problem.sweep."
+        )
     if problem.boundary is not Boundary.PERIODIC:
         raise InputError(
             f"A law per area needs boundary='periodic', but got '{problem.boundary}': mean gap and stiffness of a "

@@ -46,7 +46,7 @@ from roughcontact._faces.cli.required_load import ANSWER, refuse_for_wanted, sol
 from roughcontact._faces.cli.responses import add_responses, ask, refuse_pull_off, responses_of
 from roughcontact._parts.grid import Load
 from roughcontact._parts.surfaces import find_maps
-from roughcontact._solve.problem import follow_loads, list_loads, run_solve, run_sweep, tolerance_within
+from roughcontact._solve.problem import list_loads, run_loads, run_solve, tolerance_within
 from roughcontact._solve.solution import require_with_friction
 
 
@@ -226,16 +226,15 @@ def _solve(
     plan = problem.plan
     done = 0
 
-    def solve(load: Load, start: Array | None = None, *, start_gap: Array | None = None) -> rc.ContactSolution:
+    def solve(load: Load, start: Array | None = None, **others: Any) -> rc.ContactSolution:
         nonlocal done
         what = f"load {done + 1} of {len(loads)}, {load}"
         fraction = count_solves(plan.grid.shape, plan.solver.tolerance, (done, len(loads)))
         steps = describe_steps(change, what, fraction)
         done += 1
-        return run_solve(problem, load, start, throw=False, on_step=steps, start_gap=start_gap)
+        return run_solve(problem, load, start, throw=False, on_step=steps, **others)
 
-    # The state of surfaces that attract each other depends on the loads before.
-    sweep = run_sweep(solve, loads) if problem.adhesion is None else follow_loads(solve, loads)
+    sweep = run_loads(problem, solve, loads)
     return sweep, sweep.states
 
 

@@ -64,6 +64,8 @@ def write_script(solution: ContactSolution, problem: ContactProblem, load: Load)
 
     It is empty for a state of a path, which its path solves again.
     """
+    if any(one.follows for one in solution.added):
+        return ""
     if solution.shear is not None:
         return _write_sliding_script(problem, solution, load)
     given = f"{load.kind}={write_number(load.value)}"
@@ -102,13 +104,11 @@ def _write_frictional_script(problem: ContactProblem, path: FrictionalPath) -> s
 
 
 def _write_sliding_script(problem: ContactProblem, state: ContactSolution, load: Load) -> str:
-    """Return a Python script of steady sliding; empty if no line makes its law, or the state is one of a path."""
+    """Return a Python script of steady sliding; empty if no line makes its law."""
     writer = ExpressionWriter()
     try:
         law = writer.write(state.friction)
     except NotInAScript:
-        return ""
-    if not state.is_steady:
         return ""
     x, y = state.tangential_load.values
     angle = write_number(round(math.degrees(math.atan2(y, x)), _ANGLE_DIGITS))

@@ -45,8 +45,13 @@ def require_resolved(plan: SolvePlan) -> None:
 
 
 def solve_loads(problem: Scene, loads: tuple[Load, ...], change: ChangeProgress) -> Sweep:
-    """Return the solutions at all loads, in their order where a state depends on those before."""
+    """Return the solutions at all loads; see `run_loads`."""
     solve = report_states(partial(run_solve, problem), count_done(change, len(loads), "load"))
+    return run_loads(problem, solve, loads)
+
+
+def run_loads(problem: Scene, solve: Solve, loads: tuple[Load, ...]) -> Sweep:
+    """Return the solutions of a problem at all loads, in their order where a state depends on those before."""
     return follow_loads(solve, loads) if problem.remembers else run_sweep(solve, loads)
 
 

@@ -17,10 +17,10 @@ from roughcontact._solve.problem.run import certify, verify_solution
 from roughcontact._solve.problem.scene import Scene
 from roughcontact._solve.problem.task import make_task, pressure_unit
 from roughcontact._solve.solution import (
-    Governed,
     ContactSolution,
     FrictionalResiduals,
     FrictionalState,
+    Governed,
     Origin,
     Sheared,
     Status,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import TypeAlias
 
@@ -15,6 +15,7 @@ from roughcontact._base.units import Estimate
 from roughcontact._parts.grid import Load, extend
 from roughcontact._parts.interactions import Exponential, ShortRange
 from roughcontact._solve.problem.adhesive_path import Solve, cells_of, follow, open_gap, plan_of, require_resolved
+from roughcontact._solve.problem.path import march
 from roughcontact._solve.problem.plan import SolvePlan
 from roughcontact._solve.problem.run import run_solve
 from roughcontact._solve.problem.scene import Scene
@@ -103,8 +104,15 @@ class _ToldStates:
         self.count = 0
         self.start: ContactSolution | None = None
 
-    def __call__(self, load: Load, start: Array | None = None, *, start_gap: Array | None = None) -> ContactSolution:
-        state = self.solve(load, start, start_gap=start_gap)
+    def __call__(
+        self,
+        load: Load,
+        start: Array | None = None,
+        *,
+        start_gap: Array | None = None,
+        before: ContactSolution | None = None,
+    ) -> ContactSolution:
+        state = self.solve(load, start, start_gap=start_gap, before=before)
         self.start = self.start or state
         self.count += 1
         if self.left is not None:
@@ -118,11 +126,21 @@ class _ToldStates:
 
 
 def _follow_to_pull_off(solve: _ToldStates, plan: SolvePlan) -> Estimate:
-    states = [solve(Load("pressure", 0.0))]
+    states: list[ContactSolution] = []
+    for state in march(_list_descending(states, plan), partial(follow, solve)):
+        states.append(state)
+    solve.expect(_REFINEMENTS * _STATES_OF_REFINEMENT)
+    path = Sweep(tuple(_refine(solve, states)))
+    return find_minimum(path, tuple(text for text in plan.warnings if getattr(text, "rule", "") == "cohesive length"))
+
+
+def _list_descending(states: Sequence[ContactSolution], plan: SolvePlan) -> Iterator[Load]:
+    """Yield zero load, and then approaches downwards, until no lower force can follow the states that they found."""
+    yield Load("pressure", 0.0)
     step = _first_step(plan, states[0])
-    states.append(follow(solve, states, Load("approach", states[0].approach - _FIRST_PART * step)))
+    yield Load("approach", states[0].approach - _FIRST_PART * step)
     for _ in range(_MAX_STEPS):
-        states.append(follow(solve, states, Load("approach", states[-1].approach - step)))
+        yield Load("approach", states[-1].approach - step)
         force = np.array([state.force for state in states])
         # Patches of rough surfaces separate one by one, and the force rises at each. No force is lower than that by the
         # whole attraction, which falls with the approach.
@@ -130,9 +148,6 @@ def _follow_to_pull_off(solve: _ToldStates, plan: SolvePlan) -> Estimate:
             break
         if abs(force[-2] - force[-1]) < 0.1 * abs(force.min()):
             step *= 1.5
-    solve.expect(_REFINEMENTS * _STATES_OF_REFINEMENT)
-    path = Sweep(tuple(_refine(solve, states)))
-    return find_minimum(path, tuple(text for text in plan.warnings if getattr(text, "rule", "") == "cohesive length"))
 
 
 def _find_attraction(state: ContactSolution) -> float:
@@ -194,17 +209,25 @@ def _refine(solve: Solve, path: Sequence[ContactSolution]) -> list[ContactSoluti
     """Return the states of a path with more of them where the force may be lowest, each from the one before."""
     refined = list(path)
     for _ in range(_REFINEMENTS):
-        is_halved = _may_be_lowest(refined)
-        found = refined[:1]
-        for state, halved in zip(refined[1:], is_halved, strict=True):
-            if halved:
-                middle = 0.5 * (found[-1].approach + state.approach)
-                found.append(follow(solve, found, Load("approach", middle)))
-                found.append(follow(solve, found, Load("approach", state.approach)))
-            else:
-                found.append(state)
+        found: list[ContactSolution] = []
+        for state in march(_list_halved(found, refined), partial(_follow_or_keep, solve), refined[0]):
+            found.append(state)
         refined = found
     return refined
+
+
+def _list_halved(found: Sequence[ContactSolution], path: Sequence[ContactSolution]) -> Iterator[Load | ContactSolution]:
+    """Yield the states of a path, or two loads where the force may be lowest: in the middle, and of the state."""
+    for state, halved in zip(path[1:], _may_be_lowest(path), strict=True):
+        if halved:
+            yield Load("approach", 0.5 * (found[-1].approach + state.approach))
+            yield Load("approach", state.approach)
+        else:
+            yield state
+
+
+def _follow_or_keep(solve: Solve, before: Sequence[ContactSolution], place: Load | ContactSolution) -> ContactSolution:
+    return follow(solve, before, place) if isinstance(place, Load) else place
 
 
 def _may_be_lowest(path: Sequence[ContactSolution]) -> Mask:

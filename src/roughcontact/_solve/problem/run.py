@@ -355,7 +355,7 @@ def run_solve(
     datum = 0.0
     if effect is not None:
         gap, datum = gap.change(effect.offset)
-        inner = _after_touch(load, datum)
+        inner = load.after(datum) if problem.adhesion is not None else _after_touch(load, datum)
     with computing(problem):
         solution = _solve(problem, gap, inner, start, on_step, started, start_gap)
         if solution.status is Status.SEPARATED and start_gap is None:

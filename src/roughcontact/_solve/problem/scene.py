@@ -121,7 +121,12 @@ class Scene:
     @property
     def remembers(self) -> bool:
         """Whether a state depends on those before, so that loads are followed in their order."""
-        return self.adhesion is not None or any(isinstance(law, Process) for law in self.laws)
+        return self.adhesion is not None or bool(self.processes)
+
+    @property
+    def processes(self) -> tuple[Process, ...]:
+        """The laws that remember."""
+        return tuple(law for law in self.laws if isinstance(law, Process))
 
     def displace(self, pressure: Array) -> Array:
         """Return the displacement of both surfaces, positive into the bodies, by a pressure on the gap.

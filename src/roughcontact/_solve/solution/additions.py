@@ -86,11 +86,18 @@ class Addition(abc.ABC):
     """
 
     kind: ClassVar[str]
+    # Whether the problem of the state names what has added it.
+    of_problem: ClassVar[bool] = False
 
     @property
     @abc.abstractmethod
     def conditions(self) -> tuple[Condition, ...]:
         """Its conditions of the certificate."""
+
+    @property
+    def follows(self) -> bool:
+        """Whether the state follows from others, so that its load alone does not tell it."""
+        return False
 
     def describe(self, arrays: dict[str, RealArray]) -> Described:
         """Return its fields as data for JSON, and put arrays into `arrays` under the digest of their content."""

@@ -150,6 +150,7 @@ class Governed(Addition):
     """
 
     kind = "laws"
+    of_problem = True
 
     laws: tuple[Law, ...]
     offset: Array
@@ -203,6 +204,11 @@ class Governed(Addition):
     def conditions(self) -> tuple[Condition, ...]:
         """Those that the laws add."""
         return self.added_conditions
+
+    @property
+    def follows(self) -> bool:
+        """Whether the laws remember anything of states before."""
+        return any(values.any() for memory in self.before for values in memory.values())
 
     def list_numbers(self, state: Any) -> dict[str, Estimate | tuple[Any, str]]:
         """Return the numbers of the laws."""

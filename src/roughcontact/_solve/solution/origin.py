@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import math
 import platform
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from importlib.metadata import version
 from typing import Any
@@ -254,16 +254,25 @@ def versions() -> dict[str, str]:
     return {**found, "python": platform.python_version()}
 
 
-def solution_key(problem_key: str, load: Mapping[str, float], made_by: Mapping[str, str] | None = None) -> str:
-    """Return the key of a solution, from the key of its problem, its load and the versions, by default today's."""
+def solution_key(
+    problem_key: str,
+    load: Mapping[str, float],
+    made_by: Mapping[str, str] | None = None,
+    earlier: Sequence[Mapping[str, float]] = (),
+) -> str:
+    """Return the key of a solution, from the key of its problem, its load and the versions, by default today's.
+
+    Where a state depends on those before, `earlier` has their loads.
+    """
     numbers = versions() if made_by is None else made_by
+    problem_key = key_of([problem_key, *earlier]) if earlier else problem_key
     return key_of([problem_key, load], *(f"{name} {number}" for name, number in numbers.items() if name != "python"))
 
 
-def key_of_origin(origin: Origin | None) -> str:
-    """Return the key of a solution by its origin; empty if there is none."""
+def key_of_origin(origin: Origin | None, earlier: Sequence[Mapping[str, float]] = ()) -> str:
+    """Return the key of a solution by its origin, and the loads before its own; empty if there is none."""
     try:
-        return "" if origin is None else solution_key(key_of(origin.problem), origin.load, origin.versions)
+        return "" if origin is None else solution_key(key_of(origin.problem), origin.load, origin.versions, earlier)
     except InputError:
         return ""
 
@@ -274,6 +283,9 @@ def require_key(header: Mapping[str, Any], key: str | None = None) -> None:
     if found:
         problem = key_of_description({"mapping": header["problem"]["fields"]}, *header["programs"])
         made_by = (f"{name} {number}" for name, number in header["versions"].items() if name != "python")
+        earlier = header.get("earlier")
+        if earlier:
+            problem = key_of_description([problem, *earlier])
         if found != key_of_description([problem, header["load"]], *made_by):
             raise InputError("Its key is not that of its problem.")
     if key not in (None, found):

@@ -197,6 +197,11 @@ class Sheared(Addition):
         """The conditions of friction."""
         return self.residuals.conditions
 
+    @property
+    def follows(self) -> bool:
+        """Whether it is a state of a path."""
+        return not self.given.is_steady
+
     def list_rows(self, state: Any) -> dict[str, str]:
         """Return tangential force, displacement, areas and energy in words, by their names."""
         pushed = _write_pair(state.tangential_force, "N")

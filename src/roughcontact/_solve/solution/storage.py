@@ -138,11 +138,13 @@ def read_netcdf(path: Path) -> tuple[dict[str, RealArray], dict[str, Any]]:
         return unpack(packed)
 
 
-def write(path: Path, solution: ContactAnswers, *, flush: bool = True) -> None:
-    """Write a solution; see `ContactSolution.save` and, for `flush`, `replacing`."""
+def write(
+    path: Path, solution: ContactAnswers, *, flush: bool = True, earlier: Sequence[Mapping[str, float]] = ()
+) -> None:
+    """Write a solution; see `ContactSolution.save`, for `flush` `replacing`, and for `earlier` `solution_key`."""
     if path.suffix not in (".npz", ".nc"):
         raise InputError.about("The name of a solution's file", path.name, "one ending in .npz or .nc")
-    arrays, header = disassemble(solution)
+    arrays, header = disassemble(solution, earlier)
     if missing := missing_classes(header["problem"]):
         warn(f"{path.name} keeps the fields of the solution. {missing}")
     if path.suffix == ".nc":
@@ -264,8 +266,10 @@ def _dataset(solution: ContactAnswers, packed: Mapping[str, RealArray]) -> Any:
     return make_dataset(variables, places, title)
 
 
-def disassemble(solution: ContactAnswers) -> tuple[dict[str, npt.ArrayLike], dict[str, Any]]:
-    """Return all arrays by name, and everything else as data for JSON."""
+def disassemble(
+    solution: ContactAnswers, earlier: Sequence[Mapping[str, float]] = ()
+) -> tuple[dict[str, npt.ArrayLike], dict[str, Any]]:
+    """Return all arrays by name, and everything else as data for JSON; see `solution_key` for `earlier`."""
     parts: dict[str, RealArray] = {}
     origin = solution.origin
     limit = solution.pressure_limit
@@ -273,8 +277,9 @@ def disassemble(solution: ContactAnswers) -> tuple[dict[str, npt.ArrayLike], dic
     tables = {name: attrs.asdict(getattr(solution, name)) for name in ("grid", "residuals")}
     header = {
         "kind": _ARCHIVE_KIND,
-        # A study finds solutions without friction by it.
-        "key": "" if solution.added else key_of_origin(origin),
+        # A study finds a solution by it, if its problem tells it.
+        "key": key_of_origin(origin, earlier) if all(one.of_problem for one in solution.added) else "",
+        **({"earlier": describe(list(earlier), parts)} if earlier else {}),
         "versions": versions() if origin is None else dict(origin.versions),
         "programs": [] if origin is None else origin.programs,
         "status": solution.status.name,

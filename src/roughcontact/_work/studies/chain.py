@@ -186,7 +186,14 @@ class Chain(Point):
         content = key_of({**self.problem.parts, **self.bodies()})
         if self.shearing is not None:
             content = key_of([content, *self.shearing.parts])
-        return tuple(solution_key(content, load.arguments) for load in self.loads)
+        return tuple(
+            solution_key(content, load.arguments, earlier=self.earlier(index)) for index, load in enumerate(self.loads)
+        )
+
+    def earlier(self, index: int) -> tuple[Mapping[str, float], ...]:
+        """Return the loads before one, where its state depends on those before."""
+        follows = self.problem.remembers and self.shearing is None
+        return tuple(load.arguments for load in self.loads[:index]) if follows else ()
 
     def listed(self, key: str, load: Load) -> Record | None:
         """Return the earlier record of a load, which another problem of the study may have made; None without one."""
@@ -243,6 +250,7 @@ def run_chain(chain: Chain) -> ChainResult:
     records: dict[int, Record] = {}
     solutions: list[ContactSolution] = []
     computed = 0
+    is_known = True
     keys = chain.solution_keys()
     for index in range(len(chain.loads)) if chain.problem.remembers else order_of_solving(chain.loads):
         key = keys[index]
@@ -250,10 +258,12 @@ def run_chain(chain: Chain) -> ChainResult:
         try:
             record, solution = _find(chain, key, load)
             if record is None:
+                if chain.problem.processes and not is_known:
+                    raise InputError("A law remembers the state at the load before it, which has no solution.")
                 computed += 1
                 solution = _solve(chain.seeded, load, solutions)
                 # The list of records is flushed once for the chain, and with it the names of all its files.
-                write(chain.path(key), solution, flush=False)
+                write(chain.path(key), solution, flush=False, earlier=chain.earlier(index))
                 record = _measure(chain, chain.record(key, load), solution)
             elif solution is None and len(records) + 1 < len(chain.loads):
                 solution = _load(chain, key)
@@ -263,6 +273,7 @@ def run_chain(chain: Chain) -> ChainResult:
             record = chain.record(key, load, *status_of(error))
             solution = None
         records[index] = record
+        is_known = solution is not None
         if solution is not None:
             solutions = [*solutions[-1:], solution]
     return ChainResult(_in_order(records), computed)
