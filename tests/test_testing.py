@@ -10,6 +10,7 @@ import sys
 import tomllib
 from importlib.metadata import entry_points
 from pathlib import Path
+from typing import ClassVar
 
 import attrs
 import numpy as np
@@ -459,6 +460,31 @@ class Slippery(rc.FrictionLaw):
         return (0.3 + 0.1 * noise) * pressure
 
 
+@rc.laws.register("test-forgetful")
+@attrs.frozen
+class Forgetful(rc.Process):
+    """Wear with one fault."""
+
+    fault: str
+
+    remembered: ClassVar = {"lost": ("height lost", "m")}
+
+    def change_gap(self, problem, load, memory):
+        if self.fault == "writes":
+            problem.initial_gap.flags.writeable = True
+            problem.initial_gap[...] *= 1.0 + 1e-9
+        noise = np.random.default_rng().random() if self.fault == "moody" else 1.0
+        return noise * memory["lost"]
+
+    def remember(self, state, memory):
+        if self.fault == "forgets":
+            return memory
+        return {"lost": memory["lost"] + 1e-17 * state.pressure}
+
+    def list_conditions(self, state, memory):
+        yield rc.results.Condition("balance", 0.1 if self.fault == "uncertain" else 0.0, "what is lost twice")
+
+
 class Loose(ShearSolver):
     """A solver of shear with one fault."""
 
@@ -604,6 +630,11 @@ BROKEN = [
     (Scribbles("sweep", "moody"), "repeatable"),
     (Credulous(), "file endings"),
     (Credulous(), "damaged files refused"),
+    (Forgetful("uncertain"), "certified states"),
+    (Forgetful("moody"), "the same from a file"),
+    (Forgetful("moody"), "the same twice"),
+    (Forgetful("writes"), "arrays unchanged"),
+    (Forgetful("forgets"), "memory of the loads before"),
     # What all kinds share.
     (Doubling(1e9), "takes texts with units"),
     (Hidden(1e-9), "survives pickling"),
@@ -806,6 +837,7 @@ BASES = {
     rc.Panel: ("draw",),
     rc.Interaction: ("tension", "slope", "energy"),
     rc.FrictionLaw: ("limit",),
+    rc.Law: ("change_gap",),
     ShearSolver: ("tolerance", "solve"),
     rc.SurfaceReader: ("suffixes", "read"),
 }

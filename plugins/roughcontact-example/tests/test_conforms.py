@@ -12,6 +12,7 @@ PARTS = [
     example.Foam(young=70e9, strength=200e6, density=0.1),
     example.Capillary(surface_energy=0.072, kelvin_radius=1e-9, smoothing=3e-10),
     example.Junctions(coefficient=0.3, strength=200e6),
+    example.Wear(coefficient=1e-16, distance=0.1),
     example.ProjectedGradient(),
     example.Springs(thickness=2e-6),
     example.SignalConvolver(),

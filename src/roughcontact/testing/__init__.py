@@ -16,6 +16,7 @@ from roughcontact.testing import (  # noqa: F401 - claims
     inputs,
     interactions,
     kernels,
+    laws,
     panels,
     responses,
     shear,

@@ -13,6 +13,7 @@ from roughcontact_example.response import Capacitance
 from roughcontact_example.shear_solver import ProjectedGradient
 from roughcontact_example.solver import AcceleratedGradient
 from roughcontact_example.surface import Dimples
+from roughcontact_example.wear import Wear
 
 __all__ = [
     "AcceleratedGradient",
@@ -28,4 +29,5 @@ __all__ = [
     "SignalConvolver",
     "Springback",
     "Springs",
+    "Wear",
 ]

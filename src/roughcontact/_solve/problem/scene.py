@@ -6,9 +6,10 @@ from functools import cached_property
 from typing import Any
 
 import attrs
+import numpy as np
 
 from roughcontact._base.arrays import Array
-from roughcontact._base.checks import instance_of
+from roughcontact._base.checks import MAX_MAGNITUDE, instance_of, numbers
 from roughcontact._base.machine import limit_of_memory, thread_count
 from roughcontact._parts.grid import Boundary, Grid, as_boundary
 from roughcontact._parts.interactions import Interaction
@@ -128,22 +129,27 @@ class Scene:
         """The laws that remember."""
         return tuple(law for law in self.laws if isinstance(law, Process))
 
-    def displace(self, pressure: Array) -> Array:
+    def displace(self, pressure: float | Array) -> Array:
         """Return the displacement of both surfaces, positive into the bodies, by a pressure on the gap.
 
         Parameters
         ----------
         pressure
-            Pressure that presses the surfaces apart, shape (nx, ny), Pa, such as that of a lubricant.
+            Pressure that presses the surfaces apart, a number or of shape (nx, ny), Pa, such as that of a lubricant.
 
         Returns
         -------
         Array
             Shape (nx, ny), m; on a periodic boundary its mean is zero.
         """
+        allowed = f"a number or an array of shape {self.plan.grid.shape}, finite (Pa)"
+        given = numbers(pressure, "The pressure", allowed)
+        if given.shape not in ((), self.plan.grid.shape) or not np.abs(given).max() <= MAX_MAGNITUDE:
+            raise InputError.about("The pressure", pressure, allowed)
         unit = pressure_unit(self.plan)
+        field = np.broadcast_to(given, self.plan.grid.shape) / unit
         return self.convolution.to_numpy(
-            self.convolution.apply(self.convolution.from_numpy(pressure / unit)) * self.plan.peak_to_valley
+            self.convolution.apply(self.convolution.from_numpy(field)) * self.plan.peak_to_valley
         )
 
     def explain(self) -> str:

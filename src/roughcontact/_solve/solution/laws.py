@@ -10,7 +10,7 @@ from typing import Any, ClassVar, TypeAlias, final
 import attrs
 import numpy as np
 
-from roughcontact._base.archive.plain import Described, describe, rebuild
+from roughcontact._base.archive.plain import Described, describe, missing_classes, rebuild
 from roughcontact._base.arrays import Array, RealArray, frozen_array
 from roughcontact._base.checks import MAX_MAGNITUDE, Part
 from roughcontact._base.registry import Registry
@@ -22,6 +22,7 @@ from roughcontact.errors import InputError
 # Arrays of shape (nx, ny) by name: what a law remembers.
 Memory: TypeAlias = Mapping[str, Array]
 _NOTHING: Memory = MappingProxyType({})
+_PLAIN = ("laws", "remembered")
 # Difference between machines of what a law gives, over its largest value.
 _MACHINE_DIFFERENCE = 1e-10
 
@@ -49,7 +50,7 @@ class Law(Part, abc.ABC):
     ...         return {"lubricant_load": (carried, "N")}
     >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Elastic(young=210e9, poisson=0.3))
     >>> problem = rc.ContactProblem(ball, grid=rc.Grid((32, 32), 100e-6), laws=Lubricant("2MPa"))
-    >>> print(problem.solve(force=1.0).certificate.error < 1e-5)
+    >>> problem.solve(force=1.0).certificate.error < 1e-5
     True
     """
 
@@ -101,8 +102,8 @@ class Process(Law):
     >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Elastic(young=210e9, poisson=0.3))
     >>> problem = rc.ContactProblem(ball, grid=rc.Grid((32, 32), 100e-6), laws=Wear(1e-17))
     >>> peaks = [state.pressure.max() for state in problem.sweep(force=[1.0, 1.0, 1.0])]
-    >>> peaks[0] > peaks[1] > peaks[2]
-    True
+    >>> [f"{peak / 1e9:.2f} GPa" for peak in peaks]
+    ['2.16 GPa', '1.96 GPa', '1.78 GPa']
     """
 
     remembered: ClassVar[Mapping[str, tuple[str, str]]]
@@ -138,7 +139,9 @@ class Governed(Addition):
     Attributes
     ----------
     laws
-        The laws of the problem.
+        The laws of the problem; empty of a file whose classes are not registered.
+    remembered
+        Meaning and unit of what each of them remembers, by name.
     offset
         What they add to the gap before deformation, shape (nx, ny), m.
     before, memory
@@ -153,6 +156,7 @@ class Governed(Addition):
     of_problem = True
 
     laws: tuple[Law, ...]
+    remembered: tuple[Mapping[str, tuple[str, str]], ...]
     offset: Array
     before: tuple[Memory, ...]
     memory: tuple[Memory, ...]
@@ -172,7 +176,8 @@ class Governed(Addition):
         offset = np.zeros(grid.shape)
         for law, memory in zip(problem.laws, before, strict=True):
             offset += _check_field(law.change_gap(problem, load, memory), grid, f"change_gap of {law!r}")
-        return cls(laws=problem.laws, offset=frozen_array(offset), before=before, memory=before)
+        remembered = tuple(map(_list_remembered, problem.laws))
+        return cls(laws=problem.laws, remembered=remembered, offset=frozen_array(offset), before=before, memory=before)
 
     def repeat(self, problem: Any, state: Any) -> Governed:
         """Return it anew from what the laws remembered before, and a state with its origin."""
@@ -220,17 +225,14 @@ class Governed(Addition):
 
     def list_fields(self) -> dict[str, tuple[RealArray, str, str]]:
         """Return what the laws remember."""
-        found: dict[str, tuple[RealArray, str, str]] = {}
-        for law, memory in zip(self.laws, self.memory, strict=True):
-            if isinstance(law, Process):
-                found |= {name: (values, *law.remembered[name]) for name, values in memory.items()}
-        return found
+        pairs = zip(self.remembered, self.memory, strict=True)
+        return {name: (memory[name], *words) for names, memory in pairs for name, words in names.items()}
 
     def describe(self, arrays: dict[str, RealArray]) -> Described:
         """Return it as data for JSON; see `Addition.describe`."""
         named = {name: attrs.asdict(one) if isinstance(one, Estimate) else one for name, one in self.numbers.items()}
         return {
-            **{name: describe(getattr(self, name), arrays) for name in ("laws", "offset", "before", "memory")},
+            **{name: describe(getattr(self, name), arrays) for name in (*_PLAIN, "offset", "before", "memory")},
             "numbers": describe(named, arrays),
             "conditions": describe([attrs.asdict(one) for one in self.added_conditions], arrays),
         }
@@ -238,16 +240,21 @@ class Governed(Addition):
     @classmethod
     def rebuild(cls, described: Mapping[str, Any], arrays: Mapping[str, RealArray], grid: Grid, given: Any) -> Governed:
         """Return what `describe` has described."""
-        found = tuple(rebuild(one, arrays, (Law,)) for one in described["laws"])
+        remembered = tuple(
+            {str(name): (str(meaning), str(unit)) for name, (meaning, unit) in one.items()}
+            for one in rebuild(described["remembered"], arrays)
+        )
         before, memory = (
             tuple(
-                {name: _check_field(one[name], grid, f"memory {name!r}") for name in _list_remembered(law)}
-                for law, one in zip(found, rebuild(described[name], arrays), strict=True)
+                {name: _check_field(one[name], grid, f"memory {name!r}") for name in names}
+                for names, one in zip(remembered, rebuild(described[name], arrays), strict=True)
             )
             for name in ("before", "memory")
         )
+        known = () if missing_classes(described["laws"]) else described["laws"]
         return cls(
-            laws=found,
+            laws=tuple(rebuild(one, arrays, (Law,)) for one in known),
+            remembered=remembered,
             offset=_check_field(rebuild(described["offset"], arrays), grid, "change of the gap"),
             before=before,
             memory=memory,
@@ -275,8 +282,8 @@ def _read_number(stored: Any) -> Estimate | tuple[float, str]:
     return float(value), str(unit)
 
 
-def _list_remembered(law: Law) -> Iterable[str]:
-    return law.remembered if isinstance(law, Process) else ()
+def _list_remembered(law: Law) -> Mapping[str, tuple[str, str]]:
+    return law.remembered if isinstance(law, Process) else {}
 
 
 def _start_memory(law: Law, grid: Grid) -> Memory:

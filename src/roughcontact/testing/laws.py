@@ -1,0 +1,87 @@
+"""Claims about laws: what changes the gap of a contact, and what it remembers."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import roughcontact as rc
+from roughcontact._solve.solution import ContactSolution, Law, Process, laws
+from roughcontact.errors import InputError, NotConverged
+from roughcontact.testing.claim import DoesNotApply, claim, require, require_equal
+
+_FORCES = (1.0, 2.0, 0.5)
+# Largest residual of a condition: that of the contact is 2e-5.
+_MAX_ERROR = 1e-4
+
+
+def _problem(law: Law) -> rc.ContactProblem:
+    ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Elastic(young=210e9, poisson=0.3))
+    return rc.ContactProblem(ball, grid=rc.Grid((32, 24), (100e-6, 80e-6)), laws=law)
+
+
+def _follow(law: Law) -> tuple[ContactSolution, ...]:
+    return _problem(law).sweep(force=_FORCES).states
+
+
+def _memory_of(state: ContactSolution) -> Any:
+    return state.added[0].memory[0]  # type: ignore[attr-defined]
+
+
+@claim("law", "certified states")
+def _certified(law: Law) -> str:
+    try:
+        states = _follow(law)
+    except NotConverged as error:
+        raise AssertionError(f"a state with it is not certified: {error}") from error
+    error = max(state.certificate.error for state in states)
+    require(error <= _MAX_ERROR, f"a condition of the certificate is violated by {error:.1e}")
+    return f"largest residual {error:.1e}"
+
+
+@claim("law", "the same from a file")
+def _saved(law: Law) -> None:
+    if laws.name_of(type(law)) is None:
+        raise DoesNotApply("only a registered law comes from a file")
+    state = _follow(law)[-1]
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder, "state.npz")
+        state.save(file)
+        try:
+            # Loading verifies the change of the gap and what it remembers.
+            loaded = ContactSolution.load(file)
+        except InputError as error:
+            raise AssertionError(f"a file of it is not verified: {error}") from error
+    for name, values in _memory_of(state).items():
+        require_equal(_memory_of(loaded)[name], values, f"{name} of a file is another one")
+
+
+@claim("law", "the same twice")
+def _repeatable(law: Law) -> None:
+    one, other = (_follow(law)[-1] for _ in range(2))
+    require_equal(one.pressure, other.pressure, "the same loads give another pressure the second time")
+
+
+@claim("law", "arrays unchanged")
+def _unchanged(law: Law) -> None:
+    problem = _problem(law)
+    before = problem.initial_gap.copy()
+    state = problem.sweep(force=_FORCES[:2]).states[-1]
+    kept = [values.copy() for values in _memory_of(state).values()]
+    problem.sweep(force=_FORCES)
+    require_equal(problem.initial_gap, before, "it writes into the gap of the problem")
+    for values, old in zip(_memory_of(state).values(), kept, strict=True):
+        require_equal(values, old, "it writes into what it remembered before")
+
+
+@claim("law", "memory of the loads before")
+def _remembers(law: Law) -> str:
+    if not isinstance(law, Process):
+        raise DoesNotApply("it does not remember")
+    first, *_, last = _follow(law)
+    names = [name for name in law.remembered if not np.array_equal(_memory_of(first)[name], _memory_of(last)[name])]
+    require(names, "what it remembers does not change with the loads")
+    return ", ".join(names)
