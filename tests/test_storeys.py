@@ -137,6 +137,48 @@ def imports_private(path):
     return any(re.match(r"roughcontact\.(\w+\.)*_(?!_)", name) for name in names)
 
 
+# What loops over something else than loads: grids of an accuracy, surfaces of a seed, records on disk; and the march.
+SOLVING_LOOPS = {
+    "_answers.refinement.beyond_resolution",
+    "_solve.problem.accuracy.solve_within",
+    "_solve.problem.path.march",
+    "_work.studies.chain._follow_paths",
+}
+
+
+def list_loops_that_solve(path):
+    """Return the functions of a file in which a loop or a comprehension calls a solve."""
+    found = set()
+
+    def visit(node, function, is_looping):
+        if isinstance(node, ast.FunctionDef | ast.ClassDef | ast.Lambda):
+            is_looping = False
+            function = getattr(node, "name", function)
+        if isinstance(node, ast.For | ast.While | ast.ListComp | ast.GeneratorExp | ast.DictComp | ast.SetComp):
+            is_looping = True
+        if isinstance(node, ast.Call) and is_looping:
+            called = getattr(node.func, "attr", getattr(node.func, "id", ""))
+            of_load = any(one.arg is None for one in node.keywords)
+            if called in ("run_solve", "follow") or (called == "solve" and of_load):
+                found.add(function)
+        for child in ast.iter_child_nodes(node):
+            visit(child, function, is_looping)
+
+    visit(ast.parse(path.read_text(encoding="utf-8")), "", False)
+    return found
+
+
+def test_loads_are_followed_by_the_march():
+    """A loop over loads elsewhere would have its own start, progress and memory."""
+    found = {
+        f"{name.removeprefix('roughcontact.')}.{function}"
+        for name, path in NAMES.items()
+        if not name.startswith("roughcontact.testing")
+        for function in list_loops_that_solve(path)
+    }
+    assert found == SOLVING_LOOPS
+
+
 def test_only_unit_tests_import_what_is_private():
     others = [path for path in TESTS.glob("*.py") if "unit" not in path.stem.split("_")]
     assert {path.name for path in others if imports_private(path)} == set()
