@@ -158,6 +158,23 @@ def test_a_state_is_saved_and_verified(worn, tmp_path, ending):
     assert not loaded.added[0].memory[0]["height_loss"].flags.writeable
 
 
+@given(st.integers(0, 2**32 - 1))
+def test_states_on_any_grid_are_verified(seed):
+    """Grids of odd sides, slender cells and lost points, on every boundary, with one law or two."""
+    random = np.random.default_rng(seed)
+    shape = tuple(random.integers(5, 24, 2).tolist())
+    size = (1e-4, float(random.choice([1e-4, 3e-4, 8e-4])))
+    boundary = [("free", "free"), ("periodic", "periodic"), ("free", "periodic"), ("periodic", "free")][seed % 4]
+    heights = 1e-7 * random.standard_normal(shape)
+    if seed % 3 == 0:
+        heights[random.random(shape) < 0.1] = np.nan
+    surface = rc.HeightMap(heights, size, periodic=boundary == ("periodic", "periodic"))
+    laws = [Wear(1e-5 / 200e9), Lubricant("1MPa", "100nm")][: 1 + seed % 2]
+    problem = rc.ContactProblem(rc.Body(surface, STEEL), boundary=boundary, laws=laws)
+    for state in problem.sweep(pressure=[3e8, 1e8]):
+        state.verify()
+
+
 def test_a_file_whose_law_is_not_registered_keeps_the_fields(tmp_path):
     @attrs.frozen
     class Own(Wear):

@@ -355,6 +355,9 @@ def run_solve(
     datum = 0.0
     if effect is not None:
         gap, datum = gap.change(effect.offset)
+        if gap.non_measured is not None:
+            # One depth for all of them, as in a verification.
+            gap = gap.with_depth(float(gap.values[gap.non_measured].max()))
         inner = load.after(datum) if problem.adhesion is not None else _after_touch(load, datum)
     with computing(problem):
         solution = _solve(problem, gap, inner, start, on_step, started, start_gap)
