@@ -162,21 +162,15 @@ def require_memory_of_map(size: float) -> None:
     require_memory(size, "it", "cut it, or write it with fewer points")
 
 
-def put_x_first(heights: Array, rows: str) -> Array:
-    """Return heights of a file with a row for each x or each y, indexed [x, y]."""
-    return np.ascontiguousarray(heights.T) if rows == "y" else heights
-
-
 def turn_up(heights: Array, falling: str) -> Array:
     """Return heights, indexed [x, y], with rising places along the axes, such as ``"y"``, along which they fall."""
     flips = tuple(slice(None, None, -1 if axis in falling else 1) for axis in "xy")
     return np.ascontiguousarray(heights[flips])
 
 
-def name_rows(rows: str, *, assumed: bool = False, downwards: bool = False) -> str:
+def name_rows(rows: str, line: str = "a line of the file", *, assumed: bool = False, downwards: bool = False) -> str:
     """Return in words what a line of a file is."""
-    order = ", downwards" if downwards else ""
-    return f"a line of the file is one {rows}{order}{' (assumed: rows= says it)' if assumed else ''}"
+    return f"{line} is one {rows}{', downwards' if downwards else ''}{' (assumed: rows= says it)' if assumed else ''}"
 
 
 class SurfaceReader(Part, abc.ABC):
@@ -233,12 +227,10 @@ def find_foreign(file: Path) -> str:
             return "it is a document of an office program: save the sheet of its heights as CSV"
         if ending == ".zip":
             return "it is a ZIP archive: unpack it first"
-    if ending in _FOREIGN_ENDINGS:
-        kind, advice = _FOREIGN_ENDINGS[ending]
+    begun = (found for mark, found in _FOREIGN_KINDS.items() if start.startswith(mark.lower()))
+    if foreign := _FOREIGN_ENDINGS.get(ending) or next(begun, None):
+        kind, advice = foreign
         return f"it is {kind}, not a height map: {advice}"
-    for mark, (kind, advice) in _FOREIGN_KINDS.items():
-        if start.startswith(mark.lower()):
-            return f"it is {kind}, not a height map: {advice}"
     for words, (kind, advice) in _FOREIGN_LINES.items():
         if words.search(start):
             return f"it is {kind}, which is not read: {advice}"

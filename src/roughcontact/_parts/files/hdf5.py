@@ -9,22 +9,22 @@ from typing import Any
 import attrs
 import numpy as np
 
+from roughcontact._base.arrays import RealArray
 from roughcontact._parts.files.base import RawMap, require_memory_of_map
-from roughcontact._parts.files.bounds import bound_expansion, require_sound_hdf5
+from roughcontact._parts.files.bounds import list_members, require_room, require_sound_hdf5
 from roughcontact._parts.files.named import (
     CHANGING_NAMES,
     DESCRIBING_ATTRIBUTES,
-    MISSING_ATTRIBUTES,
-    PACKING_ATTRIBUTES,
+    NUMBER_ATTRIBUTES,
     STATING_ATTRIBUTES,
     STEPS_OF_HEIGHTS,
     UNIT_ATTRIBUTES,
-    VALID_ATTRIBUTES,
     NamedArray,
     NamedArrayReader,
     choose_map,
     find_stating,
     is_changing,
+    read_numbers,
 )
 from roughcontact.errors import InputError, MissingPackage
 
@@ -54,38 +54,30 @@ def read_hdf5(path: Path) -> tuple[dict[str, NamedArray], dict[str, str]]:
     arrays: dict[str, NamedArray] = {}
     texts: dict[str, str] = {}
     require_sound_hdf5(path)
-    size = path.stat().st_size
-    left = bound_expansion(size)
     with path.open("rb") as stream, h5py.File(stream, "r") as file:
-        items, groups = _find_items(file, h5py)
-        for path_of_group, group in groups.items():
+        members = list_members(file, _MAX_MEMBERS)
+        groups = {f"{name}/": item for name, item in members.items() if isinstance(item, h5py.Group)}
+        for path_of_group, group in ({"": file} | groups).items():
             for name, value in _read_statements(group, h5py).items():
                 if isinstance(value, str):
                     texts[f"{path_of_group}{name}"] = value
                 else:
                     arrays[f"{path_of_group}{name}"] = NamedArray(value)
+        items = {
+            name: item
+            for name, item in members.items()
+            if isinstance(item, h5py.Dataset) and (_is_plain(item, h5py) or _is_short_text(item, h5py))
+        }
+        require_room(sum(math.prod(item.shape) * item.dtype.itemsize for item in items.values()), path.stat().st_size)
         for name, item in items.items():
-            left -= math.prod(item.shape) * item.dtype.itemsize
-            if left < 0:
-                raise InputError(f"its arrays are larger than a file of {size} bytes can hold")
             if "MATLAB_class" in item.attrs and _read_text(_read_plain(item, "MATLAB_class", h5py)) == "char":
                 texts[name] = _read_letters(item[()])
             elif _is_text(item, h5py):
                 texts[name] = _read_text(item[()])
             else:
-                arrays[name] = _squeeze(
-                    NamedArray(np.asarray(item[()]), _read_attributes(item, h5py), _name_axes(item, h5py))
-                )
+                one = NamedArray(np.asarray(item[()]), _read_attributes(item, h5py), _name_axes(item, h5py))
+                arrays[name] = one.squeezed()
     return arrays, texts
-
-
-def _squeeze(one: NamedArray) -> NamedArray:
-    """Return an array of more than two dimensions without axes of one point, such as one time."""
-    shape = one.values.shape
-    if len(shape) <= 2:
-        return one
-    axes = tuple(axis for axis, count in zip(one.axes, shape, strict=False) if count > 1)
-    return attrs.evolve(one, values=one.values.squeeze(), axes=axes)
 
 
 def _read_attributes(item: Any, h5py: Any) -> dict[str, Any]:
@@ -94,18 +86,10 @@ def _read_attributes(item: Any, h5py: Any) -> dict[str, Any]:
     for name in item.attrs:
         if name in UNIT_ATTRIBUTES:
             found[name] = _read_text(_read_plain(item, name, h5py))
-        elif name in PACKING_ATTRIBUTES:
-            found[name] = _read_number(_read_plain(item, name, h5py), name)
-        elif name in MISSING_ATTRIBUTES:
-            found[name] = tuple(_read_number(value, name) for value in np.ravel(_read_plain(item, name, h5py)))
-        elif name in VALID_ATTRIBUTES:
-            numbers = [_read_number(value, name) for value in np.ravel(_read_plain(item, name, h5py))]
-            if len(numbers) != (2 if name == "valid_range" else 1):
-                raise InputError(f"it states {len(numbers)} numbers as its {name}")
-            found[name] = tuple(numbers) if len(numbers) == 2 else numbers[0]
+        elif name in NUMBER_ATTRIBUTES:
+            found[name] = read_numbers(name, _read_plain(item, name, h5py))
         elif name in STATING_ATTRIBUTES or is_changing(name) or name.lower() in STEPS_OF_HEIGHTS:
-            value = np.asarray(_read_plain(item, name, h5py))
-            found[name] = value if value.dtype.kind in "iuf" else _read_text(value)
+            found[name] = _read_value(item, name, h5py)
         elif name in DESCRIBING_ATTRIBUTES and _is_short(item, name, h5py):
             found[name] = _read_text(item.attrs[name])
     return {name: value for name, value in found.items() if not isinstance(value, str) or value}
@@ -123,8 +107,7 @@ def _read_statements(group: Any, h5py: Any) -> dict[str, Any]:
     for name in group.attrs:
         stating = find_stating(name) or (name if name.lower() in CHANGING_NAMES else "")
         if stating:
-            value = np.asarray(_read_plain(group, name, h5py))
-            found[stating] = value if value.dtype.kind in "iuf" else _read_text(value)
+            found[stating] = _read_value(group, name, h5py)
         elif name in DESCRIBING_ATTRIBUTES and _is_short(group, name, h5py):
             found[name] = _read_text(group.attrs[name])
     return {name: value for name, value in found.items() if not isinstance(value, str) or value}
@@ -140,11 +123,9 @@ def _read_plain(item: Any, name: str, h5py: Any) -> Any:
     return item.attrs[name]
 
 
-def _read_number(value: Any, name: str) -> float:
-    number = np.asarray(value).ravel()
-    if number.size != 1 or number.dtype.kind not in "iuf" or (name in PACKING_ATTRIBUTES and not np.isfinite(number)):
-        raise InputError(f"it states {value!r:.40} as its {name}, which is not a number")
-    return float(number[0])
+def _read_value(item: Any, name: str, h5py: Any) -> RealArray | str:
+    value = np.asarray(_read_plain(item, name, h5py))
+    return value if value.dtype.kind in "iuf" else _read_text(value)
 
 
 def _read_text(value: Any) -> str:
@@ -171,35 +152,6 @@ def _name_axes(item: Any, h5py: Any) -> tuple[str, ...]:
     if "DIMENSION_LIST" not in item.attrs:
         return ()
     return tuple(str(axis[0].name).rpartition("/")[2] if len(axis) else "" for axis in item.dims)
-
-
-def _find_items(file: Any, h5py: Any) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return the arrays of numbers, and texts, in a file and its groups that stand in the file, and these, by paths."""
-    found = {}
-    all_groups = {"": file}
-    groups = [("", file)]
-    # Links may form circles.
-    seen = {h5py.h5o.get_info(file.id).addr}
-    members = 0
-    while groups:
-        path, group = groups.pop()
-        for name in group:
-            members += 1
-            if members > _MAX_MEMBERS:
-                raise InputError(f"it has more than {_MAX_MEMBERS} members: write the heights alone")
-            if not isinstance(group.get(name, getlink=True), h5py.HardLink):
-                continue
-            item = group[name]
-            address = h5py.h5o.get_info(item.id).addr
-            if address in seen:
-                continue
-            seen.add(address)
-            if isinstance(item, h5py.Group):
-                groups.append((f"{path}{name}/", item))
-                all_groups[f"{path}{name}/"] = item
-            elif isinstance(item, h5py.Dataset) and (_is_plain(item, h5py) or _is_short_text(item, h5py)):
-                found[f"{path}{name}"] = item
-    return found, all_groups
 
 
 def _is_plain(item: Any, h5py: Any) -> bool:
@@ -246,10 +198,7 @@ class Hdf5Reader(NamedArrayReader):
         The number that stands for a non-measured point, or ``"none"``; one that looks so is asked about.
     """
 
-    @property
-    def suffixes(self) -> frozenset[str]:
-        """H5 and hdf5."""
-        return frozenset({".h5", ".hdf5"})
+    suffixes = frozenset({".h5", ".hdf5"})
 
     def read(self, path: Path) -> RawMap:
         """Return the map."""

@@ -59,10 +59,7 @@ class InstrumentReader(SurfaceReader):
     the history names. SurfaceTopography is not among the extras, because a package it needs (igor2) is under the LGPL.
     """
 
-    @property
-    def suffixes(self) -> frozenset[str]:
-        """None."""
-        return frozenset()
+    suffixes = frozenset[str]()
 
     def read(self, path: Path) -> RawMap:
         """Return the map; raise `MissingPackage` if SurfaceTopography is not installed."""

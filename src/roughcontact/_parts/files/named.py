@@ -23,6 +23,7 @@ MISSING_ATTRIBUTES = ("_FillValue", "missing_value")
 _MISSING_NAMES = ("nodata", "no_data", "nodata_value", "fill_value", "fillvalue")
 VALID_ATTRIBUTES = ("valid_range", "valid_min", "valid_max")
 PACKING_ATTRIBUTES = ("scale_factor", "add_offset")
+NUMBER_ATTRIBUTES = (*PACKING_ATTRIBUTES, *MISSING_ATTRIBUTES, *VALID_ATTRIBUTES)
 # Names that change what numbers mean, and have no meaning on which all agree.
 CHANGING_NAMES = frozenset(
     {"scale", "z_scale", "zscale", "scaling", "factor", "z_factor", "gain", "multiplier", "offset", "z_offset", "lsb"}
@@ -148,6 +149,26 @@ class NamedArray:
     values: RealArray
     attributes: Mapping[str, Any] = attrs.field(factory=dict)
     axes: tuple[str, ...] = ()
+
+    def squeezed(self) -> NamedArray:
+        """Return an array of more than two dimensions without axes of one point, such as one time."""
+        shape = self.values.shape
+        if len(shape) <= 2:
+            return self
+        axes = tuple(axis for axis, count in zip(self.axes, shape, strict=False) if count > 1)
+        return attrs.evolve(self, values=self.values.squeeze(), axes=axes)
+
+
+def read_numbers(name: str, value: Any) -> float | tuple[float, ...]:
+    """Return the number of an attribute, or its numbers; `InputError` unless there are as many as it must have."""
+    numbers = np.ravel(value)
+    several = name in MISSING_ATTRIBUTES
+    count = 2 if name == "valid_range" else 1
+    is_real = numbers.dtype.kind in "iuf" and (name not in PACKING_ATTRIBUTES or bool(np.isfinite(numbers).all()))
+    if not is_real or not (several or numbers.size == count):
+        allowed = "a number" if count == 1 else "a pair of numbers"
+        raise InputError(f"it states {value!r:.40} as its {name}, which is not {allowed}")
+    return tuple(map(float, numbers)) if several or count == 2 else float(numbers[0])
 
 
 def check_variable(value: str | None) -> str | None:

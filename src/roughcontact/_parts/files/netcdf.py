@@ -11,20 +11,19 @@ from typing import Any
 import attrs
 import numpy as np
 
-from roughcontact._parts.files.base import RawMap, find_foreign, require_memory_of_map
-from roughcontact._parts.files.bounds import bound_expansion, is_hdf5
+from roughcontact._parts.files.base import RawMap, require_memory_of_map
+from roughcontact._parts.files.bounds import HDF5_SIGNATURE, begins_with, require_room
 from roughcontact._parts.files.hdf5 import read_hdf5
 from roughcontact._parts.files.named import (
     DESCRIBING_ATTRIBUTES,
-    MISSING_ATTRIBUTES,
-    PACKING_ATTRIBUTES,
+    NUMBER_ATTRIBUTES,
     STEPS_OF_HEIGHTS,
     UNIT_ATTRIBUTES,
-    VALID_ATTRIBUTES,
     NamedArray,
     NamedArrayReader,
     choose_map,
     is_changing,
+    read_numbers,
 )
 from roughcontact.errors import InputError
 
@@ -49,17 +48,12 @@ class NetcdfReader(NamedArrayReader):
         The number that stands for a non-measured point, or ``"none"``; one that looks so is asked about.
     """
 
-    @property
-    def suffixes(self) -> frozenset[str]:
-        """Nc, nc4 and cdf."""
-        return frozenset({".nc", ".nc4", ".cdf"})
+    suffixes = frozenset({".nc", ".nc4", ".cdf"})
 
     def read(self, path: Path) -> RawMap:
         """Return the map."""
         require_memory_of_map(4.0 * path.stat().st_size)
-        if foreign := find_foreign(path):
-            raise InputError(foreign)
-        if is_hdf5(path):
+        if begins_with(path, HDF5_SIGNATURE):
             return choose_map(*read_hdf5(path), self)
         try:
             arrays, periodic = _read_classic(path)
@@ -74,24 +68,16 @@ def _read_classic(path: Path) -> tuple[dict[str, NamedArray], bool]:
     """Return the arrays of a classic netCDF file by name, and whether both axes are stated to be periodic."""
     from scipy.io import netcdf_file
 
-    size = path.stat().st_size
     found = {}
     # Of a file, scipy allocates what is declared; of bytes, what is there.
     stream = io.BytesIO(path.read_bytes())
     with warnings.catch_warnings(action="ignore"), netcdf_file(stream, "r", mmap=False) as file:
-        left = bound_expansion(size)
+        needed = sum(math.prod(one.shape) * one.itemsize() for one in file.variables.values())
+        require_room(needed, path.stat().st_size)
         for name, one in file.variables.items():
-            left -= math.prod(one.shape) * one.itemsize()
-            if left < 0:
-                raise InputError(f"its arrays are larger than a file of {size} bytes can hold")
-            values = np.array(one.data)
-            # An axis of one point, such as one time, is none.
-            axes_of = tuple(one.dimensions)
-            if values.ndim > 2:
-                axes_of = tuple(axis for axis, count in zip(axes_of, values.shape, strict=True) if count > 1)
-                values = values.squeeze()
-            if values.dtype.kind in "iuf" and values.ndim <= 2:
-                found[name] = NamedArray(values, _read_attributes(vars(one)), axes_of)
+            array = NamedArray(np.array(one.data), axes=tuple(one.dimensions)).squeezed()
+            if array.values.dtype.kind in "iuf" and array.values.ndim <= 2:
+                found[name] = attrs.evolve(array, attributes=_read_attributes(vars(one)))
         axes = [file.variables[axis] for axis in "xy" if axis in file.variables]
         periodic = len(axes) == 2 and all(int(getattr(axis, _PERIODIC, 0)) for axis in axes)
     mask = found.pop(_MASK, None)
@@ -105,17 +91,12 @@ def _read_classic(path: Path) -> tuple[dict[str, NamedArray], bool]:
 
 def _read_attributes(stored: dict[str, Any]) -> dict[str, Any]:
     """Return what the attributes of an array state of its numbers."""
-    numbers = (*PACKING_ATTRIBUTES, *MISSING_ATTRIBUTES, *VALID_ATTRIBUTES)
     found: dict[str, Any] = {}
     for name, value in stored.items():
         if isinstance(value, bytes) and (name in (*UNIT_ATTRIBUTES, *DESCRIBING_ATTRIBUTES) or is_changing(name)):
             found[name] = value.decode("utf-8", "replace").strip("\0 ")
-        elif name in numbers:
-            values = np.ravel(value)
-            several = name in MISSING_ATTRIBUTES
-            if values.dtype.kind not in "iuf" or not (several or values.size == (2 if name == "valid_range" else 1)):
-                raise InputError(f"its {name} is not a number")
-            found[name] = tuple(map(float, values)) if several or values.size == 2 else float(values[0])
+        elif name in NUMBER_ATTRIBUTES:
+            found[name] = read_numbers(name, value)
         elif is_changing(name) or name.lower() in STEPS_OF_HEIGHTS:
             found[name] = value
     return found

@@ -29,10 +29,7 @@ _COLUMNS = 3
 class SimpleFieldReader(SurfaceReader):
     """A field that Gwyddion exports as .gsf, or points on a regular grid as .gxyzf; it states units and sides."""
 
-    @property
-    def suffixes(self) -> frozenset[str]:
-        """Gsf and gxyzf."""
-        return frozenset({".gsf", ".gxyzf"})
+    suffixes = frozenset({".gsf", ".gxyzf"})
 
     def read(self, path: Path) -> RawMap:
         """Return the map."""

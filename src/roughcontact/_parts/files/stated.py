@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from roughcontact._base.arrays import Array, Pair
 from roughcontact._base.units import si
-from roughcontact._parts.files.base import RawMap, name_rows, put_x_first, turn_up
+from roughcontact._parts.files.base import RawMap, name_rows, turn_up
 from roughcontact.errors import InputError
 
 # Metres in units of length, as instruments and persons write them; the two letters for micro, and its byte in Latin-1,
@@ -159,7 +159,7 @@ def build_map(
     if not first:
         _require_rows(stated)
     heights = _scale(numbers, stated)
-    heights = put_x_first(heights, first or "x")
+    heights = np.ascontiguousarray(heights.T) if first == "y" else heights
     _require_shape(heights.shape, stated.shape, "points along x and y")
     if stated.falling and first == (stated.rows or first):
         heights = turn_up(heights, stated.falling)
@@ -172,7 +172,7 @@ def build_map(
         heights *= unit
     size, steps, hint = _find_sides(stated, (heights.shape[0], heights.shape[1]))
     downwards = (first or "x") in stated.falling
-    in_words = name_rows(first or "x", assumed=not first, downwards=downwards).replace("a line of the file", line)
+    in_words = name_rows(first or "x", line, assumed=not first, downwards=downwards)
     if first == "y" and rows == "auto" and not stated.rows:
         # Counts say which axis it is, but not its direction.
         in_words += ", upwards (assumed)"

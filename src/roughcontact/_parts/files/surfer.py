@@ -32,10 +32,7 @@ class SurferReader(SurfaceReader):
     Its unit of length is not stated: size and unit must be given.
     """
 
-    @property
-    def suffixes(self) -> frozenset[str]:
-        """None."""
-        return frozenset()
+    suffixes = frozenset[str]()
 
     def read(self, path: Path) -> RawMap:
         """Return the map."""

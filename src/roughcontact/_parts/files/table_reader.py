@@ -77,10 +77,7 @@ class TextReader(SurfaceReader):
     rows: str = attrs.field(default="auto", converter=check_rows)
     no_data: float | str | None = attrs.field(default=None, converter=check_no_data)
 
-    @property
-    def suffixes(self) -> frozenset[str]:
-        """Txt, csv, tsv, dat, asc, xyz, prn, and what Surfer, SDF and Igor write in text."""
-        return frozenset({".txt", ".csv", ".tsv", ".dat", ".asc", ".xyz", ".prn", ".grd", ".sdf", ".itx", ".gz"})
+    suffixes = frozenset({".txt", ".csv", ".tsv", ".dat", ".asc", ".xyz", ".prn", ".grd", ".sdf", ".itx", ".gz"})
 
     def read(self, path: Path) -> RawMap:
         """Return the map."""

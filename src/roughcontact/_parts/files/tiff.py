@@ -68,10 +68,7 @@ class TiffReader(SurfaceReader):
     page: int | None = attrs.field(default=None, converter=_page)
     no_data: float | str | None = attrs.field(default=None, converter=check_no_data)
 
-    @property
-    def suffixes(self) -> frozenset[str]:
-        """Tif and tiff."""
-        return frozenset({".tif", ".tiff"})
+    suffixes = frozenset({".tif", ".tiff"})
 
     def read(self, path: Path) -> RawMap:
         """Return the map; raise `MissingPackage` if tifffile is not installed."""

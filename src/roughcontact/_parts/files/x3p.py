@@ -38,10 +38,7 @@ class X3pReader(SurfaceReader):
     ISO 25178-72:2017
     """
 
-    @property
-    def suffixes(self) -> frozenset[str]:
-        """X3p."""
-        return frozenset({".x3p"})
+    suffixes = frozenset({".x3p"})
 
     def read(self, path: Path) -> RawMap:
         """Return the map."""
