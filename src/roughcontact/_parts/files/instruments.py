@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 import warnings
 from collections.abc import Sequence
@@ -23,7 +22,7 @@ from roughcontact._parts.files.base import (
     require_memory_of_map,
     turn_up,
 )
-from roughcontact._parts.files.bounds import bound_expansion, require_bounded
+from roughcontact._parts.files.bounds import require_bounded, require_room
 from roughcontact._parts.surfaces import read_topography
 from roughcontact.errors import InputError, MissingPackage, RoughContactError, shorten
 
@@ -154,12 +153,10 @@ def _choose_channel(reader: Any, size: int) -> tuple[Any, str]:
         raise InputError(f"it holds no heights, but {names:.100}: export its topography")
     default = reader.default_channel
     chosen = next((one for one in found if one.index == default.index), found[0])
-    cells = math.prod(chosen.nb_grid_pts)
-    if 8 * cells > bound_expansion(size):
-        nx, ny = chosen.nb_grid_pts
-        raise InputError(f"it declares {nx} x {ny} points, more than a file of {size} bytes can hold")
+    nx, ny = chosen.nb_grid_pts
+    require_room(8 * nx * ny, size, f"it declares {nx} x {ny} points, more")
     # Numbers as they stand in the file, as heights, and these in metres.
-    require_memory_of_map(24.0 * cells)
+    require_memory_of_map(24.0 * nx * ny)
     return chosen, f"channel {chosen.name!r} of {len(maps)}" if len(maps) > 1 else ""
 
 

@@ -46,7 +46,6 @@ _OTHER_PLACES = (
     frozenset({"r", "phi"}),
 )
 _DEPTHS = frozenset({"depth", "depths", "tiefe", "profondeur"})
-_HEIGHTS = ("z", "h", "height", "heights", "höhe", "hauteur", "elevation", "topography")
 _COLUMNS = {
     "x": ("x",),
     "y": ("y",),

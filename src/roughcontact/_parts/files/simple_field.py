@@ -14,7 +14,7 @@ import numpy as np
 
 from roughcontact._parts.files.base import RawMap, SurfaceReader, require_memory_of_map
 from roughcontact._parts.files.points import put_on_grid
-from roughcontact._parts.files.stated import Stated, build_map
+from roughcontact._parts.files.stated import Stated, build_map, parse_number
 from roughcontact.errors import InputError
 
 # A line of the header; the bytes to a multiple of which zeros fill it; and its bytes at most.
@@ -55,7 +55,9 @@ def _read_image(header: Mapping[str, str], data: memoryview) -> RawMap:
         rows="y",
         falling="y",
         unit=header.get("ZUnits") or None,
-        size=(_read_length(header, "XReal"), _read_length(header, "YReal")) if has_sides else (None, None),
+        size=(parse_number(header["XReal"], "XReal"), parse_number(header["YReal"], "YReal"))
+        if has_sides
+        else (None, None),
         length=header.get("XYUnits") or None,
     )
     return build_map(image, stated, line="a line of the image", needs_unit=True)
@@ -86,13 +88,6 @@ def _read_count(header: Mapping[str, str], name: str) -> int:
     if not text.isdecimal() or int(text) < 1:
         raise InputError(f"its {name} is {text[:20]!a}, which is not a number of points")
     return int(text)
-
-
-def _read_length(header: Mapping[str, str], name: str) -> float:
-    try:
-        return float(header[name])
-    except ValueError:
-        raise InputError(f"its {name} is {header[name][:20]!a}, which is not a number") from None
 
 
 def _read_numbers(data: memoryview, kind: str, shape: tuple[int, int]) -> np.ndarray:

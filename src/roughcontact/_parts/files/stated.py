@@ -57,6 +57,19 @@ def metres(unit: str) -> float | None:
     )
 
 
+def in_metres(unit: str | float | None) -> float | None:
+    """Return the metres in a unit as a file states it, by name or in metres; None if it is not known or not stated."""
+    return metres(unit) if isinstance(unit, str) else unit
+
+
+def parse_number(text: str, what: str) -> float:
+    """Return the finite number that is a text of a file; `InputError` if it is something else, of this name."""
+    with contextlib.suppress(ValueError):
+        if np.isfinite(number := float(text)):
+            return number
+    raise InputError(f"its {what} is {text[:20]!a}, which is not a number")
+
+
 def names_unit(text: str) -> bool:
     """Return whether a text names a unit of length that is not that of a number in it."""
     return any(
@@ -322,10 +335,8 @@ def _require_shape(there: tuple[int, ...], stated: tuple[int | None, int | None]
 
 def _find_unit(stated: Stated) -> float | None:
     """Return the metres in the unit of the heights; None where none is stated."""
-    if stated.unit is None or isinstance(stated.unit, float):
-        return stated.unit
-    unit = metres(stated.unit)
-    if unit is None:
+    unit = in_metres(stated.unit)
+    if unit is None and isinstance(stated.unit, str):
         raise InputError(
             f"it states values in {stated.unit.strip()[:_MAX_QUOTED_CHARACTERS]!a}, which is not a known unit of length"
         )
@@ -336,14 +347,15 @@ def _find_unit_of_extent(heights: Array, what: str, value: float, name: str | fl
     """Return the metres in the unit of heights whose range, or extreme, is stated; None if it fits none."""
     low, high = _find_range(heights, np.isfinite(heights))
     there = {"range": high - low, "largest": high, "smallest": low}[what]
-    named = metres(name) if isinstance(name, str) else name
-    fitting = (unit for unit in (named, 1.0) if unit and abs(there * unit - value) <= _EXTENT_TOLERANCE * abs(value))
+    fitting = (
+        unit for unit in (in_metres(name), 1.0) if unit and abs(there * unit - value) <= _EXTENT_TOLERANCE * abs(value)
+    )
     return next(fitting, None)
 
 
 def _find_partial(stated: Stated) -> tuple[float | None, float | None]:
     """Return the distances of the points along x and y, m, of which the file states one alone; else None twice."""
-    length = metres(stated.length) if isinstance(stated.length, str) else stated.length
+    length = in_metres(stated.length)
     if length is None or stated.steps.count(None) != 1:
         return (None, None)
     x, y = (None if step is None else step * length for step in stated.steps)
@@ -352,7 +364,7 @@ def _find_partial(stated: Stated) -> tuple[float | None, float | None]:
 
 def _find_sides(stated: Stated, shape: tuple[int, int]) -> tuple[Pair | None, Pair | None, str]:
     """Return the sides of the map, m, the distances of its points in an unknown unit, and a hint in words."""
-    length = metres(stated.length) if isinstance(stated.length, str) else stated.length
+    length = in_metres(stated.length)
     x_side, y_side = (
         side if side is not None or step is None else step * count
         for side, step, count in zip(stated.size, stated.steps, shape, strict=True)
