@@ -187,7 +187,20 @@ def _hardness(value: Quantity | Array) -> float | Array:
 
 
 @attrs.frozen
-class Elastic(Material):
+class _Isotropic(Material):
+    """A material of two elastic constants."""
+
+    young: float = attrs.field(converter=_young, metadata={"unit": "Pa"})
+    poisson: float = attrs.field(converter=_poisson, metadata={"unit": ""})
+
+    @property
+    def compliance(self) -> float:
+        """Plane-strain compliance (1 - nu^2) / E, 1/Pa."""
+        return (1.0 - self.poisson**2) / self.young
+
+
+@attrs.frozen
+class Elastic(_Isotropic):
     """Homogeneous, isotropic, linear elastic half-space.
 
     Parameters
@@ -205,14 +218,6 @@ class Elastic(Material):
     210 GPa
     """
 
-    young: float = attrs.field(converter=_young, metadata={"unit": "Pa"})
-    poisson: float = attrs.field(converter=_poisson, metadata={"unit": ""})
-
-    @property
-    def compliance(self) -> float:
-        """Plane-strain compliance (1 - nu^2) / E, 1/Pa."""
-        return (1.0 - self.poisson**2) / self.young
-
     @property
     def pressure_limit(self) -> float:
         """Infinite."""
@@ -220,7 +225,7 @@ class Elastic(Material):
 
 
 @attrs.frozen(eq=False)
-class ElasticPerfectlyPlastic(Material):
+class ElasticPerfectlyPlastic(_Isotropic):
     """Elastic until the contact pressure reaches the hardness, which it never exceeds.
 
     The limited pressure displaces an elastic half-space; in saturated cells the surfaces may overlap by the plastic
@@ -245,16 +250,9 @@ class ElasticPerfectlyPlastic(Material):
     2 GPa
     """
 
-    young: float = attrs.field(converter=_young, metadata={"unit": "Pa"})
-    poisson: float = attrs.field(converter=_poisson, metadata={"unit": ""})
     hardness: float | Array = attrs.field(converter=_hardness, metadata={"unit": "Pa"})
 
     __setstate__ = restore_state
-
-    @property
-    def compliance(self) -> float:
-        """Plane-strain compliance (1 - nu^2) / E, 1/Pa."""
-        return (1.0 - self.poisson**2) / self.young
 
     @property
     def pressure_limit(self) -> float | Array:

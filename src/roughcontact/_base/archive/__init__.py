@@ -242,7 +242,7 @@ def read_npz(file: IO[bytes], wanted: set[str] | None = None, *, deflated: bool 
         if len(members) < len(archive.infolist()):
             raise ValueError("a name occurs twice in it")
         require_expansion(archive, size, "write it again without compression (numpy.savez)", deflated=deflated)
-        for name in members if wanted is None else wanted & set(members):
+        for name in members if wanted is None else [name for name in members if name in wanted]:
             with archive.open(members[name]) as stream:
                 # Numbers of one byte become float64 later.
                 arrays[name] = read_npy(stream, members[name].file_size, most=limit // 8)

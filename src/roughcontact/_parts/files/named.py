@@ -116,8 +116,9 @@ def _is_neutral(name: str, value: Any) -> bool:
 
 def _require_heights(name: str, one: NamedArray) -> None:
     """Refuse an array whose name says that it holds depths, or whose shape is that of a list of points x y z."""
-    words = [name.rpartition("/")[2], *(str(one.attributes.get(key, "")) for key in DESCRIBING_ATTRIBUTES)]
-    if found := next((word for word in words if _DEPTHS.intersection(re.findall("[a-z]+", word.lower()))), None):
+    if found := next(
+        (word for word in one.describe(name) if _DEPTHS.intersection(re.findall("[a-z]+", word.lower()))), None
+    ):
         raise InputError(f"its array is {found[:40]!a}, positive downwards: write heights, positive outwards")
     require_table(one.values)
 
@@ -149,6 +150,15 @@ class NamedArray:
     values: RealArray
     attributes: Mapping[str, Any] = attrs.field(factory=dict)
     axes: tuple[str, ...] = ()
+
+    @property
+    def unit(self) -> Any:
+        """The unit that its attributes name; None where they do not."""
+        return next((self.attributes[name] for name in UNIT_ATTRIBUTES if name in self.attributes), None)
+
+    def describe(self, name: str) -> list[str]:
+        """Return the last part of its name, and what its attributes say of it in words."""
+        return [name.rpartition("/")[2], *(str(self.attributes.get(key, "")) for key in DESCRIBING_ATTRIBUTES)]
 
     def squeezed(self) -> NamedArray:
         """Return an array of more than two dimensions without axes of one point, such as one time."""
@@ -210,24 +220,17 @@ def choose_map(
             f"are: {found:.200}"
         )
     # What stands beside the map counts before what stands above it.
-    group = name.rpartition("/")[0]
+    group, _, last = name.rpartition("/")
     _require_heights(name, maps[name])
-    beside = _find_beside(arrays, group)
-    stated = gather(maps[name], beside, _find_beside(texts, group))
-    joint = _JOINT_NAME.fullmatch(name.rpartition("/")[2])
+    beside = _find_beside(texts, group)
+    stated = gather(maps[name], _find_beside(arrays, group), beside)
+    joint = _JOINT_NAME.fullmatch(last)
     if stated.unit is None and joint is not None and metres(joint[1]) is not None:
         stated = attrs.evolve(stated, unit=joint[1])
-    describing = (one for key, one in _find_beside(texts, group).items() if key in DESCRIBING_ATTRIBUTES)
-    words = (name.rpartition("/")[2], *(str(maps[name].attributes.get(key, "")) for key in DESCRIBING_ATTRIBUTES))
-    words += tuple(describing)
-    stated = attrs.evolve(stated, unit_hint=next((text for text in words if names_unit(text)), ""))
-    return build_map(
-        _mark_invalid(maps[name]),
-        stated,
-        rows=reader.rows,
-        line="the first index",
-        no_data=reader.no_data,
-    )
+    words = [*maps[name].describe(name), *(text for key, text in beside.items() if key in DESCRIBING_ATTRIBUTES)]
+    stated = attrs.evolve(stated, unit_hint=next(filter(names_unit, words), ""))
+    numbers = _mark_invalid(maps[name])
+    return build_map(numbers, stated, rows=reader.rows, line="the first index", no_data=reader.no_data)
 
 
 def _find_beside(found: Mapping[str, Any], group: str) -> dict[str, Any]:
@@ -260,9 +263,7 @@ def gather(one: NamedArray, arrays: Mapping[str, NamedArray], texts: Mapping[str
         next((units[name] for name in names if name in units), None)
         for names in (_HEIGHT_UNITS, _COMMON_UNITS, _SIDE_UNITS)
     )
-    named = next((one.attributes[name] for name in UNIT_ATTRIBUTES if name in one.attributes), None)
-    stated = (named, specific, common)
-    unit = next((value for value in stated if value is not None), None)
+    unit = next((value for value in (one.unit, specific, common) if value is not None), None)
     alike = {name: "an array" for name, other in arrays.items() if other.values.shape == one.values.shape}
     changing = {name: value for name, value in (scalars | alike).items() if name.lower() in CHANGING_NAMES}
     changing |= {
@@ -299,16 +300,12 @@ def _name_first(axes: tuple[str, ...]) -> str:
 def _find_sides(stated: Stated, shape: tuple[int, ...], arrays: Mapping[str, NamedArray]) -> Stated:
     """Return what is stated with the sides of the map from `size`, `lx` and `ly`, or the pitch `dx` and `dy`."""
     known = {name: arrays[name] for name in _SIZE_NAMES if name in arrays and arrays[name].values.size <= 2}
-    lengths = {str(name): one for name, one in known.items()}
-    units = {
-        next((one.attributes[name] for name in UNIT_ATTRIBUTES if name in one.attributes), None)
-        for one in lengths.values()
-    }
+    units = {one.unit for one in known.values()}
     if len(units) > 1:
         raise InputError("its sides are stated in different units: give size=, and keep the heights alone")
     if units - {None}:
         stated = attrs.evolve(stated, length=units.pop())
-    values = {name: one.values.ravel().astype(np.float64).tolist() for name, one in lengths.items()}
+    values = {name: one.values.ravel().astype(np.float64).tolist() for name, one in known.items()}
     sides = values.get("size") or [*values.get("lx", []), *values.get("ly", [])]
     if not sides and _EXTENT in arrays and arrays[_EXTENT].values.size == 4:
         left, right, bottom, top = arrays[_EXTENT].values.ravel().astype(np.float64).tolist()
@@ -346,8 +343,8 @@ def _find_places(stated: Stated, one: NamedArray, arrays: Mapping[str, NamedArra
     if not first and counts[0] != counts[1]:
         first = "x" if counts == shape else "y"
     steps = [_find_step(place, axis) for place, axis in zip(places, "xy", strict=True)]
-    unit = next((arrays["x"].attributes[name] for name in UNIT_ATTRIBUTES if name in arrays["x"].attributes), None)
-    other = next((arrays["y"].attributes[name] for name in UNIT_ATTRIBUTES if name in arrays["y"].attributes), unit)
+    unit = arrays["x"].unit
+    other = unit if arrays["y"].unit is None else arrays["y"].unit
     if unit != other:
         along_x, along_y = (metres(str(name)) for name in (unit, other))
         if along_x is None or along_y is None:

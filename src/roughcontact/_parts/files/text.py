@@ -15,7 +15,7 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array
-from roughcontact._parts.files.plain import read_plain
+from roughcontact._parts.files.plain import FORTRAN_EXPONENT, NON_MEASURED_WORDS, read_plain
 from roughcontact.errors import InputError
 
 # Separators by the names of those that are awkward to type.
@@ -24,11 +24,9 @@ SEPARATORS = (",", ";", "\t", " ")
 # Possible separators of fields, and a number or its part before a decimal comma, before the layout is known.
 _FIELD_SEPARATOR = re.compile(r"[\s,;]")
 _NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eEdD][-+]?[0-9]+)?")
-# Fields of a non-measured point, also as the C library of Windows writes them (1.#QNAN).
+# Fields of a non-measured point, also those of spreadsheets.
 _NON_MEASURED = re.compile(
-    r"\*+|-+|bad|n/?a|null|none|no ?data|invalid|missing|[-+]?(?:nan|inf(?:inity)?|1\.#\w+)"
-    r"|#(?:n/a|nv|num!|value!|div/0!|ref!)",
-    re.IGNORECASE,
+    rf"{NON_MEASURED_WORDS}|[-+]?(?:nan|inf(?:inity)?)|#(?:n/a|nv|num!|value!|div/0!|ref!)", re.IGNORECASE
 )
 # Lines with a single comma, between digits.
 _SINGLE_COMMA_LINES = re.compile(r"(?:[-+]?[0-9]+,[0-9]+(?:\n|\Z))+")
@@ -74,10 +72,10 @@ _OTHER_THOUSANDS = re.compile("[-+]?[0-9]{1,3}(?:['\u2019\u202f\u00a0\u2009][0-9
 _THOUSANDS = re.compile(r"[-+]?[0-9]{1,3}(?:,[0-9]{3})+")
 _WHOLE = re.compile(r"[-+]?[0-9]+")
 # An exponent of Fortran.
-_FORTRAN = re.compile(r"(?<=[0-9.])[dD](?=[-+]?[0-9])")
-# A comment at the end of a line, but not the mark in 1.#QNAN, nor an error of Excel.
+_FORTRAN = re.compile(FORTRAN_EXPONENT)
 # A factor that MATLAB shows above a matrix.
 SHOWN_FACTOR = re.compile(r"\s*([0-9.]+e[-+][0-9]+) \*\s*")
+# A comment at the end of a line, but not the mark in 1.#QNAN, nor an error of Excel.
 _COMMENT = re.compile(r"(?:^|(?<=[\s,;]))#(?!n/a|nv\b|num!|value!|div/0!|ref!).*", re.DOTALL | re.IGNORECASE)
 
 

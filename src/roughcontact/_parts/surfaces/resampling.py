@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy.fft
 
-from roughcontact._base.arrays import Array, matrix_product
+from roughcontact._base.arrays import Array, Mask, matrix_product
 from roughcontact._base.checks import choice
 from roughcontact._base.machine import require_memory, split
 from roughcontact._parts.grid import Grid
@@ -41,6 +41,13 @@ def resample(values: Array, shape: tuple[int, int], interpolation: str, *, perio
         return bilinear(values, shape, periodic=(periodic, periodic))
     i, j = ((np.arange(new) + 0.5) * (old / new) - 0.5 for new, old in zip(shape, values.shape, strict=True))
     return interpolate(values, i[:, np.newaxis], j[np.newaxis, :], interpolation, periodic=periodic)
+
+
+def resample_mask(
+    mask: Mask | None, shape: tuple[int, int], interpolation: str = "bilinear", *, periodic: bool
+) -> Mask | None:
+    """Return a mask on another number of cells: those with more than half of their weight on its points."""
+    return None if mask is None else resample(mask.astype(np.float64), shape, interpolation, periodic=periodic) > 0.5
 
 
 def bilinear(values: Array, shape: tuple[int, int], *, periodic: tuple[bool, bool]) -> Array:
