@@ -18,11 +18,15 @@ from roughcontact._base.units import Quantity, fit, printable, si
 from roughcontact._parts.grid import Grid
 from roughcontact._parts.surfaces import statistics as forms
 from roughcontact._parts.surfaces.base import Surface
-from roughcontact._parts.surfaces.facts import list_facts, write_facts
 from roughcontact._parts.surfaces.filling import TREATMENTS, complete, describe_filling, fill, was_filled
-from roughcontact._parts.surfaces.filtering import smooth
-from roughcontact._parts.surfaces.quality import find_period, list_map_warnings
-from roughcontact._parts.surfaces.resampling import check_interpolation, resample, resample_mask, shift_by_half_cell
+from roughcontact._parts.surfaces.quality import find_period, list_facts, list_map_warnings, write_facts
+from roughcontact._parts.surfaces.resampling import (
+    check_interpolation,
+    resample,
+    resample_mask,
+    shift_by_half_cell,
+    smooth,
+)
 from roughcontact._parts.surfaces.statistics import repeats
 from roughcontact._parts.surfaces.topography import make_topography, read_topography
 from roughcontact.errors import InputError
