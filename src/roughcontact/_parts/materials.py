@@ -11,7 +11,7 @@ from typing import ClassVar
 import attrs
 import numpy as np
 
-from roughcontact._base.arrays import Array, restore_state
+from roughcontact._base.arrays import Array, read_only, restore_state
 from roughcontact._base.checks import Part, number, number_or_array
 from roughcontact._base.registry import Registry
 from roughcontact._base.units import Quantity
@@ -169,9 +169,7 @@ def combined_pressure_limit(one: Material, other: Material) -> Array:
     shapes = {limit.shape for limit in limits if limit.ndim}
     if len(shapes) > 1:
         raise InputError(f"The pressure limits of the bodies are arrays of different shapes, {sorted(shapes)}.")
-    softer = np.asarray(np.minimum(*limits), dtype=np.float64)
-    softer.flags.writeable = False
-    return softer
+    return read_only(np.asarray(np.minimum(*limits), dtype=np.float64))
 
 
 def _young(value: Quantity) -> float:

@@ -142,7 +142,7 @@ def list_members(file: Any, most: int) -> dict[str, Any]:
 
     file.visititems(keep)
     if len(found) > most:
-        raise InputError(f"it has more than {most} members: export the heights alone")
+        raise InputError(f"it has more than {most} members: write the heights alone")
     return found
 
 

@@ -28,7 +28,7 @@ from roughcontact._parts.files.named import (
     is_changing,
     read_numbers,
 )
-from roughcontact.errors import InputError, MissingPackage
+from roughcontact.errors import InputError, requiring
 
 # Filters whose arrays are read: deflate, shuffle and Fletcher's checksum.
 _FILTERS = {1, 2, 3}
@@ -48,14 +48,12 @@ def read_hdf5(path: Path) -> tuple[dict[str, NamedArray], dict[str, str]]:
 
     `InputError` if they are larger than the file can hold; `MissingPackage` without h5py.
     """
-    try:
+    with requiring(
+        "Files of HDF5, such as .h5 and .mat of version 7.3, need the package h5py: "
+        "pip install 'roughcontact[store]', or write the heights with numpy.save, in MATLAB with "
+        "save(file, 'heights', '-v7')."
+    ):
         import h5py
-    except ImportError:
-        raise MissingPackage(
-            "Files of HDF5, such as .h5 and .mat of version 7.3, need the package h5py: "
-            "pip install 'roughcontact[store]', or write the heights with numpy.save, in MATLAB with "
-            "save(file, 'heights', '-v7')."
-        ) from None
     arrays: dict[str, NamedArray] = {}
     texts: dict[str, str] = {}
     require_sound_hdf5(path)

@@ -24,7 +24,7 @@ from roughcontact._parts.files.base import (
 )
 from roughcontact._parts.files.bounds import require_bounded, require_room
 from roughcontact._parts.surfaces import read_topography
-from roughcontact.errors import InputError, MissingPackage, RoughContactError, shorten
+from roughcontact.errors import InputError, RoughContactError, requiring, shorten
 
 # Endings of files that need no instrument's reader.
 _ENDINGS = ".npz, .npy, .txt, .csv, .tsv, .dat, .asc, .xyz, .prn, .x3p, .mat"
@@ -82,16 +82,13 @@ class InstrumentReader(SurfaceReader):
 
 def _open(path: Path) -> Any:
     """Return what SurfaceTopography knows of a file before it reads heights."""
-    try:
-        # Its imports warn of optional parallel packages.
-        with warnings.catch_warnings(action="ignore"):
-            from SurfaceTopography import open_topography
-    except ImportError:
-        raise MissingPackage(
-            f"Reading {path.name} needs the package SurfaceTopography: pip install SurfaceTopography. "
-            f"Files {_ENDINGS} are read without it, .tif by 'roughcontact[files]' and .h5 by "
-            "'roughcontact[store]'."
-        ) from None
+    advice = (
+        f"Reading {path.name} needs the package SurfaceTopography: pip install SurfaceTopography. "
+        f"Files {_ENDINGS} are read without it, .tif by 'roughcontact[files]' and .h5 by 'roughcontact[store]'."
+    )
+    # Its imports warn of optional parallel packages.
+    with requiring(advice), warnings.catch_warnings(action="ignore"):
+        from SurfaceTopography import open_topography
     sure, possible = _find_kinds(path)
     reasons: list[str] = []
     for kind in sure or possible:

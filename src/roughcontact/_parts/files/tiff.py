@@ -17,7 +17,7 @@ from roughcontact._base.checks import integer
 from roughcontact._parts.files.base import RawMap, SurfaceReader, readers, require_memory_of_map
 from roughcontact._parts.files.headers import read_header
 from roughcontact._parts.files.stated import Stated, build_map, check_no_data, metres, parse_number
-from roughcontact.errors import InputError, MissingPackage
+from roughcontact.errors import InputError, MissingPackage, requiring
 
 # Number of the tag with the value of points without data, in geographic images.
 _NODATA_TAG = 42113
@@ -72,12 +72,8 @@ class TiffReader(SurfaceReader):
 
     def read(self, path: Path) -> RawMap:
         """Return the map; raise `MissingPackage` if tifffile is not installed."""
-        try:
+        with requiring(f"Reading {path.name} needs the package tifffile: pip install 'roughcontact[files]'."):
             from tifffile import TiffFile
-        except ImportError:
-            raise MissingPackage(
-                f"Reading {path.name} needs the package tifffile: pip install 'roughcontact[files]'."
-            ) from None
         # tifffile logs oddities of a file; real errors become an `InputError`.
         logging.getLogger("tifffile").addHandler(logging.NullHandler())
         with TiffFile(path) as file:

@@ -91,13 +91,51 @@ class Love(InfluenceKernel):
         self, component: str, shape: tuple[int, int], spacing: Pair, compliance: float, pair: PairConstants
     ) -> Array:
         """Return a component for shear that is constant on each cell; see `SupportsShear`."""
-        return respond_to_shear(component, shape, spacing, compliance, pair)
+        _require_component(component)
+        dx, dy = spacing
+        if dx < dy:
+            exchanged = Love.shear_coefficients(self, _EXCHANGED[component], shape[::-1], (dy, dx), compliance, pair)
+            return np.ascontiguousarray(exchanged.T)
+        i, j = (np.arange(n, dtype=np.float64) for n in shape)
+        aspect = dx / dy
+        if component == "xy":
+            values = pair.gamma * _integrate_product(i, j, aspect)
+        elif component == "zx":
+            values = pair.beta * integrate_by_distance(i, j, aspect, _add_edges_along, _log_of_line)
+        elif component == "zy":
+            values = pair.beta * integrate_by_distance(i, j, aspect, _add_edges_across, _angle_of_line)
+            values[:, j == 0.0] = 0.0
+        else:
+            potential = cell_potential(i, j, aspect)
+            # Of 1/r, the part y^2/r^3; the rest is x^2/r^3.
+            part = integrate_by_distance(i, j, aspect, _add_square_edges, _square_of_line)
+            values = potential + pair.gamma * (part if component == "yy" else potential - part)
+        return np.asarray(values * (compliance * dy / np.pi))
 
     def shear_spectrum(
         self, component: str, qx: Array, qy: Array, spacing: Pair, compliance: float, pair: PairConstants
     ) -> Array:
         """Return a component at the cell centres for waves of cell shears; see `SupportsShear`."""
-        return respond_to_shear_waves(component, qx, qy, spacing, compliance, pair)
+        _require_component(component)
+        dx, dy = spacing
+        if dx < dy:
+            return Love.shear_spectrum(self, _EXCHANGED[component], qy.T, qx.T, (dy, dx), compliance, pair).T
+        # Rows that differ in sign only have the same values, but for the sign.
+        rows, row_of = np.unique(np.abs(qx[:, 0] * dx), return_inverse=True)
+        columns = np.abs(qy[0, :] * dy)
+
+        def sum_aliases(term: str) -> Array:
+            return alias_sum(rows, columns, dx / dy, term)[row_of]
+
+        if component == "xy":
+            values = -pair.gamma * sum_aliases("xy/k3") * np.sign(qx) * np.sign(qy)
+        elif component == "zx":
+            values = -pair.beta * sum_aliases("x/k2") * np.sign(qx)
+        elif component == "zy":
+            values = -pair.beta * sum_aliases("y/k2") * np.sign(qy)
+        else:
+            values = sum_aliases("1/k") + pair.gamma * sum_aliases("yy/k3" if component == "xx" else "xx/k3")
+        return np.asarray(2.0 * compliance * dy * values)
 
 
 @attrs.frozen
@@ -140,76 +178,19 @@ class FourierHalfSpace(InfluenceKernel):
         self, component: str, qx: Array, qy: Array, spacing: Pair, compliance: float, pair: PairConstants
     ) -> Array:
         """Return a component for waves of shear; see `SupportsShear`."""
-        return shear_amplitude(component, qx, qy, compliance, pair)
+        _require_component(component)
+        length = np.hypot(qx, qy)
+        normal = {"x": qx / length, "y": qy / length}
+        first = component[0]
+        second = component[1]
+        if first == "z":
+            factor = -pair.beta * normal[second]
+        else:
+            factor = (first == second) * (1.0 + pair.gamma) - pair.gamma * normal[first] * normal[second]
+        return np.asarray(2.0 * compliance * factor / length)
 
 
-def respond_to_shear(
-    component: str, shape: tuple[int, int], spacing: Pair, compliance: float, pair: PairConstants
-) -> Array:
-    """Return the coefficients of a component for cells of constant shear; see `SupportsShear.shear_coefficients`."""
-    require_component(component)
-    dx, dy = spacing
-    if dx < dy:
-        exchanged = respond_to_shear(_EXCHANGED[component], shape[::-1], (dy, dx), compliance, pair)
-        return np.ascontiguousarray(exchanged.T)
-    i, j = (np.arange(n, dtype=np.float64) for n in shape)
-    aspect = dx / dy
-    if component == "xy":
-        values = pair.gamma * _integrate_product(i, j, aspect)
-    elif component == "zx":
-        values = pair.beta * integrate_by_distance(i, j, aspect, _add_edges_along, _log_of_line)
-    elif component == "zy":
-        values = pair.beta * integrate_by_distance(i, j, aspect, _add_edges_across, _angle_of_line)
-        values[:, j == 0.0] = 0.0
-    else:
-        potential = cell_potential(i, j, aspect)
-        # Of 1/r, the part y^2/r^3; the rest is x^2/r^3.
-        part = integrate_by_distance(i, j, aspect, _add_square_edges, _square_of_line)
-        values = potential + pair.gamma * (part if component == "yy" else potential - part)
-    return np.asarray(values * (compliance * dy / np.pi))
-
-
-def respond_to_shear_waves(
-    component: str, qx: Array, qy: Array, spacing: Pair, compliance: float, pair: PairConstants
-) -> Array:
-    """Return the amplitudes of a component for cells of constant shear; see `SupportsShear.shear_spectrum`."""
-    require_component(component)
-    dx, dy = spacing
-    if dx < dy:
-        return respond_to_shear_waves(_EXCHANGED[component], qy.T, qx.T, (dy, dx), compliance, pair).T
-    # Rows that differ in sign only have the same values, but for the sign.
-    rows, row_of = np.unique(np.abs(qx[:, 0] * dx), return_inverse=True)
-    columns = np.abs(qy[0, :] * dy)
-
-    def sum_aliases(term: str) -> Array:
-        return alias_sum(rows, columns, dx / dy, term)[row_of]
-
-    if component == "xy":
-        values = -pair.gamma * sum_aliases("xy/k3") * np.sign(qx) * np.sign(qy)
-    elif component == "zx":
-        values = -pair.beta * sum_aliases("x/k2") * np.sign(qx)
-    elif component == "zy":
-        values = -pair.beta * sum_aliases("y/k2") * np.sign(qy)
-    else:
-        values = sum_aliases("1/k") + pair.gamma * sum_aliases("yy/k3" if component == "xx" else "xx/k3")
-    return np.asarray(2.0 * compliance * dy * values)
-
-
-def shear_amplitude(component: str, qx: Array, qy: Array, compliance: float, pair: PairConstants) -> Array:
-    """Return the amplitudes of a component for waves of shear, without cells; see `SupportsShear.shear_spectrum`."""
-    require_component(component)
-    length = np.hypot(qx, qy)
-    normal = {"x": qx / length, "y": qy / length}
-    first = component[0]
-    second = component[1]
-    if first == "z":
-        factor = -pair.beta * normal[second]
-    else:
-        factor = (first == second) * (1.0 + pair.gamma) - pair.gamma * normal[first] * normal[second]
-    return np.asarray(2.0 * compliance * factor / length)
-
-
-def require_component(component: str) -> None:
+def _require_component(component: str) -> None:
     """Raise `InputError` unless a kernel knows the component."""
     choice(component, "The component of the response to shear", tuple(_EXCHANGED))
 

@@ -11,7 +11,7 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
-from roughcontact._base.arrays import Array, Mask, Pair, frozen_array, restore_state
+from roughcontact._base.arrays import Array, Mask, Pair, frozen_array, read_only, restore_state
 from roughcontact._base.checks import choice, instance_of, integer, measured_heights, number, pair
 from roughcontact._base.registry import find_view
 from roughcontact._base.units import Quantity, fit, printable, si
@@ -67,8 +67,7 @@ def _non_measured(value: npt.ArrayLike | None) -> Any:
         raise InputError.about(what, mask if mask.ndim else value, allowed)
     if mask.all():
         raise InputError("No point of the height map was measured: at least one is needed.")
-    mask.flags.writeable = False
-    return mask if mask.any() else None
+    return read_only(mask) if mask.any() else None
 
 
 def check_history(value: Sequence[str]) -> tuple[str, ...]:
