@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import abc
 import contextlib
+import math
 import os
 import re
 from pathlib import Path
@@ -12,11 +13,12 @@ import attrs
 import numpy as np
 
 from roughcontact._base.archive import SEAL
-from roughcontact._base.arrays import Array, Pair
+from roughcontact._base.arrays import Array, Pair, RealArray
 from roughcontact._base.checks import Part, choice
 from roughcontact._base.machine import require_memory
 from roughcontact._base.registry import Registry
 from roughcontact._base.units import outlined
+from roughcontact.errors import InputError
 
 _PICTURE_ADVICE = "export the heights themselves, as text or TIFF in 32-bit floating point"
 _DOCUMENT_ADVICE = "export the heights themselves, as text"
@@ -160,6 +162,13 @@ def check_rows(value: str) -> str:
 def require_memory_of_map(size: float) -> None:
     """Refuse a map of so many bytes if there is too little memory for it."""
     require_memory(size, "it", "cut it, or write it with fewer points")
+
+
+def shape_numbers(numbers: RealArray, shape: tuple[int, int]) -> RealArray:
+    """Return the numbers of a file as so many rows and columns; `InputError` if it holds others than it states."""
+    if min(shape) < 1 or numbers.size != math.prod(shape):
+        raise InputError(f"it states {shape[1]} x {shape[0]} points, but holds {numbers.size} numbers: it is damaged")
+    return numbers.reshape(shape)
 
 
 def turn_up(heights: Array, falling: str) -> Array:

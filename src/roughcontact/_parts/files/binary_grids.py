@@ -16,7 +16,7 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import RealArray
-from roughcontact._parts.files.base import RawMap, SurfaceReader, require_memory_of_map
+from roughcontact._parts.files.base import RawMap, SurfaceReader, require_memory_of_map, shape_numbers
 from roughcontact._parts.files.points import put_on_grid
 from roughcontact._parts.files.stated import Stated, build_map, parse_number
 from roughcontact.errors import InputError
@@ -96,11 +96,9 @@ def _read_7(data: bytes) -> tuple[RealArray, Stated]:
 
 
 def _shape(numbers: RealArray, columns: int, rows: int) -> RealArray:
-    if min(columns, rows) < 2 or columns * rows != numbers.size:
-        raise InputError(f"it declares {columns} x {rows} points, but holds {numbers.size}: it is damaged")
     # The NaN of a damaged file may be a signalling one.
     with np.errstate(invalid="ignore"):
-        values = numbers.reshape(rows, columns).astype(np.float64)
+        values = shape_numbers(numbers, (rows, columns)).astype(np.float64)
     # The blank value and all above it are points without data.
     values[values >= _BLANK * (1.0 - 1e-6)] = math.nan
     return values

@@ -11,12 +11,13 @@ import zlib
 from pathlib import Path
 from typing import Any
 
-from roughcontact._base.archive import require_expansion
+from roughcontact._base.archive import bound_expansion, require_expansion
 from roughcontact.errors import InputError
 
-# Bytes to which compressed arrays may expand, plus a multiple of the file: heights deflate by 1 to 2, zeros by 1000.
-_EXPANSION_ALLOWANCE = 2**21
-_MAX_EXPANSION_RATIO = 20
+# Bytes to which arrays may expand, plus a multiple of the file: heights deflate by 1 to 2, zeros by 1000; and the same
+# of texts, whose digits deflate by 2 to 20, and of images.
+ARRAYS = (2**21, 20)
+TEXT_OR_IMAGE = (2**22, 50)
 HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 # Members of a file of HDF5, with those of its groups, that are looked at.
 _MAX_MEMBERS = 10_000
@@ -36,14 +37,11 @@ _DEFLATED = re.compile(rb"\x78[\x01\x5e\x9c\xda]")
 _BLOCK = 2**16
 
 
-def bound_expansion(size: int) -> int:
-    """Return the bytes to which the arrays of a file of so many bytes may expand."""
-    return _EXPANSION_ALLOWANCE + _MAX_EXPANSION_RATIO * size
-
-
-def require_room(needed: float, size: int, what: str = "its arrays are larger") -> None:
+def require_room(
+    needed: float, size: int, what: str = "its arrays are larger", bound: tuple[int, int] = ARRAYS
+) -> None:
     """Refuse so many bytes, of which `what` tells, if a file of `size` bytes cannot hold them."""
-    if needed > bound_expansion(size):
+    if needed > bound_expansion(size, bound):
         raise InputError(f"{what} than a file of {size} bytes can hold")
 
 
@@ -149,7 +147,7 @@ def list_members(file: Any, most: int) -> dict[str, Any]:
 def _require_bounded_blocks(path: Path) -> None:
     """Refuse a compound file whose deflated blocks expand to far more than its bytes."""
     data = memoryview(path.read_bytes())
-    left = bound_expansion(len(data))
+    left = bound_expansion(len(data), ARRAYS)
     for head in _DEFLATED.finditer(data):
         left -= _count_inflated(data[head.start() :], left)
         if left < 0:

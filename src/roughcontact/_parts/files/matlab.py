@@ -15,9 +15,10 @@ from pathlib import Path
 import attrs
 import numpy as np
 
+from roughcontact._base.archive import bound_expansion
 from roughcontact._base.arrays import RealArray
 from roughcontact._parts.files.base import RawMap, require_memory_of_map
-from roughcontact._parts.files.bounds import HDF5_SIGNATURE, bound_expansion
+from roughcontact._parts.files.bounds import ARRAYS, HDF5_SIGNATURE
 from roughcontact._parts.files.hdf5 import MAX_TEXT_BYTES, read_hdf5
 from roughcontact._parts.files.named import CHANGING_NAMES, STATING_NAMES, NamedArray, NamedArrayReader, choose_map
 from roughcontact.errors import InputError
@@ -60,7 +61,7 @@ def read_mat(path: Path) -> tuple[dict[str, NamedArray], dict[str, str]]:
     arrays: dict[str, NamedArray] = {}
     texts = {}
     # Bytes for all arrays together.
-    left = bound_expansion(len(data))
+    left = bound_expansion(len(data), ARRAYS)
     for kind, content in _elements(data, order):
         if kind == _COMPRESSED_ELEMENT:
             content = _inflate(content, order, left)

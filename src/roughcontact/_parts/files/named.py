@@ -12,7 +12,7 @@ import numpy as np
 
 from roughcontact._base.arrays import RealArray
 from roughcontact._parts.files.base import RawMap, SurfaceReader, check_rows
-from roughcontact._parts.files.points import put_on_grid
+from roughcontact._parts.files.points import MIN_POINTS, are_on_grid
 from roughcontact._parts.files.stated import Stated, build_map, check_no_data, metres, names_unit
 from roughcontact.errors import InputError
 
@@ -91,8 +91,6 @@ _AXES |= {"y": "y", "lat": "y", "latitude": "y", "northing": "y", "row": "y"}
 # Names of sides and units that may be attributes, too; and all names that `gather` looks for.
 STATING_ATTRIBUTES = frozenset({*_HEIGHT_UNITS, *_COMMON_UNITS, *_SIDE_UNITS, *_SIZE_NAMES, _EXTENT})
 STATING_NAMES = {*STATING_ATTRIBUTES, *CHANGING_NAMES, *"xyXY"}
-# Minimum points of a list: 3 x 3.
-_MIN_POINTS = 9
 # Relative difference between the steps of positions that are regular: they are printed with six digits, or in 32 bits.
 _STEP_TOLERANCE = 1e-2
 
@@ -125,16 +123,12 @@ def _require_heights(name: str, one: NamedArray) -> None:
 
 def require_table(numbers: RealArray) -> None:
     """Refuse an array whose rows are points x y z on a regular grid."""
-    if numbers.ndim != 2 or numbers.shape[1] != 3 or numbers.shape[0] < _MIN_POINTS:
-        return
-    try:
-        put_on_grid(np.asarray(numbers, dtype=np.float64))
-    except InputError:
-        return
-    raise InputError(
-        f"each of its {numbers.shape[0]} rows is a point x y z of a regular grid, but an array of heights has an x for "
-        "each row: bring the heights into that shape, or save the points as text x y z"
-    )
+    is_list = numbers.ndim == 2 and numbers.shape[1] == 3 and numbers.shape[0] >= MIN_POINTS
+    if is_list and are_on_grid(np.asarray(numbers, dtype=np.float64)):
+        raise InputError(
+            f"each of its {numbers.shape[0]} rows is a point x y z of a regular grid, but an array of heights has an x "
+            "for each row: bring the heights into that shape, or save the points as text x y z"
+        )
 
 
 def find_stating(name: str) -> str:

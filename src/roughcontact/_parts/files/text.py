@@ -196,31 +196,27 @@ def require_heights(table: Array) -> None:
 
     A margin is a first row or column that rises in equal steps, unlike the row or column beside it.
     """
-    if min(table.shape) < 2 and table.size >= _MIN_MARGIN_NUMBERS:
+    if min(table.shape) < 2:
+        if table.size < _MIN_MARGIN_NUMBERS:
+            return
         line = "column" if table.shape[1] < 2 else "row"
         raise InputError(
             f"its {table.size} numbers stand in one {line}, but a height map has a row for each x and a number for "
             "each y: bring them into that shape, as by numpy.loadtxt(path).reshape(nx, ny), and save them again"
         )
-    if min(table.shape) < 2:
-        return
     # The corner, where there are both margins, belongs to neither.
-    row, column = (_margin(side[0, 1:], side[1, 1:]) for side in (table, table.T))
-    if row and column:
-        what = "its first row and its first column"
-        counts = row == column == _COUNTING_MARGIN
-    elif row := _margin(table[0], table[1]):
-        what = "its first row"
-        counts = row == _COUNTING_MARGIN
-    elif column := _margin(table[:, 0], table[:, 1]):
-        what = "its first column"
-        counts = column == _COUNTING_MARGIN
-    else:
+    candidates = {
+        "its first row and its first column": [_margin(side[0, 1:], side[1, 1:]) for side in (table, table.T)],
+        "its first row": [_margin(table[0], table[1])],
+        "its first column": [_margin(table[:, 0], table[:, 1])],
+    }
+    what = next((what for what, kinds in candidates.items() if all(kinds)), "")
+    if not what:
         return
     skip = "skip them with skip_rows=" if what == "its first row" else "save the heights without them"
     found, advice = (
         ("count, as header and index of pandas do", ", in pandas by to_csv(path, header=False, index=False)")
-        if counts
+        if set(candidates[what]) == {_COUNTING_MARGIN}
         else ("rise in equal steps, as places x and y do", ", and give size=")
     )
     raise InputError(f"the numbers of {what} {found}, and are not heights: {skip}{advice}; {_KEEP_ADVICE}")

@@ -15,6 +15,7 @@ import numpy as np
 from roughcontact._base.arrays import Array, Pair
 from roughcontact._base.checks import integer
 from roughcontact._parts.files.base import RawMap, SurfaceReader, readers, require_memory_of_map
+from roughcontact._parts.files.bounds import TEXT_OR_IMAGE, require_room
 from roughcontact._parts.files.headers import read_header
 from roughcontact._parts.files.stated import Stated, build_map, check_no_data, metres, parse_number
 from roughcontact.errors import InputError, MissingPackage, requiring
@@ -32,9 +33,6 @@ _OME_SIZE = re.compile(r'PhysicalSize([XY])="([0-9.eE+-]+)"')
 _OME_UNIT = re.compile(r'PhysicalSize([XY])Unit="([^"]*)"')
 # What ImageJ writes as a unit where none was set.
 _NO_UNITS = ("gray value", "grey value", "pixel", "pixels", "inch")
-# Bytes to which an image may expand, plus a multiple of its file.
-_EXPANSION_ALLOWANCE = 2**22
-_MAX_EXPANSION_RATIO = 50
 # Numbers of the compressions that are read: none, LZW, deflate (two), PackBits; others lose digits or are rare.
 _COMPRESSIONS = {1, 5, 8, 32773, 32946}
 _DEFLATE_COMPRESSIONS = {8, 32946}
@@ -112,8 +110,7 @@ def _require_heights(page: Any, size: int) -> None:
     if dtype is None or dtype.kind not in "iuf" or int(page.photometric) == 0:
         raise InputError(f"its pixels ({dtype}, {page.photometric.name.lower()}) are not numbers of heights")
     needed = math.prod(shape) * dtype.itemsize
-    if needed > _EXPANSION_ALLOWANCE + _MAX_EXPANSION_RATIO * size:
-        raise InputError(f"it declares {shape[1]} x {shape[0]} pixels, more than a file of {size} bytes can hold")
+    require_room(needed, size, f"it declares {shape[1]} x {shape[0]} pixels, more", TEXT_OR_IMAGE)
     require_memory_of_map(3.0 * 8.0 * math.prod(shape))
 
 
