@@ -75,7 +75,7 @@ def read_hdf5(path: Path) -> tuple[dict[str, NamedArray], dict[str, str]]:
         for name, item in items.items():
             if "MATLAB_class" in item.attrs and _read_text(_read_plain(item, "MATLAB_class", h5py)) == "char":
                 texts[name] = _read_letters(item[()])
-            elif _is_text(item, h5py):
+            elif item.id.get_type().get_class() == h5py.h5t.STRING:
                 texts[name] = _read_text(item[()])
             else:
                 one = NamedArray(np.asarray(item[()]), _read_attributes(item, h5py), _name_axes(item, h5py))
@@ -140,10 +140,6 @@ def _read_text(value: Any) -> str:
 def _read_letters(codes: Any) -> str:
     """Return the text that MATLAB keeps as the numbers of its letters."""
     return "".join(chr(int(code)) for code in np.ravel(codes)[:MAX_TEXT_BYTES])
-
-
-def _is_text(item: Any, h5py: Any) -> bool:
-    return bool(item.id.get_type().get_class() == h5py.h5t.STRING)
 
 
 def _name_axes(item: Any, h5py: Any) -> tuple[str, ...]:

@@ -213,6 +213,11 @@ class _Found:
         return None if value is None else int(value)
 
 
+def _float(text: str) -> float:
+    """Return a number, with a decimal point or a comma."""
+    return float(text.replace(",", "."))
+
+
 def read_header(lines: Sequence[str]) -> Stated:
     """Return what a header states; `InputError` where its lines contradict each other."""
     found = _Found()
@@ -249,13 +254,13 @@ def _read_sentence(found: _Found, line: str) -> None:
     mark = _NON_MEASURED_SENTENCE.fullmatch(line)
     sentence = _SENTENCE.fullmatch(line)
     if mark:
-        found.add("non measured", float(mark[1].replace(",", ".")), line)
+        found.add("non measured", _float(mark[1]), line)
     elif sentence and metres(sentence[2]) is not None:
         found.add("unit", sentence[2], line)
         if sentence[1].lower().startswith(_OF_ALL):
             found.add("length", sentence[2], line)
     elif multiple := _MULTIPLE.fullmatch(line):
-        found.add("unit", float(multiple[1].replace(",", ".")) * (metres(multiple[2]) or math.nan), line)
+        found.add("unit", _float(multiple[1]) * (metres(multiple[2]) or math.nan), line)
     elif _is_suspect(line):
         found.not_understood.append(line)
     elif names_unit(line):
@@ -265,7 +270,7 @@ def _read_sentence(found: _Found, line: str) -> None:
 def _is_suspect(line: str) -> bool:
     """Return whether a line may change what the numbers mean."""
     suspect = _SUSPECT.match(line)
-    has_factor = suspect is not None and float(suspect[1].replace(",", ".")) not in (0.0, 1.0)
+    has_factor = suspect is not None and _float(suspect[1]) not in (0.0, 1.0)
     unit = _UNIT_BEHIND.fullmatch(line)
     has_unit = unit is not None and metres(unit[1]) is not None
     return has_factor or has_unit or any(form.fullmatch(line) for form in (_SUSPECT_STEPS, _DEPTHS))
@@ -291,7 +296,7 @@ def _read_line(found: _Found, key: str, value: str, line: str) -> None:
         elif length is None:
             found.not_understood.append(line)
         else:
-            found.add("unit", float(number[1].replace(",", ".")) * length, line)
+            found.add("unit", _float(number[1]) * length, line)
     elif re.fullmatch(_LATERAL_UNIT, key):
         found.add("length", value.strip("()[] "), line)
     elif key == "file format":
@@ -312,7 +317,7 @@ def _read_line(found: _Found, key: str, value: str, line: str) -> None:
             # "x_spacing_mm"
             unit = words.pop()
             key = " ".join(words)
-        _read_number(found, key, float(number[1].replace(",", ".")), unit, line)
+        _read_number(found, key, _float(number[1]), unit, line)
     elif metres(value) is not None:
         # A unit of something, under a name that is not known.
         found.not_understood.append(line)
@@ -327,7 +332,7 @@ def _read_pair(found: _Found, key: str, pair: re.Match[str], unit: str, line: st
         return
     last = pair[4].strip(" ,;()[]") or unit
     for axis, value, own in (("x", pair[1], pair[2].strip(" ,;()[]") or last), ("y", pair[3], last)):
-        _read_number(found, f"{axis} {kind}", float(value.replace(",", ".")), own, line)
+        _read_number(found, f"{axis} {kind}", _float(value), own, line)
 
 
 def _read_number(found: _Found, key: str, value: float, unit: str, line: str) -> None:

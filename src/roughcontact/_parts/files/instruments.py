@@ -144,7 +144,9 @@ def _choose_channel(reader: Any, size: int) -> tuple[Any, str]:
     maps = [one for one in reader.channels if one.dim == 2]
     if not maps:
         raise InputError("it holds a line profile, not a height map")
-    found = [one for one in maps if one.is_height_channel and _has_plain_unit(one) and not _NO_HEIGHTS.search(one.name)]
+    # The numbers of a channel of heights have the unit of its sides, or none; others have a pair of units.
+    plain = [one for one in maps if one.is_height_channel and (one.unit is None or isinstance(one.unit, str))]
+    found = [one for one in plain if not _NO_HEIGHTS.search(one.name)]
     if not found:
         names = ", ".join(one.name for one in maps)
         raise InputError(f"it holds no heights, but {names:.100}: export its topography")
@@ -155,11 +157,6 @@ def _choose_channel(reader: Any, size: int) -> tuple[Any, str]:
     # Numbers as they stand in the file, as heights, and these in metres.
     require_memory_of_map(24.0 * nx * ny)
     return chosen, f"channel {chosen.name!r} of {len(maps)}" if len(maps) > 1 else ""
-
-
-def _has_plain_unit(channel: Any) -> bool:
-    """Return whether the numbers of a channel have the unit of its sides, or none."""
-    return channel.unit is None or isinstance(channel.unit, str)
 
 
 def _read_channel(channel: Any, note: str) -> RawMap:

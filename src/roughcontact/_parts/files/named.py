@@ -55,12 +55,11 @@ STEPS_OF_HEIGHTS = frozenset(
 ) | {"dz"}
 # A name of heights with their unit, such as height_nm.
 _JOINT_NAME = re.compile(r"(?i)(?:z|heights?|topography|surface)_([^\W\d_]+)")
-# Names of arrays that state the unit of the heights, the unit of everything, and that of the sides.
+# Names of arrays that state the unit of the heights, and that of the sides; that of everything is named as a unit is.
 _HEIGHT_UNITS = (
     *("zunit", "z_unit", "zunits", "z_units", "height_unit", "height_units", "heights_unit", "heights_units"),
     *("unit_z", "units_z", "zUnit", "zUnits", "ZUnit", "heightUnit", "heightUnits"),
 )
-_COMMON_UNITS = UNIT_ATTRIBUTES
 _SIDE_UNITS = (
     "resolution_unit",
     "xyunit",
@@ -89,7 +88,7 @@ _EXTENT = "extent"
 _AXES = {"x": "x", "lon": "x", "longitude": "x", "easting": "x", "col": "x", "column": "x"}
 _AXES |= {"y": "y", "lat": "y", "latitude": "y", "northing": "y", "row": "y"}
 # Names of sides and units that may be attributes, too; and all names that `gather` looks for.
-STATING_ATTRIBUTES = frozenset({*_HEIGHT_UNITS, *_COMMON_UNITS, *_SIDE_UNITS, *_SIZE_NAMES, _EXTENT})
+STATING_ATTRIBUTES = frozenset({*_HEIGHT_UNITS, *UNIT_ATTRIBUTES, *_SIDE_UNITS, *_SIZE_NAMES, _EXTENT})
 STATING_NAMES = {*STATING_ATTRIBUTES, *CHANGING_NAMES, *"xyXY"}
 # Relative difference between the steps of positions that are regular: they are printed with six digits, or in 32 bits.
 _STEP_TOLERANCE = 1e-2
@@ -255,7 +254,7 @@ def gather(one: NamedArray, arrays: Mapping[str, NamedArray], texts: Mapping[str
     units: dict[str, str | float] = {**scalars, **texts}
     specific, common, lateral = (
         next((units[name] for name in names if name in units), None)
-        for names in (_HEIGHT_UNITS, _COMMON_UNITS, _SIDE_UNITS)
+        for names in (_HEIGHT_UNITS, UNIT_ATTRIBUTES, _SIDE_UNITS)
     )
     unit = next((value for value in (one.unit, specific, common) if value is not None), None)
     alike = {name: "an array" for name, other in arrays.items() if other.values.shape == one.values.shape}
