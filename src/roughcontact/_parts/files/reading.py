@@ -232,6 +232,7 @@ def _require_fitting(raw: RawMap, size: Length | Sequence[Length], file: Path) -
             f"for each x makes cells of {si(cells[0], 'm')} x {si(cells[1], 'm')}, a row for each y square ones of "
             f"{si(turned[0], 'm')}. Say which it is: rows='y', or rows='x'."
         )
+    # Where no steps are stated, those of the cells contradict nothing.
     steps = raw.steps or cells
     # Steps of one may be counts: then only sides that are exchanged contradict them.
     may_differ = steps == (1.0, 1.0) and abs(turned[1] / turned[0] - 1.0) > _STEP_TOLERANCE
