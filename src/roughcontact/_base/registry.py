@@ -15,6 +15,8 @@ from importlib.metadata import EntryPoint, entry_points
 from types import MappingProxyType
 from typing import Any, Generic, TypeVar, get_type_hints
 
+import attrs
+
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 from roughcontact.errors.warning import warn
@@ -230,6 +232,11 @@ def publish(public: Any, package: str) -> None:
     if isinstance(public, type):
         _DEFINED_IN[public] = public.__module__
     public.__module__ = package
+
+
+def arguments_of(cls: Any) -> dict[str, attrs.Attribute[Any]]:
+    """Return the fields of an attrs class by the names of its arguments; none of another class."""
+    return {str(field.alias): field for field in attrs.fields(cls) if field.init} if attrs.has(cls) else {}
 
 
 def field_types(cls: type) -> dict[str, Any]:

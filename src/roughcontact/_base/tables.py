@@ -8,7 +8,6 @@ import html
 import math
 import os
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from types import MappingProxyType
 from typing import Any, TextIO, overload
 
 import attrs
@@ -19,7 +18,7 @@ from roughcontact._base.archive import replacing
 from roughcontact._base.arrays import RealArray
 from roughcontact._base.registry import find_view
 from roughcontact._base.units import WIDTH, Estimate, fit, scale_column, si, write_column
-from roughcontact.errors import InputError, MissingPackage
+from roughcontact.errors import InputError, requiring
 
 # Rows that are printed, and that a notebook shows: the first and the last ones of a longer table.
 _MAX_PRINTED_ROWS = 40
@@ -73,21 +72,18 @@ class Table:
         cls,
         names: Sequence[str],
         rows: Iterable[Sequence[Any]],
-        units: Mapping[str, str] = MappingProxyType({}),
         left: Collection[str] = (),
     ) -> Table:
         """Return the table of rows, each with one cell for every name."""
         if len(set(names)) < len(names):
             raise InputError.about("The names of the columns", list(names), "names that differ from each other")
         cells = list(rows)
-        return cls({name: [row[place] for row in cells] for place, name in enumerate(names)}, units, left)
+        return cls({name: [row[place] for row in cells] for place, name in enumerate(names)}, left=left)
 
     def to_pandas(self) -> Any:
         """Return a `pandas.DataFrame` with the units in ``frame.attrs["units"]``."""
-        try:
+        with requiring("A data frame needs the package pandas: pip install 'roughcontact[table]'."):
             import pandas
-        except ImportError:
-            raise MissingPackage("A data frame needs the package pandas: pip install 'roughcontact[table]'.") from None
         columns, units = self._separate()
         frame = pandas.DataFrame(
             {name: np.array(one) if isinstance(one, np.ndarray) else list(one) for name, one in columns.items()}
@@ -226,10 +222,8 @@ def _row(cells: Iterable[str], tag: str) -> str:
 
 def make_dataset(variables: Mapping[str, Any], places: Mapping[str, Any], notes: Mapping[str, Any]) -> Any:
     """Return an `xarray.Dataset` of variables, coordinates and attributes; `MissingPackage` without xarray."""
-    try:
+    with requiring("Datasets need the package xarray: pip install 'roughcontact[store]'."):
         import xarray
-    except ImportError:
-        raise MissingPackage("Datasets need the package xarray: pip install 'roughcontact[store]'.") from None
     return xarray.Dataset(variables, coords=places, attrs=notes)
 
 

@@ -320,7 +320,7 @@ class Load:
         return {self.kind: self.value}
 
     def __str__(self) -> str:
-        return f"{self.kind} {si(self.value, _LOAD_KINDS[self.kind][1])}"
+        return f"{self.kind} {si(self.value, self.unit)}"
 
 
 def _the_one(given: dict[str, object], request: str) -> tuple[str, object]:

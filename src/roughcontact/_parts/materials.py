@@ -11,7 +11,7 @@ from typing import ClassVar
 import attrs
 import numpy as np
 
-from roughcontact._base.arrays import Array, restore_state
+from roughcontact._base.arrays import Array, read_only, restore_state
 from roughcontact._base.checks import Part, number, number_or_array
 from roughcontact._base.registry import Registry
 from roughcontact._base.units import Quantity
@@ -169,9 +169,7 @@ def combined_pressure_limit(one: Material, other: Material) -> Array:
     shapes = {limit.shape for limit in limits if limit.ndim}
     if len(shapes) > 1:
         raise InputError(f"The pressure limits of the bodies are arrays of different shapes, {sorted(shapes)}.")
-    softer = np.asarray(np.minimum(*limits), dtype=np.float64)
-    softer.flags.writeable = False
-    return softer
+    return read_only(np.asarray(np.minimum(*limits), dtype=np.float64))
 
 
 def _young(value: Quantity) -> float:
@@ -187,7 +185,20 @@ def _hardness(value: Quantity | Array) -> float | Array:
 
 
 @attrs.frozen
-class Elastic(Material):
+class _Isotropic(Material):
+    """A material of two elastic constants."""
+
+    young: float = attrs.field(converter=_young, metadata={"unit": "Pa"})
+    poisson: float = attrs.field(converter=_poisson, metadata={"unit": ""})
+
+    @property
+    def compliance(self) -> float:
+        """Plane-strain compliance (1 - nu^2) / E, 1/Pa."""
+        return (1.0 - self.poisson**2) / self.young
+
+
+@attrs.frozen
+class Elastic(_Isotropic):
     """Homogeneous, isotropic, linear elastic half-space.
 
     Parameters
@@ -205,14 +216,6 @@ class Elastic(Material):
     210 GPa
     """
 
-    young: float = attrs.field(converter=_young, metadata={"unit": "Pa"})
-    poisson: float = attrs.field(converter=_poisson, metadata={"unit": ""})
-
-    @property
-    def compliance(self) -> float:
-        """Plane-strain compliance (1 - nu^2) / E, 1/Pa."""
-        return (1.0 - self.poisson**2) / self.young
-
     @property
     def pressure_limit(self) -> float:
         """Infinite."""
@@ -220,7 +223,7 @@ class Elastic(Material):
 
 
 @attrs.frozen(eq=False)
-class ElasticPerfectlyPlastic(Material):
+class ElasticPerfectlyPlastic(_Isotropic):
     """Elastic until the contact pressure reaches the hardness, which it never exceeds.
 
     The limited pressure displaces an elastic half-space; in saturated cells the surfaces may overlap by the plastic
@@ -245,16 +248,9 @@ class ElasticPerfectlyPlastic(Material):
     2 GPa
     """
 
-    young: float = attrs.field(converter=_young, metadata={"unit": "Pa"})
-    poisson: float = attrs.field(converter=_poisson, metadata={"unit": ""})
     hardness: float | Array = attrs.field(converter=_hardness, metadata={"unit": "Pa"})
 
     __setstate__ = restore_state
-
-    @property
-    def compliance(self) -> float:
-        """Plane-strain compliance (1 - nu^2) / E, 1/Pa."""
-        return (1.0 - self.poisson**2) / self.young
 
     @property
     def pressure_limit(self) -> float | Array:

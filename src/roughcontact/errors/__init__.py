@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import difflib
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import numpy as np
@@ -121,6 +122,15 @@ class MissingPackage(RoughContactError, ImportError):
     >>> issubclass(rc.MissingPackage, ImportError)
     True
     """
+
+
+@contextlib.contextmanager
+def requiring(advice: str) -> Iterator[None]:
+    """Raise `MissingPackage` with this advice if a package that is imported in the context is not installed."""
+    try:
+        yield
+    except ImportError:
+        raise MissingPackage(advice) from None
 
 
 class FileError(RoughContactError, OSError):

@@ -43,8 +43,7 @@ _SEAL_PATTERN = re.compile(rb"roughcontact file, format (\d{1,9}), sha256 [0-9a-
 # Bytes of a header; a problem takes some thousands.
 _MAX_HEADER_BYTES = 2**22
 # Bytes to which an npz file may expand, plus a multiple of its own size: heights deflate by 1 to 2, zeros by 1000.
-_EXPANSION_ALLOWANCE = 2**24
-_MAX_EXPANSION_RATIO = 20
+_ARCHIVE = (2**24, 20)
 # Levels of brackets in a header (a sum of surfaces takes three), and characters of a number (float64 takes 24).
 _MAX_JSON_DEPTH = 150
 _MAX_NUMBER_CHARACTERS = 40
@@ -235,29 +234,31 @@ def unpack(packed: Mapping[str, RealArray], *, complete: bool = True) -> tuple[d
 def read_npz(file: IO[bytes], wanted: set[str] | None = None, *, deflated: bool = False) -> dict[str, RealArray]:
     """Return all or the wanted arrays of an npz file; ValueError if it declares more data than it can hold."""
     size = file.seek(0, os.SEEK_END)
-    limit = _allowed_bytes(size)
+    limit = bound_expansion(size)
     arrays: dict[str, RealArray] = {}
     with zipfile.ZipFile(file) as archive:
         members = {member.filename.removesuffix(".npy"): member for member in archive.infolist()}
         if len(members) < len(archive.infolist()):
             raise ValueError("a name occurs twice in it")
         require_expansion(archive, size, "write it again without compression (numpy.savez)", deflated=deflated)
-        for name in members if wanted is None else wanted & set(members):
+        for name in members if wanted is None else [name for name in members if name in wanted]:
             with archive.open(members[name]) as stream:
                 # Numbers of one byte become float64 later.
                 arrays[name] = read_npy(stream, members[name].file_size, most=limit // 8)
     return arrays
 
 
-def _allowed_bytes(size: int) -> int:
-    return _EXPANSION_ALLOWANCE + _MAX_EXPANSION_RATIO * size
+def bound_expansion(size: int, bound: tuple[int, int] = _ARCHIVE) -> int:
+    """Return the bytes to which the content of a file of so many bytes may expand, by an allowance and a ratio."""
+    allowance, ratio = bound
+    return allowance + ratio * size
 
 
 def require_expansion(archive: zipfile.ZipFile, size: int, advice: str, *, deflated: bool) -> None:
     """Raise ValueError if an archive of `size` bytes declares far more data, or a compression without a bound."""
     members = archive.infolist()
     declared, stored = (sum(getattr(one, name) for one in members) for name in ("file_size", "compress_size"))
-    if stored > size or declared > _allowed_bytes(size):
+    if stored > size or declared > bound_expansion(size):
         raise ValueError(
             f"it declares {declared} bytes of data, more than a file of {size} bytes may hold; if that is right, "
             f"{advice}"

@@ -25,7 +25,7 @@ import numpy as np
 
 from roughcontact._base.archive import digest_of, short_digest
 from roughcontact._base.arrays import RealArray
-from roughcontact._base.registry import Registry, field_types, path_of, registries
+from roughcontact._base.registry import Registry, arguments_of, field_types, path_of, registries
 from roughcontact.errors import InputError, shorten
 
 _texts: weakref.WeakKeyDictionary[Any, tuple[str, frozenset[str]]] = weakref.WeakKeyDictionary()
@@ -221,7 +221,7 @@ def rebuild_fields(
     if not issubclass(cls, bases):
         expected = " or ".join(base.__name__ for base in bases) or "plain data"
         raise InputError(f"The {kind} {name!r} stands where {expected} must stand.")
-    fields = _arguments(cls)
+    fields = arguments_of(cls)
     # Older files have former names of some fields.
     renamed = {field.metadata["formerly"]: key for key, field in fields.items() if "formerly" in field.metadata}
     given = {renamed.get(key, key): item for key, item in given.items()}
@@ -282,11 +282,6 @@ def key_of_description(described: Described, *more: str) -> str:
     return short_digest(json.dumps([described, *more], sort_keys=True))
 
 
-def _arguments(cls: Any) -> dict[str, attrs.Attribute[Any]]:
-    """Return the fields of an attrs class by the names of its arguments."""
-    return {str(field.alias): field for field in attrs.fields(cls) if field.init} if attrs.has(cls) else {}
-
-
 def _classes_in(value: object, place: str = "") -> Iterator[type]:
     """Yield the class of every part of a value; a text in a field named after a kind is a registered name."""
     inner: Mapping[str, object] = {}
@@ -305,7 +300,7 @@ def _classes_in(value: object, place: str = "") -> Iterator[type]:
 
 def _fields_of(value: object) -> dict[str, object]:
     if attrs.has(type(value)):
-        return {name: getattr(value, field.name) for name, field in _arguments(type(value)).items()}
+        return {name: getattr(value, field.name) for name, field in arguments_of(type(value)).items()}
     state = object.__getstate__(value)
     return {} if state is None else {"state": state}
 

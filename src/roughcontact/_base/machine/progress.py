@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any, Protocol
 
-from roughcontact.errors import MissingPackage
+from roughcontact.errors import MissingPackage, requiring
 
 # What runs comes last, since a narrow terminal cuts it. Without a fraction of the work nothing is drawn.
 _WITH_FRACTION = "{percentage:3.0f} % |{bar:10}| {elapsed} < {remaining}  {desc}"
@@ -84,12 +84,10 @@ def has_tqdm() -> bool:
 
 
 def _import_tqdm() -> Any:
-    try:
-        # In a notebook without ipywidgets it warns, and shows text.
-        with warnings.catch_warnings(action="ignore"):
-            from tqdm.auto import tqdm
-    except ImportError:
-        raise MissingPackage("Progress needs the package tqdm: pip install 'roughcontact[progress]'.") from None
+    advice = "Progress needs the package tqdm: pip install 'roughcontact[progress]'."
+    # In a notebook without ipywidgets it warns, and shows text.
+    with requiring(advice), warnings.catch_warnings(action="ignore"):
+        from tqdm.auto import tqdm
     return tqdm
 
 

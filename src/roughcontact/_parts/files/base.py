@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import abc
 import contextlib
+import math
 import os
 import re
 from pathlib import Path
@@ -12,38 +13,35 @@ import attrs
 import numpy as np
 
 from roughcontact._base.archive import SEAL
-from roughcontact._base.arrays import Array, Pair
+from roughcontact._base.arrays import Array, Pair, RealArray
 from roughcontact._base.checks import Part, choice
 from roughcontact._base.machine import require_memory
 from roughcontact._base.registry import Registry
 from roughcontact._base.units import outlined
+from roughcontact.errors import InputError
 
 _PICTURE_ADVICE = "export the heights themselves, as text or TIFF in 32-bit floating point"
 _DOCUMENT_ADVICE = "export the heights themselves, as text"
 _POINTS_ADVICE = "export the heights on a regular grid, as text x y z"
 _GRID_ADVICE = "export it as text x y z, or as a grid of ESRI or Surfer"
 _PACKED_ADVICE = "unpack it first"
-# The first bytes of files without heights, their kind, and advice.
-_FOREIGN_KINDS = {
-    b"\x89PNG": ("a PNG picture", _PICTURE_ADVICE),
-    b"\xff\xd8\xff": ("a JPEG picture", _PICTURE_ADVICE),
-    b"GIF8": ("a GIF picture", _PICTURE_ADVICE),
-    b"8BPS": ("a picture of Photoshop", _PICTURE_ADVICE),
-    b"\0\0\0\x0cjP  ": ("a JPEG picture", _PICTURE_ADVICE),
-    b"RIFF": ("a picture or a film", _PICTURE_ADVICE),
-    b"%PDF": ("a PDF document", _DOCUMENT_ADVICE),
+# The first bytes of files without heights, letters in lower case, their kind, and advice.
+_FOREIGN_KINDS: dict[bytes | tuple[bytes, ...], tuple[str, str]] = {
+    b"\x89png": ("a PNG picture", _PICTURE_ADVICE),
+    (b"\xff\xd8\xff", b"\0\0\0\x0cjp  "): ("a JPEG picture", _PICTURE_ADVICE),
+    b"gif8": ("a GIF picture", _PICTURE_ADVICE),
+    b"8bps": ("a picture of Photoshop", _PICTURE_ADVICE),
+    b"riff": ("a picture or a film", _PICTURE_ADVICE),
+    b"%pdf": ("a PDF document", _DOCUMENT_ADVICE),
     b"{\\rtf": ("a text with its layout (RTF)", _DOCUMENT_ADVICE),
-    b"<!doctype html": ("a page of HTML", _DOCUMENT_ADVICE),
-    b"<html": ("a page of HTML", _DOCUMENT_ADVICE),
+    (b"<!doctype html", b"<html"): ("a page of HTML", _DOCUMENT_ADVICE),
     b"<?xml": ("an XML document", _DOCUMENT_ADVICE),
     b"<vtkfile": ("image data of VTK", _DOCUMENT_ADVICE),
     b"# vtk datafile": ("data of VTK", _DOCUMENT_ADVICE),
-    b"ply\n": ("a cloud of points in PLY", _POINTS_ADVICE),
-    b"ply\r\n": ("a cloud of points in PLY", _POINTS_ADVICE),
-    b"LASF": ("a cloud of points in LAS", _POINTS_ADVICE),
-    b"ASTM-E57": ("a cloud of points in E57", _POINTS_ADVICE),
-    b"# .PCD": ("a cloud of points in PCD", _POINTS_ADVICE),
-    b"VERSION .7": ("a cloud of points in PCD", _POINTS_ADVICE),
+    (b"ply\n", b"ply\r\n"): ("a cloud of points in PLY", _POINTS_ADVICE),
+    b"lasf": ("a cloud of points in LAS", _POINTS_ADVICE),
+    b"astm-e57": ("a cloud of points in E57", _POINTS_ADVICE),
+    (b"# .pcd", b"version .7"): ("a cloud of points in PCD", _POINTS_ADVICE),
     b"simple  =": ("an image in FITS", _PICTURE_ADVICE),
     b"\x76\x2f\x31\x01": ("a picture in OpenEXR", _PICTURE_ADVICE),
     b"nrrd0": ("an image in NRRD", _PICTURE_ADVICE),
@@ -52,14 +50,14 @@ _FOREIGN_KINDS = {
     b"exp  0": ("a file in the interchange format of ArcInfo", _GRID_ADVICE),
     b'{"': ("a text in JSON", "write the heights with numpy.savez(path, heights=heights, size=(lx, ly))"),
     b"{{": ("a list of Mathematica", 'export it as a table: Export["map.csv", heights]'),
-    b"PAR1": ("a table in Parquet", _DOCUMENT_ADVICE),
-    b"SQLite format": ("a data base of SQLite", _DOCUMENT_ADVICE),
-    b"DSCOMPRESSED": ("a compressed file of MountainsMap", "save it without compression, or export it as text"),
+    b"par1": ("a table in Parquet", _DOCUMENT_ADVICE),
+    b"sqlite format": ("a data base of SQLite", _DOCUMENT_ADVICE),
+    b"dscompressed": ("a compressed file of MountainsMap", "save it without compression, or export it as text"),
     b"\x1f\x8b": ("compressed by gzip", "unpack it first (gunzip)"),
-    b"BZh": ("compressed by bzip2", _PACKED_ADVICE),
-    b"\xfd7zXZ": ("compressed by xz", _PACKED_ADVICE),
+    b"bzh": ("compressed by bzip2", _PACKED_ADVICE),
+    b"\xfd7zxz": ("compressed by xz", _PACKED_ADVICE),
     b"7z\xbc\xaf": ("a 7z archive", _PACKED_ADVICE),
-    b"Rar!": ("a RAR archive", _PACKED_ADVICE),
+    b"rar!": ("a RAR archive", _PACKED_ADVICE),
     b"\x28\xb5\x2f\xfd": ("compressed by Zstandard", _PACKED_ADVICE),
 }
 # Lines near the beginning of texts that are not read.
@@ -162,9 +160,11 @@ def require_memory_of_map(size: float) -> None:
     require_memory(size, "it", "cut it, or write it with fewer points")
 
 
-def put_x_first(heights: Array, rows: str) -> Array:
-    """Return heights of a file with a row for each x or each y, indexed [x, y]."""
-    return np.ascontiguousarray(heights.T) if rows == "y" else heights
+def shape_numbers(numbers: RealArray, shape: tuple[int, int]) -> RealArray:
+    """Return the numbers of a file as so many rows and columns; `InputError` if it holds others than it states."""
+    if min(shape) < 1 or numbers.size != math.prod(shape):
+        raise InputError(f"it states {shape[1]} x {shape[0]} points, but holds {numbers.size} numbers: it is damaged")
+    return numbers.reshape(shape)
 
 
 def turn_up(heights: Array, falling: str) -> Array:
@@ -173,10 +173,9 @@ def turn_up(heights: Array, falling: str) -> Array:
     return np.ascontiguousarray(heights[flips])
 
 
-def name_rows(rows: str, *, assumed: bool = False, downwards: bool = False) -> str:
+def name_rows(rows: str, line: str = "a line of the file", *, assumed: bool = False, downwards: bool = False) -> str:
     """Return in words what a line of a file is."""
-    order = ", downwards" if downwards else ""
-    return f"a line of the file is one {rows}{order}{' (assumed: rows= says it)' if assumed else ''}"
+    return f"{line} is one {rows}{', downwards' if downwards else ''}{' (assumed: rows= says it)' if assumed else ''}"
 
 
 class SurfaceReader(Part, abc.ABC):
@@ -233,12 +232,10 @@ def find_foreign(file: Path) -> str:
             return "it is a document of an office program: save the sheet of its heights as CSV"
         if ending == ".zip":
             return "it is a ZIP archive: unpack it first"
-    if ending in _FOREIGN_ENDINGS:
-        kind, advice = _FOREIGN_ENDINGS[ending]
+    begun = (found for mark, found in _FOREIGN_KINDS.items() if start.startswith(mark))
+    if foreign := _FOREIGN_ENDINGS.get(ending) or next(begun, None):
+        kind, advice = foreign
         return f"it is {kind}, not a height map: {advice}"
-    for mark, (kind, advice) in _FOREIGN_KINDS.items():
-        if start.startswith(mark.lower()):
-            return f"it is {kind}, not a height map: {advice}"
     for words, (kind, advice) in _FOREIGN_LINES.items():
         if words.search(start):
             return f"it is {kind}, which is not read: {advice}"

@@ -11,13 +11,14 @@ import zlib
 from pathlib import Path
 from typing import Any
 
-from roughcontact._base.archive import require_expansion
+from roughcontact._base.archive import bound_expansion, require_expansion
 from roughcontact.errors import InputError
 
-# Bytes to which compressed arrays may expand, plus a multiple of the file: heights deflate by 1 to 2, zeros by 1000.
-_EXPANSION_ALLOWANCE = 2**21
-_MAX_EXPANSION_RATIO = 20
-_HDF5_BEGINNING = b"\x89HDF\r\n\x1a\n"
+# Bytes to which arrays may expand, plus a multiple of the file: heights deflate by 1 to 2, zeros by 1000; and the same
+# of texts, whose digits deflate by 2 to 20, and of images.
+ARRAYS = (2**21, 20)
+TEXT_OR_IMAGE = (2**22, 50)
+HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 # Members of a file of HDF5, with those of its groups, that are looked at.
 _MAX_MEMBERS = 10_000
 # A heap of texts in HDF5: its head is mark, version and size, at a multiple of eight bytes; then come objects, each
@@ -36,19 +37,20 @@ _DEFLATED = re.compile(rb"\x78[\x01\x5e\x9c\xda]")
 _BLOCK = 2**16
 
 
-def bound_expansion(size: int) -> int:
-    """Return the bytes to which the arrays of a file of so many bytes may expand."""
-    return _EXPANSION_ALLOWANCE + _MAX_EXPANSION_RATIO * size
+def require_room(
+    needed: float, size: int, what: str = "its arrays are larger", bound: tuple[int, int] = ARRAYS
+) -> None:
+    """Refuse so many bytes, of which `what` tells, if a file of `size` bytes cannot hold them."""
+    if needed > bound_expansion(size, bound):
+        raise InputError(f"{what} than a file of {size} bytes can hold")
 
 
 def require_bounded(path: Path) -> None:
     """Refuse a file that expands to far more than its bytes: a foreign reader would not check the memory."""
     require_bounded_archive(path)
-    with path.open("rb") as stream:
-        start = stream.read(len(_COMPOUND))
-    if start == _HDF5_BEGINNING:
+    if begins_with(path, HDF5_SIGNATURE):
         _require_bounded_hdf5(path)
-    elif start == _COMPOUND:
+    elif begins_with(path, _COMPOUND):
         _require_bounded_blocks(path)
 
 
@@ -70,10 +72,10 @@ def require_bounded_archive(path: Path) -> None:
         )
 
 
-def is_hdf5(path: Path) -> bool:
-    """Return whether a file begins as HDF5 does, whatever its ending."""
+def begins_with(path: Path, mark: bytes) -> bool:
+    """Return whether a file has these first bytes, whatever its ending."""
     with path.open("rb") as stream:
-        return stream.read(len(_HDF5_BEGINNING)) == _HDF5_BEGINNING
+        return stream.read(len(mark)) == mark
 
 
 def require_sound_hdf5(path: Path) -> None:
@@ -118,30 +120,34 @@ def _require_bounded_hdf5(path: Path) -> None:
     except ImportError:
         return
     require_sound_hdf5(path)
-    size = path.stat().st_size
-    left = bound_expansion(size)
-    members = 0
-
-    def count(name: str, item: Any) -> bool | None:
-        nonlocal left, members
-        members += 1
-        if isinstance(item, h5py.Dataset):
-            left -= math.prod(item.shape or ()) * item.dtype.itemsize
-        # Any value but None ends the visit.
-        return True if left < 0 or members > _MAX_MEMBERS else None
-
     with path.open("rb") as stream, h5py.File(stream, "r") as file:
-        file.visititems(count)
-    if left < 0:
-        raise InputError(f"its arrays are larger than a file of {size} bytes can hold")
-    if members > _MAX_MEMBERS:
-        raise InputError(f"it has more than {_MAX_MEMBERS} members: export the heights alone")
+        arrays = [item for item in list_members(file, _MAX_MEMBERS).values() if isinstance(item, h5py.Dataset)]
+        needed = sum(math.prod(item.shape or ()) * item.dtype.itemsize for item in arrays)
+    require_room(needed, path.stat().st_size)
+
+
+def list_members(file: Any, most: int) -> dict[str, Any]:
+    """Return the groups, arrays and types that stand in a file of HDF5, each once, by their paths.
+
+    `InputError` if they are too many.
+    """
+    found: dict[str, Any] = {}
+
+    def keep(name: str, item: Any) -> bool | None:
+        found[name] = item
+        # Any value but None ends the visit.
+        return True if len(found) > most else None
+
+    file.visititems(keep)
+    if len(found) > most:
+        raise InputError(f"it has more than {most} members: write the heights alone")
+    return found
 
 
 def _require_bounded_blocks(path: Path) -> None:
     """Refuse a compound file whose deflated blocks expand to far more than its bytes."""
     data = memoryview(path.read_bytes())
-    left = bound_expansion(len(data))
+    left = bound_expansion(len(data), ARRAYS)
     for head in _DEFLATED.finditer(data):
         left -= _count_inflated(data[head.start() :], left)
         if left < 0:

@@ -50,10 +50,7 @@ class NpzReader(SurfaceReader):
 
     no_data: float | str | None = attrs.field(default=None, converter=check_no_data)
 
-    @property
-    def suffixes(self) -> frozenset[str]:
-        """Npz."""
-        return frozenset({".npz"})
+    suffixes = frozenset({".npz"})
 
     def read(self, path: Path) -> RawMap:
         """Return the map."""
@@ -109,10 +106,7 @@ class NpyReader(SurfaceReader):
     rows: str = attrs.field(default="auto", converter=check_rows)
     no_data: float | str | None = attrs.field(default=None, converter=check_no_data)
 
-    @property
-    def suffixes(self) -> frozenset[str]:
-        """Npy."""
-        return frozenset({".npy"})
+    suffixes = frozenset({".npy"})
 
     def read(self, path: Path) -> RawMap:
         """Return the map."""

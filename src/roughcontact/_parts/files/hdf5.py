@@ -1,32 +1,34 @@
-"""Arrays of HDF5 files, as h5py, MATLAB 7.3, netCDF-4 and many codes write them."""
+"""Arrays of HDF5 files, as h5py, MATLAB 7.3 and many codes write them, and of netCDF, whose version 4 is HDF5."""
 
 from __future__ import annotations
 
+import io
 import math
+import warnings
 from pathlib import Path
 from typing import Any
 
 import attrs
 import numpy as np
 
+from roughcontact._base.arrays import RealArray
 from roughcontact._parts.files.base import RawMap, require_memory_of_map
-from roughcontact._parts.files.bounds import bound_expansion, require_sound_hdf5
+from roughcontact._parts.files.bounds import HDF5_SIGNATURE, begins_with, list_members, require_room, require_sound_hdf5
 from roughcontact._parts.files.named import (
     CHANGING_NAMES,
     DESCRIBING_ATTRIBUTES,
-    MISSING_ATTRIBUTES,
-    PACKING_ATTRIBUTES,
+    NUMBER_ATTRIBUTES,
     STATING_ATTRIBUTES,
     STEPS_OF_HEIGHTS,
     UNIT_ATTRIBUTES,
-    VALID_ATTRIBUTES,
     NamedArray,
     NamedArrayReader,
     choose_map,
     find_stating,
     is_changing,
+    read_numbers,
 )
-from roughcontact.errors import InputError, MissingPackage
+from roughcontact.errors import InputError, requiring
 
 # Filters whose arrays are read: deflate, shuffle and Fletcher's checksum.
 _FILTERS = {1, 2, 3}
@@ -36,6 +38,9 @@ _MAX_MEMBERS = 1000
 _NO_PLACES = "This is a netCDF dimension but not"
 # Bytes of a text that may name a unit.
 MAX_TEXT_BYTES = 64
+# Names by which SurfaceTopography marks points that were not measured, and an axis along which the map repeats.
+_MASK = "mask"
+_PERIODIC = "periodic"
 
 
 def read_hdf5(path: Path) -> tuple[dict[str, NamedArray], dict[str, str]]:
@@ -43,49 +48,39 @@ def read_hdf5(path: Path) -> tuple[dict[str, NamedArray], dict[str, str]]:
 
     `InputError` if they are larger than the file can hold; `MissingPackage` without h5py.
     """
-    try:
+    with requiring(
+        "Files of HDF5, such as .h5 and .mat of version 7.3, need the package h5py: "
+        "pip install 'roughcontact[store]', or write the heights with numpy.save, in MATLAB with "
+        "save(file, 'heights', '-v7')."
+    ):
         import h5py
-    except ImportError:
-        raise MissingPackage(
-            "Files of HDF5, such as .h5 and .mat of version 7.3, need the package h5py: "
-            "pip install 'roughcontact[store]', or write the heights with numpy.save, in MATLAB with "
-            "save(file, 'heights', '-v7')."
-        ) from None
     arrays: dict[str, NamedArray] = {}
     texts: dict[str, str] = {}
     require_sound_hdf5(path)
-    size = path.stat().st_size
-    left = bound_expansion(size)
     with path.open("rb") as stream, h5py.File(stream, "r") as file:
-        items, groups = _find_items(file, h5py)
-        for path_of_group, group in groups.items():
+        members = list_members(file, _MAX_MEMBERS)
+        groups = {f"{name}/": item for name, item in members.items() if isinstance(item, h5py.Group)}
+        for path_of_group, group in ({"": file} | groups).items():
             for name, value in _read_statements(group, h5py).items():
                 if isinstance(value, str):
                     texts[f"{path_of_group}{name}"] = value
                 else:
                     arrays[f"{path_of_group}{name}"] = NamedArray(value)
+        items = {
+            name: item
+            for name, item in members.items()
+            if isinstance(item, h5py.Dataset) and (_is_plain(item, h5py) or _is_short_text(item, h5py))
+        }
+        require_room(sum(math.prod(item.shape) * item.dtype.itemsize for item in items.values()), path.stat().st_size)
         for name, item in items.items():
-            left -= math.prod(item.shape) * item.dtype.itemsize
-            if left < 0:
-                raise InputError(f"its arrays are larger than a file of {size} bytes can hold")
             if "MATLAB_class" in item.attrs and _read_text(_read_plain(item, "MATLAB_class", h5py)) == "char":
                 texts[name] = _read_letters(item[()])
-            elif _is_text(item, h5py):
+            elif item.id.get_type().get_class() == h5py.h5t.STRING:
                 texts[name] = _read_text(item[()])
             else:
-                arrays[name] = _squeeze(
-                    NamedArray(np.asarray(item[()]), _read_attributes(item, h5py), _name_axes(item, h5py))
-                )
+                one = NamedArray(np.asarray(item[()]), _read_attributes(item, h5py), _name_axes(item, h5py))
+                arrays[name] = one.squeezed()
     return arrays, texts
-
-
-def _squeeze(one: NamedArray) -> NamedArray:
-    """Return an array of more than two dimensions without axes of one point, such as one time."""
-    shape = one.values.shape
-    if len(shape) <= 2:
-        return one
-    axes = tuple(axis for axis, count in zip(one.axes, shape, strict=False) if count > 1)
-    return attrs.evolve(one, values=one.values.squeeze(), axes=axes)
 
 
 def _read_attributes(item: Any, h5py: Any) -> dict[str, Any]:
@@ -94,18 +89,10 @@ def _read_attributes(item: Any, h5py: Any) -> dict[str, Any]:
     for name in item.attrs:
         if name in UNIT_ATTRIBUTES:
             found[name] = _read_text(_read_plain(item, name, h5py))
-        elif name in PACKING_ATTRIBUTES:
-            found[name] = _read_number(_read_plain(item, name, h5py), name)
-        elif name in MISSING_ATTRIBUTES:
-            found[name] = tuple(_read_number(value, name) for value in np.ravel(_read_plain(item, name, h5py)))
-        elif name in VALID_ATTRIBUTES:
-            numbers = [_read_number(value, name) for value in np.ravel(_read_plain(item, name, h5py))]
-            if len(numbers) != (2 if name == "valid_range" else 1):
-                raise InputError(f"it states {len(numbers)} numbers as its {name}")
-            found[name] = tuple(numbers) if len(numbers) == 2 else numbers[0]
+        elif name in NUMBER_ATTRIBUTES:
+            found[name] = read_numbers(name, _read_plain(item, name, h5py))
         elif name in STATING_ATTRIBUTES or is_changing(name) or name.lower() in STEPS_OF_HEIGHTS:
-            value = np.asarray(_read_plain(item, name, h5py))
-            found[name] = value if value.dtype.kind in "iuf" else _read_text(value)
+            found[name] = _read_value(item, name, h5py)
         elif name in DESCRIBING_ATTRIBUTES and _is_short(item, name, h5py):
             found[name] = _read_text(item.attrs[name])
     return {name: value for name, value in found.items() if not isinstance(value, str) or value}
@@ -123,8 +110,7 @@ def _read_statements(group: Any, h5py: Any) -> dict[str, Any]:
     for name in group.attrs:
         stating = find_stating(name) or (name if name.lower() in CHANGING_NAMES else "")
         if stating:
-            value = np.asarray(_read_plain(group, name, h5py))
-            found[stating] = value if value.dtype.kind in "iuf" else _read_text(value)
+            found[stating] = _read_value(group, name, h5py)
         elif name in DESCRIBING_ATTRIBUTES and _is_short(group, name, h5py):
             found[name] = _read_text(group.attrs[name])
     return {name: value for name, value in found.items() if not isinstance(value, str) or value}
@@ -140,11 +126,9 @@ def _read_plain(item: Any, name: str, h5py: Any) -> Any:
     return item.attrs[name]
 
 
-def _read_number(value: Any, name: str) -> float:
-    number = np.asarray(value).ravel()
-    if number.size != 1 or number.dtype.kind not in "iuf" or (name in PACKING_ATTRIBUTES and not np.isfinite(number)):
-        raise InputError(f"it states {value!r:.40} as its {name}, which is not a number")
-    return float(number[0])
+def _read_value(item: Any, name: str, h5py: Any) -> RealArray | str:
+    value = np.asarray(_read_plain(item, name, h5py))
+    return value if value.dtype.kind in "iuf" else _read_text(value)
 
 
 def _read_text(value: Any) -> str:
@@ -158,10 +142,6 @@ def _read_letters(codes: Any) -> str:
     return "".join(chr(int(code)) for code in np.ravel(codes)[:MAX_TEXT_BYTES])
 
 
-def _is_text(item: Any, h5py: Any) -> bool:
-    return bool(item.id.get_type().get_class() == h5py.h5t.STRING)
-
-
 def _name_axes(item: Any, h5py: Any) -> tuple[str, ...]:
     """Return the names of the axes of an array, as its labels or the scales of netCDF state them."""
     if "DIMENSION_LABELS" in item.attrs:
@@ -171,35 +151,6 @@ def _name_axes(item: Any, h5py: Any) -> tuple[str, ...]:
     if "DIMENSION_LIST" not in item.attrs:
         return ()
     return tuple(str(axis[0].name).rpartition("/")[2] if len(axis) else "" for axis in item.dims)
-
-
-def _find_items(file: Any, h5py: Any) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return the arrays of numbers, and texts, in a file and its groups that stand in the file, and these, by paths."""
-    found = {}
-    all_groups = {"": file}
-    groups = [("", file)]
-    # Links may form circles.
-    seen = {h5py.h5o.get_info(file.id).addr}
-    members = 0
-    while groups:
-        path, group = groups.pop()
-        for name in group:
-            members += 1
-            if members > _MAX_MEMBERS:
-                raise InputError(f"it has more than {_MAX_MEMBERS} members: write the heights alone")
-            if not isinstance(group.get(name, getlink=True), h5py.HardLink):
-                continue
-            item = group[name]
-            address = h5py.h5o.get_info(item.id).addr
-            if address in seen:
-                continue
-            seen.add(address)
-            if isinstance(item, h5py.Group):
-                groups.append((f"{path}{name}/", item))
-                all_groups[f"{path}{name}/"] = item
-            elif isinstance(item, h5py.Dataset) and (_is_plain(item, h5py) or _is_short_text(item, h5py)):
-                found[f"{path}{name}"] = item
-    return found, all_groups
 
 
 def _is_plain(item: Any, h5py: Any) -> bool:
@@ -246,13 +197,80 @@ class Hdf5Reader(NamedArrayReader):
         The number that stands for a non-measured point, or ``"none"``; one that looks so is asked about.
     """
 
-    @property
-    def suffixes(self) -> frozenset[str]:
-        """H5 and hdf5."""
-        return frozenset({".h5", ".hdf5"})
+    suffixes = frozenset({".h5", ".hdf5"})
 
     def read(self, path: Path) -> RawMap:
         """Return the map."""
         require_memory_of_map(2.0 * path.stat().st_size)
         arrays, texts = read_hdf5(path)
         return choose_map(arrays, texts, self)
+
+
+@attrs.frozen
+class NetcdfReader(NamedArrayReader):
+    """An array of numbers in a netCDF file; the names and positions of its axes are read.
+
+    Version 4 needs h5py.
+
+    Parameters
+    ----------
+    variable
+        Name of the array; by default `heights`, or the only one with two dimensions.
+    rows
+        ``"x"`` or ``"y"``: the axis of the first index, where the names of the axes do not say it; by default x.
+    no_data
+        The number that stands for a non-measured point, or ``"none"``; one that looks so is asked about.
+    """
+
+    suffixes = frozenset({".nc", ".nc4", ".cdf"})
+
+    def read(self, path: Path) -> RawMap:
+        """Return the map."""
+        require_memory_of_map(4.0 * path.stat().st_size)
+        if begins_with(path, HDF5_SIGNATURE):
+            return choose_map(*read_hdf5(path), self)
+        try:
+            arrays, periodic = _read_classic(path)
+        except InputError:
+            raise
+        except (ValueError, TypeError, KeyError, IndexError, AttributeError, AssertionError, OverflowError) as error:
+            raise InputError("its head states more than it holds: it is damaged, or no classic netCDF") from error
+        return attrs.evolve(choose_map(arrays, {}, self), periodic=periodic)
+
+
+def _read_classic(path: Path) -> tuple[dict[str, NamedArray], bool]:
+    """Return the arrays of a classic netCDF file by name, and whether both axes are stated to be periodic."""
+    from scipy.io import netcdf_file
+
+    found = {}
+    # Of a file, scipy allocates what is declared; of bytes, what is there.
+    stream = io.BytesIO(path.read_bytes())
+    with warnings.catch_warnings(action="ignore"), netcdf_file(stream, "r", mmap=False) as file:
+        needed = sum(math.prod(one.shape) * one.itemsize() for one in file.variables.values())
+        require_room(needed, path.stat().st_size)
+        for name, one in file.variables.items():
+            array = NamedArray(np.array(one.data), axes=tuple(one.dimensions)).squeezed()
+            if array.values.dtype.kind in "iuf" and array.values.ndim <= 2:
+                found[name] = attrs.evolve(array, attributes=_read_classic_attributes(vars(one)))
+        axes = [file.variables[axis] for axis in "xy" if axis in file.variables]
+        periodic = len(axes) == 2 and all(int(getattr(axis, _PERIODIC, 0)) for axis in axes)
+    mask = found.pop(_MASK, None)
+    for name, array in found.items():
+        if mask is not None and array.values.shape == mask.values.shape:
+            marked = np.array(array.values, dtype=np.float64)
+            marked[mask.values != 0] = np.nan
+            found[name] = attrs.evolve(array, values=marked)
+    return found, periodic
+
+
+def _read_classic_attributes(stored: dict[str, Any]) -> dict[str, Any]:
+    """Return what the attributes of an array state of its numbers."""
+    found: dict[str, Any] = {}
+    for name, value in stored.items():
+        if isinstance(value, bytes) and (name in (*UNIT_ATTRIBUTES, *DESCRIBING_ATTRIBUTES) or is_changing(name)):
+            found[name] = value.decode("utf-8", "replace").strip("\0 ")
+        elif name in NUMBER_ATTRIBUTES:
+            found[name] = read_numbers(name, value)
+        elif is_changing(name) or name.lower() in STEPS_OF_HEIGHTS:
+            found[name] = value
+    return found

@@ -10,7 +10,7 @@ from typing import TypeAlias
 
 import attrs
 
-from roughcontact._parts.files.stated import Stated, metres, names_unit
+from roughcontact._parts.files.stated import Stated, in_metres, metres, names_unit
 from roughcontact._parts.files.text import SHOWN_FACTOR, decode_latin
 from roughcontact.errors import InputError
 
@@ -191,7 +191,7 @@ class _Found:
     def add(self, name: str, value: float | str, line: str) -> None:
         """Keep an item; `InputError` if it is stated twice, with other values."""
         known = self.items.setdefault(name, (value, line))
-        if known[0] != value and (_in_metres(known[0]) is None or _in_metres(known[0]) != _in_metres(value)):
+        if known[0] != value and (in_metres(known[0]) is None or in_metres(known[0]) != in_metres(value)):
             raise InputError(
                 f"its header states {known[1].strip()[:60]!a} and {line.strip()[:60]!a}, which contradict each other, "
                 "as where a second table or channel begins: keep the heights alone"
@@ -205,13 +205,17 @@ class _Found:
         value = self.items.get(name, (None, ""))[0]
         return value if isinstance(value, float) else None
 
+    def pair(self, name: str) -> _Sides:
+        return self.number(f"{name} x"), self.number(f"{name} y")
+
     def count(self, name: str) -> int | None:
         value = self.number(name)
         return None if value is None else int(value)
 
 
-def _in_metres(unit: float | str) -> float | None:
-    return unit if isinstance(unit, float) else metres(unit)
+def _float(text: str) -> float:
+    """Return a number, with a decimal point or a comma."""
+    return float(text.replace(",", "."))
 
 
 def read_header(lines: Sequence[str]) -> Stated:
@@ -250,13 +254,13 @@ def _read_sentence(found: _Found, line: str) -> None:
     mark = _NON_MEASURED_SENTENCE.fullmatch(line)
     sentence = _SENTENCE.fullmatch(line)
     if mark:
-        found.add("non measured", float(mark[1].replace(",", ".")), line)
+        found.add("non measured", _float(mark[1]), line)
     elif sentence and metres(sentence[2]) is not None:
         found.add("unit", sentence[2], line)
         if sentence[1].lower().startswith(_OF_ALL):
             found.add("length", sentence[2], line)
     elif multiple := _MULTIPLE.fullmatch(line):
-        found.add("unit", float(multiple[1].replace(",", ".")) * (metres(multiple[2]) or math.nan), line)
+        found.add("unit", _float(multiple[1]) * (metres(multiple[2]) or math.nan), line)
     elif _is_suspect(line):
         found.not_understood.append(line)
     elif names_unit(line):
@@ -266,7 +270,7 @@ def _read_sentence(found: _Found, line: str) -> None:
 def _is_suspect(line: str) -> bool:
     """Return whether a line may change what the numbers mean."""
     suspect = _SUSPECT.match(line)
-    has_factor = suspect is not None and float(suspect[1].replace(",", ".")) not in (0.0, 1.0)
+    has_factor = suspect is not None and _float(suspect[1]) not in (0.0, 1.0)
     unit = _UNIT_BEHIND.fullmatch(line)
     has_unit = unit is not None and metres(unit[1]) is not None
     return has_factor or has_unit or any(form.fullmatch(line) for form in (_SUSPECT_STEPS, _DEPTHS))
@@ -292,7 +296,7 @@ def _read_line(found: _Found, key: str, value: str, line: str) -> None:
         elif length is None:
             found.not_understood.append(line)
         else:
-            found.add("unit", float(number[1].replace(",", ".")) * length, line)
+            found.add("unit", _float(number[1]) * length, line)
     elif re.fullmatch(_LATERAL_UNIT, key):
         found.add("length", value.strip("()[] "), line)
     elif key == "file format":
@@ -313,7 +317,7 @@ def _read_line(found: _Found, key: str, value: str, line: str) -> None:
             # "x_spacing_mm"
             unit = words.pop()
             key = " ".join(words)
-        _read_number(found, key, float(number[1].replace(",", ".")), unit, line)
+        _read_number(found, key, _float(number[1]), unit, line)
     elif metres(value) is not None:
         # A unit of something, under a name that is not known.
         found.not_understood.append(line)
@@ -328,7 +332,7 @@ def _read_pair(found: _Found, key: str, pair: re.Match[str], unit: str, line: st
         return
     last = pair[4].strip(" ,;()[]") or unit
     for axis, value, own in (("x", pair[1], pair[2].strip(" ,;()[]") or last), ("y", pair[3], last)):
-        _read_number(found, f"{axis} {kind}", float(value.replace(",", ".")), own, line)
+        _read_number(found, f"{axis} {kind}", _float(value), own, line)
 
 
 def _read_number(found: _Found, key: str, value: float, unit: str, line: str) -> None:
@@ -355,9 +359,8 @@ def _read_number(found: _Found, key: str, value: float, unit: str, line: str) ->
         found.add("bit" if key == "bit2nm" else "factor", value, line)
     elif key.replace(" ", "") in ("xllcorner", "xllcenter"):
         found.add("xllcorner", value, line)
-    elif length is not None and any(words.fullmatch(key) for words in _EXTENTS.values()):
-        what = next(what for what, words in _EXTENTS.items() if words.fullmatch(key))
-        found.add(what, value * length, line)
+    elif length is not None and (extent := next((one for one, words in _EXTENTS.items() if words.fullmatch(key)), "")):
+        found.add(extent, value * length, line)
         found.items.setdefault("unit of extent", (unit, line))
     else:
         neutral = next((one for words, one in _CHANGING.items() if words.fullmatch(key)), None)
@@ -372,16 +375,14 @@ def _find_lengths(found: _Found) -> tuple[_Sides, _Sides, str | float | None]:
     unit = found.text("length")
     if unit is None and not found.items.keys().isdisjoint(("bit", "file format")):
         unit = _SPIP_UNIT
-    known = None if unit is None else metres(unit)
+    known = in_metres(unit)
     for kind in ("side", "step"):
-        bare = [found.number(f"bare {kind} {axis}") for axis in "xy"]
-        stated = [found.number(f"{kind} {axis}") for axis in "xy"]
-        if known is not None:
-            stated = [
-                one if one is not None or raw is None else raw * known for one, raw in zip(stated, bare, strict=True)
-            ]
-        pairs.append((stated[0], stated[1]))
-        pairs.append((bare[0], bare[1]))
+        bare = found.pair(f"bare {kind}")
+        x, y = (
+            one if one is not None or known is None or raw is None else raw * known
+            for one, raw in zip(found.pair(kind), bare, strict=True)
+        )
+        pairs += [(x, y), bare]
     edges = [found.number(name) for name in ("east", "west", "north", "south")]
     if None not in edges:
         east, west, north, south = (edge or 0.0 for edge in edges)
@@ -402,7 +403,7 @@ def _combine(found: _Found) -> Stated:
         not_understood.append(found.items["channel"][1])
     factor = found.number("factor") or 1.0
     bit = found.number("bit")
-    if bit is not None and (unit is None or _in_metres(unit) == metres(_SPIP_UNIT)):
+    if bit is not None and (unit is None or in_metres(unit) == metres(_SPIP_UNIT)):
         unit = _SPIP_UNIT
         factor *= bit
     elif bit is not None and bit != 1.0:
@@ -410,8 +411,7 @@ def _combine(found: _Found) -> Stated:
     shape = (found.count("count x"), found.count("count y"))
     table = (found.count("lines"), found.count("columns"))
     size, steps, length = _find_lengths(found)
-    bare = [found.number(f"bare side {axis}") for axis in "xy"]
-    if length == 1.0 and shape == (None, None) and None not in bare and None not in steps:
+    if length == 1.0 and shape == (None, None) and None not in (*found.pair("bare side"), *steps):
         # Beside distances with a unit, sides without one are numbers of points.
         shape = (found.count("bare side x"), found.count("bare side y"))
     is_image = "image" in found.items and (None not in shape or None not in table or None not in size)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 import warnings
 from collections.abc import Sequence
@@ -23,9 +22,9 @@ from roughcontact._parts.files.base import (
     require_memory_of_map,
     turn_up,
 )
-from roughcontact._parts.files.bounds import bound_expansion, require_bounded
+from roughcontact._parts.files.bounds import require_bounded, require_room
 from roughcontact._parts.surfaces import read_topography
-from roughcontact.errors import InputError, MissingPackage, RoughContactError, shorten
+from roughcontact.errors import InputError, RoughContactError, requiring, shorten
 
 # Endings of files that need no instrument's reader.
 _ENDINGS = ".npz, .npy, .txt, .csv, .tsv, .dat, .asc, .xyz, .prn, .x3p, .mat"
@@ -59,10 +58,7 @@ class InstrumentReader(SurfaceReader):
     the history names. SurfaceTopography is not among the extras, because a package it needs (igor2) is under the LGPL.
     """
 
-    @property
-    def suffixes(self) -> frozenset[str]:
-        """None."""
-        return frozenset()
+    suffixes = frozenset[str]()
 
     def read(self, path: Path) -> RawMap:
         """Return the map; raise `MissingPackage` if SurfaceTopography is not installed."""
@@ -86,16 +82,13 @@ class InstrumentReader(SurfaceReader):
 
 def _open(path: Path) -> Any:
     """Return what SurfaceTopography knows of a file before it reads heights."""
-    try:
-        # Its imports warn of optional parallel packages.
-        with warnings.catch_warnings(action="ignore"):
-            from SurfaceTopography import open_topography
-    except ImportError:
-        raise MissingPackage(
-            f"Reading {path.name} needs the package SurfaceTopography: pip install SurfaceTopography. "
-            f"Files {_ENDINGS} are read without it, .tif by 'roughcontact[files]' and .h5 by "
-            "'roughcontact[store]'."
-        ) from None
+    advice = (
+        f"Reading {path.name} needs the package SurfaceTopography: pip install SurfaceTopography. "
+        f"Files {_ENDINGS} are read without it, .tif by 'roughcontact[files]' and .h5 by 'roughcontact[store]'."
+    )
+    # Its imports warn of optional parallel packages.
+    with requiring(advice), warnings.catch_warnings(action="ignore"):
+        from SurfaceTopography import open_topography
     sure, possible = _find_kinds(path)
     reasons: list[str] = []
     for kind in sure or possible:
@@ -151,24 +144,19 @@ def _choose_channel(reader: Any, size: int) -> tuple[Any, str]:
     maps = [one for one in reader.channels if one.dim == 2]
     if not maps:
         raise InputError("it holds a line profile, not a height map")
-    found = [one for one in maps if one.is_height_channel and _has_plain_unit(one) and not _NO_HEIGHTS.search(one.name)]
+    # The numbers of a channel of heights have the unit of its sides, or none; others have a pair of units.
+    plain = [one for one in maps if one.is_height_channel and (one.unit is None or isinstance(one.unit, str))]
+    found = [one for one in plain if not _NO_HEIGHTS.search(one.name)]
     if not found:
         names = ", ".join(one.name for one in maps)
         raise InputError(f"it holds no heights, but {names:.100}: export its topography")
     default = reader.default_channel
     chosen = next((one for one in found if one.index == default.index), found[0])
-    cells = math.prod(chosen.nb_grid_pts)
-    if 8 * cells > bound_expansion(size):
-        nx, ny = chosen.nb_grid_pts
-        raise InputError(f"it declares {nx} x {ny} points, more than a file of {size} bytes can hold")
+    nx, ny = chosen.nb_grid_pts
+    require_room(8 * nx * ny, size, f"it declares {nx} x {ny} points, more")
     # Numbers as they stand in the file, as heights, and these in metres.
-    require_memory_of_map(24.0 * cells)
+    require_memory_of_map(24.0 * nx * ny)
     return chosen, f"channel {chosen.name!r} of {len(maps)}" if len(maps) > 1 else ""
-
-
-def _has_plain_unit(channel: Any) -> bool:
-    """Return whether the numbers of a channel have the unit of its sides, or none."""
-    return channel.unit is None or isinstance(channel.unit, str)
 
 
 def _read_channel(channel: Any, note: str) -> RawMap:

@@ -15,9 +15,10 @@ from pathlib import Path
 import attrs
 import numpy as np
 
+from roughcontact._base.archive import bound_expansion
 from roughcontact._base.arrays import RealArray
 from roughcontact._parts.files.base import RawMap, require_memory_of_map
-from roughcontact._parts.files.bounds import bound_expansion
+from roughcontact._parts.files.bounds import ARRAYS, HDF5_SIGNATURE
 from roughcontact._parts.files.hdf5 import MAX_TEXT_BYTES, read_hdf5
 from roughcontact._parts.files.named import CHANGING_NAMES, STATING_NAMES, NamedArray, NamedArrayReader, choose_map
 from roughcontact.errors import InputError
@@ -40,8 +41,6 @@ _NO_ARRAYS = (1, 2, 3)
 _CHAR_CLASS = 4
 _UTF_8 = 16
 _TEXT_ENCODINGS = {4: "utf-16", _UTF_8: "utf-8", 17: "utf-16"}
-# The signature of HDF5, behind the head of a file by MATLAB.
-_HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
 
 def read_mat(path: Path) -> tuple[dict[str, NamedArray], dict[str, str]]:
@@ -51,15 +50,10 @@ def read_mat(path: Path) -> tuple[dict[str, NamedArray], dict[str, str]]:
     """
     with path.open("rb") as file:
         start = file.read(_HEAD_BYTES)
-        if (
-            start.startswith(_HDF5_SIGNATURE)
-            or file.read(len(_HDF5_SIGNATURE)) == _HDF5_SIGNATURE
-            or b"MATLAB 7.3" in start[:20]
-        ):
+        if start.startswith(HDF5_SIGNATURE) or b"MATLAB 7.3" in start[:20]:
             # HDF5 lists the dimensions of MATLAB backwards.
             found, texts = read_hdf5(path)
             return {name: NamedArray(one.values.T, one.attributes) for name, one in found.items()}, texts
-        file.seek(len(start))
         data = file.read()
     if start[126:128] not in (b"IM", b"MI"):
         raise InputError("it is not a .mat file of level 5 or 7.3: save it with save('map.mat', 'heights', '-v7')")
@@ -67,7 +61,7 @@ def read_mat(path: Path) -> tuple[dict[str, NamedArray], dict[str, str]]:
     arrays: dict[str, NamedArray] = {}
     texts = {}
     # Bytes for all arrays together.
-    left = bound_expansion(len(data))
+    left = bound_expansion(len(data), ARRAYS)
     for kind, content in _elements(data, order):
         if kind == _COMPRESSED_ELEMENT:
             content = _inflate(content, order, left)
@@ -171,10 +165,7 @@ class MatReader(NamedArrayReader):
         The number that stands for a non-measured point, or ``"none"``; one that looks so is asked about.
     """
 
-    @property
-    def suffixes(self) -> frozenset[str]:
-        """Mat."""
-        return frozenset({".mat"})
+    suffixes = frozenset({".mat"})
 
     def read(self, path: Path) -> RawMap:
         """Return the map."""

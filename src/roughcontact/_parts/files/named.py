@@ -12,7 +12,7 @@ import numpy as np
 
 from roughcontact._base.arrays import RealArray
 from roughcontact._parts.files.base import RawMap, SurfaceReader, check_rows
-from roughcontact._parts.files.points import put_on_grid
+from roughcontact._parts.files.points import MIN_POINTS, are_on_grid
 from roughcontact._parts.files.stated import Stated, build_map, check_no_data, metres, names_unit
 from roughcontact.errors import InputError
 
@@ -23,6 +23,7 @@ MISSING_ATTRIBUTES = ("_FillValue", "missing_value")
 _MISSING_NAMES = ("nodata", "no_data", "nodata_value", "fill_value", "fillvalue")
 VALID_ATTRIBUTES = ("valid_range", "valid_min", "valid_max")
 PACKING_ATTRIBUTES = ("scale_factor", "add_offset")
+NUMBER_ATTRIBUTES = (*PACKING_ATTRIBUTES, *MISSING_ATTRIBUTES, *VALID_ATTRIBUTES)
 # Names that change what numbers mean, and have no meaning on which all agree.
 CHANGING_NAMES = frozenset(
     {"scale", "z_scale", "zscale", "scaling", "factor", "z_factor", "gain", "multiplier", "offset", "z_offset", "lsb"}
@@ -54,12 +55,11 @@ STEPS_OF_HEIGHTS = frozenset(
 ) | {"dz"}
 # A name of heights with their unit, such as height_nm.
 _JOINT_NAME = re.compile(r"(?i)(?:z|heights?|topography|surface)_([^\W\d_]+)")
-# Names of arrays that state the unit of the heights, the unit of everything, and that of the sides.
+# Names of arrays that state the unit of the heights, and that of the sides; that of everything is named as a unit is.
 _HEIGHT_UNITS = (
     *("zunit", "z_unit", "zunits", "z_units", "height_unit", "height_units", "heights_unit", "heights_units"),
     *("unit_z", "units_z", "zUnit", "zUnits", "ZUnit", "heightUnit", "heightUnits"),
 )
-_COMMON_UNITS = UNIT_ATTRIBUTES
 _SIDE_UNITS = (
     "resolution_unit",
     "xyunit",
@@ -88,10 +88,8 @@ _EXTENT = "extent"
 _AXES = {"x": "x", "lon": "x", "longitude": "x", "easting": "x", "col": "x", "column": "x"}
 _AXES |= {"y": "y", "lat": "y", "latitude": "y", "northing": "y", "row": "y"}
 # Names of sides and units that may be attributes, too; and all names that `gather` looks for.
-STATING_ATTRIBUTES = frozenset({*_HEIGHT_UNITS, *_COMMON_UNITS, *_SIDE_UNITS, *_SIZE_NAMES, _EXTENT})
+STATING_ATTRIBUTES = frozenset({*_HEIGHT_UNITS, *UNIT_ATTRIBUTES, *_SIDE_UNITS, *_SIZE_NAMES, _EXTENT})
 STATING_NAMES = {*STATING_ATTRIBUTES, *CHANGING_NAMES, *"xyXY"}
-# Minimum points of a list: 3 x 3.
-_MIN_POINTS = 9
 # Relative difference between the steps of positions that are regular: they are printed with six digits, or in 32 bits.
 _STEP_TOLERANCE = 1e-2
 
@@ -115,24 +113,21 @@ def _is_neutral(name: str, value: Any) -> bool:
 
 def _require_heights(name: str, one: NamedArray) -> None:
     """Refuse an array whose name says that it holds depths, or whose shape is that of a list of points x y z."""
-    words = [name.rpartition("/")[2], *(str(one.attributes.get(key, "")) for key in DESCRIBING_ATTRIBUTES)]
-    if found := next((word for word in words if _DEPTHS.intersection(re.findall("[a-z]+", word.lower()))), None):
+    if found := next(
+        (word for word in one.describe(name) if _DEPTHS.intersection(re.findall("[a-z]+", word.lower()))), None
+    ):
         raise InputError(f"its array is {found[:40]!a}, positive downwards: write heights, positive outwards")
     require_table(one.values)
 
 
 def require_table(numbers: RealArray) -> None:
     """Refuse an array whose rows are points x y z on a regular grid."""
-    if numbers.ndim != 2 or numbers.shape[1] != 3 or numbers.shape[0] < _MIN_POINTS:
-        return
-    try:
-        put_on_grid(np.asarray(numbers, dtype=np.float64))
-    except InputError:
-        return
-    raise InputError(
-        f"each of its {numbers.shape[0]} rows is a point x y z of a regular grid, but an array of heights has an x for "
-        "each row: bring the heights into that shape, or save the points as text x y z"
-    )
+    is_list = numbers.ndim == 2 and numbers.shape[1] == 3 and numbers.shape[0] >= MIN_POINTS
+    if is_list and are_on_grid(np.asarray(numbers, dtype=np.float64)):
+        raise InputError(
+            f"each of its {numbers.shape[0]} rows is a point x y z of a regular grid, but an array of heights has an x "
+            "for each row: bring the heights into that shape, or save the points as text x y z"
+        )
 
 
 def find_stating(name: str) -> str:
@@ -148,6 +143,35 @@ class NamedArray:
     values: RealArray
     attributes: Mapping[str, Any] = attrs.field(factory=dict)
     axes: tuple[str, ...] = ()
+
+    @property
+    def unit(self) -> Any:
+        """The unit that its attributes name; None where they do not."""
+        return next((self.attributes[name] for name in UNIT_ATTRIBUTES if name in self.attributes), None)
+
+    def describe(self, name: str) -> list[str]:
+        """Return the last part of its name, and what its attributes say of it in words."""
+        return [name.rpartition("/")[2], *(str(self.attributes.get(key, "")) for key in DESCRIBING_ATTRIBUTES)]
+
+    def squeezed(self) -> NamedArray:
+        """Return an array of more than two dimensions without axes of one point, such as one time."""
+        shape = self.values.shape
+        if len(shape) <= 2:
+            return self
+        axes = tuple(axis for axis, count in zip(self.axes, shape, strict=False) if count > 1)
+        return attrs.evolve(self, values=self.values.squeeze(), axes=axes)
+
+
+def read_numbers(name: str, value: Any) -> float | tuple[float, ...]:
+    """Return the number of an attribute, or its numbers; `InputError` unless there are as many as it must have."""
+    numbers = np.ravel(value)
+    several = name in MISSING_ATTRIBUTES
+    count = 2 if name == "valid_range" else 1
+    is_real = numbers.dtype.kind in "iuf" and (name not in PACKING_ATTRIBUTES or bool(np.isfinite(numbers).all()))
+    if not is_real or not (several or numbers.size == count):
+        allowed = "a number" if count == 1 else "a pair of numbers"
+        raise InputError(f"it states {value!r:.40} as its {name}, which is not {allowed}")
+    return tuple(map(float, numbers)) if several or count == 2 else float(numbers[0])
 
 
 def check_variable(value: str | None) -> str | None:
@@ -189,24 +213,17 @@ def choose_map(
             f"are: {found:.200}"
         )
     # What stands beside the map counts before what stands above it.
-    group = name.rpartition("/")[0]
+    group, _, last = name.rpartition("/")
     _require_heights(name, maps[name])
-    beside = _find_beside(arrays, group)
-    stated = gather(maps[name], beside, _find_beside(texts, group))
-    joint = _JOINT_NAME.fullmatch(name.rpartition("/")[2])
+    beside = _find_beside(texts, group)
+    stated = gather(maps[name], _find_beside(arrays, group), beside)
+    joint = _JOINT_NAME.fullmatch(last)
     if stated.unit is None and joint is not None and metres(joint[1]) is not None:
         stated = attrs.evolve(stated, unit=joint[1])
-    describing = (one for key, one in _find_beside(texts, group).items() if key in DESCRIBING_ATTRIBUTES)
-    words = (name.rpartition("/")[2], *(str(maps[name].attributes.get(key, "")) for key in DESCRIBING_ATTRIBUTES))
-    words += tuple(describing)
-    stated = attrs.evolve(stated, unit_hint=next((text for text in words if names_unit(text)), ""))
-    return build_map(
-        _mark_invalid(maps[name]),
-        stated,
-        rows=reader.rows,
-        line="the first index",
-        no_data=reader.no_data,
-    )
+    words = [*maps[name].describe(name), *(text for key, text in beside.items() if key in DESCRIBING_ATTRIBUTES)]
+    stated = attrs.evolve(stated, unit_hint=next(filter(names_unit, words), ""))
+    numbers = _mark_invalid(maps[name])
+    return build_map(numbers, stated, rows=reader.rows, line="the first index", no_data=reader.no_data)
 
 
 def _find_beside(found: Mapping[str, Any], group: str) -> dict[str, Any]:
@@ -237,11 +254,9 @@ def gather(one: NamedArray, arrays: Mapping[str, NamedArray], texts: Mapping[str
     units: dict[str, str | float] = {**scalars, **texts}
     specific, common, lateral = (
         next((units[name] for name in names if name in units), None)
-        for names in (_HEIGHT_UNITS, _COMMON_UNITS, _SIDE_UNITS)
+        for names in (_HEIGHT_UNITS, UNIT_ATTRIBUTES, _SIDE_UNITS)
     )
-    named = next((one.attributes[name] for name in UNIT_ATTRIBUTES if name in one.attributes), None)
-    stated = (named, specific, common)
-    unit = next((value for value in stated if value is not None), None)
+    unit = next((value for value in (one.unit, specific, common) if value is not None), None)
     alike = {name: "an array" for name, other in arrays.items() if other.values.shape == one.values.shape}
     changing = {name: value for name, value in (scalars | alike).items() if name.lower() in CHANGING_NAMES}
     changing |= {
@@ -278,16 +293,12 @@ def _name_first(axes: tuple[str, ...]) -> str:
 def _find_sides(stated: Stated, shape: tuple[int, ...], arrays: Mapping[str, NamedArray]) -> Stated:
     """Return what is stated with the sides of the map from `size`, `lx` and `ly`, or the pitch `dx` and `dy`."""
     known = {name: arrays[name] for name in _SIZE_NAMES if name in arrays and arrays[name].values.size <= 2}
-    lengths = {str(name): one for name, one in known.items()}
-    units = {
-        next((one.attributes[name] for name in UNIT_ATTRIBUTES if name in one.attributes), None)
-        for one in lengths.values()
-    }
+    units = {one.unit for one in known.values()}
     if len(units) > 1:
         raise InputError("its sides are stated in different units: give size=, and keep the heights alone")
     if units - {None}:
         stated = attrs.evolve(stated, length=units.pop())
-    values = {name: one.values.ravel().astype(np.float64).tolist() for name, one in lengths.items()}
+    values = {name: one.values.ravel().astype(np.float64).tolist() for name, one in known.items()}
     sides = values.get("size") or [*values.get("lx", []), *values.get("ly", [])]
     if not sides and _EXTENT in arrays and arrays[_EXTENT].values.size == 4:
         left, right, bottom, top = arrays[_EXTENT].values.ravel().astype(np.float64).tolist()
@@ -325,8 +336,8 @@ def _find_places(stated: Stated, one: NamedArray, arrays: Mapping[str, NamedArra
     if not first and counts[0] != counts[1]:
         first = "x" if counts == shape else "y"
     steps = [_find_step(place, axis) for place, axis in zip(places, "xy", strict=True)]
-    unit = next((arrays["x"].attributes[name] for name in UNIT_ATTRIBUTES if name in arrays["x"].attributes), None)
-    other = next((arrays["y"].attributes[name] for name in UNIT_ATTRIBUTES if name in arrays["y"].attributes), unit)
+    unit = arrays["x"].unit
+    other = unit if arrays["y"].unit is None else arrays["y"].unit
     if unit != other:
         along_x, along_y = (metres(str(name)) for name in (unit, other))
         if along_x is None or along_y is None:

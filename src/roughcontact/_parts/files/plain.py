@@ -9,10 +9,12 @@ import numpy as np
 
 from roughcontact._base.arrays import Array
 
-# Words for non-measured points, in a field of their own.
-_WORDS = rb"\*+|-+|bad|n/?a|null|none|no ?data|invalid|missing|[-+]?1\.#\w+"
+# Words for non-measured points, in a field of their own, also as the C library of Windows writes them (1.#QNAN).
+NON_MEASURED_WORDS = r"\*+|-+|bad|n/?a|null|none|no ?data|invalid|missing|[-+]?1\.#\w+"
+_WORDS = NON_MEASURED_WORDS.encode()
 # An exponent of Fortran.
-_FORTRAN = re.compile(rb"(?<=[0-9.])[dD](?=[-+]?[0-9])")
+FORTRAN_EXPONENT = r"(?<=[0-9.])[dD](?=[-+]?[0-9])"
+_FORTRAN = re.compile(FORTRAN_EXPONENT.encode())
 
 
 def read_plain(data: bytes, encoding: str, separator: str, decimal: str, first: int) -> Array | None:
@@ -21,7 +23,8 @@ def read_plain(data: bytes, encoding: str, separator: str, decimal: str, first: 
     It has the same number of fields in each line, no comment or blank line, no number that is too large, and no mark
     of quotation, decimal comma or word for a non-measured point that could mean anything else.
     """
-    body = _skip_lines(_recode(data, encoding), first - 1).rstrip(b" \t\r\n" if separator != "\t" else b"\r\n")
+    *above, body = _recode(data, encoding).split(b"\n", first - 1)
+    body = body.rstrip(b" \t\r\n" if separator != "\t" else b"\r\n") if len(above) == first - 1 else b""
     if not body or b"#" in body.replace(b"1.#", b""):
         return None
     count = body.count(b"\n") + 1
@@ -49,15 +52,6 @@ def _recode(data: bytes, encoding: str) -> bytes:
     elif encoding != "utf-8":
         data = data.decode(encoding).encode()
     return data.replace(b"\r\n", b"\n").replace(b"\r", b"\n") if b"\r" in data else data
-
-
-def _skip_lines(data: bytes, count: int) -> bytes:
-    place = 0
-    for _ in range(count):
-        place = data.find(b"\n", place) + 1
-        if place == 0:
-            return b""
-    return data[place:]
 
 
 def _unquote(body: bytes, mark: bytes, count: int) -> tuple[bytes, bytes] | None:

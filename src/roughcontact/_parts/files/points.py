@@ -26,7 +26,7 @@ _MAX_PLACE = 1e300
 _MIN_LISTED_FRACTION = 0.5
 # Further columns of a list of points that are looked for, and the minimum points of such a list: 3 x 3.
 _MAX_COLUMNS = 8
-_MIN_POINTS = 9
+MIN_POINTS = 9
 # The name of a column with its unit in brackets or behind it: "X [um]", "z_nm", "height (nm)".
 _NAME = re.compile(
     r"([^\W\d_]+)(?:_([A-Za-zµμ]{1,12}))?\s*(?:[\[(]\s*([^\])]*?)\s*[\])]|(?:/|\bin\b)\s*([^\W\d]{1,11}))?"
@@ -46,7 +46,6 @@ _OTHER_PLACES = (
     frozenset({"r", "phi"}),
 )
 _DEPTHS = frozenset({"depth", "depths", "tiefe", "profondeur"})
-_HEIGHTS = ("z", "h", "height", "heights", "höhe", "hauteur", "elevation", "topography")
 _COLUMNS = {
     "x": ("x",),
     "y": ("y",),
@@ -134,16 +133,21 @@ def require_named_columns(header: Sequence[str], columns: int) -> None:
 def refuse_further_columns(table: Array) -> None:
     """Refuse a list of points x y z with further columns, such as an intensity: any of them may hold the heights."""
     rows, columns = table.shape
-    if not 3 < columns <= _MAX_COLUMNS or rows < _MIN_POINTS or rows < columns:
-        return
+    if 3 < columns <= _MAX_COLUMNS and rows >= max(MIN_POINTS, columns) and are_on_grid(table[:, :3]):
+        raise InputError(
+            f"each of its {rows} rows holds {columns} numbers, of which the first two are places on a regular grid, as "
+            "in a list of points x y z with further columns: keep the three columns x y z, or name them above the "
+            "numbers"
+        )
+
+
+def are_on_grid(points: Array) -> bool:
+    """Return whether points x y z, shape (n, 3), lie on a regular grid; see `put_on_grid`."""
     try:
-        put_on_grid(table[:, :3])
+        put_on_grid(points)
     except InputError:
-        return
-    raise InputError(
-        f"each of its {rows} rows holds {columns} numbers, of which the first two are places on a regular grid, as in "
-        "a list of points x y z with further columns: keep the three columns x y z, or name them above the numbers"
-    )
+        return False
+    return True
 
 
 def put_on_grid(points: Array) -> RawMap:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import math
 import re
 from collections.abc import Callable
 
@@ -11,7 +10,7 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array
-from roughcontact._parts.files.base import RawMap
+from roughcontact._parts.files.base import RawMap, shape_numbers
 from roughcontact._parts.files.points import put_on_grid
 from roughcontact._parts.files.stated import Stated, build_map
 from roughcontact.errors import InputError
@@ -54,10 +53,7 @@ def read_program(data: bytes, rows: str) -> RawMap | None:
 def _read_numbers(lines: list[str], shape: tuple[int, int]) -> Array:
     """Return the numbers in lines, in any division of lines, NaN for a point without data."""
     text = _WORDS.sub("nan", "\n".join(lines))
-    numbers = np.array(text.split(), dtype=np.float64)
-    if min(shape) < 1 or numbers.size != math.prod(shape):
-        raise InputError(f"it states {shape[1]} x {shape[0]} points, but holds {numbers.size} numbers: it is damaged")
-    return numbers.reshape(shape)
+    return shape_numbers(np.array(text.split(), dtype=np.float64), shape)
 
 
 def _read_surfer(lines: list[str], rows: str) -> RawMap:

@@ -15,10 +15,11 @@ import attrs
 import numpy as np
 
 from roughcontact._base import checks
-from roughcontact._base.arrays import Array
+from roughcontact._base.arrays import Pair
 from roughcontact._base.checks import choice, number, pair
 from roughcontact._base.units import Length, si
 from roughcontact._parts.files.base import RawMap, SurfaceReader, find_foreign, readers
+from roughcontact._parts.files.bounds import HDF5_SIGNATURE
 from roughcontact._parts.surfaces import TREATMENTS, HeightMap, complete
 from roughcontact.errors import InputError, RoughContactError, shorten
 from roughcontact.errors.door import guarded
@@ -43,7 +44,6 @@ _READERS_BY_BEGINNING = {
 }
 # The ending of text files by Surfer and of netCDF by GMT, whose version 4 begins as HDF5 does.
 _NETCDF_ENDING = ".grd"
-_HDF5 = b"\x89HDF"
 # Characters of a reader's message, and of a line of a file, that ours repeats.
 _MAX_REASON_CHARACTERS = 200
 _MAX_HINT_CHARACTERS = 60
@@ -118,10 +118,7 @@ def read_surface(
     file = checks.path(path, "The height map")
     raw = read_raw(file, reader, **options)
     given = _choose_size(_find_size(size, cell, raw), raw, unit, file)
-    if raw.needs_rows:
-        _require_rows(raw.heights, given, file)
-    _require_steps(raw, given, file)
-    _require_partial(raw, given, file)
+    _require_fitting(raw, given, file)
     heights, mask, done = complete(
         raw.heights, f"the file {file.name}", non_measured, " (on the command line --non-measured)"
     )
@@ -196,10 +193,12 @@ def _make_reader(choice: str | SurfaceReader, file: Path, options: dict[str, Any
 
 def _reader_for(file: Path) -> str:
     suffix = file.suffix.lower()
-    start = _read_start(file)
+    start = b""
+    with contextlib.suppress(OSError), file.open("rb") as stream:
+        start = stream.read(max(map(len, _READERS_BY_BEGINNING)))
     if found := [name for mark, name in _READERS_BY_BEGINNING.items() if start.startswith(mark)]:
         return found[0]
-    if suffix == _NETCDF_ENDING and start.startswith(_HDF5):
+    if suffix == _NETCDF_ENDING and start.startswith(HDF5_SIGNATURE):
         return "netcdf"
     for name in readers:
         # A broken plug-in must not keep others from reading their files.
@@ -209,32 +208,52 @@ def _reader_for(file: Path) -> str:
     return _FALLBACK_READER
 
 
-def _read_start(file: Path) -> bytes:
-    """Return the first bytes of a file, as many as tell its kind; none if it cannot be opened."""
-    try:
-        with file.open("rb") as stream:
-            return stream.read(max(map(len, _READERS_BY_BEGINNING)))
-    except OSError:
-        return b""
+def _require_fitting(raw: RawMap, size: Length | Sequence[Length], file: Path) -> None:
+    """Refuse a size that contradicts the points in the file.
 
-
-def _require_rows(heights: Array, size: Length | Sequence[Length], file: Path) -> None:
-    """Raise `InputError` if only a row for each y would make the cells square: the user must say which it is."""
-    sides = pair(size, "The size of the height map", "m", above=0.0)
-    if heights.ndim != 2 or not heights.size or np.size(size) == 1:
+    A row for each x does not make the cells square, but one for each y does: the user must say which it is. Or the
+    cells have other proportions than the file states, or another side along the one axis of which it states the step.
+    """
+    if raw.heights.ndim != 2:
         return
-    nx, ny = heights.shape
-    here = (sides[0] / nx, sides[1] / ny)
+    sides = _as_sides(size)
+    nx, ny = raw.heights.shape
+    cells = (sides[0] / nx, sides[1] / ny)
     turned = (sides[0] / ny, sides[1] / nx)
+    is_square = abs(cells[0] / cells[1] - 1.0) <= _SQUARE_CELL_TOLERANCE
     if (
-        abs(here[0] / here[1] - 1.0) > _SQUARE_CELL_TOLERANCE
+        raw.needs_rows
+        and np.size(size) > 1
+        and not is_square
         and abs(turned[0] / turned[1] - 1.0) <= _SQUARE_CELL_TOLERANCE
     ):
         raise InputError(
             f"The file {file.name} has {nx} rows of {ny} numbers: on {si(sides[0], 'm')} x {si(sides[1], 'm')}, a row "
-            f"for each x makes cells of {si(here[0], 'm')} x {si(here[1], 'm')}, a row for each y square ones of "
+            f"for each x makes cells of {si(cells[0], 'm')} x {si(cells[1], 'm')}, a row for each y square ones of "
             f"{si(turned[0], 'm')}. Say which it is: rows='y', or rows='x'."
         )
+    # Where no steps are stated, those of the cells contradict nothing.
+    steps = raw.steps or cells
+    # Steps of one may be counts: then only sides that are exchanged contradict them.
+    may_differ = steps == (1.0, 1.0) and abs(turned[1] / turned[0] - 1.0) > _STEP_TOLERANCE
+    if abs(cells[0] / cells[1] * steps[1] / steps[0] - 1.0) > _STEP_TOLERANCE and not may_differ:
+        raise InputError(
+            f"The points in {file.name} are {steps[0]:.6g} and {steps[1]:.6g} apart along x and y, but on "
+            f"{si(sides[0], 'm')} x {si(sides[1], 'm')} its {nx} x {ny} points would be {si(cells[0], 'm')} and "
+            f"{si(cells[1], 'm')} apart: give the sides of x and of y in this order, or name the columns above the "
+            "points."
+        )
+    for axis, side, cell, count, step in zip("xy", sides, cells, (nx, ny), raw.partial, strict=True):
+        if step is not None and abs(cell / step - 1.0) > _STEP_TOLERANCE:
+            raise InputError(
+                f"The points in {file.name} are {si(step, 'm')} apart along {axis}, but on a side of {si(side, 'm')} "
+                f"its {count} points would be {si(cell, 'm')} apart: give the sides of x and of y in this order, or "
+                "leave that statement out."
+            )
+
+
+def _as_sides(size: Length | Sequence[Length]) -> Pair:
+    return pair(size, "The size of the height map", "m", above=0.0)
 
 
 def _find_size(
@@ -246,7 +265,7 @@ def _find_size(
     sides = pair(cell, "The cell of the height map", "m", above=0.0)
     nx, ny = raw.heights.shape
     found = (sides[0] * nx, sides[1] * ny)
-    if size is not None and not np.allclose(pair(size, "The size of the height map", "m", above=0.0), found, rtol=1e-6):
+    if size is not None and not np.allclose(_as_sides(size), found, rtol=_SIZE_TOLERANCE):
         raise InputError(
             f"Cells of {si(sides[0], 'm')} x {si(sides[1], 'm')} make {nx} x {ny} points {si(found[0], 'm')} x "
             f"{si(found[1], 'm')} large, which is not the size given: give size= or cell= alone."
@@ -264,9 +283,7 @@ def _choose_size(
             f"{_MAX_SIDE:g} m, so that they may be in another unit: give size=(x, y), m (on the command line --size)."
         )
     if raw.size is not None and max(raw.size) <= _MAX_SIDE:
-        if size is not None and not np.allclose(
-            pair(size, "The size of the height map", "m", above=0.0), raw.size, rtol=_SIZE_TOLERANCE, atol=0.0
-        ):
+        if size is not None and not np.allclose(_as_sides(size), raw.size, rtol=_SIZE_TOLERANCE, atol=0.0):
             raise InputError(
                 f"The file {file.name} states its own size, {si(raw.size[0], 'm')} x {si(raw.size[1], 'm')}, "
                 f"which is not the size given: leave size= out."
@@ -282,40 +299,6 @@ def _choose_size(
         f"The file {file.name} does not state the size of its domain{known}: give size=(x, y), m (on the command line "
         f"--size), or cell=, the distance of its points.{taken}"
     )
-
-
-def _require_steps(raw: RawMap, size: Length | Sequence[Length], file: Path) -> None:
-    """Refuse a size whose cells do not have the proportions of the points in the file."""
-    if raw.steps is None or raw.heights.ndim != 2 or not raw.heights.size:
-        return
-    sides = pair(size, "The size of the height map", "m", above=0.0)
-    nx, ny = raw.heights.shape
-    cells = (sides[0] / nx, sides[1] / ny)
-    differs = abs(cells[0] / cells[1] * raw.steps[1] / raw.steps[0] - 1.0) > _STEP_TOLERANCE
-    if raw.steps == (1.0, 1.0):
-        # They may be counts: then only sides that are exchanged contradict them.
-        differs = differs and abs(sides[1] / nx / (sides[0] / ny) - 1.0) <= _STEP_TOLERANCE
-    if differs:
-        raise InputError(
-            f"The points in {file.name} are {raw.steps[0]:.6g} and {raw.steps[1]:.6g} apart along x and y, but on "
-            f"{si(sides[0], 'm')} x {si(sides[1], 'm')} its {raw.heights.shape[0]} x {raw.heights.shape[1]} points "
-            f"would be {si(cells[0], 'm')} and {si(cells[1], 'm')} apart: give the sides of x and of y in this order, "
-            "or name the columns above the points."
-        )
-
-
-def _require_partial(raw: RawMap, size: Length | Sequence[Length], file: Path) -> None:
-    """Refuse a size that contradicts the distance of the points along one axis, where the file states that alone."""
-    if raw.heights.ndim != 2:
-        return
-    sides = pair(size, "The size of the height map", "m", above=0.0)
-    for axis, side, count, step in zip("xy", sides, raw.heights.shape, raw.partial, strict=True):
-        if step is not None and abs(side / count / step - 1.0) > _STEP_TOLERANCE:
-            raise InputError(
-                f"The points in {file.name} are {si(step, 'm')} apart along {axis}, but on a side of {si(side, 'm')} "
-                f"its {count} points would be {si(side / count, 'm')} apart: give the sides of x and of y in this "
-                "order, or leave that statement out."
-            )
 
 
 def _unit(raw: RawMap, given: float | str | None, file: Path) -> float:

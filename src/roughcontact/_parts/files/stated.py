@@ -11,7 +11,7 @@ import numpy.typing as npt
 
 from roughcontact._base.arrays import Array, Pair
 from roughcontact._base.units import si
-from roughcontact._parts.files.base import RawMap, name_rows, put_x_first, turn_up
+from roughcontact._parts.files.base import RawMap, name_rows, turn_up
 from roughcontact.errors import InputError
 
 # Metres in units of length, as instruments and persons write them; the two letters for micro, and its byte in Latin-1,
@@ -55,6 +55,19 @@ def metres(unit: str) -> float | None:
     return next(
         (_METRES_PER_UNIT[one] for one in (name, small, small.removesuffix("s")) if one in _METRES_PER_UNIT), None
     )
+
+
+def in_metres(unit: str | float | None) -> float | None:
+    """Return the metres in a unit as a file states it, by name or in metres; None if it is not known or not stated."""
+    return metres(unit) if isinstance(unit, str) else unit
+
+
+def parse_number(text: str, what: str) -> float:
+    """Return the finite number that is a text of a file; `InputError` if it is something else, of this name."""
+    with contextlib.suppress(ValueError):
+        if np.isfinite(number := float(text)):
+            return number
+    raise InputError(f"its {what} is {text[:20]!a}, which is not a number")
 
 
 def names_unit(text: str) -> bool:
@@ -159,7 +172,7 @@ def build_map(
     if not first:
         _require_rows(stated)
     heights = _scale(numbers, stated)
-    heights = put_x_first(heights, first or "x")
+    heights = np.ascontiguousarray(heights.T) if first == "y" else heights
     _require_shape(heights.shape, stated.shape, "points along x and y")
     if stated.falling and first == (stated.rows or first):
         heights = turn_up(heights, stated.falling)
@@ -172,7 +185,7 @@ def build_map(
         heights *= unit
     size, steps, hint = _find_sides(stated, (heights.shape[0], heights.shape[1]))
     downwards = (first or "x") in stated.falling
-    in_words = name_rows(first or "x", assumed=not first, downwards=downwards).replace("a line of the file", line)
+    in_words = name_rows(first or "x", line, assumed=not first, downwards=downwards)
     if first == "y" and rows == "auto" and not stated.rows:
         # Counts say which axis it is, but not its direction.
         in_words += ", upwards (assumed)"
@@ -322,10 +335,8 @@ def _require_shape(there: tuple[int, ...], stated: tuple[int | None, int | None]
 
 def _find_unit(stated: Stated) -> float | None:
     """Return the metres in the unit of the heights; None where none is stated."""
-    if stated.unit is None or isinstance(stated.unit, float):
-        return stated.unit
-    unit = metres(stated.unit)
-    if unit is None:
+    unit = in_metres(stated.unit)
+    if unit is None and isinstance(stated.unit, str):
         raise InputError(
             f"it states values in {stated.unit.strip()[:_MAX_QUOTED_CHARACTERS]!a}, which is not a known unit of length"
         )
@@ -336,14 +347,15 @@ def _find_unit_of_extent(heights: Array, what: str, value: float, name: str | fl
     """Return the metres in the unit of heights whose range, or extreme, is stated; None if it fits none."""
     low, high = _find_range(heights, np.isfinite(heights))
     there = {"range": high - low, "largest": high, "smallest": low}[what]
-    named = metres(name) if isinstance(name, str) else name
-    fitting = (unit for unit in (named, 1.0) if unit and abs(there * unit - value) <= _EXTENT_TOLERANCE * abs(value))
+    fitting = (
+        unit for unit in (in_metres(name), 1.0) if unit and abs(there * unit - value) <= _EXTENT_TOLERANCE * abs(value)
+    )
     return next(fitting, None)
 
 
 def _find_partial(stated: Stated) -> tuple[float | None, float | None]:
     """Return the distances of the points along x and y, m, of which the file states one alone; else None twice."""
-    length = metres(stated.length) if isinstance(stated.length, str) else stated.length
+    length = in_metres(stated.length)
     if length is None or stated.steps.count(None) != 1:
         return (None, None)
     x, y = (None if step is None else step * length for step in stated.steps)
@@ -352,7 +364,7 @@ def _find_partial(stated: Stated) -> tuple[float | None, float | None]:
 
 def _find_sides(stated: Stated, shape: tuple[int, int]) -> tuple[Pair | None, Pair | None, str]:
     """Return the sides of the map, m, the distances of its points in an unknown unit, and a hint in words."""
-    length = metres(stated.length) if isinstance(stated.length, str) else stated.length
+    length = in_metres(stated.length)
     x_side, y_side = (
         side if side is not None or step is None else step * count
         for side, step, count in zip(stated.size, stated.steps, shape, strict=True)

@@ -7,25 +7,29 @@ from pathlib import Path
 
 import attrs
 
+from roughcontact._base.archive import bound_expansion
 from roughcontact._base.arrays import Array
 from roughcontact._base.checks import choice, integer
 from roughcontact._parts.files.base import RawMap, SurfaceReader, check_rows, find_foreign, require_memory_of_map
+from roughcontact._parts.files.bounds import TEXT_OR_IMAGE
 from roughcontact._parts.files.headers import read_header
-from roughcontact._parts.files.points import put_on_grid, read_columns, refuse_further_columns, require_named_columns
+from roughcontact._parts.files.points import (
+    MIN_POINTS,
+    put_on_grid,
+    read_columns,
+    refuse_further_columns,
+    require_named_columns,
+)
 from roughcontact._parts.files.programs import read_program
 from roughcontact._parts.files.stated import Stated, build_map, check_no_data, metres
 from roughcontact._parts.files.text import SEPARATORS, WORDS, read_table, require_heights, require_no_index
 from roughcontact.errors import InputError
 
-# Numbers in a row of a profile x z and of a list of points x y z, and the minimum rows of such a list: 3 x 3 points.
+# Numbers in a row of a profile x z and of a list of points x y z.
 _COLUMNS_OF_PROFILES = 2
 _COLUMNS_OF_POINTS = 3
-_MIN_LIST_ROWS = 9
-# Ending of compressed text, and the bytes to which it may expand, plus a multiple of the file: digits deflate by 2 to
-# 20.
+# Ending of compressed text.
 _COMPRESSED = ".gz"
-_EXPANSION_ALLOWANCE = 2**22
-_MAX_EXPANSION_RATIO = 50
 
 
 def _is_one_unit(one: str, other: str) -> bool:
@@ -77,10 +81,7 @@ class TextReader(SurfaceReader):
     rows: str = attrs.field(default="auto", converter=check_rows)
     no_data: float | str | None = attrs.field(default=None, converter=check_no_data)
 
-    @property
-    def suffixes(self) -> frozenset[str]:
-        """Txt, csv, tsv, dat, asc, xyz, prn, and what Surfer, SDF and Igor write in text."""
-        return frozenset({".txt", ".csv", ".tsv", ".dat", ".asc", ".xyz", ".prn", ".grd", ".sdf", ".itx", ".gz"})
+    suffixes = frozenset({".txt", ".csv", ".tsv", ".dat", ".asc", ".xyz", ".prn", ".grd", ".sdf", ".itx", ".gz"})
 
     def read(self, path: Path) -> RawMap:
         """Return the map."""
@@ -99,12 +100,12 @@ class TextReader(SurfaceReader):
         numbers = table.numbers
         count, columns = numbers.shape
         require_named_columns(table.header, columns)
-        if count >= _MIN_LIST_ROWS and columns == _COLUMNS_OF_PROFILES:
+        if count >= MIN_POINTS and columns == _COLUMNS_OF_PROFILES:
             raise InputError(
                 f"each of its {count} rows holds 2 numbers, as in a list of points x z of a profile, but a height map "
                 "has a row for each x and a number for each y"
             )
-        if count >= _MIN_LIST_ROWS and (columns == _COLUMNS_OF_POINTS or read_columns(numbers, table.header)):
+        if count >= MIN_POINTS and (columns == _COLUMNS_OF_POINTS or read_columns(numbers, table.header)):
             return self._read_points(numbers, table.header, stated)
         refuse_further_columns(numbers)
         require_no_index(table.header, columns)
@@ -121,7 +122,7 @@ class TextReader(SurfaceReader):
         """Return the text in a file that gzip has compressed."""
         if Path(path.stem).suffix.lower() not in self.suffixes - {_COMPRESSED}:
             raise InputError("it is compressed by gzip: unpack it first (gunzip)")
-        most = _EXPANSION_ALLOWANCE + _MAX_EXPANSION_RATIO * path.stat().st_size
+        most = bound_expansion(path.stat().st_size, TEXT_OR_IMAGE)
         with gzip.open(path) as packed:
             data = packed.read(most + 1)
         if len(data) > most:

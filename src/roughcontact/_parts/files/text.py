@@ -15,7 +15,7 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array
-from roughcontact._parts.files.plain import read_plain
+from roughcontact._parts.files.plain import FORTRAN_EXPONENT, NON_MEASURED_WORDS, read_plain
 from roughcontact.errors import InputError
 
 # Separators by the names of those that are awkward to type.
@@ -24,11 +24,9 @@ SEPARATORS = (",", ";", "\t", " ")
 # Possible separators of fields, and a number or its part before a decimal comma, before the layout is known.
 _FIELD_SEPARATOR = re.compile(r"[\s,;]")
 _NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eEdD][-+]?[0-9]+)?")
-# Fields of a non-measured point, also as the C library of Windows writes them (1.#QNAN).
+# Fields of a non-measured point, also those of spreadsheets.
 _NON_MEASURED = re.compile(
-    r"\*+|-+|bad|n/?a|null|none|no ?data|invalid|missing|[-+]?(?:nan|inf(?:inity)?|1\.#\w+)"
-    r"|#(?:n/a|nv|num!|value!|div/0!|ref!)",
-    re.IGNORECASE,
+    rf"{NON_MEASURED_WORDS}|[-+]?(?:nan|inf(?:inity)?)|#(?:n/a|nv|num!|value!|div/0!|ref!)", re.IGNORECASE
 )
 # Lines with a single comma, between digits.
 _SINGLE_COMMA_LINES = re.compile(r"(?:[-+]?[0-9]+,[0-9]+(?:\n|\Z))+")
@@ -74,10 +72,10 @@ _OTHER_THOUSANDS = re.compile("[-+]?[0-9]{1,3}(?:['\u2019\u202f\u00a0\u2009][0-9
 _THOUSANDS = re.compile(r"[-+]?[0-9]{1,3}(?:,[0-9]{3})+")
 _WHOLE = re.compile(r"[-+]?[0-9]+")
 # An exponent of Fortran.
-_FORTRAN = re.compile(r"(?<=[0-9.])[dD](?=[-+]?[0-9])")
-# A comment at the end of a line, but not the mark in 1.#QNAN, nor an error of Excel.
+_FORTRAN = re.compile(FORTRAN_EXPONENT)
 # A factor that MATLAB shows above a matrix.
 SHOWN_FACTOR = re.compile(r"\s*([0-9.]+e[-+][0-9]+) \*\s*")
+# A comment at the end of a line, but not the mark in 1.#QNAN, nor an error of Excel.
 _COMMENT = re.compile(r"(?:^|(?<=[\s,;]))#(?!n/a|nv\b|num!|value!|div/0!|ref!).*", re.DOTALL | re.IGNORECASE)
 
 
@@ -198,31 +196,27 @@ def require_heights(table: Array) -> None:
 
     A margin is a first row or column that rises in equal steps, unlike the row or column beside it.
     """
-    if min(table.shape) < 2 and table.size >= _MIN_MARGIN_NUMBERS:
+    if min(table.shape) < 2:
+        if table.size < _MIN_MARGIN_NUMBERS:
+            return
         line = "column" if table.shape[1] < 2 else "row"
         raise InputError(
             f"its {table.size} numbers stand in one {line}, but a height map has a row for each x and a number for "
             "each y: bring them into that shape, as by numpy.loadtxt(path).reshape(nx, ny), and save them again"
         )
-    if min(table.shape) < 2:
-        return
     # The corner, where there are both margins, belongs to neither.
-    row, column = (_margin(side[0, 1:], side[1, 1:]) for side in (table, table.T))
-    if row and column:
-        what = "its first row and its first column"
-        counts = row == column == _COUNTING_MARGIN
-    elif row := _margin(table[0], table[1]):
-        what = "its first row"
-        counts = row == _COUNTING_MARGIN
-    elif column := _margin(table[:, 0], table[:, 1]):
-        what = "its first column"
-        counts = column == _COUNTING_MARGIN
-    else:
+    candidates = {
+        "its first row and its first column": [_margin(side[0, 1:], side[1, 1:]) for side in (table, table.T)],
+        "its first row": [_margin(table[0], table[1])],
+        "its first column": [_margin(table[:, 0], table[:, 1])],
+    }
+    what = next((what for what, kinds in candidates.items() if all(kinds)), "")
+    if not what:
         return
     skip = "skip them with skip_rows=" if what == "its first row" else "save the heights without them"
     found, advice = (
         ("count, as header and index of pandas do", ", in pandas by to_csv(path, header=False, index=False)")
-        if counts
+        if set(candidates[what]) == {_COUNTING_MARGIN}
         else ("rise in equal steps, as places x and y do", ", and give size=")
     )
     raise InputError(f"the numbers of {what} {found}, and are not heights: {skip}{advice}; {_KEEP_ADVICE}")

@@ -15,9 +15,10 @@ import numpy as np
 from roughcontact._base.arrays import Array, Pair
 from roughcontact._base.checks import integer
 from roughcontact._parts.files.base import RawMap, SurfaceReader, readers, require_memory_of_map
+from roughcontact._parts.files.bounds import TEXT_OR_IMAGE, require_room
 from roughcontact._parts.files.headers import read_header
-from roughcontact._parts.files.stated import Stated, build_map, check_no_data, metres
-from roughcontact.errors import InputError, MissingPackage
+from roughcontact._parts.files.stated import Stated, build_map, check_no_data, metres, parse_number
+from roughcontact.errors import InputError, MissingPackage, requiring
 
 # Number of the tag with the value of points without data, in geographic images.
 _NODATA_TAG = 42113
@@ -31,10 +32,7 @@ _PARK_TAG = 50434
 _OME_SIZE = re.compile(r'PhysicalSize([XY])="([0-9.eE+-]+)"')
 _OME_UNIT = re.compile(r'PhysicalSize([XY])Unit="([^"]*)"')
 # What ImageJ writes as a unit where none was set.
-_NO_UNITS = ("", "gray value", "grey value", "pixel", "pixels", "inch")
-# Bytes to which an image may expand, plus a multiple of its file.
-_EXPANSION_ALLOWANCE = 2**22
-_MAX_EXPANSION_RATIO = 50
+_NO_UNITS = ("gray value", "grey value", "pixel", "pixels", "inch")
 # Numbers of the compressions that are read: none, LZW, deflate (two), PackBits; others lose digits or are rare.
 _COMPRESSIONS = {1, 5, 8, 32773, 32946}
 _DEFLATE_COMPRESSIONS = {8, 32946}
@@ -68,19 +66,12 @@ class TiffReader(SurfaceReader):
     page: int | None = attrs.field(default=None, converter=_page)
     no_data: float | str | None = attrs.field(default=None, converter=check_no_data)
 
-    @property
-    def suffixes(self) -> frozenset[str]:
-        """Tif and tiff."""
-        return frozenset({".tif", ".tiff"})
+    suffixes = frozenset({".tif", ".tiff"})
 
     def read(self, path: Path) -> RawMap:
         """Return the map; raise `MissingPackage` if tifffile is not installed."""
-        try:
+        with requiring(f"Reading {path.name} needs the package tifffile: pip install 'roughcontact[files]'."):
             from tifffile import TiffFile
-        except ImportError:
-            raise MissingPackage(
-                f"Reading {path.name} needs the package tifffile: pip install 'roughcontact[files]'."
-            ) from None
         # tifffile logs oddities of a file; real errors become an `InputError`.
         logging.getLogger("tifffile").addHandler(logging.NullHandler())
         with TiffFile(path) as file:
@@ -119,8 +110,7 @@ def _require_heights(page: Any, size: int) -> None:
     if dtype is None or dtype.kind not in "iuf" or int(page.photometric) == 0:
         raise InputError(f"its pixels ({dtype}, {page.photometric.name.lower()}) are not numbers of heights")
     needed = math.prod(shape) * dtype.itemsize
-    if needed > _EXPANSION_ALLOWANCE + _MAX_EXPANSION_RATIO * size:
-        raise InputError(f"it declares {shape[1]} x {shape[0]} pixels, more than a file of {size} bytes can hold")
+    require_room(needed, size, f"it declares {shape[1]} x {shape[0]} pixels, more", TEXT_OR_IMAGE)
     require_memory_of_map(3.0 * 8.0 * math.prod(shape))
 
 
@@ -183,13 +173,8 @@ def _read_items(stated: Stated, page: Any) -> Stated:
     if tag is None:
         return stated
     items = {role.lower(): text.strip() for role, text in _GDAL_ITEM.findall(str(tag.value))}
-    numbers = [items.get("scale", "1"), items.get("offset", "0")]
-    try:
-        factor, offset = map(float, numbers)
-    except ValueError:
-        raise InputError(f"its scale and offset are {', '.join(numbers)[:40]!a}, which are not numbers") from None
-    unit = items.get("unittype") or None
-    return attrs.evolve(stated, factor=factor, offset=offset, unit=unit)
+    factor, offset = (parse_number(items.get(role, one), role) for role, one in (("scale", "1"), ("offset", "0")))
+    return attrs.evolve(stated, factor=factor, offset=offset, unit=items.get("unittype") or None)
 
 
 def _read_description(stated: Stated, text: str) -> Stated:
@@ -214,19 +199,18 @@ def _read_calibration(stated: Stated, imagej: dict[str, Any]) -> Stated:
     # ImageJ numbers its functions; 0 is the straight line c0 + c1 v.
     if int(imagej.get("cf", 0)) != 0:
         raise InputError("its pixels are calibrated by a function of ImageJ that is not a straight line: write heights")
-    unit = _clean_unit(imagej.get("vunit", ""))
-    # Grey values are the unit of images without one.
-    known = unit and unit.lower() not in _NO_UNITS
     return attrs.evolve(
         stated,
         factor=float(imagej.get("c1", 1.0)),
         offset=float(imagej.get("c0", 0.0)),
-        unit=unit if known else None,
+        unit=_clean_unit(imagej.get("vunit", "")) or None,
     )
 
 
 def _clean_unit(unit: object) -> str:
-    return str(unit).replace("\\u00B5", "µ").strip('" ')
+    """Return the name of a unit as ImageJ writes it; empty where none was set."""
+    name = str(unit).replace("\\u00B5", "µ").strip('" ')
+    return "" if name.lower() in _NO_UNITS else name
 
 
 def _read_ome(stated: Stated, text: str | None) -> Stated | None:
@@ -244,8 +228,7 @@ def _read_resolution(stated: Stated, page: Any, imagej: dict[str, Any]) -> State
     found = _find_pixels_per_unit(page)
     if found is None:
         return None
-    named = _clean_unit(imagej.get("unit", ""))
-    if named and named.lower() not in _NO_UNITS:
+    if named := _clean_unit(imagej.get("unit", "")):
         along = (named, _clean_unit(imagej.get("yunit", named)))
         known = [metres(one) for one in along]
         x, y = (one / count if one else 1.0 / count for one, count in zip(known, found, strict=True))

@@ -14,8 +14,9 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array
-from roughcontact._parts.files.base import RawMap, SurfaceReader, find_foreign, name_rows, require_memory_of_map
+from roughcontact._parts.files.base import RawMap, SurfaceReader, name_rows, require_memory_of_map
 from roughcontact._parts.files.bounds import require_bounded_archive
+from roughcontact._parts.files.stated import parse_number
 from roughcontact.errors import InputError
 
 # Types of numbers by their letter: integers of 16 and 32 bits, floating-point numbers of 32 and 64.
@@ -38,15 +39,10 @@ class X3pReader(SurfaceReader):
     ISO 25178-72:2017
     """
 
-    @property
-    def suffixes(self) -> frozenset[str]:
-        """X3p."""
-        return frozenset({".x3p"})
+    suffixes = frozenset({".x3p"})
 
     def read(self, path: Path) -> RawMap:
         """Return the map."""
-        if foreign := find_foreign(path):
-            raise InputError(foreign)
         try:
             require_bounded_archive(path)
             with zipfile.ZipFile(path) as archive:
@@ -72,9 +68,8 @@ def _read_surface(archive: zipfile.ZipFile) -> RawMap:
     scale = _find_number(root, "Axes/CZ/Increment", 1.0)
     heights = values * scale + _find_number(root, "Axes/CZ/Offset", 0.0)
     heights[~np.isfinite(heights)] = np.nan
-    valid = _find(root, "ValidPointsLink")
-    if valid is not None and valid.text:
-        bits = np.frombuffer(_read_member(archive, folder, valid.text.strip(), (count + 7) // 8), np.uint8)
+    if valid := _find_text(root, "ValidPointsLink"):
+        bits = np.frombuffer(_read_member(archive, folder, valid, (count + 7) // 8), np.uint8)
         heights[np.unpackbits(bits, bitorder="little")[:count] == 0] = np.nan
     # x runs fastest.
     image = heights.reshape(sizes[1], sizes[0])
@@ -99,28 +94,18 @@ def _parse(archive: zipfile.ZipFile, name: str) -> ElementTree.Element:
     return root
 
 
-def _find(root: ElementTree.Element, path: str) -> ElementTree.Element | None:
-    return root.find(f".//{path}")
+def _find_text(root: ElementTree.Element, path: str) -> str:
+    return (root.findtext(f".//{path}") or "").strip()
 
 
 def _find_number(root: ElementTree.Element, path: str, default: float) -> float:
-    element = _find(root, path)
-    text = "" if element is None else (element.text or "").strip()
-    if not text:
-        return default
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise InputError(f"its {path.rpartition('/')[2]} is {text[:20]!a}, which is not a number")
-    return value
+    text = _find_text(root, path)
+    return parse_number(text, path.rpartition("/")[2]) if text else default
 
 
 def _find_step(root: ElementTree.Element, axis: str) -> float:
     """Return the distance of the points along an axis, m."""
-    kind = _find(root, f"Axes/C{axis}/AxisType")
-    if kind is not None and (kind.text or "").strip().upper() == "A":
+    if _find_text(root, f"Axes/C{axis}/AxisType").upper() == "A":
         raise InputError(f"its {axis.lower()} are absolute positions: export it with regular points")
     step = _find_number(root, f"Axes/C{axis}/Increment", 0.0)
     if not step > 0.0:
@@ -138,17 +123,15 @@ def _require_unturned(root: ElementTree.Element) -> None:
 
 def _read_heights(archive: zipfile.ZipFile, root: ElementTree.Element, folder: str, count: int) -> Array:
     """Return the numbers of all points, shape (count,), NaN where the description has an empty one."""
-    link = _find(root, "PointDataLink")
-    if link is not None and link.text:
-        kind = _find(root, "Axes/CZ/DataType")
-        letter = "D" if kind is None else (kind.text or "D").strip().upper()
+    if link := _find_text(root, "PointDataLink"):
+        letter = (_find_text(root, "Axes/CZ/DataType") or "D").upper()
         if letter not in _TYPES:
             raise InputError(f"its heights are of the type {letter[:20]!a}, which is not one of {', '.join(_TYPES)}")
         dtype = np.dtype(_TYPES[letter])
-        data = _read_member(archive, folder, link.text.strip(), count * dtype.itemsize)
+        data = _read_member(archive, folder, link, count * dtype.itemsize)
         _require_digest(root, data)
         return np.frombuffer(data, dtype=dtype).astype(np.float64)
-    data_list = _find(root, "DataList")
+    data_list = root.find(".//DataList")
     if data_list is None:
         raise InputError("it holds no heights")
     words = [(datum.text or "").split(";")[-1].strip() for datum in data_list.iter("Datum")]
@@ -162,8 +145,7 @@ def _read_heights(archive: zipfile.ZipFile, root: ElementTree.Element, folder: s
 
 def _require_digest(root: ElementTree.Element, data: bytes) -> None:
     """Refuse heights that are not those of the checksum, where the description has one."""
-    element = _find(root, "MD5ChecksumPointData")
-    stated = "" if element is None else (element.text or "").strip().lower()
+    stated = _find_text(root, "MD5ChecksumPointData").lower()
     if _DIGEST.fullmatch(stated) and stated != hashlib.md5(data, usedforsecurity=False).hexdigest():
         raise InputError("its heights are not those of its checksum: it is damaged")
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from roughcontact._base.arrays import Array, Pair, RealArray
 from roughcontact._base.checks import Part, number, pair
-from roughcontact._base.registry import Registry
+from roughcontact._base.registry import Registry, arguments_of
 from roughcontact.errors import InputError
 
 # Energy over the work of adhesion, below which a law acts no longer: that is its reach.
@@ -103,13 +103,12 @@ class Interaction(Part, abc.ABC):
 
     def convert(self, function: Callable[[Array], Array]) -> Interaction:
         """Return the law with each of its arrays (nx, ny) converted, as to a part of the grid; itself without any."""
-        if not attrs.has(type(self)):
-            return self
         law: Any = self
-        values = {field.alias: getattr(law, field.name) for field in attrs.fields(type(law)) if field.init}
+        values = {name: getattr(law, field.name) for name, field in arguments_of(type(law)).items()}
         arrays = {name: value for name, value in values.items() if isinstance(value, np.ndarray) and value.ndim == 2}
-        converted: Interaction = attrs.evolve(law, **{name: function(value) for name, value in arrays.items()})
-        return converted if arrays else self
+        changes = {name: function(value) for name, value in arrays.items()}
+        converted: Interaction = attrs.evolve(law, **changes) if changes else law
+        return converted
 
 
 interactions = Registry(Interaction, "interaction", "roughcontact.interactions")

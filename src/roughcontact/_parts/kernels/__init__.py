@@ -12,10 +12,10 @@ from roughcontact._parts.kernels.base import odd_axes as odd_axes
 from roughcontact._parts.kernels.base import require_form as require_form
 from roughcontact._parts.kernels.half_space import FourierHalfSpace as FourierHalfSpace
 from roughcontact._parts.kernels.half_space import Love as Love
-from roughcontact._parts.kernels.layers import SupportsConduction as SupportsConduction
-from roughcontact._parts.kernels.layers import SupportsTangential as SupportsTangential
-from roughcontact._parts.kernels.layers import has_layers as has_layers
 from roughcontact._parts.kernels.stress import BoundStress as BoundStress
 from roughcontact._parts.kernels.stress import HalfSpaceStress as HalfSpaceStress
+from roughcontact._parts.kernels.stress import SupportsConduction as SupportsConduction
 from roughcontact._parts.kernels.stress import SupportsStress as SupportsStress
+from roughcontact._parts.kernels.stress import SupportsTangential as SupportsTangential
+from roughcontact._parts.kernels.stress import has_layers as has_layers
 from roughcontact._parts.kernels.stress_cells import STRESS_COMPONENTS as STRESS_COMPONENTS

@@ -1,4 +1,4 @@
-"""The homogeneous half-space: Love's solution for a rectangular cell, and its spectrum."""
+"""The homogeneous half-space: Love's and Cerruti's solutions for a rectangular cell, and their spectra."""
 
 from __future__ import annotations
 
@@ -8,10 +8,19 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array, Pair
+from roughcontact._base.checks import choice
 from roughcontact._parts.kernels.base import InfluenceKernel, SupportsCoefficients, missing_form
-from roughcontact._parts.kernels.cells import alias_sum, cell_potential
-from roughcontact._parts.kernels.shear import respond_to_shear, respond_to_shear_waves, shear_amplitude
+from roughcontact._parts.kernels.cells import (
+    alias_sum,
+    cell_potential,
+    edges_across,
+    ends_of_lines,
+    integrate_by_distance,
+)
 from roughcontact._parts.materials import PairConstants
+
+# The name of each component after an exchange of the axes.
+_EXCHANGED = {"xx": "yy", "yy": "xx", "xy": "xy", "zx": "zy", "zy": "zx"}
 
 
 @attrs.frozen
@@ -82,13 +91,51 @@ class Love(InfluenceKernel):
         self, component: str, shape: tuple[int, int], spacing: Pair, compliance: float, pair: PairConstants
     ) -> Array:
         """Return a component for shear that is constant on each cell; see `SupportsShear`."""
-        return respond_to_shear(component, shape, spacing, compliance, pair)
+        _require_component(component)
+        dx, dy = spacing
+        if dx < dy:
+            exchanged = Love.shear_coefficients(self, _EXCHANGED[component], shape[::-1], (dy, dx), compliance, pair)
+            return np.ascontiguousarray(exchanged.T)
+        i, j = (np.arange(n, dtype=np.float64) for n in shape)
+        aspect = dx / dy
+        if component == "xy":
+            values = pair.gamma * _integrate_product(i, j, aspect)
+        elif component == "zx":
+            values = pair.beta * integrate_by_distance(i, j, aspect, _add_edges_along, _log_of_line)
+        elif component == "zy":
+            values = pair.beta * integrate_by_distance(i, j, aspect, _add_edges_across, _angle_of_line)
+            values[:, j == 0.0] = 0.0
+        else:
+            potential = cell_potential(i, j, aspect)
+            # Of 1/r, the part y^2/r^3; the rest is x^2/r^3.
+            part = integrate_by_distance(i, j, aspect, _add_square_edges, _square_of_line)
+            values = potential + pair.gamma * (part if component == "yy" else potential - part)
+        return np.asarray(values * (compliance * dy / np.pi))
 
     def shear_spectrum(
         self, component: str, qx: Array, qy: Array, spacing: Pair, compliance: float, pair: PairConstants
     ) -> Array:
         """Return a component at the cell centres for waves of cell shears; see `SupportsShear`."""
-        return respond_to_shear_waves(component, qx, qy, spacing, compliance, pair)
+        _require_component(component)
+        dx, dy = spacing
+        if dx < dy:
+            return Love.shear_spectrum(self, _EXCHANGED[component], qy.T, qx.T, (dy, dx), compliance, pair).T
+        # Rows that differ in sign only have the same values, but for the sign.
+        rows, row_of = np.unique(np.abs(qx[:, 0] * dx), return_inverse=True)
+        columns = np.abs(qy[0, :] * dy)
+
+        def sum_aliases(term: str) -> Array:
+            return alias_sum(rows, columns, dx / dy, term)[row_of]
+
+        if component == "xy":
+            values = -pair.gamma * sum_aliases("xy/k3") * np.sign(qx) * np.sign(qy)
+        elif component == "zx":
+            values = -pair.beta * sum_aliases("x/k2") * np.sign(qx)
+        elif component == "zy":
+            values = -pair.beta * sum_aliases("y/k2") * np.sign(qy)
+        else:
+            values = sum_aliases("1/k") + pair.gamma * sum_aliases("yy/k3" if component == "xx" else "xx/k3")
+        return np.asarray(2.0 * compliance * dy * values)
 
 
 @attrs.frozen
@@ -131,4 +178,80 @@ class FourierHalfSpace(InfluenceKernel):
         self, component: str, qx: Array, qy: Array, spacing: Pair, compliance: float, pair: PairConstants
     ) -> Array:
         """Return a component for waves of shear; see `SupportsShear`."""
-        return shear_amplitude(component, qx, qy, compliance, pair)
+        _require_component(component)
+        length = np.hypot(qx, qy)
+        normal = {"x": qx / length, "y": qy / length}
+        first = component[0]
+        second = component[1]
+        if first == "z":
+            factor = -pair.beta * normal[second]
+        else:
+            factor = (first == second) * (1.0 + pair.gamma) - pair.gamma * normal[first] * normal[second]
+        return np.asarray(2.0 * compliance * factor / length)
+
+
+def _require_component(component: str) -> None:
+    """Raise `InputError` unless a kernel knows the component."""
+    choice(component, "The component of the response to shear", tuple(_EXCHANGED))
+
+
+def _integrate_product(i: Array, j: Array, aspect: float) -> Array:
+    """Return the integral of x y/r^3 over cells: the sum of the distances of the corners, without cancellation."""
+    left, right = ends_of_lines(i, aspect)
+    x = (i * aspect)[:, np.newaxis]
+    y = j[np.newaxis, :]
+    near, far = ([np.hypot(end, y + side) for end in (left, right)] for side in (-0.5, 0.5))
+    along = 4.0 * aspect * x * y / ((near[0] + near[1]) * (far[0] + far[1]))
+    return np.asarray(along * (1.0 / (near[0] + far[0]) + 1.0 / (near[1] + far[1])))
+
+
+def _add_square_edges(x: Array, y: Array, aspect: float) -> Array:
+    """Add the edges of the integral of y^2/r^3."""
+    one, other = edges_across(x, y, aspect)
+    return np.asarray(one + other)
+
+
+def _square_of_line(i: Array, y: Array, aspect: float) -> Array:
+    """Integrate y^2/r^3 exactly along x: x2/r2 - x1/r1, both over r where these are on one side of the origin."""
+    left, right = ends_of_lines(i, aspect)
+    r1 = np.hypot(left, y)
+    r2 = np.hypot(right, y)
+    # Negative only on a cell on both sides of the origin, where the difference is a sum.
+    with np.errstate(invalid="ignore", divide="ignore"):
+        line = 2.0 * aspect * (i * aspect)[:, np.newaxis] * y**2 / (r1 * r2 * (right * r1 + left * r2))
+    return np.asarray(np.where(left < 0.0, right / r2 - left / r1, line))
+
+
+def _add_edges_along(x: Array, y: Array, aspect: float) -> Array:
+    """Add the edges of the integral of x/r^2."""
+    return _add_odd_edges(x, y, aspect, 1.0)
+
+
+def _add_edges_across(x: Array, y: Array, aspect: float) -> Array:
+    """Add the edges of the integral of y/r^2."""
+    return _add_odd_edges(y, x, 1.0, aspect)
+
+
+def _add_odd_edges(u: Array, v: Array, length: float, width: float) -> Array:
+    """Add the edges of the integral of u/r^2 over a cell with a length along u and a width along v.
+
+    The edges along u bring their distances times the logarithm of the ratio of the distances of their ends, those
+    along v their distances times the angle at which they are seen.
+    """
+    u1, u2 = (u + side * length for side in (-0.5, 0.5))
+    v1, v2 = (v + side * width for side in (-0.5, 0.5))
+    logs = [side * end * 0.5 * np.log1p(2.0 * length * u / (u1**2 + end**2)) for side, end in ((-1, v1), (1, v2))]
+    angles = [side * end * np.arctan2(width * end, end**2 + v1 * v2) for side, end in ((-1, u1), (1, u2))]
+    return np.asarray(logs[0] + logs[1] + angles[0] + angles[1])
+
+
+def _log_of_line(i: Array, y: Array, aspect: float) -> Array:
+    """Integrate x/r^2 exactly along x: the logarithm of the ratio of the distances of both ends."""
+    left, _ = ends_of_lines(i, aspect)
+    return np.asarray(0.5 * np.log1p(2.0 * aspect * (i * aspect)[:, np.newaxis] / (left**2 + y**2)))
+
+
+def _angle_of_line(i: Array, y: Array, aspect: float) -> Array:
+    """Integrate y/r^2 exactly along x: the angle at which the line is seen."""
+    left, right = ends_of_lines(i, aspect)
+    return np.asarray(np.arctan2(aspect * y, y**2 + left * right))

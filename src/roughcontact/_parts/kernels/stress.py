@@ -1,4 +1,4 @@
-"""The stress below a surface as components of a kernel: in real space, in Fourier space, and along a free axis."""
+"""What a kernel of one body may know beside the displacement by pressure: the stress below, conduction, shear."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array, Pair, RealArray
-from roughcontact._parts.kernels.base import is_at_nyquist, odd_axes
+from roughcontact._parts.kernels.base import InfluenceKernel, is_at_nyquist, odd_axes
+from roughcontact._parts.kernels.half_space import Love
 from roughcontact._parts.kernels.mixed import set_octaves, sum_rest
-from roughcontact._parts.kernels.stress_cells import STRESS_COMPONENTS, cell_stress
-from roughcontact._parts.kernels.stress_waves import wave_stress
-from roughcontact._parts.materials import Material
+from roughcontact._parts.kernels.stress_cells import STRESS_COMPONENTS, cell_stress, wave_stress
+from roughcontact._parts.materials import Material, PairConstants
 from roughcontact.errors import InputError
 
 # Square of the depth over the area of a cell above which the corners of a cell cancel too much for float32.
@@ -228,3 +228,64 @@ class BoundStress:
         if not math.isfinite(float(stress.sum())):
             raise InputError(f"The kernel {self.kernel!r} returned stresses that are not finite.")
         return stress
+
+
+def has_layers(kernel: Any, body: str, material: Material) -> bool:
+    """Return whether the layers of a kernel may lie on the ``"body"`` or the ``"counterbody"``, of this material."""
+    part = kernel.part_of(body)
+    return not isinstance(part, Love) and (kernel if part is None else part).describes(material)
+
+
+@runtime_checkable
+class SupportsConduction(Protocol):
+    """A kernel of a body of layers that knows how they conduct heat or current: an optional ability."""
+
+    def describes(self, material: Material) -> bool:
+        """Return whether a body of this material is the one with the layers."""
+
+    def conduction_kernel(self, conductivity: float) -> InfluenceKernel:
+        """Return the kernel of temperature, or potential, by the flow through the surface.
+
+        Parameters
+        ----------
+        conductivity
+            Of the half-space under the layers, W/(m K) for heat or S/m for current.
+
+        Returns
+        -------
+        InfluenceKernel
+            A kernel whose `compliance` is (1/k1 + 1/k2) / 2 of the half-spaces under the layers, and whose values are
+            temperatures by flows, K/(W/m2).
+
+        Raises
+        ------
+        InputError
+            If the conductivity of a layer is not known.
+        """
+
+
+@runtime_checkable
+class SupportsTangential(Protocol):
+    """A kernel of a body of layers that knows the displacement along an axis by shear along it: an optional ability.
+
+    The tangential stiffness needs it. In both methods `pair` has the constants of the half-spaces under the layers.
+    """
+
+    def describes(self, material: Material) -> bool:
+        """Return whether a body of this material is the one with the layers."""
+
+    def shear_kernel(self, axis: int, pair: PairConstants) -> InfluenceKernel:
+        """Return the kernel of the displacement along x, 0, or y, 1, by shear along it, of the same compliance."""
+
+    def coupling(self, wavenumber: Array, compliance: float, pair: PairConstants) -> Array:
+        """Return Dundurs' beta of waves.
+
+        Parameters
+        ----------
+        wavenumber
+            Wave numbers, shape (n,), rad/m, above zero.
+        compliance
+            1/E* of the half-spaces under the layers, 1/Pa.
+        pair
+            Their constants, with the body with the layers first.
+        """

@@ -7,8 +7,6 @@ from roughcontact._parts.surfaces.base import surfaces as surfaces
 from roughcontact._parts.surfaces.continuation import Continuation as Continuation
 from roughcontact._parts.surfaces.continuation import cells_for as cells_for
 from roughcontact._parts.surfaces.continuation import find_maps as find_maps
-from roughcontact._parts.surfaces.facts import list_facts as list_facts
-from roughcontact._parts.surfaces.facts import write_facts as write_facts
 from roughcontact._parts.surfaces.filling import MAX_BANDWIDTH as MAX_BANDWIDTH
 from roughcontact._parts.surfaces.filling import TREATMENTS as TREATMENTS
 from roughcontact._parts.surfaces.filling import complete as complete
@@ -19,6 +17,8 @@ from roughcontact._parts.surfaces.heightmap import Separated as Separated
 from roughcontact._parts.surfaces.matching import MatchedPair as MatchedPair
 from roughcontact._parts.surfaces.matching import PlacedMap as PlacedMap
 from roughcontact._parts.surfaces.matching import match as match
+from roughcontact._parts.surfaces.quality import list_facts as list_facts
+from roughcontact._parts.surfaces.quality import write_facts as write_facts
 from roughcontact._parts.surfaces.resampling import bilinear as bilinear
 from roughcontact._parts.surfaces.statistics import HANN_DEPENDENCE as HANN_DEPENDENCE
 from roughcontact._parts.surfaces.statistics import border_jump as border_jump

@@ -12,7 +12,7 @@ import numpy as np
 
 from roughcontact._base.arrays import Array, Mask
 from roughcontact._base.checks import Part, flag
-from roughcontact._base.registry import Registry, find_view
+from roughcontact._base.registry import Registry, arguments_of, find_view
 from roughcontact._base.units import outlined
 from roughcontact._parts.grid import Grid
 from roughcontact._parts.surfaces.resampling import check_interpolation, shift_by_half_cell
@@ -293,9 +293,8 @@ class _Samples(Surface):
 
 def _fields(surface: Surface) -> dict[str, Any]:
     """Return the arguments of the constructor of a surface by name."""
-    cls: Any = type(surface)
-    if attrs.has(cls):
-        return {str(field.alias): getattr(surface, field.name) for field in attrs.fields(cls) if field.init}
+    if attrs.has(type(surface)):
+        return {name: getattr(surface, field.name) for name, field in arguments_of(type(surface)).items()}
     if dataclasses.is_dataclass(surface):
         return {field.name: getattr(surface, field.name) for field in dataclasses.fields(surface) if field.init}
     return dict(getattr(surface, "__dict__", {}))

@@ -13,7 +13,7 @@ from roughcontact._parts.grid import Grid
 from roughcontact._parts.surfaces.base import Surface
 from roughcontact._parts.surfaces.heightmap import HeightMap
 from roughcontact._parts.surfaces.matching import PlacedMap
-from roughcontact._parts.surfaces.resampling import fourier, resample
+from roughcontact._parts.surfaces.resampling import fourier, resample_mask
 from roughcontact._parts.surfaces.statistics import FORM_DEGREE, PowerLaw, fit_power_law, polynomial
 
 # Cells per shortest wave for an area within 2 % (docs/understand/area.md).
@@ -84,9 +84,7 @@ class Continuation:
         rng = np.random.default_rng(np.random.SeedSequence(self.seed[0], spawn_key=(self.seed[1], place)))
         heights = _filter(source, shape, resolved)
         heights += self._draw(Grid(shape, source.size), law, resolved, rng)
-        mask = source.non_measured
-        if mask is not None:
-            mask = resample(mask.astype(np.float64), shape, "bilinear", periodic=source.periodic) > 0.5
+        mask = resample_mask(source.non_measured, shape, periodic=source.periodic)
         return attrs.evolve(source, heights=heights, non_measured=mask)
 
     def _draw(self, grid: Grid, law: PowerLaw, resolved: float, rng: np.random.Generator) -> Array:

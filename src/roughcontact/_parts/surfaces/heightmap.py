@@ -11,18 +11,22 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
-from roughcontact._base.arrays import Array, Mask, Pair, frozen_array, restore_state
+from roughcontact._base.arrays import Array, Mask, Pair, frozen_array, read_only, restore_state
 from roughcontact._base.checks import choice, instance_of, integer, measured_heights, number, pair
 from roughcontact._base.registry import find_view
 from roughcontact._base.units import Quantity, fit, printable, si
 from roughcontact._parts.grid import Grid
 from roughcontact._parts.surfaces import statistics as forms
 from roughcontact._parts.surfaces.base import Surface
-from roughcontact._parts.surfaces.facts import list_facts, write_facts
 from roughcontact._parts.surfaces.filling import TREATMENTS, complete, describe_filling, fill, was_filled
-from roughcontact._parts.surfaces.filtering import smooth
-from roughcontact._parts.surfaces.quality import find_period, list_map_warnings
-from roughcontact._parts.surfaces.resampling import check_interpolation, resample, shift_by_half_cell
+from roughcontact._parts.surfaces.quality import find_period, list_facts, list_map_warnings, write_facts
+from roughcontact._parts.surfaces.resampling import (
+    check_interpolation,
+    resample,
+    resample_mask,
+    shift_by_half_cell,
+    smooth,
+)
 from roughcontact._parts.surfaces.statistics import repeats
 from roughcontact._parts.surfaces.topography import make_topography, read_topography
 from roughcontact.errors import InputError
@@ -63,8 +67,7 @@ def _non_measured(value: npt.ArrayLike | None) -> Any:
         raise InputError.about(what, mask if mask.ndim else value, allowed)
     if mask.all():
         raise InputError("No point of the height map was measured: at least one is needed.")
-    mask.flags.writeable = False
-    return mask if mask.any() else None
+    return read_only(mask) if mask.any() else None
 
 
 def check_history(value: Sequence[str]) -> tuple[str, ...]:
@@ -254,17 +257,12 @@ class HeightMap(Surface):
             raise InputError(
                 f"Block means need cell counts that divide {self._heights.shape}, but got {target}; use 'bilinear'."
             )
-        non_measured = None
-        if self.non_measured is not None:
-            # A new point is non-measured if more than half of its weight lies on non-measured points.
-            weights = self.non_measured.astype(np.float64)
-            near = "mean" if interpolation == "mean" else "bilinear"
-            non_measured = resample(weights, target, near, periodic=self.periodic) > 0.5
+        near = "mean" if interpolation == "mean" else "bilinear"
         pitch = " x ".join(si(step, "m") for step in Grid(target, self.size).spacing)
         return attrs.evolve(
             self,
             heights=resample(self._heights, target, interpolation, periodic=self.periodic),
-            non_measured=non_measured,
+            non_measured=resample_mask(self.non_measured, target, near, periodic=self.periodic),
             history=(*self.history, f"resampled ({interpolation}) to {target[0]} x {target[1]} cells of {pitch}"),
         )
 
@@ -355,17 +353,20 @@ class HeightMap(Surface):
             return np.concatenate([along_x, along_x[:, ::-1]], axis=1)
 
         size = 2.0 * self.size[0], 2.0 * self.size[1]
-        return attrs.evolve(self._rearrange(unfold, "mirrored at its borders", size), periodic=True)
+        return self._rearrange(unfold, "mirrored at its borders", size, periodic=True)
 
     def transposed(self) -> HeightMap:
         """Return the map with x and y exchanged."""
         return self._rearrange(np.transpose, "x and y exchanged", self.size[::-1])
 
-    def _rearrange(self, move: Callable[[Any], Any], text: str, size: Pair | None = None) -> HeightMap:
+    def _rearrange(
+        self, move: Callable[[Any], Any], text: str, size: Pair | None = None, *, periodic: bool | None = None
+    ) -> HeightMap:
         return attrs.evolve(
             self,
             heights=move(self._heights),
             size=size or self.size,
+            periodic=self.periodic if periodic is None else periodic,
             non_measured=None if self.non_measured is None else move(self.non_measured),
             history=(*self.history, text),
         )
@@ -408,17 +409,11 @@ class HeightMap(Surface):
                 )
             ranges.append(slice(first, first + cells))
         inside = tuple(ranges)
-        heights = self._heights[inside]
-        kept = " x ".join(f"{n}" for n in heights.shape)
+        nx, ny = self._heights[inside].shape
+        dx, dy = self.grid.spacing
         indices = " x ".join(f"{one.start} to {one.stop - 1}" for one in ranges)
-        return attrs.evolve(
-            self,
-            heights=heights,
-            size=tuple(n * step for n, step in zip(heights.shape, self.grid.spacing, strict=True)),
-            periodic=False,
-            non_measured=None if self.non_measured is None else self.non_measured[inside],
-            history=(*self.history, f"cut to {kept} of its cells, {indices}"),
-        )
+        text = f"cut to {nx} x {ny} of its cells, {indices}"
+        return self._rearrange(lambda values: values[inside], text, (nx * dx, ny * dy), periodic=False)
 
     def filtered(self, shortest: float | None = None, longest: float | None = None) -> HeightMap:
         """Return the map without its short waves, its long waves, or both, by Gaussian filters (ISO 16610-61).

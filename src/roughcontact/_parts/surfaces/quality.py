@@ -1,16 +1,21 @@
-"""Whether a measured height map shows its surface: interpolation, steps, filled points, blur and noise."""
+"""What is to be said of a height map: its facts, and whether it shows its surface.
+
+Signs that it does not are interpolation, steps, filled points, blur and noise.
+"""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 import scipy.fft
 
 from roughcontact._base.arrays import Array, Mask
-from roughcontact._base.units import WarningText, si
+from roughcontact._base.units import WarningText, counted, percent, si
 from roughcontact._parts.grid import Grid
+from roughcontact._parts.surfaces.base import SampledSurface
 from roughcontact._parts.surfaces.filling import smooth_over
 from roughcontact._parts.surfaces.statistics import mean_in_bands, power_spectrum
 
@@ -69,6 +74,8 @@ _PEAK_OVER_MEDIAN = 12.0
 # Sums of 1 to 40 waves have up to 37, rough maps interpolated four times at least 57 on 160 x 160 cells, 20 on 64 x 64.
 _MIN_WAVES = 40
 _CELLS_PER_WAVE = 300
+# Characters of the names beside the facts.
+_LABEL_WIDTH = 14
 
 
 def list_map_warnings(
@@ -229,3 +236,28 @@ def _shows_in_differences(part: Array, floor: float) -> bool:
     noise = 6.0 * floor * part.size
     squares = [float(np.mean(np.diff(part, 2, axis=axis) ** 2)) for axis in (0, 1)]
     return noise > _MIN_NOISE_FRACTION**2 * min(squares)
+
+
+def list_facts(sampled: SampledSurface, history: Iterable[str], warnings: Iterable[str] = ()) -> list[tuple[str, str]]:
+    """Return cells, size, heights, history, non-measured points and warnings of a map, each with its name."""
+    grid = sampled.grid
+    heights = sampled.heights
+    missing = int(np.count_nonzero(np.isnan(heights)))
+    low, high, rms, dx, dy = (
+        si(float(value), "m") for value in (np.nanmin(heights), np.nanmax(heights), sampled.rms_height, *grid.spacing)
+    )
+    facts = [
+        ("grid", f"{grid}{', periodic' if sampled.periodic else ''}, cells of {dx} x {dy}"),
+        ("heights", f"{low} to {high}"),
+        ("Sq", f"{rms} about the mean"),
+        *(("history", text) for text in history),
+    ]
+    if missing:
+        text = f"{missing} of {counted(heights.size, 'point')} ({percent(missing / heights.size)})"
+        facts.append(("non-measured", text))
+    return [*facts, *(("warning", text) for text in warnings)]
+
+
+def write_facts(facts: Iterable[tuple[str, str]]) -> list[str]:
+    """Return facts line by line."""
+    return [f"{name:<{_LABEL_WIDTH}}{text}" for name, text in facts]

@@ -1,4 +1,4 @@
-"""Height arrays on other cell counts over the same domain, cell centres mapped to cell centres."""
+"""Heights on other cell counts over the same domain, cell centres mapped to cell centres, and their Gaussian means."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy.fft
 
-from roughcontact._base.arrays import Array, matrix_product
+from roughcontact._base.arrays import Array, Mask, matrix_product
 from roughcontact._base.checks import choice
 from roughcontact._base.machine import require_memory, split
 from roughcontact._parts.grid import Grid
@@ -18,6 +18,8 @@ from roughcontact._parts.grid import Grid
 _ARRAYS_IN_MEMORY = {"bilinear": 2.0, "cubic": 3.6, "fourier": 5.0, "mean": 2.0}
 # Cells that are interpolated at once, to save memory.
 _CELLS_PER_BLOCK = 2**16
+# Beyond so many cut-off wavelengths the weights of the filter are below 1e-12.
+_REACH = 1.5
 
 
 def check_interpolation(interpolation: str | None) -> None:
@@ -41,6 +43,13 @@ def resample(values: Array, shape: tuple[int, int], interpolation: str, *, perio
         return bilinear(values, shape, periodic=(periodic, periodic))
     i, j = ((np.arange(new) + 0.5) * (old / new) - 0.5 for new, old in zip(shape, values.shape, strict=True))
     return interpolate(values, i[:, np.newaxis], j[np.newaxis, :], interpolation, periodic=periodic)
+
+
+def resample_mask(
+    mask: Mask | None, shape: tuple[int, int], interpolation: str = "bilinear", *, periodic: bool
+) -> Mask | None:
+    """Return a mask on another number of cells: those with more than half of their weight on its points."""
+    return None if mask is None else resample(mask.astype(np.float64), shape, interpolation, periodic=periodic) > 0.5
 
 
 def bilinear(values: Array, shape: tuple[int, int], *, periodic: tuple[bool, bool]) -> Array:
@@ -132,3 +141,42 @@ def _resize_spectrum(spectrum: npt.NDArray[np.complex128], axis: int, count: int
         for k in (old // 2, -(old // 2)):
             result[k % count] = 0.5 * moved[old // 2] * np.exp(1j * np.pi * k * (1.0 / count - 1.0 / old))
     return np.moveaxis(result, 0, axis)
+
+
+def smooth(heights: Array, grid: Grid, cutoff: float, *, periodic: bool, non_measured: Mask | None) -> Array:
+    r"""Return the mean of heights under Gaussian weights, which halve a wave of the cut-off wavelength.
+
+    .. math:: s(r) = \frac{1}{\alpha^2 \lambda_c^2} \exp\left(-\frac{\pi r^2}{\alpha^2 \lambda_c^2}\right), \quad
+              \alpha = \sqrt{\ln 2 / \pi}, \quad \hat s(\lambda) = 2^{-(\lambda_c / \lambda)^2}
+
+    (ISO 16610-61). Beyond the border of heights that do not repeat, and where none was measured, there is no weight:
+    that of the others is raised to one.
+    """
+    if periodic and non_measured is None:
+        return _convolve(heights, grid, cutoff, heights.shape)
+    shape = heights.shape
+    if not periodic:
+        reach = [math.ceil(_REACH * cutoff / step) for step in grid.spacing]
+        shape = tuple(
+            scipy.fft.next_fast_len(n + min(extra, n), real=True) for n, extra in zip(shape, reach, strict=True)
+        )
+    weights = np.ones(heights.shape) if non_measured is None else (~non_measured).astype(np.float64)
+    # Sums of small differences: a constant map stays constant to rounding.
+    middle = float(np.sum(heights * weights) / np.sum(weights))
+    sums = _convolve((heights - middle) * weights, grid, cutoff, shape)
+    total = _convolve(weights, grid, cutoff, shape)
+    # Deep in holes that are wider than the filter the weights are rounding.
+    return np.asarray(middle + sums / np.maximum(total, 1e-9))
+
+
+def _convolve(values: Array, grid: Grid, cutoff: float, shape: tuple[int, ...]) -> Array:
+    """Return values under the weights of the filter, on a domain padded with zeros to so many cells."""
+    halved = [
+        np.exp2(-((cutoff * waves(n, step)) ** 2))
+        for n, step, waves in zip(shape, grid.spacing, (scipy.fft.fftfreq, scipy.fft.rfftfreq), strict=True)
+    ]
+    modes = scipy.fft.rfft2(values, shape)
+    modes *= halved[0][:, np.newaxis]
+    modes *= halved[1]
+    smoothed = scipy.fft.irfft2(modes, shape)
+    return np.ascontiguousarray(smoothed[: values.shape[0], : values.shape[1]])

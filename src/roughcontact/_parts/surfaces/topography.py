@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from roughcontact._base.arrays import Array, Mask, Pair
-from roughcontact.errors import InputError, MissingPackage
+from roughcontact.errors import InputError, requiring
 
 _TOPOGRAPHY_ATTRIBUTES = ("dim", "unit", "to_unit", "heights", "physical_sizes", "is_periodic")
 
@@ -34,13 +34,9 @@ def read_topography(topography: Any) -> tuple[Array, Pair, bool]:
 
 def make_topography(heights: Array, size: Pair, *, periodic: bool, non_measured: Mask | None) -> Any:
     """Return heights, m, as a `SurfaceTopography.Topography`, masked at non-measured points."""
-    try:
-        # Its imports warn of optional parallel packages.
-        with warnings.catch_warnings(action="ignore"):
-            from SurfaceTopography import Topography
-    except ImportError:
-        raise MissingPackage(
-            "A topography needs the package SurfaceTopography: pip install SurfaceTopography."
-        ) from None
+    advice = "A topography needs the package SurfaceTopography: pip install SurfaceTopography."
+    # Its imports warn of optional parallel packages.
+    with requiring(advice), warnings.catch_warnings(action="ignore"):
+        from SurfaceTopography import Topography
     values = heights.copy() if non_measured is None else np.ma.masked_array(heights.copy(), non_measured)
     return Topography(values, size, periodic=periodic, unit="m")
