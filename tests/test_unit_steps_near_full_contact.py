@@ -20,7 +20,12 @@ from roughcontact._solve.solvers.conjugate.nested_iteration import (
     start_from,
 )
 from roughcontact._solve.solvers.conjugate.preconditioner import Preconditioner, PunchWeights, _smaller
-from roughcontact._solve.solvers.conjugate.refinement import NearlyFull, OpeningPreconditioner, Openings, Refinement
+from roughcontact._solve.solvers.conjugate.refinement import (
+    NearlyFull,
+    OpeningPreconditioner,
+    Openings,
+    PressureRefinement,
+)
 from roughcontact._solve.solvers.projection import ApproachControl, LoadControl
 from roughcontact.solving import make_task, starting_pressure
 from roughcontact.typing import Load, Monitor
@@ -193,7 +198,7 @@ def test_a_refinement_ends_where_the_conditions_hold(boundary, given_load):
     load = Load("pressure", solution.mean_pressure) if given_load else Load("approach", solution.approach)
     task = make_task(given.plan, given.initial_gap, load)
     monitor = Monitor(task, 1e-6, 300)
-    refinement = Refinement(given.convolution, task, monitor)
+    refinement = PressureRefinement(given.convolution, task, monitor)
     pressure, violation, status = refinement.run(starting_pressure(task))
     assert status is rc.Status.CONVERGED
     assert violation.error <= 1e-6
@@ -206,7 +211,7 @@ def test_a_refinement_ends_where_the_conditions_hold(boundary, given_load):
     assert refinement.products == level.double + level.single + level.inverse
     assert refinement.products <= 120
     assert not refinement.met_limit
-    again = Refinement(given.convolution, task, Monitor(task, 1e-5, 300))
+    again = PressureRefinement(given.convolution, task, Monitor(task, 1e-5, 300))
     assert again.run(pressure.copy())[2] is rc.Status.CONVERGED
     assert (again.level.double, again.level.single, again.level.inverse) == (1, 0, 0)
 

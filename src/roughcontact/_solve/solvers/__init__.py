@@ -4,7 +4,6 @@ from roughcontact._solve.solvers.adhesive import GapDescent as GapDescent
 from roughcontact._solve.solvers.adhesive import LinearisedGap as LinearisedGap
 from roughcontact._solve.solvers.adhesive import Majorise as Majorise
 from roughcontact._solve.solvers.adhesive import surface_stiffness as surface_stiffness
-from roughcontact._solve.solvers.base import Monitor as Monitor
 from roughcontact._solve.solvers.base import Outcome as Outcome
 from roughcontact._solve.solvers.base import Solver as Solver
 from roughcontact._solve.solvers.base import Step as Step
@@ -25,6 +24,7 @@ from roughcontact._solve.solvers.conjugate.preconditioner import LONG_WAVE_CUT a
 from roughcontact._solve.solvers.conjugate.preconditioner import MAX_CUT_EXPONENT as MAX_CUT_EXPONENT
 from roughcontact._solve.solvers.conjugate.preconditioner import Preconditioner as Preconditioner
 from roughcontact._solve.solvers.conjugate.preconditioner import count_blocks as count_blocks
+from roughcontact._solve.solvers.driver import Monitor as Monitor
 from roughcontact._solve.solvers.polonsky_keer import PolonskyKeer as PolonskyKeer
 from roughcontact._solve.solvers.projection import dot as dot
 from roughcontact._solve.solvers.projection import project_to_load as project_to_load

@@ -13,11 +13,20 @@ import numpy as np
 from roughcontact._base.arrays import Array, Mask, RealArray, sum_of_products
 from roughcontact._base.machine import map_tiles, tiles_of
 from roughcontact._parts.interactions import BoundInteraction
+from roughcontact._solve.solution import Status
 from roughcontact._solve.solvers.adhesive.gap_problem import GapProblem
+from roughcontact._solve.solvers.driver import Method
 
 T = TypeVar("T")
 Precision: TypeAlias = type[np.float32] | type[np.float64]
 
+# Error of the gap, over the scale, below which no step leaps to another state.
+_NEAR = 1e-2
+# Iterations of a descent that may pass without the error being halved.
+_IDLE = 400
+# ... and of one in float32 whose error has fallen below the second number: rounding keeps it from falling further.
+_IDLE_SINGLE = 15
+_ROUNDED = 1e-3
 # Fraction of the cells that may open or close before the support is computed again.
 _CHANGED = 0.05
 # Minimum weight of a cell of a held mean, over the mean of the weights.
@@ -59,7 +68,7 @@ class _Tile:
         return int(self.inner.stop - self.inner.start)
 
 
-class AdhesiveDescent:
+class AdhesiveDescent(Method):
     r"""Lowers the energy of a gap g, which is not negative, with one product for the gradient and one for its image.
 
     .. math:: \tfrac12\, (g - h) \cdot M (g - h) + \bar p \cdot g + \sum W(g)
@@ -67,6 +76,9 @@ class AdhesiveDescent:
     Its gradient is p + s(g), with the pressure :math:`p = \bar p + M (g - h)` and the tension s = W'. Cells that the
     pressure limit flattens have a negative gap. The direction is preconditioned by the stiffness between masks with a
     support for long waves, the step is clipped at the bounds, and the slope along it is exact without a product.
+
+    Far from the end, where it matters, steps are cautious: they are made as if the tension of closing cells rose no
+    faster than by its slope, so that they do not leap over a state of equilibrium.
 
     Parameters
     ----------
@@ -77,15 +89,16 @@ class AdhesiveDescent:
 
     Attributes
     ----------
-    cautious
-        Whether steps are made as if the tension of closing cells rose no faster than by its slope, so that they do not
-        leap over a state of equilibrium: from far away, but not near the end, where it does not matter.
+    scale
+        Scale of the error.
     """
+
+    patience = _IDLE + 1
 
     def __init__(self, problem: GapProblem, dtype: Precision) -> None:
         self.problem = problem
-        self.cautious = True
         self.dtype = dtype
+        self.scale = 1.0
         stiffness = problem.stiffness
         self._inverse = stiffness.of_precision(dtype)
         self._symbol = stiffness.symbol(problem.mean_stiffness, dtype)
@@ -131,6 +144,10 @@ class AdhesiveDescent:
         self.pressure: RealArray = pressure.astype(self.dtype, copy=False)
         self._map(lambda tile: self._attract(self._inside(self.gap, tile), self.tension, tile))
 
+    @property
+    def _is_cautious(self) -> bool:
+        return self.error > _NEAR
+
     def is_apart(self) -> bool:
         """Return whether no cell touches and the load pulls more than the tension holds."""
         load = self.problem.base * self.gap.size
@@ -148,15 +165,18 @@ class AdhesiveDescent:
         if self._renewed.size == 0 or changed > _CHANGED * self.gap.size:
             self._renew()
         self._image = self._precondition()
-        return max(self._map(lambda tile: _magnitude(self._image[tile.rows])))
+        error = max(self._map(lambda tile: _magnitude(self._image[tile.rows]))) / self.scale
+        if self.dtype is np.float32 and error < _ROUNDED:
+            self.patience = _IDLE_SINGLE + 1
+        return error
 
-    def advance(self) -> bool:
-        """Make one step from the last measurement; return whether the energy fell."""
+    def step(self) -> Status | None:
+        """Make one step from the last measurement, if the energy falls along one."""
         self._conjugate()
         slope, clipped = self._clip(self._weights)
         if not slope < 0.0:
             slope, clipped = self._fall_back()
-        return slope < 0.0 and self._move(slope, clipped)
+        return None if slope < 0.0 and self._move(slope, clipped) else Status.STALLED
 
     def _fall_back(self) -> tuple[float, bool]:
         """Clip the preconditioned residual or, where that is uphill too, the residual alone, which never is."""
@@ -346,7 +366,7 @@ class AdhesiveDescent:
 
         self._map(update)
         self.tension, self._trial = self._trial, self.tension
-        if self.cautious:
+        if self._is_cautious:
             self._map(lambda tile: self._attract(self._inside(self.gap, tile), self.tension, tile))
         self._step = step
         self._change = change
@@ -417,7 +437,7 @@ class AdhesiveDescent:
             np.maximum(gap, 0.0, out=gap)
         trial = self._trial[tile.inner]
         trial[:] = tile.interaction.tension(gap)
-        if self.cautious:
+        if self._is_cautious:
             np.minimum(trial, self._limit_tension(tile, inside, part), out=trial)
         np.subtract(trial, self.tension[tile.inner], out=gap)
         return sum_of_products(gap, inside)

@@ -13,34 +13,25 @@ from roughcontact._parts.grid import Boundary
 from roughcontact._parts.interactions import BoundInteraction
 from roughcontact._solve.convolvers import PreparedConvolution
 from roughcontact._solve.solution import GridLevel, Status
-from roughcontact._solve.solution.attraction import AdhesiveConditions, AdhesiveViolation
-from roughcontact._solve.solvers.adhesive.descent import AdhesiveDescent
+from roughcontact._solve.solution.attraction import AdhesiveConditions
+from roughcontact._solve.solvers.adhesive.descent import AdhesiveDescent, Precision
 from roughcontact._solve.solvers.adhesive.gap_problem import gap_scale, hold_mean
 from roughcontact._solve.solvers.adhesive.nested_start import nested_start, start_from_task
 from roughcontact._solve.solvers.base import (
     DEFAULT_TOLERANCE,
-    IdleCount,
     Outcome,
     Solver,
     Task,
     iteration_limit,
-    judge_error,
     positive_tolerance,
-    record_error,
 )
 from roughcontact._solve.solvers.conjugate import ProjectedConjugateGradient
+from roughcontact._solve.solvers.driver import Log, Refinement, iterate
 
-# Error of the gap, over the scale, below which no step leaps to another state.
-_NEAR = 1e-2
 # Fraction of the tolerance at which a descent ends, so that its verification in float64 meets it.
 _MARGIN = 0.7
 # Error, over the scale, that a descent in float32 may reach.
 _SINGLE = 2e-6
-# Iterations of a descent that may pass without the error being halved.
-_IDLE = 400
-# ... and of one in float32 whose error has fallen below the second number: rounding keeps it from falling further.
-_IDLE_SINGLE = 15
-_ROUNDED = 1e-3
 # Iterations in a row without a contact, pulled apart by the load, after which the surfaces count as separated.
 _APART = 6
 # Peak memory of a solve in float64 arrays of the grid, by the number of free axes: measured at 1024 x 1024 cells
@@ -96,24 +87,37 @@ class GapDescent(Solver):
         """Return the pressure and the tension; see `Solver.solve`."""
         if task.interaction is None:
             return ProjectedConjugateGradient(self.tolerance).solve(convolution, task)
-        return _Run(self, convolution, task, task.interaction).solve()
+        return _GapRefinement(self, convolution, task, task.interaction).solve()
 
 
-class _Run:
-    """One solve on the finest grid."""
+class _Descent(AdhesiveDescent):
+    """A descent that ends where the surfaces come apart."""
+
+    _apart = 0
+
+    def step(self) -> Status | None:
+        """Make one step; see `Method.step`."""
+        status = super().step()
+        self._apart = self._apart + 1 if self.is_apart() else 0
+        return Status.SEPARATED if self._apart >= _APART else status
+
+
+class _GapRefinement(Refinement):
+    """One solve on the finest grid: descents until the conditions hold, or none lowers their violation further."""
+
+    goal_fraction = _MARGIN
 
     def __init__(
         self, parts: GapDescent, convolution: PreparedConvolution, task: Task, interaction: BoundInteraction
     ) -> None:
         given = task.start is not None or task.start_gap is not None
-        guess = start_from_task(convolution, task) if given else nested_start(convolution, task)
-        self._guess = guess
-        self._problem = guess.problem
+        self._guess = start_from_task(convolution, task) if given else nested_start(convolution, task)
+        self._problem = self._guess.problem
         self._convolution = convolution
         self._task = task
         self._interaction = interaction
-        self._tolerance = parts.tolerance
-        self._left = parts.max_iterations
+        self._log = Log(task.initial_gap.shape, parts.max_iterations, task.on_step)
+        self.target = parts.tolerance
         self._conditions = AdhesiveConditions(
             initial_gap=task.initial_gap,
             interaction=interaction,
@@ -121,40 +125,54 @@ class _Run:
             approach=task.approach,
             rms=task.rms_gap,
         )
-        self._errors: list[float] = []
+        self._gap = self._guess.gap
+        self._goal = math.inf
         self._products = 0.0
         self._verifications = 0
-        self._apart = 0
+        self._begin(np.float32)
 
     def solve(self) -> Outcome:
-        """Descend and verify until the conditions hold, or no descent lowers their violation further."""
-        gap = self._guess.gap
-        descent = self._begin(gap, np.float32)
-        goal = _MARGIN * self._tolerance
-        idles = IdleCount()
-        while True:
-            if goal < _SINGLE and descent.dtype is np.float32:
-                self._products += descent.products
-                descent = self._begin(gap, np.float64)
-            status = self._descend(descent, gap, goal)
-            if status is not None:
-                return self._outcome(gap, descent, status)
-            gap = hold_mean(self._problem, self._task, descent.gap.astype(np.float64))
-            outcome = self._outcome(gap, descent, Status.CONVERGED)
-            violation = self._verify(outcome)
-            status = judge_error(violation.error, violation.floor, self._tolerance)
-            is_idle = idles.add(violation.error) > 0
-            if status is None and is_idle and descent.dtype is np.float64:
-                status = Status.STALLED
-            if status is not None:
-                return attrs.evolve(outcome, status=status)
-            goal = 0.0 if is_idle else goal * min(0.5, _MARGIN * self._tolerance / violation.error)
-            descent.set_state(gap, self._pressure_of(gap))
+        """Return the outcome."""
+        status = iterate(self, self._log, self.target, math.inf)
+        return attrs.evolve(self._found, status=status)
 
-    def _begin(self, gap: Array, dtype: type) -> AdhesiveDescent:
-        descent = AdhesiveDescent(self._problem, dtype)
-        descent.start(gap)
-        return descent
+    def measure(self) -> float:
+        """Return the violation of the conditions, from pressure and tension alone."""
+        self._gap = hold_mean(self._problem, self._task, self._descent.gap.astype(np.float64))
+        self._found = found = self._outcome(Status.CONVERGED)
+        self._verifications += 1
+        convolution = self._convolution
+        displacement = convolution.to_numpy(convolution.apply(convolution.from_numpy(found.pressure)))
+        assert found.tension is not None
+        violation = self._conditions.measure(found.pressure, found.tension, displacement)
+        self.floor = violation.floor
+        return violation.error
+
+    def step(self) -> Status | None:
+        """Make one descent, to a goal that falls by the ratio of both errors and at least by half."""
+        goal = self.goal_fraction * self.target
+        if self._goal < math.inf:
+            goal = 0.0 if self.idle else self._goal * min(0.5, goal / self.error)
+            self._descent.set_state(self._gap, self._pressure_of(self._gap))
+        self._goal = goal
+        return self.descend(goal)
+
+    def descend(self, goal: float) -> Status | None:
+        """Lower the estimated error, in float64 where float32 does not reach the goal."""
+        if goal < _SINGLE and self._descent.dtype is np.float32:
+            self._products += self._descent.products
+            self._begin(np.float64)
+            self.patience = 1
+        self._descent.scale = gap_scale(self._task, self._gap, self._problem)
+        status = iterate(self._descent, self._log, goal)
+        if status.success or status is Status.STALLED:
+            return None
+        self._found = self._outcome(status)
+        return status
+
+    def _begin(self, dtype: Precision) -> None:
+        self._descent = _Descent(self._problem, dtype)
+        self._descent.start(self._gap)
 
     def _pressure_of(self, gap: Array) -> Array:
         """Return the pressure of a gap in float64."""
@@ -166,60 +184,20 @@ class _Run:
         pressure += problem.base + problem.mean_stiffness * float(displacement.mean())
         return pressure
 
-    def _verify(self, outcome: Outcome) -> AdhesiveViolation:
-        """Return the violation of the conditions by an outcome, from its pressure and tension alone."""
-        self._verifications += 1
-        convolution = self._convolution
-        displacement = convolution.to_numpy(convolution.apply(convolution.from_numpy(outcome.pressure)))
-        assert outcome.tension is not None
-        violation = self._conditions.measure(outcome.pressure, outcome.tension, displacement)
-        record_error(self._task, self._errors, violation.error)
-        return violation
-
-    def _descend(self, descent: AdhesiveDescent, gap: Array, goal: float) -> Status | None:
-        """Iterate until the error is below a goal, or cannot be lowered: None, or how the solve ended."""
-        scale = gap_scale(self._task, gap, self._problem)
-        idles = IdleCount()
-        while True:
-            error = descent.measure() / scale
-            record_error(self._task, self._errors, error)
-            if not math.isfinite(error):
-                return Status.NOT_FINITE
-            if error <= goal:
-                return None
-            if self._left == 0:
-                return Status.MAXIMUM_ITERATIONS
-            self._left -= 1
-            descent.cautious = error > _NEAR
-            idle = idles.add(error)
-            rounded = descent.dtype is np.float32 and idles.lowest < _ROUNDED
-            if idle > (_IDLE_SINGLE if rounded else _IDLE) or not descent.advance():
-                return None
-            self._apart = self._apart + 1 if descent.is_apart() else 0
-            if self._apart >= _APART and self._task.mean_pressure is not None:
-                return Status.SEPARATED
-
-    def _outcome(self, gap: Array, descent: AdhesiveDescent, status: Status) -> Outcome:
-        """Return the outcome of a gap and the pressure of the descent: open cells are left to the tension."""
-        inside = self._problem.stiffness.inner(gap)
+    def _outcome(self, status: Status) -> Outcome:
+        """Return the outcome of the gap and the pressure of the descent: open cells are left to the tension."""
+        inside = self._problem.stiffness.inner(self._gap)
         tension = self._interaction.tension(np.maximum(inside, 0.0))
-        pressure = self._problem.stiffness.inner(descent.pressure).astype(np.float64)
-        pressure -= descent.multiplier
+        pressure = self._problem.stiffness.inner(self._descent.pressure).astype(np.float64)
+        pressure -= self._descent.multiplier
         pressure = self._bound(pressure, tension, inside)
         if status is Status.SEPARATED:
             pressure = np.zeros_like(pressure)
             tension = np.zeros_like(tension)
-        work = self._products + descent.products
-        level = GridLevel(inside.shape, len(self._errors), self._verifications, 0, round(work))
-        return Outcome(
-            pressure=pressure,
-            tension=tension,
-            status=status,
-            iterations=max(len(self._errors) - 1, 0),
-            convolutions=round(self._guess.products + work + self._verifications),
-            errors=tuple(self._errors),
-            levels=(*self._guess.levels, level),
-        )
+        work = self._products + self._descent.products
+        level = GridLevel(inside.shape, len(self._log.errors), self._verifications, 0, round(work))
+        convolutions = round(self._guess.products + work + self._verifications)
+        return self._log.outcome(pressure, status, convolutions, (*self._guess.levels, level), tension)
 
     def _bound(self, pressure: Array, tension: Array, gap: Array) -> Array:
         """Return the pressure of the load: minus the tension on open cells, at most the limit on the others."""

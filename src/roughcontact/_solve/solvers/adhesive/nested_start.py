@@ -17,6 +17,7 @@ from roughcontact._solve.solvers.adhesive.stiffness import SurfaceStiffness, sur
 from roughcontact._solve.solvers.base import Task
 from roughcontact._solve.solvers.conjugate import ProjectedConjugateGradient
 from roughcontact._solve.solvers.conjugate.nested_iteration import coarsen, interpolate, repeat_cells
+from roughcontact._solve.solvers.driver import Log, iterate
 
 # Error of the contact without adhesion at which a descent starts from it.
 _ROUGHLY = 1e-2
@@ -146,12 +147,11 @@ def _descend(guess: GapGuess, task: Task) -> GapGuess:
         problem = attrs.evolve(problem, interaction=problem.interaction.stretched(stretch).weakened(_WEAKENED))
     descent = AdhesiveDescent(problem, np.float32)
     descent.start(guess.gap)
-    goal = _TOLERANCE * gap_scale(task, guess.gap, problem)
-    count = 0
-    while descent.measure() > goal and count < _ITERATIONS and descent.advance():
-        count += 1
+    descent.scale = gap_scale(task, guess.gap, problem)
+    log = Log(task.initial_gap.shape, _ITERATIONS)
+    iterate(descent, log, _TOLERANCE)
     gap = hold_mean(problem, task, descent.gap.astype(np.float64))
-    level = GridLevel(task.initial_gap.shape, count, 0, 0, descent.products)
+    level = GridLevel(task.initial_gap.shape, len(log.errors) - 1, 0, 0, descent.products)
     return attrs.evolve(guess, gap=gap, products=guess.products + descent.products, levels=(*guess.levels, level))
 
 

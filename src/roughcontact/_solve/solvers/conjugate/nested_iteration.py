@@ -13,8 +13,9 @@ from roughcontact._base.machine import map_tiles, tiles_of
 from roughcontact._parts.grid import Boundary, Grid, grid_shape
 from roughcontact._solve.convolvers import PreparedConvolution
 from roughcontact._solve.solution import GridLevel
-from roughcontact._solve.solvers.base import Monitor, Outcome, Step, Task, starting_pressure
-from roughcontact._solve.solvers.conjugate.refinement import NearlyFull, Refinement
+from roughcontact._solve.solvers.base import Outcome, Step, Task, starting_pressure
+from roughcontact._solve.solvers.conjugate.refinement import NearlyFull, PressureRefinement
+from roughcontact._solve.solvers.driver import Monitor
 from roughcontact.errors.door import guarded
 
 Values = TypeVar("Values", RealArray, Mask)
@@ -77,7 +78,7 @@ def nested_iteration(convolution: PreparedConvolution, task: Task) -> InitialGue
     gap = np.zeros(guess.pressure.shape, dtype=np.float32, like=guess.pressure)
     if not guess.closed:
         monitor = Monitor(coarse_task, _COARSE_TOLERANCE, _COARSE_ITERATIONS)
-        refinement = Refinement(coarse, coarse_task, monitor, guess.nearly_full)
+        refinement = PressureRefinement(coarse, coarse_task, monitor, guess.nearly_full)
         pressure, gap = refinement.approximate(guess.pressure)
         guess = attrs.evolve(
             guess,
@@ -205,7 +206,9 @@ def estimate_approach(convolution: PreparedConvolution, task: Task) -> tuple[flo
         half = coarser
     coarse = convolution.on(half[0])
     coarse_task = half[1]
-    refinement = Refinement(coarse, coarse_task, Monitor(coarse_task, _ESTIMATE_TOLERANCE, _ESTIMATE_ITERATIONS))
+    refinement = PressureRefinement(
+        coarse, coarse_task, Monitor(coarse_task, _ESTIMATE_TOLERANCE, _ESTIMATE_ITERATIONS)
+    )
     _, violation, _ = refinement.run(_guess_without_grids(coarse, coarse_task).pressure)
     return violation.approach, refinement.met_limit
 

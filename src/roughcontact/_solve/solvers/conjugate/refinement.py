@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import cached_property
 
 import attrs
@@ -10,10 +11,11 @@ import numpy as np
 from roughcontact._base.arrays import Array, RealArray, sum_of_products
 from roughcontact._solve.convolvers import InverseConvolution, PreparedConvolution
 from roughcontact._solve.solution import GridLevel, Status, Violation
-from roughcontact._solve.solvers.base import IdleCount, Monitor, Task
+from roughcontact._solve.solvers.base import Task
 from roughcontact._solve.solvers.conjugate.active import ActiveCells
 from roughcontact._solve.solvers.conjugate.descent import Descent
 from roughcontact._solve.solvers.conjugate.preconditioner import Preconditioner, PunchWeights, multiply_active
+from roughcontact._solve.solvers.driver import Log, Method, Monitor, Refinement, finite_error, iterate
 from roughcontact._solve.solvers.projection import ApproachControl, Control, LoadControl, total
 
 # Support stiffness for waves longer than the openings, over the mean of a punch of their shape.
@@ -57,7 +59,38 @@ class NearlyFull:
         return bool(self.closing.min() >= 0.0 and not (self.closing > limit).any())
 
 
-class Openings:
+class Estimates(Method):
+    """A descent in float32, until its estimated error is worth a verification.
+
+    Parameters
+    ----------
+    descent
+        The descent, started.
+    scale
+        Scale of its error.
+    start
+        Verified error of its start, for a descent that ends where rounding slows it down; None: it does not.
+    """
+
+    def __init__(self, descent: Descent, scale: float, start: float | None = None) -> None:
+        self._descent = descent
+        self._scale = scale
+        self._late = 0.0 if start is None else _LATE_ERROR_FRACTION * start
+        self._slow = 0
+        self.patience = math.inf if start is None else _MAX_IDLE_ITERATIONS
+
+    def step(self) -> Status | None:
+        """Make one step of the descent; see `Method.step`."""
+        return None if self._slow < _MAX_SLOW_ITERATIONS and self._descent.iterate() else Status.STALLED
+
+    def measure(self) -> float:
+        """Return the estimated error."""
+        error = self._descent.error() / self._scale
+        self._slow = self._slow + 1 if error < self._late and error > _SLOW_ERROR_RATIO * self.error else 0
+        return error
+
+
+class Openings(Refinement):
     r"""Finds the gap g of the cells that open, and from it the pressure.
 
     With the pressure :math:`p_0` of full contact and the inverse kernel M, the pressure is
@@ -69,9 +102,11 @@ class Openings:
     ----------
     gap
         The gap, shape (nx, ny).
-    error
-        Error of the last pressure, over its maximum.
     """
+
+    patience = 1
+    goal_fraction = 1.0
+    gain = _FLOAT32_GAIN
 
     def __init__(self, start: NearlyFull, monitor: Monitor) -> None:
         self._inverse = start.inverse
@@ -84,7 +119,6 @@ class Openings:
         self._single = single
         self._preconditioner = OpeningPreconditioner(single, shape)
         self._descent = Descent(single, shape, self._preconditioner, ApproachControl(), np.array([np.inf]))
-        self.error = np.inf
         self._products = 0
 
     @property
@@ -106,18 +140,24 @@ class Openings:
 
     def solve(self, goal: float) -> Array:
         """Return the pressure, with an error below the goal if possible."""
-        previous = np.inf
-        while True:
-            self._products += 1
-            pressure = self._inverse.apply(self.gap)
-            pressure += self._closing
-            self.error = self._measure(pressure)
-            if self.error <= goal or self.error > 0.5 * previous or not self._monitor.has_iterations_left:
-                return self._bound(pressure)
-            previous = self.error
-            peak = self._start(pressure)
-            del pressure
-            self._descend(peak, max(goal, _FLOAT32_GAIN * self.error))
+        self.target = goal
+        iterate(self, Log(self.gap.shape), goal)
+        pressure = self._pressure
+        del self._pressure
+        return self._bound(pressure)
+
+    def measure(self) -> float:
+        """Return the error of the pressure that follows from the gap, in float64."""
+        self._products += 1
+        self._pressure = self._inverse.apply(self.gap)
+        self._pressure += self._closing
+        return self._measure(self._pressure)
+
+    def descend(self, goal: float) -> None:
+        """Lower the error of the gap in float32."""
+        peak = self._start(self._pressure)
+        del self._pressure
+        self._descend(peak, goal)
 
     def _start(self, pressure: Array) -> float:
         """Start a descent in float32 from a pressure, which is then not needed any more; return its maximum."""
@@ -126,11 +166,7 @@ class Openings:
 
     def _descend(self, peak: float, goal: float) -> RealArray:
         """Lower the error of the gap to a goal, as far as float32 allows; return the pressure."""
-        while self._monitor.has_iterations_left and self._descent.iterate():
-            error = self._descent.error() / peak
-            self._monitor.record(error)
-            if error <= goal:
-                break
+        iterate(Estimates(self._descent, peak), self._monitor, goal, math.inf)
         return self._descent.stop().reshape(self.gap.shape)
 
     def _measure(self, pressure: Array) -> float:
@@ -178,12 +214,17 @@ class OpeningPreconditioner:
         return multiply_active(active, residual, self._inverse, symbol, self._shape)
 
 
-class Refinement:
+class PressureRefinement(Refinement):
     """Solves one task on one grid from a start.
 
     The gap of the pressure is computed in float64, and its increments in float32: they shrink with
     the error, so that float32 is enough. Only the float64 gap, which the monitor judges, decides.
     """
+
+    patience = _MAX_IDLE_VERIFICATIONS + 1
+    verifies = True
+    goal_fraction = _GOAL_FRACTION
+    gain = _FLOAT32_GAIN
 
     def __init__(
         self, convolution: PreparedConvolution, task: Task, monitor: Monitor, nearly_full: NearlyFull | None = None
@@ -191,6 +232,7 @@ class Refinement:
         self._convolution = convolution
         self._task = task
         self._monitor = monitor
+        self.target = monitor.tolerance
         self._limit = task.pressure_limit.ravel()
         mean = task.mean_pressure
         self._control: Control = ApproachControl() if mean is None else LoadControl(mean * task.initial_gap.size)
@@ -259,39 +301,37 @@ class Refinement:
 
     def run(self, pressure: Array) -> tuple[Array, Violation, Status]:
         """Return the solution from a start, shape (nx, ny), changed in place, its violation and how the solve ended."""
-        shape = pressure.shape
-        flat = pressure.reshape(-1)
+        self._pressure = pressure.reshape(-1)
         del pressure
-        idles = IdleCount()
-        goal = _GOAL_FRACTION * self._monitor.tolerance
-        while True:
-            if self._openings is not None:
-                # The pressure follows from the gap; the former one takes memory.
-                del flat
-                flat = self._openings.solve(goal).reshape(-1)
-            flat = self._restore(flat)
-            displacement = self._convolution.apply(flat.reshape(shape))
-            self._verifications += 1
-            if self._monitor.errors:
-                # The verified error replaces the estimate.
-                self._monitor.errors.pop()
-            violation, status = self._monitor.judge(flat.reshape(shape), displacement)
-            if status is None:
-                idle = idles.add(violation.error)
-                if idle > _MAX_IDLE_VERIFICATIONS:
-                    status = Status.STALLED
-            if status is not None:
-                return flat.reshape(shape), violation, status
-            if self._openings is not None and idle == 0:
-                goal = _GOAL_FRACTION * self._openings.error * self._monitor.tolerance / violation.error
-                continue
-            self._leave_openings()
-            gap = self._find_gap(displacement, violation)
-            del displacement
-            self._descend(
-                flat, gap, violation, max(_GOAL_FRACTION * self._monitor.tolerance, _FLOAT32_GAIN * violation.error)
-            )
-            del gap
+        self._goal = _GOAL_FRACTION * self._monitor.tolerance
+        status = iterate(self, self._monitor, self._monitor.tolerance)
+        return self._pressure.reshape(self._task.initial_gap.shape), self._violation, status
+
+    def measure(self) -> float:
+        """Return the error of the pressure, in float64."""
+        if self._openings is not None:
+            # The pressure follows from the gap; the former one takes memory.
+            del self._pressure
+            self._pressure = self._openings.solve(self._goal).reshape(-1)
+        self._pressure = self._restore(self._pressure)
+        pressure = self._pressure.reshape(self._task.initial_gap.shape)
+        self._displacement = self._convolution.apply(pressure)
+        self._verifications += 1
+        self._violation = violation = self._monitor.measure(pressure, self._displacement)
+        self.floor = violation.floor
+        return finite_error(violation)
+
+    def descend(self, goal: float) -> None:
+        """Lower the error in float32, near full contact of the gap as long as that halves it."""
+        displacement = self._displacement
+        del self._displacement
+        if self._openings is not None and self.idle == 0:
+            self._goal = _GOAL_FRACTION * self._openings.error * self.target / self.error
+            return
+        self._leave_openings()
+        gap = self._find_gap(displacement, self._violation)
+        del displacement
+        self._descend(self._pressure, gap, self._violation, goal)
 
     def _restore(self, pressure: Array) -> Array:
         """Return a flat pressure, changed in place, with the load of the task."""
@@ -316,16 +356,5 @@ class Refinement:
         """Iterate until the estimated error is worth a verification; return the gap."""
         self._started = True
         self._descent.start(pressure, gap)
-        error = violation.error
-        slow = 0
-        idles = IdleCount(violation.error)
-        while self._monitor.has_iterations_left and self._descent.iterate():
-            previous = error
-            error = self._descent.error() / violation.scale
-            self._monitor.record(error)
-            late = error < _LATE_ERROR_FRACTION * violation.error
-            slow = slow + 1 if late and error > _SLOW_ERROR_RATIO * previous else 0
-            idle = idles.add(error)
-            if error <= goal or slow >= _MAX_SLOW_ITERATIONS or idle >= _MAX_IDLE_ITERATIONS:
-                break
+        iterate(Estimates(self._descent, violation.scale, violation.error), self._monitor, goal, violation.error)
         return self._descent.stop()

@@ -14,7 +14,6 @@ from roughcontact._solve.convolvers import PreparedConvolution
 from roughcontact._solve.solution import Status
 from roughcontact._solve.solvers.base import (
     DEFAULT_TOLERANCE,
-    Monitor,
     Outcome,
     Solver,
     Task,
@@ -27,7 +26,8 @@ from roughcontact._solve.solvers.conjugate.nested_iteration import (
     solve_in_window,
     start_from,
 )
-from roughcontact._solve.solvers.conjugate.refinement import Refinement
+from roughcontact._solve.solvers.conjugate.refinement import PressureRefinement
+from roughcontact._solve.solvers.driver import Monitor
 from roughcontact._solve.solvers.spectral_gradient import SpectralGradient
 
 # Maximum iterations for a given approach before a search over loads, if that is possible: 40 and 160 change the
@@ -121,7 +121,7 @@ class ProjectedConjugateGradient(Solver):
         searchable = _can_search_loads(convolution, task)
         patience = min(self.max_iterations, _MAX_APPROACH_ITERATIONS) if searchable else self.max_iterations
         monitor = Monitor(task, self.tolerance, patience)
-        refinement = Refinement(convolution, task, monitor, start.nearly_full)
+        refinement = PressureRefinement(convolution, task, monitor, start.nearly_full)
         start = attrs.evolve(start, nearly_full=None)
         # Far from the solution an approximate gap is enough. What is only an argument can be freed by who gets it.
         improves = bool(start.levels) and not start.closed

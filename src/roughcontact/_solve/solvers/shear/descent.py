@@ -8,7 +8,7 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array, Mask, RealArray, sum_of_products
-from roughcontact._solve.solvers.base import IdleCount
+from roughcontact._solve.solution import Status
 from roughcontact._solve.solvers.conjugate.descent import (
     CAREFUL_LENGTH,
     FIRST_LENGTH,
@@ -17,6 +17,7 @@ from roughcontact._solve.solvers.conjugate.descent import (
     SHORTENED_STEP_PART,
     choose_part,
 )
+from roughcontact._solve.solvers.driver import Log, Method, iterate
 from roughcontact._solve.solvers.shear.base import ShearSystem, Verified
 from roughcontact._solve.solvers.shear.discs import MIN_SIZE, dot, magnitude
 from roughcontact._solve.solvers.shear.face import Face
@@ -47,7 +48,7 @@ class _Taken:
     curvature: float
 
 
-class ShearDescent:
+class ShearDescent(Method):
     """Lowers the energy by preconditioned conjugate gradients on the faces of the discs.
 
     The step length is guessed, the step projected on the discs with the force restored, its displacement computed, and
@@ -56,13 +57,14 @@ class ShearDescent:
     the kernel and one with its inverse, and a further one only while many cells move around their circles.
     """
 
+    patience = _MAX_IDLE_ITERATIONS
+
     def __init__(self, system: ShearSystem) -> None:
         self._system = system
         self._punch = PunchWeights(system)
         self._length = FIRST_LENGTH
-        self.iterations = 0
 
-    def run(self, start: Verified, goal: float, max_iterations: int) -> Array:
+    def run(self, start: Verified, goal: float, log: Log) -> Array:
         """Return a shear whose residual is estimated to reach a goal, or is as low as float32 allows."""
         self._shear = start.shear
         # The slip is that of the shear less what lags behind.
@@ -71,19 +73,12 @@ class ShearDescent:
         self._last: _Taken | None = None
         self._error = _FORCE_ERROR * goal
         self._length = max(self._length, CAREFUL_LENGTH)
-        idles = IdleCount()
-        while self.iterations < max_iterations:
-            self.iterations += 1
-            if not self._iterate():
-                break
-            residual = self._estimate()
-            if residual <= goal or idles.add(residual) == _MAX_IDLE_ITERATIONS:
-                break
+        iterate(self, log, goal, math.inf)
         on_circle = self._system.find_on_circle(self._shear)
         return self._system.control.project(self._shear, self._system.limit, circle=on_circle)[0]
 
-    def _estimate(self) -> float:
-        """Return the residual; the displacement of the bodies is chosen anew."""
+    def measure(self) -> float:
+        """Return the estimated residual; the displacement of the bodies is chosen anew."""
         system = self._system
         trial = self._local_slip()
         trial /= system.own
@@ -98,8 +93,9 @@ class ShearDescent:
         """Return the slip with the effect of what lags on its own cells."""
         return self._slip - np.float32(self._system.own) * self._lag
 
-    def _iterate(self) -> bool:
-        """Make one step; return whether there is one that lowers the energy."""
+    def step(self) -> Status | None:
+        """Make one step that lowers the energy, if there is one."""
+        self._system.iterations += 1
         slip = self._local_slip()
         face = Face.find(self._system, self._punch, self._shear, slip)
         residual = face.find_residual(slip)
@@ -107,11 +103,11 @@ class ShearDescent:
         direction = self._conjugate(face, residual, preconditioned)
         for _ in range(_MAX_BACKTRACKS):
             if self._move(face, residual, direction):
-                return True
+                return None
             if direction is preconditioned:
                 self._length *= CAREFUL_LENGTH
             direction = preconditioned
-        return False
+        return Status.STALLED
 
     def _conjugate(self, face: Face, residual: RealArray, preconditioned: RealArray) -> RealArray:
         """Return the direction that is conjugate to the last step, or the preconditioned residual."""
