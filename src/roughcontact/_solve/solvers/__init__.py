@@ -18,13 +18,14 @@ from roughcontact._solve.solvers.conjugate.active import MaskedCells as MaskedCe
 from roughcontact._solve.solvers.conjugate.active import active_cells as active_cells
 from roughcontact._solve.solvers.conjugate.nested_iteration import GridSolution as GridSolution
 from roughcontact._solve.solvers.conjugate.nested_iteration import estimate_approach as estimate_approach
-from roughcontact._solve.solvers.conjugate.nested_iteration import halve_shape as halve_shape
 from roughcontact._solve.solvers.conjugate.nested_iteration import solve_in_window as solve_in_window
 from roughcontact._solve.solvers.conjugate.preconditioner import LONG_WAVE_CUT as LONG_WAVE_CUT
 from roughcontact._solve.solvers.conjugate.preconditioner import MAX_CUT_EXPONENT as MAX_CUT_EXPONENT
 from roughcontact._solve.solvers.conjugate.preconditioner import Preconditioner as Preconditioner
 from roughcontact._solve.solvers.conjugate.preconditioner import count_blocks as count_blocks
 from roughcontact._solve.solvers.driver import Monitor as Monitor
+from roughcontact._solve.solvers.driver import Work as Work
+from roughcontact._solve.solvers.grids import halve_shape as halve_shape
 from roughcontact._solve.solvers.polonsky_keer import PolonskyKeer as PolonskyKeer
 from roughcontact._solve.solvers.projection import dot as dot
 from roughcontact._solve.solvers.projection import project_to_load as project_to_load

@@ -12,15 +12,20 @@ import math
 from collections.abc import Callable
 from typing import ClassVar
 
-from roughcontact._base.arrays import Array
+import attrs
+import numpy as np
+
+from roughcontact._base.arrays import Array, RealArray
+from roughcontact._solve.convolvers import InverseConvolution, PreparedConvolution
 from roughcontact._solve.solution import ContactConditions, GridLevel, Status, Violation
 from roughcontact._solve.solvers.base import Outcome, Step, Task
 
 
+@attrs.define(eq=False)
 class Log:
     """The errors of a solve, each reported as it is found, and whether iterations are left.
 
-    Parameters
+    Attributes
     ----------
     shape
         Cells of the grid.
@@ -28,50 +33,65 @@ class Log:
         Iterations after which the solve is given up.
     on_step
         Called with each error.
+    errors
+        The errors so far.
     """
 
-    def __init__(
-        self,
-        shape: tuple[int, int],
-        max_iterations: float = math.inf,
-        on_step: Callable[[Step], None] | None = None,
-    ) -> None:
-        self._shape = shape
-        self._max_iterations = max_iterations
-        self._on_step = on_step
-        self.errors: list[float] = []
+    shape: tuple[int, int]
+    max_iterations: float = math.inf
+    on_step: Callable[[Step], None] | None = None
+    errors: list[float] = attrs.Factory(list)
 
     def record(self, error: float, *, replaces: bool = False) -> None:
         """Record and report an error; it may replace the last one, which was an estimate."""
         if replaces and self.errors:
             self.errors.pop()
         self.errors.append(error)
-        if self._on_step is not None:
-            self._on_step(Step(self._shape, len(self.errors) - 1, error))
+        if self.on_step is not None:
+            self.on_step(Step(self.shape, len(self.errors) - 1, error))
 
     @property
     def spent(self) -> Status | None:
         """The status of a solve without iterations left; None while there are some."""
-        return None if len(self.errors) <= self._max_iterations else Status.MAXIMUM_ITERATIONS
+        return None if len(self.errors) <= self.max_iterations else Status.MAXIMUM_ITERATIONS
 
-    def outcome(
-        self,
-        pressure: Array,
-        status: Status,
-        convolutions: int,
-        levels: tuple[GridLevel, ...] = (),
-        tension: Array | None = None,
-    ) -> Outcome:
-        """Return the outcome of the solve, with the recorded errors."""
+    def outcome(self, pressure: Array, status: Status, work: float, levels: tuple[GridLevel, ...] = ()) -> Outcome:
+        """Return the outcome of the solve, with the recorded errors, from its work in convolutions."""
         return Outcome(
             pressure=pressure,
             status=status,
             iterations=max(len(self.errors) - 1, 0),
-            convolutions=convolutions,
+            convolutions=round(work),
             errors=tuple(self.errors),
             levels=levels,
-            tension=tension,
         )
+
+
+@attrs.define(eq=False)
+class Work:
+    """The products of a solve on one grid, counted where they are made; see `GridLevel`."""
+
+    double: int = 0
+    single: int = 0
+    inverse: float = 0.0
+
+    def convolve(self, convolution: PreparedConvolution, pressure: RealArray) -> RealArray:
+        """Return the displacement by a pressure."""
+        if pressure.dtype == np.float32:
+            self.single += 1
+        else:
+            self.double += 1
+        return convolution.apply(pressure)
+
+    def invert(self, inverse: InverseConvolution, displacement: RealArray) -> RealArray:
+        """Return the pressure of a displacement."""
+        self.inverse += 1
+        return inverse.apply(displacement)
+
+    def level(self, log: Log) -> GridLevel:
+        """Return the work, with the iterations of a log."""
+        iterations = max(len(log.errors) - 1, 0)
+        return GridLevel(log.shape, iterations, self.double, self.single, math.ceil(self.inverse))
 
 
 class Monitor(Log):
@@ -100,12 +120,12 @@ class Monitor(Log):
         """Return the violation by an iterate, and the status: None while the solver should continue."""
         violation = self.measure(pressure, displacement)
         self.record(violation.error)
-        return violation, judge_error(finite_error(violation), violation.floor, self.tolerance) or self.spent
+        return violation, judge_error(*judged(violation), self.tolerance) or self.spent
 
 
-def finite_error(violation: Violation) -> float:
-    """Return the error of a violation, which is no number where the approach is none."""
-    return violation.error if math.isfinite(violation.approach) else math.nan
+def judged(violation: Violation) -> tuple[float, float]:
+    """Return the error of a violation, which is no number where the approach is none, and its floor."""
+    return violation.error if math.isfinite(violation.approach) else math.nan, violation.floor
 
 
 def judge_error(error: float, floor: float, tolerance: float) -> Status | None:
@@ -122,8 +142,6 @@ class Method(abc.ABC):
 
     Attributes
     ----------
-    floor
-        The error by rounding.
     patience
         Errors in a row that are not below half of the lowest one before them at which it has stalled.
     verifies
@@ -132,7 +150,6 @@ class Method(abc.ABC):
         The last error, and the number of such errors in a row, which the driver sets.
     """
 
-    floor: float = 0.0
     patience: float = math.inf
     verifies: bool = False
     error: float = math.inf
@@ -143,8 +160,8 @@ class Method(abc.ABC):
         """Make one step; return how the solve ends where there is none."""
 
     @abc.abstractmethod
-    def measure(self) -> float:
-        """Return the error of the iterate."""
+    def measure(self) -> tuple[float, float]:
+        """Return the error of the iterate, and the error by rounding."""
 
 
 def iterate(method: Method, log: Log, goal: float, start: float | None = None) -> Status:
@@ -165,12 +182,13 @@ def iterate(method: Method, log: Log, goal: float, start: float | None = None) -
     method.idle = 0
     status = None if start is None else log.spent or method.step()
     while status is None:
-        method.error = error = method.measure()
+        error, floor = method.measure()
+        method.error = error
         log.record(error, replaces=method.verifies)
         method.idle = 0 if error < 0.5 * lowest else method.idle + 1
         lowest = min(lowest, error)
         stalled = Status.STALLED if method.idle >= method.patience else None
-        status = judge_error(error, method.floor, goal) or log.spent or stalled or method.step()
+        status = judge_error(error, floor, goal) or log.spent or stalled or method.step()
     return status
 
 

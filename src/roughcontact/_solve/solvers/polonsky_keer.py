@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import attrs
 import numpy as np
 
@@ -17,7 +19,7 @@ from roughcontact._solve.solvers.base import (
     positive_tolerance,
     starting_pressure,
 )
-from roughcontact._solve.solvers.driver import Method, Monitor, finite_error, iterate
+from roughcontact._solve.solvers.driver import Method, Monitor, Work, iterate, judged
 from roughcontact.errors import InputError
 
 
@@ -76,7 +78,7 @@ class PolonskyKeer(Solver):
         load = (task.mean_pressure or 0.0) * task.initial_gap.size
         method = _Descent(convolution, task, load, monitor)
         status = iterate(method, monitor, self.tolerance)
-        return monitor.outcome(method.pressure, status, method.convolutions)
+        return monitor.outcome(method.pressure, status, method.work.double)
 
 
 class _Descent(Method):
@@ -87,6 +89,8 @@ class _Descent(Method):
     """
 
     def __init__(self, convolution: PreparedConvolution, task: Task, load: float, monitor: Monitor) -> None:
+        self.work = Work()
+        self._convolve = partial(self.work.convolve, convolution)
         self._convolution = convolution
         self._task = task
         self._load = load
@@ -94,20 +98,15 @@ class _Descent(Method):
         self._direction: Array | None = None
         self._square = 1.0
         self.pressure = starting_pressure(task)
-        self.convolutions = 0
 
-    def measure(self) -> float:
-        """Return the error of the pressure."""
-        displacement = self._convolution.apply(self.pressure)
-        self.convolutions += 1
-        violation = self._monitor.measure(self.pressure, displacement)
-        self.floor = violation.floor
+    def measure(self) -> tuple[float, float]:
+        """Return the error of the pressure, and that by rounding."""
+        displacement = self._convolve(self.pressure)
         self._gap = displacement + self._task.initial_gap
-        return finite_error(violation)
+        return judged(self._monitor.measure(self.pressure, displacement))
 
     def step(self) -> Status | None:
         """Make one step, or begin anew without the start."""
-        self.convolutions += 1
         if self._advance():
             return None
         if self._task.start is None:
@@ -126,7 +125,7 @@ class _Descent(Method):
         square = convolution.dot(residual, residual)
         if self._direction is not None:
             direction = residual + np.where(contact, square / self._square * self._direction, 0.0)
-        curvature = convolution.dot(_subtract_mean(convolution.apply(direction), contact, convolution), direction)
+        curvature = convolution.dot(_subtract_mean(self._convolve(direction), contact, convolution), direction)
         if not curvature > 0.0:
             return False
         length = convolution.dot(gap, direction) / curvature

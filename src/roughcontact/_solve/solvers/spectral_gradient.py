@@ -6,6 +6,7 @@ import abc
 import math
 from collections import deque
 from collections.abc import Callable
+from functools import partial
 
 import attrs
 import numpy as np
@@ -23,7 +24,7 @@ from roughcontact._solve.solvers.base import (
     positive_tolerance,
     starting_pressure,
 )
-from roughcontact._solve.solvers.driver import Method, Monitor, finite_error, iterate, judge_error
+from roughcontact._solve.solvers.driver import Method, Monitor, Work, iterate, judge_error, judged
 
 # A step may raise the energy up to the maximum of the last 10, less 1e-4 of the predicted decrease: values of Birgin,
 # Martinez and Raydan (2000).
@@ -71,11 +72,18 @@ class SpectralGradient(Solver):
         monitor = Monitor(task, self.tolerance, self.max_iterations)
         method = _PressureGradients(convolution, task, monitor)
         status = iterate(method, monitor, self.tolerance)
-        return monitor.outcome(method.point, status, method.convolutions)
+        return monitor.outcome(method.point, status, method.work.double)
 
 
 class ProjectedGradients(Method):
     """Projected gradients with Barzilai and Borwein's step and a nonmonotone line search, for any quadratic energy.
+
+    Parameters
+    ----------
+    project
+        Returns the admissible point nearest to any other one.
+    dot
+        Returns the sum of the products of two fields.
 
     Attributes
     ----------
@@ -91,13 +99,10 @@ class ProjectedGradients(Method):
     gradient: Array
     length: float
 
-    def __init__(self, dot: Callable[[Array, Array], float]) -> None:
+    def __init__(self, project: Callable[[Array], Array], dot: Callable[[Array, Array], float]) -> None:
+        self._project = project
         self._dot = dot
         self._energies: deque[float] = deque(maxlen=_ENERGY_MEMORY)
-
-    @abc.abstractmethod
-    def project(self, values: Array) -> Array:
-        """Return the admissible point nearest to any other one."""
 
     @abc.abstractmethod
     def look_ahead(self, step: Array, slope: float) -> tuple[float, float, float]:
@@ -109,7 +114,7 @@ class ProjectedGradients(Method):
 
     def step(self) -> Status | None:
         """Make one step; see `Method.step`."""
-        end = self.project(_advance(self.point, self.gradient, -self.length))
+        end = self._project(_advance(self.point, self.gradient, -self.length))
         step = end - self.point
         slope = self._dot(self.gradient, step)
         before, after, curvature = self.look_ahead(step, slope)
@@ -128,52 +133,40 @@ class _PressureGradients(ProjectedGradients):
     """The energy of a pressure, whose displacement is updated by that of each step."""
 
     def __init__(self, convolution: PreparedConvolution, task: Task, monitor: Monitor) -> None:
-        super().__init__(convolution.dot)
+        super().__init__(partial(nearest_pressure, task=task), convolution.dot)
+        self.work = Work()
+        self._convolve = partial(self.work.convolve, convolution)
         self._convolution = convolution
         self._task = task
         self._monitor = monitor
-        self.convolutions = 0
         self.length = 0.0
         self.point = starting_pressure(task)
-        self._displace()
-
-    def _displace(self) -> None:
-        self._displacement = self._convolution.apply(self.point)
-        self.convolutions += 1
+        self._displacement = self._convolve(self.point)
         self._exact = True
 
-    def measure(self) -> float:
-        """Return the error; only an exact displacement may decide, so that rounding does not accumulate."""
-        error = self._find_error()
-        ends = judge_error(error, self.floor, self._monitor.tolerance) is not None
-        if not self._exact and (ends or (len(self._monitor.errors) + 1) % _REFRESH_INTERVAL == 0):
-            self._displace()
-            error = self._find_error()
-        return error
-
-    def _find_error(self) -> float:
+    def measure(self) -> tuple[float, float]:
+        """Return the errors; only an exact displacement may decide, so that rounding does not accumulate."""
         violation = self._monitor.measure(self.point, self._displacement)
-        self.floor = violation.floor
+        ends = judge_error(*judged(violation), self._monitor.tolerance) is not None
+        if not self._exact and (ends or (len(self._monitor.errors) + 1) % _REFRESH_INTERVAL == 0):
+            self._displacement = self._convolve(self.point)
+            self._exact = True
+            return self.measure()
         self.gradient = self._displacement + self._task.initial_gap
         self.gradient -= violation.approach
-        return finite_error(violation)
+        return judged(violation)
 
     def step(self) -> Status | None:
         """Make one step, the first one of a length of its own."""
         if not self.length:
             self.length = _first_length(self.gradient, self._convolution)
-            self.convolutions += 1
+            self.work.double += 1
         return super().step()
-
-    def project(self, values: Array) -> Array:
-        """Return the nearest pressure within the bounds and with the load."""
-        return nearest_pressure(values, self._task)
 
     def look_ahead(self, step: Array, slope: float) -> tuple[float, float, float]:
         """Return the energy before and after a step, and its curvature."""
-        self._change = self._convolution.apply(step)
-        self.convolutions += 1
-        curvature = self._convolution.dot(step, self._change)
+        self._change = self._convolve(step)
+        curvature = self._dot(step, self._change)
         before = _energy(self.point, self._displacement, self.gradient, self._convolution)
         return before, before + slope + 0.5 * curvature, curvature
 

@@ -129,9 +129,8 @@ class AdhesiveDescent(Method):
     def start(self, gap: Array) -> None:
         """Continue from a gap of the extended grid, in float64; its pressure is computed."""
         displacement: RealArray = (gap - self.problem.closing).astype(self.dtype)
-        pressure = self._inverse.multiply(displacement, self._symbol, self._inverse.padded)
+        pressure = self._multiply(displacement, self._symbol)
         pressure += self.dtype(self.problem.base)
-        self.products += 1
         self._mask = np.ones(gap.shape, dtype=bool)
         self._residual: RealArray = np.empty(gap.shape, dtype=self.dtype)
         self.tension: RealArray = np.zeros(self._shape, dtype=self.dtype)
@@ -144,10 +143,6 @@ class AdhesiveDescent(Method):
         self.pressure: RealArray = pressure.astype(self.dtype, copy=False)
         self._map(lambda tile: self._attract(self._inside(self.gap, tile), self.tension, tile))
 
-    @property
-    def _is_cautious(self) -> bool:
-        return self.error > _NEAR
-
     def is_apart(self) -> bool:
         """Return whether no cell touches and the load pulls more than the tension holds."""
         load = self.problem.base * self.gap.size
@@ -157,8 +152,8 @@ class AdhesiveDescent(Method):
             return False
         return load + float(self.tension.sum(dtype=np.float64)) < 0.0
 
-    def measure(self) -> float:
-        """Return the maximum of the preconditioned residual, in units of the gap: about the error of the gap."""
+    def measure(self) -> tuple[float, float]:
+        """Return the maximum of the preconditioned residual, about the error of the gap, and no rounding."""
         if self.problem.holds_mean and self._weights is not None:
             self._balance(self._weights)
         changed = sum(self._map(self._find_residual))
@@ -168,7 +163,7 @@ class AdhesiveDescent(Method):
         error = max(self._map(lambda tile: _magnitude(self._image[tile.rows]))) / self.scale
         if self.dtype is np.float32 and error < _ROUNDED:
             self.patience = _IDLE_SINGLE + 1
-        return error
+        return error, 0.0
 
     def step(self) -> Status | None:
         """Make one step from the last measurement, if the energy falls along one."""
@@ -190,6 +185,13 @@ class AdhesiveDescent(Method):
 
     def _map(self, work: Callable[[_Tile], T]) -> list[T]:
         return map_tiles(work, self._tiles)
+
+    def _multiply(self, field: RealArray, symbol: RealArray) -> RealArray:
+        self.products += 1
+        return self._inverse.multiply(field, symbol, self._inverse.padded)
+
+    def _dot(self, one: RealArray, other: RealArray) -> float:
+        return math.fsum(self._map(lambda tile: sum_of_products(one[tile.rows], other[tile.rows])))
 
     def _inside(self, field: RealArray, tile: _Tile) -> RealArray:
         """Return the part of an extended field in the domain, of one tile."""
@@ -233,14 +235,12 @@ class AdhesiveDescent(Method):
         """Compute the preconditioner, and the weights of a held mean, for the cells that are open now."""
         self._renewed = self._mask.copy()
         cells: RealArray = self._mask.astype(self.dtype)
-        stiff = self._inverse.multiply(cells, self._symbol, self._inverse.padded)
-        self.products += 1
+        stiff = self._multiply(cells, self._symbol)
         count = max(int(np.count_nonzero(self._mask)), 1)
-        punch = math.fsum(self._map(lambda tile: sum_of_products(stiff[tile.rows], cells[tile.rows]))) / count
+        punch = self._dot(stiff, cells) / count
         self._preconditioner = self.problem.stiffness.precondition(self._symbol, punch)
         if self.problem.holds_mean:
-            weights = self._inverse.multiply(cells, self._preconditioner, self._inverse.padded)
-            self.products += 1
+            weights = self._multiply(cells, self._preconditioner)
             floor = _SMALLEST_WEIGHT * sum_of_products(weights, cells) / count
             self._weights = np.maximum(weights, self.dtype(floor))
             self._balance(self._weights)
@@ -259,8 +259,7 @@ class AdhesiveDescent(Method):
 
     def _precondition(self) -> RealArray:
         """Return the preconditioned residual, zero where a cell stays on its bound."""
-        image = self._inverse.multiply(self._residual, self._preconditioner, self._inverse.padded)
-        self.products += 1
+        image = self._multiply(self._residual, self._preconditioner)
         self._map(lambda tile: _multiply(image[tile.rows], self._mask[tile.rows]))
         if self._weights is not None:
             weights = self._weights * self._mask
@@ -274,9 +273,7 @@ class AdhesiveDescent(Method):
         if step is None or change is None or not self._curvature > 0.0:
             return
         image = self._image
-        factor = (
-            -math.fsum(self._map(lambda tile: sum_of_products(image[tile.rows], change[tile.rows]))) / self._curvature
-        )
+        factor = -self._dot(image, change) / self._curvature
         if not factor > 0.0:
             return
 
@@ -310,13 +307,10 @@ class AdhesiveDescent(Method):
         """Clip a step of a tile at a gap of zero, in place; return whether it was longer than that."""
         gap = self._inside(self.gap, tile)
         limit = -gap
-        if not self.problem.capped:
-            np.maximum(step, limit, out=limit)
-            clipped = not np.array_equal(limit, step)
-            step[:] = limit
-            return clipped
-        flattened = (gap < 0.0) | ((gap == 0.0) & (self._inside(self._residual, tile) < 0.0))
-        bounded = np.where(flattened, np.minimum(step, limit), np.maximum(step, limit))
+        bounded = np.maximum(step, limit)
+        if self.problem.capped:
+            flattened = (gap < 0.0) | ((gap == 0.0) & (self._inside(self._residual, tile) < 0.0))
+            np.minimum(step, limit, out=bounded, where=flattened)
         clipped = not np.array_equal(bounded, step)
         step[:] = bounded
         return clipped
@@ -346,9 +340,8 @@ class AdhesiveDescent(Method):
     def _move(self, slope: float, clipped: bool) -> bool:
         """Take the part of the step after which the energy does not fall further."""
         step = self._image
-        change = self._inverse.multiply(step, self._symbol, self._inverse.padded)
-        self.products += 1
-        curvature = math.fsum(self._map(lambda tile: sum_of_products(step[tile.rows], change[tile.rows])))
+        change = self._multiply(step, self._symbol)
+        curvature = self._dot(step, change)
         if not math.isfinite(curvature):
             return False
         # A longer step would leave the bounds where it is clipped.
@@ -366,7 +359,7 @@ class AdhesiveDescent(Method):
 
         self._map(update)
         self.tension, self._trial = self._trial, self.tension
-        if self._is_cautious:
+        if self.error > _NEAR:
             self._map(lambda tile: self._attract(self._inside(self.gap, tile), self.tension, tile))
         self._step = step
         self._change = change
@@ -437,7 +430,7 @@ class AdhesiveDescent(Method):
             np.maximum(gap, 0.0, out=gap)
         trial = self._trial[tile.inner]
         trial[:] = tile.interaction.tension(gap)
-        if self._is_cautious:
+        if self.error > _NEAR:
             np.minimum(trial, self._limit_tension(tile, inside, part), out=trial)
         np.subtract(trial, self.tension[tile.inner], out=gap)
         return sum_of_products(gap, inside)

@@ -16,7 +16,7 @@ from roughcontact._solve.solution import GridLevel, Status
 from roughcontact._solve.solution.attraction import AdhesiveConditions
 from roughcontact._solve.solvers.adhesive.descent import AdhesiveDescent, Precision
 from roughcontact._solve.solvers.adhesive.gap_problem import gap_scale, hold_mean
-from roughcontact._solve.solvers.adhesive.nested_start import nested_start, start_from_task
+from roughcontact._solve.solvers.adhesive.nested_start import GapOnGrid
 from roughcontact._solve.solvers.base import (
     DEFAULT_TOLERANCE,
     Outcome,
@@ -27,6 +27,7 @@ from roughcontact._solve.solvers.base import (
 )
 from roughcontact._solve.solvers.conjugate import ProjectedConjugateGradient
 from roughcontact._solve.solvers.driver import Log, Refinement, iterate
+from roughcontact._solve.solvers.grids import climb
 
 # Fraction of the tolerance at which a descent ends, so that its verification in float64 meets it.
 _MARGIN = 0.7
@@ -111,8 +112,9 @@ class _GapRefinement(Refinement):
         self, parts: GapDescent, convolution: PreparedConvolution, task: Task, interaction: BoundInteraction
     ) -> None:
         given = task.start is not None or task.start_gap is not None
-        self._guess = start_from_task(convolution, task) if given else nested_start(convolution, task)
-        self._problem = self._guess.problem
+        start = GapOnGrid(convolution, task)
+        self._guess = start.start_from_task() if given else climb(start)
+        self._problem = start.problem
         self._convolution = convolution
         self._task = task
         self._interaction = interaction
@@ -127,8 +129,7 @@ class _GapRefinement(Refinement):
         )
         self._gap = self._guess.gap
         self._goal = math.inf
-        self._products = 0.0
-        self._verifications = 0
+        self._products = self._verifications = 0
         self._begin(np.float32)
 
     def solve(self) -> Outcome:
@@ -136,8 +137,8 @@ class _GapRefinement(Refinement):
         status = iterate(self, self._log, self.target, math.inf)
         return attrs.evolve(self._found, status=status)
 
-    def measure(self) -> float:
-        """Return the violation of the conditions, from pressure and tension alone."""
+    def measure(self) -> tuple[float, float]:
+        """Return the violation of the conditions, from pressure and tension alone, and that by rounding."""
         self._gap = hold_mean(self._problem, self._task, self._descent.gap.astype(np.float64))
         self._found = found = self._outcome(Status.CONVERGED)
         self._verifications += 1
@@ -145,8 +146,7 @@ class _GapRefinement(Refinement):
         displacement = convolution.to_numpy(convolution.apply(convolution.from_numpy(found.pressure)))
         assert found.tension is not None
         violation = self._conditions.measure(found.pressure, found.tension, displacement)
-        self.floor = violation.floor
-        return violation.error
+        return violation.error, violation.floor
 
     def step(self) -> Status | None:
         """Make one descent, to a goal that falls by the ratio of both errors and at least by half."""
@@ -195,9 +195,10 @@ class _GapRefinement(Refinement):
             pressure = np.zeros_like(pressure)
             tension = np.zeros_like(tension)
         work = self._products + self._descent.products
-        level = GridLevel(inside.shape, len(self._log.errors), self._verifications, 0, round(work))
-        convolutions = round(self._guess.products + work + self._verifications)
-        return self._log.outcome(pressure, status, convolutions, (*self._guess.levels, level), tension)
+        level = GridLevel(inside.shape, len(self._log.errors), self._verifications, 0, work)
+        convolutions = self._guess.products + work + self._verifications
+        outcome = self._log.outcome(pressure, status, convolutions, (*self._guess.levels, level))
+        return attrs.evolve(outcome, tension=tension)
 
     def _bound(self, pressure: Array, tension: Array, gap: Array) -> Array:
         """Return the pressure of the load: minus the tension on open cells, at most the limit on the others."""

@@ -209,14 +209,8 @@ class _Rounds:
         return self._outcome(contact - tension, tension, Status.CONVERGED)
 
     def _outcome(self, pressure: Array, tension: Array, status: Status) -> Outcome:
-        return Outcome(
-            pressure=np.minimum(pressure, self._limit),
-            tension=tension,
-            status=status,
-            iterations=len(self._log.errors),
-            convolutions=self._convolutions,
-            errors=tuple(self._log.errors),
-        )
+        outcome = self._log.outcome(np.minimum(pressure, self._limit), status, self._convolutions)
+        return attrs.evolve(outcome, tension=tension, iterations=len(outcome.errors))
 
 
 def _find_approach(bearing: Array, moved: Array, unloaded: float) -> float:

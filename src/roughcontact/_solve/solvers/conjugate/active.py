@@ -109,7 +109,7 @@ class ListedCells:
         firsts = np.arange(0, nx * ny, ny, like=self.cells)
         rows, columns = (np.asarray(part, like=self.cells) for part in (partition.rows, partition.columns))
         columns = columns.take(self.cells - np.repeat(firsts, counts), mode="wrap")
-        return _ListedBlocks(np.repeat(rows * partition.blocks[1], counts) + columns, partition)
+        return _ListedBlocks(partition, np.repeat(rows * partition.blocks[1], counts) + columns)
 
 
 @attrs.frozen(eq=False)
@@ -161,11 +161,30 @@ ActiveCells: TypeAlias = ListedCells | MaskedCells
 
 
 @attrs.frozen(eq=False)
-class _ListedBlocks:
+class _Blocks:
+    """Active cells by blocks of a partition."""
+
+    partition: Partition
+
+    def tiles(self, values: RealArray) -> Callable[[slice], RealArray]:
+        """Return the flat field with the value of its block on each cell, as a function of the tile."""
+        partition = self.partition
+        strips = np.take(values, partition.columns, axis=1)
+        length = partition.shape[1]
+
+        def spread(tile: slice) -> RealArray:
+            first = tile.start // length
+            found: RealArray = strips[partition.rows[first : -(-tile.stop // length)]].ravel()
+            return found[tile.start - first * length : tile.stop - first * length]
+
+        return spread
+
+
+@attrs.frozen(eq=False)
+class _ListedBlocks(_Blocks):
     """Listed cells with the number of the block of each."""
 
     numbers: IntArray
-    partition: Partition
 
     def sums(self, vector: RealArray) -> RealArray:
         """Return the sum over each block, shape (bx, by)."""
@@ -176,16 +195,10 @@ class _ListedBlocks:
         """Return the vector with the value of its block, shape (bx, by), on each cell."""
         return values.ravel().take(self.numbers, mode="wrap")
 
-    def tiles(self, values: RealArray) -> Callable[[slice], RealArray]:
-        """Return the flat field with the value of its block on each cell, as a function of the tile."""
-        return _spread_in_tiles(values, self.partition)
-
 
 @attrs.frozen(eq=False)
-class _MaskedBlocks:
+class _MaskedBlocks(_Blocks):
     """Masked cells by blocks; see `_ListedBlocks`."""
-
-    partition: Partition
 
     def sums(self, vector: RealArray) -> RealArray:
         """Return the sum over each block, shape (bx, by)."""
@@ -204,22 +217,6 @@ class _MaskedBlocks:
     def spread(self, values: RealArray) -> RealArray:
         """Return the values of the blocks on each cell, also where a vector, by which it is multiplied, is zero."""
         return np.take(values[self.partition.rows], self.partition.columns, axis=1).ravel()
-
-    def tiles(self, values: RealArray) -> Callable[[slice], RealArray]:
-        """Return the flat field with the value of its block on each cell, as a function of the tile."""
-        return _spread_in_tiles(values, self.partition)
-
-
-def _spread_in_tiles(values: RealArray, partition: Partition) -> Callable[[slice], RealArray]:
-    strips = np.take(values, partition.columns, axis=1)
-    length = partition.shape[1]
-
-    def spread(tile: slice) -> RealArray:
-        first = tile.start // length
-        found: RealArray = strips[partition.rows[first : -(-tile.stop // length)]].ravel()
-        return found[tile.start - first * length : tile.stop - first * length]
-
-    return spread
 
 
 def active_cells(field: RealArray, mark: Callable[[slice], Mask]) -> ActiveCells:

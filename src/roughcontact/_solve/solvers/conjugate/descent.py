@@ -11,7 +11,9 @@ import numpy as np
 
 from roughcontact._base.arrays import Array, IntArray, Mask, RealArray
 from roughcontact._base.machine import map_tiles, tiles_of
+from roughcontact._solve.solution import Status
 from roughcontact._solve.solvers.conjugate.active import ActiveCells, active_cells
+from roughcontact._solve.solvers.driver import Method
 from roughcontact._solve.solvers.projection import Control, ReleasedCells, dot
 
 # Step lengths in units of the direction: the first, the maximum, and the length after a return to the gradient, also
@@ -28,6 +30,12 @@ SHORTENED_STEP_PART = 0.1
 # Minimum slope along the conjugate direction, over the slope along the preconditioned gradient, that is not rounding:
 # they are equal except for released or clipped cells.
 MIN_CONJUGATE_SLOPE = 0.01
+# A pass whose error has fallen by the first factor ends after three iterations that do not lower it to a third.
+_LATE_ERROR_FRACTION = 3e-3
+_SLOW_ERROR_RATIO = 1.0 / 3.0
+_MAX_SLOW_ITERATIONS = 3
+# Maximum iterations of a pass that do not halve the error.
+_MAX_IDLE_ITERATIONS = 30
 _NO_CELLS: IntArray = np.zeros(0, dtype=np.intp)
 _NO_GAP: RealArray = np.zeros(0, dtype=np.float32)
 
@@ -39,13 +47,6 @@ class ActiveState:
     active: ActiveCells
     pressure: Array
     weights: RealArray
-
-
-class Operator(Protocol):
-    """A symmetric linear map of fields."""
-
-    def apply(self, values: RealArray, /) -> RealArray:
-        """Return the image of a field, both of one shape and precision."""
 
 
 class SupportsPreconditioning(Protocol):
@@ -61,7 +62,7 @@ class SupportsPreconditioning(Protocol):
         """Return the level below which open cells are released, by tiles, from vectors; None if it is the given one."""
 
 
-class Descent:
+class Descent(Method):
     """Lowers the energy p.Kp/2 + h.p within the bounds by preconditioned conjugate gradients.
 
     K p is the displacement by the pressure p, h the initial gap. The step length is guessed, the
@@ -71,13 +72,13 @@ class Descent:
 
     def __init__(
         self,
-        operator: Operator,
+        multiply: Callable[[RealArray], RealArray],
         shape: tuple[int, int],
         preconditioner: SupportsPreconditioning,
         control: Control,
         limit: Array,
     ) -> None:
-        self._operator = operator
+        self._multiply = multiply
         self._preconditioner = preconditioner
         self._control = control
         self._limit = limit
@@ -91,11 +92,24 @@ class Descent:
         self._curvature = 1.0
         # The minimum of the gap, where the last step has found it.
         self._minimum: float | None = None
-        self.products = 0
         self.met_limit = False
 
-    def start(self, pressure: Array, gap: RealArray) -> None:
-        """Continue from a pressure and its gap, both flat; the gap, float32, is updated in place."""
+    def start(self, pressure: Array, gap: RealArray, scale: float = 1.0, error: float | None = None) -> None:
+        """Continue from a pressure and its gap, both flat; the gap, float32, is updated in place.
+
+        Parameters
+        ----------
+        pressure, gap
+            Both, float64 and float32.
+        scale
+            Scale of the error.
+        error
+            The verified error, for a descent that ends where rounding slows it down; None: it does not.
+        """
+        self._scale = scale
+        self._late = 0.0 if error is None else _LATE_ERROR_FRACTION * error
+        self._slow = 0
+        self.patience = math.inf if error is None else _MAX_IDLE_ITERATIONS
         self.pressure = pressure
         self.gap = gap
         self._level = 0.0
@@ -113,6 +127,16 @@ class Descent:
         self._active_gap = _NO_GAP
         del self.gap, self._state
         return gap
+
+    def step(self) -> Status | None:
+        """Make one step; see `Method.step`."""
+        return None if self._slow < _MAX_SLOW_ITERATIONS and self.iterate() else Status.STALLED
+
+    def measure(self) -> tuple[float, float]:
+        """Return the estimated error, and no rounding."""
+        error = self.find_error() / self._scale
+        self._slow = self._slow + 1 if error < self._late and error > _SLOW_ERROR_RATIO * self.error else 0
+        return error, 0.0
 
     def iterate(self) -> bool:
         """Make one step; return whether the energy fell."""
@@ -133,7 +157,7 @@ class Descent:
         gap = state.active.gather(self.gap)
         return np.float32(self._control.level(gap, state.weights)) * state.active.ones - gap
 
-    def error(self) -> float:
+    def find_error(self) -> float:
         """Return the error of the gap of the descent, as in `Violation` but not divided by the scale."""
         state = self._state
         limit = state.active.limits(self._limit)
@@ -248,8 +272,7 @@ class Descent:
                 trial = self._control.feasible(trial, state.pressure, state.weights, limit)
             step = np.subtract(trial, state.pressure, out=np.empty_like(trial, dtype=np.float32))
             field = state.active.scatter(step)
-            change = self._operator.apply(field.reshape(self._shape)).ravel()
-            self.products += 1
+            change = self._multiply(field.reshape(self._shape)).ravel()
             # The step is zero on all other cells: a vector that is a field needs no copy.
             curvature = dot(step, change if field is step else state.active.gather(change))
             if not math.isfinite(curvature):

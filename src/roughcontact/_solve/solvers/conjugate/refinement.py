@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from functools import cached_property
+from functools import cached_property, partial
 
 import attrs
 import numpy as np
@@ -15,7 +15,7 @@ from roughcontact._solve.solvers.base import Task
 from roughcontact._solve.solvers.conjugate.active import ActiveCells
 from roughcontact._solve.solvers.conjugate.descent import Descent
 from roughcontact._solve.solvers.conjugate.preconditioner import Preconditioner, PunchWeights, multiply_active
-from roughcontact._solve.solvers.driver import Log, Method, Monitor, Refinement, finite_error, iterate
+from roughcontact._solve.solvers.driver import Log, Monitor, Refinement, Work, iterate, judged
 from roughcontact._solve.solvers.projection import ApproachControl, Control, LoadControl, total
 
 # Support stiffness for waves longer than the openings, over the mean of a punch of their shape.
@@ -27,12 +27,7 @@ _FLOAT32_GAIN = 2e-5
 _EARLY_GOAL_FACTOR = 10.0
 # Goal of the estimated error, over the tolerance of the verification.
 _GOAL_FRACTION = 0.7
-# A pass whose error has fallen by the first factor ends after three iterations that do not lower it to a third.
-_LATE_ERROR_FRACTION = 3e-3
-_SLOW_ERROR_RATIO = 1.0 / 3.0
-_MAX_SLOW_ITERATIONS = 3
-# Maximum iterations of a pass, and verifications of a solve, that do not halve the error.
-_MAX_IDLE_ITERATIONS = 30
+# Maximum verifications of a solve that do not halve the error.
 _MAX_IDLE_VERIFICATIONS = 5
 
 
@@ -59,37 +54,6 @@ class NearlyFull:
         return bool(self.closing.min() >= 0.0 and not (self.closing > limit).any())
 
 
-class Estimates(Method):
-    """A descent in float32, until its estimated error is worth a verification.
-
-    Parameters
-    ----------
-    descent
-        The descent, started.
-    scale
-        Scale of its error.
-    start
-        Verified error of its start, for a descent that ends where rounding slows it down; None: it does not.
-    """
-
-    def __init__(self, descent: Descent, scale: float, start: float | None = None) -> None:
-        self._descent = descent
-        self._scale = scale
-        self._late = 0.0 if start is None else _LATE_ERROR_FRACTION * start
-        self._slow = 0
-        self.patience = math.inf if start is None else _MAX_IDLE_ITERATIONS
-
-    def step(self) -> Status | None:
-        """Make one step of the descent; see `Method.step`."""
-        return None if self._slow < _MAX_SLOW_ITERATIONS and self._descent.iterate() else Status.STALLED
-
-    def measure(self) -> float:
-        """Return the estimated error."""
-        error = self._descent.error() / self._scale
-        self._slow = self._slow + 1 if error < self._late and error > _SLOW_ERROR_RATIO * self.error else 0
-        return error
-
-
 class Openings(Refinement):
     r"""Finds the gap g of the cells that open, and from it the pressure.
 
@@ -108,35 +72,28 @@ class Openings(Refinement):
     goal_fraction = 1.0
     gain = _FLOAT32_GAIN
 
-    def __init__(self, start: NearlyFull, monitor: Monitor) -> None:
+    def __init__(self, start: NearlyFull, monitor: Monitor, work: Work) -> None:
         self._inverse = start.inverse
         self._closing = start.closing
         self._monitor = monitor
+        self._work = work
         self.gap = start.gap.astype(np.float64)
         shape = start.closing.shape
         inverse = start.inverse
-        single = attrs.evolve(inverse, stiffness=inverse.stiffness.astype(np.float32))
-        self._single = single
-        self._preconditioner = OpeningPreconditioner(single, shape)
-        self._descent = Descent(single, shape, self._preconditioner, ApproachControl(), np.array([np.inf]))
-        self._products = 0
-
-    @property
-    def products(self) -> int:
-        """Products with the inverse kernel so far."""
-        return self._products + self._descent.products + self._preconditioner.products
+        self._single = single = attrs.evolve(inverse, stiffness=inverse.stiffness.astype(np.float32))
+        preconditioner = OpeningPreconditioner(single, shape, work)
+        self._descent = Descent(
+            partial(work.invert, single), shape, preconditioner, ApproachControl(), np.array([np.inf])
+        )
 
     def approximate(self, goal: float) -> Array:
         """Return the pressure after one pass in float32."""
-        pressure = self._closing
+        self._pressure = self._closing
         if self.gap.any():
-            self._products += 1
-            pressure = pressure + self._single.apply(self.gap.astype(np.float32))
-        self._monitor.record(self._measure(pressure))
-        peak = self._start(pressure)
-        del pressure
+            self._pressure = self._closing + self._work.invert(self._single, self.gap.astype(np.float32))
+        self._monitor.record(self._measure(self._pressure))
         exact = _EARLY_GOAL_FACTOR * _FLOAT32_ERROR
-        return self._bound(self._descend(peak, goal if goal > _FLOAT32_ERROR else exact).astype(np.float64))
+        return self._bound(self._descend(goal if goal > _FLOAT32_ERROR else exact).astype(np.float64))
 
     def solve(self, goal: float) -> Array:
         """Return the pressure, with an error below the goal if possible."""
@@ -146,27 +103,23 @@ class Openings(Refinement):
         del self._pressure
         return self._bound(pressure)
 
-    def measure(self) -> float:
-        """Return the error of the pressure that follows from the gap, in float64."""
-        self._products += 1
-        self._pressure = self._inverse.apply(self.gap)
+    def measure(self) -> tuple[float, float]:
+        """Return the error of the pressure that follows from the gap, in float64, and no rounding."""
+        self._pressure = self._work.invert(self._inverse, self.gap)
         self._pressure += self._closing
-        return self._measure(self._pressure)
+        return self._measure(self._pressure), 0.0
 
     def descend(self, goal: float) -> None:
         """Lower the error of the gap in float32."""
-        peak = self._start(self._pressure)
-        del self._pressure
-        self._descend(peak, goal)
+        self._descend(goal)
 
-    def _start(self, pressure: Array) -> float:
-        """Start a descent in float32 from a pressure, which is then not needed any more; return its maximum."""
-        self._descent.start(self.gap.reshape(-1), pressure.astype(np.float32).ravel())
-        return float(pressure.max())
-
-    def _descend(self, peak: float, goal: float) -> RealArray:
+    def _descend(self, goal: float) -> RealArray:
         """Lower the error of the gap to a goal, as far as float32 allows; return the pressure."""
-        iterate(Estimates(self._descent, peak), self._monitor, goal, math.inf)
+        peak = float(self._pressure.max())
+        self._descent.start(self.gap.reshape(-1), self._pressure.astype(np.float32).ravel(), peak)
+        # The pressure follows from the gap; the former one takes memory.
+        del self._pressure
+        iterate(self._descent, self._monitor, goal, math.inf)
         return self._descent.stop().reshape(self.gap.shape)
 
     def _measure(self, pressure: Array) -> float:
@@ -185,17 +138,12 @@ class Openings(Refinement):
 class OpeningPreconditioner:
     """The inverse of the stiffness between masks, with a support against waves longer than the openings."""
 
-    def __init__(self, inverse: InverseConvolution, shape: tuple[int, int]) -> None:
+    def __init__(self, inverse: InverseConvolution, shape: tuple[int, int], work: Work) -> None:
         self._inverse = inverse
         self._shape = shape
-        self._punch = PunchWeights(inverse, shape)
+        self._work = work
+        self._punch = PunchWeights(inverse, shape, work)
         self._support = np.float32(1.0)
-        self._products = 0
-
-    @property
-    def products(self) -> int:
-        """Products so far."""
-        return self._products + self._punch.products
 
     def weights(self, active: ActiveCells) -> RealArray:
         """Return the vector of ones."""
@@ -209,7 +157,7 @@ class OpeningPreconditioner:
 
     def apply(self, active: ActiveCells, weights: RealArray, residual: RealArray) -> RealArray:
         """Return the vector of the preconditioned residual."""
-        self._products += 1
+        self._work.inverse += 1
         symbol = 1.0 / (self._inverse.stiffness + self._support)
         return multiply_active(active, residual, self._inverse, symbol, self._shape)
 
@@ -219,6 +167,13 @@ class PressureRefinement(Refinement):
 
     The gap of the pressure is computed in float64, and its increments in float32: they shrink with
     the error, so that float32 is enough. Only the float64 gap, which the monitor judges, decides.
+
+    Attributes
+    ----------
+    work
+        The products so far.
+    met_limit
+        Whether the pressure limit has shortened a step or changed a start so far.
     """
 
     patience = _MAX_IDLE_VERIFICATIONS + 1
@@ -236,44 +191,23 @@ class PressureRefinement(Refinement):
         self._limit = task.pressure_limit.ravel()
         mean = task.mean_pressure
         self._control: Control = ApproachControl() if mean is None else LoadControl(mean * task.initial_gap.size)
-        self._openings = None if nearly_full is None else Openings(nearly_full, monitor)
-        self._started = self._limited = False
-        self._verifications = self._estimates = self._others = 0
-
-    @cached_property
-    def _preconditioner(self) -> Preconditioner:
-        # A start without descent, such as full contact, needs no preconditioner.
-        inverse = self._convolution.inverse(np.float32)
-        return Preconditioner(inverse, self._convolution, rigid=self._task.mean_pressure is None)
+        self.work = Work()
+        self._convolve = partial(self.work.convolve, convolution)
+        self._openings = None if nearly_full is None else Openings(nearly_full, monitor, self.work)
+        self.met_limit = False
 
     @cached_property
     def _descent(self) -> Descent:
-        shape = self._task.initial_gap.shape
-        return Descent(self._convolution, shape, self._preconditioner, self._control, self._limit)
-
-    @property
-    def met_limit(self) -> bool:
-        """Whether the pressure limit has shortened a step or changed a start so far."""
-        return self._limited or (self._started and self._descent.met_limit)
-
-    @property
-    def products(self) -> int:
-        """Convolutions and inverse convolutions so far, in either precision."""
-        level = self.level
-        return level.double + level.single + level.inverse
+        # A start without descent, such as full contact, needs no preconditioner.
+        inverse = self._convolution.inverse(np.float32)
+        rigid = self._task.mean_pressure is None
+        preconditioner = Preconditioner(inverse, self._convolution, self.work, rigid=rigid)
+        return Descent(self._convolve, self._task.initial_gap.shape, preconditioner, self._control, self._limit)
 
     @property
     def level(self) -> GridLevel:
         """The work so far."""
-        single = self._estimates
-        inverse = self._others
-        if self._openings is not None:
-            inverse += self._openings.products
-        if self._started:
-            single = single + self._descent.products
-            inverse = inverse + self._preconditioner.products
-        iterations = max(len(self._monitor.errors) - 1, 0)
-        return GridLevel(self._task.initial_gap.shape, iterations, self._verifications, single, inverse)
+        return self.work.level(self._monitor)
 
     def approximate(self, pressure: Array) -> tuple[Array, RealArray]:
         """Return an improved pressure, shape (nx, ny), and its gap, from one pass in float32 alone.
@@ -285,8 +219,7 @@ class PressureRefinement(Refinement):
             return pressure, self._openings.gap.astype(np.float32)
         shape = pressure.shape
         flat = self._restore(pressure.reshape(-1))
-        displacement = self._convolution.apply(flat.astype(np.float32).reshape(shape))
-        self._estimates += 1
+        displacement = self._convolve(flat.astype(np.float32).reshape(shape))
         violation, _ = self._monitor.judge(flat.reshape(shape), displacement)
         largest = float(max(displacement.max(), -displacement.min())) / violation.scale
         goal = _GOAL_FRACTION * self._monitor.tolerance
@@ -307,19 +240,17 @@ class PressureRefinement(Refinement):
         status = iterate(self, self._monitor, self._monitor.tolerance)
         return self._pressure.reshape(self._task.initial_gap.shape), self._violation, status
 
-    def measure(self) -> float:
-        """Return the error of the pressure, in float64."""
+    def measure(self) -> tuple[float, float]:
+        """Return the error of the pressure, in float64, and that by rounding."""
         if self._openings is not None:
             # The pressure follows from the gap; the former one takes memory.
             del self._pressure
             self._pressure = self._openings.solve(self._goal).reshape(-1)
         self._pressure = self._restore(self._pressure)
         pressure = self._pressure.reshape(self._task.initial_gap.shape)
-        self._displacement = self._convolution.apply(pressure)
-        self._verifications += 1
-        self._violation = violation = self._monitor.measure(pressure, self._displacement)
-        self.floor = violation.floor
-        return finite_error(violation)
+        self._displacement = self._convolve(pressure)
+        self._violation = self._monitor.measure(pressure, self._displacement)
+        return judged(self._violation)
 
     def descend(self, goal: float) -> None:
         """Lower the error in float32, near full contact of the gap as long as that halves it."""
@@ -328,7 +259,8 @@ class PressureRefinement(Refinement):
         if self._openings is not None and self.idle == 0:
             self._goal = _GOAL_FRACTION * self._openings.error * self.target / self.error
             return
-        self._leave_openings()
+        # Continue with the pressure instead of the openings.
+        self._openings = None
         gap = self._find_gap(displacement, self._violation)
         del displacement
         self._descend(self._pressure, gap, self._violation, goal)
@@ -336,14 +268,8 @@ class PressureRefinement(Refinement):
     def _restore(self, pressure: Array) -> Array:
         """Return a flat pressure, changed in place, with the load of the task."""
         pressure = self._control.restore(pressure, self._limit)
-        self._limited = self._limited or (self._task.capped and bool((pressure >= self._limit).any()))
+        self.met_limit = self.met_limit or (self._task.capped and bool((pressure >= self._limit).any()))
         return pressure
-
-    def _leave_openings(self) -> None:
-        """Continue with the pressure instead of the openings."""
-        if self._openings is not None:
-            self._others += self._openings.products
-            self._openings = None
 
     def _find_gap(self, displacement: RealArray, violation: Violation) -> RealArray:
         """Return the gap, flat, in float32; a displacement in float64 is changed in place."""
@@ -354,7 +280,7 @@ class PressureRefinement(Refinement):
 
     def _descend(self, pressure: Array, gap: RealArray, violation: Violation, goal: float) -> RealArray:
         """Iterate until the estimated error is worth a verification; return the gap."""
-        self._started = True
-        self._descent.start(pressure, gap)
-        iterate(Estimates(self._descent, violation.scale, violation.error), self._monitor, goal, violation.error)
+        self._descent.start(pressure, gap, violation.scale, violation.error)
+        iterate(self._descent, self._monitor, goal, violation.error)
+        self.met_limit = self.met_limit or self._descent.met_limit
         return self._descent.stop()

@@ -77,8 +77,8 @@ class ShearDescent(Method):
         on_circle = self._system.find_on_circle(self._shear)
         return self._system.control.project(self._shear, self._system.limit, circle=on_circle)[0]
 
-    def measure(self) -> float:
-        """Return the estimated residual; the displacement of the bodies is chosen anew."""
+    def measure(self) -> tuple[float, float]:
+        """Return the estimated residual, and no rounding; the displacement of the bodies is chosen anew."""
         system = self._system
         trial = self._local_slip()
         trial /= system.own
@@ -87,7 +87,7 @@ class ShearDescent(Method):
         self._slip += shift[:, np.newaxis]
         # That is the natural residual, but for its unit.
         nearest -= self._shear
-        return math.sqrt(float(dot(nearest, nearest).max())) / float(system.limit.max())
+        return math.sqrt(float(dot(nearest, nearest).max())) / float(system.limit.max()), 0.0
 
     def _local_slip(self) -> Array:
         """Return the slip with the effect of what lags on its own cells."""

@@ -59,13 +59,12 @@ class _ShearRefinement(Refinement):
         self._tolerance = tolerance
         self._found = self.best = start
 
-    def measure(self) -> float:
-        """Return the residual of the shear found last."""
+    def measure(self) -> tuple[float, float]:
+        """Return the residual of the shear found last, and that by rounding."""
         found = self._found
         self.best = found if found.residual < self.best.residual else self.best
-        self.floor = self.best.floor
-        self.target = max(self._tolerance, self.floor)
-        return found.residual
+        self.target = max(self._tolerance, self.best.floor)
+        return found.residual, self.best.floor
 
     def descend(self, goal: float) -> None:
         """Lower the residual in float32."""

@@ -40,29 +40,24 @@ class SpectralShearGradient(ShearSolver):
 
 
 class _ShearGradients(ProjectedGradients):
-    """The energy of a shear; as the force is restored, the displacement along an axis where it is given is of no effect."""
+    """The energy of a shear; where the force is given it is restored, so that the displacement there has no effect."""
 
     def __init__(self, system: ShearSystem, start: Verified) -> None:
-        super().__init__(sum_of_products)
+        super().__init__(lambda values: system.control.project(values, system.limit)[0], sum_of_products)
         self._system = system
         self.length = 1.0 / system.own
         self.found = start
 
-    def measure(self) -> float:
-        """Return the residual."""
-        self.floor = self.found.floor
+    def measure(self) -> tuple[float, float]:
+        """Return the residual, and that by rounding."""
         self.point = self.found.shear
         self.gradient = -self.found.slip
-        return self.found.residual
+        return self.found.residual, self.found.floor
 
     def step(self) -> Status | None:
         """Make one step; see `Method.step`."""
         self._system.iterations += 1
         return super().step()
-
-    def project(self, values: Array) -> Array:
-        """Return the nearest shear within the limits that has the force."""
-        return self._system.control.project(values, self._system.limit)[0]
 
     def look_ahead(self, step: Array, slope: float) -> tuple[float, float, float]:
         """Return the energy before and after a step, and its curvature."""
