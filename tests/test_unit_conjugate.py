@@ -10,13 +10,13 @@ from hypothesis import strategies as st
 import roughcontact as rc
 from roughcontact._solve.convolvers.base import approximate_inverse
 from roughcontact._solve.problem.sweep import predict_pressure
-from roughcontact._solve.solvers.conjugate.active import active_cells
 from roughcontact._solve.solvers.conjugate.descent import Descent
 from roughcontact._solve.solvers.conjugate.nested_iteration import PressureOnGrid
 from roughcontact._solve.solvers.conjugate.preconditioner import PunchWeights
 from roughcontact._solve.solvers.conjugate.refinement import Openings
 from roughcontact._solve.solvers.driver import Work
 from roughcontact._solve.solvers.grids import climb
+from roughcontact._solve.solvers.passes import active_cells
 from roughcontact.typing import Load, Task
 from test_conjugate import SLOPE, YOUNG, rough
 

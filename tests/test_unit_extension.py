@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 import roughcontact as rc
 from roughcontact._solve.convolvers.base import approximate_inverse
-from roughcontact._solve.solvers.conjugate.active import active_cells
 from roughcontact._solve.solvers.conjugate.preconditioner import ExtendedInverse, half_space_inverse, is_steep
 from roughcontact._solve.solvers.driver import Work
+from roughcontact._solve.solvers.passes import active_cells
 from roughcontact.typing import InverseConvolution
 from test_convolvers import KERNEL
 

@@ -14,9 +14,8 @@ import roughcontact as rc
 from roughcontact._solve.solvers import ProjectedShearCG, SpectralShearGradient, shear_solvers
 from roughcontact._solve.solvers.conjugate.preconditioner import solve_on_blocks
 from roughcontact._solve.solvers.shear.base import ShearSystem
-from roughcontact._solve.solvers.shear.descent import ShearDescent
+from roughcontact._solve.solvers.shear.descent import Face, ShearDescent
 from roughcontact._solve.solvers.shear.discs import ForceControl, project_to_discs
-from roughcontact._solve.solvers.shear.face import Face
 from roughcontact._solve.solvers.shear.preconditioner import CoarseCorrection, PunchWeights
 from roughcontact.typing import BoundKernel, PairConstants, ShearTask, natural_residual
 from strategies import seeds

@@ -10,7 +10,6 @@ import pytest
 
 import roughcontact as rc
 from roughcontact._solve.problem.task import pressure_unit
-from roughcontact._solve.solvers.conjugate.active import active_cells
 from roughcontact._solve.solvers.conjugate.descent import ActiveState, Descent
 from roughcontact._solve.solvers.conjugate.nested_iteration import PressureOnGrid
 from roughcontact._solve.solvers.conjugate.preconditioner import Preconditioner, PunchWeights, _smaller
@@ -22,6 +21,7 @@ from roughcontact._solve.solvers.conjugate.refinement import (
 )
 from roughcontact._solve.solvers.driver import Work
 from roughcontact._solve.solvers.grids import climb
+from roughcontact._solve.solvers.passes import active_cells
 from roughcontact._solve.solvers.projection import ApproachControl, LoadControl
 from roughcontact.solving import make_task, starting_pressure
 from roughcontact.typing import Load, Monitor

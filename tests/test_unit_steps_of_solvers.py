@@ -14,7 +14,6 @@ from roughcontact._solve.convolvers import transforms
 from roughcontact._solve.convolvers.transforms import multiply_waves
 from roughcontact._solve.problem.task import pressure_unit
 from roughcontact._solve.solvers.conjugate import solver as conjugate
-from roughcontact._solve.solvers.conjugate.active import ListedCells, MaskedCells, active_cells
 from roughcontact._solve.solvers.conjugate.descent import Descent
 from roughcontact._solve.solvers.conjugate.nested_iteration import _extent, find_window
 from roughcontact._solve.solvers.conjugate.preconditioner import (
@@ -29,6 +28,7 @@ from roughcontact._solve.solvers.conjugate.preconditioner import (
 )
 from roughcontact._solve.solvers.driver import Work
 from roughcontact._solve.solvers.grids import _average, coarsen, interpolate
+from roughcontact._solve.solvers.passes import ListedCells, MaskedCells, active_cells
 from roughcontact._solve.solvers.projection import ApproachControl, LoadControl
 from roughcontact._solve.solvers.spectral_gradient import _energy, _first_length
 from roughcontact.solving import count_blocks, estimate_approach, make_task, project_to_load, rescale_to_load

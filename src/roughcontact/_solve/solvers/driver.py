@@ -10,7 +10,6 @@ from __future__ import annotations
 import abc
 import math
 from collections.abc import Callable
-from typing import ClassVar
 
 import attrs
 import numpy as np
@@ -77,10 +76,8 @@ class Work:
 
     def convolve(self, convolution: PreparedConvolution, pressure: RealArray) -> RealArray:
         """Return the displacement by a pressure."""
-        if pressure.dtype == np.float32:
-            self.single += 1
-        else:
-            self.double += 1
+        self.single += pressure.dtype == np.float32
+        self.double += pressure.dtype != np.float32
         return convolution.apply(pressure)
 
     def invert(self, inverse: InverseConvolution, displacement: RealArray) -> RealArray:
@@ -90,8 +87,7 @@ class Work:
 
     def level(self, log: Log) -> GridLevel:
         """Return the work, with the iterations of a log."""
-        iterations = max(len(log.errors) - 1, 0)
-        return GridLevel(log.shape, iterations, self.double, self.single, math.ceil(self.inverse))
+        return GridLevel(log.shape, max(len(log.errors) - 1, 0), self.double, self.single, math.ceil(self.inverse))
 
 
 class Monitor(Log):
@@ -205,8 +201,8 @@ class Refinement(Method):
     """
 
     target: float
-    goal_fraction: ClassVar[float]
-    gain: ClassVar[float]
+    goal_fraction: float = 1.0
+    gain: float = 0.0
 
     @abc.abstractmethod
     def descend(self, goal: float) -> Status | None:

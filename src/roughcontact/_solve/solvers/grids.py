@@ -55,10 +55,8 @@ class GridProblem(abc.ABC, Generic[Found]):
 
     def coarser(self) -> Self | None:
         """Return the problem on the next coarser grid; None if there is none."""
-        halved = coarsen(self.convolution.setup.grid, self.task)
-        if halved is None:
-            return None
-        return attrs.evolve(self, convolution=self.convolution.on(halved[0]), task=halved[1])
+        half = coarsen(self.convolution.setup.grid, self.task)
+        return None if half is None else attrs.evolve(self, convolution=self.convolution.on(half[0]), task=half[1])
 
     @abc.abstractmethod
     def begin(self) -> Found:

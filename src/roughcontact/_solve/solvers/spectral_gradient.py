@@ -6,7 +6,7 @@ import abc
 import math
 from collections import deque
 from collections.abc import Callable
-from functools import partial
+from functools import cached_property, partial
 
 import attrs
 import numpy as np
@@ -139,7 +139,6 @@ class _PressureGradients(ProjectedGradients):
         self._convolution = convolution
         self._task = task
         self._monitor = monitor
-        self.length = 0.0
         self.point = starting_pressure(task)
         self._displacement = self._convolve(self.point)
         self._exact = True
@@ -156,12 +155,11 @@ class _PressureGradients(ProjectedGradients):
         self.gradient -= violation.approach
         return judged(violation)
 
-    def step(self) -> Status | None:
-        """Make one step, the first one of a length of its own."""
-        if not self.length:
-            self.length = _first_length(self.gradient, self._convolution)
-            self.work.double += 1
-        return super().step()
+    @cached_property
+    def length(self) -> float:  # type: ignore[override]
+        """The length of the next step."""
+        self.work.double += 1
+        return _first_length(self.gradient, self._convolution)
 
     def look_ahead(self, step: Array, slope: float) -> tuple[float, float, float]:
         """Return the energy before and after a step, and its curvature."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from functools import partial
+from operator import itemgetter
 from typing import Any, TypeAlias, TypeVar
 
 import attrs
@@ -14,7 +14,8 @@ from roughcontact._base.arrays import Array, Mask, RealArray, sum_of_products
 from roughcontact._base.machine import map_tiles, tiles_of
 from roughcontact._parts.interactions import BoundInteraction
 from roughcontact._solve.solution import Status
-from roughcontact._solve.solvers.adhesive.gap_problem import GapProblem
+from roughcontact._solve.solvers.adhesive.stiffness import SurfaceStiffness
+from roughcontact._solve.solvers.base import Task
 from roughcontact._solve.solvers.driver import Method
 
 T = TypeVar("T")
@@ -53,6 +54,94 @@ _ROUNDS = 30
 _MISSED = 1e-6
 
 
+@attrs.frozen(eq=False, kw_only=True)
+class GapProblem:
+    """What a descent minimises, on the extended grid of a stiffness.
+
+    Attributes
+    ----------
+    stiffness
+        The stiffness of the surface.
+    interaction
+        The attraction; None without adhesion.
+    closing
+        Gap less displacement, shape (mx, my): the initial gap in the domain, zero outside.
+    base
+        Uniform pressure to which that of the gap is added: the mean pressure on the extended grid, or that of a given
+        approach.
+    mean_stiffness
+        Stiffness of the mean displacement: zero unless an approach is given on a boundary that is not periodic.
+    holds_mean
+        Whether the mean gap is held: an approach is given on a periodic boundary.
+    limit
+        Pressure limit, of one entry or shape (nx, ny).
+    """
+
+    stiffness: SurfaceStiffness
+    interaction: BoundInteraction | None
+    closing: Array
+    base: float
+    mean_stiffness: float
+    holds_mean: bool
+    limit: Array
+
+    @property
+    def capped(self) -> bool:
+        """Whether the pressure of any cell is limited."""
+        return bool(np.isfinite(self.limit).any())
+
+
+def make_gap_problem(stiffness: SurfaceStiffness, task: Task) -> GapProblem:
+    """Return what a descent minimises for a task."""
+    approach = task.approach
+    compliance = stiffness.mean_compliance
+    nx, ny = stiffness.shape
+    mx, my = stiffness.extended
+    base = 0.0
+    if task.mean_pressure is not None:
+        base = task.mean_pressure * ((nx * ny) / (mx * my))
+    elif approach is not None and compliance > 0.0:
+        base = approach / compliance
+    return GapProblem(
+        stiffness=stiffness,
+        interaction=task.interaction,
+        closing=stiffness.embed(task.initial_gap),
+        base=base,
+        mean_stiffness=0.0 if approach is None else stiffness.mean_stiffness,
+        holds_mean=approach is not None and compliance == 0.0,
+        limit=task.pressure_limit,
+    )
+
+
+def hold_mean(problem: GapProblem, task: Task, gap: Array) -> Array:
+    """Return a gap, changed in place, whose open cells are scaled to the mean gap of the task, where it is held."""
+    if not problem.holds_mean or task.approach is None:
+        return gap
+    needed = float(task.initial_gap.mean() - task.approach) * gap.size
+    opened = np.maximum(gap, 0.0)
+    total = float(opened.sum())
+    flattened = float(gap.sum()) - total
+    if needed - flattened > 0.0 and total > 0.0:
+        np.multiply(gap, (needed - flattened) / total, out=gap, where=gap > 0.0)
+    else:
+        gap += needed / gap.size - float(gap.mean())
+    return gap
+
+
+def gap_scale(task: Task, gap: Array, problem: GapProblem) -> float:
+    """Return the smaller of the standard deviation of the initial gap and, in contact, the range of the displacement.
+
+    Surfaces that do not touch may hardly deform.
+    """
+    rms = float(task.initial_gap.std()) if task.rms_gap is None else task.rms_gap
+    inside = problem.stiffness.inner(gap)
+    displacement = inside - task.initial_gap
+    moved = float(displacement.max() - displacement.min())
+    if inside.min() > 0.0 and rms > 0.0:
+        return rms
+    return min(rms, moved) or max(rms, moved) or 1.0
+
+
 @attrs.frozen(eq=False)
 class _Tile:
     """Rows of the extended grid, those of them in the domain, and the law and the pressure limit there."""
@@ -61,11 +150,6 @@ class _Tile:
     inner: slice
     interaction: BoundInteraction | None
     limit: Array
-
-    @property
-    def height(self) -> int:
-        """Number of rows in the domain."""
-        return int(self.inner.stop - self.inner.start)
 
 
 class AdhesiveDescent(Method):
@@ -122,7 +206,7 @@ class AdhesiveDescent(Method):
         tiles = []
         for one in rows:
             inner = slice(min(one.start, nx), min(one.stop, nx))
-            law = None if interaction is None else interaction.convert(partial(_rows_of, inner))
+            law = None if interaction is None else interaction.convert(itemgetter(inner))
             tiles.append(_Tile(one, inner, law, limit if limit.size == 1 else limit[inner].astype(self.dtype)))
         return tiles
 
@@ -199,7 +283,7 @@ class AdhesiveDescent(Method):
 
     def _attract(self, gap: RealArray, tension: RealArray, tile: _Tile) -> None:
         """Store the tension of a tile at a gap."""
-        if tile.interaction is not None and tile.height:
+        if tile.interaction is not None and gap.size:
             tension[tile.inner] = tile.interaction.tension(np.maximum(gap, 0.0) if self.problem.capped else gap)
 
     def _find_residual(self, tile: _Tile) -> int:
@@ -315,9 +399,6 @@ class AdhesiveDescent(Method):
         step[:] = bounded
         return clipped
 
-    def _bound_rows(self, step: RealArray, tile: _Tile) -> bool:
-        return self._bound(step[tile.inner], tile)
-
     def _keep_mean(self, step: RealArray, weights: RealArray) -> bool:
         """Shift and clip a step, in place, so that it keeps the mean gap; return whether it is clipped.
 
@@ -328,7 +409,7 @@ class AdhesiveDescent(Method):
         for _ in range(_ROUNDS):
             before = step - self.dtype(shift) * weights
             trial = before.copy()
-            clipped = any(self._map(partial(self._bound_rows, trial)))
+            clipped = any(self._map(lambda tile, trial=trial: self._bound(self._inside(trial, tile), tile)))  # type: ignore[misc]
             excess = float(trial.sum(dtype=np.float64))
             moved = float(weights[trial == before].sum(dtype=np.float64))
             if abs(excess) <= _MISSED * size or not moved > 0.0:
@@ -372,8 +453,7 @@ class AdhesiveDescent(Method):
             return False
 
         def has_room(tile: _Tile) -> bool:
-            reached = self._inside(step, tile) * self.dtype(_LONGEST_PART)
-            reached += self._inside(self.gap, tile)
+            reached = self._inside(self.gap, tile) + self._inside(step, tile) * self.dtype(_LONGEST_PART)
             return not reached.size or bool(reached.min() >= 0.0)
 
         return all(self._map(has_room))
@@ -421,9 +501,9 @@ class AdhesiveDescent(Method):
 
     def _add_slope(self, tile: _Tile, step: RealArray, part: float) -> float:
         """Return what the change of the tension adds to the slope, and store the tension after a part of the step."""
-        if tile.interaction is None or not tile.height:
-            return 0.0
         inside = self._inside(step, tile)
+        if tile.interaction is None or not inside.size:
+            return 0.0
         gap = inside * self.dtype(part)
         gap += self._inside(self.gap, tile)
         if self.problem.capped:
@@ -443,10 +523,6 @@ class AdhesiveDescent(Method):
         limit *= self.dtype(_MAX_RISE * part)
         limit += self.tension[tile.inner]
         return limit
-
-
-def _rows_of(rows: slice, values: Array) -> Array:
-    return values[rows]
 
 
 def _magnitude(values: RealArray) -> float:

@@ -14,8 +14,7 @@ from roughcontact._parts.interactions import BoundInteraction
 from roughcontact._solve.convolvers import PreparedConvolution
 from roughcontact._solve.solution import GridLevel, Status
 from roughcontact._solve.solution.attraction import AdhesiveConditions
-from roughcontact._solve.solvers.adhesive.descent import AdhesiveDescent, Precision
-from roughcontact._solve.solvers.adhesive.gap_problem import gap_scale, hold_mean
+from roughcontact._solve.solvers.adhesive.descent import AdhesiveDescent, Precision, gap_scale, hold_mean
 from roughcontact._solve.solvers.adhesive.nested_start import GapOnGrid
 from roughcontact._solve.solvers.base import (
     DEFAULT_TOLERANCE,

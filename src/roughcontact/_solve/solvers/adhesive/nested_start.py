@@ -11,8 +11,13 @@ import numpy as np
 
 from roughcontact._base.arrays import Array
 from roughcontact._solve.solution import GridLevel
-from roughcontact._solve.solvers.adhesive.descent import AdhesiveDescent
-from roughcontact._solve.solvers.adhesive.gap_problem import GapProblem, gap_scale, hold_mean, make_gap_problem
+from roughcontact._solve.solvers.adhesive.descent import (
+    AdhesiveDescent,
+    GapProblem,
+    gap_scale,
+    hold_mean,
+    make_gap_problem,
+)
 from roughcontact._solve.solvers.adhesive.stiffness import surface_stiffness
 from roughcontact._solve.solvers.conjugate import ProjectedConjugateGradient
 from roughcontact._solve.solvers.driver import Log, iterate

@@ -10,11 +10,10 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array, IntArray, Mask, RealArray
-from roughcontact._base.machine import map_tiles, tiles_of
 from roughcontact._solve.solution import Status
-from roughcontact._solve.solvers.conjugate.active import ActiveCells, active_cells
 from roughcontact._solve.solvers.driver import Method
-from roughcontact._solve.solvers.projection import Control, ReleasedCells, dot
+from roughcontact._solve.solvers.passes import ActiveCells, Bounds, Levels, dot
+from roughcontact._solve.solvers.projection import Control, ReleasedCells
 
 # Step lengths in units of the direction: the first, the maximum, and the length after a return to the gradient, also
 # the factor on a rejected step.
@@ -58,7 +57,7 @@ class SupportsPreconditioning(Protocol):
     def apply(self, active: ActiveCells, weights: RealArray, residual: RealArray) -> RealArray:
         """Return the vector of the preconditioned residual."""
 
-    def levels(self, weights: RealArray, gap: RealArray, level: np.float32) -> Callable[[slice], RealArray] | None:
+    def levels(self, weights: RealArray, gap: RealArray, level: np.float32) -> Levels:
         """Return the level below which open cells are released, by tiles, from vectors; None if it is the given one."""
 
 
@@ -82,7 +81,8 @@ class Descent(Method):
         self._preconditioner = preconditioner
         self._control = control
         self._limit = limit
-        self._capped = bool(np.isfinite(limit).any())
+        self._bounds = Bounds(limit)
+        self._capped = self._bounds.capped
         self._shape = shape
         self._length = FIRST_LENGTH
         # The vector of the gap between two steps.
@@ -115,7 +115,7 @@ class Descent(Method):
         self._level = 0.0
         self._minimum = None
         self.met_limit |= self._capped and bool((pressure >= self._limit).any())
-        active = active_cells(pressure, lambda tile: self._inside(pressure[tile], self._limits(tile)))
+        active = self._bounds.find_inside(pressure)
         weights = self._preconditioner.weights(active) if active.count else active.ones
         self._state = ActiveState(active, self._gather_pressure(active), weights)
         self._active_gap = active.gather(gap)
@@ -169,18 +169,13 @@ class Descent(Method):
         load = float(np.add.reduce(state.pressure))
         open_gap = dot(state.pressure, np.abs(gap, out=gap)) / load if load > 0.0 else 0.0
         if self._minimum is None:
-            self._minimum = min(map_tiles(self._find_minimum, tiles_of(self.gap)))
+            self._minimum = self._bounds.minimum(self.gap, self.pressure)
         return max(open_gap, level - self._minimum)
-
-    def _find_minimum(self, tile: slice) -> float:
-        """Return the minimum gap of the cells of a tile that are not saturated: they must not overlap."""
-        outside = self.pressure[tile] < self._limits(tile) if self._capped else True
-        return float(np.minimum.reduce(self.gap[tile], where=outside, initial=np.inf))
 
     def _find_active(self) -> ActiveCells:
         """Return the cells inside the bounds, and the cells released from a bound by the sign of their gap."""
         state = self._state
-        inside = self._inside(state.pressure, state.active.limits(self._limit))
+        inside = self._bounds.inside(state.pressure, state.active.limits(self._limit))
         weights = state.weights * inside
         level = np.float32(self._find_level(inside, weights))
         # Without a limit all cells in contact are active: their vector takes less to read than the field.
@@ -190,20 +185,7 @@ class Descent(Method):
         # open ones.
         if state.active.count and not self.met_limit:
             levels = self._preconditioner.levels(weights, self._active_gap, level)
-
-        def mark(tile: slice) -> Mask:
-            gap = self.gap[tile]
-            low = gap < (level if levels is None else levels(tile))
-            if bearing is not None:
-                low |= bearing[tile]
-                return low
-            pressure = self.pressure[tile]
-            contact = pressure > 0.0
-            high = gap > level
-            high |= pressure < self._limits(tile)
-            return np.where(contact, high, low)
-
-        return active_cells(self.gap, mark)
+        return self._bounds.release(self.gap, self.pressure, bearing, level, levels)
 
     def _find_released(self, state: ActiveState) -> ReleasedCells:
         """Return the active cells on a bound."""
@@ -211,10 +193,6 @@ class Descent(Method):
         if not self._capped:
             return ReleasedCells(low, _NO_CELLS)
         return ReleasedCells(low, np.flatnonzero(state.active.mark(state.pressure >= state.active.limits(self._limit))))
-
-    def _limits(self, tile: slice) -> Array:
-        """Return the pressure limits of a tile, one entry or a flat field."""
-        return self._limit if self._limit.size == 1 else self._limit[tile]
 
     def _find_level(self, inside: Mask, weights: RealArray) -> float:
         """Return the gap below which open cells, and above which saturated cells, are released."""
@@ -230,13 +208,6 @@ class Descent(Method):
     def _gather_pressure(self, active: ActiveCells) -> Array:
         """Return the vector of the pressure; without a limit no other cell has any, so that it may be the field."""
         return active.gather(self.pressure) if self._capped else active.share(self.pressure)
-
-    def _inside(self, pressure: Array, limit: Array) -> Mask:
-        """Return the mask of the pressures strictly inside the bounds."""
-        inside = pressure > 0.0
-        if self._capped:
-            inside &= pressure < limit
-        return inside
 
     def _find_direction(self, state: ActiveState, released: ReleasedCells, residual: RealArray) -> RealArray | None:
         """Return the first of conjugate, preconditioned and plain gradient that lowers the energy; None without one."""
@@ -282,7 +253,7 @@ class Descent(Method):
             del trial
             if part > 0.0:
                 state.active.store(self.pressure, pressure)
-                self._add_to_gap(change, np.float32(part))
+                self._minimum = self._bounds.add(self.gap, change, np.float32(part), self.pressure)
                 self._step = field
                 self._change = change
                 self._curvature = part * curvature
@@ -293,17 +264,6 @@ class Descent(Method):
                 return True
             self._length *= CAREFUL_LENGTH
         return False
-
-    def _add_to_gap(self, change: RealArray, part: np.float32) -> None:
-        """Add a part of a change, flat, to the gap, and find its minimum; the change is scaled to that part."""
-        gap = self.gap
-
-        def add(tile: slice) -> float:
-            change[tile] *= part
-            gap[tile] += change[tile]
-            return self._find_minimum(tile)
-
-        self._minimum = min(map_tiles(add, tiles_of(gap)))
 
     def _take_part(
         self, part: float, state: ActiveState, trial: Array, direction: RealArray, limit: Array, *, clipped: bool

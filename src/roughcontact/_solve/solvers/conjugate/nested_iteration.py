@@ -176,9 +176,8 @@ def estimate_approach(convolution: PreparedConvolution, task: Task) -> tuple[flo
         half = coarser
     coarse = convolution.on(half[0])
     coarse_task = half[1]
-    refinement = PressureRefinement(
-        coarse, coarse_task, Monitor(coarse_task, _ESTIMATE_TOLERANCE, _ESTIMATE_ITERATIONS)
-    )
+    monitor = Monitor(coarse_task, _ESTIMATE_TOLERANCE, _ESTIMATE_ITERATIONS)
+    refinement = PressureRefinement(coarse, coarse_task, monitor)
     _, violation, _ = refinement.run(PressureOnGrid(coarse, coarse_task).begin().pressure)
     return violation.approach, refinement.met_limit
 

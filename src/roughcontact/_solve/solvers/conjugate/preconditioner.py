@@ -11,9 +11,8 @@ import numpy as np
 from roughcontact._base.arrays import IntArray, Mask, Pair, RealArray, sum_of_products
 from roughcontact._base.checks import integer, number, numbers
 from roughcontact._solve.convolvers import InverseConvolution, PreparedConvolution
-from roughcontact._solve.solvers.conjugate.active import ActiveCells, Partition, divide
 from roughcontact._solve.solvers.driver import Work
-from roughcontact._solve.solvers.projection import dot, total
+from roughcontact._solve.solvers.passes import ActiveCells, Levels, Partition, divide, dot, total
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 
@@ -303,7 +302,7 @@ class Preconditioner:
             return image
         return self._rigid_correction.apply(active, image, residual, weights)
 
-    def levels(self, weights: RealArray, gap: RealArray, level: np.float32) -> Callable[[slice], RealArray] | None:
+    def levels(self, weights: RealArray, gap: RealArray, level: np.float32) -> Levels:
         """Return the level below which open cells are released; see `SupportsPreconditioning`."""
         correction = self._coarse_correction
         return None if correction is None else correction.levels(weights, gap, level)

@@ -12,11 +12,11 @@ from roughcontact._base.arrays import Array, RealArray, sum_of_products
 from roughcontact._solve.convolvers import InverseConvolution, PreparedConvolution
 from roughcontact._solve.solution import GridLevel, Status, Violation
 from roughcontact._solve.solvers.base import Task
-from roughcontact._solve.solvers.conjugate.active import ActiveCells
 from roughcontact._solve.solvers.conjugate.descent import Descent
 from roughcontact._solve.solvers.conjugate.preconditioner import Preconditioner, PunchWeights, multiply_active
 from roughcontact._solve.solvers.driver import Log, Monitor, Refinement, Work, iterate, judged
-from roughcontact._solve.solvers.projection import ApproachControl, Control, LoadControl, total
+from roughcontact._solve.solvers.passes import ActiveCells, total
+from roughcontact._solve.solvers.projection import ApproachControl, Control, LoadControl
 
 # Support stiffness for waves longer than the openings, over the mean of a punch of their shape.
 _SUPPORT_STIFFNESS = 0.25
@@ -69,14 +69,13 @@ class Openings(Refinement):
     """
 
     patience = 1
-    goal_fraction = 1.0
-    gain = _FLOAT32_GAIN
 
     def __init__(self, start: NearlyFull, monitor: Monitor, work: Work) -> None:
         self._inverse = start.inverse
         self._closing = start.closing
         self._monitor = monitor
         self._work = work
+        self.gain = _FLOAT32_GAIN
         self.gap = start.gap.astype(np.float64)
         shape = start.closing.shape
         inverse = start.inverse
@@ -176,10 +175,7 @@ class PressureRefinement(Refinement):
         Whether the pressure limit has shortened a step or changed a start so far.
     """
 
-    patience = _MAX_IDLE_VERIFICATIONS + 1
     verifies = True
-    goal_fraction = _GOAL_FRACTION
-    gain = _FLOAT32_GAIN
 
     def __init__(
         self, convolution: PreparedConvolution, task: Task, monitor: Monitor, nearly_full: NearlyFull | None = None
@@ -188,6 +184,9 @@ class PressureRefinement(Refinement):
         self._task = task
         self._monitor = monitor
         self.target = monitor.tolerance
+        self.patience = _MAX_IDLE_VERIFICATIONS + 1
+        self.goal_fraction = _GOAL_FRACTION
+        self.gain = _FLOAT32_GAIN
         self._limit = task.pressure_limit.ravel()
         mean = task.mean_pressure
         self._control: Control = ApproachControl() if mean is None else LoadControl(mean * task.initial_gap.size)
@@ -218,19 +217,19 @@ class PressureRefinement(Refinement):
             pressure = self._openings.approximate(_GOAL_FRACTION * self._monitor.tolerance)
             return pressure, self._openings.gap.astype(np.float32)
         shape = pressure.shape
-        flat = self._restore(pressure.reshape(-1))
-        displacement = self._convolve(flat.astype(np.float32).reshape(shape))
-        violation, _ = self._monitor.judge(flat.reshape(shape), displacement)
-        largest = float(max(displacement.max(), -displacement.min())) / violation.scale
+        self._pressure = pressure.reshape(-1)
+        self._displace(np.float32)
+        violation = self._violation
+        self._monitor.record(violation.error)
+        largest = float(max(self._displacement.max(), -self._displacement.min())) / violation.scale
         goal = _GOAL_FRACTION * self._monitor.tolerance
         exact = _FLOAT32_ERROR * max(1.0, largest)
         if goal < exact:
             goal = _EARLY_GOAL_FACTOR * exact
-        gap = self._find_gap(displacement, violation)
-        del displacement
+        gap = self._find_gap()
         if violation.error > goal:
-            gap = self._descend(flat, gap, violation, goal)
-        return flat.reshape(shape), gap.reshape(shape)
+            gap = self._descend(gap, goal)
+        return self._pressure.reshape(shape), gap.reshape(shape)
 
     def run(self, pressure: Array) -> tuple[Array, Violation, Status]:
         """Return the solution from a start, shape (nx, ny), changed in place, its violation and how the solve ended."""
@@ -246,41 +245,39 @@ class PressureRefinement(Refinement):
             # The pressure follows from the gap; the former one takes memory.
             del self._pressure
             self._pressure = self._openings.solve(self._goal).reshape(-1)
-        self._pressure = self._restore(self._pressure)
-        pressure = self._pressure.reshape(self._task.initial_gap.shape)
-        self._displacement = self._convolve(pressure)
-        self._violation = self._monitor.measure(pressure, self._displacement)
+        self._displace(np.float64)
         return judged(self._violation)
 
     def descend(self, goal: float) -> None:
         """Lower the error in float32, near full contact of the gap as long as that halves it."""
-        displacement = self._displacement
-        del self._displacement
         if self._openings is not None and self.idle == 0:
             self._goal = _GOAL_FRACTION * self._openings.error * self.target / self.error
             return
         # Continue with the pressure instead of the openings.
         self._openings = None
-        gap = self._find_gap(displacement, self._violation)
-        del displacement
-        self._descend(self._pressure, gap, self._violation, goal)
+        self._descend(self._find_gap(), goal)
 
-    def _restore(self, pressure: Array) -> Array:
-        """Return a flat pressure, changed in place, with the load of the task."""
-        pressure = self._control.restore(pressure, self._limit)
-        self.met_limit = self.met_limit or (self._task.capped and bool((pressure >= self._limit).any()))
-        return pressure
+    def _displace(self, dtype: type[np.float32] | type[np.float64]) -> None:
+        """Restore the load of the pressure, and find its displacement in a precision and its violation."""
+        self._pressure = self._control.restore(self._pressure, self._limit)
+        self.met_limit = self.met_limit or (self._task.capped and bool((self._pressure >= self._limit).any()))
+        pressure = self._pressure.reshape(self._task.initial_gap.shape)
+        self._displacement = self._convolve(pressure.astype(dtype, copy=False))
+        self._violation = self._monitor.measure(pressure, self._displacement)
 
-    def _find_gap(self, displacement: RealArray, violation: Violation) -> RealArray:
-        """Return the gap, flat, in float32; a displacement in float64 is changed in place."""
-        gap = displacement.astype(np.float64, copy=False)
+    def _find_gap(self) -> RealArray:
+        """Return the gap, flat, in float32, from the displacement, which is freed."""
+        gap = self._displacement.astype(np.float64, copy=False)
+        del self._displacement
         gap += self._task.initial_gap
-        gap -= violation.approach
+        gap -= self._violation.approach
         return gap.ravel().astype(np.float32)
 
-    def _descend(self, pressure: Array, gap: RealArray, violation: Violation, goal: float) -> RealArray:
+    def _descend(self, gap: RealArray, goal: float) -> RealArray:
         """Iterate until the estimated error is worth a verification; return the gap."""
-        self._descent.start(pressure, gap, violation.scale, violation.error)
+        violation = self._violation
+        self._descent.start(self._pressure, gap, violation.scale, violation.error)
+        del gap
         iterate(self._descent, self._monitor, goal, violation.error)
         self.met_limit = self.met_limit or self._descent.met_limit
         return self._descent.stop()

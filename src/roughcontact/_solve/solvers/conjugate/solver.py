@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import reduce
 from typing import ClassVar
 
 import attrs
@@ -188,13 +189,8 @@ class ProjectedConjugateGradient(Solver):
             if beyond or not low < trial < high:
                 trial = 0.5 * (low + high) if math.isfinite(low) else high - 1.0
             missing = trial
-        return Outcome(
-            pressure=pressure,
-            status=status or Status.STALLED,
-            iterations=sum(outcome.iterations for outcome in work),
-            convolutions=sum(outcome.convolutions + 1 for outcome in work),
-            errors=tuple(error for outcome in work for error in outcome.errors),
-        )
+        whole = attrs.evolve(reduce(_append, work), pressure=pressure, status=status or Status.STALLED, levels=())
+        return attrs.evolve(whole, convolutions=whole.convolutions + len(work))
 
 
 def _append(before: Outcome, after: Outcome) -> Outcome:

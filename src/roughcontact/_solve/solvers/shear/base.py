@@ -18,8 +18,8 @@ from roughcontact._parts.grid import Boundary
 from roughcontact._solve.convolvers import ShearConvolution, WaveMatrix
 from roughcontact._solve.solution import Status
 from roughcontact._solve.solvers.base import DEFAULT_TOLERANCE
-from roughcontact._solve.solvers.conjugate.active import ListedCells
 from roughcontact._solve.solvers.driver import Log
+from roughcontact._solve.solvers.passes import ListedCells
 from roughcontact._solve.solvers.shear.discs import ForceControl, magnitude, natural_residual
 from roughcontact.errors import InputError
 

@@ -54,13 +54,9 @@ class _ShearGradients(ProjectedGradients):
         self.gradient = -self.found.slip
         return self.found.residual, self.found.floor
 
-    def step(self) -> Status | None:
-        """Make one step; see `Method.step`."""
-        self._system.iterations += 1
-        return super().step()
-
     def look_ahead(self, step: Array, slope: float) -> tuple[float, float, float]:
         """Return the energy before and after a step, and its curvature."""
+        self._system.iterations += 1
         found = self.found
         self._trial = trial = Verified(self._system, self.point + step)
         turned = found.slip - trial.slip - (found.displacement - trial.displacement)[:, np.newaxis]
