@@ -107,13 +107,12 @@ class _Descent(Method):
 
     def step(self) -> Status | None:
         """Make one step, or begin anew without the start."""
-        if self._advance():
-            return None
-        if self._task.start is None:
-            return Status.STALLED
-        self._task = attrs.evolve(self._task, start=None)
-        self._direction = None
-        self.pressure = starting_pressure(self._task)
+        if not self._advance():
+            if self._task.start is None:
+                return Status.STALLED
+            self._task = attrs.evolve(self._task, start=None)
+            self._direction = None
+            self.pressure = starting_pressure(self._task)
         return None
 
     def _advance(self) -> bool:

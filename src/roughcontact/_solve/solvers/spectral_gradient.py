@@ -146,8 +146,9 @@ class _PressureGradients(ProjectedGradients):
     def measure(self) -> tuple[float, float]:
         """Return the errors; only an exact displacement may decide, so that rounding does not accumulate."""
         violation = self._monitor.measure(self.point, self._displacement)
-        ends = judge_error(*judged(violation), self._monitor.tolerance) is not None
-        if not self._exact and (ends or (len(self._monitor.errors) + 1) % _REFRESH_INTERVAL == 0):
+        count = len(self._monitor.errors) + 1
+        ends = judge_error(*judged(violation), self._monitor.tolerance) or count > self._monitor.max_iterations
+        if not self._exact and (ends or count % _REFRESH_INTERVAL == 0):
             self._displacement = self._convolve(self.point)
             self._exact = True
             return self.measure()

@@ -226,9 +226,7 @@ class PressureRefinement(Refinement):
         exact = _FLOAT32_ERROR * max(1.0, largest)
         if goal < exact:
             goal = _EARLY_GOAL_FACTOR * exact
-        gap = self._find_gap()
-        if violation.error > goal:
-            gap = self._descend(gap, goal)
+        gap = self._find_gap() if violation.error <= goal else self._descend(self._find_gap(), goal)
         return self._pressure.reshape(shape), gap.reshape(shape)
 
     def run(self, pressure: Array) -> tuple[Array, Violation, Status]:
