@@ -120,7 +120,7 @@ class Monitor(Log):
 
 
 def judged(violation: Violation) -> tuple[float, float]:
-    """Return the error of a violation, which is no number where the approach is none, and its floor."""
+    """Return the error of a violation, not a number where the approach is not, and its floor."""
     return violation.error if math.isfinite(violation.approach) else math.nan, violation.floor
 
 
