@@ -177,16 +177,16 @@ def test_the_descent_of_cells_on_springs_has_a_closed_form(limit, given):
     exact = np.clip((level - height) / compliance, 0.0, bound)
     control = ApproachControl() if given == "approach" else LoadControl(float(exact.sum()))
     springs = Springs(compliance)
-    descent = Descent(springs, shape, springs, control, bound)
+    descent = Descent(springs.apply, shape, springs, control, bound)
     pressure = np.minimum(np.full(compliance.size, exact.mean()), bound)
     pressure *= exact.sum() / pressure.sum()
     pressure = np.minimum(pressure, bound)
     descent.start(pressure.copy(), (height + compliance * pressure).astype(np.float32))
-    first = descent.error()
+    first = descent.find_error()
     for _ in range(60):
-        if not descent.iterate() or descent.error() < 1e-6 * first:
+        if not descent.iterate() or descent.find_error() < 1e-6 * first:
             break
-    assert descent.error() < 1e-4 * first
+    assert descent.find_error() < 1e-4 * first
     tolerance = 1e-3 if given == "approach" or limit == math.inf else 5e-2
     np.testing.assert_allclose(descent.pressure, exact, rtol=0.0, atol=tolerance)
 
@@ -199,9 +199,9 @@ def test_the_error_of_the_descent_sees_every_tile():
         pressure[::1000], gap[::1000] = 1.0, 0.0
         gap[place] = -0.5
         springs = Springs(np.ones(3 * n, dtype=np.float32))
-        descent = Descent(springs, (3, n), springs, ApproachControl(), np.array([math.inf]))
+        descent = Descent(springs.apply, (3, n), springs, ApproachControl(), np.array([math.inf]))
         descent.start(pressure, gap)
-        assert descent.error() == pytest.approx(0.5)
+        assert descent.find_error() == pytest.approx(0.5)
 
 
 @pytest.mark.parametrize("limit", [math.inf, 0.8])

@@ -10,17 +10,19 @@ from hypothesis import strategies as st
 import roughcontact as rc
 from roughcontact._solve.convolvers.base import approximate_inverse
 from roughcontact._solve.problem.sweep import predict_pressure
-from roughcontact._solve.solvers.conjugate.active import active_cells
 from roughcontact._solve.solvers.conjugate.descent import Descent
-from roughcontact._solve.solvers.conjugate.nested_iteration import nested_iteration
+from roughcontact._solve.solvers.conjugate.nested_iteration import PressureOnGrid
 from roughcontact._solve.solvers.conjugate.preconditioner import PunchWeights
 from roughcontact._solve.solvers.conjugate.refinement import Openings
+from roughcontact._solve.solvers.driver import Work
+from roughcontact._solve.solvers.grids import climb
+from roughcontact._solve.solvers.passes import active_cells
 from roughcontact.typing import Load, Task
 from test_conjugate import SLOPE, YOUNG, rough
 
 
 def test_where_the_openings_do_not_settle_the_pressure_is_sought(monkeypatch):
-    monkeypatch.setattr(Openings, "_descend", lambda self, peak, goal: self._closing.astype(np.float32))
+    monkeypatch.setattr(Openings, "_descend", lambda self, goal: self._closing.astype(np.float32))
     solution = rough(128).solve(pressure=SLOPE * YOUNG)
     assert solution.status is rc.Status.CONVERGED
     assert solution.levels[-1].single > 0
@@ -33,14 +35,15 @@ def test_weights_are_exact_while_cells_join_and_leave():
         convolution = rough(64, boundary=boundary).convolution
         inverse = approximate_inverse(convolution.setup, np.float32)
         mask = rng.random(64 * 64) < 0.2
-        weights = PunchWeights(inverse, (64, 64))
+        work = Work()
+        weights = PunchWeights(inverse, (64, 64), work)
         weights.update(active_cells(mask, mask.__getitem__))
         for _ in range(5):
             mask = mask.copy()
             mask[rng.integers(0, mask.size, 20)] ^= True
             found = weights.update(active_cells(mask, mask.__getitem__))
-        assert weights.products == 1
-        exact = PunchWeights(inverse, (64, 64)).update(active_cells(mask, mask.__getitem__))
+        assert work.inverse == 1
+        exact = PunchWeights(inverse, (64, 64), Work()).update(active_cells(mask, mask.__getitem__))
         np.testing.assert_allclose(found, exact, atol=0.03 * exact.max())
 
 
@@ -49,7 +52,7 @@ def test_nested_iteration_starts_near_the_solution():
     task = Task(
         initial_gap=problem.initial_gap / problem.plan.peak_to_valley, mean_pressure=5e-3 / problem.plan.peak_to_valley
     )
-    start = nested_iteration(problem.convolution, task)
+    start = climb(PressureOnGrid(problem.convolution, task))
     assert start.pressure.min() >= 0
     fine = problem.solve(pressure=5e-3).pressure / problem.plan.peak_to_valley
     assert np.abs(start.pressure - fine).sum() < 0.5 * fine.sum()

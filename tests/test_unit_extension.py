@@ -9,8 +9,9 @@ from hypothesis import strategies as st
 
 import roughcontact as rc
 from roughcontact._solve.convolvers.base import approximate_inverse
-from roughcontact._solve.solvers.conjugate.active import active_cells
 from roughcontact._solve.solvers.conjugate.preconditioner import ExtendedInverse, half_space_inverse, is_steep
+from roughcontact._solve.solvers.driver import Work
+from roughcontact._solve.solvers.passes import active_cells
 from roughcontact.typing import InverseConvolution
 from test_convolvers import KERNEL
 
@@ -38,7 +39,7 @@ def test_the_extended_inverse_is_symmetric_and_never_falls_below_the_energy_of_t
     mask[:2] = True, False
     active = active_cells(mask, mask.__getitem__)
     cells = np.flatnonzero(mask)
-    extended = ExtendedInverse(inverse, shape)
+    extended = ExtendedInverse(inverse, shape, Work())
     extended.update(active)
     image = columns(lambda unit: extended.apply(active, active.gather(unit)), mask.size)
     image = image[cells] if image.shape[0] == mask.size else image
@@ -56,7 +57,7 @@ def test_a_uniform_displacement_of_a_dense_contact_needs_hardly_any_pressure():
     inverse = plate(shape, 2.0)
     mask = np.random.default_rng(1).random(32 * 32) < 0.5
     active = active_cells(mask, mask.__getitem__)
-    extended = ExtendedInverse(inverse, shape)
+    extended = ExtendedInverse(inverse, shape, Work())
     extended.update(active)
     largest = float(np.abs(inverse.apply(mask.astype(np.float32).reshape(shape))).max())
     assert float(np.abs(extended.apply(active, active.ones)).max()) < 0.1 * largest

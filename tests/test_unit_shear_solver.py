@@ -13,11 +13,9 @@ from hypothesis import strategies as st
 import roughcontact as rc
 from roughcontact._solve.solvers import ProjectedShearCG, SpectralShearGradient, shear_solvers
 from roughcontact._solve.solvers.conjugate.preconditioner import solve_on_blocks
-from roughcontact._solve.solvers.shear import projected_cg
 from roughcontact._solve.solvers.shear.base import ShearSystem
-from roughcontact._solve.solvers.shear.descent import ShearDescent
+from roughcontact._solve.solvers.shear.descent import Face, ShearDescent
 from roughcontact._solve.solvers.shear.discs import ForceControl, project_to_discs
-from roughcontact._solve.solvers.shear.face import Face
 from roughcontact._solve.solvers.shear.preconditioner import CoarseCorrection, PunchWeights
 from roughcontact.typing import BoundKernel, PairConstants, ShearTask, natural_residual
 from strategies import seeds
@@ -405,7 +403,7 @@ def test_what_does_not_converge_says_so(monkeypatch):
     found = ProjectedShearCG().solve(convolution, attrs.evolve(task, tolerance=1e-300))
     assert found.status in (rc.Status.CONVERGED_TO_ROUNDING, rc.Status.STALLED, rc.Status.MAXIMUM_ITERATIONS)
     assert found.residual < 1e-12
-    assert projected_cg.ProjectedShearCG is shear_solvers["projected-cg"]
+    assert ProjectedShearCG is shear_solvers["projected-cg"]
 
 
 def test_what_is_refused():

@@ -18,26 +18,29 @@ import scipy.fft
 
 import roughcontact as rc
 from roughcontact._parts.kernels import BoundKernel
-from roughcontact._solve.convolvers import base
-from roughcontact._solve.solvers import projection
-from roughcontact._solve.solvers.conjugate import active, descent, nested_iteration, preconditioner, refinement, solver
+from roughcontact._solve.convolvers import base, inverse
+from roughcontact._solve.solvers import grids, passes, projection
+from roughcontact._solve.solvers.conjugate import descent, nested_iteration, preconditioner, refinement, solver
 
 PRODUCTS: dict[ModuleType, str] = {
-    base: "_PADDING_FACTOR _PADDING_CELLS _MIN_AMPLITUDE",
+    base: "_PADDING_FACTOR _PADDING_CELLS",
+    inverse: "_MIN_AMPLITUDE",
     projection: "_STEP_LOAD_ERROR",
     preconditioner: (
         "_MAX_CHANGED_FRACTION _PASSIVE_ALLOWANCE _MAX_STENCIL_FRACTION _STENCIL_REACH _MIN_WEIGHT "
         "LONG_WAVE_CUT _BLOCK_RESOLUTION _MAX_BLOCK_CELLS _MIN_BLOCKS _MAX_BLOCK_STEPS _BLOCK_RESIDUAL "
         "MAX_CUT_EXPONENT _MIN_SINGULAR_RATIO _RELEASE_PART"
     ),
-    descent: "FIRST_LENGTH MAX_LENGTH CAREFUL_LENGTH _FULL_STEP_PART SHORTENED_STEP_PART MIN_CONJUGATE_SLOPE",
-    refinement: (
-        "_SUPPORT_STIFFNESS _FLOAT32_GAIN _FLOAT32_ERROR _EARLY_GOAL_FACTOR _GOAL_FRACTION "
-        "_LATE_ERROR_FRACTION _SLOW_ERROR_RATIO _MAX_SLOW_ITERATIONS _MAX_IDLE_ITERATIONS "
-        "_MAX_IDLE_VERIFICATIONS"
+    descent: (
+        "FIRST_LENGTH MAX_LENGTH CAREFUL_LENGTH _FULL_STEP_PART SHORTENED_STEP_PART MIN_CONJUGATE_SLOPE "
+        "_LATE_ERROR_FRACTION _SLOW_ERROR_RATIO _MAX_SLOW_ITERATIONS _MAX_IDLE_ITERATIONS"
     ),
+    refinement: (
+        "_SUPPORT_STIFFNESS _FLOAT32_GAIN _FLOAT32_ERROR _EARLY_GOAL_FACTOR _GOAL_FRACTION _MAX_IDLE_VERIFICATIONS"
+    ),
+    grids: "_MIN_COARSE_CELLS",
     nested_iteration: (
-        "_MIN_COARSE_CELLS _MAX_ESTIMATE_CELLS _COARSE_TOLERANCE _COARSE_ITERATIONS _ESTIMATE_TOLERANCE "
+        "_MAX_ESTIMATE_CELLS _COARSE_TOLERANCE _COARSE_ITERATIONS _ESTIMATE_TOLERANCE "
         "_ESTIMATE_ITERATIONS _NEARLY_FULL_FRACTION _APPROACH_MARGIN _WINDOW_MULTIPLE _MAX_WINDOW_FRACTION"
     ),
     solver: "_MAX_APPROACH_ITERATIONS _FIRST_POWER _MIN_MISSING_FRACTION",
@@ -52,7 +55,7 @@ VALUES = {
     "_MAX_WINDOW_FRACTION": (0.5, 0.9),
 }
 TIMES: dict[ModuleType, str] = {
-    active: "_DENSE_FRACTION _SPARSE_ROW_FRACTION",
+    passes: "_DENSE_FRACTION _SPARSE_ROW_FRACTION",
     projection: "_MAX_NEAR_FRACTION _REACH_FACTOR",
 }
 

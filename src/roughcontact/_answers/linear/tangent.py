@@ -21,7 +21,7 @@ from roughcontact._parts.kernels import BoundKernel
 from roughcontact._solve.convolvers import ConvolutionSetup, InverseConvolution, PreparedConvolution
 from roughcontact._solve.problem import computing, problem_of
 from roughcontact._solve.solution import ContactSolution
-from roughcontact._solve.solvers import ActiveCells, MaskedCells, Preconditioner, active_cells, dot, total
+from roughcontact._solve.solvers import ActiveCells, MaskedCells, Preconditioner, Work, active_cells, dot, total
 from roughcontact.errors import NotConverged
 from roughcontact.errors.door import guarded
 
@@ -110,7 +110,7 @@ def solve_on_cells(
     flat = operator.from_numpy(right / size).astype(dtype).ravel()
     mask = operator.from_numpy(cells.astype(np.float64)).ravel() > 0.0
     active = active_cells(flat, lambda tile: mask[tile])
-    system = _System(operator, active, Preconditioner(inverse, operator, rigid=False))
+    system = _System(operator, active, Preconditioner(inverse, operator, Work(), rigid=False))
     vectors = system.solve(active.gather(flat), tolerance, rigid=rigid)
     found, left = (
         operator.to_numpy(active.scatter(vector).astype(np.float64).reshape(right.shape)) for vector in vectors[:2]
@@ -268,7 +268,7 @@ class _System:
             values += step * direction
             residual -= step * response
             iterations += 1
-        products = iterations + len(space.vectors) + self.preconditioner.products
+        products = iterations + len(space.vectors) + math.ceil(self.preconditioner.work.inverse)
         if right.dtype == np.float64:
             residual = right - self._apply(values)
             products += 1

@@ -17,7 +17,7 @@ from roughcontact._base.registry import Registry
 from roughcontact._parts.grid import Boundary
 from roughcontact._parts.interactions import BoundInteraction
 from roughcontact._solve.convolvers import PreparedConvolution
-from roughcontact._solve.solution import ContactConditions, GridLevel, Status, Violation
+from roughcontact._solve.solution import GridLevel, Status
 from roughcontact._solve.solvers.projection import LOAD_ROUNDING, project_to_load, rescale_to_load
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
@@ -202,94 +202,6 @@ class Solver(Part, abc.ABC):
 
 
 solvers = Registry(Solver, "solver", "roughcontact.solvers")
-
-
-class Monitor:
-    """Measures the iterates of one solve, decides when it ends and records their errors.
-
-    Parameters
-    ----------
-    task
-        The task being solved.
-    tolerance
-        Error (see `Violation`) to be reached.
-    max_iterations
-        Iterations after which the solve is given up.
-    """
-
-    def __init__(self, task: Task, tolerance: float, max_iterations: int) -> None:
-        self._conditions = ContactConditions(task.initial_gap, task.pressure_limit, task.approach, task.rms_gap)
-        self.tolerance = tolerance
-        self._max_iterations = max_iterations
-        self._task = task
-        self.errors: list[float] = []
-
-    def judge(self, pressure: Array, displacement: Array) -> tuple[Violation, Status | None]:
-        """Return the violation by an iterate, and the status: None while the solver should continue."""
-        violation = self._conditions.measure(pressure, displacement)
-        self.record(violation.error)
-        return violation, self._status(violation)
-
-    def record(self, error: float) -> None:
-        """Record the error of an iterate, and report it to `Task.on_step`."""
-        record_error(self._task, self.errors, error)
-
-    @property
-    def has_iterations_left(self) -> bool:
-        """Whether the maximum number of iterations is not reached."""
-        return len(self.errors) <= self._max_iterations
-
-    def _status(self, violation: Violation) -> Status | None:
-        if not math.isfinite(violation.approach):
-            return Status.NOT_FINITE
-        status = judge_error(violation.error, violation.floor, self.tolerance)
-        return Status.MAXIMUM_ITERATIONS if status is None and not self.has_iterations_left else status
-
-    def outcome(self, pressure: Array, status: Status, convolutions: int) -> Outcome:
-        """Return the outcome of the solve, with the recorded errors."""
-        return Outcome(
-            pressure=pressure,
-            status=status,
-            iterations=len(self.errors) - 1,
-            convolutions=convolutions,
-            errors=tuple(self.errors),
-        )
-
-
-def record_error(task: Task, errors: list[float], error: float) -> None:
-    """Add the error of an iterate to those before, and report it to `Task.on_step`."""
-    errors.append(error)
-    if task.on_step is not None:
-        task.on_step(Step(task.initial_gap.shape, len(errors) - 1, error))
-
-
-def judge_error(error: float, floor: float, tolerance: float) -> Status | None:
-    """Return how a solve ends with an error, at least the floor by rounding; None while it should continue."""
-    if not math.isfinite(error):
-        return Status.NOT_FINITE
-    if error > max(tolerance, floor):
-        return None
-    return Status.CONVERGED.within(floor, tolerance)
-
-
-class IdleCount:
-    """The number of errors in a row that are not below half of the lowest one before them.
-
-    Attributes
-    ----------
-    lowest
-        The lowest error so far.
-    """
-
-    def __init__(self, start: float = math.inf) -> None:
-        self.lowest = start
-        self._count = 0
-
-    def add(self, error: float) -> int:
-        """Return the number after a further error."""
-        self._count = 0 if error < 0.5 * self.lowest else self._count + 1
-        self.lowest = min(self.lowest, error)
-        return self._count
 
 
 @guarded

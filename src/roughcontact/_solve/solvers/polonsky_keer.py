@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import attrs
 import numpy as np
 
@@ -10,7 +12,6 @@ from roughcontact._solve.convolvers import PreparedConvolution
 from roughcontact._solve.solution import Status
 from roughcontact._solve.solvers.base import (
     DEFAULT_TOLERANCE,
-    Monitor,
     Outcome,
     Solver,
     Task,
@@ -18,6 +19,7 @@ from roughcontact._solve.solvers.base import (
     positive_tolerance,
     starting_pressure,
 )
+from roughcontact._solve.solvers.driver import Method, Monitor, Work, iterate, judged
 from roughcontact.errors import InputError
 
 
@@ -74,53 +76,66 @@ class PolonskyKeer(Solver):
         self.require(capped=task.capped, approach=task.mean_pressure is None)
         monitor = Monitor(task, self.tolerance, self.max_iterations)
         load = (task.mean_pressure or 0.0) * task.initial_gap.size
-        # In a contact of one cell there is no descent: a start that leads there is dropped, once.
-        spare = None if task.start is None else attrs.evolve(task, start=None)
-        state: _State | None = _State(starting_pressure(task))
-        convolutions = 0
-        while state is not None:
-            pressure = state.pressure
-            displacement = convolution.apply(pressure)
-            convolutions += 1
-            _, status = monitor.judge(pressure, displacement)
-            if status is not None:
-                return monitor.outcome(pressure, status, convolutions)
-            state = state.advance(displacement + task.initial_gap, load, convolution)
-            convolutions += 1
-            if state is None and spare is not None:
-                state = _State(starting_pressure(spare))
-                spare = None
-        return monitor.outcome(pressure, Status.STALLED, convolutions)
+        method = _Descent(convolution, task, load, monitor)
+        status = iterate(method, monitor, self.tolerance)
+        return monitor.outcome(method.pressure, status, method.work.double)
 
 
-@attrs.frozen(eq=False)
-class _State:
+class _Descent(Method):
     """A pressure, the direction t of equations 12 to 18 that led to it, and the square of the gap before that step.
 
-    A direction of None is that of the start, or of a step after which cells overlap: the next one is the gap itself.
+    A direction of None is that of the start, or of a step after which cells overlap: the next one is the gap itself. In
+    a contact of one cell there is no descent: a start that leads there is dropped, once.
     """
 
-    pressure: Array
-    direction: Array | None = None
-    square: float = 1.0
+    def __init__(self, convolution: PreparedConvolution, task: Task, load: float, monitor: Monitor) -> None:
+        self.work = Work()
+        self._convolve = partial(self.work.convolve, convolution)
+        self._convolution = convolution
+        self._task = task
+        self._load = load
+        self._monitor = monitor
+        self._direction: Array | None = None
+        self._square = 1.0
+        self.pressure = starting_pressure(task)
 
-    def advance(self, gap: Array, load: float, convolution: PreparedConvolution) -> _State | None:
-        """Return the state after one step, from the gap; None if there is no descent."""
+    def measure(self) -> tuple[float, float]:
+        """Return the error of the pressure, and that by rounding."""
+        displacement = self._convolve(self.pressure)
+        self._gap = displacement + self._task.initial_gap
+        return judged(self._monitor.measure(self.pressure, displacement))
+
+    def step(self) -> Status | None:
+        """Make one step, or begin anew without the start."""
+        if not self._advance():
+            if self._task.start is None:
+                return Status.STALLED
+            self._task = attrs.evolve(self._task, start=None)
+            self._direction = None
+            self.pressure = starting_pressure(self._task)
+        return None
+
+    def _advance(self) -> bool:
+        """Make one step from the gap; return whether there is a descent."""
+        convolution = self._convolution
         contact = self.pressure > 0.0
-        gap = _subtract_mean(gap, contact, convolution)
+        gap = _subtract_mean(self._gap, contact, convolution)
         direction = residual = np.where(contact, gap, 0.0)
         square = convolution.dot(residual, residual)
-        if self.direction is not None:
-            direction = residual + np.where(contact, square / self.square * self.direction, 0.0)
-        curvature = convolution.dot(_subtract_mean(convolution.apply(direction), contact, convolution), direction)
+        if self._direction is not None:
+            direction = residual + np.where(contact, square / self._square * self._direction, 0.0)
+        curvature = convolution.dot(_subtract_mean(self._convolve(direction), contact, convolution), direction)
         if not curvature > 0.0:
-            return None
+            return False
         length = convolution.dot(gap, direction) / curvature
         pressure = np.maximum(self.pressure - length * direction, 0.0)
         overlap = (pressure == 0.0) & (gap < 0.0)
         pressure[overlap] = -length * gap[overlap]
-        pressure *= load / convolution.sum(pressure)
-        return _State(pressure, None if overlap.any() else direction, square)
+        pressure *= self._load / convolution.sum(pressure)
+        self.pressure = pressure
+        self._direction = None if overlap.any() else direction
+        self._square = square
+        return True
 
 
 def _subtract_mean(values: Array, contact: Mask, convolution: PreparedConvolution) -> Array:

@@ -8,7 +8,8 @@ from typing import TypeAlias
 import attrs
 import numpy as np
 
-from roughcontact._base.arrays import Array, IntArray, Mask, RealArray
+from roughcontact._base.arrays import Array, IntArray, RealArray
+from roughcontact._solve.solvers.passes import dot, limits_at, total
 from roughcontact.errors.door import guarded
 
 # Maximum rounds of Newton's method for the shift of all cells, and of released cells: it needs about five; bisection to
@@ -24,8 +25,6 @@ _REACH_FACTOR = 4.0
 _MAX_NEAR_FRACTION = 0.3
 # Admissible error of the load in a step, over the change of pressure: each verification in float64 restores the load.
 _STEP_LOAD_ERROR = 1e-5
-# Product of float32 vectors below which terms below 1e-38, the minimum of float32, may be lost.
-_UNDERFLOW_PRODUCT = 1e-30
 
 
 @guarded
@@ -123,11 +122,6 @@ def _choose_shifted(pressure: Array, load: float, limit: Array) -> Array:
         if others <= load < others + capacity:
             return cells.astype(np.float64)
     return np.ones_like(pressure)
-
-
-def limits_at(limit: Array, index: Mask) -> Array:
-    """Return the pressure limits of the indexed cells; a limit of one entry holds for all."""
-    return limit if limit.size == 1 else limit[index]
 
 
 def _find_shift_near_bounds(values: Array, weights: RealArray, load: float, limit: Array, error: float) -> float | None:
@@ -286,16 +280,3 @@ class ApproachControl:
 
 
 Control: TypeAlias = LoadControl | ApproachControl
-
-
-def total(vector: RealArray) -> float:
-    """Return the sum of a vector, in float64."""
-    return float(np.add.reduce(vector, dtype=np.float64))
-
-
-def dot(one: RealArray, other: RealArray) -> float:
-    """Return the product of two vectors, without the threads of a BLAS."""
-    product = float(np.einsum("i,i->", one, other))
-    if abs(product) < _UNDERFLOW_PRODUCT:
-        product = float(np.einsum("i,i->", one, other, dtype=np.float64, casting="same_kind"))
-    return product

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import abc
 import math
 from collections import deque
+from collections.abc import Callable
+from functools import cached_property, partial
 
 import attrs
 import numpy as np
@@ -13,7 +16,6 @@ from roughcontact._solve.convolvers import PreparedConvolution
 from roughcontact._solve.solution import Status
 from roughcontact._solve.solvers.base import (
     DEFAULT_TOLERANCE,
-    Monitor,
     Outcome,
     Solver,
     Task,
@@ -22,6 +24,7 @@ from roughcontact._solve.solvers.base import (
     positive_tolerance,
     starting_pressure,
 )
+from roughcontact._solve.solvers.driver import Method, Monitor, Work, iterate, judge_error, judged
 
 # A step may raise the energy up to the maximum of the last 10, less 1e-4 of the predicted decrease: values of Birgin,
 # Martinez and Raydan (2000).
@@ -67,74 +70,110 @@ class SpectralGradient(Solver):
 
     def solve(self, convolution: PreparedConvolution, task: Task) -> Outcome:
         monitor = Monitor(task, self.tolerance, self.max_iterations)
-        pressure = starting_pressure(task)
-        displacement = convolution.apply(pressure)
-        convolutions = 1
-        exact = True
-        search: SpectralSearch | None = None
-        while True:
-            violation, status = monitor.judge(pressure, displacement)
-            if not exact and (status is not None or len(monitor.errors) % _REFRESH_INTERVAL == 0):
-                # Only an exact displacement may decide, so that rounding does not accumulate.
-                displacement = convolution.apply(pressure)
-                convolutions += 1
-                exact = True
-                monitor.errors.pop()
-                continue
-            if status is not None:
-                return monitor.outcome(pressure, status, convolutions)
-            gradient = displacement + task.initial_gap
-            gradient -= violation.approach
-            if search is None:
-                search = SpectralSearch(_first_length(gradient, convolution))
-                convolutions += 1
-            projected = nearest_pressure(_advance(pressure, gradient, -search.length), task)
-            step = projected - pressure
-            change = convolution.apply(step)
-            convolutions += 1
-            slope = convolution.dot(gradient, step)
-            curvature = convolution.dot(step, change)
-            if not (slope < 0.0 and math.isfinite(curvature)):
-                return monitor.outcome(pressure, Status.STALLED, convolutions)
-            before = _energy(pressure, displacement, gradient, convolution)
-            after = before + slope + 0.5 * curvature
-            part = search.find_part(before, after, slope, curvature, convolution.dot(step, step))
-            pressure = projected if part == 1.0 else np.clip(_advance(pressure, step, part), 0.0, task.pressure_limit)
-            displacement = _advance(displacement, change, part)
-            exact = False
+        method = _PressureGradients(convolution, task, monitor)
+        status = iterate(method, monitor, self.tolerance)
+        return monitor.outcome(method.point, status, method.work.double)
 
 
-class SpectralSearch:
-    """The length of the steps along projected gradients, after Barzilai and Borwein, with a nonmonotone line search.
+class ProjectedGradients(Method):
+    """Projected gradients with Barzilai and Borwein's step and a nonmonotone line search, for any quadratic energy.
+
+    Parameters
+    ----------
+    project
+        Returns the admissible point nearest to any other one.
+    dot
+        Returns the sum of the products of two fields.
 
     Attributes
     ----------
+    point
+        The iterate.
+    gradient
+        The gradient of the energy there, up to what no admissible step changes.
     length
         Length of the next step, in units of the gradient.
     """
 
-    def __init__(self, length: float) -> None:
-        self.length = length
+    point: Array
+    gradient: Array
+    length: float
+
+    def __init__(self, project: Callable[[Array], Array], dot: Callable[[Array, Array], float]) -> None:
+        self._project = project
+        self._dot = dot
         self._energies: deque[float] = deque(maxlen=_ENERGY_MEMORY)
 
-    def find_part(self, before: float, after: float, slope: float, curvature: float, square: float) -> float:
-        """Return the part of a step to be taken, and choose the length of the next one.
+    @abc.abstractmethod
+    def look_ahead(self, step: Array, slope: float) -> tuple[float, float, float]:
+        """Return the energy before and after a step along which it has a slope, and its curvature."""
 
-        Parameters
-        ----------
-        before, after
-            Energy at both ends of the step.
-        slope, curvature
-            Derivatives of the energy along the step, at its start.
-        square
-            Square of the step.
-        """
+    @abc.abstractmethod
+    def move(self, step: Array, part: float, end: Array) -> None:
+        """Take a part of the last step looked at, which leads to an end."""
+
+    def step(self) -> Status | None:
+        """Make one step; see `Method.step`."""
+        end = self._project(_advance(self.point, self.gradient, -self.length))
+        step = end - self.point
+        slope = self._dot(self.gradient, step)
+        before, after, curvature = self.look_ahead(step, slope)
+        if not (slope < 0.0 and math.isfinite(curvature)):
+            return Status.STALLED
         self._energies.append(before)
         is_too_high = after > max(self._energies) + _MIN_DECREASE * slope
         if curvature > 0.0:
             # Zero for a given approach on a periodic domain, where a uniform pressure displaces nothing.
-            self.length = square / curvature
-        return -slope / curvature if is_too_high and curvature > -slope > 0.0 else 1.0
+            self.length = self._dot(step, step) / curvature
+        self.move(step, -slope / curvature if is_too_high and curvature > -slope > 0.0 else 1.0, end)
+        return None
+
+
+class _PressureGradients(ProjectedGradients):
+    """The energy of a pressure, whose displacement is updated by that of each step."""
+
+    def __init__(self, convolution: PreparedConvolution, task: Task, monitor: Monitor) -> None:
+        super().__init__(partial(nearest_pressure, task=task), convolution.dot)
+        self.work = Work()
+        self._convolve = partial(self.work.convolve, convolution)
+        self._convolution = convolution
+        self._task = task
+        self._monitor = monitor
+        self.point = starting_pressure(task)
+        self._displacement = self._convolve(self.point)
+        self._exact = True
+
+    def measure(self) -> tuple[float, float]:
+        """Return the errors; only an exact displacement may decide, so that rounding does not accumulate."""
+        violation = self._monitor.measure(self.point, self._displacement)
+        count = len(self._monitor.errors) + 1
+        ends = judge_error(*judged(violation), self._monitor.tolerance) or count > self._monitor.max_iterations
+        if not self._exact and (ends or count % _REFRESH_INTERVAL == 0):
+            self._displacement = self._convolve(self.point)
+            self._exact = True
+            return self.measure()
+        self.gradient = self._displacement + self._task.initial_gap
+        self.gradient -= violation.approach
+        return judged(violation)
+
+    @cached_property
+    def length(self) -> float:  # type: ignore[override]
+        """The length of the next step."""
+        self.work.double += 1
+        return _first_length(self.gradient, self._convolution)
+
+    def look_ahead(self, step: Array, slope: float) -> tuple[float, float, float]:
+        """Return the energy before and after a step, and its curvature."""
+        self._change = self._convolve(step)
+        curvature = self._dot(step, self._change)
+        before = _energy(self.point, self._displacement, self.gradient, self._convolution)
+        return before, before + slope + 0.5 * curvature, curvature
+
+    def move(self, step: Array, part: float, end: Array) -> None:
+        """Take a part of a step."""
+        self.point = end if part == 1.0 else np.clip(_advance(self.point, step, part), 0.0, self._task.pressure_limit)
+        self._displacement = _advance(self._displacement, self._change, part)
+        self._exact = False
 
 
 def _advance(start: Array, direction: Array, length: float) -> Array:

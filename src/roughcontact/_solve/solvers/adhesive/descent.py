@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from functools import partial
+from operator import itemgetter
 from typing import Any, TypeAlias, TypeVar
 
 import attrs
@@ -13,11 +13,20 @@ import numpy as np
 from roughcontact._base.arrays import Array, Mask, RealArray, sum_of_products
 from roughcontact._base.machine import map_tiles, tiles_of
 from roughcontact._parts.interactions import BoundInteraction
+from roughcontact._solve.solution import Status
 from roughcontact._solve.solvers.adhesive.gap_problem import GapProblem
+from roughcontact._solve.solvers.driver import Method
 
 T = TypeVar("T")
 Precision: TypeAlias = type[np.float32] | type[np.float64]
 
+# Error of the gap, over the scale, below which no step leaps to another state.
+_NEAR = 1e-2
+# Iterations of a descent that may pass without the error being halved.
+_IDLE = 400
+# ... and of one in float32 whose error has fallen below the second number: rounding keeps it from falling further.
+_IDLE_SINGLE = 15
+_ROUNDED = 1e-3
 # Fraction of the cells that may open or close before the support is computed again.
 _CHANGED = 0.05
 # Minimum weight of a cell of a held mean, over the mean of the weights.
@@ -53,13 +62,8 @@ class _Tile:
     interaction: BoundInteraction | None
     limit: Array
 
-    @property
-    def height(self) -> int:
-        """Number of rows in the domain."""
-        return int(self.inner.stop - self.inner.start)
 
-
-class AdhesiveDescent:
+class AdhesiveDescent(Method):
     r"""Lowers the energy of a gap g, which is not negative, with one product for the gradient and one for its image.
 
     .. math:: \tfrac12\, (g - h) \cdot M (g - h) + \bar p \cdot g + \sum W(g)
@@ -67,6 +71,9 @@ class AdhesiveDescent:
     Its gradient is p + s(g), with the pressure :math:`p = \bar p + M (g - h)` and the tension s = W'. Cells that the
     pressure limit flattens have a negative gap. The direction is preconditioned by the stiffness between masks with a
     support for long waves, the step is clipped at the bounds, and the slope along it is exact without a product.
+
+    Far from the end, where it matters, steps are cautious: they are made as if the tension of closing cells rose no
+    faster than by its slope, so that they do not leap over a state of equilibrium.
 
     Parameters
     ----------
@@ -77,15 +84,16 @@ class AdhesiveDescent:
 
     Attributes
     ----------
-    cautious
-        Whether steps are made as if the tension of closing cells rose no faster than by its slope, so that they do not
-        leap over a state of equilibrium: from far away, but not near the end, where it does not matter.
+    scale
+        Scale of the error.
     """
+
+    patience = _IDLE + 1
 
     def __init__(self, problem: GapProblem, dtype: Precision) -> None:
         self.problem = problem
-        self.cautious = True
         self.dtype = dtype
+        self.scale = 1.0
         stiffness = problem.stiffness
         self._inverse = stiffness.of_precision(dtype)
         self._symbol = stiffness.symbol(problem.mean_stiffness, dtype)
@@ -109,16 +117,15 @@ class AdhesiveDescent:
         tiles = []
         for one in rows:
             inner = slice(min(one.start, nx), min(one.stop, nx))
-            law = None if interaction is None else interaction.convert(partial(_rows_of, inner))
+            law = None if interaction is None else interaction.convert(itemgetter(inner))
             tiles.append(_Tile(one, inner, law, limit if limit.size == 1 else limit[inner].astype(self.dtype)))
         return tiles
 
     def start(self, gap: Array) -> None:
         """Continue from a gap of the extended grid, in float64; its pressure is computed."""
         displacement: RealArray = (gap - self.problem.closing).astype(self.dtype)
-        pressure = self._inverse.multiply(displacement, self._symbol, self._inverse.padded)
+        pressure = self._multiply(displacement, self._symbol)
         pressure += self.dtype(self.problem.base)
-        self.products += 1
         self._mask = np.ones(gap.shape, dtype=bool)
         self._residual: RealArray = np.empty(gap.shape, dtype=self.dtype)
         self.tension: RealArray = np.zeros(self._shape, dtype=self.dtype)
@@ -140,23 +147,26 @@ class AdhesiveDescent:
             return False
         return load + float(self.tension.sum(dtype=np.float64)) < 0.0
 
-    def measure(self) -> float:
-        """Return the maximum of the preconditioned residual, in units of the gap: about the error of the gap."""
+    def measure(self) -> tuple[float, float]:
+        """Return the maximum of the preconditioned residual, about the error of the gap, and no rounding."""
         if self.problem.holds_mean and self._weights is not None:
             self._balance(self._weights)
         changed = sum(self._map(self._find_residual))
         if self._renewed.size == 0 or changed > _CHANGED * self.gap.size:
             self._renew()
         self._image = self._precondition()
-        return max(self._map(lambda tile: _magnitude(self._image[tile.rows])))
+        error = max(self._map(lambda tile: _magnitude(self._image[tile.rows]))) / self.scale
+        if self.dtype is np.float32 and error < _ROUNDED:
+            self.patience = _IDLE_SINGLE + 1
+        return error, 0.0
 
-    def advance(self) -> bool:
-        """Make one step from the last measurement; return whether the energy fell."""
+    def step(self) -> Status | None:
+        """Make one step from the last measurement, if the energy falls along one."""
         self._conjugate()
         slope, clipped = self._clip(self._weights)
         if not slope < 0.0:
             slope, clipped = self._fall_back()
-        return slope < 0.0 and self._move(slope, clipped)
+        return None if slope < 0.0 and self._move(slope, clipped) else Status.STALLED
 
     def _fall_back(self) -> tuple[float, bool]:
         """Clip the preconditioned residual or, where that is uphill too, the residual alone, which never is."""
@@ -171,13 +181,20 @@ class AdhesiveDescent:
     def _map(self, work: Callable[[_Tile], T]) -> list[T]:
         return map_tiles(work, self._tiles)
 
+    def _multiply(self, field: RealArray, symbol: RealArray) -> RealArray:
+        self.products += 1
+        return self._inverse.multiply(field, symbol, self._inverse.padded)
+
+    def _dot(self, one: RealArray, other: RealArray) -> float:
+        return math.fsum(self._map(lambda tile: sum_of_products(one[tile.rows], other[tile.rows])))
+
     def _inside(self, field: RealArray, tile: _Tile) -> RealArray:
         """Return the part of an extended field in the domain, of one tile."""
         return field[tile.inner, : self._shape[1]]
 
     def _attract(self, gap: RealArray, tension: RealArray, tile: _Tile) -> None:
         """Store the tension of a tile at a gap."""
-        if tile.interaction is not None and tile.height:
+        if tile.interaction is not None and gap.size:
             tension[tile.inner] = tile.interaction.tension(np.maximum(gap, 0.0) if self.problem.capped else gap)
 
     def _find_residual(self, tile: _Tile) -> int:
@@ -213,14 +230,12 @@ class AdhesiveDescent:
         """Compute the preconditioner, and the weights of a held mean, for the cells that are open now."""
         self._renewed = self._mask.copy()
         cells: RealArray = self._mask.astype(self.dtype)
-        stiff = self._inverse.multiply(cells, self._symbol, self._inverse.padded)
-        self.products += 1
+        stiff = self._multiply(cells, self._symbol)
         count = max(int(np.count_nonzero(self._mask)), 1)
-        punch = math.fsum(self._map(lambda tile: sum_of_products(stiff[tile.rows], cells[tile.rows]))) / count
+        punch = self._dot(stiff, cells) / count
         self._preconditioner = self.problem.stiffness.precondition(self._symbol, punch)
         if self.problem.holds_mean:
-            weights = self._inverse.multiply(cells, self._preconditioner, self._inverse.padded)
-            self.products += 1
+            weights = self._multiply(cells, self._preconditioner)
             floor = _SMALLEST_WEIGHT * sum_of_products(weights, cells) / count
             self._weights = np.maximum(weights, self.dtype(floor))
             self._balance(self._weights)
@@ -239,8 +254,7 @@ class AdhesiveDescent:
 
     def _precondition(self) -> RealArray:
         """Return the preconditioned residual, zero where a cell stays on its bound."""
-        image = self._inverse.multiply(self._residual, self._preconditioner, self._inverse.padded)
-        self.products += 1
+        image = self._multiply(self._residual, self._preconditioner)
         self._map(lambda tile: _multiply(image[tile.rows], self._mask[tile.rows]))
         if self._weights is not None:
             weights = self._weights * self._mask
@@ -254,9 +268,7 @@ class AdhesiveDescent:
         if step is None or change is None or not self._curvature > 0.0:
             return
         image = self._image
-        factor = (
-            -math.fsum(self._map(lambda tile: sum_of_products(image[tile.rows], change[tile.rows]))) / self._curvature
-        )
+        factor = -self._dot(image, change) / self._curvature
         if not factor > 0.0:
             return
 
@@ -290,19 +302,13 @@ class AdhesiveDescent:
         """Clip a step of a tile at a gap of zero, in place; return whether it was longer than that."""
         gap = self._inside(self.gap, tile)
         limit = -gap
-        if not self.problem.capped:
-            np.maximum(step, limit, out=limit)
-            clipped = not np.array_equal(limit, step)
-            step[:] = limit
-            return clipped
-        flattened = (gap < 0.0) | ((gap == 0.0) & (self._inside(self._residual, tile) < 0.0))
-        bounded = np.where(flattened, np.minimum(step, limit), np.maximum(step, limit))
+        bounded = np.maximum(step, limit)
+        if self.problem.capped:
+            flattened = (gap < 0.0) | ((gap == 0.0) & (self._inside(self._residual, tile) < 0.0))
+            np.minimum(step, limit, out=bounded, where=flattened)
         clipped = not np.array_equal(bounded, step)
         step[:] = bounded
         return clipped
-
-    def _bound_rows(self, step: RealArray, tile: _Tile) -> bool:
-        return self._bound(step[tile.inner], tile)
 
     def _keep_mean(self, step: RealArray, weights: RealArray) -> bool:
         """Shift and clip a step, in place, so that it keeps the mean gap; return whether it is clipped.
@@ -314,7 +320,7 @@ class AdhesiveDescent:
         for _ in range(_ROUNDS):
             before = step - self.dtype(shift) * weights
             trial = before.copy()
-            clipped = any(self._map(partial(self._bound_rows, trial)))
+            clipped = any(self._map(lambda tile, trial=trial: self._bound(self._inside(trial, tile), tile)))  # type: ignore[misc]
             excess = float(trial.sum(dtype=np.float64))
             moved = float(weights[trial == before].sum(dtype=np.float64))
             if abs(excess) <= _MISSED * size or not moved > 0.0:
@@ -326,9 +332,8 @@ class AdhesiveDescent:
     def _move(self, slope: float, clipped: bool) -> bool:
         """Take the part of the step after which the energy does not fall further."""
         step = self._image
-        change = self._inverse.multiply(step, self._symbol, self._inverse.padded)
-        self.products += 1
-        curvature = math.fsum(self._map(lambda tile: sum_of_products(step[tile.rows], change[tile.rows])))
+        change = self._multiply(step, self._symbol)
+        curvature = self._dot(step, change)
         if not math.isfinite(curvature):
             return False
         # A longer step would leave the bounds where it is clipped.
@@ -346,7 +351,7 @@ class AdhesiveDescent:
 
         self._map(update)
         self.tension, self._trial = self._trial, self.tension
-        if self.cautious:
+        if self.error > _NEAR:
             self._map(lambda tile: self._attract(self._inside(self.gap, tile), self.tension, tile))
         self._step = step
         self._change = change
@@ -359,8 +364,7 @@ class AdhesiveDescent:
             return False
 
         def has_room(tile: _Tile) -> bool:
-            reached = self._inside(step, tile) * self.dtype(_LONGEST_PART)
-            reached += self._inside(self.gap, tile)
+            reached = self._inside(self.gap, tile) + self._inside(step, tile) * self.dtype(_LONGEST_PART)
             return not reached.size or bool(reached.min() >= 0.0)
 
         return all(self._map(has_room))
@@ -408,16 +412,16 @@ class AdhesiveDescent:
 
     def _add_slope(self, tile: _Tile, step: RealArray, part: float) -> float:
         """Return what the change of the tension adds to the slope, and store the tension after a part of the step."""
-        if tile.interaction is None or not tile.height:
-            return 0.0
         inside = self._inside(step, tile)
+        if tile.interaction is None or not inside.size:
+            return 0.0
         gap = inside * self.dtype(part)
         gap += self._inside(self.gap, tile)
         if self.problem.capped:
             np.maximum(gap, 0.0, out=gap)
         trial = self._trial[tile.inner]
         trial[:] = tile.interaction.tension(gap)
-        if self.cautious:
+        if self.error > _NEAR:
             np.minimum(trial, self._limit_tension(tile, inside, part), out=trial)
         np.subtract(trial, self.tension[tile.inner], out=gap)
         return sum_of_products(gap, inside)
@@ -430,10 +434,6 @@ class AdhesiveDescent:
         limit *= self.dtype(_MAX_RISE * part)
         limit += self.tension[tile.inner]
         return limit
-
-
-def _rows_of(rows: slice, values: Array) -> Array:
-    return values[rows]
 
 
 def _magnitude(values: RealArray) -> float:

@@ -20,9 +20,9 @@ from roughcontact._solve.solvers.base import (
     Task,
     iteration_limit,
     positive_tolerance,
-    record_error,
 )
 from roughcontact._solve.solvers.conjugate import ProjectedConjugateGradient
+from roughcontact._solve.solvers.driver import Log
 
 # Tolerance of a contact over that of the whole, and its maximum over the last change of the gap.
 _INNER = 0.1
@@ -95,11 +95,10 @@ class _Rounds:
         self._interaction = task.interaction
         self._limit = np.broadcast_to(task.pressure_limit, task.initial_gap.shape)
         self._convolutions = 0
-        self._errors: list[float] = []
+        self._log = Log(task.initial_gap.shape, parts.max_rounds, task.on_step)
         self._rms = float(task.initial_gap.std()) if task.rms_gap is None else task.rms_gap
 
     def solve(self) -> Outcome:
-        task = self._task
         gap, contact = self._first_gap()
         tension = self._interaction.tension(gap)
         inner = 1e-3
@@ -118,7 +117,7 @@ class _Rounds:
             rate = min(change / changes[-1], _SLOWEST) if changes[-1] > 0.0 and math.isfinite(changes[-1]) else 0.9
             changes.append(change)
             error = change * rate / (1.0 - rate)
-            record_error(task, self._errors, error)
+            self._log.record(error)
             tension = self._interaction.tension(gap)
             finest = _INNER * self._parts.tolerance
             if error <= 0.5 * self._parts.tolerance and inner <= 2.0 * finest:
@@ -210,14 +209,8 @@ class _Rounds:
         return self._outcome(contact - tension, tension, Status.CONVERGED)
 
     def _outcome(self, pressure: Array, tension: Array, status: Status) -> Outcome:
-        return Outcome(
-            pressure=np.minimum(pressure, self._limit),
-            tension=tension,
-            status=status,
-            iterations=len(self._errors),
-            convolutions=self._convolutions,
-            errors=tuple(self._errors),
-        )
+        outcome = self._log.outcome(np.minimum(pressure, self._limit), status, self._convolutions)
+        return attrs.evolve(outcome, tension=tension, iterations=len(outcome.errors))
 
 
 def _find_approach(bearing: Array, moved: Array, unloaded: float) -> float:

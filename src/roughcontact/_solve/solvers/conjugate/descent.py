@@ -10,9 +10,10 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array, IntArray, Mask, RealArray
-from roughcontact._base.machine import map_tiles, tiles_of
-from roughcontact._solve.solvers.conjugate.active import ActiveCells, active_cells
-from roughcontact._solve.solvers.projection import Control, ReleasedCells, dot
+from roughcontact._solve.solution import Status
+from roughcontact._solve.solvers.driver import Method
+from roughcontact._solve.solvers.passes import ActiveCells, Bounds, Levels, dot
+from roughcontact._solve.solvers.projection import Control, ReleasedCells
 
 # Step lengths in units of the direction: the first, the maximum, and the length after a return to the gradient, also
 # the factor on a rejected step.
@@ -28,6 +29,12 @@ SHORTENED_STEP_PART = 0.1
 # Minimum slope along the conjugate direction, over the slope along the preconditioned gradient, that is not rounding:
 # they are equal except for released or clipped cells.
 MIN_CONJUGATE_SLOPE = 0.01
+# A pass whose error has fallen by the first factor ends after three iterations that do not lower it to a third.
+_LATE_ERROR_FRACTION = 3e-3
+_SLOW_ERROR_RATIO = 1.0 / 3.0
+_MAX_SLOW_ITERATIONS = 3
+# Maximum iterations of a pass that do not halve the error.
+_MAX_IDLE_ITERATIONS = 30
 _NO_CELLS: IntArray = np.zeros(0, dtype=np.intp)
 _NO_GAP: RealArray = np.zeros(0, dtype=np.float32)
 
@@ -41,13 +48,6 @@ class ActiveState:
     weights: RealArray
 
 
-class Operator(Protocol):
-    """A symmetric linear map of fields."""
-
-    def apply(self, values: RealArray, /) -> RealArray:
-        """Return the image of a field, both of one shape and precision."""
-
-
 class SupportsPreconditioning(Protocol):
     """An approximate inverse of an operator on the active cells."""
 
@@ -57,11 +57,11 @@ class SupportsPreconditioning(Protocol):
     def apply(self, active: ActiveCells, weights: RealArray, residual: RealArray) -> RealArray:
         """Return the vector of the preconditioned residual."""
 
-    def levels(self, weights: RealArray, gap: RealArray, level: np.float32) -> Callable[[slice], RealArray] | None:
+    def levels(self, weights: RealArray, gap: RealArray, level: np.float32) -> Levels:
         """Return the level below which open cells are released, by tiles, from vectors; None if it is the given one."""
 
 
-class Descent:
+class Descent(Method):
     """Lowers the energy p.Kp/2 + h.p within the bounds by preconditioned conjugate gradients.
 
     K p is the displacement by the pressure p, h the initial gap. The step length is guessed, the
@@ -71,17 +71,18 @@ class Descent:
 
     def __init__(
         self,
-        operator: Operator,
+        multiply: Callable[[RealArray], RealArray],
         shape: tuple[int, int],
         preconditioner: SupportsPreconditioning,
         control: Control,
         limit: Array,
     ) -> None:
-        self._operator = operator
+        self._multiply = multiply
         self._preconditioner = preconditioner
         self._control = control
         self._limit = limit
-        self._capped = bool(np.isfinite(limit).any())
+        self._bounds = Bounds(limit)
+        self._capped = self._bounds.capped
         self._shape = shape
         self._length = FIRST_LENGTH
         # The vector of the gap between two steps.
@@ -91,17 +92,30 @@ class Descent:
         self._curvature = 1.0
         # The minimum of the gap, where the last step has found it.
         self._minimum: float | None = None
-        self.products = 0
         self.met_limit = False
 
-    def start(self, pressure: Array, gap: RealArray) -> None:
-        """Continue from a pressure and its gap, both flat; the gap, float32, is updated in place."""
+    def start(self, pressure: Array, gap: RealArray, scale: float = 1.0, error: float | None = None) -> None:
+        """Continue from a pressure and its gap, both flat; the gap, float32, is updated in place.
+
+        Parameters
+        ----------
+        pressure, gap
+            Both, float64 and float32.
+        scale
+            Scale of the error.
+        error
+            The verified error, for a descent that ends where rounding slows it down; None: it does not.
+        """
+        self._scale = scale
+        self._late = 0.0 if error is None else _LATE_ERROR_FRACTION * error
+        self._slow = 0
+        self.patience = math.inf if error is None else _MAX_IDLE_ITERATIONS
         self.pressure = pressure
         self.gap = gap
         self._level = 0.0
         self._minimum = None
         self.met_limit |= self._capped and bool((pressure >= self._limit).any())
-        active = active_cells(pressure, lambda tile: self._inside(pressure[tile], self._limits(tile)))
+        active = self._bounds.find_inside(pressure)
         weights = self._preconditioner.weights(active) if active.count else active.ones
         self._state = ActiveState(active, self._gather_pressure(active), weights)
         self._active_gap = active.gather(gap)
@@ -113,6 +127,16 @@ class Descent:
         self._active_gap = _NO_GAP
         del self.gap, self._state
         return gap
+
+    def step(self) -> Status | None:
+        """Make one step; see `Method.step`."""
+        return None if self._slow < _MAX_SLOW_ITERATIONS and self.iterate() else Status.STALLED
+
+    def measure(self) -> tuple[float, float]:
+        """Return the estimated error, and no rounding."""
+        error = self.find_error() / self._scale
+        self._slow = self._slow + 1 if error < self._late and error > _SLOW_ERROR_RATIO * self.error else 0
+        return error, 0.0
 
     def iterate(self) -> bool:
         """Make one step; return whether the energy fell."""
@@ -133,7 +157,7 @@ class Descent:
         gap = state.active.gather(self.gap)
         return np.float32(self._control.level(gap, state.weights)) * state.active.ones - gap
 
-    def error(self) -> float:
+    def find_error(self) -> float:
         """Return the error of the gap of the descent, as in `Violation` but not divided by the scale."""
         state = self._state
         limit = state.active.limits(self._limit)
@@ -145,18 +169,13 @@ class Descent:
         load = float(np.add.reduce(state.pressure))
         open_gap = dot(state.pressure, np.abs(gap, out=gap)) / load if load > 0.0 else 0.0
         if self._minimum is None:
-            self._minimum = min(map_tiles(self._find_minimum, tiles_of(self.gap)))
+            self._minimum = self._bounds.minimum(self.gap, self.pressure)
         return max(open_gap, level - self._minimum)
-
-    def _find_minimum(self, tile: slice) -> float:
-        """Return the minimum gap of the cells of a tile that are not saturated: they must not overlap."""
-        outside = self.pressure[tile] < self._limits(tile) if self._capped else True
-        return float(np.minimum.reduce(self.gap[tile], where=outside, initial=np.inf))
 
     def _find_active(self) -> ActiveCells:
         """Return the cells inside the bounds, and the cells released from a bound by the sign of their gap."""
         state = self._state
-        inside = self._inside(state.pressure, state.active.limits(self._limit))
+        inside = self._bounds.inside(state.pressure, state.active.limits(self._limit))
         weights = state.weights * inside
         level = np.float32(self._find_level(inside, weights))
         # Without a limit all cells in contact are active: their vector takes less to read than the field.
@@ -166,20 +185,7 @@ class Descent:
         # open ones.
         if state.active.count and not self.met_limit:
             levels = self._preconditioner.levels(weights, self._active_gap, level)
-
-        def mark(tile: slice) -> Mask:
-            gap = self.gap[tile]
-            low = gap < (level if levels is None else levels(tile))
-            if bearing is not None:
-                low |= bearing[tile]
-                return low
-            pressure = self.pressure[tile]
-            contact = pressure > 0.0
-            high = gap > level
-            high |= pressure < self._limits(tile)
-            return np.where(contact, high, low)
-
-        return active_cells(self.gap, mark)
+        return self._bounds.release(self.gap, self.pressure, bearing, level, levels)
 
     def _find_released(self, state: ActiveState) -> ReleasedCells:
         """Return the active cells on a bound."""
@@ -187,10 +193,6 @@ class Descent:
         if not self._capped:
             return ReleasedCells(low, _NO_CELLS)
         return ReleasedCells(low, np.flatnonzero(state.active.mark(state.pressure >= state.active.limits(self._limit))))
-
-    def _limits(self, tile: slice) -> Array:
-        """Return the pressure limits of a tile, one entry or a flat field."""
-        return self._limit if self._limit.size == 1 else self._limit[tile]
 
     def _find_level(self, inside: Mask, weights: RealArray) -> float:
         """Return the gap below which open cells, and above which saturated cells, are released."""
@@ -206,13 +208,6 @@ class Descent:
     def _gather_pressure(self, active: ActiveCells) -> Array:
         """Return the vector of the pressure; without a limit no other cell has any, so that it may be the field."""
         return active.gather(self.pressure) if self._capped else active.share(self.pressure)
-
-    def _inside(self, pressure: Array, limit: Array) -> Mask:
-        """Return the mask of the pressures strictly inside the bounds."""
-        inside = pressure > 0.0
-        if self._capped:
-            inside &= pressure < limit
-        return inside
 
     def _find_direction(self, state: ActiveState, released: ReleasedCells, residual: RealArray) -> RealArray | None:
         """Return the first of conjugate, preconditioned and plain gradient that lowers the energy; None without one."""
@@ -248,8 +243,7 @@ class Descent:
                 trial = self._control.feasible(trial, state.pressure, state.weights, limit)
             step = np.subtract(trial, state.pressure, out=np.empty_like(trial, dtype=np.float32))
             field = state.active.scatter(step)
-            change = self._operator.apply(field.reshape(self._shape)).ravel()
-            self.products += 1
+            change = self._multiply(field.reshape(self._shape)).ravel()
             # The step is zero on all other cells: a vector that is a field needs no copy.
             curvature = dot(step, change if field is step else state.active.gather(change))
             if not math.isfinite(curvature):
@@ -259,7 +253,7 @@ class Descent:
             del trial
             if part > 0.0:
                 state.active.store(self.pressure, pressure)
-                self._add_to_gap(change, np.float32(part))
+                self._minimum = self._bounds.add(self.gap, change, np.float32(part), self.pressure)
                 self._step = field
                 self._change = change
                 self._curvature = part * curvature
@@ -270,17 +264,6 @@ class Descent:
                 return True
             self._length *= CAREFUL_LENGTH
         return False
-
-    def _add_to_gap(self, change: RealArray, part: np.float32) -> None:
-        """Add a part of a change, flat, to the gap, and find its minimum; the change is scaled to that part."""
-        gap = self.gap
-
-        def add(tile: slice) -> float:
-            change[tile] *= part
-            gap[tile] += change[tile]
-            return self._find_minimum(tile)
-
-        self._minimum = min(map_tiles(add, tiles_of(gap)))
 
     def _take_part(
         self, part: float, state: ActiveState, trial: Array, direction: RealArray, limit: Array, *, clipped: bool

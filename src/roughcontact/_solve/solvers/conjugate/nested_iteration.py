@@ -1,26 +1,22 @@
-"""Smaller grids: nested iteration from coarse grids to fine ones, and the part of a free domain that can touch."""
+"""Starts of a pressure: from coarser grids, or from another load; and the part of a free domain that can touch."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TypeVar
 
 import attrs
 import numpy as np
 
-from roughcontact._base.arrays import Array, IntArray, Mask, RealArray, sum_of_products
-from roughcontact._base.machine import map_tiles, tiles_of
-from roughcontact._parts.grid import Boundary, Grid, grid_shape
+from roughcontact._base.arrays import Array, IntArray, RealArray, sum_of_products
+from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._solve.convolvers import PreparedConvolution
-from roughcontact._solve.solution import GridLevel
-from roughcontact._solve.solvers.base import Monitor, Outcome, Step, Task, starting_pressure
-from roughcontact._solve.solvers.conjugate.refinement import NearlyFull, Refinement
+from roughcontact._solve.solvers.base import Outcome, Step, Task, starting_pressure
+from roughcontact._solve.solvers.conjugate.refinement import NearlyFull, PressureRefinement
+from roughcontact._solve.solvers.driver import Monitor
+from roughcontact._solve.solvers.grids import GridProblem, Guess, coarsen, interpolate, repeat_cells
 from roughcontact.errors.door import guarded
 
-Values = TypeVar("Values", RealArray, Mask)
-
-# Minimum cells along a halved axis, and maximum cells of the grid that estimates the approach.
-_MIN_COARSE_CELLS = 32
+# Maximum cells of the grid that estimates the approach.
 _MAX_ESTIMATE_CELLS = 64
 # Error and iterations at which a coarse solve ends, which its grid limits to that accuracy, and at which the solve that
 # estimates the approach ends.
@@ -40,137 +36,112 @@ _MAX_WINDOW_FRACTION = 0.7
 _NEARLY_FULL_FRACTION = 0.6
 
 
-@attrs.frozen(eq=False)
-class InitialGuess:
-    """A pressure to start from, shape (nx, ny), and the work on coarser grids.
+@attrs.frozen(eq=False, kw_only=True)
+class InitialGuess(Guess):
+    """A pressure to start from.
 
     Attributes
     ----------
     pressure
-        The pressure, within the bounds; near full contact that which closes every gap.
-    products
-        Cost in convolutions on the grid of the pressure.
+        The pressure, shape (nx, ny), within the bounds; near full contact that which closes every gap.
     closed
         Whether the pressure closes every gap: it is then the solution.
     met_limit
         Whether the pressure limit shortened a step on any coarser grid.
     nearly_full
         Near full contact the gap to start from, from which the pressure follows.
+    displacement
+        The displacement by the pressure, if it was found.
     """
 
     pressure: Array
-    products: float
-    levels: tuple[GridLevel, ...] = ()
     closed: bool = False
     met_limit: bool = False
     nearly_full: NearlyFull | None = None
+    displacement: RealArray | None = None
 
 
-def nested_iteration(convolution: PreparedConvolution, task: Task) -> InitialGuess:
-    """Return the pressure of the next coarser grid, itself solved by nested iteration, interpolated to the grid."""
-    halved = coarsen(convolution.setup.grid, task)
-    if halved is None:
-        return _guess_without_grids(convolution, task)
-    coarse = convolution.on(halved[0])
-    coarse_task = halved[1]
-    guess = nested_iteration(coarse, coarse_task)
-    gap = np.zeros(guess.pressure.shape, dtype=np.float32, like=guess.pressure)
-    if not guess.closed:
-        monitor = Monitor(coarse_task, _COARSE_TOLERANCE, _COARSE_ITERATIONS)
-        refinement = Refinement(coarse, coarse_task, monitor, guess.nearly_full)
-        pressure, gap = refinement.approximate(guess.pressure)
-        guess = attrs.evolve(
-            guess,
-            pressure=pressure,
-            products=guess.products + refinement.products,
-            levels=(*guess.levels, refinement.level),
-            met_limit=guess.met_limit or refinement.met_limit,
-        )
-    gap -= coarse_task.initial_gap
-    return _refine(convolution, task, coarse_task, guess, gap)
+@attrs.frozen(eq=False)
+class PressureOnGrid(GridProblem[InitialGuess]):
+    """A contact whose pressure is sought."""
 
+    def begin(self) -> InitialGuess:
+        """Return the pressure of full contact, or a uniform one, or that of the task."""
+        full = self.close()
+        if full is None or not full.is_closed(self.task.pressure_limit):
+            return InitialGuess(pressure=starting_pressure(self.task), products=0 if full is None else 1)
+        return InitialGuess(pressure=full.closing, products=1, closed=True)
 
-def start_from(convolution: PreparedConvolution, task: Task, start: Array) -> InitialGuess:
-    """Return a copy of a start, near full contact with its gap, as a guess."""
-    guess = InitialGuess(start.copy(), 0.0)
-    bearing = start > 0.0
-    if task.capped or np.count_nonzero(bearing) <= _NEARLY_FULL_FRACTION * start.size:
-        return guess
-    full = _close(convolution, task)
-    if full is None or not full.inverse.exact:
-        return attrs.evolve(guess, products=0 if full is None else 1)
-    if full.is_closed(task.pressure_limit):
-        return InitialGuess(full.closing, 1, closed=True)
-    gap = convolution.apply(start.astype(np.float32))
-    gap += task.initial_gap
-    gap -= np.float32(sum_of_products(start, gap) / float(start.sum()))
-    nearly_full = attrs.evolve(full, gap=np.where(bearing, np.float32(0.0), np.maximum(gap, np.float32(0.0))))
-    return InitialGuess(full.closing, 2, nearly_full=nearly_full)
+    def start_from(self, start: Array) -> InitialGuess:
+        """Return a copy of a start, near full contact with its gap, as a guess."""
+        task = self.task
+        guess = InitialGuess(pressure=start.copy())
+        bearing = start > 0.0
+        if task.capped or np.count_nonzero(bearing) <= _NEARLY_FULL_FRACTION * start.size:
+            return guess
+        full = self.close()
+        if full is None or not full.inverse.exact:
+            return attrs.evolve(guess, products=0 if full is None else 1)
+        if full.is_closed(task.pressure_limit):
+            return InitialGuess(pressure=full.closing, products=1, closed=True)
+        gap = self.convolution.apply(start.astype(np.float32))
+        gap += task.initial_gap
+        gap -= np.float32(sum_of_products(start, gap) / float(start.sum()))
+        nearly_full = attrs.evolve(full, gap=np.where(bearing, np.float32(0.0), np.maximum(gap, np.float32(0.0))))
+        return InitialGuess(pressure=full.closing, products=2, nearly_full=nearly_full)
 
+    def close(self) -> NearlyFull | None:
+        """Return the pressure that closes every gap of a periodic surface at a load, without regard to its bounds."""
+        if self.convolution.setup.boundary is not Boundary.PERIODIC or self.task.mean_pressure is None:
+            return None
+        inverse = self.convolution.inverse()
+        closing = self.task.mean_pressure - inverse.apply(self.task.initial_gap)
+        return NearlyFull(inverse, closing, np.zeros(closing.shape, dtype=np.float32, like=closing))
 
-def _refine(
-    convolution: PreparedConvolution, task: Task, coarse: Task, guess: InitialGuess, displacement: RealArray
-) -> InitialGuess:
-    """Return a guess on a grid from the guess on the coarser grid and its displacement.
+    def improve(self, guess: InitialGuess) -> InitialGuess:
+        """Return a guess after a few iterations in float32."""
+        gap = np.zeros(guess.pressure.shape, dtype=np.float32, like=guess.pressure)
+        if not guess.closed:
+            monitor = Monitor(self.task, _COARSE_TOLERANCE, _COARSE_ITERATIONS)
+            refinement = PressureRefinement(self.convolution, self.task, monitor, guess.nearly_full)
+            pressure, gap = refinement.approximate(guess.pressure)
+            met_limit = guess.met_limit or refinement.met_limit
+            guess = guess.after(refinement.level, pressure=pressure, met_limit=met_limit)
+        gap -= self.task.initial_gap
+        return attrs.evolve(guess, displacement=gap)
 
-    The pressure is interpolated where the coarse grid is in contact, and where the gap is negative.
-    """
-    pressure = guess.pressure
-    shape = task.initial_gap.shape
-    fx, fy = (n // m for n, m in zip(shape, pressure.shape, strict=True))
-    products = guess.products / (fx * fy)
-    gap = interpolate(displacement, fx, fy)
-    gap += task.initial_gap
-    is_open = (gap >= 0.0) & ~repeat_cells(pressure > 0.0, fx, fy)
-    contact = np.count_nonzero(pressure) / pressure.size
-    if contact == 1.0 or (contact > _NEARLY_FULL_FRACTION and not task.capped):
-        full = _close(convolution, task)
-        products += 0 if full is None else 1
-        if full is not None and full.is_closed(task.pressure_limit):
-            return InitialGuess(full.closing, products, guess.levels, closed=True)
-        if full is not None and full.inverse.exact and not task.capped:
-            nearly_full = attrs.evolve(full, gap=np.where(is_open, gap, np.float32(0.0)))
-            # The pressure follows from that of full contact and the gap.
-            return InitialGuess(full.closing, products, guess.levels, guess.met_limit, nearly_full=nearly_full)
-    fine = interpolate(pressure, fx, fy)
-    np.maximum(fine, 0.0, out=fine)
-    np.copyto(fine, 0.0, where=is_open)
-    met_limit = guess.met_limit
-    if task.capped:
-        # Parabolas overshoot.
-        met_limit = met_limit or bool((fine > task.pressure_limit).any())
-        np.copyto(fine, task.pressure_limit, where=repeat_cells(pressure >= coarse.pressure_limit, fx, fy))
-        np.minimum(fine, task.pressure_limit, out=fine)
-    return InitialGuess(fine, products, guess.levels, met_limit=met_limit)
+    def refine(self, coarse: PressureOnGrid, guess: InitialGuess, fx: int, fy: int) -> InitialGuess:
+        """Return a guess from that on the coarser grid.
 
-
-def repeat_cells(values: Values, fx: int, fy: int) -> Values:
-    """Return the values on the grid with fx x fy cells for each."""
-    return np.repeat(np.repeat(values, fy, axis=1), fx, axis=0)
-
-
-@guarded
-def halve_shape(shape: tuple[int, int]) -> tuple[int, int]:
-    """Return the cells of the next coarser grid: even axes of at least 64 cells are halved.
-
-    Examples
-    --------
-    >>> import roughcontact as rc
-    >>> rc.solving.halve_shape((128, 45))
-    (64, 45)
-    """
-    nx, ny = (n // 2 if n % 2 == 0 and n // 2 >= _MIN_COARSE_CELLS else n for n in grid_shape(shape))
-    return nx, ny
-
-
-def coarsen(grid: Grid, task: Task) -> tuple[Grid, Task] | None:
-    """Return the grid with all even and long axes halved, and its task; None if there is no such axis."""
-    shape = halve_shape(grid.shape)
-    if shape == grid.shape:
-        return None
-    half = Grid(shape, grid.size)
-    gap, limit = (_average(values, half.shape) for values in (task.initial_gap, task.pressure_limit))
-    return half, attrs.evolve(task, initial_gap=gap, pressure_limit=limit)
+        The pressure is interpolated where the coarse grid is in contact, and where the gap is negative.
+        """
+        task = self.task
+        pressure = guess.pressure
+        assert guess.displacement is not None
+        gap = interpolate(guess.displacement, fx, fy)
+        gap += task.initial_gap
+        guess = attrs.evolve(guess, displacement=None, nearly_full=None)
+        is_open = (gap >= 0.0) & ~repeat_cells(pressure > 0.0, fx, fy)
+        contact = np.count_nonzero(pressure) / pressure.size
+        if contact == 1.0 or (contact > _NEARLY_FULL_FRACTION and not task.capped):
+            full = self.close()
+            guess = attrs.evolve(guess, products=guess.products + (0 if full is None else 1))
+            if full is not None and full.is_closed(task.pressure_limit):
+                return attrs.evolve(guess, pressure=full.closing, closed=True, met_limit=False)
+            if full is not None and full.inverse.exact and not task.capped:
+                nearly_full = attrs.evolve(full, gap=np.where(is_open, gap, np.float32(0.0)))
+                # The pressure follows from that of full contact and the gap.
+                return attrs.evolve(guess, pressure=full.closing, closed=False, nearly_full=nearly_full)
+        fine = interpolate(pressure, fx, fy)
+        np.maximum(fine, 0.0, out=fine)
+        np.copyto(fine, 0.0, where=is_open)
+        met_limit = guess.met_limit
+        if task.capped:
+            # Parabolas overshoot.
+            met_limit = met_limit or bool((fine > task.pressure_limit).any())
+            np.copyto(fine, task.pressure_limit, where=repeat_cells(pressure >= coarse.task.pressure_limit, fx, fy))
+            np.minimum(fine, task.pressure_limit, out=fine)
+        return attrs.evolve(guess, pressure=fine, closed=False, met_limit=met_limit)
 
 
 @guarded
@@ -205,67 +176,10 @@ def estimate_approach(convolution: PreparedConvolution, task: Task) -> tuple[flo
         half = coarser
     coarse = convolution.on(half[0])
     coarse_task = half[1]
-    refinement = Refinement(coarse, coarse_task, Monitor(coarse_task, _ESTIMATE_TOLERANCE, _ESTIMATE_ITERATIONS))
-    _, violation, _ = refinement.run(_guess_without_grids(coarse, coarse_task).pressure)
+    monitor = Monitor(coarse_task, _ESTIMATE_TOLERANCE, _ESTIMATE_ITERATIONS)
+    refinement = PressureRefinement(coarse, coarse_task, monitor)
+    _, violation, _ = refinement.run(PressureOnGrid(coarse, coarse_task).begin().pressure)
     return violation.approach, refinement.met_limit
-
-
-def _close(convolution: PreparedConvolution, task: Task) -> NearlyFull | None:
-    """Return the pressure that closes every gap of a periodic surface at a load, without regard to its bounds."""
-    if convolution.setup.boundary is not Boundary.PERIODIC or task.mean_pressure is None:
-        return None
-    inverse = convolution.inverse()
-    closing = task.mean_pressure - inverse.apply(task.initial_gap)
-    return NearlyFull(inverse, closing, np.zeros(closing.shape, dtype=np.float32, like=closing))
-
-
-def _guess_without_grids(convolution: PreparedConvolution, task: Task) -> InitialGuess:
-    full = _close(convolution, task)
-    if full is None or not full.is_closed(task.pressure_limit):
-        return InitialGuess(starting_pressure(task), 0 if full is None else 1)
-    return InitialGuess(full.closing, 1, closed=True)
-
-
-def _average(values: Array, shape: tuple[int, int]) -> Array:
-    """Return the means of fine cells on a grid of `shape`, with one or both axes halved; one entry stays."""
-    if values.size == 1:
-        return values
-    cells = values.size
-    if values.shape[0] > shape[0]:
-        values = values[0::2] + values[1::2]
-    if values.shape[1] > shape[1]:
-        values = values[:, 0::2] + values[:, 1::2]
-    return values / (cells // values.size)
-
-
-def interpolate(values: RealArray, fx: int, fy: int) -> RealArray:
-    """Interpolate by parabolas through three cell centres along the axes that were halved; the values repeat."""
-    # The second axis, whose steps are not contiguous, comes first, while there are fewer rows.
-    if fy == 2:
-        coarse = values
-        fine = np.empty((values.shape[0], 2 * values.shape[1]), dtype=values.dtype, like=values)
-        map_tiles(lambda rows: _double(coarse[rows], fine[rows], 1), tiles_of(coarse))
-        values = fine
-    if fx == 2:
-        rough = values
-        smooth = np.empty((2 * values.shape[0], values.shape[1]), dtype=values.dtype, like=values)
-        map_tiles(lambda columns: _double(rough[:, columns], smooth[:, columns], 0), tiles_of(rough.T))
-        values = smooth
-    return values
-
-
-def _double(coarse: RealArray, fine: RealArray, axis: int) -> None:
-    """Interpolate along an axis, a quarter of a coarse cell to both sides of its centre."""
-    middle = 0.9375 * coarse
-    near = 0.15625 * coarse
-    far = 0.09375 * coarse
-    for first, step in ((0, 1), (1, -1)):
-        values = middle + np.roll(near, step, axis=axis)
-        values -= np.roll(far, -step, axis=axis)
-        if axis == 0:
-            fine[first::2] = values
-        else:
-            fine[:, first::2] = values
 
 
 @attrs.frozen(eq=False)

@@ -11,8 +11,8 @@ import numpy as np
 from roughcontact._base.arrays import IntArray, Mask, Pair, RealArray, sum_of_products
 from roughcontact._base.checks import integer, number, numbers
 from roughcontact._solve.convolvers import InverseConvolution, PreparedConvolution
-from roughcontact._solve.solvers.conjugate.active import ActiveCells, Partition, divide
-from roughcontact._solve.solvers.projection import dot, total
+from roughcontact._solve.solvers.driver import Work
+from roughcontact._solve.solvers.passes import ActiveCells, Levels, Partition, divide, dot, total
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 
@@ -65,15 +65,15 @@ class PunchWeights:
     product is only repeated after many cells have changed.
     """
 
-    def __init__(self, inverse: InverseConvolution, shape: tuple[int, int]) -> None:
+    def __init__(self, inverse: InverseConvolution, shape: tuple[int, int], work: Work) -> None:
         self._inverse = inverse
         self._shape = shape
+        self._work = work
         self._mask: Mask = np.zeros(0, dtype=bool)
         # M 1 on all cells, flat.
         self._field: RealArray = np.zeros(0, dtype=np.float32)
         self._stencil: RealArray | None = None
         self._changed = 0
-        self.products = 0
         # Whether the weights were computed anew, because many cells have changed.
         self.renewed = False
 
@@ -90,8 +90,7 @@ class PunchWeights:
         if self.renewed:
             self._changed = 0
         if changed is None or self.renewed or (changed.size and not self._inverse.local):
-            self.products += 1
-            self._field = self._inverse.apply(active.scatter(active.ones).reshape(self._shape)).ravel()
+            self._field = self._work.invert(self._inverse, active.scatter(active.ones).reshape(self._shape)).ravel()
         elif changed.size:
             self._add(changed, np.where(mask[changed], np.float32(1.0), np.float32(-1.0)))
         self._mask = mask
@@ -156,19 +155,14 @@ class ExtendedInverse:
     excluded or treated on its own.
     """
 
-    def __init__(self, inverse: InverseConvolution, shape: tuple[int, int]) -> None:
+    def __init__(self, inverse: InverseConvolution, shape: tuple[int, int], work: Work) -> None:
         self._inverse = inverse
         self._shape = shape
+        self._work = work
         self._average = _BlockAverage.of(inverse)
         self._mask: Mask | None = None
         # Zero on active cells; elsewhere the reciprocal weight of the active cells.
         self._factor: RealArray = np.zeros(0, dtype=np.float32, like=inverse.stiffness)
-        self._averages = 0
-
-    @property
-    def products(self) -> int:
-        """Products so far: an average takes a quarter of one."""
-        return -(-self._averages // 4)
 
     def update(self, active: ActiveCells) -> None:
         """Set the active cells."""
@@ -191,7 +185,8 @@ class ExtendedInverse:
         return active.gather(field[:nx, :ny].copy().ravel())
 
     def _apply_average(self, field: RealArray) -> RealArray:
-        self._averages += 1
+        # An average takes a quarter of a product.
+        self._work.inverse += 0.25
         return self._average.apply(field)
 
     def _embed(self, flat: RealArray) -> RealArray:
@@ -267,26 +262,20 @@ class Preconditioner:
     without the first correction.
     """
 
-    def __init__(self, inverse: InverseConvolution, convolution: PreparedConvolution, *, rigid: bool) -> None:
+    def __init__(
+        self, inverse: InverseConvolution, convolution: PreparedConvolution, work: Work, *, rigid: bool
+    ) -> None:
+        self.work = work
         self._inverse = inverse
         self._convolution = convolution
         self._rigid = rigid
         self._shape = convolution.setup.grid.shape
-        self._extended = ExtendedInverse(inverse, self._shape) if is_steep(inverse) else None
-        if self._extended is None:
-            self._punch = PunchWeights(inverse, self._shape)
-        else:
-            spacing = convolution.setup.grid.spacing
-            self._punch = PunchWeights(half_space_inverse(inverse, spacing), self._shape)
+        self._extended = ExtendedInverse(inverse, self._shape, work) if is_steep(inverse) else None
+        if self._extended is not None:
+            inverse = half_space_inverse(inverse, convolution.setup.grid.spacing)
+        self._punch = PunchWeights(inverse, self._shape, work)
         self._rigid_correction: RigidCorrection | None = None
         self._coarse_correction: CoarseCorrection | None = None
-        self._products = 0
-
-    @property
-    def products(self) -> int:
-        """Products so far."""
-        extended = 0 if self._extended is None else self._extended.products
-        return self._products + self._punch.products + extended
 
     def weights(self, active: ActiveCells) -> RealArray:
         """Return the vector of flat-punch weights M 1 of the active cells, above zero."""
@@ -298,7 +287,7 @@ class Preconditioner:
             self._coarse_correction = CoarseCorrection(self._inverse, self._shape, active, weights)
         if self._rigid and self._punch.renewed:
             self._rigid_correction = RigidCorrection(self._convolution, active, weights)
-            self._products += 2
+            self.work.inverse += 2
         return weights
 
     def apply(self, active: ActiveCells, weights: RealArray, residual: RealArray) -> RealArray:
@@ -313,13 +302,13 @@ class Preconditioner:
             return image
         return self._rigid_correction.apply(active, image, residual, weights)
 
-    def levels(self, weights: RealArray, gap: RealArray, level: np.float32) -> Callable[[slice], RealArray] | None:
+    def levels(self, weights: RealArray, gap: RealArray, level: np.float32) -> Levels:
         """Return the level below which open cells are released; see `SupportsPreconditioning`."""
         correction = self._coarse_correction
         return None if correction is None else correction.levels(weights, gap, level)
 
     def _apply_masked(self, active: ActiveCells, vector: RealArray) -> RealArray:
-        self._products += 1
+        self.work.inverse += 1
         if self._extended is not None:
             self._extended.update(active)
             return self._extended.apply(active, vector)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import reduce
 from typing import ClassVar
 
 import attrs
@@ -14,20 +15,16 @@ from roughcontact._solve.convolvers import PreparedConvolution
 from roughcontact._solve.solution import Status
 from roughcontact._solve.solvers.base import (
     DEFAULT_TOLERANCE,
-    Monitor,
     Outcome,
     Solver,
     Task,
     iteration_limit,
     positive_tolerance,
 )
-from roughcontact._solve.solvers.conjugate.nested_iteration import (
-    GridSolution,
-    nested_iteration,
-    solve_in_window,
-    start_from,
-)
-from roughcontact._solve.solvers.conjugate.refinement import Refinement
+from roughcontact._solve.solvers.conjugate.nested_iteration import GridSolution, PressureOnGrid, solve_in_window
+from roughcontact._solve.solvers.conjugate.refinement import PressureRefinement
+from roughcontact._solve.solvers.driver import Monitor
+from roughcontact._solve.solvers.grids import climb
 from roughcontact._solve.solvers.spectral_gradient import SpectralGradient
 
 # Maximum iterations for a given approach before a search over loads, if that is possible: 40 and 160 change the
@@ -117,19 +114,20 @@ class ProjectedConjugateGradient(Solver):
     def _descend(self, convolution: PreparedConvolution, task: Task) -> GridSolution:
         """Solve on all cells of the convolution, by a second method if the first stalls."""
         given = task.start
-        start = nested_iteration(convolution, task) if given is None else start_from(convolution, task, given)
+        pressed = PressureOnGrid(convolution, task)
+        start = climb(pressed) if given is None else pressed.start_from(given)
         searchable = _can_search_loads(convolution, task)
         patience = min(self.max_iterations, _MAX_APPROACH_ITERATIONS) if searchable else self.max_iterations
         monitor = Monitor(task, self.tolerance, patience)
-        refinement = Refinement(convolution, task, monitor, start.nearly_full)
+        refinement = PressureRefinement(convolution, task, monitor, start.nearly_full)
         start = attrs.evolve(start, nearly_full=None)
         # Far from the solution an approximate gap is enough. What is only an argument can be freed by who gets it.
         improves = bool(start.levels) and not start.closed
         pressure, violation, status = refinement.run(
             refinement.approximate(start.pressure)[0] if improves else start.pressure
         )
-        outcome = monitor.outcome(pressure, status, round(start.products + refinement.products))
-        outcome = attrs.evolve(outcome, levels=(*start.levels, refinement.level))
+        work = start.after(refinement.level)
+        outcome = monitor.outcome(pressure, status, work.products, work.levels)
         if status is Status.STALLED or (searchable and status is Status.MAXIMUM_ITERATIONS):
             outcome = self._rescue(convolution, task, outcome)
         return GridSolution(outcome, violation.approach, start.met_limit or refinement.met_limit)
@@ -191,13 +189,8 @@ class ProjectedConjugateGradient(Solver):
             if beyond or not low < trial < high:
                 trial = 0.5 * (low + high) if math.isfinite(low) else high - 1.0
             missing = trial
-        return Outcome(
-            pressure=pressure,
-            status=status or Status.STALLED,
-            iterations=sum(outcome.iterations for outcome in work),
-            convolutions=sum(outcome.convolutions + 1 for outcome in work),
-            errors=tuple(error for outcome in work for error in outcome.errors),
-        )
+        whole = attrs.evolve(reduce(_append, work), pressure=pressure, status=status or Status.STALLED, levels=())
+        return attrs.evolve(whole, convolutions=whole.convolutions + len(work))
 
 
 def _append(before: Outcome, after: Outcome) -> Outcome:

@@ -17,8 +17,9 @@ from roughcontact._base.registry import Registry
 from roughcontact._parts.grid import Boundary
 from roughcontact._solve.convolvers import ShearConvolution, WaveMatrix
 from roughcontact._solve.solution import Status
-from roughcontact._solve.solvers.base import DEFAULT_TOLERANCE, judge_error
-from roughcontact._solve.solvers.conjugate.active import ListedCells
+from roughcontact._solve.solvers.base import DEFAULT_TOLERANCE
+from roughcontact._solve.solvers.driver import Log
+from roughcontact._solve.solvers.passes import ListedCells
 from roughcontact._solve.solvers.shear.discs import ForceControl, magnitude, natural_residual
 from roughcontact.errors import InputError
 
@@ -178,10 +179,6 @@ class Verified:
         terms = float(np.abs(response).max() + np.abs(system.offset).max() + np.abs(self.displacement).max())
         self.floor = _ROUNDING * terms / own / float(system.limit.max())
 
-    def judge(self, tolerance: float) -> Status | None:
-        """Return the status of the solve; None while it should continue."""
-        return judge_error(self.residual, self.floor, tolerance)
-
 
 class ShearSystem:
     """A task on the cells that have a limit, in units in which limits and displacements are near one.
@@ -200,8 +197,8 @@ class ShearSystem:
         Given displacement, zero along an axis with a given force; shape (2,).
     own
         Displacement of a cell by a unit shear on it: the mean of both axes.
-    products
-        Products with the kernel or its inverse so far.
+    iterations, products
+        Iterations, and products with the kernel or its inverse, so far.
     """
 
     def __init__(self, convolution: ShearConvolution, task: ShearTask) -> None:
@@ -222,7 +219,7 @@ class ShearSystem:
         self.control = ForceControl(force / self._stress, axes)
         given = np.array([0.0 if one is None else one for one in task.displacement])
         self.displacement = given / self._length
-        self.products = 0
+        self.iterations = self.products = 0
 
     @cached_property
     def inverse(self) -> WaveMatrix:
@@ -289,14 +286,14 @@ class ShearSystem:
         """Return the shear to start from."""
         return np.zeros((2, self.limit.size)) if task.start is None else self.gather(task.start) / self._stress
 
-    def outcome(self, found: Verified, status: Status, iterations: int) -> ShearOutcome:
+    def outcome(self, found: Verified, status: Status) -> ShearOutcome:
         """Return the outcome of a solve."""
         x, y = (float(one) for one in found.displacement * self._length)
         return ShearOutcome(
             shear=self.scatter(found.shear) * self._stress,
             displacement=(x, y),
             residual=found.residual,
-            iterations=iterations,
+            iterations=self.iterations,
             products=self.products,
             status=status,
         )
@@ -305,9 +302,9 @@ class ShearSystem:
 def solve_shear(
     convolution: ShearConvolution,
     task: ShearTask,
-    descend: Callable[[ShearSystem, Verified, ShearTask], tuple[Verified, Status, int]],
+    descend: Callable[[ShearSystem, Verified, Log, float], tuple[Verified, Status]],
 ) -> ShearOutcome:
-    """Return the outcome of a descent on the cells with a limit, which returns shear, status and iterations."""
+    """Return the outcome of a descent to a tolerance on the cells with a limit."""
     if not task.limit.any():
         x, y = (one or 0.0 for one in task.displacement)
         return ShearOutcome(
@@ -319,4 +316,5 @@ def solve_shear(
             status=Status.CONVERGED,
         )
     system = ShearSystem(convolution, task)
-    return system.outcome(*descend(system, Verified(system, system.start(task)), task))
+    log = Log(task.limit.shape, task.max_iterations)
+    return system.outcome(*descend(system, Verified(system, system.start(task)), log, task.tolerance))

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from functools import cached_property
 
 import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array, Mask, RealArray, sum_of_products
-from roughcontact._solve.solvers.base import IdleCount
+from roughcontact._solve.solution import Status
 from roughcontact._solve.solvers.conjugate.descent import (
     CAREFUL_LENGTH,
     FIRST_LENGTH,
@@ -17,11 +18,13 @@ from roughcontact._solve.solvers.conjugate.descent import (
     SHORTENED_STEP_PART,
     choose_part,
 )
+from roughcontact._solve.solvers.driver import Log, Method, iterate
 from roughcontact._solve.solvers.shear.base import ShearSystem, Verified
 from roughcontact._solve.solvers.shear.discs import MIN_SIZE, dot, magnitude
-from roughcontact._solve.solvers.shear.face import Face
-from roughcontact._solve.solvers.shear.preconditioner import PunchWeights
+from roughcontact._solve.solvers.shear.preconditioner import CoarseCorrection, PunchWeights, Weights
 
+# Maximum curvature: its product with the shear of such a cell, below the limit, stays in the range of float32.
+_MAX_CURVATURE = 1e30
 # Maximum rejected steps of an iteration: 0.3^20 = 3e-11 of the first is below the rounding of float32.
 _MAX_BACKTRACKS = 20
 # Maximum part of a step, where the energy hardly bends.
@@ -39,6 +42,101 @@ _MAX_IDLE_ITERATIONS = 12
 
 
 @attrs.frozen(eq=False)
+class Face:
+    """The directions in which the shear may change, and the curvature of the circles.
+
+    Attributes
+    ----------
+    system
+        The task.
+    punch
+        The weights of the last face.
+    slips
+        Cells that slip along their circle, shape (n,).
+    normal
+        Outward direction where a cell slips, zero where it sticks, shape (2, n).
+    curvature
+        Outward slip over the limit, which the circle adds to the kernel, float32, shape (n,); zero where a cell sticks.
+    """
+
+    system: ShearSystem
+    punch: PunchWeights
+    slips: Mask
+    normal: Array
+    curvature: RealArray
+
+    @classmethod
+    def find(cls, system: ShearSystem, punch: PunchWeights, shear: Array, slip: Array) -> Face:
+        """Return the face of a shear: a cell slips if it lies on its circle and its slip points outwards."""
+        outward = dot(shear, slip) / system.limit**2
+        slips = system.find_on_circle(shear) & (outward > 0.0)
+        curvature = np.minimum(slips * outward, _MAX_CURVATURE).astype(np.float32)
+        return cls(system=system, punch=punch, slips=slips, normal=shear * (slips / system.limit), curvature=curvature)
+
+    def move_to(self, shear: Array) -> Face:
+        """Return the face with the directions of another shear."""
+        return attrs.evolve(self, normal=shear * (self.slips / self.system.limit))
+
+    @cached_property
+    def normal_float32(self) -> RealArray:
+        """The outward direction in float32."""
+        return self.normal.astype(np.float32)
+
+    def restrict(self, vectors: RealArray) -> RealArray:
+        """Return the part of vectors along the circle where a cell slips, and the vectors elsewhere."""
+        normal = self.normal_float32 if vectors.dtype == np.float32 else self.normal
+        outward = normal * dot(normal, vectors)
+        return np.subtract(vectors, outward, out=outward)
+
+    @cached_property
+    def ease(self) -> RealArray:
+        """How easily a cell follows a displacement, 1 where it sticks: own over own plus curvature; float32."""
+        own = np.float32(self.system.own)
+        return np.asarray(own / (self.curvature + own))
+
+    @cached_property
+    def weights(self) -> Weights:
+        """The shear if all cells are displaced alike."""
+        return self.punch.find(self.slips, self.normal_float32, self.ease)
+
+    def _solve_for_mean(self, total: Array) -> RealArray:
+        """Return the displacement of all cells that changes the force by a total, float32, shape (2, 1)."""
+        mean = self.system.control.solve_on_axes(self.weights.total, total)
+        return mean.astype(np.float32)[:, np.newaxis]
+
+    def find_residual(self, slip: Array) -> RealArray:
+        """Return the slip in the face without its mean along axes with a given force, float32."""
+        # Along the circle it is a small part of the slip.
+        inside = self.restrict(slip).astype(np.float32)
+        return inside - self.restrict(self._solve_for_mean(self.weights.multiply(inside).sum(axis=1)))
+
+    def balance(self, vectors: RealArray) -> RealArray:
+        """Return vectors in the face that do not change the given force, float32."""
+        inside = self.restrict(vectors)
+        inside -= self.weights.multiply(self._solve_for_mean(inside.sum(axis=1)))
+        return inside
+
+    def precondition(self, residual: RealArray) -> RealArray:
+        r"""Return the preconditioned residual, in the face.
+
+        With the inverse kernel M, the curvature :math:`\lambda` and a cell's own coefficient k it is
+        :math:`R M R + (1 - D) / (\lambda + k)`, :math:`D = k / (k + \lambda)`, :math:`R = \sqrt D`: near the edge of
+        the contact, where the limit falls to zero, the curvature is far above the kernel.
+        """
+        root = np.sqrt(self.ease)
+        preconditioned = self.system.multiply_inverse(root * residual)
+        preconditioned *= root
+        preconditioned += (self.ease - self.ease * self.ease) / np.float32(self.system.own) * residual
+        weights = self.weights
+        if self.punch.is_full:
+            return self.balance(preconditioned)
+        corrected = preconditioned - CoarseCorrection(self.system, weights).apply(residual)
+        # Where weights ring, the correction may turn the direction uphill.
+        is_downhill = sum_of_products(residual, corrected) > 0.0
+        return self.balance(corrected if is_downhill else preconditioned)
+
+
+@attrs.frozen(eq=False)
 class _Taken:
     """The last step, its product with the kernel, and the product of both."""
 
@@ -47,7 +145,7 @@ class _Taken:
     curvature: float
 
 
-class ShearDescent:
+class ShearDescent(Method):
     """Lowers the energy by preconditioned conjugate gradients on the faces of the discs.
 
     The step length is guessed, the step projected on the discs with the force restored, its displacement computed, and
@@ -56,13 +154,14 @@ class ShearDescent:
     the kernel and one with its inverse, and a further one only while many cells move around their circles.
     """
 
+    patience = _MAX_IDLE_ITERATIONS
+
     def __init__(self, system: ShearSystem) -> None:
         self._system = system
         self._punch = PunchWeights(system)
         self._length = FIRST_LENGTH
-        self.iterations = 0
 
-    def run(self, start: Verified, goal: float, max_iterations: int) -> Array:
+    def run(self, start: Verified, goal: float, log: Log) -> Array:
         """Return a shear whose residual is estimated to reach a goal, or is as low as float32 allows."""
         self._shear = start.shear
         # The slip is that of the shear less what lags behind.
@@ -71,19 +170,12 @@ class ShearDescent:
         self._last: _Taken | None = None
         self._error = _FORCE_ERROR * goal
         self._length = max(self._length, CAREFUL_LENGTH)
-        idles = IdleCount()
-        while self.iterations < max_iterations:
-            self.iterations += 1
-            if not self._iterate():
-                break
-            residual = self._estimate()
-            if residual <= goal or idles.add(residual) == _MAX_IDLE_ITERATIONS:
-                break
+        iterate(self, log, goal, math.inf)
         on_circle = self._system.find_on_circle(self._shear)
         return self._system.control.project(self._shear, self._system.limit, circle=on_circle)[0]
 
-    def _estimate(self) -> float:
-        """Return the residual; the displacement of the bodies is chosen anew."""
+    def measure(self) -> tuple[float, float]:
+        """Return the estimated residual, and no rounding; the displacement of the bodies is chosen anew."""
         system = self._system
         trial = self._local_slip()
         trial /= system.own
@@ -92,14 +184,15 @@ class ShearDescent:
         self._slip += shift[:, np.newaxis]
         # That is the natural residual, but for its unit.
         nearest -= self._shear
-        return math.sqrt(float(dot(nearest, nearest).max())) / float(system.limit.max())
+        return math.sqrt(float(dot(nearest, nearest).max())) / float(system.limit.max()), 0.0
 
     def _local_slip(self) -> Array:
         """Return the slip with the effect of what lags on its own cells."""
         return self._slip - np.float32(self._system.own) * self._lag
 
-    def _iterate(self) -> bool:
-        """Make one step; return whether there is one that lowers the energy."""
+    def step(self) -> Status | None:
+        """Make one step that lowers the energy, if there is one."""
+        self._system.iterations += 1
         slip = self._local_slip()
         face = Face.find(self._system, self._punch, self._shear, slip)
         residual = face.find_residual(slip)
@@ -107,11 +200,11 @@ class ShearDescent:
         direction = self._conjugate(face, residual, preconditioned)
         for _ in range(_MAX_BACKTRACKS):
             if self._move(face, residual, direction):
-                return True
+                return None
             if direction is preconditioned:
                 self._length *= CAREFUL_LENGTH
             direction = preconditioned
-        return False
+        return Status.STALLED
 
     def _conjugate(self, face: Face, residual: RealArray, preconditioned: RealArray) -> RealArray:
         """Return the direction that is conjugate to the last step, or the preconditioned residual."""

@@ -6,7 +6,7 @@ import attrs
 
 from roughcontact._solve.convolvers import ShearConvolution
 from roughcontact._solve.solution import Status
-from roughcontact._solve.solvers.base import IdleCount
+from roughcontact._solve.solvers.driver import Log, Refinement, iterate
 from roughcontact._solve.solvers.shear.base import (
     ShearOutcome,
     ShearSolver,
@@ -41,18 +41,41 @@ class ProjectedShearCG(ShearSolver):
 
     def solve(self, convolution: ShearConvolution, task: ShearTask) -> ShearOutcome:
         """Return the shear; see `ShearSolver.solve`."""
-        return solve_shear(convolution, task, _descend)
+        return solve_shear(convolution, task, _refine)
 
 
-def _descend(system: ShearSystem, best: Verified, task: ShearTask) -> tuple[Verified, Status, int]:
-    """Return the shear from a start, how the solve ended, and the iterations."""
-    descent = ShearDescent(system)
-    idles = IdleCount(best.residual)
-    while (status := best.judge(task.tolerance)) is None and descent.iterations < task.max_iterations:
-        goal = max(_GOAL_FRACTION * max(task.tolerance, best.floor), _FLOAT32_GAIN * best.residual)
-        found = Verified(system, descent.run(best, goal, task.max_iterations))
-        best = found if found.residual < best.residual else best
-        if idles.add(found.residual) == _MAX_IDLE_PASSES:
-            found, status, iterations = descend_by_gradients(system, best, task, descent.iterations)
-            return found, Status.RESCUED if status is Status.CONVERGED else status, iterations
-    return best, status or Status.MAXIMUM_ITERATIONS, descent.iterations
+class _ShearRefinement(Refinement):
+    """The best shear so far, from which each descent starts."""
+
+    patience = _MAX_IDLE_PASSES
+    verifies = True
+    goal_fraction = _GOAL_FRACTION
+    gain = _FLOAT32_GAIN
+
+    def __init__(self, system: ShearSystem, start: Verified, log: Log, tolerance: float) -> None:
+        self._system = system
+        self._descent = ShearDescent(system)
+        self._log = log
+        self._tolerance = tolerance
+        self._found = self.best = start
+
+    def measure(self) -> tuple[float, float]:
+        """Return the residual of the shear found last, and that by rounding."""
+        found = self._found
+        self.best = found if found.residual < self.best.residual else self.best
+        self.target = max(self._tolerance, self.best.floor)
+        return found.residual, self.best.floor
+
+    def descend(self, goal: float) -> None:
+        """Lower the residual in float32."""
+        self._found = Verified(self._system, self._descent.run(self.best, goal, self._log))
+
+
+def _refine(system: ShearSystem, start: Verified, log: Log, tolerance: float) -> tuple[Verified, Status]:
+    """Return the shear, by a second method if the first stalls, and how the solve ended."""
+    refinement = _ShearRefinement(system, start, log, tolerance)
+    status = iterate(refinement, log, tolerance)
+    if status is not Status.STALLED:
+        return refinement.best, status
+    found, status = descend_by_gradients(system, refinement.best, log, tolerance)
+    return found, Status.RESCUED if status is Status.CONVERGED else status

@@ -5,9 +5,10 @@ from __future__ import annotations
 import attrs
 import numpy as np
 
-from roughcontact._base.arrays import sum_of_products
+from roughcontact._base.arrays import Array, sum_of_products
 from roughcontact._solve.convolvers import ShearConvolution
 from roughcontact._solve.solution import Status
+from roughcontact._solve.solvers.driver import Log, iterate
 from roughcontact._solve.solvers.shear.base import (
     ShearOutcome,
     ShearSolver,
@@ -16,7 +17,7 @@ from roughcontact._solve.solvers.shear.base import (
     Verified,
     solve_shear,
 )
-from roughcontact._solve.solvers.spectral_gradient import SpectralSearch
+from roughcontact._solve.solvers.spectral_gradient import ProjectedGradients
 
 
 @attrs.frozen
@@ -38,24 +39,36 @@ class SpectralShearGradient(ShearSolver):
         return solve_shear(convolution, task, descend_by_gradients)
 
 
-def descend_by_gradients(
-    system: ShearSystem, found: Verified, task: ShearTask, iterations: int = 0
-) -> tuple[Verified, Status, int]:
-    """Return the shear from a start, how the solve ended, and the iterations, of which some may have been made."""
-    search = SpectralSearch(1.0 / system.own)
-    while (status := found.judge(task.tolerance)) is None:
-        if iterations >= task.max_iterations:
-            return found, Status.MAXIMUM_ITERATIONS, iterations
-        iterations += 1
-        # With the force restored, the displacement of an axis with a given force does not matter.
-        step = system.control.project(found.shear + search.length * found.slip, system.limit)[0] - found.shear
-        if not step.any():
-            return found, Status.STALLED, iterations
-        slope = -sum_of_products(found.slip, step)
-        trial = Verified(system, found.shear + step)
+class _ShearGradients(ProjectedGradients):
+    """The energy of a shear; where the force is given it is restored, so that the displacement there has no effect."""
+
+    def __init__(self, system: ShearSystem, start: Verified) -> None:
+        super().__init__(lambda values: system.control.project(values, system.limit)[0], sum_of_products)
+        self._system = system
+        self.length = 1.0 / system.own
+        self.found = start
+
+    def measure(self) -> tuple[float, float]:
+        """Return the residual, and that by rounding."""
+        self.point = self.found.shear
+        self.gradient = -self.found.slip
+        return self.found.residual, self.found.floor
+
+    def look_ahead(self, step: Array, slope: float) -> tuple[float, float, float]:
+        """Return the energy before and after a step, and its curvature."""
+        self._system.iterations += 1
+        found = self.found
+        self._trial = trial = Verified(self._system, self.point + step)
         turned = found.slip - trial.slip - (found.displacement - trial.displacement)[:, np.newaxis]
-        part = search.find_part(
-            found.energy, trial.energy, slope, sum_of_products(step, turned), sum_of_products(step, step)
-        )
-        found = trial if part == 1.0 else Verified(system, found.shear + part * step)
-    return found, status, iterations
+        return found.energy, trial.energy, sum_of_products(step, turned)
+
+    def move(self, step: Array, part: float, end: Array) -> None:
+        """Take a part of a step."""
+        self.found = self._trial if part == 1.0 else Verified(self._system, self.point + part * step)
+
+
+def descend_by_gradients(system: ShearSystem, start: Verified, log: Log, tolerance: float) -> tuple[Verified, Status]:
+    """Return the shear from a start, and how the solve ended."""
+    method = _ShearGradients(system, start)
+    status = iterate(method, log, tolerance)
+    return method.found, status

@@ -1,4 +1,11 @@
-"""The active cells, whose pressure may change, and vectors on them."""
+"""The passes: what a solver does to fields and vectors beside its products.
+
+Active cells, whose pressure may change, gather vectors of fields, scatter and store them, sum them over blocks and
+spread blocks. Bounds find active cells, release others, add to a gap and find its minimum. Two passes reduce vectors,
+`dot` and `total`. Between grids `interpolate` and `coarsen` (`grids`), and `project_to_weighted_load` (`projection`),
+are the others. Numbers leave a pass, never an array that only the next one reads, so that one compiled, or on the slabs
+of several processes, or on a device, may take its place.
+"""
 
 from __future__ import annotations
 
@@ -16,6 +23,8 @@ from roughcontact._base.machine import map_tiles, tiles_of
 # Fraction of active cells above which fields with zeros are faster than lists of cells; 0.2 and 0.8 change the
 # CPU time by less than 3 % (docs/studies/solver_constants.py).
 _DENSE_FRACTION = 0.4
+# Product of float32 vectors below which terms below 1e-38, the minimum of float32, may be lost.
+_UNDERFLOW_PRODUCT = 1e-30
 # Maximum fraction of rows with active cells for transforms of these alone; above, it costs memory and saves little.
 _SPARSE_ROW_FRACTION = 0.5
 
@@ -109,7 +118,7 @@ class ListedCells:
         firsts = np.arange(0, nx * ny, ny, like=self.cells)
         rows, columns = (np.asarray(part, like=self.cells) for part in (partition.rows, partition.columns))
         columns = columns.take(self.cells - np.repeat(firsts, counts), mode="wrap")
-        return _ListedBlocks(np.repeat(rows * partition.blocks[1], counts) + columns, partition)
+        return _ListedBlocks(partition, np.repeat(rows * partition.blocks[1], counts) + columns)
 
 
 @attrs.frozen(eq=False)
@@ -158,14 +167,34 @@ class MaskedCells:
 
 
 ActiveCells: TypeAlias = ListedCells | MaskedCells
+Levels: TypeAlias = Callable[[slice], RealArray] | None
 
 
 @attrs.frozen(eq=False)
-class _ListedBlocks:
+class _Blocks:
+    """Active cells by blocks of a partition."""
+
+    partition: Partition
+
+    def tiles(self, values: RealArray) -> Callable[[slice], RealArray]:
+        """Return the flat field with the value of its block on each cell, as a function of the tile."""
+        partition = self.partition
+        strips = np.take(values, partition.columns, axis=1)
+        length = partition.shape[1]
+
+        def spread(tile: slice) -> RealArray:
+            first = tile.start // length
+            found: RealArray = strips[partition.rows[first : -(-tile.stop // length)]].ravel()
+            return found[tile.start - first * length : tile.stop - first * length]
+
+        return spread
+
+
+@attrs.frozen(eq=False)
+class _ListedBlocks(_Blocks):
     """Listed cells with the number of the block of each."""
 
     numbers: IntArray
-    partition: Partition
 
     def sums(self, vector: RealArray) -> RealArray:
         """Return the sum over each block, shape (bx, by)."""
@@ -176,16 +205,10 @@ class _ListedBlocks:
         """Return the vector with the value of its block, shape (bx, by), on each cell."""
         return values.ravel().take(self.numbers, mode="wrap")
 
-    def tiles(self, values: RealArray) -> Callable[[slice], RealArray]:
-        """Return the flat field with the value of its block on each cell, as a function of the tile."""
-        return _spread_in_tiles(values, self.partition)
-
 
 @attrs.frozen(eq=False)
-class _MaskedBlocks:
+class _MaskedBlocks(_Blocks):
     """Masked cells by blocks; see `_ListedBlocks`."""
-
-    partition: Partition
 
     def sums(self, vector: RealArray) -> RealArray:
         """Return the sum over each block, shape (bx, by)."""
@@ -205,22 +228,6 @@ class _MaskedBlocks:
         """Return the values of the blocks on each cell, also where a vector, by which it is multiplied, is zero."""
         return np.take(values[self.partition.rows], self.partition.columns, axis=1).ravel()
 
-    def tiles(self, values: RealArray) -> Callable[[slice], RealArray]:
-        """Return the flat field with the value of its block on each cell, as a function of the tile."""
-        return _spread_in_tiles(values, self.partition)
-
-
-def _spread_in_tiles(values: RealArray, partition: Partition) -> Callable[[slice], RealArray]:
-    strips = np.take(values, partition.columns, axis=1)
-    length = partition.shape[1]
-
-    def spread(tile: slice) -> RealArray:
-        first = tile.start // length
-        found: RealArray = strips[partition.rows[first : -(-tile.stop // length)]].ravel()
-        return found[tile.start - first * length : tile.stop - first * length]
-
-    return spread
-
 
 def active_cells(field: RealArray, mark: Callable[[slice], Mask]) -> ActiveCells:
     """Return the active cells of a flat field in the faster form; `mark` returns the mask of a tile."""
@@ -235,3 +242,90 @@ def active_cells(field: RealArray, mark: Callable[[slice], Mask]) -> ActiveCells
     found = map_tiles(find, tiles_of(field))
     count = sum(cells.size for cells in found)
     return MaskedCells(mask, count) if count > _DENSE_FRACTION * mask.size else ListedCells(mask, np.concatenate(found))
+
+
+def limits_at(limit: Array, index: Mask | slice) -> Array:
+    """Return the pressure limits of the indexed cells; a limit of one entry holds for all."""
+    return limit if limit.size == 1 else limit[index]
+
+
+@attrs.frozen(eq=False)
+class Bounds:
+    """The bounds of a pressure: zero, and a limit, flat, of one entry or one for each cell, or `inf`."""
+
+    limit: Array
+
+    @cached_property
+    def capped(self) -> bool:
+        """Whether the pressure of any cell is limited."""
+        return bool(np.isfinite(self.limit).any())
+
+    def inside(self, pressure: Array, limit: Array) -> Mask:
+        """Return the mask of the pressures strictly inside the bounds, from the limits of their cells."""
+        inside = pressure > 0.0
+        if self.capped:
+            inside &= pressure < limit
+        return inside
+
+    def find_inside(self, pressure: Array) -> ActiveCells:
+        """Return the cells strictly inside the bounds."""
+        return active_cells(pressure, lambda tile: self.inside(pressure[tile], limits_at(self.limit, tile)))
+
+    def release(
+        self, gap: RealArray, pressure: Array, bearing: Mask | None, level: np.float32, levels: Levels
+    ) -> ActiveCells:
+        """Return the cells inside the bounds, and those released from a bound by the sign of their gap.
+
+        Parameters
+        ----------
+        gap, pressure
+            Both, flat.
+        bearing
+            The cells inside the bounds, which without a limit are all in contact; None: found from the pressure.
+        level
+            The gap below which open cells, and above which saturated ones, are released.
+        levels
+            The same for open cells, by tiles; None: it is the same everywhere.
+        """
+
+        def mark(tile: slice) -> Mask:
+            low = gap[tile] < (level if levels is None else levels(tile))
+            if bearing is not None:
+                low |= bearing[tile]
+                return low
+            high = gap[tile] > level
+            high |= pressure[tile] < limits_at(self.limit, tile)
+            return np.where(pressure[tile] > 0.0, high, low)
+
+        return active_cells(gap, mark)
+
+    def minimum(self, gap: RealArray, pressure: Array) -> float:
+        """Return the minimum gap of the cells that are not saturated: they must not overlap."""
+        return min(map_tiles(lambda tile: self._minimum(gap, pressure, tile), tiles_of(gap)))
+
+    def add(self, gap: RealArray, change: RealArray, part: np.float32, pressure: Array) -> float:
+        """Add a part of a change, flat, to the gap, and return its minimum; the change is scaled to that part."""
+
+        def add(tile: slice) -> float:
+            change[tile] *= part
+            gap[tile] += change[tile]
+            return self._minimum(gap, pressure, tile)
+
+        return min(map_tiles(add, tiles_of(gap)))
+
+    def _minimum(self, gap: RealArray, pressure: Array, tile: slice) -> float:
+        outside = pressure[tile] < limits_at(self.limit, tile) if self.capped else True
+        return float(np.minimum.reduce(gap[tile], where=outside, initial=np.inf))
+
+
+def total(vector: RealArray) -> float:
+    """Return the sum of a vector, in float64."""
+    return float(np.add.reduce(vector, dtype=np.float64))
+
+
+def dot(one: RealArray, other: RealArray) -> float:
+    """Return the product of two vectors, without the threads of a BLAS."""
+    product = float(np.einsum("i,i->", one, other))
+    if abs(product) < _UNDERFLOW_PRODUCT:
+        product = float(np.einsum("i,i->", one, other, dtype=np.float64, casting="same_kind"))
+    return product

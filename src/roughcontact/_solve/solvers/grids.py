@@ -1,0 +1,152 @@
+"""Nested grids: a problem starts from the next coarser grid, on which it starts from the next one."""
+
+from __future__ import annotations
+
+import abc
+from typing import Any, Generic, Self, TypeVar
+
+import attrs
+import numpy as np
+
+from roughcontact._base.arrays import Array, Mask, RealArray
+from roughcontact._base.machine import map_tiles, tiles_of
+from roughcontact._parts.grid import Grid, grid_shape
+from roughcontact._solve.convolvers import PreparedConvolution
+from roughcontact._solve.solution import GridLevel
+from roughcontact._solve.solvers.base import Task
+from roughcontact.errors.door import guarded
+
+Values = TypeVar("Values", RealArray, Mask)
+
+# Minimum cells along a halved axis.
+_MIN_COARSE_CELLS = 32
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class Guess:
+    """A field to start from on one grid, and the work on coarser ones.
+
+    Attributes
+    ----------
+    products
+        Cost in convolutions on the grid of the field.
+    levels
+        The work on each coarser grid.
+    """
+
+    products: float = 0.0
+    levels: tuple[GridLevel, ...] = ()
+
+    def after(self, level: GridLevel, **changes: Any) -> Self:
+        """Return a guess after further work on its grid."""
+        products = self.products + level.double + level.single + level.inverse
+        return attrs.evolve(self, products=products, levels=(*self.levels, level), **changes)
+
+
+Found = TypeVar("Found", bound=Guess)
+
+
+@attrs.frozen(eq=False)
+class GridProblem(abc.ABC, Generic[Found]):
+    """A problem on one grid, which can be started on coarser ones."""
+
+    convolution: PreparedConvolution
+    task: Task
+
+    def coarser(self) -> Self | None:
+        """Return the problem on the next coarser grid; None if there is none."""
+        half = coarsen(self.convolution.setup.grid, self.task)
+        return None if half is None else attrs.evolve(self, convolution=self.convolution.on(half[0]), task=half[1])
+
+    @abc.abstractmethod
+    def begin(self) -> Found:
+        """Return a start without coarser grids."""
+
+    @abc.abstractmethod
+    def improve(self, guess: Found) -> Found:
+        """Return a guess after a few iterations."""
+
+    @abc.abstractmethod
+    def refine(self, coarse: Self, guess: Found, fx: int, fy: int) -> Found:
+        """Return a guess from that on the coarser grid, whose cells have fx x fy ones here."""
+
+
+def climb(problem: GridProblem[Found]) -> Found:
+    """Return the start of a problem from the next coarser grid, itself found so."""
+    coarse = problem.coarser()
+    if coarse is None:
+        return problem.begin()
+    guess = coarse.improve(climb(coarse))
+    fx, fy = (n // m for n, m in zip(problem.task.initial_gap.shape, coarse.task.initial_gap.shape, strict=True))
+    return problem.refine(coarse, attrs.evolve(guess, products=guess.products / (fx * fy)), fx, fy)
+
+
+@guarded
+def halve_shape(shape: tuple[int, int]) -> tuple[int, int]:
+    """Return the cells of the next coarser grid: even axes of at least 64 cells are halved.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> rc.solving.halve_shape((128, 45))
+    (64, 45)
+    """
+    nx, ny = (n // 2 if n % 2 == 0 and n // 2 >= _MIN_COARSE_CELLS else n for n in grid_shape(shape))
+    return nx, ny
+
+
+def coarsen(grid: Grid, task: Task) -> tuple[Grid, Task] | None:
+    """Return the grid with all even and long axes halved, and its task; None if there is no such axis."""
+    shape = halve_shape(grid.shape)
+    if shape == grid.shape:
+        return None
+    gap, limit = (_average(values, shape) for values in (task.initial_gap, task.pressure_limit))
+    interaction = None if task.interaction is None else task.interaction.convert(lambda values: _average(values, shape))
+    return Grid(shape, grid.size), attrs.evolve(task, initial_gap=gap, pressure_limit=limit, interaction=interaction)
+
+
+def repeat_cells(values: Values, fx: int, fy: int) -> Values:
+    """Return the values on the grid with fx x fy cells for each."""
+    return np.repeat(np.repeat(values, fy, axis=1), fx, axis=0)
+
+
+def _average(values: Array, shape: tuple[int, int]) -> Array:
+    """Return the means of fine cells on a grid of `shape`, with one or both axes halved; one entry stays."""
+    if values.size == 1:
+        return values
+    cells = values.size
+    if values.shape[0] > shape[0]:
+        values = values[0::2] + values[1::2]
+    if values.shape[1] > shape[1]:
+        values = values[:, 0::2] + values[:, 1::2]
+    return values / (cells // values.size)
+
+
+def interpolate(values: RealArray, fx: int, fy: int) -> RealArray:
+    """Interpolate by parabolas through three cell centres along the axes that were halved; the values repeat."""
+    # The second axis, whose steps are not contiguous, comes first, while there are fewer rows.
+    if fy == 2:
+        coarse = values
+        fine = np.empty((values.shape[0], 2 * values.shape[1]), dtype=values.dtype, like=values)
+        map_tiles(lambda rows: _double(coarse[rows], fine[rows], 1), tiles_of(coarse))
+        values = fine
+    if fx == 2:
+        rough = values
+        smooth = np.empty((2 * values.shape[0], values.shape[1]), dtype=values.dtype, like=values)
+        map_tiles(lambda columns: _double(rough[:, columns], smooth[:, columns], 0), tiles_of(rough.T))
+        values = smooth
+    return values
+
+
+def _double(coarse: RealArray, fine: RealArray, axis: int) -> None:
+    """Interpolate along an axis, a quarter of a coarse cell to both sides of its centre."""
+    middle = 0.9375 * coarse
+    near = 0.15625 * coarse
+    far = 0.09375 * coarse
+    for first, step in ((0, 1), (1, -1)):
+        values = middle + np.roll(near, step, axis=axis)
+        values -= np.roll(far, -step, axis=axis)
+        if axis == 0:
+            fine[first::2] = values
+        else:
+            fine[:, first::2] = values
