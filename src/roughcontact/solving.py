@@ -31,12 +31,14 @@ from roughcontact._solve.problem import (
     confirm,
     gather_slabs,
     long_waves_on_slabs,
+    make_random_rows,
     make_solution,
     make_task,
     multiply_on_slabs,
     require_certified,
     require_memory_of_solve,
     stiffness_on_slabs,
+    symbol_of_columns,
 )
 from roughcontact._solve.solution import ContactConditions, GridLevel, Whole, find_patches
 from roughcontact._solve.solvers import (
@@ -77,6 +79,7 @@ __all__ = [
     "gather_slabs",
     "halve_shape",
     "long_waves_on_slabs",
+    "make_random_rows",
     "make_solution",
     "make_task",
     "multiply_on_slabs",
@@ -89,4 +92,5 @@ __all__ = [
     "solve_on_cells",
     "starting_pressure",
     "stiffness_on_slabs",
+    "symbol_of_columns",
 ]

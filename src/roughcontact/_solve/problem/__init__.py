@@ -70,8 +70,10 @@ from roughcontact._solve.problem.slabs import SlabProcesses as SlabProcesses
 from roughcontact._solve.problem.slabs import Slabs as Slabs
 from roughcontact._solve.problem.slabs import gather_slabs as gather_slabs
 from roughcontact._solve.problem.slabs import long_waves_on_slabs as long_waves_on_slabs
+from roughcontact._solve.problem.slabs import make_random_rows as make_random_rows
 from roughcontact._solve.problem.slabs import multiply_on_slabs as multiply_on_slabs
 from roughcontact._solve.problem.slabs import stiffness_on_slabs as stiffness_on_slabs
+from roughcontact._solve.problem.slabs import symbol_of_columns as symbol_of_columns
 from roughcontact._solve.problem.step_numbers import StepNumbers as StepNumbers
 from roughcontact._solve.problem.sweep import Sweep as Sweep
 from roughcontact._solve.problem.sweep import order_of_solving as order_of_solving

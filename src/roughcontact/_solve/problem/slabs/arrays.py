@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 from numpy.lib.mixins import NDArrayOperatorsMixin
 
+from roughcontact._base.arrays import RealArray
 from roughcontact._solve.problem.slabs import functions
 from roughcontact._solve.problem.slabs.processes import SlabProcesses
 from roughcontact.errors import InputError
@@ -157,6 +158,11 @@ class SlabArray(NDArrayOperatorsMixin):
         if self.is_divided:
             raise functions.unknown("asarray")
         return self.part
+
+    def gather(self) -> RealArray | None:
+        """Return all rows of a field as an array of numpy on the first process; None on the others."""
+        found: RealArray | None = self.processes.gather_rows(self.part, self.shape[0], first=True)
+        return found
 
     def ravel(self) -> Self:
         """Return the entries along one axis."""

@@ -10,7 +10,6 @@ from typing import Any, ClassVar, TypeVar, final
 import attrs
 import numpy as np
 
-from roughcontact._base.arrays import Array
 from roughcontact._parts.grid import Boundary, Grid, Load
 from roughcontact._parts.kernels import InfluenceKernel
 from roughcontact._parts.materials import Material
@@ -93,7 +92,7 @@ class Slabs(Whole):
 
     def gather(self, solution: Any) -> ContactSolution | None:
         """Return the whole solution on the first process, certified anew there; None on the others."""
-        pressure, gap = (self.gather_field(field) for field in (solution.pressure, solution.initial_gap))
+        pressure, gap = solution.pressure.gather(), solution.initial_gap.gather()
         if pressure is None or gap is None:
             return None
         body = Body(HeightMap(-gap, solution.grid.size), self.scene.body.material)
@@ -109,11 +108,6 @@ class Slabs(Whole):
         )
         found = certify(problem.plan, problem.convolution, problem.initial_gap, task, outcome, seconds=solution.seconds)
         return attrs.evolve(found, origin=Origin(problem.parts, self.load.arguments, source=problem))
-
-    def gather_field(self, field: Any) -> Array | None:
-        """Return all rows of a field as an array of numpy on the first process."""
-        found: Array | None = field.processes.gather_rows(field.part, field.shape[0], first=True)
-        return found
 
 
 class SlabContacts(abc.ABC):

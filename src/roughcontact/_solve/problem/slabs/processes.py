@@ -21,6 +21,8 @@ from roughcontact.errors import NotConverged, RoughContactError, UnexpectedError
 _PRECEDENCE = 1.0
 # Exit status of a process that was interrupted.
 _INTERRUPTED = 130
+# Columns that are transformed at a time: few enough for the cache.
+_COLUMNS = 32
 # The fewest tiles of an array, so that those of small ones take little memory too.
 _TILES = 4
 
@@ -140,6 +142,10 @@ class SlabProcesses:
         step = max(1, min(most, (whole.stop - whole.start) // _TILES))
         for start in range(whole.start, whole.stop, step):
             yield slice(start, min(start + step, whole.stop))
+
+    def tiles_of_columns(self, whole: slice, *, padded: bool) -> Iterator[slice]:
+        """Yield parts of columns that are padded, or not, and transformed one after the other."""
+        return self.tiles(whole, _COLUMNS)
 
     def gather_rows(self, values: Any, count: int, *, first: bool = False) -> Any:
         """Return all rows of fields, shape (..., count, ny), on each process, or on the first one alone.

@@ -18,8 +18,6 @@ from roughcontact._solve.convolvers import ConvolutionSetup, Convolver, Prepared
 from roughcontact._solve.problem.slabs.processes import SlabProcesses, in_tiles
 from roughcontact.errors import InputError
 
-# Columns that are transformed at a time: few enough for the cache.
-_COLUMNS = 32
 # Values of a tile of rows, with what its transform takes: few enough to save memory.
 _TILE_VALUES = 2**16
 # Values that a process sends to another at a time, from which on an exchange is divided.
@@ -141,7 +139,7 @@ def multiply_on_slabs(
     for block in range(transpose.blocks):
         columns = transpose.forward(waves, block)
         own = transpose.own(block)
-        tiles = [*processes.tiles(own, _COLUMNS)]
+        tiles = [*processes.tiles_of_columns(own, padded=mx > nx)]
         if len(tiles) == 1:
             columns = multiply(columns, factors(own))
         else:
