@@ -134,5 +134,5 @@ def test_the_area_does_not_depend_on_the_orientation():
         for estimator in ("cell-count", "perimeter", "level-set", "hertz", "blend"):
             assert one.area(estimator).value == pytest.approx(other.area(estimator).value, rel=1e-6)
         assert one.area("perimeter").value < one.area("cell-count").value
-    with pytest.raises(rc.InputError, match="asked of a contact on slabs must be one of blend, .* but got 'MeanGap'"):
+    with pytest.raises(rc.InputError, match=r"asked of a contact on slabs must be one of blend, .* but got 'MeanGap'"):
         one.response("mean-gap")

@@ -165,7 +165,12 @@ ROUGH = np.random.default_rng(0).normal(size=(32, 32))
 @pytest.mark.parametrize(
     ("heights", "material", "given", "words"),
     [
-        (ROUGH, STEEL, {"pressure": 1e7}, "The heights must be a SlabTensor, an array in slabs as of read_heights, or a SelfAffineSurface"),
+        (
+            ROUGH,
+            STEEL,
+            {"pressure": 1e7},
+            "The heights must be a SlabTensor, an array in slabs as of read_heights, or a SelfAffineSurface",
+        ),
         (slab(ROUGH), STEEL, {"pressure": 1e7, "boundary": "wrapped"}, "The boundary on slabs must be 'free'"),
         (slab(ROUGH), STEEL, {}, "exactly one"),
         (slab(np.zeros((32, 32))), STEEL, {"pressure": 1e7}, "The heights are all the same"),

@@ -200,10 +200,8 @@ class Part(Whole):
         heights = np.diff(self.bounds).tolist()
         packed = np.concatenate([own[:, low:high].ravel() for low, high in itertools.pairwise(bounds)])
         counts = [own.shape[0] * width for width in widths]
-        # MPI does not know booleans of numpy.
-        sent = packed.view(np.uint8) if field.dtype == np.bool_ else packed
-        found = self.processes.exchange(sent, counts, [height * mine for height in heights])
-        return np.ascontiguousarray(found.view(field.dtype).reshape(self.shape[0], mine).T)
+        found = self.processes.exchange(packed, counts, [height * mine for height in heights])
+        return np.ascontiguousarray(found.reshape(self.shape[0], mine).T)
 
     def count_equal(self, keys: Array) -> IntArray:
         """Return how many keys of all processes are equal to each of a list."""

@@ -121,11 +121,11 @@ class Processes(SlabProcesses):
             return values
         counts = [int(count) for count in self.collect(values.size)]
         found = np.empty(sum(counts), dtype=values.dtype)
-        self.communicator.Allgatherv(values, _places(found, counts))
+        self.communicator.Allgatherv(_places(values, [values.size])[0], _places(found, counts))
         return found
 
 
 def _places(values: RealArray, counts: Sequence[int]) -> list[Any]:
-    """Return an array with the entries of each process in it, as MPI takes them."""
+    """Return an array with the entries of each process in it, as MPI takes them, which knows no booleans of numpy."""
     starts = np.concatenate(([0], np.cumsum(counts)[:-1])).tolist()
-    return [values, (list(counts), starts)]
+    return [values.view(np.uint8) if values.dtype == np.bool_ else values, (list(counts), starts)]

@@ -98,4 +98,3 @@ def solve_on_device(
     if throw:
         require_certified(solution)
     return solution
-

@@ -24,6 +24,7 @@ _OPERATIONS = {
     "lowest": distributed.ReduceOp.MIN,
 }
 
+
 class Processes(Tensors):
     """The processes that `torchrun` has started, each with a device, which solve one contact.
 
@@ -116,34 +117,6 @@ class Processes(Tensors):
         with _talking():
             distributed.all_to_all_single(numbers(found), numbers(values), list(expected), list(counts))
         return found
-
-    def widen(self, values: torch.Tensor, reach: int, *, periodic: bool) -> torch.Tensor:
-        """Return fields with rows of the neighbours before and behind those of this process.
-
-        Parameters
-        ----------
-        values
-            Shape (..., n, ny).
-        reach
-            Rows on either side, at most those of any process.
-        periodic
-            Whether the rows of the last process lie before those of the first one, or zeros.
-        """
-        neighbours = {"before": (self.rank - 1) % self.count, "behind": (self.rank + 1) % self.count}
-        first = values[..., :reach, :]
-        last = values[..., -reach:, :]
-        # Of two processes each is before and behind the other: their last rows, which lie before, go first.
-        sent = sorted(((neighbours["behind"], last), (neighbours["before"], first)), key=lambda pair: pair[0])
-        size = first.numel()
-        counts = [size * list(neighbours.values()).count(rank) for rank in range(self.count)]
-        found = torch.split(self.exchange(torch.cat([part.reshape(-1) for _, part in sent]), counts, counts), size)
-        sides = sorted(neighbours, key=lambda side: neighbours[side])
-        rows = {side: part.view(first.shape) for side, part in zip(sides, found, strict=True)}
-        if not periodic and self.rank == 0:
-            rows["before"] = torch.zeros_like(first)
-        if not periodic and self.rank == self.count - 1:
-            rows["behind"] = torch.zeros_like(first)
-        return torch.cat((rows["before"], values, rows["behind"]), -2)
 
 
 def _choose_device(name: str) -> torch.device:

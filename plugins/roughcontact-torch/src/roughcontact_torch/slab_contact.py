@@ -47,8 +47,8 @@ class Contacts(SlabContacts):
         if needed > left:
             raise NotEnoughMemory(
                 f"A solve on {' x '.join(map(str, grid.shape))} cells, boundary {boundary}, needs {binary(needed)} of "
-                f"memory for the slab of a process, but a device has only {binary(left)} left: start more processes, each "
-                "with a device, or choose fewer cells."
+                f"memory for the slab of a process, but a device has only {binary(left)} left: start more processes, "
+                "each with a device, or choose fewer cells."
             )
 
     @classmethod
@@ -78,7 +78,9 @@ class Contacts(SlabContacts):
         first = processes.rank == 0
         nx, ny = plan.grid.shape
         counts = [ny * (stop - start) if first else 0 for start, stop in itertools.pairwise(processes.rows(nx))]
-        rows = processes.exchange(sent, counts, [0 if other else field.tensor.numel() for other in range(processes.count)])
+        rows = processes.exchange(
+            sent, counts, [0 if other else field.tensor.numel() for other in range(processes.count)]
+        )
         statuses = list(rc.Status)
         own = (statuses.index(found.status), found.iterations, found.convolutions, len(found.errors))
         number, iterations, convolutions, length = (int(one) for one in processes.total(np.array(own) * first))

@@ -31,9 +31,7 @@ _WHOLE_CELLS = 256**2
 class SlabTorchFFT(SlabConvolver):
     """Multiplication in Fourier space on tensors, each process with its rows and columns."""
 
-    def convolve(
-        self, setup: ConvolutionSetup, symbol: torch.Tensor, padded: tuple[int, int]
-    ) -> PreparedConvolution:
+    def convolve(self, setup: ConvolutionSetup, symbol: torch.Tensor, padded: tuple[int, int]) -> PreparedConvolution:
         """Return the convolution by the columns of this process of the symbol."""
         return SlabConvolution(setup, of_all_rows(symbol, padded), padded, self.processes)
 

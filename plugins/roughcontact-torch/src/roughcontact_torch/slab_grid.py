@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Iterable
 from typing import cast
 
@@ -10,12 +9,8 @@ import attrs
 import torch
 from roughcontact.solving import multiply_on_slabs
 
-from roughcontact_torch.masked_grid import STENCIL_REACH, Axes, Blocks, MaskedGrid, interpolate, repeat, widen
+from roughcontact_torch.masked_grid import Axes, Blocks, MaskedGrid, interpolate, repeat, widen
 from roughcontact_torch.processes import Processes
-
-
-def _least_rows(processes: Processes, count: int) -> int:
-    return min(stop - start for start, stop in itertools.pairwise(processes.rows(count)))
 
 
 @attrs.frozen(eq=False)
@@ -50,11 +45,6 @@ class SlabGrid(MaskedGrid):
         own = self.processes.own_rows(self.shape[0])
         return own.stop - own.start, self.shape[1]
 
-    @property
-    def takes_stencil(self) -> bool:
-        """Whether the stencil reaches no cell twice, and no process beyond the next one."""
-        return super().takes_stencil and _least_rows(self.processes, self.shape[0]) >= STENCIL_REACH
-
     def total(self, values: torch.Tensor) -> torch.Tensor:
         """Return the sum over the cells of each contact, in float64."""
         return self.processes.reduce(super().total(values))
@@ -84,7 +74,9 @@ class SlabGrid(MaskedGrid):
 
     def widen(self, values: torch.Tensor, reach: int, *, periodic: bool) -> torch.Tensor:
         """Return fields with rows before and behind: those of other processes, or zeros."""
-        return self.processes.widen(values, reach, periodic=periodic)
+        # Those of a coarser grid are fewer.
+        count = self.shape[0] * values.shape[-2] // self.part[0]
+        return torch.stack([self.processes.widen(one, count, reach, periodic=periodic) for one in values])
 
     def blocks(self, mean: float) -> Blocks:
         """Return the blocks that resolve the long waves where weights have this mean over the padded grid."""

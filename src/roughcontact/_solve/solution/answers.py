@@ -86,7 +86,8 @@ class ContactAnswers(ShearFields):
         into the memory of this process. All processes must ask; the first gets the solution, certified anew, the others
         None.
         """
-        return self.parts.gather(self)
+        whole: Self | None = self.parts.gather(self)
+        return whole
 
     @property
     def _normal(self) -> Self:

@@ -9,7 +9,6 @@ import numpy as np
 
 from roughcontact._base.arrays import Array, IntArray, Mask, RealArray
 
-S = TypeVar("S")
 T = TypeVar("T")
 
 
@@ -36,7 +35,7 @@ class Whole:
         """Return further numbers by name: estimates, or values with their units."""
         return {}
 
-    def gather(self, solution: S) -> S | None:
+    def gather(self, solution: Any) -> Any:
         """Return the solution with all its fields as arrays of numpy; None on parts that do not get it."""
         return solution
 

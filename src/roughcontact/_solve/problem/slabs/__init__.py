@@ -3,7 +3,7 @@
 from roughcontact._solve.problem.slabs.arrays import SlabArray as SlabArray
 from roughcontact._solve.problem.slabs.contact import SlabContacts as SlabContacts
 from roughcontact._solve.problem.slabs.contact import Slabs as Slabs
-from roughcontact._solve.problem.slabs.functions import gather as gather_slabs
+from roughcontact._solve.problem.slabs.functions import gather_slabs as gather_slabs
 from roughcontact._solve.problem.slabs.processes import SlabProcesses as SlabProcesses
 from roughcontact._solve.problem.slabs.transforms import SlabConvolver as SlabConvolver
 from roughcontact._solve.problem.slabs.transforms import long_waves_on_slabs as long_waves_on_slabs

@@ -223,7 +223,7 @@ class SlabArray(NDArrayOperatorsMixin):
         if axis == 0:
             return self.processes.total_blocks(np.asarray(self.part.any(axis=0), dtype=np.int32)) > 0
         rows = np.asarray(self.part.any(axis=1))
-        return functions.gather(type(self).field(rows, self.processes, self.shape[0]))
+        return functions.gather_slabs(type(self).field(rows, self.processes, self.shape[0]))
 
     def all(self) -> Any:
         """Return whether all entries are true."""

@@ -82,7 +82,8 @@ class Slabs(Whole):
         heights = np.diff(processes.rows(solution.grid.shape[0]))
         number = f"{heights.min()} to {heights.max()}" if np.ptp(heights) else str(heights[0])
         slabs = f"{processes.count} processes, {number} rows on each" if processes.count > 1 else "1 process"
-        return {"slabs": slabs} | {"stiffness": str(one) for one in [self._answered.get("Stiffness")] if one}
+        stiffness = self._answered.get("Stiffness")
+        return {"slabs": slabs} if stiffness is None else {"slabs": slabs, "stiffness": str(stiffness)}
 
     def list_numbers(self, solution: Any) -> dict[str, Any]:
         """Return the number of processes, and the numbers of their answers."""
@@ -128,6 +129,7 @@ class SlabContacts(abc.ABC):
         return ProjectedConjugateGradient(tolerance)
 
     @classmethod
+    @abc.abstractmethod
     def require_memory(cls, processes: Any, grid: Grid, boundary: Boundary) -> None:
         """Refuse a contact that the processes, or their memory, do not allow."""
 
@@ -196,7 +198,7 @@ class SlabContacts(abc.ABC):
         Parameters
         ----------
         heights
-            Heights in slabs, shape (nx, ny), m: of the array of the plug-in, made by ``.field(own_rows, processes, nx)``
+            Heights in slabs, shape (nx, ny), m: an array of the plug-in, made by ``.field(own_rows, processes, nx)``
             with the rows ``processes.own_rows(nx)``; of two rough bodies the sum of both. Or a self-affine surface; see
             `make_heights`.
         size

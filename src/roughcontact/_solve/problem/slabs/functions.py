@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -83,12 +82,11 @@ def reduce(
     return own.dtype.type(found)
 
 
-def gather(values: Any) -> RealArray:
+def gather_slabs(values: Any) -> Any:
     """Return the whole of an array as one of numpy, on each process."""
     if not values.is_divided:
         return values.part
-    flat = _as_bytes(np.ascontiguousarray(values.part)).reshape(-1)
-    return values.processes.gather(flat).view(values.dtype).reshape(-1, *values.part.shape[1:])
+    return values.processes.gather(values.part.reshape(-1)).reshape(-1, *values.part.shape[1:])
 
 
 def get(values: Any, index: Any) -> Any:
@@ -178,22 +176,16 @@ def _window(values: Any, index: tuple[slice, slice]) -> tuple[tuple[int, ...], t
 
 def _get_window(values: Any, index: tuple[slice, slice]) -> Any:
     bounds, inside, count = _window(values, index)
-    columns = np.ascontiguousarray(values.part[:, index[1]])
-    part = values.processes.move_rows(_as_bytes(columns), bounds, inside).view(values.dtype)
+    part = values.processes.move_rows(values.part[:, index[1]], bounds, inside)
     return type(values).field(part, values.processes, count)
 
 
 def _put_window(values: Any, index: tuple[slice, slice], given: Any) -> None:
     bounds, inside, _ = _window(values, index)
     processes = values.processes
-    rows = processes.move_rows(_as_bytes(given.part), inside, bounds).view(given.dtype)
+    rows = processes.move_rows(given.part, inside, bounds)
     first = max(bounds[processes.rank], inside[0]) - bounds[processes.rank]
     values.part[first : first + rows.shape[0], index[1]] = rows
-
-
-def _as_bytes(values: RealArray) -> RealArray:
-    """Return rows in a type that MPI knows."""
-    return values.view(np.uint8) if values.dtype == np.bool_ else values
 
 
 def _create(function: Any, caller: Any, shape: Any, *args: Any, **options: Any) -> Any:
@@ -296,15 +288,5 @@ def _roll(values: Any, shift: int, axis: int) -> Any:
         return values.like(np.roll(values.part, shift, axis=1))
     if shift not in (-1, 1):
         raise unknown("roll")
-    processes = values.processes
-    count = values.shape[0]
-    bounds = processes.rows(count)
-    wanted = [
-        [] if start == stop else [(start - 1 if shift == 1 else stop) % count]
-        for start, stop in itertools.pairwise(bounds)
-    ]
-    halo = processes.fetch_rows(np.ascontiguousarray(values.part), bounds, wanted)
-    if not values.part.shape[0]:
-        return values
-    rows = (halo, values.part[:-1]) if shift == 1 else (values.part[1:], halo)
-    return values.like(np.concatenate(rows))
+    wide = values.processes.widen(values.part, values.shape[0], 1)
+    return values.like(wide[:-2] if shift == 1 else wide[2:])

@@ -1,4 +1,4 @@
-"""The processes of a contact that is divided among them: the rows and columns of each, and what they send each other."""
+"""The processes of a contact that is divided among them: the rows of each, and what they send each other."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ _TILES = 4
 class SlabProcesses:
     """The processes that solve one contact: rows and columns of each, and how they talk; this class is a single one.
 
-    Each calls the same functions in the same order, and gets the same numbers. Subclasses let several talk, by `collect`
-    and `exchange`; their slabs are arrays of numpy, or of a library with the same names.
+    Each calls the same functions in the same order, and gets the same numbers. Subclasses let several talk, by
+    `collect`, `gather` and `exchange`; their slabs are arrays of numpy, or of a library with the same names.
 
     Attributes
     ----------
@@ -213,6 +213,33 @@ class SlabProcesses:
         expected = np.bincount(owners, minlength=self.count).tolist()
         found = self.exchange_rows(values, places, expected)
         return found[np.argsort(np.argsort(owners, kind="stable"))]
+
+    def widen(self, values: Any, count: int, reach: int, *, periodic: bool = True) -> Any:
+        """Return the rows of this process of a field with those of the others before and behind them.
+
+        Parameters
+        ----------
+        values
+            The rows of this process; without any, none are returned.
+        count
+            Rows of the field.
+        reach
+            Rows on either side.
+        periodic
+            Whether the last rows of the field lie before the first ones, or zeros.
+        """
+        bounds = self.rows(count)
+        wanted = [
+            [row % count for row in (*range(start - reach, start), *range(stop, stop + reach))] if start < stop else []
+            for start, stop in itertools.pairwise(bounds)
+        ]
+        beside = self.fetch_rows(values, bounds, wanted)
+        before, behind = beside[:reach], beside[reach:]
+        if not periodic and self.rank == 0:
+            before = self.library.zeros_like(before)
+        if not periodic and self.rank == self.count - 1:
+            behind = self.library.zeros_like(behind)
+        return self.library.concatenate((before, values, behind))
 
     def move_rows(self, values: RealArray, source: Sequence[int], target: Sequence[int]) -> RealArray:
         """Return the rows of this process by other bounds, from those it has; bounds count in one field.

@@ -46,7 +46,7 @@ class Transpose:
     def width(self) -> int:
         """Columns of this process."""
         own = self.processes.own_columns(self.columns)
-        return own.stop - own.start
+        return int(own.stop - own.start)
 
     @property
     def blocks(self) -> int:
@@ -226,9 +226,7 @@ def symbol_of_columns(setup: ConvolutionSetup, padded: tuple[int, int], processe
     return _exchange(half, processes, processes.columns(waves), padded[1] // 2 + 1)
 
 
-def _rows_of_waves(
-    find: Callable[[slice], RealArray], processes: SlabProcesses, own: slice, length: int
-) -> Any:
+def _rows_of_waves(find: Callable[[slice], RealArray], processes: SlabProcesses, own: slice, length: int) -> Any:
     """Return the transforms along y of the even extensions of rows that are found a tile at a time."""
     half = processes.empty((own.stop - own.start, length // 2 + 1))
     for rows in processes.tiles(own, _TILE_VALUES // (2 * length)):
