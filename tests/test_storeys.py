@@ -13,9 +13,12 @@ import re
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
+import pytest
+
 import roughcontact
 
 ROOT = Path(roughcontact.__file__).parent
+PLUGINS = Path(__file__).parent.parent / "plugins"
 PAGE = Path(__file__).parent.parent / "docs" / "extend" / "architecture.md"
 
 
@@ -105,6 +108,31 @@ def test_rooms_import_each_other_in_no_circle():
 def test_files_import_each_other_in_no_circle():
     # A package stands for the files that its __init__ imports, so a file that imports its own package is a circle.
     assert find_circle(read_imports()) == ""
+
+
+@pytest.mark.parametrize("plugin", sorted(PLUGINS.glob("*/src/*/")), ids=lambda folder: folder.name)
+def test_files_of_a_plug_in_import_each_other_in_no_circle(plugin):
+    files = {".".join(path.relative_to(plugin.parent).with_suffix("").parts): path for path in plugin.rglob("*.py")}
+    graph = {}
+    for name, path in files.items():
+        nodes = [node for node in ast.walk(ast.parse(path.read_text("utf-8"))) if isinstance(node, ast.ImportFrom)]
+        named = {node.module for node in nodes} | {f"{node.module}.{one.name}" for node in nodes for one in node.names}
+        graph[name.removesuffix(".__init__")] = named & {*files}
+    assert len(graph) == len(files) > 0
+    assert find_circle(graph) == ""
+
+
+@pytest.mark.parametrize("plugin", ["roughcontact-mpi", "roughcontact-torch"])
+def test_solutions_of_slabs_and_devices_have_no_text_table_or_file_of_their_own(plugin):
+    owned = {"__str__", "describe", "table", "to_csv", "to_dict", "to_html", "to_xarray", "save", "load", "plot"}
+    classes = [
+        node
+        for path in (PLUGINS / plugin / "src").rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text("utf-8")))
+        if isinstance(node, ast.ClassDef) and node.name != "TorchFFT"
+    ]
+    assert len(classes) > 5
+    assert [one.name for one in classes if owned & {node.name for node in one.body if hasattr(node, "name")}] == []
 
 
 def test_most_imports_name_a_room_and_not_its_files():

@@ -20,14 +20,7 @@ from roughcontact._solve.problem.run import _are_close, _sample_modulus
 from roughcontact._solve.problem.sweep import order_of_solving
 from roughcontact._solve.problem.task import maximum_pressure, pressure_unit
 from roughcontact.results import Trial
-from roughcontact.solving import (
-    ContactConditions,
-    SlabProcesses,
-    SlabSolution,
-    make_task,
-    plan_slabs,
-    solve_slabs,
-)
+from roughcontact.solving import ContactConditions, make_task
 from roughcontact.typing import Load, replacing
 from scenes import make_problem
 
@@ -278,76 +271,3 @@ def test_a_sweep_is_solved_from_the_largest_load_down_and_told_in_the_order_that
     given = rc.ContactProblem(body, grid=rc.Grid((16, 16), 16.0), boundary="periodic", threads=1)
     asked = [0.02, 0.05, 0.01]
     np.testing.assert_allclose(given.sweep(pressure=asked).mean_pressure, asked)
-
-
-@pytest.mark.parametrize(("boundary", "convolver"), [("periodic", rc.CircularFFT()), ("free", rc.DCFFT())])
-@pytest.mark.parametrize("hardness", [None, 50e6])
-def test_slabs_of_one_process_are_the_solution_of_a_problem(boundary, convolver, hardness):
-    grid = rc.Grid((96, 34), (300e-6, 319e-6))
-    material = rc.Elastic(2e9, 0.25) if hardness is None else rc.ElasticPerfectlyPlastic(2e9, 0.25, hardness)
-    heights = WAVE.heights(grid)
-    options = {"boundary": boundary, "kernel": "love", "tolerance": 1e-6, "convolver": convolver}
-    seen = []
-    scene, plan = plan_slabs(heights, grid, material, require=lambda *given: seen.append(given), **options)
-    found = solve_slabs(SlabSolution, scene, plan, Load.of(pressure=20e6))
-    body = rc.Body(rc.HeightMap(heights, grid.size), material)
-    solver = rc.ProjectedConjugateGradient(1e-6)
-    expected = rc.ContactProblem(body, boundary=boundary, solver=solver, threads=1).solve(pressure=20e6)
-    assert seen == [(grid, rc.Boundary(boundary))]
-    assert np.array_equal(found.pressure, expected.pressure)
-    assert np.array_equal(found.gap, expected.initial_gap + expected.displacement - expected.approach)
-    assert (found.force, found.status, found.residuals) == (expected.force, expected.status, expected.residuals)
-    assert (found.iterations, found.convolutions) == (expected.iterations, expected.convolutions)
-    again = found.certify_whole(found.pressure, found.initial_gap)
-    assert np.array_equal(again.pressure, expected.pressure)
-    assert again.status is expected.status
-    assert found.certify_whole(None, None) is None
-
-
-def test_slabs_refuse_heights_without_a_contact():
-    options = {"boundary": "periodic", "kernel": "love", "tolerance": None, "convolver": rc.CircularFFT()}
-
-    def plan(heights, size=1e-3):
-        return plan_slabs(heights, size, "glass", require=lambda grid, boundary: None, **options)
-
-    heights = np.zeros((32, 32))
-    with pytest.raises(rc.InputError, match="all the same"):
-        plan(heights)
-    for wrong in (math.nan, math.inf, -math.inf):
-        heights[3, 4] = wrong
-        with pytest.raises(rc.InputError, match="not all finite"):
-            plan(heights)
-    with pytest.raises(rc.InputError, match="of the shape of the heights"):
-        plan(heights, rc.Grid((16, 32), 1e-3))
-
-
-@pytest.mark.parametrize("count", [1, 2, 3, 5, 7])
-@pytest.mark.parametrize("rows", [64, 96, 100, 513, 1024])
-def test_rows_of_slabs_are_those_of_their_coarser_rows(count, rows):
-    """Each process has the finer rows of its rows on the coarsest grid, and all have all."""
-    shares = []
-    for rank in range(count):
-        processes = SlabProcesses()
-        processes.rank, processes.count = rank, count
-        shares.append(processes.own_rows(rows))
-        factor = rows // processes.coarsest_rows(rows)
-        assert processes.own_rows(rows).start == factor * processes.own_rows(rows // factor).start
-        assert processes.own_columns(rows) == slice(rank * rows // count, (rank + 1) * rows // count)
-    assert [one.start for one in shares[1:]] == [one.stop for one in shares[:-1]]
-    assert (shares[0].start, shares[-1].stop) == (0, rows)
-
-
-@pytest.mark.parametrize(
-    ("error", "status", "said"),
-    [
-        (rc.InputError("The map is empty."), 2, "roughcontact: The map is empty. (process 0 of 1)"),
-        (rc.UnexpectedError("It failed."), 1, "roughcontact: It failed. (process 0 of 1)"),
-        (ValueError("no"), 1, "Traceback"),
-        (KeyboardInterrupt(), 130, ""),
-    ],
-)
-def test_an_error_of_one_process_ends_all(error, status, said, capsys):
-    with pytest.raises(SystemExit) as found, SlabProcesses().ending_all():
-        raise error
-    assert found.value.code == status
-    assert said in capsys.readouterr().err

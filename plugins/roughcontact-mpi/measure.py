@@ -99,7 +99,8 @@ def measure_slabs(path):
             peak = traced(run) / max(8 * heights.part.size, 1)
             work = float(processes.collect(min(seconds)).max())
             memory = float(processes.collect(peak).max())
-            row = solution.numbers
+            row = {"iterations": solution.iterations, "convolutions": solution.convolutions}
+            row["counted_area"] = solution.area("cell-count").value
             answers = {}
             if heights.shape[0] >= ANSWERED:
                 answers = {answer: measure_answer(solution, answer, timed, own) for answer in ANSWERS}

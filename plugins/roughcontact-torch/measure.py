@@ -181,7 +181,7 @@ def measure_slabs(name: str, n: int, processes: Processes) -> str:
     reductions, exchanges = max(counts)
     all_counts = f"{processes.reductions} | {processes.exchanges} | {processes.sent / 2**20:.1f}"
     arrays = memory / (8 * n * slab.tensor.shape[0])
-    work = f"{found.iterations} / {found.convolutions} | {found.contact_cells}"
+    work = f"{found.iterations} / {found.convolutions} | {np.count_nonzero(found.contact)}"
     row = f"{reductions} | {exchanges} | {all_counts} | {arrays:.0f}"
     return f"| {name} | {n} | {processes.count} | {work} | {row} |"
 

@@ -2,8 +2,7 @@
 
 `bind_kernel` makes a kernel dimensionless and a convolver prepares it, `make_task` makes the `Task` of a load, a solver
 answers with an `Outcome` (`roughcontact.typing`), and `confirm` recomputes the conditions of contact from the fields
-alone, which gives a `ConfirmedFields`. A `SolveRecord` keeps the numbers of fields of another kind, and makes a
-`ContactSolution` of them.
+alone, which gives a `ConfirmedFields`, of which `make_solution` makes a `ContactSolution`, on whatever arrays.
 
 ==================  ===============================================================================================
 for                 names
@@ -13,7 +12,7 @@ pressures           `starting_pressure`, `nearest_pressure`, `project_to_load`, 
 nested grids        `halve_shape`, `solve_in_window`, `GridSolution`, `GridLevel`, `estimate_approach`
 a preconditioner    `WaveMatrix`, `count_blocks`, `LONG_WAVE_CUT`, `MAX_CUT_EXPONENT`
 memory              `available_memory`, `require_memory_of_solve`
-slabs of processes  `SlabProcesses`, `plan_slabs`, `solve_slabs`, `SlabSolution`
+slabs of processes  `SlabProcesses`, `SlabArray`, `SlabContacts`, `Slabs`, `SlabConvolver`, `multiply_on_slabs`, ...
 answers on slabs    `Whole`, `find_patches`, `solve_on_cells`, `LinearSolution`
 ==================  ===============================================================================================
 """
@@ -23,15 +22,23 @@ from roughcontact._base.machine import available_memory
 from roughcontact._solve.convolvers import WaveMatrix
 from roughcontact._solve.problem import (
     ConfirmedFields,
+    SlabArray,
+    SlabContacts,
+    SlabConvolver,
     SlabProcesses,
-    SlabSolution,
-    SolveRecord,
+    Slabs,
     bind_kernel,
     confirm,
+    gather_slabs,
+    long_waves_on_slabs,
+    make_random_rows,
+    make_solution,
     make_task,
-    plan_slabs,
+    multiply_on_slabs,
+    require_certified,
     require_memory_of_solve,
-    solve_slabs,
+    stiffness_on_slabs,
+    symbol_of_columns,
 )
 from roughcontact._solve.solution import ContactConditions, GridLevel, Whole, find_patches
 from roughcontact._solve.solvers import (
@@ -56,9 +63,11 @@ __all__ = [
     "GridLevel",
     "GridSolution",
     "LinearSolution",
+    "SlabArray",
+    "SlabContacts",
+    "SlabConvolver",
     "SlabProcesses",
-    "SlabSolution",
-    "SolveRecord",
+    "Slabs",
     "WaveMatrix",
     "Whole",
     "available_memory",
@@ -67,15 +76,21 @@ __all__ = [
     "count_blocks",
     "estimate_approach",
     "find_patches",
+    "gather_slabs",
     "halve_shape",
+    "long_waves_on_slabs",
+    "make_random_rows",
+    "make_solution",
     "make_task",
+    "multiply_on_slabs",
     "nearest_pressure",
-    "plan_slabs",
     "project_to_load",
+    "require_certified",
     "require_memory_of_solve",
     "rescale_to_load",
     "solve_in_window",
     "solve_on_cells",
-    "solve_slabs",
     "starting_pressure",
+    "stiffness_on_slabs",
+    "symbol_of_columns",
 ]

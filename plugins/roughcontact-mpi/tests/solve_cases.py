@@ -28,8 +28,19 @@ with ending_all(processes):
                 (folder / f"{name}-{processes.count}.json").write_text(json.dumps({"error": str(error)}))
             continue
         write_field(folder / f"{name}-{processes.count}.npy", solution.pressure)
-        numbers = solution.numbers
-        rows = processes.rows(heights.shape[0])
+        residuals = solution.residuals
+        numbers = {
+            "status": solution.status.name,
+            "shape": solution.grid.shape,
+            "iterations": solution.iterations,
+            "convolutions": solution.convolutions,
+            "approach": solution.approach,
+            "force": solution.force,
+            "area": solution.area().value,
+            "counted_area": solution.area("cell-count").value,
+            "patches": solution.patches.count,
+            "residuals": {name: getattr(residuals, name) for name in ("complementarity", "penetration", "load")},
+            "rows": processes.rows(heights.shape[0]),
+        }
         if processes.rank == 0:
-            numbers["rows"] = rows
             (folder / f"{name}-{processes.count}.json").write_text(json.dumps(numbers))

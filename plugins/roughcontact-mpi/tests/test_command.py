@@ -73,10 +73,13 @@ def test_the_command_writes_fields_and_numbers(heights, tmp_path):
     for name, answer in answers.items():
         assert numbers[name] == pytest.approx(answer.value, rel=1e-6)
         assert numbers[f"{name}_uncertainty"] == pytest.approx(answer.uncertainty, rel=1e-6)
-    area = str(alone.area()).partition(";")[0]
-    assert f"area       {area}" in done.stdout
+    assert numbers["counted_area"] == pytest.approx(alone.area("cell-count").value, rel=1e-12)
+    assert numbers["patches"] == alone.patches.count
+    assert numbers["processes"] == 3
+    area = next(line for line in str(alone).splitlines() if line.startswith("contact area"))
+    assert area in done.stdout
     stiffness = str(alone.stiffness()).partition(";")[0]
-    assert f"stiffness  {stiffness}" in done.stdout
+    assert f"stiffness         {stiffness}" in done.stdout
 
 
 @pytest.mark.parametrize(

@@ -59,14 +59,14 @@ def test_only_numbers_reach_the_host_until_the_fields_are_asked_for(parts, contr
     assert found.pressure.shape == found.gap.shape == (256, 256)
     assert found.status is rc.Status.CONVERGED
     brought.clear()
-    host = found.to_host()
+    host = found.gather()
     assert brought == [256 * 256] * 2
     assert type(host.pressure) is np.ndarray
     assert np.array_equal(host.pressure, expected.pressure)
     assert host.residuals == found.residuals == expected.residuals
     assert host.convolutions == expected.convolutions
     assert host.origin.load == load
-    assert np.abs(host.gap - found.gap.numpy()).max() <= 1e-14 * host.gap.max()
+    assert np.abs(host.gap - found.gap.tensor.numpy()).max() <= 1e-14 * host.gap.max()
     assert found.mean_pressure == pytest.approx(host.mean_pressure, rel=1e-12)
     ours.verify(host)
 

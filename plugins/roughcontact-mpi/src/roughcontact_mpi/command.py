@@ -102,8 +102,8 @@ def _unit(text: str) -> float:
 
 def _heights(processes: Any, options: argparse.Namespace) -> Any:
     """Return the heights in slabs."""
+    from roughcontact_mpi.contact import Contacts
     from roughcontact_mpi.files import read_heights
-    from roughcontact_mpi.surfaces import make_heights
 
     size = _size(options)
     if (options.map is None) == (options.self_affine is None):
@@ -116,7 +116,7 @@ def _heights(processes: Any, options: argparse.Namespace) -> Any:
         raise rc.InputError("--self-affine needs --shape, and has no --unit.")
     fields = dict(_field(text) for text in options.self_affine)
     surface = build_part(rc.surfaces, "self-affine", fields, "--self-affine")
-    return make_heights(surface, rc.Grid(options.shape, size), processes)
+    return Contacts.make_heights(surface, rc.Grid(options.shape, size), processes)
 
 
 def _field(text: str) -> tuple[str, str]:
@@ -144,13 +144,13 @@ def _material(options: argparse.Namespace) -> rc.Material | str:
 
 
 def _run(processes: Any, options: argparse.Namespace) -> None:
-    from roughcontact_mpi.contact import solve
-    from roughcontact_mpi.store import require_place
+    from roughcontact_mpi.contact import Contacts
+    from roughcontact_mpi.files import require_place
 
     material = _material(options)
     if options.output is not None:
         require_place(Path(options.output))
-    solution = solve(
+    solution = Contacts.solve(
         _heights(processes, options),
         _size(options),
         material,
@@ -163,7 +163,7 @@ def _run(processes: Any, options: argparse.Namespace) -> None:
     )
     if options.stiffness:
         solution.stiffness()
-    text = solution.describe()
+    text = str(solution)
     if options.output is not None:
         solution.save(options.output)
     if processes.rank == 0 and not options.quiet:

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import itertools
-from typing import Any, TypeVar
+from typing import Any, ClassVar, TypeVar, cast
 
 import attrs
 import numpy as np
 import roughcontact as rc
 import scipy.fft
-from roughcontact.solving import Whole
-from roughcontact.typing import Array, IntArray, Mask, RealArray
+from roughcontact.solving import LinearSolution, SlabArray, Whole, solve_on_cells
+from roughcontact.typing import Array, IntArray, Mask, PreparedConvolution, RealArray
 
-from roughcontact_mpi.arrays import SlabArray
 from roughcontact_mpi.processes import Processes
-from roughcontact_mpi.tangent import SlabTangent
 
 T = TypeVar("T")
 
@@ -23,6 +21,50 @@ T = TypeVar("T")
 BESIDE = 48
 # An odd factor that spreads the bits of keys.
 _SPREAD = np.uint64(0x9E3779B97F4A7C15)
+
+
+@attrs.frozen(eq=False)
+class SlabTangent:
+    """The kernel of a contact on slabs, restricted to its cells below the pressure limit.
+
+    Attributes
+    ----------
+    solution
+        The contact, on the window of this process.
+    """
+
+    solution: Any
+
+    @property
+    def cells(self) -> Mask:
+        """The cells of the window that it is restricted to."""
+        return np.asarray(self.solution.contact & ~self.solution.saturated)
+
+    @property
+    def is_rigid(self) -> bool:
+        """Whether all cells of a periodic domain are in contact, so that uniform pressure displaces nothing."""
+        part = self.solution.parts
+        touching = part.total(int(np.count_nonzero(self.cells[part.inside])))
+        return self.solution.boundary is rc.Boundary.PERIODIC and touching == self.solution.grid.cells
+
+    def solve(self, right: Array, tolerance: float) -> LinearSolution:
+        """Return the solution for a right side on the window, m; its values are on the window too."""
+        part = self.solution.parts
+        cells, own = (
+            SlabArray.field(field[part.inside].copy(), part.processes, part.shape[0]) for field in (self.cells, right)
+        )
+        convolution = part.convolution
+        answer = solve_on_cells(
+            convolution,
+            convolution.inverse(np.float32),
+            cast(Any, cells),
+            cast(Any, own),
+            tolerance,
+            unit=self.solution.grid.spacing[0] / self.solution.modulus,
+            rigid=False,
+        )
+        answer.require(tolerance, self.solution)
+        return attrs.evolve(answer, values=part.read(cast(Any, answer.values)))
 
 
 class Part(Whole):
@@ -36,10 +78,27 @@ class Part(Whole):
         Cells of the domain.
     boundary
         What lies beyond its border.
+    convolution
+        The convolution that solved the contact.
+
+    Attributes
+    ----------
+    found
+        The patches of the contact.
     """
 
-    def __init__(self, processes: Processes, shape: tuple[int, int], boundary: rc.Boundary) -> None:
+    is_whole: ClassVar[bool] = False
+    found: Any = None
+
+    def __init__(
+        self,
+        processes: Processes,
+        shape: tuple[int, int],
+        boundary: rc.Boundary,
+        convolution: PreparedConvolution,
+    ) -> None:
         self.processes = processes
+        self.convolution = convolution
         self.shape = shape
         self.free = boundary.free_axes[0]
         self.bounds = processes.rows(shape[0])
@@ -56,6 +115,14 @@ class Part(Whole):
         own = np.ascontiguousarray(field.part)
         beside = self.processes.fetch_rows(own, self.bounds, [[*before, *behind] for before, behind in self._beside])
         return np.concatenate((beside[: self.inside.start], own, beside[self.inside.start :]))
+
+    def patches(self, solution: Any) -> Any:
+        """Return the patches of the contact."""
+        return self.found
+
+    def sum(self, field: Array) -> float:
+        """Return the sum of a field over all cells; all processes must ask."""
+        return self.total(float(field[self.inside].sum()))
 
     def total(self, values: T) -> T:
         """Return the sum over all processes of a number or an array of the same shape on each."""
@@ -133,10 +200,8 @@ class Part(Whole):
         heights = np.diff(self.bounds).tolist()
         packed = np.concatenate([own[:, low:high].ravel() for low, high in itertools.pairwise(bounds)])
         counts = [own.shape[0] * width for width in widths]
-        # MPI does not know booleans of numpy.
-        sent = packed.view(np.uint8) if field.dtype == np.bool_ else packed
-        found = self.processes.exchange(sent, counts, [height * mine for height in heights])
-        return np.ascontiguousarray(found.view(field.dtype).reshape(self.shape[0], mine).T)
+        found = self.processes.exchange(packed, counts, [height * mine for height in heights])
+        return np.ascontiguousarray(found.reshape(self.shape[0], mine).T)
 
     def count_equal(self, keys: Array) -> IntArray:
         """Return how many keys of all processes are equal to each of a list."""

@@ -8,11 +8,10 @@ import attrs
 import numpy as np
 import roughcontact as rc
 from roughcontact.results import ContactPatches
-from roughcontact.solving import find_patches
+from roughcontact.solving import SlabArray, find_patches
 from roughcontact.typing import Array, IntArray, RealArray
 from scipy import sparse
 
-from roughcontact_mpi.arrays import SlabArray
 from roughcontact_mpi.parts import Part
 
 # Cells of the largest patch that one process has as a whole: larger ones are not taken for single summits of Hertz.

@@ -59,9 +59,6 @@ class Processes(SlabProcesses):
         self.patience = patience
         self.rank = communicator.Get_rank()
         self.count = communicator.Get_size()
-        # Bytes sent to other processes, and reductions.
-        self.sent = 0
-        self.reductions = 0
 
     def meet(self, call: str) -> None:
         """Wait until all processes have made a call; `InputError` if one does not, for which the others would wait."""
@@ -84,15 +81,6 @@ class Processes(SlabProcesses):
         found = np.empty((self.count, *own.shape), dtype=own.dtype)
         self.communicator.Allgather(own, found)
         return found
-
-    def total(self, value: Any) -> Any:
-        """Return the sum of a number or a small array over all processes, of the same bits on each."""
-        # MPI recommends, but does not require, that its own sums have the same bits on all processes.
-        return np.add.reduce(self.collect(value), axis=0)
-
-    def across(self, ufunc: np.ufunc, value: float) -> float:
-        """Return the sum, the minimum or the maximum of a number over all processes."""
-        return float(ufunc.reduce(self.collect(value)))
 
     def total_blocks(self, values: RealArray) -> RealArray:
         """Return the sum of an array over all processes, of the same bits on each."""
@@ -119,15 +107,7 @@ class Processes(SlabProcesses):
         return rows
 
     def exchange(self, values: RealArray, counts: Sequence[int], expected: Sequence[int]) -> RealArray:
-        """Return what all processes send to this one, flat, in their order.
-
-        Parameters
-        ----------
-        values
-            What this process sends, flat, in the order of the receivers.
-        counts, expected
-            Entries to and from each process.
-        """
+        """Return what all processes send to this one, flat, in their order; see `SlabProcesses.exchange`."""
         if self.count == 1:
             return values
         self.sent += values.itemsize * (sum(counts) - counts[self.rank])
@@ -141,69 +121,11 @@ class Processes(SlabProcesses):
             return values
         counts = [int(count) for count in self.collect(values.size)]
         found = np.empty(sum(counts), dtype=values.dtype)
-        self.communicator.Allgatherv(values, _places(found, counts))
+        self.communicator.Allgatherv(_places(values, [values.size])[0], _places(found, counts))
         return found
-
-    def exchange_rows(self, values: RealArray, places: Sequence[Sequence[int]], expected: Sequence[int]) -> RealArray:
-        """Return rows that all processes send to this one, shape (n, ny), in the order of the senders.
-
-        Parameters
-        ----------
-        values
-            Rows of this process, shape (nx, ny).
-        places
-            The rows that go to each process, as positions in `values`.
-        expected
-            The number of rows from each process.
-        """
-        width = values.shape[1]
-        sent = np.concatenate([values[list(rows)].ravel() for rows in places])
-        counts = [len(rows) * width for rows in places]
-        return self.exchange(sent, counts, [count * width for count in expected]).reshape(-1, width)
-
-    def fetch_rows(self, values: RealArray, bounds: Sequence[int], wanted: Sequence[Sequence[int]]) -> RealArray:
-        """Return rows of a field, shape (n, ny), for each process those it wants, in their order.
-
-        Parameters
-        ----------
-        values
-            The rows of this process.
-        bounds
-            Bounds of the rows of all processes.
-        wanted
-            The rows that each process wants, counted in the whole field: the same on all processes.
-        """
-        start = bounds[self.rank]
-        stop = bounds[self.rank + 1]
-        places = [[row - start for row in rows if start <= row < stop] for rows in wanted]
-        owners = np.searchsorted(np.asarray(bounds), np.asarray(wanted[self.rank], dtype=int), side="right") - 1
-        expected = np.bincount(owners, minlength=self.count) if owners.size else np.zeros(self.count, dtype=int)
-        found = self.exchange_rows(values, places, [int(count) for count in expected])
-        order = np.argsort(owners, kind="stable")
-        rows = np.empty_like(found)
-        rows[order] = found
-        return rows
-
-    def move_rows(self, values: RealArray, source: Sequence[int], target: Sequence[int]) -> RealArray:
-        """Return the rows of this process by other bounds, from those it has; bounds count in one field.
-
-        Rows outside the bounds of the source are not filled: both ranges must overlap in what is wanted.
-        """
-        first = source[self.rank]
-        last = source[self.rank + 1]
-        begin = target[self.rank]
-        end = target[self.rank + 1]
-
-        def overlap(start: int, stop: int, low: int, high: int) -> range:
-            return range(max(start, low), max(min(stop, high), max(start, low)))
-
-        pairs = range(self.count)
-        places = [[row - first for row in overlap(first, last, target[other], target[other + 1])] for other in pairs]
-        expected = [len(overlap(begin, end, source[other], source[other + 1])) for other in pairs]
-        return self.exchange_rows(values, places, expected)
 
 
 def _places(values: RealArray, counts: Sequence[int]) -> list[Any]:
-    """Return an array with the entries of each process in it, as MPI takes them."""
+    """Return an array with the entries of each process in it, as MPI takes them, which knows no booleans of numpy."""
     starts = np.concatenate(([0], np.cumsum(counts)[:-1])).tolist()
-    return [values, (list(counts), starts)]
+    return [values.view(np.uint8) if values.dtype == np.bool_ else values, (list(counts), starts)]

@@ -11,7 +11,7 @@ import attrs
 import numpy as np
 import roughcontact as rc
 import torch
-from roughcontact.solving import halve_shape
+from roughcontact.solving import halve_shape, make_random_rows, multiply_on_slabs, symbol_of_columns
 from roughcontact.typing import (
     Array,
     BoundKernel,
@@ -25,11 +25,9 @@ from roughcontact.typing import (
 )
 
 from roughcontact_torch.arrays import TensorArray
-from roughcontact_torch.kinds import torch_dtype
+from roughcontact_torch.kinds import Tensors, torch_dtype
 from roughcontact_torch.masked_grid import STENCIL_REACH, MaskedGrid
 
-# Parts in which the columns of a padded grid are transformed: more save little memory.
-_PARTS = 4
 _DEVICES = ("auto", "cpu", "cuda")
 
 
@@ -86,46 +84,20 @@ class TorchFFT(rc.Convolver):
         """Return the heights of a surface, m; those of `SelfAffineSurface` are transformed on the device."""
         if type(surface) is not rc.SelfAffineSurface:
             return surface.heights(grid)
-        nx, ny = grid.shape
-        waves = surface.half_spectrum(grid, slice(0, ny // 2 + 1), lambda _, value: value)
-        heights = torch.fft.irfft2(torch.tensor(waves, device=self.place), s=(nx, ny), norm="forward")
-        return cast(Array, heights.numpy(force=True))
+        return cast(Array, make_random_rows(surface, grid, Tensors(self.place)).numpy(force=True))
 
     def prepare(self, kernel: BoundKernel, grid: rc.Grid, boundary: rc.Boundary) -> PreparedConvolution:
         """Return the convolution on tensors."""
         setup = ConvolutionSetup(self, kernel, grid, boundary)
         padded = self.transform_shape(grid, boundary)
-        if boundary is rc.Boundary.PERIODIC:
-            symbol = torch.tensor(setup.spectrum, device=self.place)
-        elif boundary.mixed:
-            free = boundary.free_axis
-            coefficients = kernel.mixed_coefficients(grid, boundary, offsets=padded[free] // 2 + 1)
-            symbol = _even_transform(torch.tensor(coefficients, device=self.place), padded, (free,))
-        else:
-            reach = tuple(min(n, m // 2 + 1) for n, m in zip(grid.shape, padded, strict=True))
-            coefficients = kernel.coefficients(cast(tuple[int, int], reach), grid.spacing)
-            symbol = _even_transform(torch.tensor(coefficients, device=self.place), padded)
-        return TensorConvolution(setup, symbol, padded)
+        symbol = symbol_of_columns(setup, padded, Tensors(self.place))
+        return TensorConvolution(setup, of_all_rows(symbol, padded), padded)
 
 
-def _even_transform(values: torch.Tensor, padded: tuple[int, int], axes: tuple[int, ...] = (1, 0)) -> torch.Tensor:
-    """Return the real transform of the even extension of values to a padded grid, shape (mx, my // 2 + 1).
-
-    Along the other axis, if there is one, they are those of waves.
-    """
-    for axis in axes:
-        values = torch.fft.rfft(extend_evenly(values, padded[axis], axis), dim=axis).real
-    # It is even in x too.
-    return extend_evenly(values, padded[0], 0)
-
-
-def extend_evenly(values: torch.Tensor, length: int, axis: int) -> torch.Tensor:
-    """Return the even extension along an axis, on which it repeats; zeros beyond the values."""
-    cells = torch.arange(length, device=values.device)
-    distance = torch.minimum(cells, length - cells)
-    beyond = distance >= values.shape[axis]
-    extended = values.index_select(axis, distance.masked_fill(beyond, 0))
-    return extended.masked_fill_(beyond if axis else beyond[:, None], 0.0)
+def of_all_rows(symbol: torch.Tensor, padded: tuple[int, int]) -> torch.Tensor:
+    """Return a symbol of a padded grid with all its rows, from those of the waves from zero up, or all."""
+    half = symbol.shape[0]
+    return torch.cat((symbol, symbol[1 : padded[0] - half + 1].flip(0)))
 
 
 def _multiply(values: torch.Tensor, symbol: torch.Tensor, padded: tuple[int, int]) -> torch.Tensor:
@@ -134,14 +106,8 @@ def _multiply(values: torch.Tensor, symbol: torch.Tensor, padded: tuple[int, int
         waves = torch.fft.rfft2(values)
         waves *= symbol
         return torch.fft.irfft2(waves, s=padded)
-    nx, ny = values.shape
-    waves = torch.fft.rfft(values, n=padded[1], dim=1)
-    # Padded columns are in memory in parts.
-    for part, factors in zip(waves.chunk(_PARTS, dim=1), symbol.chunk(_PARTS, dim=1), strict=True):
-        columns = torch.fft.fft(part, n=padded[0], dim=0)
-        columns *= factors
-        part.copy_(torch.fft.ifft(columns, dim=0)[:nx])
-    return torch.fft.irfft(waves, n=padded[1], dim=1)[:, :ny].contiguous()
+    processes = Tensors(values.device)
+    return multiply_on_slabs(processes, values, values.shape[0], lambda part: symbol[:, part], padded).contiguous()
 
 
 @attrs.frozen(eq=False)
@@ -207,16 +173,28 @@ class TensorConvolution(PreparedConvolution):
         stencil = torch.fft.irfft2(stiffness, s=inverse.padded)
         for axis, count in enumerate(inverse.padded):
             stencil = stencil.index_select(axis, offsets % count)
-        return MaskedGrid(
+        return self._make_grid(MaskedGrid, inverse.padded, stiffness, inverse.axes, stencil)
+
+    def _make_grid(
+        self,
+        kind: type[MaskedGrid],
+        inverse_padded: tuple[int, int],
+        stiffness: torch.Tensor,
+        axes: tuple[RealArray, RealArray],
+        stencil: torch.Tensor,
+        **more: Any,
+    ) -> MaskedGrid:
+        return kind(
             shape=self.setup.grid.shape,
             padded=self.padded,
-            inverse_padded=inverse.padded,
+            inverse_padded=inverse_padded,
             boundary=self.setup.boundary,
             symbol=self.symbol,
             symbol_float32=self.symbol_float32,
             stiffness=stiffness,
-            axes=inverse.axes,
+            axes=axes,
             stencil=stencil,
+            **more,
         )
 
     def nested_grids(self) -> tuple[MaskedGrid, ...]:

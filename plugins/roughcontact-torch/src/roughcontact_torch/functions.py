@@ -12,7 +12,6 @@ from roughcontact_torch.kinds import Operand, as_operand, promoted, torch_dtype
 from roughcontact_torch.ufuncs import carry_out as carry_out_ufunc
 from roughcontact_torch.ufuncs import reduce
 
-_FUNCTIONS: dict[Any, Callable[..., Any]] = {}
 _DOTS = ("i,i->", "ij,ij->")
 
 
@@ -31,32 +30,18 @@ def carry_out(function: Any, device: torch.device, args: Sequence[Any], options:
     return _FUNCTIONS[function](*args, **options)
 
 
-def _listed(function: Any) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    def enter(ours: Callable[..., Any]) -> Callable[..., Any]:
-        _FUNCTIONS[function] = ours
-        return ours
+def _creator(make: Callable[..., torch.Tensor]) -> Callable[..., torch.Tensor]:
+    def create(place: torch.device, shape: Any, dtype: Any = float, **_: Any) -> torch.Tensor:
+        return make(shape, dtype=torch_dtype(dtype), device=place)
 
-    return enter
-
-
-def _zeros(place: torch.device, shape: Any, dtype: Any = float) -> torch.Tensor:
-    return torch.zeros(shape, dtype=torch_dtype(dtype), device=place)
+    return create
 
 
-def _ones(place: torch.device, shape: Any, dtype: Any = float, **_: Any) -> torch.Tensor:
-    return torch.ones(shape, dtype=torch_dtype(dtype), device=place)
+def _like(make: Callable[..., torch.Tensor]) -> Callable[..., torch.Tensor]:
+    def create(values: torch.Tensor, dtype: Any = None) -> torch.Tensor:
+        return make(values, dtype=None if dtype is None else torch_dtype(dtype))
 
-
-def _empty(place: torch.device, shape: Any, dtype: Any = float) -> torch.Tensor:
-    return torch.empty(shape, dtype=torch_dtype(dtype), device=place)
-
-
-def _full(place: torch.device, shape: Any, value: float, **_: Any) -> torch.Tensor:
-    return torch.full(shape, value, dtype=torch.float64, device=place)
-
-
-def _arange(place: torch.device, *limits: int) -> torch.Tensor:
-    return torch.arange(*limits, dtype=torch.int64, device=place)
+    return create
 
 
 def _asarray(place: torch.device, values: Any, dtype: Any = None) -> torch.Tensor:
@@ -64,33 +49,40 @@ def _asarray(place: torch.device, values: Any, dtype: Any = None) -> torch.Tenso
 
 
 _CREATORS: dict[Any, Callable[..., torch.Tensor]] = {
-    np.zeros: _zeros,
-    np.ones: _ones,
-    np.empty: _empty,
-    np.full: _full,
-    np.arange: _arange,
+    np.zeros: _creator(torch.zeros),
+    np.ones: _creator(torch.ones),
+    np.empty: _creator(torch.empty),
+    np.full: lambda place, shape, value, **_: torch.full(shape, value, dtype=torch.float64, device=place),
+    np.arange: lambda place, *limits: torch.arange(*limits, dtype=torch.int64, device=place),
     np.asarray: _asarray,
+}
+# Functions that torch has under another name, or with other names of their arguments.
+_FUNCTIONS: dict[Any, Callable[..., Any]] = {
+    np.zeros_like: _like(torch.zeros_like),
+    np.ones_like: _like(torch.ones_like),
+    np.empty_like: _like(torch.empty_like),
+    np.roll: lambda values, shift, axis: torch.roll(values, shift, axis),
+    np.sum: lambda values, where=True: reduce(np.add, values, None, where=where),
+    np.count_nonzero: lambda values: torch.count_nonzero(values),
+    np.flatnonzero: lambda values: torch.nonzero(values.reshape(-1)).reshape(-1),
+    np.array_equal: torch.equal,
+    np.concatenate: lambda parts: torch.cat(tuple(parts)),
+    np.stack: lambda parts, axis=0: torch.stack(tuple(parts), dim=axis),
+    np.split: lambda values, starts: torch.tensor_split(values, tuple(starts.tolist())),
+    np.broadcast_to: lambda values, shape: values.expand(shape),
+    np.moveaxis: torch.moveaxis,
+    np.repeat: lambda values, repeats, axis=None: torch.repeat_interleave(values, repeats, dim=axis),
+    np.searchsorted: torch.searchsorted,
+    np.partition: lambda values, place: torch.sort(values).values,
 }
 
 
-@_listed(np.zeros_like)
-def _zeros_like(values: torch.Tensor, dtype: Any = None) -> torch.Tensor:
-    return torch.zeros_like(values, dtype=None if dtype is None else torch_dtype(dtype))
+def _listed(function: Any) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    def enter(ours: Callable[..., Any]) -> Callable[..., Any]:
+        _FUNCTIONS[function] = ours
+        return ours
 
-
-@_listed(np.ones_like)
-def _ones_like(values: torch.Tensor, dtype: Any = None) -> torch.Tensor:
-    return torch.ones_like(values, dtype=None if dtype is None else torch_dtype(dtype))
-
-
-@_listed(np.empty_like)
-def _empty_like(values: torch.Tensor, dtype: Any = None) -> torch.Tensor:
-    return torch.empty_like(values, dtype=None if dtype is None else torch_dtype(dtype))
-
-
-@_listed(np.roll)
-def _roll(values: torch.Tensor, shift: int, axis: int) -> torch.Tensor:
-    return torch.roll(values, shift, axis)
+    return enter
 
 
 @_listed(np.where)
@@ -120,69 +112,9 @@ def _einsum(sums: str, *factors: torch.Tensor, dtype: Any = None, casting: str =
     return torch.dot(one, other)
 
 
-@_listed(np.sum)
-def _sum(values: torch.Tensor, where: torch.Tensor | bool = True) -> torch.Tensor:
-    return reduce(np.add, values, None, where=where)
-
-
-@_listed(np.count_nonzero)
-def _count_nonzero(values: torch.Tensor) -> torch.Tensor:
-    return torch.count_nonzero(values)
-
-
-@_listed(np.flatnonzero)
-def _flatnonzero(values: torch.Tensor) -> torch.Tensor:
-    return torch.nonzero(values.reshape(-1)).reshape(-1)
-
-
-@_listed(np.array_equal)
-def _array_equal(one: torch.Tensor, other: torch.Tensor) -> bool:
-    return torch.equal(one, other)
-
-
-@_listed(np.concatenate)
-def _concatenate(parts: Sequence[torch.Tensor]) -> torch.Tensor:
-    return torch.cat(tuple(parts))
-
-
-@_listed(np.stack)
-def _stack(parts: Sequence[torch.Tensor], axis: int = 0) -> torch.Tensor:
-    return torch.stack(tuple(parts), dim=axis)
-
-
-@_listed(np.split)
-def _split(values: torch.Tensor, starts: torch.Tensor) -> tuple[torch.Tensor, ...]:
-    return torch.tensor_split(values, tuple(starts.tolist()))
-
-
-@_listed(np.broadcast_to)
-def _broadcast_to(values: torch.Tensor, shape: Any) -> torch.Tensor:
-    return values.expand(shape)
-
-
-@_listed(np.moveaxis)
-def _moveaxis(values: torch.Tensor, source: int, target: int) -> torch.Tensor:
-    return torch.moveaxis(values, source, target)
-
-
-@_listed(np.repeat)
-def _repeat(values: torch.Tensor, repeats: Any, axis: int | None = None) -> torch.Tensor:
-    return torch.repeat_interleave(values, repeats, dim=axis)
-
-
 @_listed(np.diff)
 def _diff(values: torch.Tensor, prepend: int | None = None) -> torch.Tensor:
     return torch.diff(values, prepend=None if prepend is None else values.new_tensor([prepend]))
-
-
-@_listed(np.searchsorted)
-def _searchsorted(values: torch.Tensor, places: torch.Tensor) -> torch.Tensor:
-    return torch.searchsorted(values, places)
-
-
-@_listed(np.partition)
-def _partition(values: torch.Tensor, place: int) -> torch.Tensor:
-    return torch.sort(values).values
 
 
 @_listed(np.take)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any, TypeAlias
+from collections.abc import Iterator
+from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 import torch
+from roughcontact.solving import SlabProcesses
 
 _NUMPY: dict[torch.dtype, np.dtype[Any]] = {
     torch.bool: np.dtype(np.bool_),
@@ -16,6 +18,9 @@ _NUMPY: dict[torch.dtype, np.dtype[Any]] = {
     torch.float64: np.dtype(np.float64),
 }
 _TORCH = {dtype: known for known, dtype in _NUMPY.items()}
+
+# Parts in which the columns of a padded grid are transformed: more save little memory.
+_PARTS = 4
 
 Operand: TypeAlias = torch.Tensor | np.generic | bool | int | float
 
@@ -58,3 +63,36 @@ def as_number(value: np.generic | float) -> float:
     """Return a number as one of Python's."""
     number: float = value.item() if isinstance(value, np.generic) else value
     return number
+
+
+class Tensors(SlabProcesses):
+    """A process whose slabs are tensors on a device.
+
+    Parameters
+    ----------
+    device
+        The device.
+    """
+
+    library: ClassVar[Any] = torch
+    transforms: ClassVar[Any] = torch.fft
+    max_exchanges: ClassVar[int] = 1
+
+    def __init__(self, device: torch.device) -> None:
+        self.device = device
+
+    def place(self, values: np.ndarray) -> torch.Tensor:
+        """Return an array of numpy as a tensor on the device."""
+        return torch.tensor(values, device=self.device)
+
+    def empty(self, shape: int | tuple[int, ...], like: torch.Tensor | None = None) -> torch.Tensor:
+        """Return a new tensor of the type of another one; by default float64."""
+        return torch.empty(shape, dtype=torch.float64 if like is None else like.dtype, device=self.device)
+
+    def tiles(self, whole: slice, most: int) -> Iterator[slice]:
+        """Yield a range at once: kernels on a GPU are few and large, or their start takes the time."""
+        yield whole
+
+    def tiles_of_columns(self, whole: slice, *, padded: bool) -> Iterator[slice]:
+        """Yield a few parts of columns that are padded, which takes memory, or the whole."""
+        yield from super().tiles(whole, -(-(whole.stop - whole.start) // _PARTS)) if padded else (whole,)

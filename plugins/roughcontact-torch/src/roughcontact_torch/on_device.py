@@ -3,57 +3,41 @@
 from __future__ import annotations
 
 import time
-from typing import Any, cast
+from collections.abc import Callable
+from typing import Any, ClassVar, TypeVar
 
 import attrs
 import roughcontact as rc
-import torch
 from roughcontact.results import Origin
-from roughcontact.solving import SolveRecord, confirm, make_task
-from roughcontact.typing import Array
+from roughcontact.solving import Whole, confirm, make_solution, make_task, require_certified
 
 from roughcontact_torch.together import shared_parts
 
+T = TypeVar("T")
 
-@attrs.frozen(eq=False, kw_only=True)
-class TensorSolution(SolveRecord):
-    """A solved contact: its numbers on the host, its fields on the device.
+
+@attrs.frozen(eq=False)
+class OnDevice(Whole):
+    """What holds a solution together whose fields, `TensorArray`, are on a device.
 
     Attributes
     ----------
     problem
         The problem.
-    pressure, displacement, initial_gap
-        Contact pressure, Pa, the displacement that it causes and the gap before deformation, m, shape (nx, ny), in
-        float64 on the device.
     """
 
-    problem: rc.ContactProblem = attrs.field(repr=False)
-    pressure: torch.Tensor = attrs.field(repr=False)
-    displacement: torch.Tensor = attrs.field(repr=False)
-    initial_gap: torch.Tensor = attrs.field(repr=False)
+    is_whole: ClassVar[bool] = False
 
-    @property
-    def gap(self) -> torch.Tensor:
-        """Gap after deformation, shape (nx, ny), m, on the device."""
-        return self.initial_gap + self.displacement - self.approach
+    problem: rc.ContactProblem
 
-    @property
-    def force(self) -> float:
-        """Normal force, N."""
-        return float(self.pressure.sum()) * self.problem.plan.grid.cell_area
+    def gather(self, solution: Any) -> Any:
+        """Return the solution with numpy's arrays; its certificate is not computed again."""
+        fields = {name: getattr(solution, name).tensor.numpy(force=True) for name in ("pressure", "displacement")}
+        return attrs.evolve(solution, **fields, initial_gap=self.problem.initial_gap, parts=Whole())
 
-    @property
-    def mean_pressure(self) -> float:
-        """Nominal mean pressure, Pa."""
-        return self.force / self.problem.plan.grid.area
-
-    def to_host(self) -> rc.ContactSolution:
-        """Return the solution with numpy's arrays and every answer; its certificate is not computed again."""
-        plan = self.problem.plan
-        pressure, displacement = (field.numpy(force=True) for field in (self.pressure, self.displacement))
-        found = self.to_solution(plan, self.problem.initial_gap, pressure, displacement)
-        return attrs.evolve(found, origin=Origin(self.problem.parts, self.load.arguments, source=self.problem))
+    def ask(self, solution: Any, answer: Any, find: Callable[[Any], T]) -> T:
+        """Return what a function finds of the solution with numpy's arrays, which are brought once."""
+        return find(solution._keep("host", lambda: self.gather(solution)))
 
 
 def solve_on_device(
@@ -63,7 +47,7 @@ def solve_on_device(
     force: float | None = None,
     approach: float | None = None,
     throw: bool = True,
-) -> TensorSolution:
+) -> rc.ContactSolution:
     """Solve a contact by the masked solver and certify it, both on the device of its convolver.
 
     Parameters
@@ -91,9 +75,9 @@ def solve_on_device(
     >>> tensors = {"convolver": TorchFFT("cpu"), "solver": MaskedConjugateGradient()}
     >>> problem = rc.ContactProblem(body, grid=rc.Grid((64, 64), 64e-6), boundary="periodic", **tensors)
     >>> found = solve_on_device(problem, pressure=200e6)
-    >>> type(found.pressure).__name__, found.residuals.error < 1e-5
+    >>> type(found.pressure.tensor).__name__, found.residuals.error < 1e-5
     ('Tensor', True)
-    >>> found.to_host().area().value > 0.0
+    >>> found.area().value > 0.0
     True
     """
     started = time.perf_counter()
@@ -107,17 +91,10 @@ def solve_on_device(
         task = attrs.evolve(task, initial_gap=convolution.from_numpy(task.initial_gap))
         (outcome,) = solver.solve_on_device(convolution, [task])
         certificate = confirm(plan, convolution, task, outcome)
-    solution = TensorSolution(
-        **SolveRecord.numbers_of(load, outcome, certificate, started),
-        problem=problem,
-        pressure=_tensor(certificate.pressure),
-        displacement=_tensor(certificate.displacement),
-        initial_gap=_tensor(task.initial_gap) * plan.peak_to_valley,
-    )
+    gap = task.initial_gap * plan.peak_to_valley
+    found = make_solution(plan, gap, outcome, certificate, time.perf_counter() - started)
+    origin = Origin(problem.parts, load.arguments, source=problem)
+    solution = attrs.evolve(found, origin=origin, parts=OnDevice(problem))
     if throw:
-        solution.require_certified()
+        require_certified(solution)
     return solution
-
-
-def _tensor(values: Array) -> torch.Tensor:
-    return cast(torch.Tensor, cast(Any, values).tensor)

@@ -4,28 +4,28 @@ from __future__ import annotations
 
 import atexit
 import contextlib
-import itertools
 import math
 import os
 from collections.abc import Iterator, Sequence
+from typing import Any
 
 import numpy as np
 import roughcontact as rc
 import torch
 import torch.distributed as distributed
-from roughcontact.solving import SlabProcesses, available_memory
+from roughcontact.solving import available_memory
 
 from roughcontact_torch.convolver import TorchFFT
+from roughcontact_torch.kinds import Tensors
 
 _OPERATIONS = {
     "sum": distributed.ReduceOp.SUM,
     "highest": distributed.ReduceOp.MAX,
     "lowest": distributed.ReduceOp.MIN,
 }
-_NAMES: dict[np.ufunc, str] = {np.add: "sum", np.maximum: "highest", np.minimum: "lowest"}
 
 
-class Processes(SlabProcesses):
+class Processes(Tensors):
     """The processes that `torchrun` has started, each with a device, which solve one contact.
 
     Each calls the same functions in the same order, and gets the same numbers. A program without `torchrun` is one.
@@ -53,16 +53,14 @@ class Processes(SlabProcesses):
     name = "roughcontact_torch"
 
     def __init__(self, device: str = "auto") -> None:
-        self.device = _choose_device(device)
+        super().__init__(_choose_device(device))
         started = int(os.environ.get("WORLD_SIZE", "1"))
         if started > 1 and not distributed.is_initialized():
             _connect(self.device)
         connected = distributed.is_initialized()
         self.rank = distributed.get_rank() if connected else 0
         self.count = distributed.get_world_size() if connected else 1
-        self.reductions = 0
         self.exchanges = 0
-        self.sent = 0
 
     def require(self, shape: tuple[int, int]) -> None:
         """Raise `InputError` unless each process gets rows and columns of a grid."""
@@ -92,14 +90,12 @@ class Processes(SlabProcesses):
                 distributed.all_reduce(values, _OPERATIONS[operation])
         return values
 
-    def total(self, values: np.ndarray | float) -> np.ndarray:
-        """Return the sum of a number or an array of numpy over all processes."""
-        return self.reduce(torch.tensor(values, device=self.device)).numpy(force=True)
-
-    def across(self, ufunc: np.ufunc, value: float) -> float:
-        """Return the sum, the minimum or the maximum of a number over all processes."""
-        own = torch.tensor(value, dtype=torch.float64, device=self.device)
-        return float(self.reduce(own, _NAMES[ufunc]))
+    def collect(self, value: Any) -> np.ndarray:
+        """Return a number or an array of numpy of each process, of one shape on all, shape (count, ...)."""
+        own = self.place(np.asarray(value))
+        found = own.new_zeros((self.count, *own.shape))
+        found[self.rank] = own
+        return self.reduce(found).numpy(force=True)
 
     def publish(self, values: torch.Tensor) -> torch.Tensor:
         """Return the tensor of the first process; all have one of this shape, which is changed."""
@@ -111,15 +107,7 @@ class Processes(SlabProcesses):
         return values
 
     def exchange(self, values: torch.Tensor, counts: Sequence[int], expected: Sequence[int]) -> torch.Tensor:
-        """Return what all processes send to this one, flat, in their order.
-
-        Parameters
-        ----------
-        values
-            What this process sends, flat, in the order of the receivers.
-        counts, expected
-            Entries to and from each process.
-        """
+        """Return what all processes send to this one, flat, in their order; see `SlabProcesses.exchange`."""
         self.exchanges += 1
         if self.count == 1:
             return values
@@ -129,60 +117,6 @@ class Processes(SlabProcesses):
         with _talking():
             distributed.all_to_all_single(numbers(found), numbers(values), list(expected), list(counts))
         return found
-
-    def gather_rows(self, values: torch.Tensor, count: int, *, first: bool = False) -> torch.Tensor | None:
-        """Return all rows of fields, shape (..., count, ny), on each process, or on the first one alone.
-
-        Parameters
-        ----------
-        values
-            The rows of this process.
-        count
-            Rows of the domain.
-        first
-            Whether the others get None.
-        """
-        heights = [stop - start for start, stop in itertools.pairwise(self.rows(count))]
-        width = values.numel() // values.shape[-2]
-        readers = 1 if first else self.count
-        reads = self.rank < readers
-        sent = values.reshape(-1).repeat(readers)
-        counts = [values.numel() if rank < readers else 0 for rank in range(self.count)]
-        found = self.exchange(sent, counts, [height * width if reads else 0 for height in heights])
-        if not reads:
-            return None
-        parts = torch.split(found, [height * width for height in heights])
-        shape = values.shape
-        rows = [part.view(*shape[:-2], height, shape[-1]) for part, height in zip(parts, heights, strict=True)]
-        return torch.cat(rows, -2)
-
-    def widen(self, values: torch.Tensor, reach: int, *, periodic: bool) -> torch.Tensor:
-        """Return fields with rows of the neighbours before and behind those of this process.
-
-        Parameters
-        ----------
-        values
-            Shape (..., n, ny).
-        reach
-            Rows on either side, at most those of any process.
-        periodic
-            Whether the rows of the last process lie before those of the first one, or zeros.
-        """
-        neighbours = {"before": (self.rank - 1) % self.count, "behind": (self.rank + 1) % self.count}
-        first = values[..., :reach, :]
-        last = values[..., -reach:, :]
-        # Of two processes each is before and behind the other: their last rows, which lie before, go first.
-        sent = sorted(((neighbours["behind"], last), (neighbours["before"], first)), key=lambda pair: pair[0])
-        size = first.numel()
-        counts = [size * list(neighbours.values()).count(rank) for rank in range(self.count)]
-        found = torch.split(self.exchange(torch.cat([part.reshape(-1) for _, part in sent]), counts, counts), size)
-        sides = sorted(neighbours, key=lambda side: neighbours[side])
-        rows = {side: part.view(first.shape) for side, part in zip(sides, found, strict=True)}
-        if not periodic and self.rank == 0:
-            rows["before"] = torch.zeros_like(first)
-        if not periodic and self.rank == self.count - 1:
-            rows["behind"] = torch.zeros_like(first)
-        return torch.cat((rows["before"], values, rows["behind"]), -2)
 
 
 def _choose_device(name: str) -> torch.device:

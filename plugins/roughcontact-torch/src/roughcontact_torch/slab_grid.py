@@ -2,87 +2,15 @@
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from typing import cast
 
 import attrs
 import torch
+from roughcontact.solving import multiply_on_slabs
 
-from roughcontact_torch.masked_grid import STENCIL_REACH, Axes, Blocks, MaskedGrid, interpolate, repeat, widen
+from roughcontact_torch.masked_grid import Axes, Blocks, MaskedGrid, interpolate, repeat, widen
 from roughcontact_torch.processes import Processes
-
-
-@attrs.frozen(eq=False)
-class Transpose:
-    """Exchanges rows of fields for columns and back.
-
-    Attributes
-    ----------
-    processes
-        The processes.
-    rows, columns
-        Bounds of the rows and columns of all.
-    """
-
-    processes: Processes
-    rows: Sequence[int]
-    columns: Sequence[int]
-
-    def forward(self, values: torch.Tensor) -> torch.Tensor:
-        """Return the columns of this process, shape (k, nx, n), from its rows, shape (k, n, ny)."""
-        if self.processes.count == 1:
-            return values
-        k, own, _ = values.shape
-        widths = _differences(self.columns)
-        mine = widths[self.processes.rank]
-        sent = torch.cat([values[..., start:stop].reshape(-1) for start, stop in itertools.pairwise(self.columns)])
-        expected = [k * rows * mine for rows in _differences(self.rows)]
-        found = self.processes.exchange(sent, [k * own * width for width in widths], expected)
-        return torch.cat([part.view(k, -1, mine) for part in torch.split(found, expected)], 1)
-
-    def back(self, values: torch.Tensor) -> torch.Tensor:
-        """Return the rows of this process, shape (k, n, ny), from its columns, shape (k, nx, n)."""
-        if self.processes.count == 1:
-            return values
-        k, _, mine = values.shape
-        heights = _differences(self.rows)
-        own = heights[self.processes.rank]
-        sent = torch.cat([values[:, start:stop].reshape(-1) for start, stop in itertools.pairwise(self.rows)])
-        expected = [k * own * width for width in _differences(self.columns)]
-        found = self.processes.exchange(sent, [k * rows * mine for rows in heights], expected)
-        return torch.cat([part.view(k, own, -1) for part in torch.split(found, expected)], -1)
-
-
-def _differences(bounds: Sequence[int]) -> list[int]:
-    return [stop - start for start, stop in itertools.pairwise(bounds)]
-
-
-def multiply_waves_on_slabs(
-    processes: Processes, rows: int, values: torch.Tensor, symbol: torch.Tensor, padded: Axes
-) -> torch.Tensor:
-    """Return the rows of this process of fields, padded with zeros, with each wave multiplied by a real symbol.
-
-    Parameters
-    ----------
-    processes
-        The processes.
-    rows
-        Rows of the fields on all of them.
-    values
-        The rows of this process, shape (k, n, ny).
-    symbol
-        The factors of the columns of this process, shape (mx, n).
-    padded
-        Cells (mx, my) of the periodic grid.
-    """
-    mx, my = padded
-    transpose = Transpose(processes, processes.rows(rows), processes.columns(my // 2 + 1))
-    waves = transpose.forward(torch.fft.rfft(values, n=my, dim=-1))
-    waves = torch.fft.fft(waves, n=mx, dim=-2)
-    waves *= symbol
-    waves = torch.fft.ifft(waves, dim=-2)[:, :rows]
-    return torch.fft.irfft(transpose.back(waves), n=my, dim=-1)[..., : values.shape[-1]]
 
 
 @attrs.frozen(eq=False)
@@ -117,11 +45,6 @@ class SlabGrid(MaskedGrid):
         own = self.processes.own_rows(self.shape[0])
         return own.stop - own.start, self.shape[1]
 
-    @property
-    def takes_stencil(self) -> bool:
-        """Whether the stencil reaches no cell twice, and no process beyond the next one."""
-        return super().takes_stencil and min(_differences(self.processes.rows(self.shape[0]))) >= STENCIL_REACH
-
     def total(self, values: torch.Tensor) -> torch.Tensor:
         """Return the sum over the cells of each contact, in float64."""
         return self.processes.reduce(super().total(values))
@@ -145,11 +68,15 @@ class SlabGrid(MaskedGrid):
 
     def multiply_waves(self, values: torch.Tensor, symbol: torch.Tensor, padded: Axes) -> torch.Tensor:
         """Return fields, padded with zeros, with each of their waves multiplied by a real symbol."""
-        return multiply_waves_on_slabs(self.processes, self.shape[0], values, symbol, padded)
+        processes = self.processes
+        found = [multiply_on_slabs(processes, one, self.shape[0], lambda k: symbol[:, k], padded) for one in values]
+        return torch.stack(found)
 
     def widen(self, values: torch.Tensor, reach: int, *, periodic: bool) -> torch.Tensor:
         """Return fields with rows before and behind: those of other processes, or zeros."""
-        return self.processes.widen(values, reach, periodic=periodic)
+        # Those of a coarser grid are fewer.
+        count = self.shape[0] * values.shape[-2] // self.part[0]
+        return torch.stack([self.processes.widen(one, count, reach, periodic=periodic) for one in values])
 
     def blocks(self, mean: float) -> Blocks:
         """Return the blocks that resolve the long waves where weights have this mean over the padded grid."""

@@ -75,7 +75,9 @@ def describe_solution(solution: ContactSolution, estimator: str | None = None) -
         "mean_pressure": describe_value(solution.mean_pressure, "Pa"),
         "approach": describe_value(solution.approach, "m"),
         **_describe_attractive_area(solution),
-        "saturated_area": _describe_area(_ask(solution, solution.saturated_area)) if solution.capped else None,
+        "saturated_area": _describe_area(_ask(solution, solution.saturated_area))
+        if solution.capped and solution.parts.is_whole
+        else None,
         "contact_modulus": describe_value(solution.modulus, "Pa"),
         "other_places": places or None,
         "warnings": list(solution.warnings),
@@ -94,8 +96,8 @@ def _describe_added(solution: ContactSolution) -> dict[str, Any]:
     """Return the numbers that physics have added to a solution, with their units."""
     return {
         name: describe_estimate(one) if isinstance(one, Estimate) else describe_value(*one)
-        for added in solution.added
-        for name, one in added.list_numbers(solution).items()
+        for numbers in (*(one.list_numbers(solution) for one in solution.added), solution.parts.list_numbers(solution))
+        for name, one in numbers.items()
     }
 
 

@@ -79,6 +79,16 @@ class ContactAnswers(ShearFields):
         """
         return estimate_attractive_area(self, fraction)
 
+    def gather(self) -> Self | None:
+        """Return the solution with all its fields as arrays of numpy.
+
+        It is the solution itself, unless it is divided among processes or on another device: then the fields must fit
+        into the memory of this process. All processes must ask; the first gets the solution, certified anew, the others
+        None.
+        """
+        whole: Self | None = self.parts.gather(self)
+        return whole
+
     @property
     def _normal(self) -> Self:
         """The normal contact alone, which area and responses read."""
@@ -118,7 +128,7 @@ class ContactAnswers(ShearFields):
         )
 
     def _estimate_area(self, chosen: AreaEstimator) -> Area:
-        area = chosen.estimate(heal(self._view(chosen)))
+        area = self.parts.ask(self, chosen, lambda one: chosen.estimate(heal(one._view(chosen))))
         if not isinstance(area, Area) or not np.isfinite([area.value, area.uncertainty]).all():
             raise InputError(
                 f"The area estimator {chosen!r} returned {area!r}, which is not an Area of finite numbers."
@@ -164,7 +174,8 @@ class ContactAnswers(ShearFields):
             it states a traction or a friction of its own.
         """
         asked: Any = responses.resolve(response)
-        return ask(self, self._add_traction(asked) if self.added else asked)
+        chosen = self._add_traction(asked) if self.added else asked
+        return self.parts.ask(self, chosen, lambda one: ask(one, chosen))
 
     def _add_traction(self, asked: Any) -> Any:
         """Return a response to pressure and traction of a contact with friction."""
@@ -375,7 +386,9 @@ class ContactAnswers(ShearFields):
         InputError
             If there is no such estimator.
         """
-        return estimate_saturated_area(heal(self._pressed), estimator)
+        return self.parts.ask(
+            self, "saturated area", lambda one: estimate_saturated_area(heal(one._pressed), estimator)
+        )
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:
@@ -383,6 +396,9 @@ class ContactAnswers(ShearFields):
 
         The warnings of the `area` are not among them.
         """
+        if not self.parts.is_whole:
+            # They are those of the whole fields, which `gather` returns.
+            return ()
         found = list_warnings(self._pressed, self._materials.values())
         return found if self.origin is None else (*found, *warn_of_attraction(self, self.origin))
 

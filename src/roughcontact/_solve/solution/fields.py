@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cached_property
-from typing import Any, ClassVar, TypeVar
+from typing import Any, TypeVar
 
 import attrs
 import numpy as np
@@ -216,10 +216,9 @@ class ContactFields(AskedOf):
         Attraction of the surfaces, shape `grid.shape`, Pa, at least zero; None without adhesion.
     added
         What friction adds; empty without.
+    parts
+        Of a contact that is divided among processes, what holds its parts together.
     """
-
-    # Of a contact that is divided among processes, what holds its parts together.
-    parts: ClassVar[Whole] = Whole()
 
     grid: Grid
     boundary: Boundary
@@ -244,6 +243,7 @@ class ContactFields(AskedOf):
     non_measured: Mask | None = attrs.field(default=None, converter=attrs.converters.optional(read_only))
     tension: Array | None = attrs.field(default=None, converter=attrs.converters.optional(read_only))
     added: tuple[Addition, ...] = ()
+    parts: Whole = attrs.field(default=Whole(), repr=False)
 
     def __reduce__(self) -> tuple[Any, ...]:
         # Arrays in pickles and deep copies are writable: the constructor makes them read-only again.
@@ -291,7 +291,8 @@ class ContactFields(AskedOf):
     @cached_property
     def patches(self) -> ContactPatches:
         """The connected patches of the contact."""
-        return find_patches(self.contact, self.contact_pressure, self.grid, self.boundary)
+        known: ContactPatches | None = self.parts.patches(self)
+        return known or find_patches(self.contact, self.contact_pressure, self.grid, self.boundary)
 
     @cached_property
     def gap(self) -> Array:
@@ -323,7 +324,7 @@ class ContactFields(AskedOf):
     @property
     def force(self) -> float:
         """Normal force, N; of surfaces that attract each other negative where it pulls."""
-        force = float(np.add.reduce(self.pressure, axis=None))
+        force = self.parts.sum(self.pressure)
         if self.tension is not None and abs(force) <= _BALANCED * float(
             np.add.reduce(np.abs(self.pressure), axis=None)
         ):

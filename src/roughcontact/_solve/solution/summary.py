@@ -46,6 +46,7 @@ def list_answers(solution: ContactAnswers) -> dict[str, str]:
         answers["saturated"] = _format_area(_attempt(solution.saturated_area, None), solution)
     for added in solution.added:
         answers |= added.list_rows(solution)
+    answers |= solution.parts.list_rows(solution)
     places = describe_other_places(solution, {"contact area": _attempt(solution.area, None), "maximum pressure": peak})
     return answers | ({"other places": places} if places else {})
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any, TypeVar
+from collections.abc import Callable
+from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 
@@ -18,6 +19,33 @@ class Whole:
     fields are then those of its own rows and of some rows beside them, lists are of its own cells, and numbers by patch
     are those of all patches, on each process. All processes must call the same methods in the same order.
     """
+
+    # Whether the fields here are all there are.
+    is_whole: ClassVar[bool] = True
+
+    def ask(self, solution: Any, answer: Any, find: Callable[[Any], T]) -> T:
+        """Return what a function finds of a solution for an answer: of what this part has of it."""
+        return find(solution)
+
+    def list_rows(self, solution: Any) -> dict[str, str]:
+        """Return in words, by label, what this part has; nothing if it has all."""
+        return {}
+
+    def list_numbers(self, solution: Any) -> dict[str, Any]:
+        """Return further numbers by name: estimates, or values with their units."""
+        return {}
+
+    def gather(self, solution: Any) -> Any:
+        """Return the solution with all its fields as arrays of numpy; None on parts that do not get it."""
+        return solution
+
+    def patches(self, solution: Any) -> Any:
+        """Return the patches of the contact; None if they are found from the fields here alone."""
+        return None
+
+    def sum(self, field: Array) -> float:
+        """Return the sum of a field over all cells."""
+        return float(np.add.reduce(field, axis=None))
 
     def total(self, values: T) -> T:
         """Return the sum over all parts of a number or an array of the same shape in each."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import abc
 import sys
 from pathlib import Path
-from typing import Any, final
+from typing import Any, ClassVar, final
 from xml.sax.saxutils import quoteattr
 
 import attrs
@@ -44,10 +44,13 @@ class SolutionWriter(Part, abc.ABC):
     True
     """
 
+    # Whether it writes solutions that are divided among processes, each process its part, instead of whole ones.
+    divided: ClassVar[bool] = False
+
     @property
     @abc.abstractmethod
     def suffixes(self) -> frozenset[str]:
-        """The endings of the file names that it writes, lower case, with the dot."""
+        """The endings of the file names that it writes, lower case, with the dot; an empty one is a folder."""
 
     @abc.abstractmethod
     def write(self, solution: Any, path: Path) -> None:
@@ -79,11 +82,15 @@ def write_solution(solution: ContactAnswers, path: Path) -> None:
     known: set[str] = set()
     for name in names:
         writer = writers.create(name)
+        if writer.divided is solution.parts.is_whole:
+            continue
         if path.suffix in writer.suffixes:
             writer.write(solution, path)
             return
         known |= writer.suffixes
-    raise InputError.about("The name of a solution's file", path.name, f"one ending in {', '.join(sorted(known))}")
+    folder = " or that of a folder" if "" in known else ""
+    allowed = f"one ending in {', '.join(sorted(known - {''}))}{folder}"
+    raise InputError.about("The name of a solution's file", path.name, allowed)
 
 
 def describe_as_data(solution: ContactAnswers) -> dict[str, Any]:

@@ -2,25 +2,23 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-import roughcontact as rc
-from roughcontact.typing import RealArray
 
-from roughcontact_mpi.slab import Slab
+from roughcontact._base.arrays import RealArray
+from roughcontact.errors import InputError
 
 _FUNCTIONS: dict[Any, Callable[..., Any]] = {}
 _IDENTITIES: dict[Any, float] = {np.add: 0.0, np.minimum: np.inf, np.maximum: -np.inf}
 
 
-def unknown(name: str) -> rc.InputError:
+def unknown(name: str) -> InputError:
     """Return the error for a step that arrays in slabs do not have."""
-    return rc.InputError(
-        f"This contact needs a step that is not done on slabs (numpy.{name}), as of thin stiff layers: solve it in one "
-        "process, by rc.ContactProblem."
+    return InputError(
+        f"Fields on slabs have no numpy.{name}, which contacts of thin stiff layers need: solve the contact in one "
+        "process, by rc.ContactProblem, or gather its solution."
     )
 
 
@@ -29,14 +27,13 @@ def is_slab(value: Any) -> bool:
     return getattr(value, "is_slab", False)
 
 
-def leader(values: Sequence[Any]) -> Slab:
+def leader(values: Sequence[Any]) -> Any:
     """Return the array that says how a result is divided: of those in slabs a divided one with most axes."""
     slabs = [one for one in values if is_slab(one)]
-    found: Slab = max(slabs, key=lambda one: (one.is_divided, one.ndim))
-    return found
+    return max(slabs, key=lambda one: (one.is_divided, one.ndim))
 
 
-def part_of(value: Any, lead: Slab) -> Any:
+def part_of(value: Any, lead: Any) -> Any:
     """Return the part of a value for a result that is divided as another array is."""
     if is_slab(value):
         if lead.is_divided and not value.is_divided and value.size > 1:
@@ -47,8 +44,10 @@ def part_of(value: Any, lead: Slab) -> Any:
     return value
 
 
-def carry_out(function: Any, caller: Slab, args: Sequence[Any], options: dict[str, Any]) -> Any:
+def carry_out(function: Any, caller: Any, args: Sequence[Any], options: dict[str, Any]) -> Any:
     """Return the result of a function; `InputError` if arrays in slabs have no such function."""
+    if function in _LOCAL:
+        return _carry_out_on_parts(function, args, options)
     if function in _CREATORS:
         return _create(function, caller, *args, **options)
     if function not in _FUNCTIONS:
@@ -58,7 +57,7 @@ def carry_out(function: Any, caller: Slab, args: Sequence[Any], options: dict[st
 
 def reduce(
     ufunc: np.ufunc,
-    values: Slab,
+    values: Any,
     axis: int | None = 0,
     dtype: Any = None,
     *,
@@ -79,26 +78,25 @@ def reduce(
     own = ufunc.reduce(part, axis=None, **options)
     if not values.is_divided:
         return own
-    found = ufunc.reduce(values.processes.collect(np.asarray(own, dtype=np.float64)))
+    found = ufunc.reduce(values.processes.collect(np.float64(float(own))))
     return own.dtype.type(found)
 
 
-def gather(values: Slab) -> RealArray:
+def gather_slabs(values: Any) -> Any:
     """Return the whole of an array as one of numpy, on each process."""
     if not values.is_divided:
         return values.part
-    flat = _as_bytes(np.ascontiguousarray(values.part)).reshape(-1)
-    return values.processes.gather(flat).view(values.dtype).reshape(-1, *values.part.shape[1:])
+    return values.processes.gather(values.part.reshape(-1)).reshape(-1, *values.part.shape[1:])
 
 
-def get(values: Slab, index: Any) -> Any:
+def get(values: Any, index: Any) -> Any:
     """Return the entries at an index; see `put`."""
     cells = _local(values, index)
     if cells is None:
         return _get_window(values, index)
     found = values.part[cells]
     if not values.is_divided:
-        return values.like(np.asarray(found))
+        return values.like(found)
     if is_slab(index):
         # A list of places has the length of what is found, a mask does not.
         return index.like(found) if index.dtype.kind in "iu" else _new_list(values, found)
@@ -107,7 +105,7 @@ def get(values: Slab, index: Any) -> Any:
     return _divided(values, found, _length_after(values, index))
 
 
-def put(values: Slab, index: Any, given: Any) -> None:
+def put(values: Any, index: Any, given: Any) -> None:
     """Set the entries at an index: of places or a mask, of a slice along the first axis in full or of every second."""
     cells = _local(values, index)
     if cells is None:
@@ -122,7 +120,7 @@ def put(values: Slab, index: Any, given: Any) -> None:
     values.part[cells] = part
 
 
-def _local(values: Slab, index: Any) -> Any:
+def _local(values: Any, index: Any) -> Any:
     """Return an index in the part of this process; None for a window, whose rows have to move."""
     if is_slab(index):
         return index.part
@@ -142,7 +140,7 @@ def _local(values: Slab, index: Any) -> Any:
     return slice(None) if index.step in (None, 1) else index
 
 
-def _is_simple(values: Slab, rows: Any) -> bool:
+def _is_simple(values: Any, rows: Any) -> bool:
     """Return whether a slice takes all rows, or every second one."""
     if not isinstance(rows, slice):
         return False
@@ -151,22 +149,22 @@ def _is_simple(values: Slab, rows: Any) -> bool:
     return rows.step in (None, 1) and rows.start in (None, 0) and (rows.stop is None or rows.stop >= values.shape[0])
 
 
-def _length_after(values: Slab, index: Any) -> int:
+def _length_after(values: Any, index: Any) -> int:
     rows = index[0] if isinstance(index, tuple) else index
     return len(range(*rows.indices(values.shape[0])))
 
 
-def _divided(values: Slab, part: RealArray, length: int) -> Slab:
+def _divided(values: Any, part: RealArray, length: int) -> Any:
     if part.shape[1:] == values.part.shape[1:] and length == values.shape[0]:
         return values.like(part)
     return type(values).field(part, values.processes, length)
 
 
-def _new_list(values: Slab, part: RealArray) -> Slab:
+def _new_list(values: Any, part: RealArray) -> Any:
     return type(values).list(part, values.processes)
 
 
-def _window(values: Slab, index: tuple[slice, slice]) -> tuple[tuple[int, ...], tuple[int, ...], int]:
+def _window(values: Any, index: tuple[slice, slice]) -> tuple[tuple[int, ...], tuple[int, ...], int]:
     """Return the bounds of the rows of a field, and those of a window, in rows of the field, with its rows."""
     start, stop, step = index[0].indices(values.shape[0])
     if step != 1:
@@ -176,27 +174,21 @@ def _window(values: Slab, index: tuple[slice, slice]) -> tuple[tuple[int, ...], 
     return processes.rows(values.shape[0]), inside, stop - start
 
 
-def _get_window(values: Slab, index: tuple[slice, slice]) -> Slab:
+def _get_window(values: Any, index: tuple[slice, slice]) -> Any:
     bounds, inside, count = _window(values, index)
-    columns = np.ascontiguousarray(values.part[:, index[1]])
-    part = values.processes.move_rows(_as_bytes(columns), bounds, inside).view(values.dtype)
+    part = values.processes.move_rows(values.part[:, index[1]], bounds, inside)
     return type(values).field(part, values.processes, count)
 
 
-def _put_window(values: Slab, index: tuple[slice, slice], given: Slab) -> None:
+def _put_window(values: Any, index: tuple[slice, slice], given: Any) -> None:
     bounds, inside, _ = _window(values, index)
     processes = values.processes
-    rows = processes.move_rows(_as_bytes(given.part), inside, bounds).view(given.dtype)
+    rows = processes.move_rows(given.part, inside, bounds)
     first = max(bounds[processes.rank], inside[0]) - bounds[processes.rank]
     values.part[first : first + rows.shape[0], index[1]] = rows
 
 
-def _as_bytes(values: RealArray) -> RealArray:
-    """Return rows in a type that MPI knows."""
-    return values.view(np.uint8) if values.dtype == np.bool_ else values
-
-
-def _create(function: Any, caller: Slab, shape: Any, *args: Any, **options: Any) -> Slab:
+def _create(function: Any, caller: Any, shape: Any, *args: Any, **options: Any) -> Any:
     """Return a new field, or an array of one entry that all have."""
     if function is np.asarray:
         return _as_slab(caller, shape, *args, **options)
@@ -209,14 +201,24 @@ def _create(function: Any, caller: Slab, shape: Any, *args: Any, **options: Any)
     return type(caller).field(part, caller.processes, shape[0])
 
 
-def _as_slab(caller: Slab, values: Any, dtype: Any = None) -> Slab:
+def _as_slab(caller: Any, values: Any, dtype: Any = None) -> Any:
     if is_slab(values):
-        kept: Slab = values if dtype is None else values.astype(dtype, copy=False)
-        return kept
+        return values if dtype is None else values.astype(dtype, copy=False)
     return type(caller)(np.asarray(values, dtype=dtype), caller.processes, None)
 
 
 _CREATORS = {np.zeros, np.ones, np.empty, np.full, np.asarray}
+_LOCAL = {np.zeros_like, np.ones_like, np.empty_like, np.where, np.clip, np.copyto}
+
+
+def _carry_out_on_parts(function: Any, args: Sequence[Any], options: dict[str, Any]) -> Any:
+    """Return the result of a function of each entry alone."""
+    lead = leader((*args, *options.values()))
+    parts = [part_of(one, lead) for one in args]
+    found = function(*parts, **{name: part_of(value, lead) for name, value in options.items()})
+    if function is np.copyto:
+        return None
+    return lead.like(found) if options.get("out") is None else options["out"]
 
 
 def _listed(function: Any) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
@@ -227,66 +229,33 @@ def _listed(function: Any) -> Callable[[Callable[..., Any]], Callable[..., Any]]
     return enter
 
 
-@_listed(np.zeros_like)
-def _zeros_like(values: Slab, dtype: Any = None) -> Any:
-    return values.like(np.zeros_like(values.part, dtype=dtype))
-
-
-@_listed(np.ones_like)
-def _ones_like(values: Slab, dtype: Any = None) -> Any:
-    return values.like(np.ones_like(values.part, dtype=dtype))
-
-
-@_listed(np.empty_like)
-def _empty_like(values: Slab, dtype: Any = None) -> Any:
-    return values.like(np.empty_like(values.part, dtype=dtype))
-
-
-@_listed(np.where)
-def _where(mask: Any, one: Any, other: Any) -> Any:
-    lead = leader((mask, one, other))
-    return lead.like(np.asarray(np.where(*(part_of(value, lead) for value in (mask, one, other)))))
-
-
-@_listed(np.clip)
-def _clip(values: Slab, low: Any, high: Any, out: Slab | None = None) -> Any:
-    target = None if out is None else out.part
-    found = np.clip(values.part, part_of(low, values), part_of(high, values), out=target)
-    return values.like(np.asarray(found)) if out is None else out
-
-
-@_listed(np.copyto)
-def _copyto(target: Slab, values: Any, where: Any = True) -> None:
-    np.copyto(target.part, part_of(values, target), where=part_of(where, target))
-
-
 @_listed(np.einsum)
-def _einsum(sums: str, one: Slab, other: Slab, dtype: Any = None, casting: Any = "safe") -> Any:
+def _einsum(sums: str, one: Any, other: Any, dtype: Any = None, casting: Any = "safe") -> Any:
     if sums not in ("i,i->", "ij,ij->"):
         raise unknown("einsum")
     options = {} if dtype is None else {"dtype": dtype, "casting": casting}
     own = np.einsum(sums, part_of(one, other), part_of(other, one), **options)
-    return one.processes.total(np.float64(own)) if one.is_divided else own
+    return one.processes.total(np.float64(float(own))) if one.is_divided else own
 
 
 @_listed(np.sum)
-def _sum(values: Slab, where: Any = True) -> Any:
+def _sum(values: Any, where: Any = True) -> Any:
     return reduce(np.add, values, None, where=where)
 
 
 @_listed(np.count_nonzero)
-def _count_nonzero(values: Slab) -> int:
-    own = np.count_nonzero(values.part)
+def _count_nonzero(values: Any) -> int:
+    own = int(np.count_nonzero(values.part))
     return int(values.processes.total(own) if values.is_divided else own)
 
 
 @_listed(np.flatnonzero)
-def _flatnonzero(values: Slab) -> Slab:
+def _flatnonzero(values: Any) -> Any:
     return _new_list(values, np.flatnonzero(values.part))
 
 
 @_listed(np.array_equal)
-def _array_equal(one: Slab, other: Slab) -> bool:
+def _array_equal(one: Any, other: Any) -> bool:
     return not (one != other).any()
 
 
@@ -299,7 +268,7 @@ def _concatenate(parts: Sequence[Any]) -> Any:
 
 
 @_listed(np.broadcast_to)
-def _broadcast_to(values: Slab, shape: tuple[int, ...]) -> Slab:
+def _broadcast_to(values: Any, shape: tuple[int, ...]) -> Any:
     if values.is_divided:
         return values
     own = values.processes.own_rows(shape[0])
@@ -308,26 +277,16 @@ def _broadcast_to(values: Slab, shape: tuple[int, ...]) -> Slab:
 
 
 @_listed(np.repeat)
-def _repeat(values: Slab, repeats: int, axis: int | None = None) -> Slab:
+def _repeat(values: Any, repeats: int, axis: int | None = None) -> Any:
     part = np.repeat(values.part, repeats, axis=axis)
     return type(values).field(part, values.processes, values.shape[0] * (1 if axis else repeats))
 
 
 @_listed(np.roll)
-def _roll(values: Slab, shift: int, axis: int) -> Any:
+def _roll(values: Any, shift: int, axis: int) -> Any:
     if axis == 1:
         return values.like(np.roll(values.part, shift, axis=1))
     if shift not in (-1, 1):
         raise unknown("roll")
-    processes = values.processes
-    count = values.shape[0]
-    bounds = processes.rows(count)
-    wanted = [
-        [] if start == stop else [(start - 1 if shift == 1 else stop) % count]
-        for start, stop in itertools.pairwise(bounds)
-    ]
-    halo = processes.fetch_rows(np.ascontiguousarray(values.part), bounds, wanted)
-    if not values.part.shape[0]:
-        return values
-    rows = (halo, values.part[:-1]) if shift == 1 else (values.part[1:], halo)
-    return values.like(np.concatenate(rows))
+    wide = values.processes.widen(values.part, values.shape[0], 1)
+    return values.like(wide[:-2] if shift == 1 else wide[2:])
