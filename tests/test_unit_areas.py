@@ -11,7 +11,7 @@ import pytest
 
 import roughcontact as rc
 from exact_contacts import MODULUS, ball, distances, edge, with_fields
-from roughcontact._answers.areas import calibration, quantity_calibration
+from roughcontact._answers.areas import calibration
 from roughcontact._answers.areas.cells import count_saturated, count_sides, find_straight_rows
 from roughcontact._answers.areas.contour import (
     _count_alike,
@@ -355,7 +355,7 @@ def test_the_maximum_pressure_of_a_summit_of_fourth_order(cell, quartic):
     mean = found.summits.curvature[0] / 2.0
     expected = hertz * (1.0 - 32.0 / 45.0 * c4 * found.area[1] / np.pi / mean)
     assert value[0] == pytest.approx(expected, rel=2e-3)
-    wanted = quantity_calibration.MIN_SUMMIT_ERROR + quantity_calibration.SUMMIT_ERROR_FACTOR * found.error[1]
+    wanted = calibration.MIN_SUMMIT_ERROR + quantity_calibration.SUMMIT_ERROR_FACTOR * found.error[1]
     assert error[0] == pytest.approx(wanted, rel=1e-6)
 
 

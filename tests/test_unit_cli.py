@@ -15,7 +15,7 @@ import pytest
 
 import roughcontact as rc
 from roughcontact.__main__ import main
-from roughcontact._answers.linear import pull_off
+from roughcontact._answers.linear import stiffness
 from roughcontact._base.machine import progress
 from roughcontact._base.units import fit
 from roughcontact._faces.cli import paths as path_command

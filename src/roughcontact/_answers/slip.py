@@ -8,7 +8,7 @@ import attrs
 import numpy as np
 
 from roughcontact._answers.areas.approach import find_shift
-from roughcontact._answers.linear.adhesive_tangent import tangent_of
+from roughcontact._answers.linear.tangent import tangent_of
 from roughcontact._answers.linear.tangential import (
     find_anisotropy,
     find_compliance_ratio,

@@ -17,8 +17,15 @@ from roughcontact._parts.materials import Elastic, Material, Rigid, combined_pre
 from roughcontact._parts.surfaces import ParaboloidSurface, Surface
 from roughcontact._solve.problem import Body, ContactProblem
 from roughcontact.errors import InputError
-from roughcontact.testing.claim import DoesNotApply, claim, pickled, require, require_equal
-from roughcontact.testing.generic import claim_repeatable, require_array
+from roughcontact.testing.claim import (
+    DoesNotApply,
+    claim,
+    claim_repeatable,
+    pickled,
+    require,
+    require_array,
+    require_equal,
+)
 
 _COUNTERBODY = Elastic(1e9, 0.3)
 

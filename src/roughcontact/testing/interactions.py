@@ -1,4 +1,4 @@
-"""Claims about interactions: laws by which surfaces attract each other."""
+"""Claims about laws of the interface: of the attraction of surfaces, and of friction."""
 
 from __future__ import annotations
 
@@ -6,11 +6,19 @@ import numpy as np
 
 from roughcontact._base.arrays import Array
 from roughcontact._parts.grid import Grid
-from roughcontact._parts.interactions import Interaction
+from roughcontact._parts.interactions import FrictionLaw, Interaction, shear_limit
 from roughcontact._parts.materials import Elastic
 from roughcontact._parts.surfaces import ParaboloidSurface
 from roughcontact._solve.problem import Body, ContactProblem
-from roughcontact.testing.claim import DoesNotApply, claim, require, require_close, require_equal
+from roughcontact.testing.claim import (
+    DoesNotApply,
+    claim,
+    claim_input_unchanged,
+    claim_repeatable,
+    require,
+    require_close,
+    require_equal,
+)
 
 # Gaps at which a law is tried, over its reach, and the step of central differences over the reach.
 _GAPS = np.concatenate(([0.0], np.geomspace(1e-4, 1.0, 400)))
@@ -20,6 +28,8 @@ _DIFFERENCE = 1e-4
 # Cells of the ball that laws are tried on, and its radius over the reach of the law.
 _BALL_CELLS = 24
 _RADIUS = 40.0
+# Pressures at which a law is tried, Pa.
+_PRESSURES = np.concatenate(([0.0], np.geomspace(1.0, 1e11, 119)))
 
 
 def _resolved(law: Interaction) -> Interaction:
@@ -103,3 +113,44 @@ def _contact(law: Interaction) -> str:
     closer = pressed.approach > 1.001 * without.approach
     require(closer, "with it the bodies do not approach more than without")
     return f"{int(pressed.contact.sum())} cells in contact, {int(without.contact.sum())} without it"
+
+
+def _fields(law: FrictionLaw) -> list[Array]:
+    """Return uniform pressures to try a law at, of the shape of its arrays."""
+    maps = [np.shape(getattr(law, field.name)) for field in getattr(type(law), "__attrs_attrs__", ())]
+    shape = next((one for one in maps if len(one) == 2), (12, 10))
+    return [np.full(shape, pressure) for pressure in _PRESSURES]
+
+
+@claim("friction law", "limits")
+def _limits(law: FrictionLaw) -> str:
+    # `shear_limit` requires the shape, finite values, at least zero, and none without pressure.
+    limits = [shear_limit(law, field) for field in _fields(law)]
+    return f"from {min(limit.max() for limit in limits):.3g} to {max(limit.max() for limit in limits):.3g} Pa"
+
+
+@claim("friction law", "not falling with the pressure")
+def _monotone(law: FrictionLaw) -> None:
+    limits = np.array([law.limit(field) for field in _fields(law)])
+    require((np.diff(limits, axis=0) >= 0.0).all(), "the limit falls as the pressure rises")
+
+
+@claim("friction law", "local")
+def _local(law: FrictionLaw) -> None:
+    fields = _fields(law)
+    one = fields[60].copy()
+    before = law.limit(one.copy())
+    one[0, 0] *= 2.0
+    after = law.limit(one)
+    after[0, 0] = before[0, 0]
+    require_equal(after, before, "the pressure of one cell changes the limit of another")
+
+
+claim_input_unchanged(
+    "friction law",
+    lambda law: [("a pressure", _fields(law)[60])],
+    lambda law, field: ({"pressure": field}, lambda: law.limit(field)),
+)
+claim_repeatable(
+    "friction law", None, lambda law: [law.limit(_fields(law)[60])], lambda law: law.limit(_fields(law)[3])
+)

@@ -15,8 +15,16 @@ from roughcontact._parts.kernels import (
     SupportsSpectrum,
     knows_own_rows,
 )
-from roughcontact.testing.claim import DoesNotApply, claim, require, require_close
-from roughcontact.testing.generic import claim_input_unchanged, claim_powers_of_two, claim_repeatable, require_array
+from roughcontact.testing.claim import (
+    DoesNotApply,
+    claim,
+    claim_input_unchanged,
+    claim_powers_of_two,
+    claim_repeatable,
+    require,
+    require_array,
+    require_close,
+)
 from roughcontact.testing.problems import displace
 
 # 1/E* of the trials, 1/Pa: about the value of two steel bodies.

@@ -7,7 +7,7 @@ import math
 import attrs
 import numpy as np
 
-from roughcontact._answers.areas import quantity_calibration as calibration
+from roughcontact._answers.areas import calibration
 from roughcontact._answers.areas.approach import TIP_REACH, fit_hyperboloid
 from roughcontact._answers.areas.cells import MIN_SHARP_PATCH_CELLS, find_cut_patches, split
 from roughcontact._answers.areas.curvature import curvature_resolution

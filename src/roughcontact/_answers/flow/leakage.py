@@ -8,7 +8,7 @@ from functools import cached_property
 import attrs
 import numpy as np
 
-from roughcontact._answers.areas.creases import find_lost_std
+from roughcontact._answers.areas.cells import find_lost_std
 from roughcontact._answers.flow.network import (
     FlowNetwork,
     estimate_uncertainty,

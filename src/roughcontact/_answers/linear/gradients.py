@@ -8,8 +8,7 @@ from typing import TypeAlias
 import attrs
 import numpy as np
 
-from roughcontact._answers.linear.adhesive_tangent import AdhesiveTangent, describe_jump, tangent_of
-from roughcontact._answers.linear.tangent import LinearSolution, Tangent
+from roughcontact._answers.linear.tangent import AdhesiveTangent, LinearSolution, Tangent, describe_jump, tangent_of
 from roughcontact._base.arrays import Array, IntArray, read_only
 from roughcontact._base.checks import callback, choice, numbers
 from roughcontact._parts.grid import Boundary

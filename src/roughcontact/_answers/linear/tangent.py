@@ -16,13 +16,22 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array, Mask, RealArray, read_only, sum_of_products
+from roughcontact._base.units import WarningText
 from roughcontact._parts.grid import Boundary
 from roughcontact._parts.kernels import BoundKernel
 from roughcontact._solve.convolvers import ConvolutionSetup, InverseConvolution, PreparedConvolution
-from roughcontact._solve.problem import computing, problem_of
+from roughcontact._solve.problem import computing, linearise, problem_of
 from roughcontact._solve.solution import ContactSolution
-from roughcontact._solve.solvers import ActiveCells, MaskedCells, Preconditioner, active_cells, dot, total
-from roughcontact.errors import NotConverged
+from roughcontact._solve.solvers import (
+    ActiveCells,
+    LinearisedGap,
+    MaskedCells,
+    Preconditioner,
+    active_cells,
+    dot,
+    total,
+)
+from roughcontact.errors import InputError, NotConverged
 from roughcontact.errors.door import guarded
 
 # Relative residual from which float32 is used: its rounding is 6e-8 of the right side for each product.
@@ -35,6 +44,8 @@ _ROUNDING_RESIDUAL = 1e-8
 # Smallest singular value of the products of two pressures, over the larger one, for which they count as independent;
 # rounding in float32 gives 1e-7.
 _MIN_SINGULAR_RATIO = 1e-6
+# Stability margin below which a jump is near.
+_NEAR_JUMP_MARGIN = 0.05
 
 
 def _read_only(values: Array) -> Array:
@@ -330,3 +341,94 @@ def _square(vector: RealArray) -> float:
 
 def _dot(one: RealArray, other: RealArray) -> float:
     return total(one * other) if one.dtype == np.float32 else dot(one, other)
+
+
+class AdhesiveTangent:
+    r"""Small changes of the pressure of surfaces that attract each other, for heights dz at a given position.
+
+    In place of :math:`q = K_{AA}^{-1}\,\mathrm{d}z` of a `Tangent`, open cells answer too, by the slope s' of the law
+    (see `LinearisedGap`); q is again linear and symmetric in dz.
+
+    Parameters
+    ----------
+    solution
+        The contact.
+
+    Raises
+    ------
+    InputError
+        If the solution does not say which problem it solves, or the surfaces have come apart.
+    """
+
+    def __init__(self, solution: ContactSolution) -> None:
+        self._solution = solution
+        self._problem = problem_of(solution)
+        self.cells: Mask = read_only(solution.contact & ~solution.saturated)
+        # Displacement in m by a pressure of one Pa on all cells, if the dimensionless kernel were one.
+        self._unit = solution.grid.spacing[0] / solution.modulus
+
+    @property
+    def is_rigid(self) -> bool:
+        """Whether all cells of a periodic domain touch, so that uniform pressure displaces nothing."""
+        return self._solution.boundary is Boundary.PERIODIC and bool(self.cells.all())
+
+    def solve(self, right: Array, tolerance: float = 1e-12) -> LinearSolution:
+        """Return the change of the pressure by heights; see `Tangent.solve`.
+
+        Parameters
+        ----------
+        right
+            The heights, shape (nx, ny), m.
+        tolerance
+            Norm of the residual over that of the answer at which it ends, both in terms of the energy.
+
+        Raises
+        ------
+        InputError
+            If the state is unstable.
+        NotConverged
+            If the residual cannot be made that small, nor 1e-8.
+        """
+        if self.is_rigid:
+            right = right - right.mean()
+        size = float(np.abs(right).max())
+        if size == 0.0:
+            return LinearSolution(np.zeros_like(right), 0.0, 0.0, 0, 0)
+        with computing(self._problem):
+            found = self._linearised.solve(right / size, tolerance)
+        if found.margin <= 0.0:
+            raise InputError(
+                "The state is not stable at a given approach, so that it answers no small change: follow the approach "
+                "to a stable one by problem.sweep(approach=[...])."
+            )
+        scale = size / self._unit
+        answer = LinearSolution(
+            found.pressure * scale,
+            found.product * size * scale,
+            found.error,
+            found.iterations,
+            found.products,
+            found.margin,
+        )
+        answer.require(tolerance, self._solution)
+        return answer
+
+    @cached_property
+    def _linearised(self) -> LinearisedGap:
+        return linearise(self._problem, self._solution, holds_approach=True)
+
+
+def tangent_of(solution: ContactSolution) -> Tangent | AdhesiveTangent:
+    """Return the linear answer of a contact with or without adhesion, under further load."""
+    shared: Tangent | None = solution.parts.tangent(solution)
+    if shared is not None:
+        return shared
+    return Tangent(solution) if solution.tension is None else AdhesiveTangent(solution)
+
+
+def describe_jump(margin: float) -> WarningText | None:
+    """Return a warning if a stability margin is that of a state near a jump."""
+    if margin >= _NEAR_JUMP_MARGIN:
+        return None
+    text = "the state is close to a jump: a slightly other load may separate or join the surfaces"
+    return WarningText(text, "near a jump", margin)

@@ -11,11 +11,13 @@ import attrs
 import numpy as np
 
 from roughcontact._answers.subsurface.edge import EdgeStress, find_edge_stress
-from roughcontact._answers.subsurface.fatigue import find_crossland, find_dang_van, list_paths
 from roughcontact._answers.subsurface.field import (
     StressField,
     common_step,
+    find_crossland,
+    find_dang_van,
     find_steps,
+    list_paths,
     maximum_principal,
     maximum_shear,
     von_mises,
