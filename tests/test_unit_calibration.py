@@ -31,7 +31,9 @@ def test_each_constant_says_how_and_by_which_script_it_was_measured():
     rows = [(comment, name) for comment, lines in groups for name in re.findall(r"^[A-Z_]+", lines, flags=re.MULTILINE)]
     assert len(rows) == len(re.findall(r"^[A-Z_]+ = ", TEXT, flags=re.MULTILINE)) == 117
     # Those of all other numbers were fitted together, as the head of their section says.
-    fitted = re.findall(r"^[A-Z_]+(?= = )", sections[scripts.index("benchmarks/quantity_classes.py")], flags=re.MULTILINE)
+    fitted = re.findall(
+        r"^[A-Z_]+(?= = )", sections[scripts.index("benchmarks/quantity_classes.py")], flags=re.MULTILINE
+    )
     unmeasured = {name for comment, name in rows if "Measured" not in comment and "Set on" not in comment}
     unmeasured -= set(fitted)
     assert unmeasured == {"OVERLOADS"}  # the places of a table, not measured values

@@ -50,8 +50,8 @@ def test_a_cycle_ends_with_three_where_an_answer_alone_is_doubtful(tmp_path, run
 
 def test_several_loads_share_their_pull_off(tmp_path, run, monkeypatch):
     calls = []
-    follow = pull_off.find_pull_off
-    monkeypatch.setattr(pull_off, "find_pull_off", lambda *given: calls.append(given) or follow(*given))
+    follow = stiffness.find_pull_off
+    monkeypatch.setattr(stiffness, "find_pull_off", lambda *given: calls.append(given) or follow(*given))
     law = ["--adhesion", "exponential", "work=51mJ/m2", "range=200nm"]
     status, out, _ = run("solve", write_ball(tmp_path), "--loads", "1nN", "0N", *BODY, *law, "--pull-off", "--csv")
     assert status in (0, 3)

@@ -9,6 +9,9 @@ from roughcontact.reference.friction import (
     bonded_punch,
     frictional_punch,
 )
+from roughcontact.reference.roughness import BearingCurve, Roughness, bearing_area, roughness
+from roughcontact.reference.sliding import SlidingCylinder, SlidingSphere
+from roughcontact.reference.texture import Texture, texture
 from roughcontact.reference.theories import (
     FullContactEnergies,
     PastewkaRobbins,
@@ -16,9 +19,6 @@ from roughcontact.reference.theories import (
     full_contact_energies,
     persson,
 )
-from roughcontact.reference.roughness import BearingCurve, Roughness, bearing_area, roughness
-from roughcontact.reference.sliding import SlidingCylinder, SlidingSphere
-from roughcontact.reference.texture import Texture, texture
 
 __all__ = [
     "DMT",

@@ -1,7 +1,7 @@
 """The measured constants of areas and of the other numbers: meaning, unit, how each was measured, and by which script.
 
-The ratio is the resolution ratio of `curvature_resolution`; the width of a patch is in cells of a disc as wide; the bend
-of p^2 is -h^2 times its laplacian over p^2.
+The ratio is the resolution ratio of `curvature_resolution`; the width of a patch is in cells of a disc as wide; the
+bend of p^2 is -h^2 times its laplacian over p^2.
 """
 
 
@@ -173,7 +173,7 @@ WRAPPED_ERROR = 0.05
 # the length of the contact, where the jump passes through its centre. Set on two to five balls.
 KINK_ERROR = 0.4
 
-# --- benchmarks/quantity_classes.py: all other numbers on the tuned half of its classes, judged on the other half ------
+# --- benchmarks/quantity_classes.py: all other numbers on the tuned half of its classes, judged on the other half -----
 
 # Relative excess of the square of the discrete maximum pressure over its bend and over the shift of the edge, 1/cells.
 # Measured: 0.027 for Love's kernel, whose shift is 0.018, and none for "fourier".

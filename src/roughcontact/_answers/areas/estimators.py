@@ -203,7 +203,7 @@ class Hertz(AreaEstimator):
     (689.255 +- 0.017) µm2, (6.89255 +- 0.00017) % of nominal [hertz]
     """
 
-    with_adhesion = "refused"
+    holds_with = frozenset({"shear"})
 
     def estimate(self, solution: ContactSolution) -> Area:
         """Return the sum of Hertz's areas; see `AreaEstimator.estimate`."""
@@ -244,7 +244,7 @@ class Blend(AreaEstimator):
     (689.255 +- 0.017) µm2, (6.89255 +- 0.00017) % of nominal [blend]
     """
 
-    with_adhesion = "refused"
+    holds_with = frozenset({"shear"})
 
     def estimate(self, solution: ContactSolution) -> Area:
         """Return the weighted area; see `AreaEstimator.estimate`."""

@@ -275,7 +275,7 @@ class GapFlow(Response[Leakage]):
     """
 
     depends_on_place = True
-    with_adhesion = "total pressure"
+    holds_with = frozenset({"tension", "shear"})
     memory_arrays = 168.0  # the matrix of the flow and its multigrid
 
     axis: int = attrs.field(default=0, converter=flow_axis)
@@ -363,7 +363,7 @@ def _find_gap_std(solution: ContactSolution, network: FlowNetwork, lost: Array) 
     shift = find_lost_std(solution)
     rises = (1.0 + shift / (network.film * network.widest)) ** _GAP_EXPONENT - 1.0
     of_shift = float(np.sum(lost * rises)) / float(np.sum(lost))
-    known = solution.response("mean-gap") if solution.tension is None else None
+    known = solution.response("mean-gap") if solution._laws <= responses["mean-gap"].holds_with else None
     if known is None or known.value <= 0.0:
         return of_shift
     rest = math.sqrt(max(known.uncertainty**2 - shift**2, 0.0))

@@ -253,7 +253,7 @@ def interface_law(
     """
     if not isinstance(problem, ContactProblem):
         raise InputError.about("The problem of a law", problem, "a ContactProblem")
-    if problem.adhesion is not None:
+    if problem.plan.interaction is not None:
         raise InputError("A law of an interface knows no tension: omit adhesion=, or ask each state of problem.sweep.")
     if problem.boundary is not Boundary.PERIODIC:
         raise InputError(

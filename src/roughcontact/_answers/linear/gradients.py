@@ -8,7 +8,7 @@ from typing import TypeAlias
 import attrs
 import numpy as np
 
-from roughcontact._answers.linear.tangent import AdhesiveTangent, LinearSolution, Tangent, describe_jump, tangent_of
+from roughcontact._answers.linear.tangent import LinearAnswer, LinearSolution, Tangent, describe_jump, tangent_of
 from roughcontact._base.arrays import Array, IntArray, read_only
 from roughcontact._base.checks import callback, choice, numbers
 from roughcontact._parts.grid import Boundary
@@ -107,7 +107,7 @@ def _of_participation(solution: ContactSolution) -> Sensitivity:
 
 
 def _of_area(solution: ContactSolution) -> Sensitivity:
-    if solution.tension is not None:
+    if "tension" in solution._laws:
         raise InputError(
             "The area has no gradient where surfaces attract each other: its edge is that of a crack, and it does not "
             "grow as Hertz's area. Take the difference of two solves."
@@ -259,7 +259,7 @@ class Gradient(Response[Array]):
     :math:`\frac{9}{8} (\int p)^2 / \int p^2`, the area of Hertzian spots of one size.
     """
 
-    with_adhesion = "total pressure"
+    holds_with = frozenset({"tension", "shear"})
     memory_arrays = 17.0
 
     of: str | PressureDerivative = attrs.field(converter=_number)
@@ -324,7 +324,7 @@ class _Adjoint:
     margin: float = 1.0
 
     @classmethod
-    def at_approach(cls, tangent: Tangent | AdhesiveTangent, sensitivity: Sensitivity) -> _Adjoint:
+    def at_approach(cls, tangent: LinearAnswer, sensitivity: Sensitivity) -> _Adjoint:
         """Return the derivatives at a given approach."""
         if tangent.is_rigid:
             raise InputError("In full contact on a periodic boundary the approach does not determine the pressure.")
@@ -333,7 +333,7 @@ class _Adjoint:
         return cls(answer.values, -by_position, by_position, answer.margin)
 
     @classmethod
-    def under_load(cls, tangent: Tangent | AdhesiveTangent, sensitivity: Sensitivity) -> _Adjoint:
+    def under_load(cls, tangent: LinearAnswer, sensitivity: Sensitivity) -> _Adjoint:
         """Return the derivatives under a given load."""
         if not tangent.cells.any():
             raise InputError("All cells in contact are at the pressure limit: how they share a change of load is open.")
@@ -358,6 +358,6 @@ class _Adjoint:
         return cls(surface, 0.0, mean + sensitivity.position * compliance, margin)
 
 
-def _solve(tangent: Tangent | AdhesiveTangent, right: Array) -> LinearSolution:
+def _solve(tangent: LinearAnswer, right: Array) -> LinearSolution:
     """Return the answer to a right side of shape () or (nx, ny)."""
     return tangent.solve(np.broadcast_to(right, tangent.cells.shape), _ADJOINT_TOLERANCE)

@@ -255,7 +255,7 @@ class Stiffness(Response[Estimate]):
     Barber, Proc. R. Soc. A 459 (2003) 53-66, https://doi.org/10.1098/rspa.2002.1038
     """
 
-    with_adhesion = "total pressure"
+    holds_with = frozenset({"tension", "shear"})
 
     def respond(self, solution: ContactSolution) -> Estimate:
         """Return the stiffness; see `Response.respond`."""
@@ -273,7 +273,7 @@ class StabilityMargin(Response[Estimate]):
     slope s' of the law and a preconditioner Z that is 1/M for short waves, found by 30 steps of Lanczos' method.
     """
 
-    with_adhesion = "total pressure"
+    holds_with = frozenset({"tension", "shear"})
 
     def respond(self, solution: ContactSolution) -> Estimate:
         """Return the margin; see `Response.respond`."""
@@ -373,7 +373,7 @@ class PullOff(Response[Estimate]):
     It is that of the problem, whatever the load of the solution; see `ContactProblem.pull_off`.
     """
 
-    with_adhesion = "total pressure"
+    holds_with = frozenset({"tension", "shear"})
 
     def respond(self, solution: ContactSolution) -> Estimate:
         """Return the force, N; see `Response.respond`."""

@@ -9,8 +9,10 @@ with the kernel K and a right side r. To first order the cells in contact remain
 
 from __future__ import annotations
 
+import abc
 import math
 from functools import cached_property
+from typing import final
 
 import attrs
 import numpy as np
@@ -135,7 +137,38 @@ def solve_on_cells(
     return LinearSolution(values, product, error, *vectors[2:])
 
 
-class Tangent:
+class LinearAnswer(abc.ABC):
+    """Small changes of the pressure of a contact, for heights at a given position of the bodies.
+
+    Attributes
+    ----------
+    cells
+        The cells in contact that answer, shape (nx, ny).
+    """
+
+    def __init__(self, solution: ContactSolution, cells: Mask) -> None:
+        self._solution = solution
+        self._problem = problem_of(solution)
+        # Displacement in m by a pressure of one Pa on all cells, if the dimensionless kernel were one.
+        self._unit = solution.grid.spacing[0] / solution.modulus
+        self.cells = cells
+
+    @property
+    def is_rigid(self) -> bool:
+        """Whether uniform pressure displaces nothing: all cells of a periodic domain touch."""
+        return self._solution.boundary is Boundary.PERIODIC and bool(self.cells.all())
+
+    @abc.abstractmethod
+    def solve(self, right: Array, tolerance: float = 1e-12) -> LinearSolution:
+        """Return the change of the pressure by heights, shape (nx, ny), m, to a relative residual."""
+
+
+def _below_limit(solution: ContactSolution) -> Mask:
+    return read_only(solution.contact & ~solution.saturated)
+
+
+@final
+class Tangent(LinearAnswer):
     """The kernel of a contact restricted to its cells in contact.
 
     Parameters
@@ -164,13 +197,11 @@ class Tangent:
         compliance: float = 0.0,
         kernel: BoundKernel | None = None,
     ) -> None:
-        self._solution = solution
-        self._problem = problem_of(solution)
+        super().__init__(solution, solution.contact if saturated else _below_limit(solution))
         self._kernel = kernel
-        # Displacement in m by a pressure of one Pa on all cells, if the dimensionless kernel were one.
-        self._unit = solution.grid.spacing[0] / solution.modulus if kernel is None else kernel.unit
+        if kernel is not None:
+            self._unit = kernel.unit
         self._diagonal = compliance / self._unit
-        self.cells: Mask = solution.contact if saturated else read_only(solution.contact & ~solution.saturated)
 
     @property
     def is_rigid(self) -> bool:
@@ -178,7 +209,7 @@ class Tangent:
 
         A right side then determines the solution up to a constant only, and no solution exists for its mean.
         """
-        return self._solution.boundary is Boundary.PERIODIC and self._diagonal == 0.0 and bool(self.cells.all())
+        return self._diagonal == 0.0 and super().is_rigid
 
     def solve(self, right: Array, tolerance: float = 1e-12) -> LinearSolution:
         """Return the solution for a right side by conjugate gradients, preconditioned by the inverse kernel.
@@ -343,7 +374,8 @@ def _dot(one: RealArray, other: RealArray) -> float:
     return total(one * other) if one.dtype == np.float32 else dot(one, other)
 
 
-class AdhesiveTangent:
+@final
+class AdhesiveTangent(LinearAnswer):
     r"""Small changes of the pressure of surfaces that attract each other, for heights dz at a given position.
 
     In place of :math:`q = K_{AA}^{-1}\,\mathrm{d}z` of a `Tangent`, open cells answer too, by the slope s' of the law
@@ -361,16 +393,7 @@ class AdhesiveTangent:
     """
 
     def __init__(self, solution: ContactSolution) -> None:
-        self._solution = solution
-        self._problem = problem_of(solution)
-        self.cells: Mask = read_only(solution.contact & ~solution.saturated)
-        # Displacement in m by a pressure of one Pa on all cells, if the dimensionless kernel were one.
-        self._unit = solution.grid.spacing[0] / solution.modulus
-
-    @property
-    def is_rigid(self) -> bool:
-        """Whether all cells of a periodic domain touch, so that uniform pressure displaces nothing."""
-        return self._solution.boundary is Boundary.PERIODIC and bool(self.cells.all())
+        super().__init__(solution, _below_limit(solution))
 
     def solve(self, right: Array, tolerance: float = 1e-12) -> LinearSolution:
         """Return the change of the pressure by heights; see `Tangent.solve`.
@@ -418,9 +441,9 @@ class AdhesiveTangent:
         return linearise(self._problem, self._solution, holds_approach=True)
 
 
-def tangent_of(solution: ContactSolution) -> Tangent | AdhesiveTangent:
-    """Return the linear answer of a contact with or without adhesion, under further load."""
-    shared: Tangent | None = solution.parts.tangent(solution)
+def tangent_of(solution: ContactSolution) -> LinearAnswer:
+    """Return the linear answer of a contact under further load, whether its surfaces attract each other or not."""
+    shared: LinearAnswer | None = solution.parts.tangent(solution)
     if shared is not None:
         return shared
     return Tangent(solution) if solution.tension is None else AdhesiveTangent(solution)
