@@ -514,7 +514,7 @@ class TestFilesOfOtherLaws:
                 law.to_ansys(tmp_path / "a.inp", name=name)
         with pytest.raises(rc.InputError, match="no column of the law named 'heat'"):
             law.to_ansys(tmp_path / "a.inp", conductance="heat")
-        with pytest.raises(rc.InputError, match="takes a conductance in"):
+        with pytest.raises(rc.InputError, match="takes a thermal conductance, in"):
             law.to_ansys(tmp_path / "a.inp", conductance="mean_gap")
         assert not list(tmp_path.iterdir())
 

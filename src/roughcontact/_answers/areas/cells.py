@@ -67,6 +67,14 @@ class Neighbourhood:
             ends.append(np.clip(around, 0, n - 1) if free else around % n)
         return cls(i * ny + j, ny, near, ends[0] * ny, ends[1], reach)
 
+    @classmethod
+    def inside(cls, solution: ContactSolution, chosen: IntArray, reach: int) -> Neighbourhood:
+        """Return the neighbourhood of cells of flat index, moved inside near a free border that it would cross."""
+        shape = solution.contact.shape
+        axes = zip(split(chosen, shape[1]), shape, solution.boundary.free_axes, strict=True)
+        i, j = (np.clip(k, reach, n - 1 - reach) if free and n > 2 * reach else k for k, n, free in axes)
+        return cls.of(i, j, shape, solution.boundary, reach)
+
     def at(self, i: int, j: int) -> IntArray:
         """Return the flat indices of the cells that are (i, j) cells away from each cell, shape (n,)."""
         found = self.cells + (i * self.width + j)
@@ -274,12 +282,8 @@ def _find_crease_std(solution: ContactSolution) -> float:
         return 0.0
     lost = np.zeros(chosen.shape)
     shape = solution.grid.shape
-    i, j = split(chosen, shape[1])
-    axes = zip((i, j), shape, solution.boundary.free_axes, strict=True)
-    # At a free border the differences are those of the cells inside.
-    row, column = (np.clip(k, _REACH, n - 1 - _REACH) if free and n > 2 * _REACH else k for k, n, free in axes)
-    near = Neighbourhood.of(row, column, shape, solution.boundary, _REACH)
-    touching = Neighbourhood.of(i, j, shape, solution.boundary, _REACH)
+    near = Neighbourhood.inside(solution, chosen, _REACH)
+    touching = Neighbourhood.of(*split(chosen, shape[1]), shape, solution.boundary, _REACH)
     for step, cells in zip(((1, 0), (0, 1)), shape, strict=True):
         if cells > 2 * _REACH:
             narrow = np.minimum(_NARROW_RUN / _count_run(solution, touching, step), 1.0)

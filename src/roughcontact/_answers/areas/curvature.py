@@ -55,12 +55,17 @@ def average_curvature(solution: ContactSolution, chosen: IntArray) -> tuple[Arra
     _, beyond = _average([part[chosen.size :] for part in hessian], owner, np.ones(around.size), patches.count)
     reach = _CIRCLE_VARIANCE * cells / np.pi / (_SQUARE_VARIANCE + cells / (4.0 * np.pi))
     variance = np.maximum(variance, np.where(cells < _TINY_PATCH_CELLS, beyond * reach, 0.0))
-    middle = 0.5 * (mean[0] + mean[1])
+    middle, difference = combine_principal(mean[0], mean[2], mean[1])
     with np.errstate(divide="ignore", invalid="ignore"):
         spread = np.sqrt(variance) / np.abs(middle)
     dx, dy = solution.grid.spacing
     bend = 0.5 * (dx**2 * mean[0] + dy**2 * mean[1])
-    return middle, np.hypot(0.5 * (mean[0] - mean[1]), mean[2]), spread, bend
+    return middle, difference, spread, bend
+
+
+def combine_principal(xx: Array, xy: Array, yy: Array) -> tuple[Array, Array]:
+    """Return half the sum and half the difference of the principal curvatures of second derivatives."""
+    return 0.5 * (xx + yy), np.hypot(0.5 * (xx - yy), xy)
 
 
 def bend_at_border(solution: ContactSolution, chosen: IntArray) -> Array:
@@ -121,11 +126,7 @@ def _are_distinct(whole: Whole, differences: Array) -> bool:
 
 def _find_differences(solution: ContactSolution, chosen: IntArray) -> list[tuple[Array, Array]]:
     """Return the second differences of the initial gap at cells and at the next cells along x and y, m."""
-    i, j = split(chosen, solution.grid.shape[1])
-    shape = solution.contact.shape
-    axes = zip((i, j), shape, solution.boundary.free_axes, strict=True)
-    i, j = (np.clip(k, 2, n - 3) if free and n > 4 else k for k, n, free in axes)
-    near = Neighbourhood.of(i, j, shape, solution.boundary, 2)
+    near = Neighbourhood.inside(solution, chosen, 2)
     heights = solution.initial_gap.ravel()
     found = []
     for a, b in ((1, 0), (0, 1)):
@@ -236,13 +237,9 @@ def _average(hessian: list[Array], label: IntArray, weights: Array, count: int) 
 
 def _find_neighbours(solution: ContactSolution, chosen: IntArray) -> tuple[IntArray, IntArray]:
     """Return the three by three cells around each cell, and the patch that each of them belongs to."""
-    nx, ny = solution.grid.shape
-    steps = np.array((-1, 0, 1))
-    i, j = (k[:, np.newaxis] + steps for k in np.divmod(chosen, ny))
-    free_x, free_y = solution.boundary.free_axes
-    i = np.clip(i, 0, nx - 1) if free_x else i % nx
-    j = np.clip(j, 0, ny - 1) if free_y else j % ny
-    around = i[:, :, np.newaxis] * ny + j[:, np.newaxis, :]
+    shape = solution.contact.shape
+    near = Neighbourhood.of(*split(chosen, shape[1]), shape, solution.boundary, 1)
+    around = np.stack([near.at(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1)], axis=1)
     return around.ravel(), np.repeat(solution.patches.labels.ravel()[chosen], 9)
 
 
@@ -265,12 +262,7 @@ def _gather_lines(
 
     `lines` is the number of these lines.
     """
-    i, j = split(chosen, solution.grid.shape[1])
-    # At a free border the stencil is moved inside.
-    shape = solution.contact.shape
-    axes = zip((i, j), shape, solution.boundary.free_axes, strict=True)
-    i, j = (np.clip(k, reach, n - 1 - reach) if free and n > 2 * reach else k for k, n, free in axes)
-    near = Neighbourhood.of(i, j, shape, solution.boundary, reach)
+    near = Neighbourhood.inside(solution, chosen, reach)
     heights = solution.initial_gap.ravel()
     here = heights.take(near.at(0, 0))
     steps = range(1, reach + 1)

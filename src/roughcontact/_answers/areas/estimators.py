@@ -11,7 +11,7 @@ from roughcontact._answers.areas.cells import count_sides, find_straight_rows, m
 from roughcontact._answers.areas.curvature import curvature_resolution
 from roughcontact._answers.areas.edges import SUBTRACTED_EXCESS_STD, TracedEdges, list_warnings, total_area, trace_edges
 from roughcontact._answers.areas.hertz import hertz_areas
-from roughcontact._answers.areas.outline import contours, outline
+from roughcontact._answers.areas.outline import contours, trace_pieces
 from roughcontact._base.arrays import Array
 from roughcontact._solve.solution import Area, AreaEstimator, ContactSolution
 
@@ -138,7 +138,7 @@ class LevelSet(AreaEstimator):
 
     def outline(self, solution: ContactSolution) -> Array:
         """Return the edge as line segments for a figure: both ends (x, y) of each, shape (n, 2, 2), m."""
-        return outline(solution)
+        return trace_pieces(solution)[0]
 
     def contours(self, solution: ContactSolution) -> list[Array]:
         """Return the edge as lines for a figure, (x, y) of shape (n, 2), m, the contact on their left.

@@ -22,11 +22,6 @@ from roughcontact._solve.solution import ContactSolution, heal
 _CORNER_OFFSETS = np.array(((0, 0), (1, 0), (1, 1), (0, 1)))
 
 
-def outline(solution: ContactSolution) -> Array:
-    """Return the edge of the contact as straight pieces: their ends (x, y), shape (n, 2, 2), m; contact on the left."""
-    return _trace(solution)[0]
-
-
 def _find_edge(solution: ContactSolution) -> tuple[DualCells, IntArray, IntArray, IntArray, Mask, Corners]:
     """Return the dual cells of a solution and, of those at the edge, row, column, corners, contact and distance."""
     dual = find_dual_cells(solution, 1)
@@ -63,7 +58,7 @@ def contours(solution: ContactSolution) -> list[Array]:
     The last point of a closed line is its first, or the image of the first if the line runs around a periodic domain.
     Lines that cross a periodic border continue beyond it; lines that reach a free border end there.
     """
-    pieces, start, end = _trace(solution)
+    pieces, start, end = trace_pieces(solution)
     if not len(pieces):
         return []
     order = np.argsort(start)
@@ -104,8 +99,11 @@ def _chain(following: IntArray) -> list[tuple[IntArray, bool]]:
     return chains
 
 
-def _trace(solution: ContactSolution) -> tuple[Array, IntArray, IntArray]:
-    """Return the pieces of the edge, and the sides of dual cells where each begins and ends."""
+def trace_pieces(solution: ContactSolution) -> tuple[Array, IntArray, IntArray]:
+    """Return the pieces of the edge, and the sides of dual cells where each begins and ends.
+
+    They are straight, from one end (x, y) to the other, shape (n, 2, 2), m, with the contact on their left.
+    """
     solution = heal(solution)
     grid = solution.grid
     dual, i, j, k, touching, distance = _find_edge(solution)

@@ -98,6 +98,17 @@ class StressField(ShownAsPrinted):
         )
 
 
+def find_largest(values: RealArray) -> tuple[int, int]:
+    """Return the place of the largest value in a plane."""
+    i, j = (int(place) for place in np.unravel_index(int(np.argmax(values)), values.shape))
+    return i, j
+
+
+def locate(grid: Grid, i: int, j: int) -> Pair:
+    """Return the place (x, y) of a point, m."""
+    return float(grid.x[i, 0]), float(grid.y[0, j])
+
+
 def shear_invariant(values: RealArray) -> RealArray:
     """Return the second invariant J2 of the deviator of stresses, Voigt's components along the first axis."""
     xx, yy, zz, yz, xz, xy = values
