@@ -23,7 +23,7 @@ from roughcontact._faces.cli.options import name_options, whole_number
 from roughcontact._faces.cli.progress import count_grids
 from roughcontact._solve.problem import find_required_load
 from roughcontact._solve.solution.plausibility import PLAUSIBILITY_RULES
-from roughcontact._work.reports.stability.check import RULES
+from roughcontact._work.reports.stability_report import RULES
 from roughcontact.typing import Step
 from test_adhesion_faces import BODY, write_ball
 from test_cli_answers import STEEL, write_maps

@@ -15,7 +15,7 @@ from roughcontact._base.checks import choice, number
 from roughcontact._base.registry import find_view
 from roughcontact._base.tables import Table, TableResult
 from roughcontact._base.units import counted, si
-from roughcontact._work.reports.error.reference import QUANTITIES, UNITS, KnownAnswer
+from roughcontact._work.reports.reference import QUANTITIES, UNITS, KnownAnswer
 from roughcontact.errors import InputError
 
 _LABELS = {"area": "area", "p_max": "maximum pressure", "approach": "approach"}
