@@ -80,10 +80,7 @@ def _contact(material: Material) -> str:
     problem = ContactProblem(body, other, grid=grid)
     solution = problem.solve(approach=0.1 * float(problem.initial_gap.max()))
     require((solution.pressure <= limit).all(), "a contact has pressures above the limit")
-    require(
-        problem.plan.modulus == contact_modulus(_COUNTERBODY, material),
-        "it depends on the order of the bodies",
-    )
+    require(problem.plan.modulus == contact_modulus(_COUNTERBODY, material), "it depends on the order of the bodies")
     return f"solved at {solution.mean_pressure:.3g} Pa, {np.count_nonzero(solution.saturated)} saturated cells"
 
 

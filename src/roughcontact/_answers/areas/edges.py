@@ -223,9 +223,7 @@ def trace_edges(solution: ContactSolution) -> TracedEdges:
         topology=abs(float(np.sum((one.euler - two.euler)[1:], where=cells >= _MIN_TOPOLOGY_CELLS))) * cell,
         shift=np.where(straight, straight_std, position) + _measure_rims(solution),
         slender=np.where(
-            straight,
-            0.0,
-            _slender_std(lay) * (1.0 - width / counted) ** 6 / (1.0 + width / _WIDE_PATCH_WIDTH),
+            straight, 0.0, _slender_std(lay) * (1.0 - width / counted) ** 6 / (1.0 + width / _WIDE_PATCH_WIDTH)
         ),
         oblong=oblong,
         pieces=max(

@@ -320,13 +320,7 @@ class ErrorReport(TableResult):
         """Return a row for each case for people, with errors in percent."""
         parts = find_varying_parts(self.rows)
         known = self.reference.quantities
-        headings = [
-            "cells",
-            *parts,
-            "estimator",
-            "area, %",
-            *(f"{_ERROR_LABELS[name]}, %" for name in known),
-        ]
+        headings = ["cells", *parts, "estimator", "area, %", *(f"{_ERROR_LABELS[name]}, %" for name in known)]
         headings += ["CPU, s (min..max)", "area, s", "wall, s (min..max)", "iter.", "conv.", "float32", "peak, MiB"]
         front = {id(row) for row in self.front()}
         failures = self._failures

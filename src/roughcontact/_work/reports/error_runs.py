@@ -82,10 +82,7 @@ def make_cases(
     return tuple(
         Case(shape=shape, kernel=kernel, convolver=convolver, solver=solver, solver_name=name)
         for kernel, convolver, (name, solver), shape in itertools.product(
-            chosen_kernels,
-            chosen_convolvers,
-            _set_tolerances(chosen_solvers, tolerances),
-            _make_shapes(problem, cells),
+            chosen_kernels, chosen_convolvers, _set_tolerances(chosen_solvers, tolerances), _make_shapes(problem, cells)
         )
     )
 

@@ -28,10 +28,7 @@ RULES = {
     "convergence": Rule(0, 0, "decided by the status; an unconverged solution is not checked further", _SOLVER),
     "load balance": Rule(1e-12, 1e-9, "the sum of 1e6 pressures has a rounding error of 1e-13", _SOLVER),
     "complementarity": Rule(
-        2e-5,
-        1e-3,
-        "twice the solvers' tolerance of 1e-5; 1e-3 moves areas and maximum pressures by 0.1 %",
-        _TOLERANCE,
+        2e-5, 1e-3, "twice the solvers' tolerance of 1e-5; 1e-3 moves areas and maximum pressures by 0.1 %", _TOLERANCE
     ),
     "penetration": Rule(2e-5, 1e-3, "as for complementarity", _TOLERANCE),
     "convolution: digits lost": Rule(
@@ -55,10 +52,7 @@ RULES = {
     ),
     "coarser grid: approach or load": Rule(0.05, 0.2, "as for the area", _GRID),
     "shifted grid: area": Rule(
-        0.02,
-        0.1,
-        "the position of the grid is arbitrary; the change is an uncertainty of about that size",
-        _GRID,
+        0.02, 0.1, "the position of the grid is arbitrary; the change is an uncertainty of about that size", _GRID
     ),
     "shifted grid: maximum pressure": Rule(0.05, 0.2, "as for the area; a peak between cell centres is missed", _GRID),
     "shifted grid: approach or load": Rule(0.02, 0.1, "as for the area", _GRID),
