@@ -18,10 +18,10 @@ from roughcontact._base.archive import replacing
 from roughcontact._base.checks import callback, flag
 from roughcontact._base.machine.progress import count_done, show_progress, tell_both
 from roughcontact._base.registry import find_view
-from roughcontact._base.units import Pressure, counted, kind_of, si
+from roughcontact._base.units import Pressure, counted, si
 from roughcontact._parts.grid import FIRST_LOADING, Boundary, Load
 from roughcontact._solve.problem import ContactProblem, run_solve, solve_from_largest
-from roughcontact._solve.solution import ContactSolution, Estimate, Response, read_number, responses
+from roughcontact._solve.solution import ContactSolution, Estimate, Response, gather_warnings, read_number, responses
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 
@@ -271,7 +271,10 @@ def interface_law(
         tell = tell_both(told, count_done(change, len(values), "load"))
         rows, texts = _solve(problem, [Load("pressure", value) for value in values], asked, tell)
     columns = {name: _make_column(name, row, problem.plan.grid.area) for name, row in rows.items()}
-    warnings = *interpolation_warning(np.array(values), MAX_LOAD_RATIO), *_collect(texts)
+    warnings = (
+        *interpolation_warning(np.array(values), MAX_LOAD_RATIO),
+        *gather_warnings([(si(load, "Pa"), found) for load, found in texts]),
+    )
     return InterfaceLaw(np.array(values), columns, _describe(problem), warnings)
 
 
@@ -315,7 +318,8 @@ def _solve(
         }
         row |= {name: read_number(solution.response(response), name) for name, response in asked.items()}
         named = (f"{name}: {text}" for name in asked for text in row[name].warnings if text not in area.warnings)
-        found[index] = row, (*solution.warnings, *area.warnings, *named)
+        # Warnings of the solution and of its area may share a rule: the words tell them apart.
+        found[index] = row, tuple(dict.fromkeys(map(str, (*solution.warnings, *area.warnings, *named))))
         tell(solution)
     rows = {name: [found[index][0][name] for index in range(len(loads))] for name in names}
     return rows, [(load.value, found[index][1]) for index, load in enumerate(loads)]
@@ -326,23 +330,6 @@ def _make_column(name: str, row: list[Estimate], nominal: float) -> LawColumn:
     scale = 1.0 / nominal if unit in _UNITS_PER_AREA else 1.0
     values, spread = (np.array([getattr(one, part) * scale for one in row]) for part in ("value", "uncertainty"))
     return LawColumn(name, _UNITS_PER_AREA.get(unit, unit), values, spread)
-
-
-def _collect(texts: list[tuple[float, tuple[str, ...]]]) -> tuple[str, ...]:
-    """Return each warning once, whatever numbers it has, with the loads at which it was given."""
-    found: dict[str, dict[float, str]] = {}
-    for load, warnings in texts:
-        for text in warnings:
-            # Warnings of the solution and of its area may share a rule: the words tell them apart.
-            found.setdefault(kind_of(str(text)), {})[load] = text
-    collected = []
-    for at in found.values():
-        loads = list(at)
-        where = " to ".join(si(load, "Pa") for load in (loads[0], *loads[1:][-1:]))
-        where = where if len(at) == 1 else f"{len(at)} loads from {where}"
-        differ = "" if len(set(at.values())) == 1 else ", here with the numbers at the last"
-        collected.append(f"At {where}{differ}: {at[loads[-1]]}")
-    return tuple(collected)
 
 
 def _describe(problem: ContactProblem) -> tuple[str, ...]:
