@@ -20,7 +20,6 @@ from roughcontact._answers.areas.contour import (
     find_modulus_change,
     trace_contour,
 )
-from roughcontact._answers.areas.curvature import lay_ratio
 from roughcontact._answers.areas.edges import (
     _count_equal_errors,
     _measure_rims,
@@ -32,7 +31,7 @@ from roughcontact._answers.areas.edges import (
     total_area,
     trace_edges,
 )
-from roughcontact._answers.areas.estimators import _extrapolate, _smallest_areas
+from roughcontact._answers.areas.estimators import _chain, _extrapolate, _smallest_areas, contours, trace_pieces
 from roughcontact._answers.areas.hertz import (
     _find_hidden,
     _find_low_cells,
@@ -40,9 +39,8 @@ from roughcontact._answers.areas.hertz import (
     _raise_to_three_halves,
     hertz_areas,
 )
-from roughcontact._answers.areas.outline import _chain, contours, trace_pieces
+from roughcontact._answers.areas.initial_gap import Spline, lay_ratio
 from roughcontact._answers.areas.peak import _find_cut, _find_highest, _find_summits, _gather
-from roughcontact._answers.areas.spline import Spline
 from roughcontact.solving import Whole
 
 
@@ -260,7 +258,7 @@ def test_rims_count_from_a_third_more_curvature_on():
     cap = with_fields(grid, contact, ~contact, initial_gap=square)
     quartic = with_fields(grid, contact, ~contact, initial_gap=square**2)
     eighth = with_fields(grid, contact, ~contact, initial_gap=square**6)
-    from roughcontact._answers.areas.curvature import rim_ratio
+    from roughcontact._answers.areas.initial_gap import rim_ratio
 
     assert not _measure_rims(cap).any()
     np.testing.assert_allclose(_measure_rims(quartic), std * (rim_ratio(quartic) - first))

@@ -13,7 +13,6 @@ from roughcontact.testing import (  # noqa: F401 - claims
     answers,
     convolvers,
     inputs,
-    interactions,
     kernels,
     panels,
     shear,

@@ -7,8 +7,7 @@ import numpy as np
 
 from roughcontact._answers.areas import calibration
 from roughcontact._answers.areas.cells import Neighbourhood, count_saturated, split
-from roughcontact._answers.areas.curvature import combine_principal, curvature_resolution
-from roughcontact._answers.areas.spline import Spline
+from roughcontact._answers.areas.initial_gap import Spline, combine_principal, curvature_resolution
 from roughcontact._answers.areas.summits import (
     MIN_CURVATURE_RATIO,
     Summits,

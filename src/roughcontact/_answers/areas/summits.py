@@ -11,9 +11,8 @@ from scipy import special
 
 from roughcontact._answers.areas import calibration
 from roughcontact._answers.areas.cells import find_patches_of, split
-from roughcontact._answers.areas.curvature import combine_principal
 from roughcontact._answers.areas.ellipses import find_ellipses
-from roughcontact._answers.areas.spline import Spline
+from roughcontact._answers.areas.initial_gap import Spline, combine_principal
 from roughcontact._base.arrays import Array, IntArray, Mask
 from roughcontact._parts.grid import Boundary, grow
 from roughcontact._solve.solution import ContactSolution

@@ -9,8 +9,8 @@ import numpy as np
 
 from roughcontact._answers.areas.calibration import EDGE_LENGTH
 from roughcontact._answers.areas.cells import count_sides, find_sharp_edges
-from roughcontact._answers.areas.curvature import curvature_resolution
 from roughcontact._answers.areas.edges import warn_if_uncertain
+from roughcontact._answers.areas.initial_gap import curvature_resolution
 from roughcontact._answers.linear.tangent import describe_jump, tangent_of
 from roughcontact._base.archive.plain import key_of
 from roughcontact._base.arrays import Array, IntArray, Mask

@@ -11,7 +11,7 @@ import attrs
 import numpy as np
 import scipy.fft
 
-from roughcontact._answers.areas.curvature import curvature_resolution
+from roughcontact._answers.areas.initial_gap import curvature_resolution
 from roughcontact._answers.refinement import on_grid
 from roughcontact._base.arrays import Array, IntArray
 from roughcontact._base.checks import callback, flag
