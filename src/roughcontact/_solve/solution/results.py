@@ -55,9 +55,9 @@ class Response(Part, abc.ABC, Generic[T_co]):
     depends_on_place
         Whether its value changes if a periodic contact is shifted, as for a flow between two sides.
     holds_with
-        What may act beside the pressure: ``"tension"`` of surfaces that attract each other; ``"shear"``, with which it
-        is that of the normal contact or, if it has a field ``traction``, of pressure and traction. It is refused where
-        something else acts.
+        What may act beside the pressure: ``"tension"`` of surfaces that attract each other; ``"shear"``, and what other
+        laws add, with which it is that of the normal contact or, if it has a field ``traction``, of pressure and
+        traction. It is refused where one of both acts that is not named.
     refusal
         Why it does not hold with shear, in words.
     reads
@@ -113,11 +113,10 @@ def list_fields(response: Response[Any]) -> tuple[str, ...]:
 
 def require_to_hold(response: Response[Any], laws: Collection[str]) -> None:
     """Raise `InputError` if a response does not hold with what laws add to the pressure, `ContactFields._laws`."""
-    refused = set(laws) - response.holds_with
     kind = type(response)
-    if "tension" in refused:
+    if "tension" in laws and "tension" not in response.holds_with:
         raise InputError(f"{kind.__name__} does not hold for surfaces that attract each other: it knows no tension.")
-    if "shear" in refused:
+    if set(laws) - {"tension"} and "shear" not in response.holds_with:
         name = responses.name_of(kind) or kind.__name__
         raise InputError(f"The response {name!r} is not for a contact with friction: {response.refusal}.")
 
