@@ -19,8 +19,8 @@ import numpy as np
 import roughcontact as rc
 from roughcontact._solve.problem import pressure_unit
 from roughcontact._solve.solution import ContactConditions
-from roughcontact._work.reports.stability.check import RULES, find_worst, format_row, summarize
-from roughcontact._work.reports.stability.checks import sum_displacement
+from roughcontact._work.reports.stability_checks import sum_displacement
+from roughcontact._work.reports.stability_report import RULES, find_worst, format_row, summarize
 from roughcontact.results import Verdict
 from roughcontact.typing import Array, Table
 

@@ -195,7 +195,7 @@ def test_states_without_an_answer_are_counted(run, monkeypatch):
 
 
 class Pressed(rc.Response):
-    with_adhesion = "total pressure"
+    holds_with = frozenset({"tension", "shear"})
 
     def respond(self, solution):
         if solution.force < 0.0:

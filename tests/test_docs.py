@@ -30,7 +30,7 @@ WITH_EXAMPLES = {
     "roughcontact.extrapolation",
     "roughcontact.kernels.love",
     "roughcontact.reference.closed_forms",
-    "roughcontact.reference.persson",
+    "roughcontact.reference.theories",
     "roughcontact._base.registry",
     "roughcontact.testing.claim",
 }

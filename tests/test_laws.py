@@ -69,8 +69,8 @@ class TestLaw:
         assert [column.unit for column in law.columns.values()] == ["", "m", "Pa/m", "W/(m2 K)"]
 
     def test_warnings_name_their_loads(self, law):
-        assert law.warnings == ("At 2 loads from 1.262 GPa to 2 GPa: conductance: A warning.",)
-        assert "warning: At 2 loads" in str(law)
+        assert law.warnings == ("At 1.262 GPa and 2 GPa: conductance: A warning.",)
+        assert "warning: At 1.262 GPa and 2 GPa" in str(law)
 
     def test_a_warning_with_other_numbers_is_one_sentence(self):
         class Doubtful(rc.Response):
@@ -79,7 +79,7 @@ class TestLaw:
                 return rc.Estimate(1.0, 0.1, "", (text,))
 
         found = rc.interface_law(problem(), [2e8, 3e8, 4e8], {"doubtful": Doubtful()}).warnings
-        last = "At 3 loads from 200 MPa to 400 MPa, here with the numbers at the last: doubtful: 400 MPa are many."
+        last = "At 200 MPa, 300 MPa and 400 MPa (here with the numbers at 400 MPa): doubtful: 400 MPa are many."
         assert found == (last,)
 
     def test_few_loads_get_a_warning(self):
@@ -514,7 +514,7 @@ class TestFilesOfOtherLaws:
                 law.to_ansys(tmp_path / "a.inp", name=name)
         with pytest.raises(rc.InputError, match="no column of the law named 'heat'"):
             law.to_ansys(tmp_path / "a.inp", conductance="heat")
-        with pytest.raises(rc.InputError, match="takes a conductance in"):
+        with pytest.raises(rc.InputError, match="takes a thermal conductance, in"):
             law.to_ansys(tmp_path / "a.inp", conductance="mean_gap")
         assert not list(tmp_path.iterdir())
 

@@ -733,7 +733,7 @@ def test_a_claim_names_the_part_and_what_was_found():
 def test_what_is_no_part_is_refused_in_words():
     with pytest.raises(rc.InputError, match="Pass an instance, not the class"):
         kit.check(rc.Love)
-    with pytest.raises(rc.InputError, match="one of 'convolver', "):
+    with pytest.raises(rc.InputError, match="one of 'area estimator', "):
         kit.claims("colour")
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact._answers.linear.adhesive_tangent import AdhesiveTangent
+from roughcontact._answers.linear.tangent import AdhesiveTangent
 from roughcontact._solve.problem import problem_of
 from test_adhesion_linear import APPROACH, HARD, LAWS, NAMES, PRESSURE, SHAPES, SOFT, SQUARE, Scene, find_ends
 

@@ -11,7 +11,7 @@ import pytest
 
 import roughcontact as rc
 from exact_contacts import MODULUS, ball, distances, edge, with_fields
-from roughcontact._answers.areas import calibration, quantity_calibration
+from roughcontact._answers.areas import calibration
 from roughcontact._answers.areas.cells import count_saturated, count_sides, find_straight_rows
 from roughcontact._answers.areas.contour import (
     _count_alike,
@@ -20,7 +20,6 @@ from roughcontact._answers.areas.contour import (
     find_modulus_change,
     trace_contour,
 )
-from roughcontact._answers.areas.curvature import lay_ratio
 from roughcontact._answers.areas.edges import (
     _count_equal_errors,
     _measure_rims,
@@ -32,7 +31,7 @@ from roughcontact._answers.areas.edges import (
     total_area,
     trace_edges,
 )
-from roughcontact._answers.areas.estimators import _extrapolate, _smallest_areas
+from roughcontact._answers.areas.estimators import _chain, _extrapolate, _smallest_areas, contours, trace_pieces
 from roughcontact._answers.areas.hertz import (
     _find_hidden,
     _find_low_cells,
@@ -40,9 +39,8 @@ from roughcontact._answers.areas.hertz import (
     _raise_to_three_halves,
     hertz_areas,
 )
-from roughcontact._answers.areas.outline import _chain, contours, outline
+from roughcontact._answers.areas.initial_gap import Spline, lay_ratio
 from roughcontact._answers.areas.peak import _find_cut, _find_highest, _find_summits, _gather
-from roughcontact._answers.areas.spline import Spline
 from roughcontact.solving import Whole
 
 
@@ -129,7 +127,7 @@ def test_a_ring_has_a_hole_and_lines_around_it():
             x, y = line.T
             areas.append(0.5 * float(np.sum(x[:-1] * y[1:] - x[1:] * y[:-1])))
         np.testing.assert_allclose(sorted(areas), [-np.pi * 6.8**2, np.pi * 15.2**2], rtol=0.02)
-        pieces = outline(solution)
+        pieces, _, _ = trace_pieces(solution)
         total = float(np.sum(np.hypot(*(pieces[:, 1] - pieces[:, 0]).T))) if boundary == "free" else None
         if total is not None:
             assert total == pytest.approx(2.0 * np.pi * 22.0, rel=0.02)
@@ -260,7 +258,7 @@ def test_rims_count_from_a_third_more_curvature_on():
     cap = with_fields(grid, contact, ~contact, initial_gap=square)
     quartic = with_fields(grid, contact, ~contact, initial_gap=square**2)
     eighth = with_fields(grid, contact, ~contact, initial_gap=square**6)
-    from roughcontact._answers.areas.curvature import rim_ratio
+    from roughcontact._answers.areas.initial_gap import rim_ratio
 
     assert not _measure_rims(cap).any()
     np.testing.assert_allclose(_measure_rims(quartic), std * (rim_ratio(quartic) - first))
@@ -355,7 +353,7 @@ def test_the_maximum_pressure_of_a_summit_of_fourth_order(cell, quartic):
     mean = found.summits.curvature[0] / 2.0
     expected = hertz * (1.0 - 32.0 / 45.0 * c4 * found.area[1] / np.pi / mean)
     assert value[0] == pytest.approx(expected, rel=2e-3)
-    wanted = quantity_calibration.MIN_SUMMIT_ERROR + quantity_calibration.SUMMIT_ERROR_FACTOR * found.error[1]
+    wanted = calibration.MIN_SUMMIT_ERROR + calibration.SUMMIT_ERROR_FACTOR * found.error[1]
     assert error[0] == pytest.approx(wanted, rel=1e-6)
 
 

@@ -29,12 +29,17 @@ def test_each_constant_says_how_and_by_which_script_it_was_measured():
     assert all((ROOT / script).is_file() for script in scripts)
     groups = re.findall(r"((?:^#.*\n)+)((?:^[A-Z_]+ = .*\n)+)", "".join(sections), flags=re.MULTILINE)
     rows = [(comment, name) for comment, lines in groups for name in re.findall(r"^[A-Z_]+", lines, flags=re.MULTILINE)]
-    assert len(rows) == len(re.findall(r"^[A-Z_]+ = ", TEXT, flags=re.MULTILINE)) == 53
+    assert len(rows) == len(re.findall(r"^[A-Z_]+ = ", TEXT, flags=re.MULTILINE)) == 117
+    # Those of all other numbers were fitted together, as the head of their section says.
+    fitted = re.findall(
+        r"^[A-Z_]+(?= = )", sections[scripts.index("benchmarks/quantity_classes.py")], flags=re.MULTILINE
+    )
     unmeasured = {name for comment, name in rows if "Measured" not in comment and "Set on" not in comment}
+    unmeasured -= set(fitted)
     assert unmeasured == {"OVERLOADS"}  # the places of a table, not measured values
     for section, script in zip(sections, scripts, strict=True):
-        if script == "benchmarks/area_classes.py":
-            continue  # it judges all of them together
+        if script in ("benchmarks/area_classes.py", "benchmarks/quantity_classes.py"):
+            continue  # they judge all of them together
         source = (ROOT / script).read_text(encoding="utf-8")
         for name in re.findall(r"^([A-Z_]+) = ", section, flags=re.MULTILINE):
             assert name in source or name.split("_")[0].title() in source or name.endswith("POSITION_STD"), (

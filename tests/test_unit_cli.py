@@ -15,7 +15,7 @@ import pytest
 
 import roughcontact as rc
 from roughcontact.__main__ import main
-from roughcontact._answers.linear import pull_off
+from roughcontact._answers.linear import stiffness
 from roughcontact._base.machine import progress
 from roughcontact._base.units import fit
 from roughcontact._faces.cli import paths as path_command
@@ -23,7 +23,7 @@ from roughcontact._faces.cli.options import name_options, whole_number
 from roughcontact._faces.cli.progress import count_grids
 from roughcontact._solve.problem import find_required_load
 from roughcontact._solve.solution.plausibility import PLAUSIBILITY_RULES
-from roughcontact._work.reports.stability.check import RULES
+from roughcontact._work.reports.stability_report import RULES
 from roughcontact.typing import Step
 from test_adhesion_faces import BODY, write_ball
 from test_cli_answers import STEEL, write_maps
@@ -50,8 +50,8 @@ def test_a_cycle_ends_with_three_where_an_answer_alone_is_doubtful(tmp_path, run
 
 def test_several_loads_share_their_pull_off(tmp_path, run, monkeypatch):
     calls = []
-    follow = pull_off.find_pull_off
-    monkeypatch.setattr(pull_off, "find_pull_off", lambda *given: calls.append(given) or follow(*given))
+    follow = stiffness.find_pull_off
+    monkeypatch.setattr(stiffness, "find_pull_off", lambda *given: calls.append(given) or follow(*given))
     law = ["--adhesion", "exponential", "work=51mJ/m2", "range=200nm"]
     status, out, _ = run("solve", write_ball(tmp_path), "--loads", "1nN", "0N", *BODY, *law, "--pull-off", "--csv")
     assert status in (0, 3)

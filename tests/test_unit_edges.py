@@ -13,7 +13,7 @@ from roughcontact._answers.areas import calibration
 from roughcontact._answers.areas.cells import Neighbourhood, find_sharp_edges
 from roughcontact._answers.areas.contour import CellOwners, find_distances, find_dual_cells, find_kinds, trace_contour
 from roughcontact._answers.areas.edges import trace_edges
-from roughcontact._answers.areas.outline import edge_law
+from roughcontact._answers.areas.estimators import edge_law
 
 GRIDS = [((15, 16), (1.0, 1.0)), ((15, 22), (2.0, 1.0)), ((24, 13), (1.0, 3.0))]
 

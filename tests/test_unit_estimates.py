@@ -11,7 +11,7 @@ from scipy import special
 import roughcontact as rc
 from exact_contacts import MODULUS, ball, with_fields
 from roughcontact import reference
-from roughcontact._answers.areas import quantity_calibration
+from roughcontact._answers.areas import calibration
 from roughcontact._answers.areas.approach import find_shift
 from roughcontact._answers.areas.edges import _count_hidden_gaps
 from roughcontact._answers.areas.hertz import _plastic_growth
@@ -54,7 +54,7 @@ def test_the_maximum_of_hertzs_pressure_between_the_cells(cell):
         value, error = _fit_quadratics(solution, highest, np.zeros(1))
         assert value[0] == pytest.approx(peak, rel=1e-9)
         bend = 2.0 * max(grid.spacing) ** 2 / a**2 * (peak / solution.pressure.max()) ** 2
-        first, second, _, fourth = quantity_calibration.PEAK_ERROR
+        first, second, _, fourth = calibration.PEAK_ERROR
         assert error[0] == pytest.approx(bend * (first + second * bend + fourth * bend**3), rel=1e-6)
         assert solution.peak_pressure().value == pytest.approx(peak, rel=2e-3)
 
@@ -71,9 +71,9 @@ def test_a_strip_has_the_maximum_of_its_parabola_across_it_and_a_wider_error(axi
     assert value[0] == pytest.approx(1.0, rel=1e-9)
     assert solution.pressure.max() < 1.0 - 1e-5
     bend = 2.0 * (grid.spacing[axis] / 8.0) ** 2 / square.max()
-    first, second, _, fourth = quantity_calibration.PEAK_ERROR
-    along = bend * (quantity_calibration.STRIP_PEAK_FACTOR * first + second * bend + fourth * bend**3)
-    edges = quantity_calibration.STRAIGHT_PEAK_STD * bend**0.75
+    first, second, _, fourth = calibration.PEAK_ERROR
+    along = bend * (calibration.STRIP_PEAK_FACTOR * first + second * bend + fourth * bend**3)
+    edges = calibration.STRAIGHT_PEAK_STD * bend**0.75
     assert error[0] == pytest.approx(np.hypot(along, edges), rel=1e-6)
 
 

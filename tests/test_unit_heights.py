@@ -12,9 +12,8 @@ import roughcontact as rc
 from exact_contacts import distances, with_fields
 from roughcontact._answers.areas import calibration
 from roughcontact._answers.areas.approach import find_rise, fit_hyperboloid
-from roughcontact._answers.areas.curvature import average_curvature, curvature_resolution, rim_ratio
 from roughcontact._answers.areas.hertz import _find_tip_error
-from roughcontact._answers.areas.spline import Spline
+from roughcontact._answers.areas.initial_gap import Spline, average_curvature, curvature_resolution, rim_ratio
 from roughcontact._solve.solution.healing import heal
 
 CELLS = [(1.0, 1.0), (1.0, 2.5), (3.0, 1.0)]

@@ -7,7 +7,7 @@ import pytest
 from matplotlib import pyplot
 
 import roughcontact as rc
-from roughcontact._answers.areas.outline import edge_law
+from roughcontact._answers.areas.estimators import edge_law
 from roughcontact._faces.panels.solution import find_surfaces
 from roughcontact._faces.panels.surfaces import correlate, spectral_density
 from test_plotting import PLANE, ball

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import roughcontact as rc
-from roughcontact._work.reports.error.reference import solve_reference
+from roughcontact._work.reports.reference import solve_reference
 from roughcontact.typing import Load
 from test_report import STEEL, ball, rough_map
 

@@ -12,8 +12,7 @@ from hypothesis.extra import numpy as hnp
 from scipy import optimize
 
 import roughcontact as rc
-from roughcontact._answers.subsurface.fatigue import find_crossland, find_dang_van, find_spheres, list_paths
-from roughcontact._answers.subsurface.field import von_mises
+from roughcontact._answers.subsurface.field import find_crossland, find_dang_van, find_spheres, list_paths, von_mises
 from roughcontact._parts.kernels.stress_cells import cell_stress
 from roughcontact.reference import SlidingCylinder, SlidingSphere
 from test_sliding_reference import tangential_point_force

@@ -11,7 +11,7 @@ import pytest
 import roughcontact as rc
 from exact_contacts import MODULUS, ball, with_fields
 from roughcontact._answers.areas.approach import find_shift
-from roughcontact._answers.areas.curvature import curvature_resolution
+from roughcontact._answers.areas.initial_gap import curvature_resolution
 from roughcontact._answers.flow import percolation
 from roughcontact._answers.flow.network import find_paths
 from roughcontact._answers.slip import (

@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact._work.reports.stability.check import RULES, SolvedProblem
-from roughcontact._work.reports.stability.checks import (
+from roughcontact._work.reports.stability_checks import (
     check_area,
     check_kernel,
     check_model,
     shift_half_cell,
     sum_displacement,
 )
+from roughcontact._work.reports.stability_report import RULES, SolvedProblem
 from roughcontact.typing import Load
 from test_stability import FAIL, PAGE, PASS, SKIPPED, STEEL, rough
 from test_wrapper_surface import GRID, INNER, WRAPPERS

@@ -13,7 +13,7 @@ import roughcontact as rc
 from exact_contacts import MODULUS, distances, with_fields
 from roughcontact._answers.areas import calibration
 from roughcontact._answers.areas.hertz import _average_cells, _find_low_cells, _pair_cells, hertz_areas
-from roughcontact._answers.areas.spline import Spline
+from roughcontact._answers.areas.initial_gap import Spline
 from roughcontact._answers.areas.summits import (
     _find_near_border,
     find_area_factor,

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from doc_tables import DocTable, pick, write_tables
 
-from roughcontact._work.reports.stability.check import RULES
+from roughcontact._work.reports.stability_report import RULES
 
 HEADING = ("check", "pass up to (from)", "attention up to (from)", "why")
 

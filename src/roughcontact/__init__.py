@@ -83,8 +83,7 @@ from roughcontact._solve.solvers import (
     solvers,
 )
 from roughcontact._work.processes import FlatteningModel, Overlap, UniformRise, flattening_models, run_in
-from roughcontact._work.reports.error import error_vs_time
-from roughcontact._work.reports.stability import stability
+from roughcontact._work.reports import error_vs_time, stability
 from roughcontact._work.studies import Study
 from roughcontact.errors import (
     ContactWarning,

@@ -5,8 +5,7 @@ from roughcontact._answers.flow.leakage import GapFlow, Leakage, Throat
 from roughcontact._answers.flow.percolation import Percolation, find_percolation
 from roughcontact._answers.linear.conductance import Conductance, ContactConductance
 from roughcontact._answers.linear.gradients import Gradient
-from roughcontact._answers.linear.pull_off import PullOff
-from roughcontact._answers.linear.stiffness import StabilityMargin, Stiffness
+from roughcontact._answers.linear.stiffness import PullOff, StabilityMargin, Stiffness
 from roughcontact._answers.linear.tangential import TangentialStiffness
 from roughcontact._answers.slip import CiavarellaJaeger, FrettingLoop, PartialSlip
 from roughcontact._answers.subsurface import (

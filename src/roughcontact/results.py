@@ -50,8 +50,7 @@ from roughcontact._solve.solution import (
     Trial,
 )
 from roughcontact._work.processes import Cycle, RunIn
-from roughcontact._work.reports.error import ErrorReport, KnownAnswer, ReportRow, Timing
-from roughcontact._work.reports.stability import Check, StabilityReport, Verdict
+from roughcontact._work.reports import Check, ErrorReport, KnownAnswer, ReportRow, StabilityReport, Timing, Verdict
 from roughcontact._work.studies import Record, StudyResult
 
 __all__ = [

@@ -1357,7 +1357,7 @@ def test_a_response_without_an_answer_leaves_the_others_of_a_cycle():
     states = list_cycle_states(cycle)
 
     class Picky(rc.Response):
-        with_adhesion = "total pressure"
+        holds_with = frozenset({"tension", "shear"})
 
         def respond(self, solution):
             if solution is states[0]:

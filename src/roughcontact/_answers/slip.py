@@ -8,7 +8,7 @@ import attrs
 import numpy as np
 
 from roughcontact._answers.areas.approach import find_shift
-from roughcontact._answers.linear.adhesive_tangent import tangent_of
+from roughcontact._answers.linear.tangent import tangent_of
 from roughcontact._answers.linear.tangential import (
     find_anisotropy,
     find_compliance_ratio,
@@ -246,7 +246,8 @@ class CiavarellaJaeger(Response[PartialSlip]):
     """
 
     memory_arrays = 34.0  # the symbols of shear
-    refused_with_friction = "it is under one tangential force, and the states of a path have their own stick and slip"
+    holds_with = frozenset()
+    refusal = "it is under one tangential force, and the states of a path have their own stick and slip"
 
     tangential_force: float = attrs.field(converter=_force, metadata={"unit": "N"})
     friction: float = attrs.field(converter=_friction, metadata={"unit": ""})

@@ -9,11 +9,16 @@ from roughcontact.reference.friction import (
     bonded_punch,
     frictional_punch,
 )
-from roughcontact.reference.persson import PerssonContact, persson
 from roughcontact.reference.roughness import BearingCurve, Roughness, bearing_area, roughness
 from roughcontact.reference.sliding import SlidingCylinder, SlidingSphere
-from roughcontact.reference.stickiness import FullContactEnergies, PastewkaRobbins, full_contact_energies
 from roughcontact.reference.texture import Texture, texture
+from roughcontact.reference.theories import (
+    FullContactEnergies,
+    PastewkaRobbins,
+    PerssonContact,
+    full_contact_energies,
+    persson,
+)
 
 __all__ = [
     "DMT",

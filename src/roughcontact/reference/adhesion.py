@@ -12,7 +12,7 @@ from roughcontact._base.arrays import Array
 from roughcontact._base.checks import number
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
-from roughcontact.reference.closed_forms import Westergaard, read_length, read_pressure
+from roughcontact.reference.closed_forms import Wave, read_length, read_pressure
 
 # Angles arccos(a/c) of Maugis' equations between which states are found: their contact radii span ten decades.
 _SMALLEST_ANGLE = 1e-5
@@ -284,7 +284,7 @@ class MaugisDugdale(_AdhesiveBall):
 
 @guarded
 @attrs.frozen
-class JohnsonWave:
+class JohnsonWave(Wave):
     r"""A flat on the wave z = amplitude cos(2 pi x / wavelength), with an attraction without a range: Johnson.
 
     With half the width a of a contact strip, :math:`p^* = \pi E^* A/L` and
@@ -313,15 +313,7 @@ class JohnsonWave:
     alpha 0.201, pull-off at -0.0561 p*
     """
 
-    amplitude: float = attrs.field(converter=read_length)
-    wavelength: float = attrs.field(converter=read_length)
-    modulus: float = attrs.field(converter=read_pressure)
     work: float = attrs.field(converter=read_work)
-
-    @property
-    def full_contact_pressure(self) -> float:
-        """Mean pressure p* at which the last gap closes without adhesion, Pa."""
-        return Westergaard(self.amplitude, self.wavelength, self.modulus).full_contact_pressure
 
     @property
     def alpha(self) -> float:

@@ -146,9 +146,31 @@ def hertz_elliptic(force: float, radii: Pair, modulus: float) -> Hertz:
     return Hertz(axes, p_max, p_max * b * float(special.ellipkm1(ratio**2)) / modulus)
 
 
+@attrs.frozen
+class Wave:
+    """A flat on the wave z = amplitude cos(2 pi x / wavelength).
+
+    Parameters
+    ----------
+    amplitude, wavelength
+        Amplitude and length of the wave, m.
+    modulus
+        Contact modulus E*, Pa.
+    """
+
+    amplitude: float = attrs.field(converter=read_length)
+    wavelength: float = attrs.field(converter=read_length)
+    modulus: float = attrs.field(converter=read_pressure)
+
+    @property
+    def full_contact_pressure(self) -> float:
+        """Mean pressure p* = pi E* amplitude / wavelength at which the last gap closes, Pa."""
+        return math.pi * self.modulus * self.amplitude / self.wavelength
+
+
 @guarded
 @attrs.frozen
-class WavyContact:
+class WavyContact(Wave):
     r"""Contact of a flat with the wave z = amplitude (cos(2 pi x / wavelength) + cos(2 pi y / wavelength)).
 
     Parameters
@@ -163,10 +185,6 @@ class WavyContact:
     Johnson, Greenwood, Higginson, Int. J. Mech. Sci. 27 (1985) 383-396,
     https://doi.org/10.1016/0020-7403(85)90029-3
     """
-
-    amplitude: float = attrs.field(converter=read_length)
-    wavelength: float = attrs.field(converter=read_length)
-    modulus: float = attrs.field(converter=read_pressure)
 
     @property
     def full_contact_pressure(self) -> float:
@@ -194,7 +212,7 @@ class WavyContact:
 
 @guarded
 @attrs.frozen
-class Westergaard:
+class Westergaard(Wave):
     """Contact of a flat with the one-dimensional wave z = amplitude cos(2 pi x / wavelength); see `WavyContact`.
 
     References
@@ -202,15 +220,6 @@ class Westergaard:
     Westergaard, J. Appl. Mech. 6 (1939) A49-A53, https://doi.org/10.1115/1.4008919;
     Johnson, Contact Mechanics (1985), sec. 13.2, https://doi.org/10.1017/CBO9781139171731
     """
-
-    amplitude: float = attrs.field(converter=read_length)
-    wavelength: float = attrs.field(converter=read_length)
-    modulus: float = attrs.field(converter=read_pressure)
-
-    @property
-    def full_contact_pressure(self) -> float:
-        """Mean pressure p* = pi E* amplitude / wavelength at which the last gap closes, Pa."""
-        return math.pi * self.modulus * self.amplitude / self.wavelength
 
     def half_width(self, mean_pressure: float) -> float:
         """Return half the width of a contact strip, m."""

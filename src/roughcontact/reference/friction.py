@@ -16,7 +16,7 @@ from roughcontact._base.arrays import Array
 from roughcontact._base.checks import number
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
-from roughcontact.reference.closed_forms import read_force, read_length, read_pressure
+from roughcontact.reference.closed_forms import Wave, read_force, read_length, read_pressure
 
 # Series of atanh(x)/x below this x: the quotient loses its digits there.
 _SMALL_BETA = 1e-4
@@ -256,7 +256,7 @@ class UnlikeCylinder:
 
 @guarded
 @attrs.frozen
-class SlidingWave:
+class SlidingWave(Wave):
     r"""A wave that slides in full contact over a body of other material, by plane strain.
 
     .. math:: p = \bar p + \frac{\pi E^* A}{\lambda\sqrt{1 + \mu^2\beta^2}}\,
@@ -284,17 +284,13 @@ class SlidingWave:
     222.14 MPa, phase 0.7854
     """
 
-    amplitude: float = attrs.field(converter=read_length)
-    wavelength: float = attrs.field(converter=read_length)
-    modulus: float = attrs.field(converter=read_pressure)
     friction: float = attrs.field(converter=_friction)
     beta: float = attrs.field(converter=_beta)
 
     @property
     def pressure_amplitude(self) -> float:
         """Amplitude of the pressure, Pa: contact is full if the mean pressure is not below it."""
-        static = math.pi * self.modulus * self.amplitude / self.wavelength
-        return static / math.hypot(1.0, self.friction * self.beta)
+        return self.full_contact_pressure / math.hypot(1.0, self.friction * self.beta)
 
     @property
     def phase(self) -> float:

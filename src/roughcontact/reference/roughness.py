@@ -66,14 +66,19 @@ class Waves:
         return math.sqrt(self.dependent * float(np.sum(self.count * (weight * self.power) ** 2)))
 
 
-def list_waves(heights: Array, grid: Grid, periodic: bool) -> Waves:
-    """Return the waves of heights, shape `grid.shape`, m; heights that do not repeat are windowed (Hann)."""
+def read_heights(heights: Array, grid: Grid) -> Array:
+    """Return heights, m, of the shape of their grid, or raise `InputError`."""
     if not isinstance(grid, Grid):
         raise InputError.about("The grid", grid, "a Grid(shape, size)")
     heights = heights_array(heights)
     if heights.shape != grid.shape:
         raise InputError.about("The heights", heights, f"of the shape of the grid, {grid.shape}")
-    return transform_waves(heights, grid, flag(periodic, "periodic="))
+    return heights
+
+
+def list_waves(heights: Array, grid: Grid, periodic: bool) -> Waves:
+    """Return the waves of heights, shape `grid.shape`, m; heights that do not repeat are windowed (Hann)."""
+    return transform_waves(read_heights(heights, grid), grid, flag(periodic, "periodic="))
 
 
 def transform_waves(heights: Array, grid: Grid, periodic: bool = True) -> Waves:

@@ -9,12 +9,12 @@ import numpy as np
 import scipy.fft
 
 from roughcontact._base.arrays import Array, Mask
-from roughcontact._base.checks import flag, heights_array
+from roughcontact._base.checks import flag
 from roughcontact._base.units import Estimate, ShownAsPrinted
 from roughcontact._parts.grid import Grid
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
-from roughcontact.reference.roughness import split_map
+from roughcontact.reference.roughness import read_heights, split_map
 
 # Autocorrelation at which its lengths are read, and directions in which they are.
 _CORRELATION = 0.2
@@ -29,31 +29,8 @@ _EXTREME = 0.025
 _MIDDLE = 0.5
 
 
-# Unit and meaning of each parameter by its symbol.
-_PARAMETERS = {
-    "Sa": ("m", "mean absolute height"),
-    "Sq": ("m", "root mean square height"),
-    "Ssk": ("", "skewness"),
-    "Sku": ("", "kurtosis"),
-    "Sp": ("m", "highest peak"),
-    "Sv": ("m", "deepest valley"),
-    "Sz": ("m", "peak to valley"),
-    "Sal": ("m", "autocorrelation length"),
-    "Str": ("", "aspect ratio of the texture"),
-    "Std": ("deg", "direction of the lay"),
-    "Sdq": ("", "root mean square gradient"),
-    "Sdr": ("", "developed area ratio"),
-    "Sk": ("m", "core height"),
-    "Spk": ("m", "reduced peak height"),
-    "Svk": ("m", "reduced valley depth"),
-    "Smr1": ("", "material ratio of the peaks"),
-    "Smr2": ("", "material ratio above the valleys"),
-    "Vmp": ("m", "material volume of the peaks"),
-    "Vmc": ("m", "material volume of the core"),
-    "Vvc": ("m", "void volume of the core"),
-    "Vvv": ("m", "void volume of the valleys"),
-    "Sxp": ("m", "peak extreme height"),
-}
+def _says(unit: str, meaning: str) -> dict[str, str]:
+    return {"unit": unit, "meaning": meaning}
 
 
 @guarded
@@ -91,33 +68,33 @@ class Texture(ShownAsPrinted):
         Height between the material ratios 2.5 and 50 %, m.
     """
 
-    Sa: Estimate
-    Sq: Estimate
-    Ssk: Estimate
-    Sku: Estimate
-    Sp: Estimate
-    Sv: Estimate
-    Sz: Estimate
-    Sal: Estimate
-    Str: Estimate
-    Std: Estimate
-    Sdq: Estimate
-    Sdr: Estimate
-    Sk: Estimate
-    Spk: Estimate
-    Svk: Estimate
-    Smr1: Estimate
-    Smr2: Estimate
-    Vmp: Estimate
-    Vmc: Estimate
-    Vvc: Estimate
-    Vvv: Estimate
-    Sxp: Estimate
+    Sa: Estimate = attrs.field(metadata=_says("m", "mean absolute height"))
+    Sq: Estimate = attrs.field(metadata=_says("m", "root mean square height"))
+    Ssk: Estimate = attrs.field(metadata=_says("", "skewness"))
+    Sku: Estimate = attrs.field(metadata=_says("", "kurtosis"))
+    Sp: Estimate = attrs.field(metadata=_says("m", "highest peak"))
+    Sv: Estimate = attrs.field(metadata=_says("m", "deepest valley"))
+    Sz: Estimate = attrs.field(metadata=_says("m", "peak to valley"))
+    Sal: Estimate = attrs.field(metadata=_says("m", "autocorrelation length"))
+    Str: Estimate = attrs.field(metadata=_says("", "aspect ratio of the texture"))
+    Std: Estimate = attrs.field(metadata=_says("deg", "direction of the lay"))
+    Sdq: Estimate = attrs.field(metadata=_says("", "root mean square gradient"))
+    Sdr: Estimate = attrs.field(metadata=_says("", "developed area ratio"))
+    Sk: Estimate = attrs.field(metadata=_says("m", "core height"))
+    Spk: Estimate = attrs.field(metadata=_says("m", "reduced peak height"))
+    Svk: Estimate = attrs.field(metadata=_says("m", "reduced valley depth"))
+    Smr1: Estimate = attrs.field(metadata=_says("", "material ratio of the peaks"))
+    Smr2: Estimate = attrs.field(metadata=_says("", "material ratio above the valleys"))
+    Vmp: Estimate = attrs.field(metadata=_says("m", "material volume of the peaks"))
+    Vmc: Estimate = attrs.field(metadata=_says("m", "material volume of the core"))
+    Vvc: Estimate = attrs.field(metadata=_says("m", "void volume of the core"))
+    Vvv: Estimate = attrs.field(metadata=_says("m", "void volume of the valleys"))
+    Sxp: Estimate = attrs.field(metadata=_says("m", "peak extreme height"))
 
     def __str__(self) -> str:
-        rows = {name: str(getattr(self, name)) for name in _PARAMETERS}
-        rows["Std"] = f"{self.Std.value:.0f} +- {self.Std.uncertainty:.0f} degrees"
-        return "\n".join(f"{name:4} {_PARAMETERS[name][1]:32} {text}" for name, text in rows.items())
+        texts = {field: str(getattr(self, field.name)) for field in attrs.fields(Texture)}
+        texts[attrs.fields(Texture).Std] = f"{self.Std.value:.0f} +- {self.Std.uncertainty:.0f} degrees"
+        return "\n".join(f"{field.name:4} {field.metadata['meaning']:32} {text}" for field, text in texts.items())
 
 
 @guarded
@@ -156,11 +133,7 @@ def texture(heights: Array, grid: Grid, *, periodic: bool = True) -> Texture:
     >>> print(f"{1e6 * found.Sq.value:.4f} µm, lay at {found.Std.value:g} degrees")
     0.7071 µm, lay at 90 degrees
     """
-    if not isinstance(grid, Grid):
-        raise InputError.about("The grid", grid, "a Grid(shape, size)")
-    rough = heights_array(heights)
-    if rough.shape != grid.shape:
-        raise InputError.about("The heights", heights, f"of the shape of the grid, {grid.shape}")
+    rough = read_heights(heights, grid)
     if min(grid.shape) < 2:
         raise InputError.about("The grid", grid.shape, "of at least two cells along each axis")
     repeats = flag(periodic, "periodic=")
@@ -176,8 +149,10 @@ def texture(heights: Array, grid: Grid, *, periodic: bool = True) -> Texture:
     spread |= _find_errors_of_decay(rough, grid)
     return Texture(
         **{
-            name: Estimate(values[name], spread.get(name, 0.0), label, warnings.get(name, ()))
-            for name, (label, _) in _PARAMETERS.items()
+            one.name: Estimate(
+                values[one.name], spread.get(one.name, 0.0), one.metadata["unit"], warnings.get(one.name, ())
+            )
+            for one in attrs.fields(Texture)
         }
     )
 

@@ -10,17 +10,13 @@ from typing import Any
 
 from roughcontact._base.registry import Registry
 from roughcontact.testing import (  # noqa: F401 - claims
+    answers,
     convolvers,
-    estimators,
-    frictions,
     inputs,
-    interactions,
     kernels,
     laws,
     panels,
-    responses,
     shear,
-    shear_solvers,
     solvers,
 )
 from roughcontact.testing.claim import (

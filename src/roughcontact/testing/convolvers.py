@@ -11,8 +11,14 @@ from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._parts.kernels import BoundKernel, Love
 from roughcontact._solve.convolvers import ConvolutionSetup, Convolver, PreparedConvolution
 from roughcontact.errors import InputError
-from roughcontact.testing.claim import claim, require, require_close
-from roughcontact.testing.generic import claim_input_unchanged, claim_powers_of_two, claim_repeatable
+from roughcontact.testing.claim import (
+    claim,
+    claim_input_unchanged,
+    claim_powers_of_two,
+    claim_repeatable,
+    require,
+    require_close,
+)
 from roughcontact.testing.problems import displace
 
 _KERNEL = BoundKernel(Love())

@@ -11,8 +11,7 @@ from roughcontact._base.arrays import RealArray
 from roughcontact._solve.problem import Sweep
 from roughcontact.errors import InputError, MissingPackage, RoughContactError
 from roughcontact.plotting import Panel, SampledSurface, make_figure
-from roughcontact.testing.claim import DoesNotApply, claim, pickled, require
-from roughcontact.testing.generic import claim_repeatable
+from roughcontact.testing.claim import DoesNotApply, claim, claim_repeatable, pickled, require
 from roughcontact.testing.problems import adhesive_contact, list_contacts, rough_contact
 
 _SUBJECTS = ("solution", "surface", "sweep")

@@ -7,20 +7,21 @@ import math
 import attrs
 import numpy as np
 
-from roughcontact._answers.areas import quantity_calibration as calibration
+from roughcontact._answers.areas import calibration
+from roughcontact._answers.areas.calibration import RISE_ERROR, TIP_RISE_DEFICIT, TIP_RISE_ERROR
 from roughcontact._answers.areas.cells import find_cut_cells, find_straight_rows
-from roughcontact._answers.areas.curvature import (
+from roughcontact._answers.areas.edges import MAX_RIDGE_LAY, is_diagonal
+from roughcontact._answers.areas.initial_gap import (
+    CONTINUED_CELLS,
     average_curvature,
     bend_at_border,
+    continue_beyond,
     curvature_resolution,
     find_filled,
     is_linear,
     lay_ratio,
     rim_ratio,
 )
-from roughcontact._answers.areas.edges import MAX_RIDGE_LAY, is_diagonal
-from roughcontact._answers.areas.quantity_calibration import RISE_ERROR, TIP_RISE_DEFICIT, TIP_RISE_ERROR
-from roughcontact._answers.areas.spline import CONTINUED_CELLS, continue_beyond
 from roughcontact._base.arrays import Array, Mask
 from roughcontact._parts.grid import Boundary
 from roughcontact._solve.solution import ContactSolution, heal

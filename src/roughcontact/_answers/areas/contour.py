@@ -339,7 +339,7 @@ def _measure_steps(kind: npt.NDArray[np.uint8], touching: Mask, size: Pair) -> A
 
 def _has_known_edge(solution: ContactSolution) -> bool:
     """Return whether the pressure near a straight edge is that of `calibration.STRAIGHT_EDGE_PLACES`."""
-    return solution.edge_shift == InfluenceKernel.edge_shift and solution.tension is None
+    return solution.edge_shift == InfluenceKernel.edge_shift and not solution._laws
 
 
 def _place_straight_edges(

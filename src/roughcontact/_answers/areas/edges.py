@@ -10,7 +10,7 @@ import numpy as np
 from roughcontact._answers.areas import calibration
 from roughcontact._answers.areas.cells import count_saturated, find_cut_cells, find_sharp_edges, find_straight_rows
 from roughcontact._answers.areas.contour import Contour, find_modulus_change, trace_contour
-from roughcontact._answers.areas.curvature import curvature_resolution, find_filled, lay_ratio, rim_ratio
+from roughcontact._answers.areas.initial_gap import curvature_resolution, find_filled, lay_ratio, rim_ratio
 from roughcontact._base.arrays import Array, Mask
 from roughcontact._base.units import WarningText
 from roughcontact._parts.grid import extend, grow, list_borders
@@ -223,9 +223,7 @@ def trace_edges(solution: ContactSolution) -> TracedEdges:
         topology=abs(float(np.sum((one.euler - two.euler)[1:], where=cells >= _MIN_TOPOLOGY_CELLS))) * cell,
         shift=np.where(straight, straight_std, position) + _measure_rims(solution),
         slender=np.where(
-            straight,
-            0.0,
-            _slender_std(lay) * (1.0 - width / counted) ** 6 / (1.0 + width / _WIDE_PATCH_WIDTH),
+            straight, 0.0, _slender_std(lay) * (1.0 - width / counted) ** 6 / (1.0 + width / _WIDE_PATCH_WIDTH)
         ),
         oblong=oblong,
         pieces=max(

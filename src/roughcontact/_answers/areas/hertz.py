@@ -7,8 +7,7 @@ import numpy as np
 
 from roughcontact._answers.areas import calibration
 from roughcontact._answers.areas.cells import Neighbourhood, count_saturated, split
-from roughcontact._answers.areas.curvature import curvature_resolution
-from roughcontact._answers.areas.spline import Spline
+from roughcontact._answers.areas.initial_gap import Spline, combine_principal, curvature_resolution
 from roughcontact._answers.areas.summits import (
     MIN_CURVATURE_RATIO,
     Summits,
@@ -184,8 +183,7 @@ def _find_hidden(solution: ContactSolution, spline: Spline, sharpest: float) -> 
         x = np.where(summit, np.clip(x - (yy * gx - xy * gy) / determinant, -dx, dx), x)
         y = np.where(summit, np.clip(y - (xx * gy - xy * gx) / determinant, -dy, dy), y)
     value, xx, xy, yy = spline.derivatives(i + x / dx, j + y / dy, 0, 2)
-    middle = 0.5 * (xx + yy)
-    difference = np.hypot(0.5 * (xx - yy), xy)
+    middle, difference = combine_principal(xx, xy, yy)
     summit = middle - difference > MIN_CURVATURE_RATIO * (middle + difference)
     overlap = solution.approach - value - here - along_x * x - along_y * y
     overlap = overlap[summit]

@@ -7,12 +7,12 @@ import math
 import attrs
 import numpy as np
 
-from roughcontact._answers.areas import quantity_calibration as calibration
+from roughcontact._answers.areas import calibration
 from roughcontact._answers.areas.approach import TIP_REACH, fit_hyperboloid
 from roughcontact._answers.areas.cells import MIN_SHARP_PATCH_CELLS, find_cut_patches, split
-from roughcontact._answers.areas.curvature import curvature_resolution
 from roughcontact._answers.areas.edges import warn_if_uncertain
 from roughcontact._answers.areas.hertz import find_sharpness, hertz_areas
+from roughcontact._answers.areas.initial_gap import curvature_resolution
 from roughcontact._answers.areas.quantities import Quantity
 from roughcontact._answers.areas.summits import Summits
 from roughcontact._base.arrays import Array, IntArray, Mask, RealArray

@@ -8,18 +8,18 @@ import math
 import attrs
 import numpy as np
 
-from roughcontact._answers.areas import quantity_calibration as calibration
+from roughcontact._answers.areas import calibration
 from roughcontact._answers.areas.approach import find_cut_shift, find_hidden_rise, find_rise, find_shift, measure_bend
 from roughcontact._answers.areas.cells import (
     count_crossings,
     find_cut_patches,
+    find_lost_std,
     find_spanning_patches,
     measure_sides,
 )
-from roughcontact._answers.areas.creases import find_lost_std
-from roughcontact._answers.areas.curvature import average_curvature, bend_kurtosis, curvature_resolution, lay_ratio
 from roughcontact._answers.areas.edges import CUT_OFF_CELLS, is_diagonal, trace_edges, warn_if_uncertain
 from roughcontact._answers.areas.hertz import hertz_areas
+from roughcontact._answers.areas.initial_gap import average_curvature, bend_kurtosis, curvature_resolution, lay_ratio
 from roughcontact._answers.areas.summits import find_axes_ratio, find_beside_non_measured, is_elliptic
 from roughcontact._base.arrays import Array
 from roughcontact._parts.grid import Boundary

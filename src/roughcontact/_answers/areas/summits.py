@@ -12,7 +12,7 @@ from scipy import special
 from roughcontact._answers.areas import calibration
 from roughcontact._answers.areas.cells import find_patches_of, split
 from roughcontact._answers.areas.ellipses import find_ellipses
-from roughcontact._answers.areas.spline import Spline
+from roughcontact._answers.areas.initial_gap import Spline, combine_principal
 from roughcontact._base.arrays import Array, IntArray, Mask
 from roughcontact._parts.grid import Boundary, grow
 from roughcontact._solve.solution import ContactSolution
@@ -312,8 +312,7 @@ def find_summits(solution: ContactSolution, spline: Spline) -> Summits:
     squares = (parts - mean[..., np.newaxis]) ** 2 @ weights
     variance = squares[0] + 2.0 * squares[1] + squares[2]
     found = attrs.evolve(found, spread=np.sqrt(variance) / found.curvature)
-    xx, xy, yy = curvature
-    difference = np.hypot(0.5 * (xx - yy), xy)
+    _, difference = combine_principal(*curvature)
     known = found.known & is_elliptic(found.curvature, difference, found.spread)
     known &= ~_find_near_border(solution, found) & ~find_beside_non_measured(solution)
     smaller = np.where(known, found.curvature - difference, 1.0)
@@ -352,8 +351,7 @@ def unwrap(steps: Array | IntArray, cells: int, *, free: bool) -> Array:
 
 def _fit_ellipse(solution: ContactSolution, found: Summits, curvature: Array) -> Summits:
     xx, xy, yy = curvature
-    middle = 0.5 * (xx + yy)
-    difference = np.hypot(0.5 * (xx - yy), xy)
+    middle, difference = combine_principal(xx, xy, yy)
     known = found.known & (middle > 0.0) & (middle - difference > _MIN_EVEN_CURVATURE_RATIO * (middle + difference))
     middle = np.where(known, middle, 1.0)
     difference = np.where(known, difference, 0.0)

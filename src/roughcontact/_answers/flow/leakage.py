@@ -8,7 +8,7 @@ from functools import cached_property
 import attrs
 import numpy as np
 
-from roughcontact._answers.areas.creases import find_lost_std
+from roughcontact._answers.areas.cells import find_lost_std
 from roughcontact._answers.flow.network import (
     FlowNetwork,
     estimate_uncertainty,
@@ -275,7 +275,7 @@ class GapFlow(Response[Leakage]):
     """
 
     depends_on_place = True
-    with_adhesion = "total pressure"
+    holds_with = frozenset({"tension", "shear"})
     memory_arrays = 168.0  # the matrix of the flow and its multigrid
 
     axis: int = attrs.field(default=0, converter=flow_axis)
@@ -295,26 +295,22 @@ class GapFlow(Response[Leakage]):
             If the flow does not converge.
         """
         filled = fill_gap(solution)
-        gap = filled.values
-        open_cells = find_open_cells(solution, gap)
-        along, across = solution.grid.spacing
+        open_cells = self._turn(find_open_cells(solution, filled.values))
+        along, across = solution.grid.spacing if self.axis == 0 else solution.grid.spacing[::-1]
         periodic = not solution.boundary.free_axes[1 - self.axis]
-        if self.axis == 1:
-            gap = gap.T
-            open_cells = open_cells.T
-            along, across = across, along
-        network = make_network(gap, open_cells, aspect=across / along, periodic=periodic)
+        network = make_network(self._turn(filled.values), open_cells, aspect=across / along, periodic=periodic)
         if network is not None:
-            return self._measure(solution, network, filled)
+            return self._measure(solution, network, filled, open_cells)
         warnings = (*_list_warnings(solution), *_judge_closure(solution, open_cells, self.axis))
         return Leakage(grid=solution.grid, **attrs.asdict(self), warnings=warnings)
 
-    def _measure(self, solution: ContactSolution, network: FlowNetwork, filled: FilledGap) -> Leakage:
+    def _turn(self, field: RealArray) -> RealArray:
+        """Return a field with the axis of the flow first, or such a field turned back."""
+        return field if self.axis == 0 else field.T
+
+    def _measure(self, solution: ContactSolution, network: FlowNetwork, filled: FilledGap, open_cells: Mask) -> Leakage:
         """Return the flow through a network, with its uncertainty and its throat."""
         grid = solution.grid
-        is_open = find_open_cells(solution, filled.values)
-        open_cells = is_open if self.axis == 0 else is_open.T
-        gap_std = filled.std if self.axis == 0 else filled.std.T
         periodic = not solution.boundary.free_axes[1 - self.axis]
         pressure, converged = solve_network(network)
         if not converged:
@@ -329,7 +325,7 @@ class GapFlow(Response[Leakage]):
             network, faces, lost, open_cells, aspect=aspect, periodic=periodic, gap_error=gap_error
         )
         of_gap = _find_gap_std(solution, network, lost)
-        std_of_cells = gap_std.reshape(-1)[network.cells] / (network.film * network.widest)
+        std_of_cells = self._turn(filled.std).reshape(-1)[network.cells] / (network.film * network.widest)
         of_holes = _HOLE_WEIGHT * _GAP_EXPONENT * float(np.sum(lost * std_of_cells)) / flow
         relative = math.hypot(relative, of_gap, of_holes)
         throat = find_throat(network, lost, open_cells, grid, self.axis, periodic=periodic)
@@ -337,7 +333,7 @@ class GapFlow(Response[Leakage]):
         if not warnings:
             warnings = _judge_uncertainty(relative, of_gap, of_holes)
         unit = flow_unit(self.viscosity, self.pressure_drop, network.widest)
-        mean = float(np.mean(np.where(is_open, filled.values, 0.0))) / network.widest
+        mean = float(np.mean(np.where(self._turn(open_cells), filled.values, 0.0))) / network.widest
         return Leakage(
             grid=grid,
             **attrs.asdict(self),
@@ -363,7 +359,7 @@ def _find_gap_std(solution: ContactSolution, network: FlowNetwork, lost: Array) 
     shift = find_lost_std(solution)
     rises = (1.0 + shift / (network.film * network.widest)) ** _GAP_EXPONENT - 1.0
     of_shift = float(np.sum(lost * rises)) / float(np.sum(lost))
-    known = solution.response("mean-gap") if solution.tension is None else None
+    known = solution.response("mean-gap") if solution._laws <= responses["mean-gap"].holds_with else None
     if known is None or known.value <= 0.0:
         return of_shift
     rest = math.sqrt(max(known.uncertainty**2 - shift**2, 0.0))

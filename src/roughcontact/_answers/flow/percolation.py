@@ -8,7 +8,7 @@ from functools import partial
 import attrs
 import numpy as np
 
-from roughcontact._answers.areas.curvature import curvature_resolution
+from roughcontact._answers.areas.initial_gap import curvature_resolution
 from roughcontact._answers.flow.leakage import find_open_cells, flow_axis
 from roughcontact._answers.flow.network import find_paths
 from roughcontact._base.checks import number

@@ -44,6 +44,10 @@ class UnitSystem:
     pressure: tuple[str, float]
     conductance: tuple[str, float]
 
+    def find_conductance(self, electrical: bool) -> tuple[str, float]:
+        """Return the unit of conductances over area: electrical ones are in S over the area in units of the model."""
+        return (f"S/{self.length[0]}2", self.length[1] ** -2) if electrical else self.conductance
+
 
 _UNIT_SYSTEMS = {
     "SI": UnitSystem(("m", 1.0), ("Pa", 1.0), (THERMAL_UNIT, 1.0)),
@@ -78,26 +82,24 @@ def find_conductance(law: LawTable, column: str | None) -> str | None:
     return column
 
 
-def tabulate_conductance(
-    law: LawTable, column: str, mark: str, pressure: tuple[str, float], conductance: tuple[str, float]
-) -> tuple[Array, Array, list[str]]:
-    """Return pressures, conductances over nominal area, both from zero on, and comments with their uncertainties.
+def require_thermal(law: LawTable, column: str, program: str) -> None:
+    """Raise `InputError` unless a column is a thermal conductance, which alone a program takes."""
+    if law[column].unit != THERMAL_UNIT:
+        raise InputError(f"{program} takes a thermal conductance, in {THERMAL_UNIT}, not the column {column!r}.")
 
-    Units are given as in `UnitSystem`.
-    """
+
+def tabulate_conductance(
+    law: LawTable, column: str, mark: str, system: UnitSystem, *, electrical: bool = False
+) -> tuple[Array, Array, list[str]]:
+    """Return pressures, conductances over nominal area, both from zero on, and comments with their uncertainties."""
     found = law[column]
     if found.unit not in (THERMAL_UNIT, ELECTRICAL_UNIT):
         raise InputError(f"The column {column!r} is in {found.unit or 'no unit'}: a conductance is in {THERMAL_UNIT}.")
     _require_finite(law, column)
-    pressures, values, spread = (
-        np.append(0.0, numbers) * factor
-        for numbers, factor in (
-            (law.pressures, pressure[1]),
-            (found.values, conductance[1]),
-            (found.uncertainties, conductance[1]),
-        )
-    )
-    heading = f"pressure in {pressure[0]}, conductance in {conductance[0]}, one standard deviation"
+    unit, factor = system.find_conductance(electrical)
+    pressures = np.append(0.0, law.pressures) * system.pressure[1]
+    values, spread = (np.append(0.0, numbers) * factor for numbers in (found.values, found.uncertainties))
+    heading = f"pressure in {system.pressure[0]}, conductance in {unit}, one standard deviation"
     return pressures, values, list_uncertainties(mark, heading, (pressures, values, spread))
 
 
@@ -157,9 +159,9 @@ def write_abaqus(law: LawTable, name: str, conductance: str | None, electrical: 
         return lines
     system = unit_system(units)
     electrical = flag(electrical, "electrical=") or law[conductance].unit == ELECTRICAL_UNIT
-    # Abaqus has no own unit of current: electrical conductances are in S over the area in units of the model.
-    unit = (f"S/{system.length[0]}2", system.length[1] ** -2) if electrical else system.conductance
-    pressures, values, comments = tabulate_conductance(law, conductance, _KEYWORD_COMMENT, system.pressure, unit)
+    pressures, values, comments = tabulate_conductance(
+        law, conductance, _KEYWORD_COMMENT, system, electrical=electrical
+    )
     keyword = "*GAP ELECTRICAL CONDUCTANCE" if electrical else "*GAP CONDUCTANCE"
     return [
         *lines,
@@ -212,14 +214,8 @@ def write_calculix(law: LawTable, name: str, conductance: str | None, units: str
     conductance = find_conductance(law, conductance)
     if conductance is None:
         return lines
-    if law[conductance].unit != THERMAL_UNIT:
-        raise InputError(
-            f"CalculiX takes thermal conductances, in {THERMAL_UNIT}, but {conductance!r} is another column."
-        )
-    system = unit_system(units)
-    pressures, values, comments = tabulate_conductance(
-        law, conductance, _KEYWORD_COMMENT, system.pressure, system.conductance
-    )
+    require_thermal(law, conductance, "CalculiX")
+    pressures, values, comments = tabulate_conductance(law, conductance, _KEYWORD_COMMENT, unit_system(units))
     return [
         *lines,
         *comments,
@@ -240,9 +236,8 @@ def write_ansys(law: LawTable, name: str, column: str, units: str) -> list[str]:
     system = unit_system(units)
     if not isinstance(name, str) or not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,31}", name):
         raise InputError.about("The name of the table", name, "a letter, then up to 31 letters, digits or _")
-    if law[column].unit != THERMAL_UNIT:
-        raise InputError(f"The file for Ansys takes a conductance in {THERMAL_UNIT}, not the column {column!r}.")
-    pressures, values, comments = tabulate_conductance(law, column, _ANSYS_COMMENT, system.pressure, system.conductance)
+    require_thermal(law, column, "The file for Ansys")
+    pressures, values, comments = tabulate_conductance(law, column, _ANSYS_COMMENT, system)
     return [
         *describe(law, _ANSYS_COMMENT),
         *comments,
@@ -270,12 +265,9 @@ def write_moose(
     """
     system = unit_system(units)
     name = keyword_name(name)
-    if law[column].unit != THERMAL_UNIT:
-        raise InputError(
-            f"The thermal contact of MOOSE takes a conductance in {THERMAL_UNIT}, not the column {column!r}."
-        )
+    require_thermal(law, column, "The thermal contact of MOOSE")
     gap = number(min_gap, "The smallest gap", "m", above=0.0) * system.length[1]
-    pressures, values, comments = tabulate_conductance(law, column, _MOOSE_COMMENT, system.pressure, system.conductance)
+    pressures, values, comments = tabulate_conductance(law, column, _MOOSE_COMMENT, system)
     table = [*describe(law, _MOOSE_COMMENT), *comments]
     table += [f"{pressure:.9e},{value:.9e}" for pressure, value in zip(pressures, values, strict=True)]
     blocks = [
@@ -322,9 +314,9 @@ def write_comsol(law: LawTable, table: str, conductance: str, units: str) -> lis
     head = describe(law, _COMSOL_COMMENT)
     if choice(table, "The table", ("conductance", "closure")) == "conductance":
         electrical = law[conductance].unit == ELECTRICAL_UNIT
-        unit = (f"S/{system.length[0]}2", system.length[1] ** -2) if electrical else system.conductance
-        found, values, comments = tabulate_conductance(law, conductance, _COMSOL_COMMENT, system.pressure, unit)
-        named = f"Argument: contact pressure in {system.pressure[0]}; function: conductance in {unit[0]}"
+        found, values, comments = tabulate_conductance(law, conductance, _COMSOL_COMMENT, system, electrical=electrical)
+        unit = system.find_conductance(electrical)[0]
+        named = f"Argument: contact pressure in {system.pressure[0]}; function: conductance in {unit}"
     else:
         pressures, closures, spread, datum = closure_rows(law)
         found = closures * system.length[1]

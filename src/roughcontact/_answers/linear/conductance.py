@@ -141,7 +141,8 @@ class ContactConductance(Response[Conductance]):
     Greenwood, Brit. J. Appl. Phys. 17 (1966) 1621-1632, https://doi.org/10.1088/0508-3443/17/12/310
     """
 
-    with_adhesion = "contact pressure"
+    holds_with = frozenset({"tension", "shear"})
+    reads = "contact pressure"
 
     conductivity: Pair = attrs.field(converter=_conductivity, metadata={"plain_unit": _CONDUCTIVITY_UNIT})
     film_resistance: float = attrs.field(default=0.0, converter=_film, metadata={"plain_unit": _FILM_UNIT})

@@ -8,8 +8,8 @@ from typing import TypeAlias
 import attrs
 import numpy as np
 
-from roughcontact._answers.linear.adhesive_tangent import AdhesiveTangent, describe_jump, tangent_of
-from roughcontact._answers.linear.tangent import LinearSolution, Tangent
+from roughcontact._answers.areas.cells import Neighbourhood, split
+from roughcontact._answers.linear.tangent import LinearAnswer, LinearSolution, Tangent, describe_jump, tangent_of
 from roughcontact._base.arrays import Array, IntArray, read_only
 from roughcontact._base.checks import callback, choice, numbers
 from roughcontact._parts.grid import Boundary
@@ -108,7 +108,7 @@ def _of_participation(solution: ContactSolution) -> Sensitivity:
 
 
 def _of_area(solution: ContactSolution) -> Sensitivity:
-    if solution.tension is not None:
+    if "tension" in solution._laws:
         raise InputError(
             "The area has no gradient where surfaces attract each other: its edge is that of a crack, and it does not "
             "grow as Hertz's area. Take the difference of two solves."
@@ -145,7 +145,7 @@ def _find_sharpening(solution: ContactSolution, weights: Array) -> Array:
     for axis in (0, 1):
         place = np.unravel_index(cells, shape)[axis]
         offset = _center(solution, place, members, stiffness, axis)
-        low, high, width = _find_neighbours(solution, cells, place, axis)
+        low, high, width = _find_neighbours(solution, cells, axis)
         moments.append((low, high, np.where(width > 0.0, stiffness * offset / np.maximum(width, 1e-300), 0.0)))
     gap = solution.initial_gap.ravel()
     count = solution.patches.count
@@ -175,25 +175,16 @@ def _center(solution: ContactSolution, place: IntArray, members: IntArray, stiff
     return np.asarray((distance - middle[members]) * solution.grid.spacing[axis])
 
 
-def _find_neighbours(
-    solution: ContactSolution, cells: IntArray, place: IntArray, axis: int
-) -> tuple[IntArray, IntArray, Array]:
+def _find_neighbours(solution: ContactSolution, cells: IntArray, axis: int) -> tuple[IntArray, IntArray, Array]:
     """Return the neighbours of cells along an axis (the cells themselves where not measured) and their distance, m."""
     shape = solution.grid.shape
-    stride = shape[1] if axis == 0 else 1
-    sides = []
-    for step in (-1, 1):
-        moved = place + step
-        if solution.boundary.free_axes[axis]:
-            moved = np.clip(moved, 0, shape[axis] - 1)
-        other = cells + (moved % shape[axis] - place) * stride
-        if solution.non_measured is not None:
-            unknown = solution.non_measured.ravel()[other]
-            moved = np.where(unknown, place, moved)
-            other = np.where(unknown, cells, other)
-        sides.append((moved, other))
-    (before, low), (behind, high) = sides
-    return low, high, np.asarray((behind - before) * solution.grid.spacing[axis], dtype=np.float64)
+    near = Neighbourhood.of(*split(cells, shape[1]), shape, solution.boundary, 1)
+    low, high = (near.at(step, 0) if axis == 0 else near.at(0, step) for step in (-1, 1))
+    if solution.non_measured is not None:
+        unknown = solution.non_measured.ravel()
+        low, high = (np.where(unknown[other], cells, other) for other in (low, high))
+    steps = np.not_equal(low, cells).astype(np.float64) + np.not_equal(high, cells)
+    return low, high, np.asarray(steps * solution.grid.spacing[axis])
 
 
 SENSITIVITIES: dict[str, Callable[[ContactSolution], Sensitivity]] = {
@@ -260,7 +251,7 @@ class Gradient(Response[Array]):
     :math:`\frac{9}{8} (\int p)^2 / \int p^2`, the area of Hertzian spots of one size.
     """
 
-    with_adhesion = "total pressure"
+    holds_with = frozenset({"tension", "shear"})
     memory_arrays = 17.0
 
     of: str | PressureDerivative = attrs.field(converter=_number)
@@ -325,7 +316,7 @@ class _Adjoint:
     margin: float = 1.0
 
     @classmethod
-    def at_approach(cls, tangent: Tangent | AdhesiveTangent, sensitivity: Sensitivity) -> _Adjoint:
+    def at_approach(cls, tangent: LinearAnswer, sensitivity: Sensitivity) -> _Adjoint:
         """Return the derivatives at a given approach."""
         if tangent.is_rigid:
             raise InputError("In full contact on a periodic boundary the approach does not determine the pressure.")
@@ -334,7 +325,7 @@ class _Adjoint:
         return cls(answer.values, -by_position, by_position, answer.margin)
 
     @classmethod
-    def under_load(cls, tangent: Tangent | AdhesiveTangent, sensitivity: Sensitivity) -> _Adjoint:
+    def under_load(cls, tangent: LinearAnswer, sensitivity: Sensitivity) -> _Adjoint:
         """Return the derivatives under a given load."""
         if not tangent.cells.any():
             raise InputError("All cells in contact are at the pressure limit: how they share a change of load is open.")
@@ -359,6 +350,6 @@ class _Adjoint:
         return cls(surface, 0.0, mean + sensitivity.position * compliance, margin)
 
 
-def _solve(tangent: Tangent | AdhesiveTangent, right: Array) -> LinearSolution:
+def _solve(tangent: LinearAnswer, right: Array) -> LinearSolution:
     """Return the answer to a right side of shape () or (nx, ny)."""
     return tangent.solve(np.broadcast_to(right, tangent.cells.shape), _ADJOINT_TOLERANCE)

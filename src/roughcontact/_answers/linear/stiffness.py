@@ -1,4 +1,4 @@
-"""Normal stiffness, and its correction because cells follow the edge of the contact in steps."""
+"""Normal stiffness, corrected because cells follow the edge in steps; margin to a jump, and force of pull-off."""
 
 from __future__ import annotations
 
@@ -9,13 +9,14 @@ import numpy as np
 
 from roughcontact._answers.areas.calibration import EDGE_LENGTH
 from roughcontact._answers.areas.cells import count_sides, find_sharp_edges
-from roughcontact._answers.areas.curvature import curvature_resolution
 from roughcontact._answers.areas.edges import warn_if_uncertain
-from roughcontact._answers.linear.adhesive_tangent import describe_jump, tangent_of
+from roughcontact._answers.areas.initial_gap import curvature_resolution
+from roughcontact._answers.linear.tangent import describe_jump, tangent_of
+from roughcontact._base.archive.plain import key_of
 from roughcontact._base.arrays import Array, IntArray, Mask
 from roughcontact._base.units import WarningText
 from roughcontact._parts.grid import Boundary, Grid, list_borders
-from roughcontact._solve.problem import find_stability, problem_of
+from roughcontact._solve.problem import ContactProblem, OnStateToPullOff, find_pull_off, find_stability, problem_of
 from roughcontact._solve.solution import Area, ContactSolution, Estimate, Response, find_stiffness_sampling, responses
 from roughcontact.errors import InputError
 
@@ -62,6 +63,9 @@ _MARGIN_STD = 0.02
 _PULL_STD = 0.05
 _STUCK_STD = 1.5
 _STUCK_FALL = 1.5
+# Forces that are kept, by the key of their problem: solutions at several loads, also those from files, share one.
+_FOUND: dict[str, Estimate] = {}
+_MOST_KEPT = 32
 
 
 @attrs.frozen(eq=False)
@@ -251,7 +255,7 @@ class Stiffness(Response[Estimate]):
     Barber, Proc. R. Soc. A 459 (2003) 53-66, https://doi.org/10.1098/rspa.2002.1038
     """
 
-    with_adhesion = "total pressure"
+    holds_with = frozenset({"tension", "shear"})
 
     def respond(self, solution: ContactSolution) -> Estimate:
         """Return the stiffness; see `Response.respond`."""
@@ -269,7 +273,7 @@ class StabilityMargin(Response[Estimate]):
     slope s' of the law and a preconditioner Z that is 1/M for short waves, found by 30 steps of Lanczos' method.
     """
 
-    with_adhesion = "total pressure"
+    holds_with = frozenset({"tension", "shear"})
 
     def respond(self, solution: ContactSolution) -> Estimate:
         """Return the margin; see `Response.respond`."""
@@ -359,3 +363,29 @@ def list_warnings(solution: ContactSolution, warnings: tuple[str, ...]) -> tuple
         return warnings
     text = "the contact reaches the border of a free domain, which counts as its edge"
     return (*warnings, WarningText(text, "edge contact"))
+
+
+@responses.register("pull-off")
+@attrs.frozen
+class PullOff(Response[Estimate]):
+    """Force at which surfaces that attract each other come apart, negative: the minimum on unloading from zero load.
+
+    It is that of the problem, whatever the load of the solution; see `ContactProblem.pull_off`.
+    """
+
+    holds_with = frozenset({"tension", "shear"})
+
+    def respond(self, solution: ContactSolution) -> Estimate:
+        """Return the force, N; see `Response.respond`."""
+        return find_pull_off_once(problem_of(solution))
+
+
+def find_pull_off_once(problem: ContactProblem, on_state: OnStateToPullOff | None = None) -> Estimate:
+    """Return the force of pull-off of a problem, N, which is followed once; see `find_pull_off`."""
+    key = key_of(problem.parts)
+    if key not in _FOUND:
+        found = find_pull_off(problem, on_state)
+        while len(_FOUND) >= _MOST_KEPT:
+            del _FOUND[next(iter(_FOUND))]
+        _FOUND[key] = found
+    return _FOUND[key]

@@ -9,20 +9,32 @@ with the kernel K and a right side r. To first order the cells in contact remain
 
 from __future__ import annotations
 
+import abc
 import math
 from functools import cached_property
+from typing import final
 
 import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array, Mask, RealArray, read_only, sum_of_products
+from roughcontact._base.units import WarningText
 from roughcontact._parts.grid import Boundary
 from roughcontact._parts.kernels import BoundKernel
 from roughcontact._solve.convolvers import ConvolutionSetup, InverseConvolution, PreparedConvolution
-from roughcontact._solve.problem import computing, problem_of
+from roughcontact._solve.problem import computing, linearise, problem_of
 from roughcontact._solve.solution import ContactSolution
-from roughcontact._solve.solvers import ActiveCells, MaskedCells, Preconditioner, Work, active_cells, dot, total
-from roughcontact.errors import NotConverged
+from roughcontact._solve.solvers import (
+    ActiveCells,
+    LinearisedGap,
+    MaskedCells,
+    Preconditioner,
+    Work,
+    active_cells,
+    dot,
+    total,
+)
+from roughcontact.errors import InputError, NotConverged
 from roughcontact.errors.door import guarded
 
 # Relative residual from which float32 is used: its rounding is 6e-8 of the right side for each product.
@@ -35,6 +47,8 @@ _ROUNDING_RESIDUAL = 1e-8
 # Smallest singular value of the products of two pressures, over the larger one, for which they count as independent;
 # rounding in float32 gives 1e-7.
 _MIN_SINGULAR_RATIO = 1e-6
+# Stability margin below which a jump is near.
+_NEAR_JUMP_MARGIN = 0.05
 
 
 def _read_only(values: Array) -> Array:
@@ -124,7 +138,38 @@ def solve_on_cells(
     return LinearSolution(values, product, error, *vectors[2:])
 
 
-class Tangent:
+class LinearAnswer(abc.ABC):
+    """Small changes of the pressure of a contact, for heights at a given position of the bodies.
+
+    Attributes
+    ----------
+    cells
+        The cells in contact that answer, shape (nx, ny).
+    """
+
+    def __init__(self, solution: ContactSolution, cells: Mask) -> None:
+        self._solution = solution
+        self._problem = problem_of(solution)
+        # Displacement in m by a pressure of one Pa on all cells, if the dimensionless kernel were one.
+        self._unit = solution.grid.spacing[0] / solution.modulus
+        self.cells = cells
+
+    @property
+    def is_rigid(self) -> bool:
+        """Whether uniform pressure displaces nothing: all cells of a periodic domain touch."""
+        return self._solution.boundary is Boundary.PERIODIC and bool(self.cells.all())
+
+    @abc.abstractmethod
+    def solve(self, right: Array, tolerance: float = 1e-12) -> LinearSolution:
+        """Return the change of the pressure by heights, shape (nx, ny), m, to a relative residual."""
+
+
+def _below_limit(solution: ContactSolution) -> Mask:
+    return read_only(solution.contact & ~solution.saturated)
+
+
+@final
+class Tangent(LinearAnswer):
     """The kernel of a contact restricted to its cells in contact.
 
     Parameters
@@ -153,13 +198,11 @@ class Tangent:
         compliance: float = 0.0,
         kernel: BoundKernel | None = None,
     ) -> None:
-        self._solution = solution
-        self._problem = problem_of(solution)
+        super().__init__(solution, solution.contact if saturated else _below_limit(solution))
         self._kernel = kernel
-        # Displacement in m by a pressure of one Pa on all cells, if the dimensionless kernel were one.
-        self._unit = solution.grid.spacing[0] / solution.modulus if kernel is None else kernel.unit
+        if kernel is not None:
+            self._unit = kernel.unit
         self._diagonal = compliance / self._unit
-        self.cells: Mask = solution.contact if saturated else read_only(solution.contact & ~solution.saturated)
 
     @property
     def is_rigid(self) -> bool:
@@ -167,7 +210,7 @@ class Tangent:
 
         A right side then determines the solution up to a constant only, and no solution exists for its mean.
         """
-        return self._solution.boundary is Boundary.PERIODIC and self._diagonal == 0.0 and bool(self.cells.all())
+        return self._diagonal == 0.0 and super().is_rigid
 
     def solve(self, right: Array, tolerance: float = 1e-12) -> LinearSolution:
         """Return the solution for a right side by conjugate gradients, preconditioned by the inverse kernel.
@@ -330,3 +373,86 @@ def _square(vector: RealArray) -> float:
 
 def _dot(one: RealArray, other: RealArray) -> float:
     return total(one * other) if one.dtype == np.float32 else dot(one, other)
+
+
+@final
+class AdhesiveTangent(LinearAnswer):
+    r"""Small changes of the pressure of surfaces that attract each other, for heights dz at a given position.
+
+    In place of :math:`q = K_{AA}^{-1}\,\mathrm{d}z` of a `Tangent`, open cells answer too, by the slope s' of the law
+    (see `LinearisedGap`); q is again linear and symmetric in dz.
+
+    Parameters
+    ----------
+    solution
+        The contact.
+
+    Raises
+    ------
+    InputError
+        If the solution does not say which problem it solves, or the surfaces have come apart.
+    """
+
+    def __init__(self, solution: ContactSolution) -> None:
+        super().__init__(solution, _below_limit(solution))
+
+    def solve(self, right: Array, tolerance: float = 1e-12) -> LinearSolution:
+        """Return the change of the pressure by heights; see `Tangent.solve`.
+
+        Parameters
+        ----------
+        right
+            The heights, shape (nx, ny), m.
+        tolerance
+            Norm of the residual over that of the answer at which it ends, both in terms of the energy.
+
+        Raises
+        ------
+        InputError
+            If the state is unstable.
+        NotConverged
+            If the residual cannot be made that small, nor 1e-8.
+        """
+        if self.is_rigid:
+            right = right - right.mean()
+        size = float(np.abs(right).max())
+        if size == 0.0:
+            return LinearSolution(np.zeros_like(right), 0.0, 0.0, 0, 0)
+        with computing(self._problem):
+            found = self._linearised.solve(right / size, tolerance)
+        if found.margin <= 0.0:
+            raise InputError(
+                "The state is not stable at a given approach, so that it answers no small change: follow the approach "
+                "to a stable one by problem.sweep(approach=[...])."
+            )
+        scale = size / self._unit
+        answer = LinearSolution(
+            found.pressure * scale,
+            found.product * size * scale,
+            found.error,
+            found.iterations,
+            found.products,
+            found.margin,
+        )
+        answer.require(tolerance, self._solution)
+        return answer
+
+    @cached_property
+    def _linearised(self) -> LinearisedGap:
+        return linearise(self._problem, self._solution, holds_approach=True)
+
+
+def tangent_of(solution: ContactSolution) -> LinearAnswer:
+    """Return the linear answer of a contact under further load, whether its surfaces attract each other or not."""
+    shared: LinearAnswer | None = solution.parts.tangent(solution)
+    if shared is not None:
+        return shared
+    return Tangent(solution) if solution.tension is None else AdhesiveTangent(solution)
+
+
+def describe_jump(margin: float) -> WarningText | None:
+    """Return a warning if a stability margin is that of a state near a jump."""
+    if margin >= _NEAR_JUMP_MARGIN:
+        return None
+    text = "the state is close to a jump: a slightly other load may separate or join the surfaces"
+    return WarningText(text, "near a jump", margin)

@@ -7,9 +7,8 @@ import math
 import attrs
 import numpy as np
 
-from roughcontact._answers.linear.adhesive_tangent import tangent_of
 from roughcontact._answers.linear.stiffness import find_normal_answer
-from roughcontact._answers.linear.tangent import Tangent
+from roughcontact._answers.linear.tangent import Tangent, tangent_of
 from roughcontact._base import checks
 from roughcontact._base.arrays import Array
 from roughcontact._base.units import WarningText

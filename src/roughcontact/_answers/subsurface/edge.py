@@ -8,7 +8,7 @@ from collections.abc import Callable
 import attrs
 import numpy as np
 
-from roughcontact._answers.subsurface.field import StressField, maximum_principal
+from roughcontact._answers.subsurface.field import StressField, find_largest, locate, maximum_principal
 from roughcontact._base.arrays import Pair, RealArray
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._parts.kernels import STRESS_COMPONENTS, HalfSpaceStress
@@ -104,12 +104,12 @@ def find_edge_stress(
     """
     load = pressure[np.newaxis] if traction is None else np.concatenate((pressure[np.newaxis], traction))
     stress = maximum_principal(field.values)
-    i, j = _find_largest(stress)
-    coarse = EdgeStress.at(field.values, (i, j), _locate(field.grid, i, j))
+    i, j = find_largest(stress)
+    coarse = EdgeStress.at(field.values, (i, j), locate(field.grid, i, j))
     lowest = _WORTH * float(stress[i, j])
     found = []
     for _ in range(_MAX_PLACES):
-        place = _find_largest(stress)
+        place = find_largest(stress)
         if stress[place] < lowest:
             break
         window = _Window(place, field.grid.shape, boundary)
@@ -168,9 +168,9 @@ def _resolve(field: StressField, load: RealArray, poisson: float, window: _Windo
     # The loads of the other cells are far from here: their stress is smooth.
     values = values + _interpolate(_extend(rest, ~window.outside))[:, known, known]
     # A point beside the largest one is needed.
-    i, j = (index + 1 for index in _find_largest(maximum_principal(values)[1:-1, 1:-1]))
+    i, j = (index + 1 for index in find_largest(maximum_principal(values)[1:-1, 1:-1]))
     offset = [(index + 0.5) / _FINER - _KNOWN - 0.5 for index in (i, j)]
-    x, y = _locate(field.grid, *window.place)
+    x, y = locate(field.grid, *window.place)
     place = (x + offset[0] * field.grid.spacing[0], y + offset[1] * field.grid.spacing[1])
     return EdgeStress.at(values, (i, j), place)
 
@@ -252,12 +252,3 @@ def _at_surface(load: RealArray, sides: Pair, poisson: float) -> RealArray:
     convolution = StressConvolution(HalfSpaceStress(poisson), grid, Boundary.FREE)
     of = "zxy"[: load.shape[0]]
     return convolution.apply(convolution.transform(load, of), 0.0, of)
-
-
-def _find_largest(values: RealArray) -> tuple[int, int]:
-    i, j = (int(place) for place in np.unravel_index(int(np.argmax(values)), values.shape))
-    return i, j
-
-
-def _locate(grid: Grid, i: int, j: int) -> tuple[float, float]:
-    return float(grid.x[i, 0]), float(grid.y[0, j])

@@ -124,9 +124,9 @@ class FirstYield(Response[YieldPoint]):
     Johnson, Contact Mechanics (1985), sec. 6.1, https://doi.org/10.1017/CBO9781139171731
     """
 
-    with_adhesion = "total pressure"
+    holds_with = frozenset({"tension"})
     memory_arrays = 54.0  # solves at other loads, and the stress of each
-    refused_with_friction = "it is that of pressure alone; ask for the stress, which counts the traction"
+    refusal = "it is that of pressure alone; ask for the stress, which counts the traction"
 
     yield_stress: float = attrs.field(converter=_strength, metadata={"unit": "Pa"})
     body: str = attrs.field(default="body", converter=body_name)

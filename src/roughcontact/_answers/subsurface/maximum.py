@@ -9,7 +9,14 @@ import attrs
 import numpy as np
 
 from roughcontact._answers.areas.cells import find_spanning_patches
-from roughcontact._answers.subsurface.field import StressField, maximum_shear, shear_invariant, von_mises
+from roughcontact._answers.subsurface.field import (
+    StressField,
+    find_largest,
+    locate,
+    maximum_shear,
+    shear_invariant,
+    von_mises,
+)
 from roughcontact._base.arrays import Array, RealArray
 from roughcontact._base.units import Estimate, WarningText, percent, si
 from roughcontact._parts.grid import Boundary
@@ -103,7 +110,7 @@ def find_shear(field: StressField, boundary: Boundary) -> PlanePeak:
 def _find_peak(
     field: StressField, boundary: Boundary, stress: RealArray, measure: Callable[[RealArray], RealArray]
 ) -> PlanePeak:
-    i, j = (int(place) for place in np.unravel_index(int(np.argmax(stress)), stress.shape))
+    i, j = find_largest(stress)
     value = float(stress[i, j])
     offsets = []
     for axis, place in enumerate((i, j)):
@@ -119,12 +126,10 @@ def _find_peak(
         shift, rise = _fit_parabola(float(left), float(stress[i, j]), float(right))
         offsets.append(shift)
         value += rise
-    grid = field.grid
-    return PlanePeak(
-        value,
-        float(grid.x[i, 0]) + offsets[0] * grid.spacing[0],
-        float(grid.y[0, j]) + offsets[1] * grid.spacing[1],
+    x, y = (
+        at + part * step for at, part, step in zip(locate(field.grid, i, j), offsets, field.grid.spacing, strict=True)
     )
+    return PlanePeak(value, x, y)
 
 
 def _fit_parabola(left: float, middle: float, right: float) -> tuple[float, float]:

@@ -11,11 +11,13 @@ import attrs
 import numpy as np
 
 from roughcontact._answers.subsurface.edge import EdgeStress, find_edge_stress
-from roughcontact._answers.subsurface.fatigue import find_crossland, find_dang_van, list_paths
 from roughcontact._answers.subsurface.field import (
     StressField,
     common_step,
+    find_crossland,
+    find_dang_van,
     find_steps,
+    list_paths,
     maximum_principal,
     maximum_shear,
     von_mises,
@@ -403,7 +405,7 @@ class StressBelow(Response[Stress]):
     Johnson, Contact Mechanics (1985), sec. 3.6, https://doi.org/10.1017/CBO9781139171731
     """
 
-    with_adhesion = "total pressure"
+    holds_with = frozenset({"tension", "shear"})
     memory_arrays = 32.0  # one plane at a time, by pressure and traction on a free boundary
 
     depths: Array | None = attrs.field(default=None, converter=_depths, metadata={"unit": "m"})

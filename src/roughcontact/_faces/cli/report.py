@@ -20,8 +20,7 @@ from roughcontact._faces.panels.theme import require_matplotlib
 from roughcontact._parts.grid import Load
 from roughcontact._solve.problem import describe_inputs, describe_solution, describe_value
 from roughcontact._solve.solution import DEFAULT_AREA
-from roughcontact._work.reports.error import UNITS, ErrorReport
-from roughcontact._work.reports.stability import StabilityReport, Verdict
+from roughcontact._work.reports import UNITS, ErrorReport, StabilityReport, Verdict
 
 
 class Report(Command):

@@ -10,7 +10,7 @@ from typing import Any
 import attrs
 
 import roughcontact as rc
-from roughcontact._answers.linear.pull_off import find_pull_off_once
+from roughcontact._answers.linear.stiffness import find_pull_off_once
 from roughcontact._base.machine.progress import ChangeProgress
 from roughcontact._base.units import EXAMPLES, si
 from roughcontact._faces.cli.help import add_group

@@ -47,7 +47,7 @@ from roughcontact._faces.cli.responses import add_responses, ask, refuse_pull_of
 from roughcontact._parts.grid import Load
 from roughcontact._parts.surfaces import find_maps
 from roughcontact._solve.problem import list_loads, run_loads, run_solve, tolerance_within
-from roughcontact._solve.solution import require_with_friction
+from roughcontact._solve.solution import require_to_hold
 
 
 class Solve(Command):
@@ -121,7 +121,7 @@ examples:
         refuse_pull_off(options, asked)
         if law is not None:
             for response in asked.values():
-                require_with_friction(response)
+                require_to_hold(response, {"shear"})
         maps = [name for name in (options.surface, options.counterbody) if name is not None]
         paths = [checks.path(name, "The map") for name in maps]
         if law is not None or options.cycle is not None:

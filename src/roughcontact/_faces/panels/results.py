@@ -19,8 +19,7 @@ from roughcontact._faces.panels.figures import loads_of, write_picture
 from roughcontact._faces.panels.theme import apply_theme, require_matplotlib, style, theme_of
 from roughcontact._solve.problem import AdhesionCycle, FrictionalPath, Sweep
 from roughcontact._solve.solution import Estimate
-from roughcontact._work.reports.error import ErrorReport
-from roughcontact._work.reports.error.result import ReportRow, find_varying_parts, group_by_setup
+from roughcontact._work.reports import ErrorReport, ReportRow, find_varying_parts, group_by_setup
 from roughcontact._work.studies import StudyNames
 from roughcontact.errors import InputError
 

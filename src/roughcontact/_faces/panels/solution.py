@@ -9,7 +9,7 @@ from typing import Any, final
 import attrs
 import numpy as np
 
-from roughcontact._answers.areas.outline import edge_law
+from roughcontact._answers.areas.estimators import edge_law
 from roughcontact._base.arrays import Array, Mask
 from roughcontact._base.checks import choice, flag, number
 from roughcontact._base.units import prefixed, si, with_spread

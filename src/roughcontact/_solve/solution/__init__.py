@@ -49,7 +49,7 @@ from roughcontact._solve.solution.results import Status as Status
 from roughcontact._solve.solution.results import areas as areas
 from roughcontact._solve.solution.results import list_estimates as list_estimates
 from roughcontact._solve.solution.results import read_number as read_number
-from roughcontact._solve.solution.results import require_with_friction as require_with_friction
+from roughcontact._solve.solution.results import require_to_hold as require_to_hold
 from roughcontact._solve.solution.results import responses as responses
 from roughcontact._solve.solution.sampling import find_peak_sampling as find_peak_sampling
 from roughcontact._solve.solution.sampling import find_stiffness_sampling as find_stiffness_sampling

@@ -30,7 +30,7 @@ from roughcontact._solve.solution.results import (
     estimate_saturated_area,
     judge_maps,
     list_fields,
-    require_with_friction,
+    require_to_hold,
     responses,
 )
 from roughcontact._solve.solution.sampling import PlaceStatistics, find_area_sampling, find_place_statistics
@@ -109,13 +109,8 @@ class ContactAnswers(ShearFields):
 
     def _view(self, response: Response[Any]) -> Self:
         """Return what a response reads of the solution: with adhesion the pressure that it holds for."""
-        if self.tension is None:
-            return self._normal
-        if response.with_adhesion == "refused":
-            raise InputError(
-                f"{type(response).__name__} does not hold for surfaces that attract each other: it knows no tension."
-            )
-        return self._normal if response.with_adhesion == "total pressure" else self._pressed
+        require_to_hold(response, self._laws)
+        return self._normal if response.reads == "total pressure" else self._pressed
 
     @property
     def _pressed(self) -> Self:
@@ -179,7 +174,7 @@ class ContactAnswers(ShearFields):
 
     def _add_traction(self, asked: Any) -> Any:
         """Return a response to pressure and traction of a contact with friction."""
-        require_with_friction(asked)
+        require_to_hold(asked, self._laws)
         if "traction" not in list_fields(asked):
             return asked
         own = [name for name in ("traction", "friction") if getattr(asked, name, None) is not None]

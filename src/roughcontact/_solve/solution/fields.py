@@ -271,6 +271,12 @@ class ContactFields(AskedOf):
         """The conditions of contact, and of friction, each with its residual."""
         return Certificate((*self.residuals.conditions, *(one for added in self.added for one in added.conditions)))
 
+    @property
+    def _laws(self) -> frozenset[str]:
+        """What laws add to the pressure, by name: ``"tension"``, ``"shear"`` or another; empty for pressure alone."""
+        added = frozenset(one.kind for one in self.added)
+        return added if self.tension is None else added | {"tension"}
+
     @cached_property
     def _found(self) -> dict[str, Any]:
         """What was computed of the solution and is asked for again, by name."""

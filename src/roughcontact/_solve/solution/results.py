@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import abc
 import math
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from enum import Enum
 from typing import Any, ClassVar, Generic, Literal, TypeAlias, TypeVar
 
@@ -54,12 +54,15 @@ class Response(Part, abc.ABC, Generic[T_co]):
     ----------
     depends_on_place
         Whether its value changes if a periodic contact is shifted, as for a flow between two sides.
-    with_adhesion
-        What it reads of surfaces that attract each other: ``"total pressure"``, the solution as it is;
-        ``"contact pressure"``, the part of the pressure that presses; ``"refused"``: it does not hold for them.
-    refused_with_friction
-        Why it means nothing for a state with a tangential traction; empty: it is that of the normal contact, or, if it
-        has a field ``traction``, of pressure and traction.
+    holds_with
+        What may act beside the pressure: ``"tension"`` of surfaces that attract each other; ``"shear"``, and what other
+        laws add, with which it is that of the normal contact or, if it has a field ``traction``, of pressure and
+        traction. It is refused where one of both acts that is not named.
+    refusal
+        Why it does not hold with shear, in words.
+    reads
+        What its `pressure` is where there is tension: ``"total pressure"``, the solution as it is, or ``"contact
+        pressure"``, the part that presses.
     memory_arrays
         Peak memory beyond the solution, in float64 arrays of the grid: what does not fit is refused.
 
@@ -78,8 +81,9 @@ class Response(Part, abc.ABC, Generic[T_co]):
     """
 
     depends_on_place: ClassVar[bool] = False
-    with_adhesion: ClassVar[str] = "refused"
-    refused_with_friction: ClassVar[str] = ""
+    holds_with: ClassVar[frozenset[str]] = frozenset({"shear"})
+    refusal: ClassVar[str] = "it knows no traction"
+    reads: ClassVar[str] = "total pressure"
     memory_arrays: ClassVar[float] = 12.0
 
     @abc.abstractmethod
@@ -107,11 +111,14 @@ def list_fields(response: Response[Any]) -> tuple[str, ...]:
     return tuple(attrs.fields_dict(kind)) if attrs.has(kind) else ()
 
 
-def require_with_friction(response: Response[Any]) -> None:
-    """Raise `InputError` if a response means nothing for a state with a tangential traction."""
-    if response.refused_with_friction:
-        name = responses.name_of(type(response)) or type(response).__name__
-        raise InputError(f"The response {name!r} is not for a contact with friction: {response.refused_with_friction}.")
+def require_to_hold(response: Response[Any], laws: Collection[str]) -> None:
+    """Raise `InputError` if a response does not hold with what laws add to the pressure, `ContactFields._laws`."""
+    kind = type(response)
+    if "tension" in laws and "tension" not in response.holds_with:
+        raise InputError(f"{kind.__name__} does not hold for surfaces that attract each other: it knows no tension.")
+    if set(laws) - {"tension"} and "shear" not in response.holds_with:
+        name = responses.name_of(kind) or kind.__name__
+        raise InputError(f"The response {name!r} is not for a contact with friction: {response.refusal}.")
 
 
 def ask(solution: Any, response: Response[Any]) -> Any:
@@ -363,7 +370,8 @@ class AreaEstimator(Response[Area]):
     (742 +- 74) µm2, (7.42 +- 0.74) % of nominal [counted]
     """
 
-    with_adhesion = "contact pressure"
+    holds_with = frozenset({"tension", "shear"})
+    reads = "contact pressure"
 
     @abc.abstractmethod
     def estimate(self, solution: Any) -> Area:

@@ -269,7 +269,8 @@ def gather_warnings(warnings: Sequence[tuple[str, Sequence[str]]]) -> list[str]:
 def _attribute(found: Sequence[tuple[str, str]], count: int) -> str:
     """Return a warning with the loads that it concerns before it."""
     *before, (last, text) = found
-    named = f"{', '.join(load for load, _ in before)} and {last}" if before else last
-    loads = f"all {count} loads" if len(found) == count > _MAX_NAMED_LOADS else named
+    loads = f"{', '.join(load for load, _ in before)} and {last}" if before else last
+    if len(found) > _MAX_NAMED_LOADS:
+        loads = f"all {count} loads" if len(found) == count else f"{len(found)} loads from {found[0][0]} to {last}"
     differ = any(other != text for _, other in before)
     return f"At {loads}{f' (here with the numbers at {last})' if differ else ''}: {text}"

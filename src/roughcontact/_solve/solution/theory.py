@@ -13,9 +13,14 @@ from roughcontact._base.units import ShownAsPrinted, si
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._parts.interactions import Interaction
 from roughcontact._solve.solution.fields import ContactFields
-from roughcontact.reference.persson import PerssonContact, evaluate_persson
 from roughcontact.reference.roughness import Waves, find_lay, find_shape, transform_waves
-from roughcontact.reference.stickiness import FullContactEnergies, PastewkaRobbins, evaluate_full_contact
+from roughcontact.reference.theories import (
+    FullContactEnergies,
+    PastewkaRobbins,
+    PerssonContact,
+    evaluate_full_contact,
+    evaluate_persson,
+)
 
 # Range of theoretical over solved area on isotropic Gaussian surfaces of Hurst exponents 0.3 to 0.8, and the range of
 # contact fractions where it holds (docs/studies/persson.py).

@@ -23,7 +23,7 @@ from roughcontact._base.units import Force, Length, PlainText, Pressure, binary,
 from roughcontact._parts.grid import Load
 from roughcontact._parts.interactions import FrictionLaw
 from roughcontact._solve.problem import ContactProblem, require_frictional
-from roughcontact._solve.solution import DEFAULT_AREA, Response, areas, require_with_friction
+from roughcontact._solve.solution import DEFAULT_AREA, Response, areas, require_to_hold
 from roughcontact._work.studies.answers import read_responses
 from roughcontact._work.studies.axes import BuiltProblems
 from roughcontact._work.studies.chain import Chain, Unbuilt, name_full_disk
@@ -218,7 +218,7 @@ class Study:
     def _find_shearing(self) -> Shearing | None:
         found = Shearing.of(self.tangential_force, self.displacement, self.friction, self.substeps)
         for response in () if found is None else self.responses:
-            require_with_friction(response)
+            require_to_hold(response, {"shear"})
         return found
 
     def __init__(

@@ -1,4 +1,4 @@
-"""Checks, their thresholds and verdicts, and the solved problem that they examine."""
+"""Checks, their thresholds and verdicts, the solved problem that they examine, and the report on all of them."""
 
 from __future__ import annotations
 
@@ -8,9 +8,12 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 from enum import StrEnum
 from functools import cached_property
+from typing import Any
 
 import attrs
 
+from roughcontact._base.checks import choice
+from roughcontact._base.tables import Table, TableResult
 from roughcontact._base.units import WIDTH, ShownAsPrinted
 from roughcontact._parts.grid import Load
 from roughcontact._solve.problem import ContactProblem
@@ -25,10 +28,7 @@ RULES = {
     "convergence": Rule(0, 0, "decided by the status; an unconverged solution is not checked further", _SOLVER),
     "load balance": Rule(1e-12, 1e-9, "the sum of 1e6 pressures has a rounding error of 1e-13", _SOLVER),
     "complementarity": Rule(
-        2e-5,
-        1e-3,
-        "twice the solvers' tolerance of 1e-5; 1e-3 moves areas and maximum pressures by 0.1 %",
-        _TOLERANCE,
+        2e-5, 1e-3, "twice the solvers' tolerance of 1e-5; 1e-3 moves areas and maximum pressures by 0.1 %", _TOLERANCE
     ),
     "penetration": Rule(2e-5, 1e-3, "as for complementarity", _TOLERANCE),
     "convolution: digits lost": Rule(
@@ -52,10 +52,7 @@ RULES = {
     ),
     "coarser grid: approach or load": Rule(0.05, 0.2, "as for the area", _GRID),
     "shifted grid: area": Rule(
-        0.02,
-        0.1,
-        "the position of the grid is arbitrary; the change is an uncertainty of about that size",
-        _GRID,
+        0.02, 0.1, "the position of the grid is arbitrary; the change is an uncertainty of about that size", _GRID
     ),
     "shifted grid: maximum pressure": Rule(0.05, 0.2, "as for the area; a peak between cell centres is missed", _GRID),
     "shifted grid: approach or load": Rule(0.02, 0.1, "as for the area", _GRID),
@@ -177,3 +174,55 @@ class SolvedProblem:
         if load.kind == "approach":
             load = attrs.evolve(load, value=load.value + (variant.summit - self.problem.summit))
         return variant.solve(**load.arguments)
+
+
+@attrs.frozen(eq=False)
+class StabilityReport(TableResult):
+    """The checks of a solution, with their results; `str` of it is a table."""
+
+    checks: tuple[Check, ...]
+    solution: ContactSolution
+
+    @property
+    def verdict(self) -> Verdict:
+        """The worst of all verdicts."""
+        return find_worst(check.verdict for check in self.checks)
+
+    def __getitem__(self, name: str) -> Check:
+        """Return the check of this name, or raise `InputError`."""
+        names = [check.name for check in self.checks]
+        return self.checks[names.index(choice(name, "The check", names))]
+
+    @property
+    def _worst_first(self) -> list[Check]:
+        """The checks as they are shown: a notebook omits rows in the middle of a long table."""
+        return sorted(self.checks, key=lambda check: list(Verdict).index(check.verdict), reverse=True)
+
+    @property
+    def _summary(self) -> str:
+        return summarize([check.verdict for check in self.checks])
+
+    def __repr__(self) -> str:
+        return f"<StabilityReport {self._summary}>"
+
+    def table(self) -> Table:
+        """Return a row for each check, the worst first; see `roughcontact.typing.Table`."""
+        checks = self._worst_first
+        columns: dict[str, list[Any]] = {
+            "verdict": [check.verdict for check in checks],
+            "check": [check.name for check in checks],
+            "value": [check.value for check in checks],
+            "what was measured; what to do": [check.text for check in checks],
+        }
+        return Table(columns)
+
+    def _list_head(self) -> Sequence[str]:
+        return [self._summary]
+
+    def _write_rows(self) -> str:
+        lines = []
+        before = ""
+        for check in self._worst_first:
+            lines.append(str(attrs.evolve(check, finding="as above") if check.finding == before else check))
+            before = check.finding
+        return "\n".join(lines)

@@ -1,24 +1,38 @@
-"""Claims about parts that read a solution: area estimators and flattening models."""
+"""Claims about parts that read a solution: area estimators, flattening models and responses."""
 
 from __future__ import annotations
 
 import itertools
 import math
 from collections.abc import Iterator
+from contextlib import suppress
 from functools import partial
+from typing import Any
 
 import attrs
 import numpy as np
 
 from roughcontact._parts.grid import Boundary, Grid
-from roughcontact._solve.solution import Area, AreaEstimator, ContactSolution
+from roughcontact._solve.solution import Area, AreaEstimator, ContactSolution, Estimate, Response
 from roughcontact._work.processes import FlatteningModel
-from roughcontact.testing.claim import claim, require
-from roughcontact.testing.generic import claim_invariant, claim_repeatable, require_array, require_valid
+from roughcontact.errors import InputError
+from roughcontact.testing.claim import (
+    DoesNotApply,
+    claim,
+    claim_invariant,
+    claim_repeatable,
+    pickled,
+    read_fields,
+    read_numbers,
+    require,
+    require_array,
+    require_valid,
+)
 from roughcontact.testing.problems import (
     ELASTIC_CONTACTS,
     PLASTIC_CONTACTS,
     ChangedContact,
+    adhesive_contact,
     full_contact,
     list_contacts,
     mirror_images,
@@ -32,10 +46,13 @@ from roughcontact.testing.problems import (
 _LOADS = (0.002, 0.005, 0.02, 0.05, 0.1, 0.2, 0.4, 0.8)
 # Maximum difference of two areas, over the area, by rounding.
 _MAX_AREA_DIFFERENCE = 1e-9
+# Maximum relative difference of two numbers by rounding, of iterations in float32.
+_MAX_NUMBER_DIFFERENCE = 1e-4
 
 
 _all_contacts = list_contacts()
 _plastic_contacts = list_contacts(*PLASTIC_CONTACTS)
+_rough_contact = list_contacts("a rough surface")
 
 
 @claim("area estimator", "valid areas and uncertainties", _all_contacts)
@@ -178,3 +195,63 @@ claim_invariant(
     "the height loss of a mirrored or shifted contact differs",
 )
 claim_repeatable("flattening model", _plastic_contacts, lambda model, solution: [model.height_loss(solution)])
+
+
+def _respond(response: Response[Any], solution: ContactSolution) -> Any:
+    """Return the result; None where the response is refused in a sentence."""
+    with suppress(InputError):
+        return response.respond(solution)
+    return None
+
+
+def _read_value(response: Response[Any], solution: ContactSolution) -> list[float]:
+    """Return the value of the result, if it is a finite number that is not zero."""
+    result = _respond(response, solution)
+    if not isinstance(result, Estimate) or not math.isfinite(result.value) or result.value == 0.0:
+        raise DoesNotApply("its result is not an Estimate, or not finite, or zero")
+    return [result.value]
+
+
+@claim("response", "serves a rough contact")
+def _serves(response: Response[Any]) -> None:
+    contacts = [*(solution for _, solution in _all_contacts(response)), adhesive_contact()]
+    found = (_respond(response, solution) for solution in contacts)
+    require(any(result is not None for result in found), "it refuses every contact that is tried, or returns nothing")
+
+
+@claim("response", "valid numbers and warnings", _all_contacts)
+def _valid_response(response: Response[Any], solution: ContactSolution) -> None:
+    result = _respond(response, solution)
+    if result is not None and not isinstance(result, np.ndarray):
+        require_valid(result)
+
+
+claim_repeatable(
+    "response",
+    list_contacts("a rough surface", "a sphere"),
+    lambda response, solution: read_numbers(_respond(response, solution)),
+    copy=pickled,
+)
+
+
+def _move(response: Response[Any], solution: ContactSolution) -> tuple[ChangedContact, ...]:
+    shifted = () if response.depends_on_place else shifted_copies(solution, (7, 5))
+    return *mirror_images(solution), *shifted
+
+
+def _scale_to_digits(response: Response[Any], solution: ContactSolution) -> Iterator[ChangedContact]:
+    """Give the contact in units of powers of two, and the answer to it times the power of two that suits it best."""
+    if any(isinstance(value, float) for value in read_fields(response)):
+        raise DoesNotApply("its fields may have units")
+    one = _read_value(response, solution)[0]
+    for length, stiffness in ((2.0**10, 1.0), (1.0, 2.0**-8)):
+        yield ChangedContact(
+            scale_units(solution, length, stiffness), lambda values: values / 2.0 ** np.round(np.log2(values / one))
+        )
+
+
+for _name, _moved, _detail in (
+    ("mirrored and shifted contacts", _move, "the number differs"),
+    ("scales with units", _scale_to_digits, "in units of powers of two the number has other digits"),
+):
+    claim_invariant("response", _name, _rough_contact, _read_value, _moved, _MAX_NUMBER_DIFFERENCE, _detail)

@@ -15,7 +15,7 @@ from roughcontact._base.checks import choice, number
 from roughcontact._base.registry import find_view
 from roughcontact._base.tables import Table, TableResult
 from roughcontact._base.units import counted, si
-from roughcontact._work.reports.error.reference import QUANTITIES, UNITS, KnownAnswer
+from roughcontact._work.reports.reference import QUANTITIES, UNITS, KnownAnswer
 from roughcontact.errors import InputError
 
 _LABELS = {"area": "area", "p_max": "maximum pressure", "approach": "approach"}
@@ -320,13 +320,7 @@ class ErrorReport(TableResult):
         """Return a row for each case for people, with errors in percent."""
         parts = find_varying_parts(self.rows)
         known = self.reference.quantities
-        headings = [
-            "cells",
-            *parts,
-            "estimator",
-            "area, %",
-            *(f"{_ERROR_LABELS[name]}, %" for name in known),
-        ]
+        headings = ["cells", *parts, "estimator", "area, %", *(f"{_ERROR_LABELS[name]}, %" for name in known)]
         headings += ["CPU, s (min..max)", "area, s", "wall, s (min..max)", "iter.", "conv.", "float32", "peak, MiB"]
         front = {id(row) for row in self.front()}
         failures = self._failures

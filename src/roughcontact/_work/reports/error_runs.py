@@ -26,8 +26,8 @@ from roughcontact._solve.problem import ContactProblem
 from roughcontact._solve.solution import DEFAULT_AREA, Area, AreaEstimator, ContactSolution
 from roughcontact._solve.solution import areas as area_registry
 from roughcontact._solve.solvers import Solver, positive_tolerance, solvers
-from roughcontact._work.reports.error.reference import KnownAnswer, read_reference, solve_reference
-from roughcontact._work.reports.error.result import ErrorReport, ReportRow, Timing
+from roughcontact._work.reports.error_report import ErrorReport, ReportRow, Timing
+from roughcontact._work.reports.reference import KnownAnswer, read_reference, solve_reference
 from roughcontact.errors import InputError, NotConverged, RoughContactError
 from roughcontact.errors.door import guarded
 
@@ -82,10 +82,7 @@ def make_cases(
     return tuple(
         Case(shape=shape, kernel=kernel, convolver=convolver, solver=solver, solver_name=name)
         for kernel, convolver, (name, solver), shape in itertools.product(
-            chosen_kernels,
-            chosen_convolvers,
-            _set_tolerances(chosen_solvers, tolerances),
-            _make_shapes(problem, cells),
+            chosen_kernels, chosen_convolvers, _set_tolerances(chosen_solvers, tolerances), _make_shapes(problem, cells)
         )
     )
 
