@@ -8,12 +8,15 @@ from __future__ import annotations
 
 import functools
 import inspect
+import re
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from importlib.metadata import EntryPoint, entry_points
 from types import MappingProxyType
 from typing import Any, Generic, TypeVar, get_type_hints
+
+import attrs
 
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
@@ -24,6 +27,8 @@ C = TypeVar("C", bound=type)
 _BY_KIND: dict[str, Registry[Any]] = {}
 # The modules that define public classes: annotations of their fields name what is known there.
 _DEFINED_IN: dict[type, str] = {}
+# Where a word begins inside the name of a class.
+_WORD = re.compile(r"(?<=[a-z])(?=[A-Z])")
 
 
 class Registry(Generic[T]):
@@ -237,3 +242,24 @@ def field_types(cls: type) -> dict[str, Any]:
     modules = [_DEFINED_IN.get(base, base.__module__) for base in reversed(cls.__mro__)]
     known = {name: value for module in modules for name, value in vars(sys.modules.get(module, object)).items()}
     return get_type_hints(cls, known, {})
+
+
+def name_in_words(part: object) -> str:
+    """Return a part in words: what its class is called, and its fields; its own text if it has one.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> from roughcontact._base.registry import name_in_words
+    >>> name_in_words(rc.PolonskyKeer(tolerance=1e-8))
+    'Polonsky Keer, tolerance 1e-08, max iterations 1000'
+    """
+    cls = type(part)
+    if not attrs.has(cls) or cls.__str__ is not object.__str__:
+        return str(part)
+    fields = [
+        f"{field.name.replace('_', ' ')} {name_in_words(getattr(part, field.name))}"
+        for field in attrs.fields(cls)
+        if field.repr
+    ]
+    return ", ".join([_WORD.sub(" ", cls.__name__), *fields])

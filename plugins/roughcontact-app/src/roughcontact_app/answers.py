@@ -26,7 +26,7 @@ from roughcontact.results import AdhesionCycle
 from roughcontact.typing import Table, si
 
 from roughcontact_app.responses import finite
-from roughcontact_app.words import end_sentence, in_words_of_page
+from roughcontact_app.words import end_sentence
 
 # Digits of a number in a table: more than any uncertainty leaves.
 _DIGITS = 9
@@ -52,7 +52,7 @@ def describe_solutions(
     return [
         {
             "load": name_load(solution),
-            "status": in_words_of_page(str(solution.status)),
+            "status": str(solution.status),
             "certified": solution.status.success,
             "seconds": solution.seconds,
             "quantities": [_describe(name, one, next(columns[name])) for name, one in quantities.items()],
@@ -122,7 +122,7 @@ def describe_cycle(cycle: AdhesionCycle, asked: Mapping[str, Sequence[Any]] = Ma
     quantities.append(_describe("jumps", count, f"{len(cycle.jumps)}{f': {places}' if places else ''}"))
     return {
         "load": "cycle",
-        "status": in_words_of_page(str(states[-1].status)),
+        "status": str(states[-1].status),
         "certified": all(state.status.success for state in states),
         "seconds": sum(state.seconds for state in states),
         "quantities": quantities,
@@ -156,13 +156,13 @@ def describe_fretting(path: FrictionalPath, asked: Mapping[str, Sequence[Any]]) 
     said = list_answer_warnings({name: column[-1:] for name, column in asked.items()}, path[-1:])
     return {
         "load": "fretting",
-        "status": in_words_of_page(str(path[-1].status)),
+        "status": str(path[-1].status),
         "certified": all(state.status.success for state in path),
         "seconds": sum(state.seconds for state in path),
         "quantities": [
             _describe(name, attrs.evolve(one, warnings=()), write_column([one])[0]) for name, one in found.items()
         ],
-        "warnings": [end_sentence(in_words_of_page(text)) for text in (*hard, *path.warnings, *said)],
+        "warnings": [end_sentence(text) for text in (*hard, *path.warnings, *said)],
     }
 
 

@@ -316,7 +316,11 @@ def _exponent(unit: str) -> str:
 
 def _renamed(error: RoughContactError, upload: Upload) -> RoughContactError:
     """Return the error with the name of the file that the user knows."""
-    return type(error)(str(error).replace(str(upload.path), upload.name).replace(upload.path.name, upload.name))
+    return type(error)(
+        (error.marked if isinstance(error, InputError) else str(error))
+        .replace(str(upload.path), upload.name)
+        .replace(upload.path.name, upload.name)
+    )
 
 
 def _example(settings: Settings) -> HeightMap:

@@ -184,7 +184,7 @@ def reading(setting: str) -> Iterator[None]:
     except WrongSetting:
         raise
     except InputError as error:
-        raise WrongSetting(str(error), setting) from error
+        raise WrongSetting(error.marked, setting) from error
 
 
 def read_settings(data: object) -> Settings:

@@ -94,7 +94,7 @@ def run(task: dict[str, Any], send: Send) -> dict[str, Any]:
     try:
         return kinds[task["kind"]]()
     except InputError as error:
-        raise WrongSetting(in_words_of_page(str(error)), getattr(error, "setting", "")) from error
+        raise WrongSetting(in_words_of_page(error), getattr(error, "setting", "")) from error
 
 
 @functools.lru_cache(maxsize=1)
@@ -124,7 +124,7 @@ def _show(scene: Scene, one: ShownSurface, picture: Path, dark: bool) -> dict[st
         draw(lambda: one.surface.plot(scene.grid, "map", dark=dark), picture)
         shown["picture"] = picture.name
     except RoughContactError as error:
-        shown["note"] = in_words_of_page(str(error))
+        shown["note"] = in_words_of_page(error)
     return shown
 
 
@@ -153,7 +153,7 @@ def _plan(settings: Settings, uploads: Uploads, calibration: float) -> dict[str,
         "seconds": calibration * _estimate_seconds(settings, problem, loads),
         "memory": f"{binary(plan.memory_at(0.0))} at light contact, at most {binary(plan.memory)}",
         "basis": _BASIS if calibration == 1.0 else _CORRECTED,
-        "text": in_words_of_page(problem.explain()),
+        "text": str(problem.explain()),
         "warnings": [end_sentence(text) for text in plan.warnings],
     }
 
@@ -231,7 +231,7 @@ def _write_all(outputs: Outputs | CycleOutputs | FrettingOutputs, send: Send) ->
         try:
             send(write())
         except RoughContactError as error:
-            notes.append(in_words_of_page(str(error)))
+            notes.append(in_words_of_page(error))
     return notes
 
 

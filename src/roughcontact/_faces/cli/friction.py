@@ -25,11 +25,6 @@ from roughcontact._solve.problem import (
 
 # Options of a solve that say nothing of a contact with friction.
 _OF_SOLVES = ("cycle", "refine", "area", "area_within", "peak_within")
-# What a script does where the bodies slide, and what the command line does.
-_SLIDING = (
-    "Give displacement= instead, or call problem.slide(...).",
-    "Give displacements to --tangential instead, or --slide.",
-)
 
 
 def refuse_for_friction(options: argparse.Namespace) -> None:
@@ -107,10 +102,7 @@ def _solve_path(
             # The pressing is not counted: it may be a solve that has been asked for, or many increments.
             change(str(done), (done.step - 1 + done.increment / done.increments) / done.steps if done.step else None)
 
-        try:
-            return problem.path(**{loads[0].kind: values}, **along, friction=law, substeps=substeps, on_increment=tell)
-        except rc.InputError as error:
-            raise rc.InputError(str(error).replace(*_SLIDING)) from error
+        return problem.path(**{loads[0].kind: values}, **along, friction=law, substeps=substeps, on_increment=tell)
 
 
 def _slide(

@@ -20,7 +20,7 @@ from roughcontact._base.arrays import Array
 from roughcontact._base.units import fit, quantity
 from roughcontact._faces.cli import Command
 from roughcontact._faces.cli.answers import plan_picture, to_json, to_text
-from roughcontact._faces.cli.options import METRE, NUMBER, add_reading, fields_of, name_options, whole_number
+from roughcontact._faces.cli.options import METRE, NUMBER, add_reading, fields_of, whole_number
 from roughcontact._faces.cli.paths import path_to_json, path_to_text
 from roughcontact._faces.cli.problem import read_map
 from roughcontact._faces.panels.figures import save_figure
@@ -58,7 +58,7 @@ def list_warnings(surface: rc.HeightMap) -> list[str]:
     gap = surface.values.max() - surface.values
     units = find_scene(gap, surface.grid, rc.Boundary.FREE, ())[0].warning
     texts = (units, _judge_form(surface), *surface.warnings)
-    return [fit(f"warning       {name_options(text, ('unit',))}") for text in texts if text]
+    return [fit(f"warning       {text}") for text in texts if text]
 
 
 def _judge_form(surface: rc.HeightMap) -> str:

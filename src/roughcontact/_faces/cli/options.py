@@ -6,51 +6,43 @@ import argparse
 import contextlib
 import math
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection
 from typing import Any
 
 import attrs
 import numpy as np
 
 from roughcontact._answers.laws import MAX_LOAD_RATIO
-from roughcontact._base.units import parse_quantity, quantity
+from roughcontact._base.units import parse_quantity, quantity, si
 from roughcontact._faces.cli.help import add_group
 from roughcontact._parts.grid import Boundary, Load
 from roughcontact._parts.materials import TYPICAL
+from roughcontact.errors import Argument, Spell, write_number
 
-# The value of an argument in a sentence: both sides, a text or a number; not in calls, as of numpy.savez.
-_VALUE = r"(?P<value>\((?:x, y|[-+.e0-9, ]+)\)(?:, m\b)?|'[^']*'|-?[0-9]+(?:\.[0-9]+)?(?:e-?[0-9]+)?)?(?=[\s,.;:)]|$)"
-# "size=(x, y), m (on the command line --size)": what stands in brackets is the option.
-_ASIDE = re.compile(r"\s*\(on the command line (?P<option>--[^()]*)\)")
-# Arguments that are lengths.
-_LENGTHS = ("size", "cell", "unit")
+# Arguments that are not options of their own names.
+_SPELLED = {"displacement": "displacements to --tangential", "tangential_force": "forces to --tangential"}
 # Most characters of a wrong argument that are shown.
 _MAX_SHOWN_CHARACTERS = 80
 # Most loads of a range.
 _MAX_LOADS = 200
 
 
-def name_options(sentence: str, names: Iterable[str]) -> str:
-    """Return a sentence in which arguments such as ``skip_rows=2`` are options, ``--skip-rows 2``.
+def spell_options(known: Collection[str]) -> Spell:
+    """Return how a command with these options spells an argument: ``--skip-rows 2``, ``--size X Y``."""
 
-    `names` are the arguments that are options of the command.
-    """
-    known = "|".join(map(re.escape, names))
-    argument = re.compile(rf"(?<![\w.])(?P<name>{known})={_VALUE}")
-    aside = re.compile(argument.pattern + _ASIDE.pattern)
-    sentence = aside.sub(lambda found: found["option"] if " " in found["option"] else _option(found), sentence)
-    return _ASIDE.sub("", argument.sub(_option, sentence)) if argument.search(sentence) else sentence
+    def spell(one: Argument) -> str:
+        if one.name in _SPELLED:
+            return _SPELLED[one.name] if "tangential" in known else ""
+        values = [_write_value(value, one) for value in one.values]
+        return " ".join([f"--{one.name.replace('_', '-')}", *values]) if one.name in known else ""
+
+    return spell
 
 
-def _option(found: re.Match[str]) -> str:
-    name = found["name"]
-    value = found["value"] or ""
-    words = value if value[:1] == "'" and not value.strip("'").isalpha() else value.strip("'")
-    if value.startswith("("):
-        words = value.removesuffix(", m").strip("()").replace(",", "").replace("x y", "X Y")
-    if name in _LENGTHS:
-        words = re.sub(r"[0-9]+(?:\.[0-9]*)?(?:[eE]-?[0-9]+)?", r"\g<0>m", words)
-    return f"--{name.replace('_', '-')} {words}".rstrip()
+def _write_value(value: str | float, one: Argument) -> str:
+    if not isinstance(value, str):
+        return si(value, one.unit).replace(" ", "").replace("µ", "u") if one.unit else write_number(value)
+    return value.upper() if len(one.values) > 1 else value if value.isalnum() else repr(value)
 
 
 def fields_of(cls: type[Any]) -> tuple[attrs.Attribute[Any], ...]:

@@ -27,7 +27,6 @@ from roughcontact._faces.cli.answers import (
     write_rows_of_answers,
 )
 from roughcontact._faces.cli.inputs import describe_responses
-from roughcontact._faces.cli.options import name_options
 from roughcontact._faces.cli.progress import show_progress
 from roughcontact._faces.cli.responses import ask_all_states
 from roughcontact._faces.panels.figures import save_figure
@@ -100,7 +99,7 @@ def _format(subject: StatePath | rc.ContactSolution, asked: Asked, options: argp
 
 def path_to_text(path: StatePath, asked: Asked = _NOTHING) -> str:
     """Return a path for people, and below it what responses say of its states, in lines of at most 80 columns."""
-    lines = [name_options(str(path), ("substeps",))]
+    lines = [str(path)]
     if asked.answers:
         lines += ["", *write_rows_of_answers(*path.label_states(), asked.answers, asked.reasons)]
     return fit("\n".join(lines))

@@ -73,4 +73,4 @@ def solve_wanted(
     try:
         return find_required_load(problem, solve, response, value, {}, foresee)
     except rc.InputError as error:
-        raise rc.InputError(f"{_OPTION}: {error}") from error
+        raise rc.InputError(f"{_OPTION}: {error.marked}") from error

@@ -17,6 +17,7 @@ from roughcontact._faces.cli.help import add_group
 from roughcontact._faces.cli.problem import make_part
 from roughcontact._solve.problem import OnStateToPullOff, problem_of
 from roughcontact._work.studies import Answers, ResponseField, ask_states, describe_response
+from roughcontact.errors import Sentence
 
 # Registered name of the force of pull-off.
 PULL_OFF = "pull-off"
@@ -102,7 +103,7 @@ def ask_all_states(
     answers, reasons = ask_states(asked, states, tell)
     for name, reason in reasons.items():
         if not any(result is not None for result in answers[name]):
-            raise rc.InputError(f"--{name}: {reason}")
+            raise rc.InputError(f"--{name}: {Sentence(reason).marked}")
     return answers, reasons
 
 
@@ -137,5 +138,5 @@ def ask(
                     find_pull_off_once(problem_of(solution), _tell_states(change))
                 found[name].append(solution.response(response))
             except rc.InputError as error:
-                raise rc.InputError(f"--{name}: {error}") from error
+                raise rc.InputError(f"--{name}: {error.marked}") from error
     return found

@@ -22,7 +22,7 @@ from roughcontact._solve.problem.run import run_solve
 from roughcontact._solve.problem.scene import Scene
 from roughcontact._solve.solution import DEFAULT_AREA, Accuracy, ContactSolution, Trial
 from roughcontact._solve.solvers import Step
-from roughcontact.errors import InputError, NotEnoughMemory
+from roughcontact.errors import InputError, NotEnoughMemory, argument
 
 S = TypeVar("S", bound=Scene)
 
@@ -131,10 +131,14 @@ def solve_within(
             "With adhesion the accuracy cannot be asked for: give a grid whose cohesive length has 2.5 cells."
         )
     if start is not None:
-        raise InputError("With area_within= or peak_within= the grid is chosen: omit start=, which needs one.")
+        raise InputError(
+            f"With {argument('area_within')} or {argument('peak_within')} the grid is chosen: omit start=, which "
+            "needs one."
+        )
     if load.kind == "approach":
         raise InputError(
-            "An accuracy needs pressure= or force=: an approach counts from first touch, which moves with the grid."
+            f"An accuracy needs {argument('pressure')} or {argument('force')}: an approach counts from first touch, "
+            "which moves with the grid."
         )
     problem = _choose_tolerance(problem, target) if tolerance is None else with_tolerance(problem, tolerance)
     trials: list[Trial] = []

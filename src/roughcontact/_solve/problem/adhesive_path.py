@@ -17,7 +17,7 @@ from roughcontact._solve.problem.run import run_solve
 from roughcontact._solve.problem.scene import Scene
 from roughcontact._solve.problem.sweep import Sweep, report_states, run_sweep
 from roughcontact._solve.solution import TRAPPED_CELLS, ContactSolution, describe_range
-from roughcontact.errors import InputError
+from roughcontact.errors import InputError, argument
 
 
 class Solve(Protocol):
@@ -30,7 +30,9 @@ class Solve(Protocol):
 def require_resolved(plan: SolvePlan) -> None:
     """Raise `InputError` unless there is adhesion and the cells resolve it well enough to follow a path."""
     if plan.interaction is None:
-        raise InputError("Without adhesion= nothing is pulled apart: give the problem a law, such as Exponential.")
+        raise InputError(
+            f"Without {argument('adhesion')} nothing is pulled apart: give the problem a law, such as Exponential."
+        )
     cells = plan.interaction.cohesive_cells(plan.grid.resolved.spacing, plan.surface_modulus)
     if cells < TRAPPED_CELLS:
         reason = describe_range(plan.interaction, plan.grid, plan.surface_modulus)
@@ -64,7 +66,7 @@ def require_memory_of_flow(last: ContactSolution, load: Load) -> None:
         raise InputError(
             f"The load falls to {load} after the pressure has reached its limit on {last.saturated.sum()} cells: each "
             "state is a first loading, which forgets how far the summits were flattened, and with them the pull-off. "
-            "Keep the loads below the hardness, give loads that do not fall, or take Elastic materials."
+            "Keep the loads below the hardness, give loads that do not fall, or take materials without a hardness."
         )
 
 

@@ -25,7 +25,7 @@ from roughcontact._solve.solution import (
 )
 from roughcontact._work.studies.coatings import find_layer_class
 from roughcontact._work.studies.form import Form, list_fields
-from roughcontact.errors import InputError, RoughContactError
+from roughcontact.errors import InputError, RoughContactError, Sentence
 from roughcontact.errors.door import guarded
 
 # What each response that was asked for says of each solution, by the name of the response.
@@ -154,7 +154,7 @@ def _build(kind: type, fields: Mapping[str, Any], what: str) -> Any:
     form = Form()
     made = form.read(kind, fields, "")
     for place, error in form.faults:
-        raise InputError(f"{what}{place and f' {place}'}: {error}") from error
+        raise InputError(f"{what}{place and f' {place}'}: {error.marked}") from error
     return made
 
 
@@ -306,12 +306,12 @@ def ask_states(
                 results[key] = state.response(response)
             except RoughContactError as error:
                 results[key] = None
-                missing.append(str(error))
+                missing.append(error.marked if isinstance(error, InputError) else str(error))
         found[name] = [results[id(state)] for state in states]
         if missing:
             has_none = len(missing) == len(different)
             count = "no state has an" if has_none else f"{len(missing)} of {len(different)} states have no"
-            reasons[name] = f"{count} answer: {missing[0]}"
+            reasons[name] = Sentence(f"{count} answer: {missing[0]}")
     return found, reasons
 
 

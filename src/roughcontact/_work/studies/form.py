@@ -262,7 +262,7 @@ def build_problem(table: Mapping[str, Any]) -> ContactProblem:
     if form.faults:
         error = form.faults[0][1]
         is_sentence = str(error).endswith((".", "..."))
-        raise error if is_sentence else InputError(f"The table of the problem cannot be used: {error}.")
+        raise error if is_sentence else InputError(f"The table of the problem cannot be used: {error.marked}.")
     return problem
 
 

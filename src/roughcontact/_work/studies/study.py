@@ -268,7 +268,7 @@ class Study:
                 try:
                     problem.require_load(**load.arguments)
                 except InputError as error:
-                    raise InputError(f"Problem {name!r}: {error}") from error
+                    raise InputError(f"Problem {name!r}: {error.marked}") from error
 
     @staticmethod
     def _require_frictional(name: str, problem: ContactProblem) -> None:
@@ -276,7 +276,7 @@ class Study:
             # Of a copy: the responses to shear of all problems would take the memory of many grids.
             require_frictional(copy.copy(problem))
         except InputError as error:
-            raise InputError(f"Problem {name!r}: {error}") from error
+            raise InputError(f"Problem {name!r}: {error.marked}") from error
 
     @property
     def _known_problems(self) -> list[tuple[str, ContactProblem]]:
