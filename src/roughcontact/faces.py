@@ -4,7 +4,7 @@
 for              names
 ===============  ==================================================================================================
 input            `build_problem`, `build_part`, `build_layer`, `build_response`; what a response asks for,
-                 `describe_response`, `ResponseForm`, `ResponseField`; typical materials by name, `TYPICAL`
+                 `describe_response`, `ResponseForm`, `PartField`; typical materials by name, `TYPICAL`
 the machine      `available_threads`, `limit_address_space`
 a run            `run_sweep`, `ask_states`
 words            `name_load`, `list_quantities`, `describe_other_places`, `gather_warnings`, `exceeds_metals`,
@@ -13,6 +13,7 @@ tables, reports  `tabulate_answers`, `write_column`, `write_report`
 ===============  ==================================================================================================
 """
 
+from roughcontact._base.fields import PartField
 from roughcontact._base.machine import available_threads, limit_address_space
 from roughcontact._base.units import write_column
 from roughcontact._parts.materials import TYPICAL
@@ -25,7 +26,6 @@ from roughcontact._solve.solution import (
     name_load,
 )
 from roughcontact._work.studies import (
-    ResponseField,
     ResponseForm,
     ask_states,
     build_layer,
@@ -40,7 +40,7 @@ from roughcontact._work.studies import (
 
 __all__ = [
     "TYPICAL",
-    "ResponseField",
+    "PartField",
     "ResponseForm",
     "ask_states",
     "available_threads",

@@ -28,14 +28,11 @@ def describe_wanted(answer: rc.Response[Any], required: RequiredLoad) -> dict[st
 
 def describe_study(study: Study) -> dict[str, Any]:
     """Return the problems of a study by name, and what each is solved at and asked for."""
-    content: dict[str, Any] = {
+    return {
         "problems": {name: describe_problem(problem) for name, problem in study.problems.items()},
         "load": describe_loads(study.loads),
         "seeds": list(study.seeds),
         "areas": list(study.areas),
         **describe_responses({name_of(one): one for one in study.responses}),
+        **study.loading.describe(),
     }
-    if study.shearing is not None:
-        content["along"] = describe_loads(study.shearing.loads)
-        content["friction"] = describe_part(study.shearing.friction)
-    return content

@@ -7,12 +7,14 @@ import contextlib
 import math
 import re
 from collections.abc import Callable, Collection
-from typing import Any
+from types import NoneType
+from typing import Any, get_args
 
-import attrs
 import numpy as np
 
 from roughcontact._answers.laws import MAX_LOAD_RATIO
+from roughcontact._base.checks import INFINITE
+from roughcontact._base.fields import PartField
 from roughcontact._base.units import parse_quantity, quantity, si
 from roughcontact._faces.cli.help import add_group
 from roughcontact._parts.grid import Boundary, Load
@@ -45,9 +47,16 @@ def _write_value(value: str | float, one: Argument) -> str:
     return value.upper() if len(one.values) > 1 else value if value.isalnum() else repr(value)
 
 
-def fields_of(cls: type[Any]) -> tuple[attrs.Attribute[Any], ...]:
-    """Return the fields of a class that options can give; none of a class that is not of attrs."""
-    return tuple(attrs.fields(cls)) if attrs.has(cls) else ()
+def converter_of(field: PartField) -> Callable[[str], Any] | None:
+    """Return the converter of the texts of a field, for argparse; None of a field that is no number or pair of them."""
+    kinds = [kind for kind in (get_args(field.kind) or (field.kind,)) if kind is not NoneType]
+    if kinds == [int]:
+        return whole_number
+    if kinds != [float] and not field.is_pair:
+        return None
+    convert = quantity(field.unit or "")
+    # The class reads the word of an infinite number, or refuses it.
+    return lambda text: text if text == INFINITE else convert(text)
 
 
 def whole_number(text: str) -> int:

@@ -12,8 +12,9 @@ from typing import Any
 import attrs
 
 import roughcontact as rc
+from roughcontact._base.fields import list_fields
 from roughcontact._base.registry import Registry
-from roughcontact._faces.cli.options import OF_READERS, add_problem, fields_of
+from roughcontact._faces.cli.options import OF_READERS, add_problem
 from roughcontact._parts.files import read_raw
 from roughcontact._parts.files.reading import options_of
 from roughcontact._parts.grid import Boundary, Load
@@ -82,7 +83,7 @@ def make_part(registry: Registry[Any], option: str, name: str, texts: Sequence[s
 
 def _read_fields(texts: Sequence[str], what: str, cls: type[Any]) -> dict[str, Any]:
     """Return the texts of the fields of a class by name; its first words do, as ``yield`` of ``yield_stress``."""
-    known = [str(field.alias) for field in fields_of(cls)]
+    known = [*list_fields(cls)]
     fields: dict[str, Any] = {}
     # A comma separates fields too, but not the values of one.
     for text in (part for several in texts for part in re.split(r",(?=\w+=)", several)):

@@ -7,16 +7,15 @@ import contextlib
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import attrs
-
 import roughcontact as rc
 from roughcontact._answers.linear.pull_off import find_pull_off_once
+from roughcontact._base.fields import PartField
 from roughcontact._base.machine.progress import ChangeProgress
 from roughcontact._base.units import EXAMPLES, si
 from roughcontact._faces.cli.help import add_group
 from roughcontact._faces.cli.problem import make_part
 from roughcontact._solve.problem import OnStateToPullOff, problem_of
-from roughcontact._work.studies import Answers, ResponseField, ask_states, describe_response
+from roughcontact._work.studies import Answers, ask_states, describe_response
 from roughcontact.errors import Sentence
 
 # Registered name of the force of pull-off.
@@ -31,7 +30,7 @@ def add_responses(parser: argparse.ArgumentParser) -> None:
         if form.is_array:
             continue
         needed = [f"{field.name}={_write_example(field)}" for field in form.fields if field.is_needed]
-        others = [f"[{field.name}={_write_default(name, field)}]" for field in form.fields if not field.is_needed]
+        others = [f"[{field.name}={_write_default(field)}]" for field in form.fields if not field.is_needed]
         with contextlib.suppress(argparse.ArgumentError):
             group.add_argument(
                 f"--{name}",
@@ -42,20 +41,19 @@ def add_responses(parser: argparse.ArgumentParser) -> None:
             )
 
 
-def _write_example(field: ResponseField) -> str:
+def _write_example(field: PartField) -> str:
     """Return an example of the value of a field, with its unit; dots where it has none."""
     unit = field.unit or field.plain_unit
     return f"{EXAMPLES[unit] if unit and unit in EXAMPLES else '...'}{_write_plain_unit(field)}"
 
 
-def _write_plain_unit(field: ResponseField) -> str:
+def _write_plain_unit(field: PartField) -> str:
     return f" ({field.plain_unit})" if field.plain_unit else ""
 
 
-def _write_default(name: str, field: ResponseField) -> str:
+def _write_default(field: PartField) -> str:
     """Return the default of a field of a response; dots where it is nothing that one can write."""
-    cls: Any = rc.responses[name]
-    default = attrs.fields_dict(cls)[field.name].default
+    default = field.default
     shown = f"{default:g}" if isinstance(default, float) else str(default) if isinstance(default, (int, str)) else "..."
     return f"{shown}{_write_plain_unit(field)}"
 

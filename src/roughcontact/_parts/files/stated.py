@@ -271,10 +271,11 @@ def _refuse_marks(numbers: npt.NDArray[np.generic]) -> None:
         span = high - low
         distance = max(low - mark, mark - high)
         if distance > _MARK_DISTANCE * span > 0.0 and _is_mark(mark, count, total, distance / span):
-            advice = f"say so with {argument('no_data', mark)}, or {argument('no_data', 'none')} if it is a height"
+            named = f"say so with {argument('no_data', mark)}, or {argument('no_data', 'none')} if it is a height"
+            advice = either(named, "leave these fields empty")
             raise InputError(
-                f"its number {write_number(mark)} stands at {count} points, far from all others ({low:.6g} to {high:.6g}), "
-                f"as programs write it where nothing was measured: {either(advice, 'leave these fields empty')}"
+                f"its number {write_number(mark)} stands at {count} points, far from all others ({low:.6g} to "
+                f"{high:.6g}), as programs write it where nothing was measured: {advice}"
             )
 
 

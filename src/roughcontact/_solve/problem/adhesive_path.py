@@ -15,7 +15,7 @@ from roughcontact._solve.problem.path import march
 from roughcontact._solve.problem.plan import SolvePlan
 from roughcontact._solve.problem.run import run_solve
 from roughcontact._solve.problem.scene import Scene
-from roughcontact._solve.problem.sweep import Sweep, report_states, run_sweep
+from roughcontact._solve.problem.sweep import Sweep, order_of_solving, predict_pressure, report_states, run_sweep
 from roughcontact._solve.solution import TRAPPED_CELLS, ContactSolution, describe_range
 from roughcontact.errors import InputError, argument
 
@@ -41,8 +41,26 @@ def require_resolved(plan: SolvePlan) -> None:
 
 def solve_loads(problem: Scene, loads: tuple[Load, ...], change: ChangeProgress) -> Sweep:
     """Return the solutions at all loads, with adhesion in their order."""
-    solve = report_states(partial(run_solve, problem), count_done(change, len(loads), "load"))
+    return sweep_loads(
+        problem, report_states(partial(run_solve, problem), count_done(change, len(loads), "load")), loads
+    )
+
+
+def sweep_loads(problem: Scene, solve: Solve, loads: tuple[Load, ...]) -> Sweep:
+    """Return the solutions of a problem at all loads by a solve, with adhesion in their order."""
     return run_sweep(solve, loads) if problem.adhesion is None else follow_loads(solve, loads)
+
+
+def order_loads(problem: Scene, loads: Sequence[Load]) -> Sequence[int]:
+    """Return the positions of loads in the order in which they are solved: with adhesion in theirs."""
+    return order_of_solving(loads) if problem.adhesion is None else range(len(loads))
+
+
+def solve_next(problem: Scene, before: Sequence[ContactSolution], load: Load) -> ContactSolution:
+    """Return the solution at a load, from the solutions before in this order."""
+    if problem.adhesion is not None:
+        return follow(partial(run_solve, problem), before, load)
+    return run_solve(problem, load, predict_pressure(before, load))
 
 
 def follow_loads(solve: Solve, loads: Sequence[Load], first: ContactSolution | None = None) -> Sweep:

@@ -10,7 +10,8 @@ from typing import Any, TypeAlias, get_type_hints
 
 import attrs
 
-from roughcontact._base.arrays import Array, Pair
+from roughcontact._base.arrays import Array
+from roughcontact._base.fields import PartField, list_fields, summarize
 from roughcontact._base.registry import Registry, find_view
 from roughcontact._base.tables import Table, page_or_file
 from roughcontact._base.units import Estimate, kind_of
@@ -24,39 +25,13 @@ from roughcontact._solve.solution import (
     responses,
 )
 from roughcontact._work.studies.coatings import find_layer_class
-from roughcontact._work.studies.form import Form, list_fields
+from roughcontact._work.studies.form import Form
 from roughcontact.errors import InputError, RoughContactError, Sentence
 from roughcontact.errors.door import guarded
 
 # What each response that was asked for says of each solution, by the name of the response.
 Answers: TypeAlias = Mapping[str, Sequence[Any]]
 _NO_ANSWERS: Answers = MappingProxyType({})
-
-
-@attrs.frozen
-class ResponseField:
-    """A field of a response, as a form asks for it.
-
-    Attributes
-    ----------
-    name
-        The name.
-    unit
-        SI unit of its number; empty for a number without one, None if it is not a number.
-    is_pair
-        Whether it is one number or two.
-    is_needed
-        Whether it has no default.
-    plain_unit
-        Unit of a number that a text may omit, such as ``"W/(m K) or S/m"``: the ``plain_unit`` in the metadata of
-        the field; empty without one.
-    """
-
-    name: str
-    unit: str | None
-    is_pair: bool
-    is_needed: bool
-    plain_unit: str = ""
 
 
 @attrs.frozen
@@ -74,7 +49,7 @@ class ResponseForm:
     """
 
     summary: str
-    fields: tuple[ResponseField, ...]
+    fields: tuple[PartField, ...]
     is_array: bool
 
 
@@ -89,15 +64,10 @@ def describe_response(name: str) -> ResponseForm:
     [('viscosity', 'Pa s'), ('pressure_drop', 'Pa')]
     """
     cls = responses[name]
-    line = (cls.__doc__ or "").partition("\n")[0].partition(":math:")[0].strip(" ,.")
-    fields = []
-    # Those of a class that is not of attrs are for scripts.
-    for field, found in list_fields(cls).items() if attrs.has(cls) else ():
-        plain = "" if found.kind in (float, Pair) else None
-        unit = plain if found.unit is None else found.unit
-        fields.append(ResponseField(field, unit, found.kind == Pair, found.required, found.plain_unit))
-    is_array = get_type_hints(cls.respond).get("return") == Array
-    return ResponseForm(line[:1].lower() + line[1:], tuple(fields), is_array)
+    # The fields of a class that is not of attrs are for scripts.
+    fields = tuple(list_fields(cls).values()) if attrs.has(cls) else ()
+    line = summarize(cls)
+    return ResponseForm(line[:1].lower() + line[1:], fields, get_type_hints(cls.respond).get("return") == Array)
 
 
 @guarded

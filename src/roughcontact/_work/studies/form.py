@@ -13,7 +13,8 @@ import attrs
 
 from roughcontact._base.arrays import Pair
 from roughcontact._base.checks import INFINITE
-from roughcontact._base.registry import Registry, field_types, registries
+from roughcontact._base.fields import list_fields
+from roughcontact._base.registry import Registry, registries
 from roughcontact._base.units import parse_quantity
 from roughcontact._parts.files import read_surface
 from roughcontact._parts.grid import Boundary, Grid
@@ -183,7 +184,7 @@ class Form:
         if unknown:
             self.faults.append((place, InputError(_name_unknown(unknown, known))))
         for name, field in known.items():
-            if field.required and name not in table:
+            if field.is_needed and name not in table:
                 self.faults.append((place, InputError(f"required field {name!r} is missing")))
         values = {
             name: self.read(field.kind, table[name], join(place, name), field.text_unit)
@@ -313,43 +314,6 @@ def _registry_of(kind: type) -> Registry[Any] | None:
     """Return the registry of a class: that of the nearest base, since an area estimator is a response too."""
     fitting = [one for one in registries().values() if one.base is not object and issubclass(kind, one.base)]
     return max(fitting, key=lambda one: len(one.base.__mro__), default=None)
-
-
-@attrs.frozen
-class Field:
-    """Annotation and unit of an argument, whether it is required, and the unit that texts may omit."""
-
-    kind: Any
-    unit: str | None
-    required: bool
-    plain_unit: str = ""
-
-    @property
-    def text_unit(self) -> str | None:
-        """Unit of texts that stand for numbers; None if texts do not."""
-        return self.plain_unit or None if self.unit is None else self.unit
-
-
-def list_fields(cls: type) -> dict[str, Field]:
-    """Return the arguments of a class by name."""
-    if not attrs.has(cls):
-        parameters = inspect.signature(cls).parameters
-        return {name: Field(Any, None, one.default is one.empty) for name, one in parameters.items()}
-    try:
-        hints = field_types(cls)
-    # A class of a script may be annotated with what is not known in its module.
-    except NameError:
-        hints = {}
-    return {
-        str(field.alias): Field(
-            hints.get(field.name, Any),
-            field.metadata.get("unit"),
-            field.default is attrs.NOTHING,
-            field.metadata.get("plain_unit", ""),
-        )
-        for field in attrs.fields(cls)
-        if field.init
-    }
 
 
 def _name_and_fields(value: Any, registry: Registry[Any]) -> tuple[str, Mapping[str, Any]]:
