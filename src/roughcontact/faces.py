@@ -13,8 +13,8 @@ tables, reports  `tabulate_answers`, `write_column`, `write_report`
 ===============  ==================================================================================================
 """
 
-from roughcontact._base.fields import PartField
 from roughcontact._base.machine import available_threads, limit_address_space
+from roughcontact._base.registry import PartField
 from roughcontact._base.units import write_column
 from roughcontact._parts.materials import TYPICAL
 from roughcontact._solve.problem import run_sweep

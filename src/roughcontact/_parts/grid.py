@@ -324,5 +324,5 @@ class Load:
 def _the_one(given: dict[str, object], request: str) -> tuple[str, object]:
     named = {kind: value for kind, value in given.items() if value is not None}
     if len(named) != 1:
-        raise InputError(f"{request}, but got {' and '.join(f'{kind}=' for kind in named) or 'none of them'}.")
+        raise InputError(f"{request}, but got {' and '.join(argument(kind) for kind in named) or 'none of them'}.")
     return next(iter(named.items()))

@@ -12,8 +12,11 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 # Characters for private use, which no sentence has, between which the parts of a mark stand.
-_BEGIN, _END = "\ue000", "\ue001"
-_CHOOSE, _OTHERWISE, _CHOSEN = "\ue002", "\ue003", "\ue004"
+_BEGIN = "\ue000"
+_END = "\ue001"
+_CHOOSE = "\ue002"
+_OTHERWISE = "\ue003"
+_CHOSEN = "\ue004"
 _ARGUMENT = re.compile(f"{_BEGIN}([^{_BEGIN}-{_CHOSEN}]*){_END}")
 _EITHER = re.compile(f"{_CHOOSE}([^{_OTHERWISE}{_CHOSEN}]*){_OTHERWISE}([^{_CHOSEN}]*){_CHOSEN}")
 

@@ -14,7 +14,7 @@ import roughcontact as rc
 from roughcontact._base import checks
 from roughcontact._base.archive import replacing
 from roughcontact._base.arrays import Array
-from roughcontact._base.fields import PartField, describe_fields, list_fields, summarize
+from roughcontact._base.registry import PartField, describe_fields, list_fields, summarize
 from roughcontact._base.units import fit
 from roughcontact._faces.cli import Command
 from roughcontact._faces.cli.answers import plan_picture, to_json, to_text

@@ -14,9 +14,10 @@ import numpy as np
 
 from roughcontact._answers.laws import MAX_LOAD_RATIO
 from roughcontact._base.checks import INFINITE
-from roughcontact._base.fields import PartField
+from roughcontact._base.registry import PartField
 from roughcontact._base.units import parse_quantity, quantity, si
 from roughcontact._faces.cli.help import add_group
+from roughcontact._parts.files import list_reader_options
 from roughcontact._parts.grid import Boundary, Load
 from roughcontact._parts.materials import TYPICAL
 from roughcontact.errors import Argument, Spell, write_number
@@ -48,10 +49,12 @@ def _write_value(value: str | float, one: Argument) -> str:
 
 
 def converter_of(field: PartField) -> Callable[[str], Any] | None:
-    """Return the converter of the texts of a field, for argparse; None of a field that is no number or pair of them."""
+    """Return the converter of the texts of a field, for argparse; None of a field that is neither a number nor two."""
     kinds = [kind for kind in (get_args(field.kind) or (field.kind,)) if kind is not NoneType]
     if kinds == [int]:
         return whole_number
+    if kinds == [float, str]:
+        return lambda text: text if text.isalpha() else NUMBER(text)
     if kinds != [float] and not field.is_pair:
         return None
     convert = quantity(field.unit or "")
@@ -83,23 +86,6 @@ def _load(text: str) -> Load:
             return Load(kind, value)
     shown = f"{text[:_MAX_SHOWN_CHARACTERS]!r} is not a force, a pressure or an approach"
     raise argparse.ArgumentTypeError(f"{shown}; write it like 2.5N, 100MPa or 50nm")
-
-
-def _no_data(text: str) -> float | str:
-    """Return the number of non-measured points, or ``"none"``, for argparse."""
-    return text if text == "none" else NUMBER(text)
-
-
-# The options of the readers of files, with their converters and help texts.
-OF_READERS: dict[str, tuple[Callable[[str], Any], str]] = {
-    "separator": (str, "separator in text: , ; tab blank (found)"),
-    "decimal": (str, "decimal mark in text: . or , (found)"),
-    "skip_rows": (whole_number, "lines of text above the heights (found)"),
-    "rows": (str, "x or y: what one line of the file is (x)"),
-    "no_data": (_no_data, "number of points not measured: -9999, or none"),
-    "variable": (str, "array of a .mat file (heights)"),
-    "page": (whole_number, "image of a TIFF file"),
-}
 
 
 def add_problem(parser: argparse.ArgumentParser, *, study: bool = False) -> None:
@@ -290,7 +276,8 @@ def _add_treatment(parser: argparse.ArgumentParser, topic: str = "") -> argparse
     maps.add_argument("--unit", type=_unit, metavar="U", help="unit of the heights, such as 1um (the file's)")
     treatments = ("refuse", "fill", "keep")
     maps.add_argument("--non-measured", choices=treatments, default="refuse", help="non-measured points (refuse)")
-    for name, (convert, what) in OF_READERS.items():
+    for name, (field, what) in list_reader_options().items():
+        convert = converter_of(field) or str
         maps.add_argument(f"--{name.replace('_', '-')}", type=convert, metavar=name[0].upper(), help=what)
     maps.add_argument(
         "--detrend", type=_form, metavar="FORM", help="mean, plane, sphere or degree of a polynomial to subtract"

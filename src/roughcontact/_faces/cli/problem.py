@@ -12,10 +12,9 @@ from typing import Any
 import attrs
 
 import roughcontact as rc
-from roughcontact._base.fields import list_fields
-from roughcontact._base.registry import Registry
-from roughcontact._faces.cli.options import OF_READERS, add_problem
-from roughcontact._parts.files import read_raw
+from roughcontact._base.registry import Registry, list_fields
+from roughcontact._faces.cli.options import add_problem
+from roughcontact._parts.files import list_reader_options, read_raw
 from roughcontact._parts.files.reading import options_of
 from roughcontact._parts.grid import Boundary, Load
 from roughcontact._solve.problem import require_memory_of_solve
@@ -193,7 +192,7 @@ def _read(
 
 def _options_of_reader(options: argparse.Namespace, path: str) -> dict[str, Any]:
     """Return the options for the reader of one map: all that are given, but those that are for the other map alone."""
-    given = {name: getattr(options, name) for name in OF_READERS if getattr(options, name) is not None}
+    given = {name: getattr(options, name) for name in list_reader_options() if getattr(options, name) is not None}
     maps = [Path(name) for name in (options.surface, getattr(options, "counterbody", None)) if name is not None]
     others = {name for file in maps for name in options_of(file) if name not in options_of(Path(path))}
     return {name: value for name, value in given.items() if name not in others}

@@ -9,8 +9,8 @@ from typing import Any
 
 import roughcontact as rc
 from roughcontact._answers.linear.pull_off import find_pull_off_once
-from roughcontact._base.fields import PartField
 from roughcontact._base.machine.progress import ChangeProgress
+from roughcontact._base.registry import PartField
 from roughcontact._base.units import EXAMPLES, si
 from roughcontact._faces.cli.help import add_group
 from roughcontact._faces.cli.problem import make_part

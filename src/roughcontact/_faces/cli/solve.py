@@ -46,7 +46,7 @@ from roughcontact._faces.cli.required_load import ANSWER, refuse_for_wanted, sol
 from roughcontact._faces.cli.responses import add_responses, ask, refuse_pull_off, responses_of
 from roughcontact._parts.grid import Load
 from roughcontact._parts.surfaces import find_maps
-from roughcontact._solve.problem import follow_loads, list_loads, run_solve, run_sweep, tolerance_within
+from roughcontact._solve.problem import list_loads, run_solve, sweep_loads, tolerance_within
 from roughcontact._solve.solution import require_with_friction
 
 
@@ -234,8 +234,7 @@ def _solve(
         done += 1
         return run_solve(problem, load, start, throw=False, on_step=steps, start_gap=start_gap)
 
-    # The state of surfaces that attract each other depends on the loads before.
-    sweep = run_sweep(solve, loads) if problem.adhesion is None else follow_loads(solve, loads)
+    sweep = sweep_loads(problem, solve, loads)
     return sweep, sweep.states
 
 

@@ -17,6 +17,7 @@ import numpy as np
 from roughcontact._base import checks
 from roughcontact._base.arrays import Array
 from roughcontact._base.checks import choice, number, pair
+from roughcontact._base.registry import PartField, describe_fields, list_fields
 from roughcontact._base.units import Length, si
 from roughcontact._parts.files.base import RawMap, SurfaceReader, find_foreign, readers
 from roughcontact._parts.surfaces import TREATMENTS, HeightMap, complete
@@ -174,6 +175,18 @@ def _explain(error: Exception, file: Path) -> Exception:
     return InputError(
         f"The file {file.name} cannot be read as a height map: {shorten(reason, _MAX_REASON_CHARACTERS).rstrip('.')}."
     )
+
+
+def list_reader_options() -> dict[str, tuple[PartField, str]]:
+    """Return the options of all readers by name, each with what the first reader that has it says of it."""
+    found: dict[str, tuple[PartField, str]] = {}
+    for name in sorted(readers, reverse=True):
+        # A broken plug-in must not keep others from reading their files.
+        with contextlib.suppress(InputError):
+            texts = describe_fields(readers[name])
+            for option, field in list_fields(readers[name]).items():
+                found.setdefault(option, (field, texts.get(option, "")))
+    return found
 
 
 def options_of(file: Path, reader: str = "auto") -> tuple[str, ...]:

@@ -89,7 +89,7 @@ class Target:
     def of(cls, area_within: object, peak_within: object) -> Target | None:
         """Return the target, or None if nothing is requested; `InputError` if a value is not between 0 and 1."""
         given = [
-            None if value is None else number(value, f"The relative error {name}=", above=0.0, at_most=1.0)
+            None if value is None else number(value, f"The relative error {argument(name)}", above=0.0, at_most=1.0)
             for name, value in (("area_within", area_within), ("peak_within", peak_within))
         ]
         return None if given == [None, None] else cls(*given)

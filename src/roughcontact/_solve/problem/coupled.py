@@ -289,8 +289,8 @@ class CoupledSolve(FrictionalContact):
         sliding = float(limit.sum()) * self.force_unit
         size = math.hypot(*tangential.values)
         if not size < sliding * (1.0 - FORCE_TOLERANCE) and size > 0.0:
-            displacement, slide = argument("displacement"), argument("slide", call="problem.slide(...)")
-            advice = either(f"Give {displacement} instead, or {slide}", "Give a smaller tangential force")
+            slide = argument("slide", call="problem.slide(...)")
+            advice = either(f"Give {argument('displacement')} instead, or {slide}", "Give a smaller tangential force")
             raise InputError(
                 f"The bodies slide: the tangential force of {si(size, 'N')} is not below the sum of the shear "
                 f"strengths, {si(sliding, 'N')}. {advice}."

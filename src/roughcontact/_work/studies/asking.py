@@ -11,8 +11,7 @@ from typing import Any, TypeAlias, get_type_hints
 import attrs
 
 from roughcontact._base.arrays import Array
-from roughcontact._base.fields import PartField, list_fields, summarize
-from roughcontact._base.registry import Registry, find_view
+from roughcontact._base.registry import PartField, Registry, find_view, list_fields, summarize
 from roughcontact._base.tables import Table, page_or_file
 from roughcontact._base.units import Estimate, kind_of
 from roughcontact._solve.problem import Path as StatePath

@@ -13,10 +13,9 @@ import attrs
 
 from roughcontact._base.arrays import Pair
 from roughcontact._base.checks import INFINITE
-from roughcontact._base.fields import list_fields
-from roughcontact._base.registry import Registry, registries
+from roughcontact._base.registry import Registry, list_fields, registries
 from roughcontact._base.units import parse_quantity
-from roughcontact._parts.files import read_surface
+from roughcontact._parts.files import list_reader_options, read_surface
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._parts.materials import materials, resolve_material
 from roughcontact._parts.surfaces import HeightMap, Surface, SurfaceSum, match, surfaces
@@ -27,21 +26,8 @@ from roughcontact.errors.door import guarded
 
 T = TypeVar("T")
 
-_READING = (
-    "size",
-    "cell",
-    "non_measured",
-    "unit",
-    "reader",
-    "separator",
-    "decimal",
-    "skip_rows",
-    "rows",
-    "no_data",
-    "variable",
-    "page",
-)
-_OF_FILE = ("path", *_READING, "detrend", "resample")
+# Arguments of `read_surface` beside the path and the options of readers, and of `match` beside both maps.
+_OF_READING = tuple(inspect.signature(read_surface).parameters)[1:-1]
 _OF_MATCH = tuple(inspect.signature(match).parameters)[2:]
 _UNITS_OF_MAPS = {"size": "m", "cell": "m", "unit": "m", "offset": "m", "rotation": "rad"}
 
@@ -218,14 +204,15 @@ class Form:
         return self._read_fields(ContactProblem, {**others, **changed, "grid": table.get("grid", pair.grid)}, place)
 
     def _read_map(self, fields: Mapping[str, Any]) -> HeightMap:
-        _refuse_unknown(fields, _OF_FILE)
+        reading = (*_OF_READING, *list_reader_options())
+        _refuse_unknown(fields, ("path", *reading, "detrend", "resample"))
         path = fields.get("path")
         if self.folder is None:
             raise InputError("Only a study file names files of height maps.")
         file = (self.folder / str(path)).resolve()
         if not isinstance(path, str) or not file.is_relative_to(self.folder.resolve()):
             raise InputError.about("The path of a map", path, "that of a file in the folder of the study file")
-        given = {name: self._in_si_of_maps(name, fields[name]) for name in _READING if name in fields}
+        given = {name: self._in_si_of_maps(name, fields[name]) for name in reading if name in fields}
         surface = read_surface(file, **given)
         if "detrend" in fields:
             surface = surface.detrend(fields["detrend"])
