@@ -68,22 +68,10 @@ def _in_words(column: str) -> str:
     return re.sub("[-_]", " ", column).replace("von mises", "von Mises")
 
 
-def list_cycle_states(cycle: AdhesionCycle) -> tuple[ContactSolution, ...]:
-    """Return the states of a cycle, each once: unloading starts where loading ends."""
-    return (*cycle.loading, *cycle.unloading[1:])
-
-
-def tabulate_cycle(cycle: AdhesionCycle, asked: Mapping[str, Sequence[Any]]) -> Table:
-    """Return the table of a cycle, with what responses have answered for `list_cycle_states`."""
-    table = cycle.table()
-    columns = tabulate_answers(repeat_last_of_loading(cycle, asked))
-    return Table({**table.columns, **columns}, table.units, table.left)
-
-
-def repeat_last_of_loading(cycle: AdhesionCycle, asked: Mapping[str, Sequence[Any]]) -> dict[str, list[Any]]:
-    """Return answers for `list_cycle_states` as one for each row of the table, where both branches have that state."""
-    last = len(cycle.loading)
-    return {name: [*found[:last], *found[last - 1 :]] for name, found in asked.items()}
+def tabulate_path(path: AdhesionCycle | FrictionalPath, asked: Mapping[str, Sequence[Any]]) -> Table:
+    """Return the table of a path, with what responses have answered for its states."""
+    table = path.table()
+    return Table({**table.columns, **tabulate_answers(asked)}, table.units, table.left)
 
 
 def find_pull_off(cycle: AdhesionCycle) -> Estimate:
@@ -101,9 +89,10 @@ def find_pull_off(cycle: AdhesionCycle) -> Estimate:
 def describe_cycle(cycle: AdhesionCycle, asked: Mapping[str, Sequence[Any]] = MappingProxyType({})) -> dict[str, Any]:
     """Return the answer of a cycle, in the form of the answer at a load.
 
-    `asked` is what responses have answered for each of `list_cycle_states`; shown is the answer at the last approach.
+    `asked` is what responses have answered for each of its states; shown is the answer at the last approach.
     """
-    states = list_cycle_states(cycle)
+    # Unloading starts where loading ends.
+    states = (*cycle.loading, *cycle.unloading[1:])
     pull_off = find_pull_off(cycle)
     shared = dict.fromkeys((*pull_off.warnings, *cycle.pull_in.warnings))
     # Both branches have a state at each approach.

@@ -40,7 +40,7 @@ _STEP_TOLERANCE = 0.01
 _MAX_POSITION_DECIMALS = 6
 _DECIMAL_TOLERANCE = 1e-6
 _COUNTING_MARGIN = "count"
-_KEEP_ADVICE = "if they are heights, save the map with numpy.save"
+_KEEP_ADVICE = f"if they are heights, save the map {either('with numpy.save', 'as .npy or .mat')}"
 # Byte-order mark of each encoding; the longer ones first, because they begin with the shorter.
 _BYTE_ORDER_MARKS = {
     codecs.BOM_UTF8: "utf-8-sig",
@@ -207,7 +207,7 @@ def require_heights(table: Array) -> None:
         line = "column" if table.shape[1] < 2 else "row"
         raise InputError(
             f"its {table.size} numbers stand in one {line}, but a height map has a row for each x and a number for "
-            f"each y: bring them into that shape{either(', as by numpy.loadtxt(path).reshape(nx, ny)')}, and save "
+            f"each y: bring them into that shape{either(', as by numpy.loadtxt(path).reshape(nx, ny),')} and save "
             "them again"
         )
     if min(table.shape) < 2:
