@@ -6,7 +6,7 @@ import argparse
 import contextlib
 import math
 import re
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Iterable
 from types import NoneType
 from typing import Any, get_args
 
@@ -20,7 +20,7 @@ from roughcontact._faces.cli.help import add_group
 from roughcontact._parts.files import list_reader_options
 from roughcontact._parts.grid import Boundary, Load
 from roughcontact._parts.materials import TYPICAL
-from roughcontact.errors import Argument, Spell, write_number
+from roughcontact.errors import Argument, InputError, Spell, write_number
 
 # Arguments that are not options of their own names.
 _SPELLED = {"displacement": "displacements to --tangential", "tangential_force": "forces to --tangential"}
@@ -46,6 +46,21 @@ def _write_value(value: str | float, one: Argument) -> str:
     if not isinstance(value, str):
         return si(value, one.unit).replace(" ", "").replace("µ", "u") if one.unit else write_number(value)
     return value.upper() if len(one.values) > 1 else value if value.isalnum() else repr(value)
+
+
+def refuse(options: argparse.Namespace, names: Iterable[str], reason: str) -> None:
+    """Raise `InputError` for the first of these options that is given: a sentence that begins with it."""
+    for name in names:
+        if getattr(options, name) not in (None, False):
+            raise InputError(f"--{name.replace('_', '-')} {reason}")
+
+
+def add_shape(output: Any) -> None:
+    """Declare the shape of what is printed, if it is not text."""
+    shape = output.add_mutually_exclusive_group()
+    shape.add_argument("--json", action="store_true", help="print one JSON object, in SI units")
+    shape.add_argument("--csv", action="store_true", help="print a header and a row for each load, in SI units")
+    shape.add_argument("-q", "--quiet", action="store_true", help="print nothing but errors")
 
 
 def converter_of(field: PartField) -> Callable[[str], Any] | None:

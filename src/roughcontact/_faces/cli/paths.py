@@ -1,18 +1,22 @@
-"""The states of a cycle or a path as text, JSON and CSV, and the files that a command writes of it."""
+"""Paths on the command line: cycles of adhesion, loads along the surface, sliding; printed, and written to files."""
 
 from __future__ import annotations
 
 import argparse
+import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import attrs
+import numpy as np
 
 import roughcontact as rc
 from roughcontact._base import checks
-from roughcontact._base.units import fit
+from roughcontact._base.machine.progress import ChangeProgress, count_done
+from roughcontact._base.units import fit, parse_quantity, si
 from roughcontact._faces.cli.answers import (
+    describe_responses,
     describe_rows,
     is_doubtful,
     name_written,
@@ -26,13 +30,31 @@ from roughcontact._faces.cli.answers import (
     write_json,
     write_rows_of_answers,
 )
-from roughcontact._faces.cli.inputs import describe_responses
-from roughcontact._faces.cli.progress import show_progress
+from roughcontact._faces.cli.options import refuse
+from roughcontact._faces.cli.problem import make_part, set_tolerance
+from roughcontact._faces.cli.progress import count_solves, describe_steps, show_progress
 from roughcontact._faces.cli.responses import ask_all_states
 from roughcontact._faces.panels.figures import save_figure
+from roughcontact._parts.grid import Load
+from roughcontact._parts.materials import pair_constants
+from roughcontact._solve.problem import (
+    AdhesionCycle,
+    Increment,
+    describe_estimate,
+    explain_with_friction,
+    find_path_inputs,
+    require_frictional,
+    run_slide,
+)
 from roughcontact._solve.problem import Path as StatePath
-from roughcontact._solve.problem import describe_estimate, find_path_inputs
 from roughcontact._work.studies import Answers, add_answers, write_report
+
+# States on each branch.
+_STATES = 41
+# Options of a solve that say nothing of a cycle.
+_OUTSIDE_CYCLES = ("refine", "area", "area_within", "peak_within")
+# Options of a solve that say nothing of a contact with friction.
+_WITHOUT_FRICTION = ("cycle", "refine", "area", "area_within", "peak_within")
 
 
 @attrs.frozen
@@ -128,3 +150,123 @@ def path_to_json(path: StatePath, asked: Asked = _NOTHING) -> str:
         "units": dict(table.units),
     }
     return write_json(content)
+
+
+def solve_cycle(
+    options: argparse.Namespace,
+    problem: rc.ContactProblem,
+    asked: Mapping[str, rc.Response[Any]],
+    files: list[Path],
+) -> tuple[AdhesionCycle, bool]:
+    """Return the cycle that the options describe, and whether it is warned of; it is printed, and its files written."""
+    problem = set_tolerance(options, problem)
+    low, high = options.cycle
+    states = _STATES if options.states is None else options.states
+    total = 2 * states - 1
+    with show_progress("solving", quiet=options.quiet) as change:
+        cycle = problem.cycle(approach=np.linspace(low, high, states), on_state=count_done(change, total, "state"))
+    doubtful = write_path(options, cycle, asked, files)
+    return cycle, doubtful or any(one.warnings for one in (cycle.pull_in, cycle.pull_off, cycle.dissipated))
+
+
+def refuse_for_cycle(options: argparse.Namespace) -> None:
+    """Refuse what does not fit a cycle, before anything is read."""
+    if options.cycle is None:
+        if options.states is not None:
+            raise rc.InputError("--states is for --cycle, whose branches have them: give both, or neither.")
+        return
+    if options.adhesion is None:
+        raise rc.InputError("--cycle is for surfaces that attract each other: give --adhesion too.")
+    refuse(options, _OUTSIDE_CYCLES, "is for single loads: omit it with --cycle, which has many states.")
+    if options.states is not None and options.states < 2:
+        raise rc.InputError.about("The number of --states", options.states, "at least 2")
+    low, high = options.cycle
+    if not low < high:
+        raise rc.InputError(f"--cycle needs its lower approach first, but got {si(low, 'm')} and {si(high, 'm')}.")
+
+
+def refuse_for_friction(options: argparse.Namespace) -> None:
+    """Refuse what does not fit a contact with friction, before anything is read."""
+    if options.substeps is not None and options.tangential is None:
+        raise rc.InputError("--substeps is for loads along the surface: give --tangential too, or omit it.")
+    if options.tangential is None and options.slide is None:
+        if options.friction is not None:
+            raise rc.InputError("--friction is for loads along the surface: give --tangential or --slide too.")
+        return
+    given = "--tangential" if options.slide is None else "--slide"
+    if options.friction is None:
+        raise rc.InputError(f"{given} needs a law by which the surfaces slip: give --friction 0.3, for example.")
+    refuse(options, _WITHOUT_FRICTION, f"is for loads without friction: omit it with {given}.")
+    if options.slide is not None:
+        if options.loads is not None:
+            raise rc.InputError("--slide is for one load: give that instead of --loads.")
+        return
+    kinds = {kind for kind, _ in options.tangential}
+    if len(kinds) > 1:
+        raise rc.InputError("--tangential needs loads of one kind, but got forces and displacements.")
+
+
+def friction_of(options: argparse.Namespace) -> rc.FrictionLaw:
+    """Return the law that ``--friction`` names: a number is a coefficient of friction."""
+    # A blank stands before a number with a minus; see `main`.
+    first, *others = (text.strip() for text in options.friction)
+    if others or first[:1].isalpha():
+        law: rc.FrictionLaw = make_part(rc.frictions, "--friction", first, others)
+        return law
+    try:
+        return rc.Coulomb(parse_quantity(first, ""))
+    except ValueError as error:
+        raise rc.InputError(f"--friction: {error}.") from error
+
+
+def explain_friction(options: argparse.Namespace, problem: rc.ContactProblem, law: rc.FrictionLaw) -> str:
+    """Return the plan of a path or of steady sliding, in words."""
+    require_frictional(problem)
+    # A path begins with the state under the normal load alone.
+    states = 1 if options.tangential is None else 1 + len(options.tangential)
+    return explain_with_friction(problem.plan, law, states)
+
+
+def solve_friction(
+    options: argparse.Namespace,
+    problem: rc.ContactProblem,
+    law: rc.FrictionLaw,
+    loads: tuple[Load, ...],
+    asked: Mapping[str, rc.Response[Any]],
+    files: list[Path],
+) -> bool:
+    """Solve a contact with friction, print it and write its files; return whether it has warnings."""
+    problem = set_tolerance(options, problem)
+    if options.slide is None:
+        return write_path(options, _solve_path(options, problem, law, loads), asked, files)
+    with show_progress("pressing", quiet=options.quiet) as change:
+        state = _slide(options, problem, law, loads[0], change)
+    return write_path(options, state, asked, files)
+
+
+def _solve_path(
+    options: argparse.Namespace, problem: rc.ContactProblem, law: rc.FrictionLaw, loads: tuple[Load, ...]
+) -> rc.FrictionalPath:
+    values: Any = loads[0].value if options.loads is None else [load.value for load in loads]
+    kind = options.tangential[0][0]
+    along: dict[str, Any] = {kind: [pair for _, pair in options.tangential]}
+    substeps = "auto" if options.substeps is None else options.substeps
+    with show_progress("pressing", quiet=options.quiet) as change:
+
+        def tell(done: Increment) -> None:
+            # The pressing is not counted: it may be a solve that has been asked for, or many increments.
+            change(str(done), (done.step - 1 + done.increment / done.increments) / done.steps if done.step else None)
+
+        return problem.path(**{loads[0].kind: values}, **along, friction=law, substeps=substeps, on_increment=tell)
+
+
+def _slide(
+    options: argparse.Namespace, problem: rc.ContactProblem, law: rc.FrictionLaw, load: Load, change: ChangeProgress
+) -> rc.ContactSolution:
+    shape = problem.plan.grid.shape
+    tolerance = problem.plan.solver.tolerance
+    # Of unlike bodies pressure and traction are found in turn, which takes about as long as pressing.
+    unlike = pair_constants(problem.body.material, problem.counterbody.material).beta != 0.0
+    press = describe_steps(change, "pressing", count_solves(shape, tolerance, (0, 2 if unlike else 1)))
+    slide = describe_steps(change, "sliding", count_solves(shape, tolerance, (1, 2)))
+    return run_slide(problem, load.arguments, law, math.degrees(options.slide), press, slide)

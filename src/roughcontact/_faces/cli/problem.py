@@ -13,7 +13,7 @@ import attrs
 
 import roughcontact as rc
 from roughcontact._base.registry import Registry, list_fields
-from roughcontact._faces.cli.options import add_problem
+from roughcontact._faces.cli.options import add_problem, refuse
 from roughcontact._parts.files import list_reader_options, read_raw
 from roughcontact._parts.files.reading import options_of
 from roughcontact._parts.grid import Boundary, Load
@@ -127,13 +127,13 @@ def _describe_kernel(options: argparse.Namespace) -> dict[str, Any]:
 def _surfaces(options: argparse.Namespace) -> tuple[rc.Surface, rc.Surface, dict[str, Any] | None]:
     """Return both surfaces, and how they are matched."""
     if options.counterbody is None:
-        for name in ("match", "counterbody_size", "counterbody_unit", "counterbody_detrend"):
-            _refuse(options, name, "is for the second of two height maps: give its file too, or omit the option.")
+        names = ("match", "counterbody_size", "counterbody_unit", "counterbody_detrend")
+        refuse(options, names, "is for the second of two height maps: give its file too, or omit the option.")
     if options.match is None:
         if options.mirror and getattr(options, "mirror_borders", None) is not None and options.counterbody is None:
             raise rc.InputError("--mirror turns a second map over; --mirror-borders repeats maps that do not repeat.")
-        for name in ("offset", "rotation", "domain", "mirror"):
-            _refuse(options, name, "is for two maps that are interpolated: give both, and --match bilinear.")
+        names = ("offset", "rotation", "domain", "mirror")
+        refuse(options, names, "is for two maps that are interpolated: give both, and --match bilinear.")
     body = read_map(options)
     if options.counterbody is None:
         return _resample(body, options), rc.FlatSurface(), None
@@ -168,11 +168,6 @@ def _counterbody_size_and_unit(options: argparse.Namespace) -> tuple[list[float]
         size = options.size if size is None and raw.size is None else size
         unit = options.unit if unit is None and not raw.metric else unit
     return size, unit
-
-
-def _refuse(options: argparse.Namespace, name: str, reason: str) -> None:
-    if getattr(options, name) not in (None, False):
-        raise rc.InputError(f"--{name.replace('_', '-')} {reason}")
 
 
 def read_map(options: argparse.Namespace) -> rc.HeightMap:
@@ -211,8 +206,8 @@ def _sides(lengths: list[float] | None) -> float | list[float] | None:
 
 def _describe_counterbody_material(options: argparse.Namespace) -> str | dict[str, float]:
     if options.counterbody_young is None and options.counterbody_material is None:
-        for name in ("counterbody_hardness", "counterbody_poisson"):
-            _refuse(options, name, "needs --counterbody-young: without it the counterbody is rigid.")
+        names = ("counterbody_hardness", "counterbody_poisson")
+        refuse(options, names, "needs --counterbody-young: without it the counterbody is rigid.")
         return "rigid"
     return _describe_material(options, "counterbody_", 0.3 if options.poisson is None else options.poisson)
 
@@ -223,8 +218,8 @@ def _describe_material(options: argparse.Namespace, prefix: str = "", poisson: f
     constants = {part: getattr(options, prefix + part) for part in ("young", "poisson", "hardness")}
     if name is None:
         return {"poisson": poisson, **{part: value for part, value in constants.items() if value is not None}}
-    for part in ("poisson", "hardness"):
-        _refuse(options, prefix + part, f"is for a Young's modulus: {name!r} has its own.")
+    names = (prefix + part for part in ("poisson", "hardness"))
+    refuse(options, names, f"is for a Young's modulus: {name!r} has its own.")
     return name
 
 

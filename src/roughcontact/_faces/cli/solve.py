@@ -15,6 +15,8 @@ from roughcontact._base.units import fit
 from roughcontact._faces.cli import DOUBTFUL, Command
 from roughcontact._faces.cli.answers import (
     LATE,
+    describe_responses,
+    describe_wanted,
     is_doubtful,
     name_written,
     plan_outputs,
@@ -24,17 +26,17 @@ from roughcontact._faces.cli.answers import (
     write_late,
     write_outputs,
 )
-from roughcontact._faces.cli.cycle import refuse_for_cycle, solve_cycle
-from roughcontact._faces.cli.friction import (
+from roughcontact._faces.cli.help import add_group, tell
+from roughcontact._faces.cli.options import add_accuracy, add_problem, add_shape, refuse, whole_number
+from roughcontact._faces.cli.paths import (
     explain_friction,
     friction_of,
+    plan_path_outputs,
+    refuse_for_cycle,
     refuse_for_friction,
+    solve_cycle,
     solve_friction,
 )
-from roughcontact._faces.cli.help import add_group, tell
-from roughcontact._faces.cli.inputs import describe_responses, describe_wanted
-from roughcontact._faces.cli.options import add_accuracy, add_problem, whole_number
-from roughcontact._faces.cli.paths import plan_path_outputs
 from roughcontact._faces.cli.problem import loads_of, problem_of, set_tolerance
 from roughcontact._faces.cli.progress import (
     count_grids,
@@ -87,10 +89,7 @@ examples:
         )
         output = parser.add_argument_group("output")
         output.add_argument("--area", metavar="NAME", help="area estimator to report besides the default")
-        shape = output.add_mutually_exclusive_group()
-        shape.add_argument("--json", action="store_true", help="print one JSON object, in SI units")
-        shape.add_argument("--csv", action="store_true", help="print a header and a row for each load, in SI units")
-        shape.add_argument("-q", "--quiet", action="store_true", help="print nothing but errors")
+        add_shape(output)
         output.add_argument("--explain", action="store_true", help="print the plan first: cells, memory, threads, ...")
         output.add_argument("--dry-run", action="store_true", help="print the plan, and solve nothing")
         output.add_argument(
@@ -187,11 +186,9 @@ examples:
 def _refuse_for_several(options: argparse.Namespace) -> None:
     """Refuse options that are for one grid, for one load or for surfaces that attract each other."""
     several = "--refine" if options.refine is not None else "--loads" if options.loads is not None else ""
-    for name in ("area_within", "peak_within"):
-        if several and getattr(options, name) is not None:
-            raise rc.InputError(
-                f"--{name.replace('_', '-')} chooses the grid of one solve: omit it, or {several}, which has several."
-            )
+    if several:
+        reason = f"chooses the grid of one solve: omit it, or {several}, which has several."
+        refuse(options, ("area_within", "peak_within"), reason)
     if options.refine is not None and options.loads is not None:
         raise rc.InputError("--refine is for one load: omit it, or give one load instead of --loads.")
     if len({load.kind for load in options.loads or ()}) > 1:
