@@ -40,10 +40,6 @@ _TYPICAL_CONVOLUTIONS = 25
 _MAX_LISTED_VALUES = 8
 # Units of a time, s; each is used from twice its length on.
 _TIME_UNITS = {"hours": 3600.0, "minutes": 60.0, "s": 1.0}
-_ARGUMENTS = (
-    "problems", "pressure", "force", "approach", "areas", "responses", "seeds",
-    "tangential_force", "displacement", "friction", "substeps",
-)  # fmt: skip
 # Units in which texts of a study file are read.
 _PASCAL, _NEWTON, _METRE = ({"unit": unit} for unit in ("Pa", "N", "m"))
 
@@ -232,24 +228,13 @@ class Study:
         substeps: int | str = "auto",
         **axes: Iterable[Any],
     ) -> None:
+        arguments = {name: value for name, value in locals().items() if name not in ("self", "problems", "axes")}
         made: Any = problems
         if callable(problems):
-            made = BuiltProblems.over(problems, axes, _ARGUMENTS)
+            made = BuiltProblems.over(problems, axes, ("problems", *arguments))
         elif axes:
-            raise InputError.unknown("argument of Study", min(axes), _ARGUMENTS)
-        self.__attrs_init__(
-            made,
-            pressure=pressure,
-            force=force,
-            approach=approach,
-            areas=areas,
-            responses=responses,
-            seeds=seeds,
-            tangential_force=tangential_force,
-            displacement=displacement,
-            friction=friction,
-            substeps=substeps,
-        )
+            raise InputError.unknown("argument of Study", min(axes), ("problems", *arguments))
+        self.__attrs_init__(made, **arguments)
 
     def __attrs_post_init__(self) -> None:
         if isinstance(self.problems, BuiltProblems) and self.seeds:
