@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import abc
 import argparse
 import math
 from collections.abc import Mapping, Sequence
@@ -31,7 +32,7 @@ from roughcontact._faces.cli.answers import (
     write_rows_of_answers,
 )
 from roughcontact._faces.cli.options import refuse
-from roughcontact._faces.cli.problem import make_part, set_tolerance
+from roughcontact._faces.cli.problem import make_part
 from roughcontact._faces.cli.progress import count_solves, describe_steps, show_progress
 from roughcontact._faces.cli.responses import ask_all_states
 from roughcontact._faces.panels.figures import save_figure
@@ -43,10 +44,12 @@ from roughcontact._solve.problem import (
     describe_estimate,
     explain_with_friction,
     find_path_inputs,
+    list_loads,
     require_frictional,
     run_slide,
 )
 from roughcontact._solve.problem import Path as StatePath
+from roughcontact._solve.solution import require_with_friction
 from roughcontact._work.studies import Answers, add_answers, write_report
 
 # States on each branch.
@@ -152,61 +155,138 @@ def path_to_json(path: StatePath, asked: Asked = _NOTHING) -> str:
     return write_json(content)
 
 
-def solve_cycle(
-    options: argparse.Namespace,
-    problem: rc.ContactProblem,
-    asked: Mapping[str, rc.Response[Any]],
-    files: list[Path],
-) -> tuple[AdhesionCycle, bool]:
-    """Return the cycle that the options describe, and whether it is warned of; it is printed, and its files written."""
-    problem = set_tolerance(options, problem)
-    low, high = options.cycle
-    states = _STATES if options.states is None else options.states
-    total = 2 * states - 1
-    with show_progress("solving", quiet=options.quiet) as change:
-        cycle = problem.cycle(approach=np.linspace(low, high, states), on_state=count_done(change, total, "state"))
-    doubtful = write_path(options, cycle, asked, files)
-    return cycle, doubtful or any(one.warnings for one in (cycle.pull_in, cycle.pull_off, cycle.dissipated))
+class Course(abc.ABC):
+    """A path of states, or a state of sliding, that the options of a solve describe; what does not fit is refused."""
 
-
-def refuse_for_cycle(options: argparse.Namespace) -> None:
-    """Refuse what does not fit a cycle, before anything is read."""
-    if options.cycle is None:
-        if options.states is not None:
-            raise rc.InputError("--states is for --cycle, whose branches have them: give both, or neither.")
+    def check(self, response: rc.Response[Any]) -> None:
+        """Take any response that is asked for, unless a subclass refuses some."""
         return
-    if options.adhesion is None:
-        raise rc.InputError("--cycle is for surfaces that attract each other: give --adhesion too.")
-    refuse(options, _OUTSIDE_CYCLES, "is for single loads: omit it with --cycle, which has many states.")
-    if options.states is not None and options.states < 2:
-        raise rc.InputError.about("The number of --states", options.states, "at least 2")
-    low, high = options.cycle
-    if not low < high:
-        raise rc.InputError(f"--cycle needs its lower approach first, but got {si(low, 'm')} and {si(high, 'm')}.")
+
+    def explain(self, problem: rc.ContactProblem) -> str:
+        """Return the plan, in words."""
+        return problem.explain()
+
+    @abc.abstractmethod
+    def require(self, problem: rc.ContactProblem, loads: Sequence[Load]) -> tuple[Load, ...]:
+        """Return the normal loads; `InputError` if the bodies cannot carry them."""
+
+    @abc.abstractmethod
+    def solve(self, problem: rc.ContactProblem, loads: Sequence[Load]) -> StatePath | rc.ContactSolution:
+        """Return what is found, and show on the way what runs."""
+
+    def list_doubted(self, found: Any) -> tuple[tuple[rc.ContactSolution, ...], list[rc.Estimate]]:
+        """Return the states and numbers whose own warnings count beside those of the whole."""
+        return (), []
 
 
-def refuse_for_friction(options: argparse.Namespace) -> None:
-    """Refuse what does not fit a contact with friction, before anything is read."""
+def find_course(options: argparse.Namespace) -> Course | None:
+    """Return what the options describe, before anything is read; None of single loads."""
     if options.substeps is not None and options.tangential is None:
         raise rc.InputError("--substeps is for loads along the surface: give --tangential too, or omit it.")
-    if options.tangential is None and options.slide is None:
-        if options.friction is not None:
-            raise rc.InputError("--friction is for loads along the surface: give --tangential or --slide too.")
-        return
-    given = "--tangential" if options.slide is None else "--slide"
-    if options.friction is None:
-        raise rc.InputError(f"{given} needs a law by which the surfaces slip: give --friction 0.3, for example.")
-    refuse(options, _WITHOUT_FRICTION, f"is for loads without friction: omit it with {given}.")
-    if options.slide is not None:
-        if options.loads is not None:
+    if options.friction is not None and options.tangential is None and options.slide is None:
+        raise rc.InputError("--friction is for loads along the surface: give --tangential or --slide too.")
+    if options.states is not None and options.cycle is None:
+        raise rc.InputError("--states is for --cycle, whose branches have them: give both, or neither.")
+    if options.tangential is not None or options.slide is not None:
+        return LoadsAlong(options)
+    return None if options.cycle is None else Cycle(options)
+
+
+class Cycle(Course):
+    """Loading and unloading of surfaces that attract each other: ``--cycle``."""
+
+    def __init__(self, options: argparse.Namespace):
+        if options.adhesion is None:
+            raise rc.InputError("--cycle is for surfaces that attract each other: give --adhesion too.")
+        refuse(options, _OUTSIDE_CYCLES, "is for single loads: omit it with --cycle, which has many states.")
+        if options.states is not None and options.states < 2:
+            raise rc.InputError.about("The number of --states", options.states, "at least 2")
+        low, high = options.cycle
+        if not low < high:
+            raise rc.InputError(f"--cycle needs its lower approach first, but got {si(low, 'm')} and {si(high, 'm')}.")
+        self._approach = np.linspace(low, high, _STATES if options.states is None else options.states)
+        self._quiet = options.quiet
+
+    def require(self, problem: rc.ContactProblem, loads: Sequence[Load]) -> tuple[Load, ...]:
+        """Return the first and the last approach."""
+        for load in loads:
+            problem.require_load(**load.arguments)
+        return problem.require_cycle(approach=[load.value for load in loads])
+
+    def solve(self, problem: rc.ContactProblem, loads: Sequence[Load]) -> AdhesionCycle:
+        """Return both branches."""
+        with show_progress("solving", quiet=self._quiet) as change:
+            tell = count_done(change, 2 * len(self._approach) - 1, "state")
+            return problem.cycle(approach=self._approach, on_state=tell)
+
+    def list_doubted(self, found: Any) -> tuple[tuple[rc.ContactSolution, ...], list[rc.Estimate]]:
+        """Return all states and all numbers."""
+        return found.states, [found.pull_in, found.pull_off, found.dissipated]
+
+
+class LoadsAlong(Course):
+    """A contact with friction, loaded along the surface or in steady sliding: ``--tangential``, ``--slide``."""
+
+    def __init__(self, options: argparse.Namespace):
+        given = "--tangential" if options.slide is None else "--slide"
+        if options.friction is None:
+            raise rc.InputError(f"{given} needs a law by which the surfaces slip: give --friction 0.3, for example.")
+        refuse(options, _WITHOUT_FRICTION, f"is for loads without friction: omit it with {given}.")
+        if options.slide is not None and options.loads is not None:
             raise rc.InputError("--slide is for one load: give that instead of --loads.")
-        return
-    kinds = {kind for kind, _ in options.tangential}
-    if len(kinds) > 1:
-        raise rc.InputError("--tangential needs loads of one kind, but got forces and displacements.")
+        if len({kind for kind, _ in options.tangential or ()}) > 1:
+            raise rc.InputError("--tangential needs loads of one kind, but got forces and displacements.")
+        self._law = _read_law(options)
+        self._options = options
+
+    def check(self, response: rc.Response[Any]) -> None:
+        """Refuse a response that means nothing for a state with a tangential traction."""
+        require_with_friction(response)
+
+    def explain(self, problem: rc.ContactProblem) -> str:
+        """Return the plan of a path or of steady sliding, in words."""
+        require_frictional(problem)
+        # A path begins with the state under the normal load alone.
+        return explain_with_friction(problem.plan, self._law, 1 + len(self._options.tangential or ()))
+
+    def require(self, problem: rc.ContactProblem, loads: Sequence[Load]) -> tuple[Load, ...]:
+        """Return the normal loads, of which the last of several may be zero."""
+        if self._options.loads is None:
+            return tuple(problem.require_load(**load.arguments) for load in loads)
+        return list_loads(problem, {loads[0].kind: [load.value for load in loads]})
+
+    def solve(self, problem: rc.ContactProblem, loads: Sequence[Load]) -> StatePath | rc.ContactSolution:
+        """Return the path of the loads along the surface, or the state of sliding."""
+        with show_progress("pressing", quiet=self._options.quiet) as change:
+            solve = self._slide if self._options.tangential is None else self._follow
+            return solve(problem, loads, change)
+
+    def _follow(
+        self, problem: rc.ContactProblem, loads: Sequence[Load], change: ChangeProgress
+    ) -> StatePath | rc.ContactSolution:
+        values: Any = loads[0].value if self._options.loads is None else [load.value for load in loads]
+        kind = self._options.tangential[0][0]
+        given: dict[str, Any] = {loads[0].kind: values, kind: [pair for _, pair in self._options.tangential]}
+        substeps = "auto" if self._options.substeps is None else self._options.substeps
+
+        def tell(done: Increment) -> None:
+            # The pressing is not counted: it may be a solve that has been asked for, or many increments.
+            change(str(done), (done.step - 1 + done.increment / done.increments) / done.steps if done.step else None)
+
+        return problem.path(**given, friction=self._law, substeps=substeps, on_increment=tell)
+
+    def _slide(
+        self, problem: rc.ContactProblem, loads: Sequence[Load], change: ChangeProgress
+    ) -> StatePath | rc.ContactSolution:
+        work = (problem.plan.grid.shape, problem.plan.solver.tolerance)
+        # Of unlike bodies pressure and traction are found in turn, which takes about as long as pressing.
+        unlike = pair_constants(problem.body.material, problem.counterbody.material).beta != 0.0
+        press = describe_steps(change, "pressing", count_solves(*work, (0, 2 if unlike else 1)))
+        slide = describe_steps(change, "sliding", count_solves(*work, (1, 2)))
+        return run_slide(problem, loads[0].arguments, self._law, math.degrees(self._options.slide), press, slide)
 
 
-def friction_of(options: argparse.Namespace) -> rc.FrictionLaw:
+def _read_law(options: argparse.Namespace) -> rc.FrictionLaw:
     """Return the law that ``--friction`` names: a number is a coefficient of friction."""
     # A blank stands before a number with a minus; see `main`.
     first, *others = (text.strip() for text in options.friction)
@@ -217,56 +297,3 @@ def friction_of(options: argparse.Namespace) -> rc.FrictionLaw:
         return rc.Coulomb(parse_quantity(first, ""))
     except ValueError as error:
         raise rc.InputError(f"--friction: {error}.") from error
-
-
-def explain_friction(options: argparse.Namespace, problem: rc.ContactProblem, law: rc.FrictionLaw) -> str:
-    """Return the plan of a path or of steady sliding, in words."""
-    require_frictional(problem)
-    # A path begins with the state under the normal load alone.
-    states = 1 if options.tangential is None else 1 + len(options.tangential)
-    return explain_with_friction(problem.plan, law, states)
-
-
-def solve_friction(
-    options: argparse.Namespace,
-    problem: rc.ContactProblem,
-    law: rc.FrictionLaw,
-    loads: tuple[Load, ...],
-    asked: Mapping[str, rc.Response[Any]],
-    files: list[Path],
-) -> bool:
-    """Solve a contact with friction, print it and write its files; return whether it has warnings."""
-    problem = set_tolerance(options, problem)
-    if options.slide is None:
-        return write_path(options, _solve_path(options, problem, law, loads), asked, files)
-    with show_progress("pressing", quiet=options.quiet) as change:
-        state = _slide(options, problem, law, loads[0], change)
-    return write_path(options, state, asked, files)
-
-
-def _solve_path(
-    options: argparse.Namespace, problem: rc.ContactProblem, law: rc.FrictionLaw, loads: tuple[Load, ...]
-) -> rc.FrictionalPath:
-    values: Any = loads[0].value if options.loads is None else [load.value for load in loads]
-    kind = options.tangential[0][0]
-    along: dict[str, Any] = {kind: [pair for _, pair in options.tangential]}
-    substeps = "auto" if options.substeps is None else options.substeps
-    with show_progress("pressing", quiet=options.quiet) as change:
-
-        def tell(done: Increment) -> None:
-            # The pressing is not counted: it may be a solve that has been asked for, or many increments.
-            change(str(done), (done.step - 1 + done.increment / done.increments) / done.steps if done.step else None)
-
-        return problem.path(**{loads[0].kind: values}, **along, friction=law, substeps=substeps, on_increment=tell)
-
-
-def _slide(
-    options: argparse.Namespace, problem: rc.ContactProblem, law: rc.FrictionLaw, load: Load, change: ChangeProgress
-) -> rc.ContactSolution:
-    shape = problem.plan.grid.shape
-    tolerance = problem.plan.solver.tolerance
-    # Of unlike bodies pressure and traction are found in turn, which takes about as long as pressing.
-    unlike = pair_constants(problem.body.material, problem.counterbody.material).beta != 0.0
-    press = describe_steps(change, "pressing", count_solves(shape, tolerance, (0, 2 if unlike else 1)))
-    slide = describe_steps(change, "sliding", count_solves(shape, tolerance, (1, 2)))
-    return run_slide(problem, load.arguments, law, math.degrees(options.slide), press, slide)

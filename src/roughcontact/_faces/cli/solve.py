@@ -28,15 +28,7 @@ from roughcontact._faces.cli.answers import (
 )
 from roughcontact._faces.cli.help import add_group, tell
 from roughcontact._faces.cli.options import add_accuracy, add_problem, add_shape, refuse, whole_number
-from roughcontact._faces.cli.paths import (
-    explain_friction,
-    friction_of,
-    plan_path_outputs,
-    refuse_for_cycle,
-    refuse_for_friction,
-    solve_cycle,
-    solve_friction,
-)
+from roughcontact._faces.cli.paths import find_course, plan_path_outputs, write_path
 from roughcontact._faces.cli.problem import loads_of, problem_of, set_tolerance
 from roughcontact._faces.cli.progress import (
     count_grids,
@@ -48,8 +40,7 @@ from roughcontact._faces.cli.required_load import ANSWER, refuse_for_wanted, sol
 from roughcontact._faces.cli.responses import add_responses, ask, refuse_pull_off, responses_of
 from roughcontact._parts.grid import Load
 from roughcontact._parts.surfaces import find_maps
-from roughcontact._solve.problem import list_loads, run_solve, sweep_loads, tolerance_within
-from roughcontact._solve.solution import require_with_friction
+from roughcontact._solve.problem import run_solve, sweep_loads, tolerance_within
 
 
 class Solve(Command):
@@ -111,43 +102,36 @@ examples:
         if options.dry_run and piped:
             raise rc.InputError("--dry-run prints the plan, which is text: omit --json or --csv.")
         _refuse_for_several(options)
-        refuse_for_friction(options)
-        refuse_for_cycle(options)
+        course = find_course(options)
         refuse_for_wanted(options)
         wanted = None if options.solve_for is None else wanted_of(options.solve_for)
-        law = None if options.friction is None else friction_of(options)
         asked = responses_of(options)
         refuse_pull_off(options, asked)
-        if law is not None:
-            for response in asked.values():
-                require_with_friction(response)
+        for response in () if course is None else asked.values():
+            course.check(response)
         maps = [name for name in (options.surface, options.counterbody) if name is not None]
         paths = [checks.path(name, "The map") for name in maps]
-        if law is not None or options.cycle is not None:
-            files = plan_path_outputs(options, paths)
-        else:
+        if course is None:
             files = plan_outputs(options.output, options.report, paths, max(1, len(loads_of(options))))
+        else:
+            files = plan_path_outputs(options, paths)
         with show_progress("reading the maps", quiet=options.quiet) as change:
             problem = problem_of(options)
         if options.explain or options.dry_run:
-            plan = fit(problem.explain() if law is None else explain_friction(options, problem, law))
+            plan = fit(problem.explain() if course is None else course.explain(problem))
             print(plan, end="\n" if options.dry_run else "\n\n", file=sys.stderr if piped else None)
         loads = loads_of(options)
-        if options.tangential is None or options.loads is None:
-            loads = tuple(problem.require_load(**load.arguments) for load in loads)
+        if course is not None:
+            loads = course.require(problem, loads)
         else:
-            # The last load of a path may be zero.
-            loads = list_loads(problem, {loads[0].kind: [load.value for load in loads]})
-        if options.cycle is not None:
-            problem.require_cycle(approach=options.cycle)
+            loads = tuple(problem.require_load(**load.arguments) for load in loads)
         if options.dry_run:
             return 0
-        if options.cycle is not None:
-            cycle, doubtful = solve_cycle(options, problem, asked, files)
-            return _status(cycle.states, doubtful, quiet=options.quiet)
-        if law is not None:
-            doubtful = solve_friction(options, problem, law, loads, asked, files)
-            return _report_warnings(doubtful, quiet=options.quiet)
+        if course is not None:
+            path = course.solve(set_tolerance(options, problem), loads)
+            doubtful = write_path(options, path, asked, files)
+            states, numbers = course.list_doubted(path)
+            return _status(states, doubtful or any(one.warnings for one in numbers), quiet=options.quiet)
         with show_progress("solving", quiet=options.quiet) as change:
             if wanted is None:
                 subject, solutions = _solve(options, problem, loads, change)
@@ -256,11 +240,7 @@ def _status(solutions: tuple[rc.ContactSolution, ...], doubtful: bool = False, *
             raise rc.NotConverged(f"The contact is {solution.status}; what is shown is the last iterate.", solution)
         if solution.accuracy is not None and not solution.accuracy.met:
             raise rc.NotConverged(solution.accuracy.explain(), solution)
-    return _report_warnings(doubtful or any(solution.warnings for solution in solutions), quiet=quiet)
-
-
-def _report_warnings(doubtful: bool, *, quiet: bool) -> int:
-    """Return the exit status of a converged answer, after saying if it has warnings."""
+    doubtful = doubtful or any(solution.warnings for solution in solutions)
     if doubtful and not quiet:
         tell("roughcontact: The solution is converged, but doubtful: see its warnings.")
     return DOUBTFUL if doubtful else 0
