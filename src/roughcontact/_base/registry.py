@@ -253,7 +253,7 @@ def name_in_words(part: object) -> str:
     >>> import roughcontact as rc
     >>> from roughcontact._base.registry import name_in_words
     >>> name_in_words(rc.PolonskyKeer(tolerance=1e-8))
-    'Polonsky Keer, tolerance 1e-08, max iterations 1000'
+    'Polonsky Keer, tolerance 1e-08, max iterations 10000'
     """
     cls = type(part)
     if not attrs.has(cls) or cls.__str__ is not object.__str__:

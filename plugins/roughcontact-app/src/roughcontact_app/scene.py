@@ -64,7 +64,7 @@ _LABELS = {
     "work": "The work of adhesion",
     "range": "The range of the adhesion",
 }
-# Settings of units that several fields share, and fields that are left out where they are empty.
+# Settings of units that several fields share, and fields that are omitted where they are empty.
 _UNIT_SETTINGS = {"shortest": "wave_unit", "longest": "wave_unit"}
 _MAY_BE_EMPTY = ("hardness", "yield_stress")
 # Units of the fields of a layer, whose class is another package's.

@@ -15,7 +15,6 @@ _CONTROLS = {
     "pressure": "a mean pressure",
     "rows": "'Rows of the file'",
     "size": "both sides of the map",
-    "tangential_force": "'Greatest tangential force'",
     "unit": "'Unit of the heights'",
 }
 # Those whose values the page writes as a script does.

@@ -213,7 +213,9 @@ def _write_path(path: StatePath, answers: Answers = _NO_ANSWERS) -> str:
             *_make_states(path, answers),
             section(_name_detailed(path), _make_answer(detailed)),
             _make_figures(detailed),
-            *_make_details(detailed, problem, missing, script, path.explain_plan(problem and problem.plan)),
+            *_make_details(
+                detailed, problem, missing, script, path.explain_plan(None if problem is None else problem.plan)
+            ),
         ],
     )
 
