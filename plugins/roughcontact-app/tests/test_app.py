@@ -511,7 +511,10 @@ def test_a_file_with_a_row_for_each_y_is_turned(client, exported_map):
     found = {path.stem: client.upload(path.name, path.read_bytes())[1] for path in (by_x, by_y)}
     assert found["x"]["facts"]["needs_rows"]
     refusal = client.refusal("api/surface", {**settings, "file": found["y"]["digest"]})
-    assert "a row for each y square ones of 500 nm. Say by 'Rows of the file' which it is, 'x' or 'y'." in refusal
+    assert (
+        "a row for each y square ones of 500 nm. Say which it is: 'Rows of the file' y, or 'Rows of the file' x."
+        in refusal
+    )
     settings |= {"file": found["y"]["digest"], "rows": "y"}
     turned = client.post("api/surface", settings)
     rows = dict(turned["rows"])

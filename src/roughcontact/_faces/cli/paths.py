@@ -5,7 +5,7 @@ from __future__ import annotations
 import abc
 import argparse
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -158,8 +158,8 @@ def path_to_json(path: StatePath, asked: Asked = _NOTHING) -> str:
 class Course(abc.ABC):
     """A path of states, or a state of sliding, that the options of a solve describe; what does not fit is refused."""
 
-    def check(self, response: rc.Response[Any]) -> None:
-        """Take any response that is asked for, unless a subclass refuses some."""
+    def check(self, asked: Iterable[rc.Response[Any]]) -> None:
+        """Take any responses that are asked for, unless a subclass refuses some."""
         return
 
     def explain(self, problem: rc.ContactProblem) -> str:
@@ -239,9 +239,10 @@ class LoadsAlong(Course):
         self._law = _read_law(options)
         self._options = options
 
-    def check(self, response: rc.Response[Any]) -> None:
+    def check(self, asked: Iterable[rc.Response[Any]]) -> None:
         """Refuse a response that means nothing for a state with a tangential traction."""
-        require_with_friction(response)
+        for response in asked:
+            require_with_friction(response)
 
     def explain(self, problem: rc.ContactProblem) -> str:
         """Return the plan of a path or of steady sliding, in words."""

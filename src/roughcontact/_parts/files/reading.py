@@ -245,7 +245,7 @@ def _require_rows(heights: Array, size: Length | Sequence[Length], file: Path) -
         raise InputError(
             f"The file {file.name} has {nx} rows of {ny} numbers: on {si(sides[0], 'm')} x {si(sides[1], 'm')}, a row "
             f"for each x makes cells of {si(here[0], 'm')} x {si(here[1], 'm')}, a row for each y square ones of "
-            f"{si(turned[0], 'm')}. Say by {argument('rows')} which it is, 'x' or 'y'."
+            f"{si(turned[0], 'm')}. Say which it is: {argument('rows', 'y')}, or {argument('rows', 'x')}."
         )
 
 

@@ -226,7 +226,7 @@ def _require_rows(stated: Stated) -> None:
     if rows is not None and columns is not None and rows != columns and lengths[0] != lengths[1]:
         raise InputError(
             f"it states {rows} rows, {columns} columns and lengths along x and y, but not whether a row is one x or "
-            f"one y: say by {argument('rows')} which it is, 'x' or 'y'"
+            f"one y: say it with {argument('rows', 'y')}, or {argument('rows', 'x')}"
         )
 
 
