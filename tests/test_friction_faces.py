@@ -301,7 +301,7 @@ def test_the_command_line_counts_the_increments_of_a_path(ball, capsys, monkeypa
         shown.append(text)
         yield lambda text, done=None: shown.append(text)
 
-    monkeypatch.setattr("roughcontact._faces.cli.friction.show_progress", show)
+    monkeypatch.setattr("roughcontact._faces.cli.paths.show_progress", show)
     solve(capsys, ball, "--friction", "0.3", "--tangential", "0.1N", "-0.1N", "--substeps", "2", "--csv")
     steps = ("pressing", "step 1 of 2", "step 2 of 2")
     assert shown == ["pressing", *(f"{step}, increment 1 of 1" for step in steps)]

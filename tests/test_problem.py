@@ -159,7 +159,7 @@ def test_direct_and_fft_give_one_solution():
 
 def test_explain_says_what_runs_and_what_is_omitted():
     text = rc.ContactProblem(rc.Body(sample_map(), STEEL), boundary="periodic").explain()
-    for words in ("48 x 40 cells", "Love", "CircularFFT", "omitted", "padding", "pressure limit"):
+    for words in ("48 x 40 cells", "Love", "Circular FFT", "omitted", "padding", "pressure limit"):
         assert words in text
     limited = rc.ElasticPerfectlyPlastic(210e9, 0.3, 6e9)
     text = rc.ContactProblem(rc.Body(sample_map(), limited), rc.Body(sample_map(1), STEEL)).explain()

@@ -39,7 +39,7 @@ def test_an_approach_far_below_the_heights_takes_pressure(boundary, solver):
     one, two = (problem.solve(approach=depth) for depth in (1e-15, 2e-15))
     assert one.force > 0.0
     assert two.force == pytest.approx(2.0 * one.force, rel=1e-6)
-    with pytest.raises(rc.InputError, match="leaves the range of float64"):
+    with pytest.raises(rc.InputError, match=r"out of all proportion|range of double"):
         problem.solve(approach=1e-60)
 
 
@@ -213,5 +213,5 @@ def test_an_overloaded_map_with_non_measured_points_is_refused_everywhere(tmp_pa
 )
 def test_magnitudes_beyond_float64_are_refused_at_once(height, size, young):
     surface = rc.HeightMap(height * draw(0), (size, size))
-    with pytest.raises(rc.InputError, match="leaves the range of float64"):
+    with pytest.raises(rc.InputError, match=r"out of all proportion|range of double"):
         rc.ContactProblem(rc.Body(surface, rc.Elastic(young, 0.3)))

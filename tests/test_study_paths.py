@@ -342,4 +342,4 @@ def test_what_is_wrong_in_a_file_is_a_sentence(study_file, capsys, old, new, wor
 def test_a_number_in_a_file_is_a_coefficient(study_file):
     text = STUDY[: STUDY.index("friction =")] + "friction = 0.25\n"
     study_file.write_text(text)
-    assert read_study(study_file).shearing.friction.coefficient == 0.25
+    assert read_study(study_file).loading.friction.coefficient == 0.25

@@ -7,6 +7,7 @@ import contextlib
 import csv
 import functools
 import io
+import pickle
 import re
 import sys
 
@@ -19,11 +20,12 @@ from roughcontact._answers.linear import stiffness
 from roughcontact._base.machine import progress
 from roughcontact._base.units import fit
 from roughcontact._faces.cli import paths as path_command
-from roughcontact._faces.cli.options import name_options, whole_number
+from roughcontact._faces.cli.options import spell_options, whole_number
 from roughcontact._faces.cli.progress import count_grids
 from roughcontact._solve.problem import find_required_load
 from roughcontact._solve.solution.plausibility import PLAUSIBILITY_RULES
 from roughcontact._work.reports.stability_report import RULES
+from roughcontact.errors import argument, either
 from roughcontact.typing import Step
 from test_adhesion_faces import BODY, write_ball
 from test_cli_answers import STEEL, write_maps
@@ -158,20 +160,39 @@ class TestFractions:
 
 class TestOptionsInSentences:
     @pytest.mark.parametrize(
-        ("sentence", "words"),
+        ("written", "python", "words"),
         [
-            ("give size=(x, y), m (on the command line --size).", "give --size X Y."),
-            ("or keep them with non_measured='keep' (on the command line --non-measured).", "--non-measured keep."),
-            ("such as unit=1e-9 (on the command line --unit 1nm).", "such as --unit 1nm."),
-            ("if that is the micrometre, size=(6.4e-05, 4.8e-05)): give", "--size 6.4e-05m 4.8e-05m): give"),
-            ("give decimal=',' or decimal='.'.", "give --decimal ',' or --decimal '.'."),
-            ("skip the lines with skip_rows=.", "with --skip-rows."),
-            ("numpy.savez(path, size=(lx, ly))", "numpy.savez(path, size=(lx, ly))"),
-            ("Subtract it, on the command line --detrend plane.", "Subtract it, on the command line --detrend plane."),
+            (argument("size", "x", "y", unit="m"), "size=(x, y), m", "--size X Y"),
+            (argument("non_measured", "keep"), "non_measured='keep'", "--non-measured keep"),
+            (argument("unit", 1e-9, unit="m"), "unit=1e-09", "--unit 1nm"),
+            (argument("size", 6.4e-5, 4.8e-5, unit="m"), "size=(6.4e-05, 4.8e-05)", "--size 64um 48um"),
+            (argument("decimal", ","), "decimal=','", "--decimal ','"),
+            (argument("skip_rows"), "skip_rows=", "--skip-rows"),
+            (argument("no_data", -9999.0), "no_data=-9999", "--no-data -9999"),
+            (argument("slide", call="problem.slide(...)"), "problem.slide(...)", "--slide"),
+            (argument("displacement"), "displacement=", "displacements to --tangential"),
+            (argument("convolver", "auto"), "convolver='auto'", "convolver='auto'"),
+            (either(argument("skip_rows"), "the file"), "skip_rows=", "--skip-rows"),
+            (either(argument("convolver"), "the file"), "convolver=", "the file"),
+            (either(", as by numpy"), ", as by numpy", ", as by numpy"),
+            (
+                "numpy.savez(path, size=(lx, ly))",
+                "numpy.savez(path, size=(lx, ly))",
+                "numpy.savez(path, size=(lx, ly))",
+            ),
         ],
     )
-    def test_take_the_place_of_arguments(self, sentence, words):
-        assert words in name_options(sentence, ["size", "unit", "non_measured", "decimal", "skip_rows"])
+    def test_take_the_place_of_arguments(self, written, python, words):
+        known = ["size", "unit", "non_measured", "decimal", "skip_rows", "no_data", "slide", "tangential"]
+        error = pickle.loads(pickle.dumps(rc.InputError(f"Give {written}.")))
+        assert str(error) == f"Give {python}."
+        assert (
+            rc.InputError(f"--map: {error.marked}").spell(spell_options(known), scripts=True) == f"--map: Give {words}."
+        )
+
+    def test_what_only_looks_like_a_mark_is_a_text(self):
+        for text in ("\ue000[1]\ue001", "\ue000x\ue001 \ue002", argument("size", None), argument("size", ["x"])):
+            assert rc.InputError(text).spell(spell_options(["size"])) == text
 
 
 class TestAdvice:

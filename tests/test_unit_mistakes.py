@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from roughcontact._faces.cli.options import name_options
+from roughcontact._faces.cli.options import spell_options
+from roughcontact.errors import Sentence
 from test_mistakes import ROWS, study
 
 ARGUMENTS = ("size", "cell", "unit", "decimal")
@@ -25,6 +26,6 @@ def test_every_mistake_gets_its_sentence(mistake, maps):
         assert status == (2 if printed.startswith("roughcontact: ") else 0 if "modulus E*" in sentences[0] else 3)
         for sentence in sentences:
             # The page has them as scripts read them: warnings have advice, refusals name arguments.
-            assert sentence in printed or name_options(sentence, ARGUMENTS) in printed
+            assert sentence in printed or Sentence(sentence).spell(spell_options(ARGUMENTS), scripts=True) in printed
         assert printed.endswith("see its warnings.") == (status == 3)
     assert (study.write_row(mistake, sentences) in ROWS) == mistake.on_page

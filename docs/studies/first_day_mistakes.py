@@ -19,6 +19,7 @@ import tifffile
 
 import roughcontact as rc
 from roughcontact.__main__ import main as run_command
+from roughcontact.errors import Sentence
 
 PAGE = Path(__file__).parent.parent / "use" / "limits.md"
 HEAD = "| the mistake | what is said |\n|---|---|\n"
@@ -200,7 +201,7 @@ def list_sentences(mistake: Mistake, folder: Path) -> tuple[str, ...]:
     try:
         solution = mistake.solve(folder)
     except rc.InputError as refusal:
-        return (str(refusal),)
+        return (Sentence(refusal.marked),)
     stated = next(line for line in str(solution).splitlines() if "modulus E*" in line)
     return solution.warnings or (" ".join(stated.split()),)
 

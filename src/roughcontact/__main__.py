@@ -15,7 +15,7 @@ from roughcontact import __version__
 from roughcontact._base.units import fit, printable
 from roughcontact._faces.cli import Command, commands
 from roughcontact._faces.cli.help import Parser, tell
-from roughcontact._faces.cli.options import name_options
+from roughcontact._faces.cli.options import spell_options
 from roughcontact.errors import InputError, MissingPackage, NotConverged, RoughContactError, UnexpectedError, shorten
 from roughcontact.errors.door import translated
 from roughcontact.errors.warning import saying_warnings
@@ -120,7 +120,7 @@ def _run(name: str, arguments: Sequence[str]) -> int:
         parser.topic = "all"
         shown = parser.format_help()
         names = [option for option in vars(options) if f"--{option.replace('_', '-')} " in shown]
-        raise InputError(name_options(str(error), names)) from error
+        raise InputError(error.spell(spell_options(names), scripts=True)) from error
 
 
 def _load(name: str) -> Command:

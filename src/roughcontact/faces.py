@@ -4,7 +4,8 @@
 for              names
 ===============  ==================================================================================================
 input            `build_problem`, `build_part`, `build_layer`, `build_response`; what a response asks for,
-                 `describe_response`, `ResponseForm`, `ResponseField`; typical materials by name, `TYPICAL`
+                 `describe_response`, `ResponseForm`; the fields of a part, `list_fields`, `PartField`; typical
+                 materials by name, `TYPICAL`
 the machine      `available_threads`, `limit_address_space`
 a run            `run_sweep`, `ask_states`
 words            `name_load`, `list_quantities`, `describe_other_places`, `gather_warnings`, `exceeds_metals`,
@@ -14,6 +15,7 @@ tables, reports  `tabulate_answers`, `write_column`, `write_report`
 """
 
 from roughcontact._base.machine import available_threads, limit_address_space
+from roughcontact._base.registry import PartField, list_fields
 from roughcontact._base.units import write_column
 from roughcontact._parts.materials import TYPICAL
 from roughcontact._solve.problem import run_sweep
@@ -25,7 +27,6 @@ from roughcontact._solve.solution import (
     name_load,
 )
 from roughcontact._work.studies import (
-    ResponseField,
     ResponseForm,
     ask_states,
     build_layer,
@@ -40,7 +41,7 @@ from roughcontact._work.studies import (
 
 __all__ = [
     "TYPICAL",
-    "ResponseField",
+    "PartField",
     "ResponseForm",
     "ask_states",
     "available_threads",
@@ -54,6 +55,7 @@ __all__ = [
     "gather_warnings",
     "limit_address_space",
     "list_answer_warnings",
+    "list_fields",
     "list_quantities",
     "name_load",
     "run_sweep",

@@ -32,7 +32,7 @@ from roughcontact.faces import gather_warnings, write_column
 from roughcontact.typing import Step
 
 from roughcontact_app import AppServer, Session, preview, scene, work
-from roughcontact_app.answers import describe_solutions, list_cycle_states, list_warnings, make_table, tabulate_cycle
+from roughcontact_app.answers import describe_solutions, list_warnings, make_table, tabulate_path
 from roughcontact_app.command import _shown
 from roughcontact_app.connections import LIMIT
 from roughcontact_app.outputs import make_law
@@ -511,7 +511,10 @@ def test_a_file_with_a_row_for_each_y_is_turned(client, exported_map):
     found = {path.stem: client.upload(path.name, path.read_bytes())[1] for path in (by_x, by_y)}
     assert found["x"]["facts"]["needs_rows"]
     refusal = client.refusal("api/surface", {**settings, "file": found["y"]["digest"]})
-    assert "a row for each y square ones of 500 nm. Choose which it is beside 'Rows of the file'." in refusal
+    assert (
+        "a row for each y square ones of 500 nm. Say which it is: 'Rows of the file' y, or 'Rows of the file' x."
+        in refusal
+    )
     settings |= {"file": found["y"]["digest"], "rows": "y"}
     turned = client.post("api/surface", settings)
     rows = dict(turned["rows"])
@@ -630,7 +633,10 @@ def test_two_maps_are_shown_and_solved_as_the_library_does(client, pair):
     ("changed", "words"),
     [
         ({"counterbody_file": "0" * 64}, "the height map of the counterbody is not here."),
-        ({"offset_x": "500"}, "The height maps do not overlap with a shift of (500 µm, -2 µm): move them together."),
+        (
+            {"offset_x": "500"},
+            "do not overlap where the second is shifted by (500 µm, -2 µm): move them together.",
+        ),
         ({"offset_x": "1e30"}, "The shift along x must be between 1 fm and 1 km, but got 1e30 µm"),
         ({"rotation": "nan"}, "The rotation must be a number such as 2.5, but got 'nan'."),
         ({"rotation": "361"}, "The rotation must be between -360 and 360 degrees"),
@@ -1354,7 +1360,7 @@ def test_the_responses_of_a_cycle_are_shown_and_tabulated(client):
 def test_a_response_without_an_answer_leaves_the_others_of_a_cycle():
     settings = read_settings(CYCLE)
     cycle = make_problem(settings, make_scene(settings, None)).cycle(approach=np.linspace(-0.3e-6, 0.1e-6, 3))
-    states = list_cycle_states(cycle)
+    states = cycle.states
 
     class Picky(rc.Response):
         holds_with = frozenset({"tension", "shear"})
@@ -1366,7 +1372,7 @@ def test_a_response_without_an_answer_leaves_the_others_of_a_cycle():
 
     found, problems = ask_states({"stiffness": Picky()}, states)
     assert problems == ["Stiffness: 1 of 5 states have no answer: nothing touches."]
-    column = tabulate_cycle(cycle, found).columns["stiffness"]
+    column = tabulate_path(cycle, found).columns["stiffness"]
     assert [one.value for one in column[1:]] == [1.0] * 5
     assert math.isnan(column[0].value)
 
@@ -1465,7 +1471,7 @@ def test_the_progress_of_a_fretting_cycle_only_grows(tmp_path, counterbody):
 def test_unlike_materials_that_yield_are_refused_in_words_of_the_page(client):
     state = client.wait(client.post("api/runs", {**FRETTING, "counterbody": "rigid", "hardness": "0.5"})["id"])
     assert state["phase"] == "failed"
-    assert "or leave the hardness empty" in state["error"]
+    assert "or take materials without a hardness" in state["error"]
 
 
 @pytest.mark.slow

@@ -22,7 +22,7 @@ from roughcontact._parts.grid import Boundary, Load, list_borders
 from roughcontact._parts.materials import MAX_UNCOUPLED_BETA, Material, pair_constants
 from roughcontact._solve.problem import predict_pressure, problem_of
 from roughcontact._solve.solution import ContactSolution, Estimate, Response, responses
-from roughcontact.errors import InputError
+from roughcontact.errors import InputError, argument
 from roughcontact.errors.warning import Answer
 
 # Fraction of the force of sliding up to which the errors of the two approaches cancel (measured on balls of 3 to 24
@@ -356,7 +356,10 @@ def _find_ratio(contact: ContactSolution, stuck: ContactSolution, axis: int) -> 
 def _require_elastic(solution: ContactSolution) -> None:
     """Raise `InputError` unless the contact is elastic, of homogeneous bodies, on a free or periodic boundary."""
     if solution.boundary is Boundary.WRAPPED:
-        raise InputError("Partial slip needs boundary='free' or 'periodic': on 'wrapped' the approach has no meaning.")
+        raise InputError(
+            f"Partial slip needs {argument('boundary', 'free')} or 'periodic': on 'wrapped' the approach has no "
+            "meaning."
+        )
     if solution.moduli is not None:
         raise InputError(
             "Partial slip needs homogeneous, isotropic bodies: it is the difference of two normal contacts only where "

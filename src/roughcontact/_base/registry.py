@@ -1,4 +1,4 @@
-"""Registries: the names of what can be plugged in.
+"""Registries: the names of what can be plugged in, and the fields of parts as faces ask for them.
 
 A class is entered by the decorator ``roughcontact.kernels.register("name")`` or by an entry point of an installed
 distribution; this package enters its own classes by entry points too.
@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import functools
 import inspect
+import re
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
@@ -17,6 +18,7 @@ from typing import Any, Generic, TypeVar, get_type_hints
 
 import attrs
 
+from roughcontact._base.arrays import Pair
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 from roughcontact.errors.warning import warn
@@ -26,6 +28,8 @@ C = TypeVar("C", bound=type)
 _BY_KIND: dict[str, Registry[Any]] = {}
 # The modules that define public classes: annotations of their fields name what is known there.
 _DEFINED_IN: dict[type, str] = {}
+# Where a word begins inside the name of a class.
+_WORD = re.compile(r"(?<=[a-z])(?=[A-Z])")
 
 
 class Registry(Generic[T]):
@@ -244,3 +248,102 @@ def field_types(cls: type) -> dict[str, Any]:
     modules = [_DEFINED_IN.get(base, base.__module__) for base in reversed(cls.__mro__)]
     known = {name: value for module in modules for name, value in vars(sys.modules.get(module, object)).items()}
     return get_type_hints(cls, known, {})
+
+
+def name_in_words(part: object) -> str:
+    """Return a part in words: what its class is called, and its fields; its own text if it has one.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> from roughcontact._base.registry import name_in_words
+    >>> name_in_words(rc.PolonskyKeer(tolerance=1e-8))
+    'Polonsky Keer, tolerance 1e-08, max iterations 10000'
+    """
+    cls = type(part)
+    if not attrs.has(cls) or cls.__str__ is not object.__str__:
+        return str(part)
+    fields = [
+        f"{field.name.replace('_', ' ')} {name_in_words(getattr(part, field.name))}"
+        for field in attrs.fields(cls)
+        if field.repr
+    ]
+    return ", ".join([_WORD.sub(" ", cls.__name__), *fields])
+
+
+@attrs.frozen
+class PartField:
+    """A field of a part, as a form asks for it.
+
+    Attributes
+    ----------
+    name
+        The name.
+    kind
+        The type by which it is annotated.
+    unit
+        SI unit of its number; empty for a number without one, None if it is not a number.
+    is_needed
+        Whether it has no default.
+    default
+        Its default, if it has one that can be stated.
+    plain_unit
+        Unit of a number that a text may omit, such as ``"W/(m K) or S/m"``: the ``plain_unit`` in the metadata of
+        the field; empty without one.
+    """
+
+    name: str
+    kind: Any
+    unit: str | None
+    is_needed: bool
+    default: Any = None
+    plain_unit: str = ""
+
+    @property
+    def is_pair(self) -> bool:
+        """Whether it is one number or two."""
+        return bool(self.kind == Pair)
+
+    @property
+    def text_unit(self) -> str | None:
+        """Unit of texts that stand for numbers; None if texts do not."""
+        return self.plain_unit or self.unit
+
+
+def list_fields(cls: type) -> dict[str, PartField]:
+    """Return the arguments of a class by name; of one that is not of attrs their types are not known."""
+    if not attrs.has(cls):
+        parameters = inspect.signature(cls).parameters
+        return {name: PartField(name, Any, None, one.default is one.empty) for name, one in parameters.items()}
+    try:
+        hints = field_types(cls)
+    # A class of a script may be annotated with what is not known in its module.
+    except NameError:
+        hints = {}
+    return {
+        str(field.alias): PartField(
+            str(field.alias),
+            kind := hints.get(field.name, Any),
+            field.metadata.get("unit", "" if kind in (float, Pair) else None),
+            field.default is attrs.NOTHING,
+            field.default,
+            field.metadata.get("plain_unit", ""),
+        )
+        for field in attrs.fields(cls)
+        if field.init
+    }
+
+
+def summarize(cls: type) -> str:
+    """Return the first line of the docstring of a class, without marks and formulas."""
+    return (inspect.getdoc(cls) or "").partition("\n")[0].partition(":math:")[0].replace("`", "").strip(" ,.")
+
+
+def describe_fields(cls: type) -> dict[str, str]:
+    """Return what the docstring of a class says of its parameters, by name."""
+    section = re.search(r"^Parameters\n-+\n(.*?)(?:\n\n\S|\Z)", inspect.getdoc(cls) or "", re.DOTALL | re.MULTILINE)
+    return {
+        name: " ".join(text.split()).replace("`", "")
+        for names, text in re.findall(r"^(\w[\w, ]*)\n((?:[ ]+.*\n?)+)", section[1] if section else "", re.MULTILINE)
+        for name in names.split(", ")
+    }

@@ -13,15 +13,15 @@ import numpy.typing as npt
 from roughcontact._base.arrays import Array, Mask, Pair
 from roughcontact._base.checks import choice, integer, number, pair
 from roughcontact._base.machine import require_memory
-from roughcontact._base.units import Quantity, si
-from roughcontact.errors import InputError
+from roughcontact._base.units import PlainText, Quantity, si
+from roughcontact.errors import InputError, argument
 
 # Maximum cells of a grid: a field takes 8 TiB. Memory is asked for where fields are made: a process may have a slab.
 _MAX_CELLS = 2**40
 _LOAD_KINDS = {"pressure": ("The mean pressure", "Pa"), "force": ("The force", "N"), "approach": ("The approach", "m")}
 # Note on several loads where the pressure has a limit.
 FIRST_LOADING = "Each load is a first loading, of surfaces not flattened yet (see running in)."
-_LOAD_ARGUMENTS = "pressure= (Pa), force= (N) and approach= (m)"
+_LOAD_ARGUMENTS = f"{argument('pressure')} (Pa), {argument('force')} (N) and {argument('approach')} (m)"
 
 
 class Boundary(StrEnum):
@@ -82,9 +82,11 @@ def grid_shape(value: Sequence[int]) -> tuple[int, int]:
         raise InputError.about("The shape of the grid", value, "two whole numbers, (cells in x, cells in y)")
     nx, ny = (integer(n, "A cell count of the grid", at_least=1) for n in value)
     if nx * ny < 2:
-        raise InputError.about("The grid", (nx, ny), "of at least two cells")
+        raise InputError.about("The grid", PlainText(f"{nx} x {ny}"), "of at least two cells")
     if nx * ny > _MAX_CELLS:
-        raise InputError.about("The grid", (nx, ny), "of at most 2^40 cells, of which a field takes 8 TiB")
+        raise InputError.about(
+            "The grid", PlainText(f"{nx} x {ny}"), "of at most 2^40 cells, of which a field takes 8 TiB"
+        )
     return nx, ny
 
 
@@ -326,5 +328,5 @@ class Load:
 def _the_one(given: dict[str, object], request: str) -> tuple[str, object]:
     named = {kind: value for kind, value in given.items() if value is not None}
     if len(named) != 1:
-        raise InputError(f"{request}, but got {' and '.join(f'{kind}=' for kind in named) or 'none of them'}.")
+        raise InputError(f"{request}, but got {' and '.join(argument(kind) for kind in named) or 'none of them'}.")
     return next(iter(named.items()))

@@ -18,7 +18,7 @@ from roughcontact._base.units import Estimate, Force, Pressure, si
 from roughcontact._parts.surfaces import HeightMap, repeats
 from roughcontact._solve.problem import Body, ContactProblem, march
 from roughcontact._solve.solution import Area, ContactSolution
-from roughcontact.errors import InputError
+from roughcontact.errors import InputError, argument
 from roughcontact.errors.door import guarded
 
 # Most positions of the counterbody whose last pressure is kept as a start: each takes the memory of a field.
@@ -273,7 +273,9 @@ def run_in(
     if not isinstance(problem, ContactProblem):
         raise InputError.about("The problem", problem, "a ContactProblem")
     if problem.adhesion is not None:
-        raise InputError("Running in knows no tension: omit adhesion=, or follow the loads by problem.sweep.")
+        raise InputError(
+            f"Running in knows no tension: omit {argument('adhesion')}, or follow the loads by problem.sweep."
+        )
     chosen = flattening_models.resolve(model)
     moves = _check_shifts(shifts, problem)
     rounds = integer(rounds, "The number of rounds", at_least=1)

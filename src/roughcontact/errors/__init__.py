@@ -10,6 +10,13 @@ from typing import Any
 
 import numpy as np
 
+from roughcontact.errors.sentence import Argument as Argument
+from roughcontact.errors.sentence import Sentence as Sentence
+from roughcontact.errors.sentence import Spell as Spell
+from roughcontact.errors.sentence import argument as argument
+from roughcontact.errors.sentence import either as either
+from roughcontact.errors.sentence import write_number as write_number
+
 # Characters of a value that a message repeats.
 _MAX_VALUE_CHARACTERS = 80
 # A word longer than any path in a message, and the maximum length of a message, characters.
@@ -43,6 +50,19 @@ class InputError(RoughContactError, ValueError):
     ...     print(error)
     Young's modulus must be a finite number, above 0 (Pa), but got -1.0.
     """
+
+    def __init__(self, sentence: str = "", **others: Any) -> None:
+        super().__init__(Sentence(sentence), **others)
+
+    @property
+    def marked(self) -> str:
+        """The sentence with the marks of its arguments, for another sentence that repeats it."""
+        first = self.args[0] if self.args else ""
+        return first.marked if isinstance(first, Sentence) else str(self)
+
+    def spell(self, spell: Spell, *, scripts: bool = False) -> str:
+        """Return the sentence as a face says it; see `Sentence.spell`."""
+        return _shorten_words(Sentence(self.marked).spell(spell, scripts=scripts))
 
     @classmethod
     def about(cls, what: str, got: object, allowed: str, advice: str = "") -> InputError:

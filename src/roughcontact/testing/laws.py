@@ -37,9 +37,9 @@ def _certified(law: Law) -> str:
         states = _follow(law)
     except NotConverged as error:
         raise AssertionError(f"a state with it is not certified: {error}") from error
-    error = max(state.certificate.error for state in states)
-    require(error <= _MAX_ERROR, f"a condition of the certificate is violated by {error:.1e}")
-    return f"largest residual {error:.1e}"
+    residual = max(state.certificate.error for state in states)
+    require(residual <= _MAX_ERROR, f"a condition of the certificate is violated by {residual:.1e}")
+    return f"largest residual {residual:.1e}"
 
 
 @claim("law", "the same from a file")

@@ -26,7 +26,7 @@ from roughcontact.results import AdhesionCycle
 from roughcontact.typing import Table, si
 
 from roughcontact_app.responses import finite
-from roughcontact_app.words import end_sentence, in_words_of_page
+from roughcontact_app.words import end_sentence
 
 # Digits of a number in a table: more than any uncertainty leaves.
 _DIGITS = 9
@@ -52,7 +52,7 @@ def describe_solutions(
     return [
         {
             "load": name_load(solution),
-            "status": in_words_of_page(str(solution.status)),
+            "status": str(solution.status),
             "certified": solution.status.success,
             "seconds": solution.seconds,
             "quantities": [_describe(name, one, next(columns[name])) for name, one in quantities.items()],
@@ -68,22 +68,10 @@ def _in_words(column: str) -> str:
     return re.sub("[-_]", " ", column).replace("von mises", "von Mises")
 
 
-def list_cycle_states(cycle: AdhesionCycle) -> tuple[ContactSolution, ...]:
-    """Return the states of a cycle, each once: unloading starts where loading ends."""
-    return (*cycle.loading, *cycle.unloading[1:])
-
-
-def tabulate_cycle(cycle: AdhesionCycle, asked: Mapping[str, Sequence[Any]]) -> Table:
-    """Return the table of a cycle, with what responses have answered for `list_cycle_states`."""
-    table = cycle.table()
-    columns = tabulate_answers(repeat_last_of_loading(cycle, asked))
-    return Table({**table.columns, **columns}, table.units, table.left)
-
-
-def repeat_last_of_loading(cycle: AdhesionCycle, asked: Mapping[str, Sequence[Any]]) -> dict[str, list[Any]]:
-    """Return answers for `list_cycle_states` as one for each row of the table, where both branches have that state."""
-    last = len(cycle.loading)
-    return {name: [*found[:last], *found[last - 1 :]] for name, found in asked.items()}
+def tabulate_path(path: AdhesionCycle | FrictionalPath, asked: Mapping[str, Sequence[Any]]) -> Table:
+    """Return the table of a path, with what responses have answered for its states."""
+    table = path.table()
+    return Table({**table.columns, **tabulate_answers(asked)}, table.units, table.left)
 
 
 def find_pull_off(cycle: AdhesionCycle) -> Estimate:
@@ -101,9 +89,10 @@ def find_pull_off(cycle: AdhesionCycle) -> Estimate:
 def describe_cycle(cycle: AdhesionCycle, asked: Mapping[str, Sequence[Any]] = MappingProxyType({})) -> dict[str, Any]:
     """Return the answer of a cycle, in the form of the answer at a load.
 
-    `asked` is what responses have answered for each of `list_cycle_states`; shown is the answer at the last approach.
+    `asked` is what responses have answered for each of its states; shown is the answer at the last approach.
     """
-    states = list_cycle_states(cycle)
+    # Unloading starts where loading ends.
+    states = (*cycle.loading, *cycle.unloading[1:])
     pull_off = find_pull_off(cycle)
     shared = dict.fromkeys((*pull_off.warnings, *cycle.pull_in.warnings))
     # Both branches have a state at each approach.
@@ -122,7 +111,7 @@ def describe_cycle(cycle: AdhesionCycle, asked: Mapping[str, Sequence[Any]] = Ma
     quantities.append(_describe("jumps", count, f"{len(cycle.jumps)}{f': {places}' if places else ''}"))
     return {
         "load": "cycle",
-        "status": in_words_of_page(str(states[-1].status)),
+        "status": str(states[-1].status),
         "certified": all(state.status.success for state in states),
         "seconds": sum(state.seconds for state in states),
         "quantities": quantities,
@@ -156,13 +145,13 @@ def describe_fretting(path: FrictionalPath, asked: Mapping[str, Sequence[Any]]) 
     said = list_answer_warnings({name: column[-1:] for name, column in asked.items()}, path[-1:])
     return {
         "load": "fretting",
-        "status": in_words_of_page(str(path[-1].status)),
+        "status": str(path[-1].status),
         "certified": all(state.status.success for state in path),
         "seconds": sum(state.seconds for state in path),
         "quantities": [
             _describe(name, attrs.evolve(one, warnings=()), write_column([one])[0]) for name, one in found.items()
         ],
-        "warnings": [end_sentence(in_words_of_page(text)) for text in (*hard, *path.warnings, *said)],
+        "warnings": [end_sentence(text) for text in (*hard, *path.warnings, *said)],
     }
 
 

@@ -15,9 +15,9 @@ from roughcontact.errors import RoughContactError
 from roughcontact.faces import tabulate_answers, write_report
 from roughcontact.plotting import panels
 from roughcontact.results import AdhesionCycle, InterfaceLaw, LawColumn, Sweep
-from roughcontact.typing import Table, replacing
+from roughcontact.typing import replacing
 
-from roughcontact_app.answers import make_table, repeat_last_of_loading, tabulate_cycle
+from roughcontact_app.answers import make_table, tabulate_path
 
 # Dots beside those of a figure: a picture, 430 dots wide, is shown 750 pixels wide.
 _SHARPNESS = 3
@@ -90,55 +90,27 @@ class Outputs:
 
 
 @attrs.frozen(eq=False)
-class CycleOutputs:
-    """What is written of a cycle: the table of its states, the picture of both branches, the report.
-
-    Attributes
-    ----------
-    cycle
-        The cycle.
-    asked
-        What responses have answered for each of `list_cycle_states`, by their names.
-    folder, dark
-        As of `Outputs`.
-    """
-
-    cycle: AdhesionCycle
-    asked: Mapping[str, Sequence[Any]]
-    folder: Path
-    dark: bool
-
-    def steps(self) -> Iterator[Callable[[], dict[str, Any]]]:
-        """Yield functions that write a file and return what the page is to know of it."""
-        yield self._write_table
-        yield self._draw
-        yield partial(_write_report, self.cycle, self.folder, repeat_last_of_loading(self.cycle, self.asked))
-
-    def _write_table(self) -> dict[str, Any]:
-        tabulate_cycle(self.cycle, self.asked).to_csv(self.folder / "cycle.csv")
-        return {"role": "table", "file": "cycle.csv"}
-
-    def _draw(self) -> dict[str, Any]:
-        draw(lambda: self.cycle.plot(dark=self.dark), self.folder / "cycle.png")
-        return {"role": "picture", "file": "cycle.png", "panel": "cycle"}
-
-
-@attrs.frozen(eq=False)
-class FrettingOutputs:
-    """What is written of a fretting cycle: the table of its states, the picture of the loop, all fields, the report.
+class PathOutputs:
+    """What is written of a path: the table of its states, its picture, all fields if they are asked for, the report.
 
     Attributes
     ----------
     path
-        The cycle.
+        The path.
     asked
         What responses have answered for each state, by their names.
+    name
+        Name of the table and the picture.
+    keeps_fields
+        Whether its file is written.
     folder, dark
         As of `Outputs`.
     """
 
-    path: FrictionalPath
+    path: AdhesionCycle | FrictionalPath
     asked: Mapping[str, Sequence[Any]]
+    name: str
+    keeps_fields: bool
     folder: Path
     dark: bool
 
@@ -146,18 +118,17 @@ class FrettingOutputs:
         """Yield functions that write a file and return what the page is to know of it."""
         yield self._write_table
         yield self._draw
-        yield self._write_path
+        if self.keeps_fields:
+            yield self._write_path
         yield partial(_write_report, self.path, self.folder, self.asked)
 
     def _write_table(self) -> dict[str, Any]:
-        table = self.path.table()
-        columns = {**table.columns, **tabulate_answers(self.asked)}
-        Table(columns, table.units).to_csv(self.folder / "loop.csv")
-        return {"role": "table", "file": "loop.csv"}
+        tabulate_path(self.path, self.asked).to_csv(self.folder / f"{self.name}.csv")
+        return {"role": "table", "file": f"{self.name}.csv"}
 
     def _draw(self) -> dict[str, Any]:
-        draw(lambda: self.path.plot(dark=self.dark), self.folder / "loop.png")
-        return {"role": "picture", "file": "loop.png", "panel": "loop"}
+        draw(lambda: self.path.plot(dark=self.dark), self.folder / f"{self.name}.png")
+        return {"role": "picture", "file": f"{self.name}.png", "panel": self.name}
 
     def _write_path(self) -> dict[str, Any]:
         self.path.save(self.folder / "path.npz")

@@ -9,8 +9,8 @@ from typing import Any
 
 import attrs
 from roughcontact import ContactSolution, Response, faces, responses
-from roughcontact.errors import InputError, RoughContactError
-from roughcontact.faces import build_response, describe_response
+from roughcontact.errors import RoughContactError
+from roughcontact.faces import build_part, describe_response
 
 from roughcontact_app.words import end_sentence, in_words_of_page
 
@@ -98,12 +98,8 @@ def list_choices() -> dict[str, tuple[str, ...]]:
 
 def build_asked(name: str, fields: Mapping[str, Any]) -> Response[Any]:
     """Return a response with its fields, or raise `InputError` in words of the page."""
-    try:
-        return build_response(name, fields)
-    except InputError as error:
-        raise InputError(
-            f"{TICK_BOXES[name].label.capitalize()}: {str(error).removeprefix(name).lstrip(': ')}"
-        ) from error
+    response: Response[Any] = build_part(responses, name, fields, TICK_BOXES[name].label.capitalize())
+    return response
 
 
 def ask(
@@ -116,7 +112,7 @@ def ask(
         try:
             found[name] = [solution.response(response) for solution in solutions]
         except RoughContactError as error:
-            problems.append(end_sentence(f"{TICK_BOXES[name].label}: {in_words_of_page(str(error))}"))
+            problems.append(end_sentence(f"{TICK_BOXES[name].label}: {in_words_of_page(error)}"))
     return found, problems
 
 

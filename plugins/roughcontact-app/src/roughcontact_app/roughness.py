@@ -39,7 +39,7 @@ def describe_roughness(shown: ShownSurface, grid: Grid, folder: Path, dark: bool
         rows = [[name, meanings[name].strip(), write_column([one])[0]] for name, one in numbers.items()]
         notes = [f"{name}: {text}" for name, one in numbers.items() for text in one.warnings]
     except RoughContactError as error:
-        notes.append(in_words_of_page(str(error)))
+        notes.append(in_words_of_page(error))
     folder.mkdir(exist_ok=True)
     for panel in _PANELS:
         path = folder / f"{panel}.png"
@@ -47,5 +47,5 @@ def describe_roughness(shown: ShownSurface, grid: Grid, folder: Path, dark: bool
             draw(partial(source.plot, own, panel, dark=dark), path)
             pictures.append({"panel": panel, "picture": path.name})
         except RoughContactError as error:
-            notes.append(in_words_of_page(str(error)))
+            notes.append(in_words_of_page(error))
     return {"rows": rows, "pictures": pictures, "notes": [end_sentence(text) for text in notes], "basis": basis}

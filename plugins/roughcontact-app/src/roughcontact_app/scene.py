@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -17,20 +17,21 @@ from roughcontact import (
     Grid,
     HeightMap,
     ParaboloidSurface,
-    SelfAffineSurface,
     SphereSurface,
     Surface,
-    WavySurface,
     examples,
+    interactions,
     match,
     read_surface,
+    surfaces,
 )
 from roughcontact.errors import InputError, MissingPackage, RoughContactError
-from roughcontact.faces import TYPICAL, build_layer, build_problem
+from roughcontact.faces import TYPICAL, build_layer, build_problem, list_fields
 from roughcontact.solving import require_memory_of_solve
 from roughcontact.typing import Load, Pair, RawMap, read_raw
 
 from roughcontact_app.settings import (
+    DEFAULTS,
     Settings,
     WrongSetting,
     cycle_values,
@@ -51,6 +52,23 @@ _MOST_POINTS = 2**26
 # Settings of each of two files.
 _OF_FILES = ("file_name", "size_x", "size_y", "height_unit", "rows", "non_measured")
 _FORMS: dict[str, str | int] = {"plane": "plane", "quadratic": 2, "sphere": "sphere"}
+# Kinds of quantities by their units, and what sentences call fields whose names do not say it.
+_KINDS = {"m": "length", "Pa": "modulus", "J/m2": "work"}
+_LABELS = {
+    "young": "Young's modulus",
+    "poisson": "Poisson's ratio",
+    "hurst": "The Hurst exponent",
+    "shortest": "The shortest wavelength",
+    "longest": "The longest wavelength",
+    "radius": "The radius of the sphere",
+    "work": "The work of adhesion",
+    "range": "The range of the adhesion",
+}
+# Settings of units that several fields share, and fields that are omitted where they are empty.
+_UNIT_SETTINGS = {"shortest": "wave_unit", "longest": "wave_unit"}
+_MAY_BE_EMPTY = ("hardness", "yield_stress")
+# Units of the fields of a layer, whose class is another package's.
+_OF_LAYER = {"young": "Pa", "poisson": "", "thickness": "m", "yield_stress": "Pa"}
 # Degrees.
 _FULL_TURN = 360.0
 
@@ -192,14 +210,7 @@ def _describe_layers(settings: Settings, prefix: str, whose: str) -> dict[str, A
     layers = []
     for number in range(1, int(settings[f"{prefix}layers"]) + 1):
         own = f"{prefix}layer{number}_"
-        of = f"of layer {number} of {whose}"
-        fields = {
-            "young": quantity(settings, f"{own}young", f"Young's modulus {of}", "modulus"),
-            "poisson": plain(settings, f"{own}poisson", f"Poisson's ratio {of}"),
-            "thickness": quantity(settings, f"{own}thickness", f"The thickness {of}", "length"),
-        }
-        if settings[f"{own}yield_stress"]:
-            fields["yield_stress"] = quantity(settings, f"{own}yield_stress", f"The yield stress {of}", "modulus")
+        fields = _read_fields(settings, _OF_LAYER, own, f" of layer {number} of {whose}")
         try:
             with reading(f"{own}poisson"):
                 layers.append(build_layer(fields, f"Layer {number} of {whose}"))
@@ -209,12 +220,34 @@ def _describe_layers(settings: Settings, prefix: str, whose: str) -> dict[str, A
 
 
 def _describe_interaction(settings: Settings) -> dict[str, Any] | None:
-    if settings["adhesion"] == "none":
-        return None
-    law = {"type": settings["adhesion"], "work": quantity(settings, "work", "The work of adhesion", "work")}
-    if settings["adhesion"] == "short-range":
-        return law
-    return {**law, "range": quantity(settings, "range", "The range of the adhesion", "length")}
+    name = settings["adhesion"]
+    return None if name == "none" else {"type": name, **_read_fields(settings, _units_of(interactions[name]))}
+
+
+def _units_of(cls: type) -> dict[str, str | None]:
+    """Return the unit of each field of a part; empty for a plain number, None for a whole one."""
+    return {name: field.unit for name, field in list_fields(cls).items()}
+
+
+def _read_fields(settings: Settings, units: Mapping[str, str | None], prefix: str = "", of: str = "") -> dict[str, Any]:
+    """Return those fields of a part that the page has, from settings that begin with a prefix.
+
+    `units` are those of all its fields; `of` ends what a sentence calls one.
+    """
+    found: dict[str, Any] = {}
+    for name, unit in units.items():
+        setting = f"{prefix}{name}"
+        label = f"{_LABELS.get(name, 'The ' + name.replace('_', ' '))}{of}"
+        if setting not in DEFAULTS or (name in _MAY_BE_EMPTY and not settings[setting]):
+            continue
+        if unit is None:
+            found[name] = whole(settings, setting, label)
+        elif not unit:
+            found[name] = plain(settings, setting, label)
+        else:
+            own = _UNIT_SETTINGS.get(name)
+            found[name] = quantity(settings, setting, label, _KINDS[unit], own, zero=name == "amplitude")
+    return found
 
 
 def make_loads(settings: Settings, problem: ContactProblem) -> tuple[Load, ...]:
@@ -316,7 +349,11 @@ def _exponent(unit: str) -> str:
 
 def _renamed(error: RoughContactError, upload: Upload) -> RoughContactError:
     """Return the error with the name of the file that the user knows."""
-    return type(error)(str(error).replace(str(upload.path), upload.name).replace(upload.path.name, upload.name))
+    return type(error)(
+        (error.marked if isinstance(error, InputError) else str(error))
+        .replace(str(upload.path), upload.name)
+        .replace(upload.path.name, upload.name)
+    )
 
 
 def _example(settings: Settings) -> HeightMap:
@@ -326,38 +363,19 @@ def _example(settings: Settings) -> HeightMap:
 
 
 def _make_synthetic(settings: Settings) -> Surface:
-    if settings["surface"] == "wavy":
-        return WavySurface(
-            quantity(settings, "amplitude", "The amplitude", "length", zero=True),
-            quantity(settings, "wavelength", "The wavelength", "length"),
-        )
-    if settings["surface"] == "sphere":
-        return SphereSurface(quantity(settings, "radius", "The radius of the sphere", "length"))
-    shortest, longest = (
-        quantity(settings, name, f"The {name} wavelength", "length", "wave_unit") for name in ("shortest", "longest")
-    )
-    if shortest > longest:
+    fields = _read_fields(settings, _units_of(surfaces[settings["surface"]]))
+    if fields.get("shortest", 0.0) > fields.get("longest", math.inf):
         waves = (f"{settings[name]} {settings['wave_unit'].replace('u', 'µ')}" for name in ("shortest", "longest"))
         sentence = "The shortest wavelength, {}, must not be above the longest one, {}.".format(*waves)
         raise WrongSetting(sentence, "shortest")
-    return SelfAffineSurface(
-        hurst=plain(settings, "hurst", "The Hurst exponent"),
-        rms_height=quantity(settings, "rms_height", "The rms height", "length"),
-        shortest=shortest,
-        longest=longest,
-        seed=whole(settings, "seed", "The seed"),
-    )
+    made: Surface = surfaces.create(settings["surface"], **fields)
+    return made
 
 
-def _describe_material(settings: Settings, prefix: str, whose: str) -> dict[str, float]:
-    material = {
-        "young": quantity(settings, f"{prefix}young", f"Young's modulus of {whose}", "modulus"),
-        "poisson": plain(settings, f"{prefix}poisson", f"Poisson's ratio of {whose}"),
-    }
+def _describe_material(settings: Settings, prefix: str, whose: str) -> dict[str, Any]:
+    material = _read_fields(settings, _units_of(ElasticPerfectlyPlastic), prefix, f" of {whose}")
     with reading(f"{prefix}poisson"):
-        Elastic(**material)
-    if settings[f"{prefix}hardness"]:
-        material["hardness"] = quantity(settings, f"{prefix}hardness", f"The hardness of {whose}", "modulus")
+        Elastic(material["young"], material["poisson"])
     return material
 
 

@@ -10,6 +10,7 @@ from typing import Any, TypeAlias
 
 from roughcontact import Boundary, Response
 from roughcontact.errors import InputError, short
+from roughcontact.typing import si
 
 from roughcontact_app.responses import TICK_BOXES, TickBox, build_asked, list_choices, list_defaults
 
@@ -35,19 +36,40 @@ _RANGES = {
     "work": (1e-9, 1e9),
     "viscosity": (1e-9, 1e12),
 }
+# Numbers between which units have a prefix that people know.
+_SHOWN_SIZES = (1e-15, 1e15)
 # Beginnings of the settings of the body and of the counterbody, and the most layers of each.
 PREFIXES = ("", "counterbody_")
 MOST_LAYERS = 3
+
+
+def _split_units(fields: Mapping[str, str], prefix: str = "") -> dict[str, str]:
+    """Return the settings of fields with their first texts: the number, and the unit behind it, if it has one."""
+    found = {}
+    for name, text in fields.items():
+        number, blank, unit = text.partition(" ")
+        found[f"{prefix}{name}"] = number
+        if blank:
+            found[f"{prefix}{name}_unit"] = unit
+    return found
+
+
+_OF_LAYER = {"young": "400 GPa", "poisson": "0.25", "thickness": "2 um", "yield_stress": " GPa"}
+_OF_MATERIAL = {"young": "210 GPa", "poisson": "0.3", "hardness": " GPa"}
+_OF_FILE = {
+    **dict.fromkeys(("file", "file_name", "size_x", "size_y", "height_unit"), ""),
+    "size_unit": "um",
+    "rows": "auto",
+    "non_measured": "refuse",
+    "form": "none",
+}
 
 
 def list_layer_defaults(prefix: str) -> dict[str, str]:
     """Return the settings of the layers of a body with their first texts."""
     found = {f"{prefix}layers": "0"}
     for number in range(1, MOST_LAYERS + 1):
-        own = f"{prefix}layer{number}_"
-        found |= {f"{own}young": "400", f"{own}young_unit": "GPa", f"{own}poisson": "0.25"}
-        found |= {f"{own}thickness": "2", f"{own}thickness_unit": "um"}
-        found |= {f"{own}yield_stress": "", f"{own}yield_stress_unit": "GPa"}
+        found |= _split_units(_OF_LAYER, f"{prefix}layer{number}_")
     return found
 
 
@@ -55,25 +77,7 @@ def list_layer_defaults(prefix: str) -> dict[str, str]:
 DEFAULTS: dict[str, str] = {
     "surface": "example",
     "example": "ground_ring",
-    "file": "",
-    "file_name": "",
-    "size_x": "",
-    "size_y": "",
-    "size_unit": "um",
-    "height_unit": "",
-    "rows": "auto",
-    "non_measured": "refuse",
-    "form": "none",
     "counterbody_surface": "flat",
-    "counterbody_file": "",
-    "counterbody_file_name": "",
-    "counterbody_size_x": "",
-    "counterbody_size_y": "",
-    "counterbody_size_unit": "um",
-    "counterbody_height_unit": "",
-    "counterbody_rows": "auto",
-    "counterbody_non_measured": "refuse",
-    "counterbody_form": "none",
     "offset_x": "0",
     "offset_y": "0",
     "offset_unit": "um",
@@ -81,40 +85,14 @@ DEFAULTS: dict[str, str] = {
     "mirrored": "no",
     "interpolation": "bilinear",
     "hurst": "0.8",
-    "rms_height": "0.1",
-    "rms_height_unit": "um",
     "shortest": "4",
     "longest": "50",
     "wave_unit": "um",
     "seed": "1",
-    "amplitude": "0.5",
-    "amplitude_unit": "um",
-    "wavelength": "25",
-    "wavelength_unit": "um",
-    "radius": "1",
-    "radius_unit": "mm",
-    "cells": "256",
-    "side": "100",
-    "side_unit": "um",
-    "added": "ball",
-    "ball": "",
-    "ball_unit": "mm",
-    "young": "210",
-    "young_unit": "GPa",
-    "poisson": "0.3",
-    "hardness": "",
-    "hardness_unit": "GPa",
+    **_split_units({"rms_height": "0.1 um", "amplitude": "0.5 um", "wavelength": "25 um", "radius": "1 mm"}),
+    **_split_units({"cells": "256", "side": "100 um", "added": "ball", "ball": " mm"}),
     "counterbody": "rigid",
-    "counterbody_young": "210",
-    "counterbody_young_unit": "GPa",
-    "counterbody_poisson": "0.3",
-    "counterbody_hardness": "",
-    "counterbody_hardness_unit": "GPa",
-    "adhesion": "none",
-    "work": "50",
-    "work_unit": "mJ/m2",
-    "range": "10",
-    "range_unit": "nm",
+    **_split_units({"adhesion": "none", "work": "50 mJ/m2", "range": "10 nm"}),
     "load": "pressure",
     "loads": "100",
     "load_unit": "MPa",
@@ -122,25 +100,22 @@ DEFAULTS: dict[str, str] = {
     "cycle_to": "0.5",
     "cycle_unit": "um",
     "states": "41",
-    "normal_force": "1",
-    "normal_force_unit": "N",
-    "tangential_force": "0.2",
-    "tangential_force_unit": "N",
-    "friction": "0.3",
+    **_split_units({"normal_force": "1 N", "tangential_force": "0.2 N", "friction": "0.3"}),
     "boundary": "free",
+    **{name: text for prefix in PREFIXES for name, text in _split_units(_OF_FILE | _OF_MATERIAL, prefix).items()},
     **{name: text for prefix in PREFIXES for name, text in list_layer_defaults(prefix).items()},
     **list_defaults(),
     "scheme": "light",
 }
-_CHOICES = {
-    "surface": ("example", "file", "self-affine", "wavy", "sphere"),
+_CHOICES_OF_BODY = {
     "rows": ("auto", "x", "y"),
     "non_measured": ("refuse", "fill", "keep"),
     "form": ("none", "plane", "quadratic", "sphere"),
+    "layers": tuple(map(str, range(MOST_LAYERS + 1))),
+}
+_CHOICES = {
+    "surface": ("example", "file", "self-affine", "wavy", "sphere"),
     "counterbody_surface": ("flat", "file"),
-    "counterbody_rows": ("auto", "x", "y"),
-    "counterbody_non_measured": ("refuse", "fill", "keep"),
-    "counterbody_form": ("none", "plane", "quadratic", "sphere"),
     "mirrored": ("no", "yes"),
     "interpolation": ("bilinear", "cubic"),
     "counterbody": ("rigid", "deformable"),
@@ -148,7 +123,7 @@ _CHOICES = {
     "load": ("force", "pressure", "approach", "cycle", "fretting"),
     "added": ("ball", "cylinder-y", "cylinder-x"),
     "boundary": tuple(map(str, Boundary)),
-    **{f"{prefix}layers": tuple(map(str, range(MOST_LAYERS + 1))) for prefix in PREFIXES},
+    **{f"{prefix}{name}": allowed for prefix in PREFIXES for name, allowed in _CHOICES_OF_BODY.items()},
     **list_choices(),
     "scheme": ("light", "dark"),
 }
@@ -184,7 +159,7 @@ def reading(setting: str) -> Iterator[None]:
     except WrongSetting:
         raise
     except InputError as error:
-        raise WrongSetting(str(error), setting) from error
+        raise WrongSetting(error.marked, setting) from error
 
 
 def read_settings(data: object) -> Settings:
@@ -346,9 +321,8 @@ def _quantity(text: str, label: str, kind: str, unit: str, zero: bool, *, signed
     low, high = _RANGES[kind]
     if value and not low <= abs(value) <= high:
         base = next(iter(UNITS[kind]))
-        raise InputError(
-            f"{label} must be between {low:g} {base} and {high:g} {base}, but got {given}: check its unit."
-        )
+        ends = (si(end, base) if _SHOWN_SIZES[0] <= end < _SHOWN_SIZES[1] else f"{end:g} {base}" for end in (low, high))
+        raise InputError(f"{label} must be between {' and '.join(ends)}, but got {given}: check its unit.")
     return value
 
 

@@ -19,11 +19,10 @@ from roughcontact_app.answers import (
     describe_cycle,
     describe_fretting,
     describe_solutions,
-    list_cycle_states,
     list_warnings,
 )
-from roughcontact_app.outputs import CycleOutputs, FrettingOutputs, Outputs, draw
-from roughcontact_app.preview import describe
+from roughcontact_app.outputs import Outputs, PathOutputs, draw
+from roughcontact_app.preview import describe as describe_surface
 from roughcontact_app.progress import Progress
 from roughcontact_app.responses import ask, ask_states
 from roughcontact_app.roughness import describe_roughness
@@ -94,7 +93,7 @@ def run(task: dict[str, Any], send: Send) -> dict[str, Any]:
     try:
         return kinds[task["kind"]]()
     except InputError as error:
-        raise WrongSetting(in_words_of_page(str(error)), getattr(error, "setting", "")) from error
+        raise WrongSetting(in_words_of_page(error), getattr(error, "setting", "")) from error
 
 
 @functools.lru_cache(maxsize=1)
@@ -119,12 +118,12 @@ def _show_surfaces(settings: Settings, uploads: Uploads, folder: Path) -> dict[s
 
 
 def _show(scene: Scene, one: ShownSurface, picture: Path, dark: bool) -> dict[str, Any]:
-    shown = describe(scene, one)
+    shown = describe_surface(scene, one)
     try:
         draw(lambda: one.surface.plot(scene.grid, "map", dark=dark), picture)
         shown["picture"] = picture.name
     except RoughContactError as error:
-        shown["note"] = in_words_of_page(str(error))
+        shown["note"] = in_words_of_page(error)
     return shown
 
 
@@ -153,7 +152,7 @@ def _plan(settings: Settings, uploads: Uploads, calibration: float) -> dict[str,
         "seconds": calibration * _estimate_seconds(settings, problem, loads),
         "memory": f"{binary(plan.memory_at(0.0))} at light contact, at most {binary(plan.memory)}",
         "basis": _BASIS if calibration == 1.0 else _CORRECTED,
-        "text": in_words_of_page(problem.explain()),
+        "text": str(problem.explain()),
         "warnings": [end_sentence(text) for text in plan.warnings],
     }
 
@@ -174,22 +173,19 @@ def _solve(settings: Settings, uploads: Uploads, folder: Path, send: Send) -> di
     ratio: float | None = (time.perf_counter() - started) / forecast
     send({"phase": "evaluating", "fraction": 1.0, "text": "The contact is solved; areas and uncertainties follow."})
     dark = settings["scheme"] == "dark"
-    outputs: Outputs | CycleOutputs | FrettingOutputs
-    problems: list[str] = []
-    if isinstance(result, AdhesionCycle):
-        asked, problems = ask_states(asked_responses(settings), list_cycle_states(result))
-        answers = [describe_cycle(result, asked)]
-        outputs = CycleOutputs(result, asked, folder, dark)
-    elif isinstance(result, FrictionalPath):
-        asked, problems = ask_states(asked_responses(settings), result.states)
-        answers = [describe_fretting(result, asked)]
-        outputs = FrettingOutputs(result, asked, folder, dark)
-        # Its cost depends on the answer: it says nothing of the time of other runs.
-        ratio = None
-    else:
+    outputs: Outputs | PathOutputs
+    if isinstance(result, Sweep):
         asked, problems = ask(asked_responses(settings), result.states)
         answers = describe_solutions(result.states, asked)
         outputs = Outputs(result, asked, answers, folder, dark)
+    else:
+        asked, problems = ask_states(asked_responses(settings), result.states)
+        is_cycle = isinstance(result, AdhesionCycle)
+        describe: Callable[..., dict[str, Any]] = describe_cycle if is_cycle else describe_fretting
+        answers = [describe(result, asked)]
+        outputs = PathOutputs(result, asked, "cycle" if is_cycle else "loop", not is_cycle, folder, dark)
+        # The cost of a fretting cycle depends on the answer: it says nothing of the time of other runs.
+        ratio = ratio if is_cycle else None
     found = {"answers": answers, "warnings": [*list_warnings(answers), *problems]}
     send({"phase": "drawing", "text": "Pictures and tables follow.", "ratio": ratio, **found})
     return {"notes": _write_all(outputs, send)}
@@ -224,14 +220,14 @@ def _are_unlike(problem: ContactProblem) -> bool:
     return pair_constants(problem.body.material, problem.counterbody.material).beta != 0.0
 
 
-def _write_all(outputs: Outputs | CycleOutputs | FrettingOutputs, send: Send) -> list[str]:
+def _write_all(outputs: Outputs | PathOutputs, send: Send) -> list[str]:
     """Write all files of a run; return in sentences what cannot be written."""
     notes = []
     for write in outputs.steps():
         try:
             send(write())
         except RoughContactError as error:
-            notes.append(in_words_of_page(str(error)))
+            notes.append(in_words_of_page(error))
     return notes
 
 

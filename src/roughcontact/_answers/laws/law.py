@@ -22,7 +22,7 @@ from roughcontact._base.units import Pressure, counted, si
 from roughcontact._parts.grid import FIRST_LOADING, Boundary, Load
 from roughcontact._solve.problem import ContactProblem, run_solve, solve_from_largest
 from roughcontact._solve.solution import ContactSolution, Estimate, Response, gather_warnings, read_number, responses
-from roughcontact.errors import InputError
+from roughcontact.errors import InputError, argument
 from roughcontact.errors.door import guarded
 
 # Units of numbers in proportion to the nominal area, and their units per area.
@@ -254,16 +254,19 @@ def interface_law(
     if not isinstance(problem, ContactProblem):
         raise InputError.about("The problem of a law", problem, "a ContactProblem")
     if problem.plan.interaction is not None:
-        raise InputError("A law of an interface knows no tension: omit adhesion=, or ask each state of problem.sweep.")
+        raise InputError(
+            f"A law of an interface knows no tension: omit {argument('adhesion')}, or ask each state of problem.sweep."
+        )
     if problem.remembers:
         raise InputError(
-            "A law of an interface has one state for each load, but a law of the problem remembers: omit laws= or ask "
-            "each state of problem.sweep."
+            "A law of an interface has one state for each load, but a law of the problem remembers: omit "
+            f"{argument('laws')} or ask each state of problem.sweep."
         )
     if problem.boundary is not Boundary.PERIODIC:
         raise InputError(
-            f"A law per area needs boundary='periodic', but got '{problem.boundary}': mean gap and stiffness of a "
-            "cut-out depend on where it is cut. A map that does not repeat can be mirrored at its borders."
+            f"A law per area needs {argument('boundary', 'periodic')}, but got '{problem.boundary}': mean gap and "
+            "stiffness of a cut-out depend on where it is cut. A map that does not repeat can be mirrored at its "
+            "borders."
         )
     told = callback(on_load, "on_load=", "solution")
     asked = _name_columns(responses)

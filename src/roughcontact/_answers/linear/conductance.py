@@ -25,7 +25,7 @@ from roughcontact._base.units import Estimate, Quantity, outlined, percent, si
 from roughcontact._parts.kernels import BoundKernel, SupportsConduction, has_layers
 from roughcontact._solve.problem import ContactProblem, problem_of
 from roughcontact._solve.solution import Area, ContactSolution, Response, responses
-from roughcontact.errors import InputError
+from roughcontact.errors import InputError, argument
 
 # Relative residual: the error of the conductance is its square; of the currents of the patches, the residual itself.
 _RESIDUAL_TOLERANCE = 1e-3
@@ -240,7 +240,8 @@ def _find_conduction(solution: ContactSolution, conductivity: Pair) -> _Conducti
     if solution.moduli is not None:
         raise InputError(
             "The conductance follows from the stiffness of two isotropic half-spaces, but this kernel is of a graded "
-            "body, of a crystal or of layers that do not state how they conduct: choose kernel='love', or a kernel "
+            "body, of a crystal or of layers that do not state how they conduct: choose "
+            f"{argument('kernel', 'love')}, or a kernel "
             "with the conductivity of its layers."
         )
     return _Conduction(resistivity, 2.0 / (solution.modulus * resistivity), solution.modulus)

@@ -18,7 +18,7 @@ from roughcontact._base.units import WarningText
 from roughcontact._parts.grid import Boundary, Grid, list_borders
 from roughcontact._solve.problem import ContactProblem, OnStateToPullOff, find_pull_off, find_stability, problem_of
 from roughcontact._solve.solution import Area, ContactSolution, Estimate, Response, find_stiffness_sampling, responses
-from roughcontact.errors import InputError
+from roughcontact.errors import InputError, argument
 
 # Area by which the punch of the cells acts as smaller, in cells, for a row of L sides: a L - b ln L - c. Solved for
 # periodic strips with edges of slopes 0 to 1/16: it agrees with Westergaard's closed form to 0.005 of a side.
@@ -346,7 +346,7 @@ def require_mean_gap(solution: ContactSolution, what: str) -> None:
     if solution.boundary is Boundary.WRAPPED:
         raise InputError(
             f"On a wrapped boundary uniform pressure moves the surfaces by an arbitrary amount, so that the {what} "
-            "means nothing: choose boundary='periodic' or 'free'."
+            f"means nothing: choose {argument('boundary', 'periodic')} or 'free'."
         )
 
 

@@ -17,7 +17,7 @@ from roughcontact._parts.materials import MAX_UNCOUPLED_BETA, pair_constants
 from roughcontact._solve.problem import ContactProblem, problem_of
 from roughcontact._solve.solution import ContactSolution, Estimate, Response, responses
 from roughcontact._solve.solvers import ProjectedShearCG, ShearTask
-from roughcontact.errors import InputError, NotConverged
+from roughcontact.errors import InputError, NotConverged, argument
 
 # Limit of the traction over the maximum of the normal answer, so that no cell slips, and residual in this unit.
 _STICK_LIMIT = 100.0
@@ -180,7 +180,7 @@ class TangentialStiffness(Response[Estimate]):
         if solution.moduli is not None and not isinstance(kernel, SupportsTangential):
             raise InputError(
                 "The tangential stiffness needs the response to shear, which this kernel of a graded body, a crystal "
-                "or layers does not know: choose kernel='love'."
+                f"or layers does not know: choose {argument('kernel', 'love')}."
             )
         if solution.saturated.any():
             raise InputError(

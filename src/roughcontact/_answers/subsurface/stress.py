@@ -44,7 +44,7 @@ from roughcontact._parts.kernels import STRESS_COMPONENTS, HalfSpaceStress, Love
 from roughcontact._solve.convolvers import StressConvolution
 from roughcontact._solve.problem import ContactProblem, problem_of
 from roughcontact._solve.solution import ContactSolution, Response, responses
-from roughcontact.errors import InputError
+from roughcontact.errors import InputError, argument
 from roughcontact.errors.warning import Answer
 
 Measure: TypeAlias = Callable[[RealArray], RealArray]
@@ -461,7 +461,7 @@ class StressBelow(Response[Stress]):
                 return None
             raise InputError(
                 "The stress below the surface is known for homogeneous half-spaces and for kernels that state it, but "
-                "this kernel is of a layer: choose kernel='love'."
+                f"this kernel is of a layer: choose {argument('kernel', 'love')}."
             )
         names = ("body", "counterbody") if part is None else (self.body,)
         coated = next((name for name in names if kernel.describes(getattr(problem, name).material)), None)

@@ -16,9 +16,14 @@ from roughcontact._base.units import fit, si, without_reasons
 from roughcontact._faces.panels.figures import save_figure
 from roughcontact._faces.panels.theme import require_matplotlib
 from roughcontact._solve.problem import (
+    RequiredLoad,
     Sweep,
     describe_estimate,
+    describe_loads,
+    describe_part,
+    describe_problem,
     describe_solution,
+    describe_value,
     find_versions,
     format_json,
 )
@@ -31,9 +36,11 @@ from roughcontact._solve.solution import (
 )
 from roughcontact._work.studies import (
     Answers,
+    Study,
     add_answers,
     describe_answers_elsewhere,
     list_answer_warnings,
+    name_of,
     tabulate_answers,
     write_report,
 )
@@ -296,3 +303,25 @@ def name_written(files: Sequence[Path]) -> str:
 
 def _numbered(path: Path, count: int) -> list[Path]:
     return [path] if count == 1 else [path.with_stem(f"{path.stem}-{number}") for number in range(1, count + 1)]
+
+
+def describe_responses(asked: Mapping[str, rc.Response[Any]]) -> dict[str, Any]:
+    """Return what is asked of a contact, with its fields, by name; empty if nothing is."""
+    return {"responses": {name: describe_part(one) for name, one in asked.items()}} if asked else {}
+
+
+def describe_wanted(answer: rc.Response[Any], required: RequiredLoad) -> dict[str, Any]:
+    """Return the answer for which a load was asked, and what was wanted of it."""
+    return {"solve_for": {"answer": describe_part(answer), **describe_value(required.wanted, required.answer.unit)}}
+
+
+def describe_study(study: Study) -> dict[str, Any]:
+    """Return the problems of a study by name, and what each is solved at and asked for."""
+    return {
+        "problems": {name: describe_problem(problem) for name, problem in study.problems.items()},
+        "load": describe_loads(study.loads),
+        "seeds": list(study.seeds),
+        "areas": list(study.areas),
+        **describe_responses({name_of(one): one for one in study.responses}),
+        **study.loading.describe(),
+    }

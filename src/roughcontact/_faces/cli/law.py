@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,9 +15,8 @@ from roughcontact._base.archive import replacing
 from roughcontact._base.machine.progress import count_done
 from roughcontact._base.units import fit
 from roughcontact._faces.cli import DOUBTFUL, Command
-from roughcontact._faces.cli.answers import PICTURES, require_place, write_csv, write_json
-from roughcontact._faces.cli.inputs import describe_responses
-from roughcontact._faces.cli.options import add_interface
+from roughcontact._faces.cli.answers import PICTURES, describe_responses, require_place, write_csv, write_json
+from roughcontact._faces.cli.options import add_interface, add_shape
 from roughcontact._faces.cli.problem import problem_of
 from roughcontact._faces.cli.progress import show_progress
 from roughcontact._faces.cli.responses import add_responses, responses_of
@@ -59,10 +59,7 @@ examples:
         programs.add_argument("--units", choices=("SI", "mm"), default="SI", help="units of these files (SI)")
         programs.add_argument("--name", default="ROUGH", metavar="NAME", help="name of the interaction (ROUGH)")
         output = parser.add_argument_group("output")
-        shape = output.add_mutually_exclusive_group()
-        shape.add_argument("--json", action="store_true", help="print one JSON object, in SI units")
-        shape.add_argument("--csv", action="store_true", help="print a header and a row for each load, in SI units")
-        shape.add_argument("-q", "--quiet", action="store_true", help="print nothing but errors")
+        add_shape(output)
         files = f"table or picture to write: {', '.join(_ENDINGS)}; may be repeated"
         output.add_argument("-o", "--output", action="append", default=[], metavar="FILE", help=files)
 
@@ -109,16 +106,11 @@ def _plan_writers(
             raise rc.InputError.about("The output", text, f"a file that ends in {', '.join(_ENDINGS)}")
         if ending in PICTURES:
             require_matplotlib()
-        known = {".csv": _write_csv, ".json": lambda law, path: _write_json(describe(law), path)}
+        known = {".csv": InterfaceLaw.to_csv, ".json": lambda law, path: _write_json(describe(law), path)}
         planned.append((known.get(ending, _draw), text))
-    if options.abaqus is not None:
-        planned.append((lambda law, path: law.to_abaqus(path, name=options.name, units=units), options.abaqus))
-    if options.ansys is not None:
-        planned.append((lambda law, path: law.to_ansys(path, name=options.name, units=units), options.ansys))
-    if options.calculix is not None:
-        planned.append((lambda law, path: law.to_calculix(path, name=options.name, units=units), options.calculix))
-    if options.moose is not None:
-        planned.append((lambda law, path: law.to_moose(path, name=options.name, units=units), options.moose))
+    for write in (InterfaceLaw.to_abaqus, InterfaceLaw.to_ansys, InterfaceLaw.to_calculix, InterfaceLaw.to_moose):
+        if (text := getattr(options, write.__name__.removeprefix("to_"))) is not None:
+            planned.append((partial(write, name=options.name, units=units), text))
     if options.comsol is not None:
         beside = checks.path(options.comsol, "The file")
         if getattr(options, "response conductance", None) is not None:
@@ -149,10 +141,6 @@ def describe_law(law: InterfaceLaw) -> dict[str, Any]:
         "description": list(law.description),
         "warnings": list(law.warnings),
     }
-
-
-def _write_csv(law: InterfaceLaw, path: Path) -> None:
-    law.to_csv(path)
 
 
 def _write_json(content: dict[str, Any], path: Path) -> None:

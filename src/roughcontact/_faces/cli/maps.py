@@ -4,9 +4,6 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import inspect
-import re
-from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -17,10 +14,11 @@ import roughcontact as rc
 from roughcontact._base import checks
 from roughcontact._base.archive import replacing
 from roughcontact._base.arrays import Array
-from roughcontact._base.units import fit, quantity
+from roughcontact._base.registry import PartField, describe_fields, list_fields, summarize
+from roughcontact._base.units import fit
 from roughcontact._faces.cli import Command
 from roughcontact._faces.cli.answers import plan_picture, to_json, to_text
-from roughcontact._faces.cli.options import METRE, NUMBER, add_reading, fields_of, name_options, whole_number
+from roughcontact._faces.cli.options import METRE, add_reading, converter_of, whole_number
 from roughcontact._faces.cli.paths import path_to_json, path_to_text
 from roughcontact._faces.cli.problem import read_map
 from roughcontact._faces.panels.figures import save_figure
@@ -35,12 +33,6 @@ _MIN_FORM_FRACTION = 0.5
 # Degree of the polynomial that is taken for form (tilt, curvature, twist), and the fewest cells along an axis for it.
 _FORM_DEGREE = 2
 _MIN_FORM_CELLS = 8
-# Types of fields, as they are annotated, that an option can give: the converter, and how many values.
-_FIELD_CONVERTERS: dict[str, tuple[Callable[[str], Any], str | None]] = {
-    "float": (NUMBER, None),
-    "int": (whole_number, None),
-    "Pair": (NUMBER, "+"),
-}
 
 
 def describe_map(surface: rc.HeightMap) -> str:
@@ -58,7 +50,7 @@ def list_warnings(surface: rc.HeightMap) -> list[str]:
     gap = surface.values.max() - surface.values
     units = find_scene(gap, surface.grid, rc.Boundary.FREE, ())[0].warning
     texts = (units, _judge_form(surface), *surface.warnings)
-    return [fit(f"warning       {name_options(text, ('unit',))}") for text in texts if text]
+    return [fit(f"warning       {text}") for text in texts if text]
 
 
 def _judge_form(surface: rc.HeightMap) -> str:
@@ -163,20 +155,20 @@ examples:
     def declare(self, parser: argparse.ArgumentParser) -> None:
         kinds = parser.add_subparsers(dest="kind", required=True, metavar="KIND", help=", ".join(_kinds()))
         for name, cls in _kinds().items():
-            first = (inspect.getdoc(cls) or "").partition("\n")[0].replace("`", "")
-            own = kinds.add_parser(name, help=first.replace("%", "%%"), description=first)
-            texts = dict(_field_texts(cls))
+            own = kinds.add_parser(name, help=summarize(cls).replace("%", "%%"), description=f"{summarize(cls)}.")
+            texts = describe_fields(cls)
             fields = own.add_argument_group("surface")
-            for field, convert, count in _options_of(cls):
-                fields.add_argument(
-                    f"--{str(field.alias).replace('_', '-')}",
-                    dest=f"field_{field.alias}",
-                    type=convert,
-                    nargs=count,
-                    required=field.default is attrs.NOTHING,
-                    metavar="V",
-                    help=texts.get(str(field.alias), "").replace("%", "%%").replace("`", ""),
-                )
+            for field in list_fields(cls).values():
+                if (convert := converter_of(field)) is not None:
+                    fields.add_argument(
+                        f"--{field.name.replace('_', '-')}",
+                        dest=f"field_{field.name}",
+                        type=convert,
+                        nargs="+" if field.is_pair else None,
+                        required=field.is_needed,
+                        metavar="V",
+                        help=texts.get(field.name, "").replace("%", "%%"),
+                    )
             grid = own.add_argument_group("grid")
             grid.add_argument("--shape", type=whole_number, nargs=2, required=True, metavar=("NX", "NY"), help="cells")
             grid.add_argument("--size", type=METRE, nargs="+", required=True, metavar="L", help="sides, one or x y")
@@ -230,33 +222,10 @@ def _kinds() -> dict[str, type[Any]]:
         # A broken plug-in leaves the others as they are.
         with contextlib.suppress(rc.InputError):
             cls: type[Any] = rc.surfaces[name]
-            given = {field.name for field, _, _ in _options_of(cls)}
-            if attrs.has(cls) and all(
-                field.name in given or field.default is not attrs.NOTHING for field in fields_of(cls)
-            ):
+            if attrs.has(cls) and all(map(converter_of, filter(_is_needed, list_fields(cls).values()))):
                 found[name] = cls
     return found
 
 
-def _options_of(cls: type[Any]) -> Iterator[tuple[Any, Callable[[str], Any], str | None]]:
-    """Yield each field that an option can give, with the converter of its text and the number of values."""
-    for field in fields_of(cls):
-        annotation = field.type if isinstance(field.type, str) else getattr(field.type, "__name__", "")
-        kind = _FIELD_CONVERTERS.get(annotation.removesuffix(" | None"))
-        if field.init and kind is not None:
-            convert, count = kind
-            yield field, _finite_or_not(field.metadata["unit"]) if "unit" in field.metadata else convert, count
-
-
-def _finite_or_not(unit: str) -> Callable[[str], Any]:
-    """Return a converter of texts in a unit; the class reads that of an infinite number, or refuses it."""
-    convert = quantity(unit)
-    return lambda text: text if text == checks.INFINITE else convert(text)
-
-
-def _field_texts(cls: type) -> Iterator[tuple[str, str]]:
-    """Yield the fields that the docstring of a class describes under Parameters, with their descriptions."""
-    section = re.search(r"^Parameters\n-+\n(.*?)(?:\n\n\S|\Z)", inspect.getdoc(cls) or "", re.DOTALL | re.MULTILINE)
-    for names, text in re.findall(r"^(\w[\w, ]*)\n((?:[ ]+.*\n?)+)", section[1] if section else "", re.MULTILINE):
-        for name in names.split(", "):
-            yield name, " ".join(text.split())
+def _is_needed(field: PartField) -> bool:
+    return field.is_needed

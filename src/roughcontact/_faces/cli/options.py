@@ -6,56 +6,75 @@ import argparse
 import contextlib
 import math
 import re
-from collections.abc import Callable, Iterable
-from typing import Any
+from collections.abc import Callable, Collection, Iterable
+from types import NoneType
+from typing import Any, get_args
 
-import attrs
 import numpy as np
 
 from roughcontact._answers.laws import MAX_LOAD_RATIO
-from roughcontact._base.units import parse_quantity, quantity
+from roughcontact._base.checks import INFINITE
+from roughcontact._base.registry import PartField
+from roughcontact._base.units import parse_quantity, quantity, si
 from roughcontact._faces.cli.help import add_group
+from roughcontact._parts.files import list_reader_options
 from roughcontact._parts.grid import Boundary, Load
 from roughcontact._parts.materials import TYPICAL
+from roughcontact.errors import Argument, InputError, Spell, write_number
 
-# The value of an argument in a sentence: both sides, a text or a number; not in calls, as of numpy.savez.
-_VALUE = r"(?P<value>\((?:x, y|[-+.e0-9, ]+)\)(?:, m\b)?|'[^']*'|-?[0-9]+(?:\.[0-9]+)?(?:e-?[0-9]+)?)?(?=[\s,.;:)]|$)"
-# "size=(x, y), m (on the command line --size)": what stands in brackets is the option.
-_ASIDE = re.compile(r"\s*\(on the command line (?P<option>--[^()]*)\)")
-# Arguments that are lengths.
-_LENGTHS = ("size", "cell", "unit")
+# Arguments that are not options of their own names.
+_SPELLED = {"displacement": "displacements to --tangential", "tangential_force": "forces to --tangential"}
 # Most characters of a wrong argument that are shown.
 _MAX_SHOWN_CHARACTERS = 80
 # Most loads of a range.
 _MAX_LOADS = 200
 
 
-def name_options(sentence: str, names: Iterable[str]) -> str:
-    """Return a sentence in which arguments such as ``skip_rows=2`` are options, ``--skip-rows 2``.
+def spell_options(known: Collection[str]) -> Spell:
+    """Return how a command with these options spells an argument: ``--skip-rows 2``, ``--size X Y``."""
 
-    `names` are the arguments that are options of the command.
-    """
-    known = "|".join(map(re.escape, names))
-    argument = re.compile(rf"(?<![\w.])(?P<name>{known})={_VALUE}")
-    aside = re.compile(argument.pattern + _ASIDE.pattern)
-    sentence = aside.sub(lambda found: found["option"] if " " in found["option"] else _option(found), sentence)
-    return _ASIDE.sub("", argument.sub(_option, sentence)) if argument.search(sentence) else sentence
+    def spell(one: Argument) -> str:
+        if one.name in _SPELLED:
+            return _SPELLED[one.name] if "tangential" in known else ""
+        values = [_write_value(value, one) for value in one.values]
+        return " ".join([f"--{one.name.replace('_', '-')}", *values]) if one.name in known else ""
 
-
-def _option(found: re.Match[str]) -> str:
-    name = found["name"]
-    value = found["value"] or ""
-    words = value if value[:1] == "'" and not value.strip("'").isalpha() else value.strip("'")
-    if value.startswith("("):
-        words = value.removesuffix(", m").strip("()").replace(",", "").replace("x y", "X Y")
-    if name in _LENGTHS:
-        words = re.sub(r"[0-9]+(?:\.[0-9]*)?(?:[eE]-?[0-9]+)?", r"\g<0>m", words)
-    return f"--{name.replace('_', '-')} {words}".rstrip()
+    return spell
 
 
-def fields_of(cls: type[Any]) -> tuple[attrs.Attribute[Any], ...]:
-    """Return the fields of a class that options can give; none of a class that is not of attrs."""
-    return tuple(attrs.fields(cls)) if attrs.has(cls) else ()
+def _write_value(value: str | float, one: Argument) -> str:
+    if not isinstance(value, str):
+        return si(value, one.unit).replace(" ", "").replace("µ", "u") if one.unit else write_number(value)
+    return value.upper() if len(one.values) > 1 else value if value.isalnum() else repr(value)
+
+
+def refuse(options: argparse.Namespace, names: Iterable[str], reason: str) -> None:
+    """Raise `InputError` for the first of these options that is given: a sentence that begins with it."""
+    for name in names:
+        if getattr(options, name) not in (None, False):
+            raise InputError(f"--{name.replace('_', '-')} {reason}")
+
+
+def add_shape(output: Any) -> None:
+    """Declare the shape of what is printed, if it is not text."""
+    shape = output.add_mutually_exclusive_group()
+    shape.add_argument("--json", action="store_true", help="print one JSON object, in SI units")
+    shape.add_argument("--csv", action="store_true", help="print a header and a row for each load, in SI units")
+    shape.add_argument("-q", "--quiet", action="store_true", help="print nothing but errors")
+
+
+def converter_of(field: PartField) -> Callable[[str], Any] | None:
+    """Return the converter of the texts of a field, for argparse; None of a field that is neither a number nor two."""
+    kinds = [kind for kind in (get_args(field.kind) or (field.kind,)) if kind is not NoneType]
+    if kinds == [int]:
+        return whole_number
+    if kinds == [float, str]:
+        return lambda text: text if text.isalpha() else NUMBER(text)
+    if kinds != [float] and not field.is_pair:
+        return None
+    convert = quantity(field.unit or "")
+    # The class reads the word of an infinite number, or refuses it.
+    return lambda text: text if text == INFINITE else convert(text)
 
 
 def whole_number(text: str) -> int:
@@ -82,23 +101,6 @@ def _load(text: str) -> Load:
             return Load(kind, value)
     shown = f"{text[:_MAX_SHOWN_CHARACTERS]!r} is not a force, a pressure or an approach"
     raise argparse.ArgumentTypeError(f"{shown}; write it like 2.5N, 100MPa or 50nm")
-
-
-def _no_data(text: str) -> float | str:
-    """Return the number of non-measured points, or ``"none"``, for argparse."""
-    return text if text == "none" else NUMBER(text)
-
-
-# The options of the readers of files, with their converters and help texts.
-OF_READERS: dict[str, tuple[Callable[[str], Any], str]] = {
-    "separator": (str, "separator in text: , ; tab blank (found)"),
-    "decimal": (str, "decimal mark in text: . or , (found)"),
-    "skip_rows": (whole_number, "lines of text above the heights (found)"),
-    "rows": (str, "x or y: what one line of the file is (x)"),
-    "no_data": (_no_data, "number of points not measured: -9999, or none"),
-    "variable": (str, "array of a .mat file (heights)"),
-    "page": (whole_number, "image of a TIFF file"),
-}
 
 
 def add_problem(parser: argparse.ArgumentParser, *, study: bool = False) -> None:
@@ -289,7 +291,8 @@ def _add_treatment(parser: argparse.ArgumentParser, topic: str = "") -> argparse
     maps.add_argument("--unit", type=_unit, metavar="U", help="unit of the heights, such as 1um (the file's)")
     treatments = ("refuse", "fill", "keep")
     maps.add_argument("--non-measured", choices=treatments, default="refuse", help="non-measured points (refuse)")
-    for name, (convert, what) in OF_READERS.items():
+    for name, (field, what) in list_reader_options().items():
+        convert = converter_of(field) or str
         maps.add_argument(f"--{name.replace('_', '-')}", type=convert, metavar=name[0].upper(), help=what)
     maps.add_argument(
         "--detrend", type=_form, metavar="FORM", help="mean, plane, sphere or degree of a polynomial to subtract"

@@ -1,18 +1,23 @@
-"""The states of a cycle or a path as text, JSON and CSV, and the files that a command writes of it."""
+"""Paths on the command line: cycles of adhesion, loads along the surface, sliding; printed, and written to files."""
 
 from __future__ import annotations
 
+import abc
 import argparse
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import attrs
+import numpy as np
 
 import roughcontact as rc
 from roughcontact._base import checks
-from roughcontact._base.units import fit
+from roughcontact._base.machine.progress import ChangeProgress, count_done
+from roughcontact._base.units import fit, parse_quantity, si
 from roughcontact._faces.cli.answers import (
+    describe_responses,
     describe_rows,
     is_doubtful,
     name_written,
@@ -26,14 +31,33 @@ from roughcontact._faces.cli.answers import (
     write_json,
     write_rows_of_answers,
 )
-from roughcontact._faces.cli.inputs import describe_responses
-from roughcontact._faces.cli.options import name_options
-from roughcontact._faces.cli.progress import show_progress
+from roughcontact._faces.cli.options import refuse
+from roughcontact._faces.cli.problem import make_part
+from roughcontact._faces.cli.progress import count_solves, describe_steps, show_progress
 from roughcontact._faces.cli.responses import ask_all_states
 from roughcontact._faces.panels.figures import save_figure
+from roughcontact._parts.grid import Load
+from roughcontact._parts.materials import pair_constants
+from roughcontact._solve.problem import (
+    AdhesionCycle,
+    Increment,
+    describe_estimate,
+    explain_with_friction,
+    find_path_inputs,
+    list_loads,
+    require_frictional,
+    run_slide,
+)
 from roughcontact._solve.problem import Path as StatePath
-from roughcontact._solve.problem import describe_estimate, find_path_inputs
+from roughcontact._solve.solution import require_to_hold
 from roughcontact._work.studies import Answers, add_answers, write_report
+
+# States on each branch.
+_STATES = 41
+# Options of a solve that say nothing of a cycle.
+_OUTSIDE_CYCLES = ("refine", "area", "area_within", "peak_within")
+# Options of a solve that say nothing of a contact with friction.
+_WITHOUT_FRICTION = ("cycle", "refine", "area", "area_within", "peak_within")
 
 
 @attrs.frozen
@@ -100,7 +124,7 @@ def _format(subject: StatePath | rc.ContactSolution, asked: Asked, options: argp
 
 def path_to_text(path: StatePath, asked: Asked = _NOTHING) -> str:
     """Return a path for people, and below it what responses say of its states, in lines of at most 80 columns."""
-    lines = [name_options(str(path), ("substeps",))]
+    lines = [str(path)]
     if asked.answers:
         lines += ["", *write_rows_of_answers(*path.label_states(), asked.answers, asked.reasons)]
     return fit("\n".join(lines))
@@ -129,3 +153,148 @@ def path_to_json(path: StatePath, asked: Asked = _NOTHING) -> str:
         "units": dict(table.units),
     }
     return write_json(content)
+
+
+class Course(abc.ABC):
+    """A path of states, or a state of sliding, that the options of a solve describe; what does not fit is refused."""
+
+    def check(self, asked: Iterable[rc.Response[Any]]) -> None:
+        """Take any responses that are asked for, unless a subclass refuses some."""
+        return
+
+    def explain(self, problem: rc.ContactProblem) -> str:
+        """Return the plan, in words."""
+        return problem.explain()
+
+    @abc.abstractmethod
+    def require(self, problem: rc.ContactProblem, loads: Sequence[Load]) -> tuple[Load, ...]:
+        """Return the normal loads; `InputError` if the bodies cannot carry them."""
+
+    @abc.abstractmethod
+    def solve(self, problem: rc.ContactProblem, loads: Sequence[Load]) -> StatePath | rc.ContactSolution:
+        """Return what is found, and show on the way what runs."""
+
+    def list_doubted(self, found: Any) -> tuple[tuple[rc.ContactSolution, ...], list[rc.Estimate]]:
+        """Return the states and numbers whose own warnings count beside those of the whole."""
+        return (), []
+
+
+def find_course(options: argparse.Namespace) -> Course | None:
+    """Return what the options describe, before anything is read; None of single loads."""
+    if options.substeps is not None and options.tangential is None:
+        raise rc.InputError("--substeps is for loads along the surface: give --tangential too, or omit it.")
+    if options.friction is not None and options.tangential is None and options.slide is None:
+        raise rc.InputError("--friction is for loads along the surface: give --tangential or --slide too.")
+    if options.states is not None and options.cycle is None:
+        raise rc.InputError("--states is for --cycle, whose branches have them: give both, or neither.")
+    if options.tangential is not None or options.slide is not None:
+        return LoadsAlong(options)
+    return None if options.cycle is None else Cycle(options)
+
+
+class Cycle(Course):
+    """Loading and unloading of surfaces that attract each other: ``--cycle``."""
+
+    def __init__(self, options: argparse.Namespace):
+        if options.adhesion is None:
+            raise rc.InputError("--cycle is for surfaces that attract each other: give --adhesion too.")
+        refuse(options, _OUTSIDE_CYCLES, "is for single loads: omit it with --cycle, which has many states.")
+        if options.states is not None and options.states < 2:
+            raise rc.InputError.about("The number of --states", options.states, "at least 2")
+        low, high = options.cycle
+        if not low < high:
+            raise rc.InputError(f"--cycle needs its lower approach first, but got {si(low, 'm')} and {si(high, 'm')}.")
+        self._approach = np.linspace(low, high, _STATES if options.states is None else options.states)
+        self._quiet = options.quiet
+
+    def require(self, problem: rc.ContactProblem, loads: Sequence[Load]) -> tuple[Load, ...]:
+        """Return the first and the last approach."""
+        for load in loads:
+            problem.require_load(**load.arguments)
+        return problem.require_cycle(approach=[load.value for load in loads])
+
+    def solve(self, problem: rc.ContactProblem, loads: Sequence[Load]) -> AdhesionCycle:
+        """Return both branches."""
+        with show_progress("solving", quiet=self._quiet) as change:
+            tell = count_done(change, 2 * len(self._approach) - 1, "state")
+            return problem.cycle(approach=self._approach, on_state=tell)
+
+    def list_doubted(self, found: Any) -> tuple[tuple[rc.ContactSolution, ...], list[rc.Estimate]]:
+        """Return all states and all numbers."""
+        return found.states, [found.pull_in, found.pull_off, found.dissipated]
+
+
+class LoadsAlong(Course):
+    """A contact with friction, loaded along the surface or in steady sliding: ``--tangential``, ``--slide``."""
+
+    def __init__(self, options: argparse.Namespace):
+        given = "--tangential" if options.slide is None else "--slide"
+        if options.friction is None:
+            raise rc.InputError(f"{given} needs a law by which the surfaces slip: give --friction 0.3, for example.")
+        refuse(options, _WITHOUT_FRICTION, f"is for loads without friction: omit it with {given}.")
+        if options.slide is not None and options.loads is not None:
+            raise rc.InputError("--slide is for one load: give that instead of --loads.")
+        if len({kind for kind, _ in options.tangential or ()}) > 1:
+            raise rc.InputError("--tangential needs loads of one kind, but got forces and displacements.")
+        self._law = _read_law(options)
+        self._options = options
+
+    def check(self, asked: Iterable[rc.Response[Any]]) -> None:
+        """Refuse a response that means nothing for a state with a tangential traction."""
+        for response in asked:
+            require_to_hold(response, {"shear"})
+
+    def explain(self, problem: rc.ContactProblem) -> str:
+        """Return the plan of a path or of steady sliding, in words."""
+        require_frictional(problem)
+        # A path begins with the state under the normal load alone.
+        return explain_with_friction(problem.plan, self._law, 1 + len(self._options.tangential or ()))
+
+    def require(self, problem: rc.ContactProblem, loads: Sequence[Load]) -> tuple[Load, ...]:
+        """Return the normal loads, of which the last of several may be zero."""
+        if self._options.loads is None:
+            return tuple(problem.require_load(**load.arguments) for load in loads)
+        return list_loads(problem, {loads[0].kind: [load.value for load in loads]})
+
+    def solve(self, problem: rc.ContactProblem, loads: Sequence[Load]) -> StatePath | rc.ContactSolution:
+        """Return the path of the loads along the surface, or the state of sliding."""
+        with show_progress("pressing", quiet=self._options.quiet) as change:
+            solve = self._slide if self._options.tangential is None else self._follow
+            return solve(problem, loads, change)
+
+    def _follow(
+        self, problem: rc.ContactProblem, loads: Sequence[Load], change: ChangeProgress
+    ) -> StatePath | rc.ContactSolution:
+        values: Any = loads[0].value if self._options.loads is None else [load.value for load in loads]
+        kind = self._options.tangential[0][0]
+        given: dict[str, Any] = {loads[0].kind: values, kind: [pair for _, pair in self._options.tangential]}
+        substeps = "auto" if self._options.substeps is None else self._options.substeps
+
+        def tell(done: Increment) -> None:
+            # The pressing is not counted: it may be a solve that has been asked for, or many increments.
+            change(str(done), (done.step - 1 + done.increment / done.increments) / done.steps if done.step else None)
+
+        return problem.path(**given, friction=self._law, substeps=substeps, on_increment=tell)
+
+    def _slide(
+        self, problem: rc.ContactProblem, loads: Sequence[Load], change: ChangeProgress
+    ) -> StatePath | rc.ContactSolution:
+        work = (problem.plan.grid.shape, problem.plan.solver.tolerance)
+        # Of unlike bodies pressure and traction are found in turn, which takes about as long as pressing.
+        unlike = pair_constants(problem.body.material, problem.counterbody.material).beta != 0.0
+        press = describe_steps(change, "pressing", count_solves(*work, (0, 2 if unlike else 1)))
+        slide = describe_steps(change, "sliding", count_solves(*work, (1, 2)))
+        return run_slide(problem, loads[0].arguments, self._law, math.degrees(self._options.slide), press, slide)
+
+
+def _read_law(options: argparse.Namespace) -> rc.FrictionLaw:
+    """Return the law that ``--friction`` names: a number is a coefficient of friction."""
+    # A blank stands before a number with a minus; see `main`.
+    first, *others = (text.strip() for text in options.friction)
+    if others or first[:1].isalpha():
+        law: rc.FrictionLaw = make_part(rc.frictions, "--friction", first, others)
+        return law
+    try:
+        return rc.Coulomb(parse_quantity(first, ""))
+    except ValueError as error:
+        raise rc.InputError(f"--friction: {error}.") from error

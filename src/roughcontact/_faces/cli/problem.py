@@ -12,9 +12,9 @@ from typing import Any
 import attrs
 
 import roughcontact as rc
-from roughcontact._base.registry import Registry
-from roughcontact._faces.cli.options import OF_READERS, add_problem, fields_of
-from roughcontact._parts.files import read_raw
+from roughcontact._base.registry import Registry, list_fields
+from roughcontact._faces.cli.options import add_problem, refuse
+from roughcontact._parts.files import list_reader_options, read_raw
 from roughcontact._parts.files.reading import options_of
 from roughcontact._parts.grid import Boundary, Load
 from roughcontact._solve.problem import require_memory_of_solve
@@ -82,7 +82,7 @@ def make_part(registry: Registry[Any], option: str, name: str, texts: Sequence[s
 
 def _read_fields(texts: Sequence[str], what: str, cls: type[Any]) -> dict[str, Any]:
     """Return the texts of the fields of a class by name; its first words do, as ``yield`` of ``yield_stress``."""
-    known = [str(field.alias) for field in fields_of(cls)]
+    known = [*list_fields(cls)]
     fields: dict[str, Any] = {}
     # A comma separates fields too, but not the values of one.
     for text in (part for several in texts for part in re.split(r",(?=\w+=)", several)):
@@ -127,13 +127,13 @@ def _describe_kernel(options: argparse.Namespace) -> dict[str, Any]:
 def _surfaces(options: argparse.Namespace) -> tuple[rc.Surface, rc.Surface, dict[str, Any] | None]:
     """Return both surfaces, and how they are matched."""
     if options.counterbody is None:
-        for name in ("match", "counterbody_size", "counterbody_unit", "counterbody_detrend"):
-            _refuse(options, name, "is for the second of two height maps: give its file too, or omit the option.")
+        names = ("match", "counterbody_size", "counterbody_unit", "counterbody_detrend")
+        refuse(options, names, "is for the second of two height maps: give its file too, or omit the option.")
     if options.match is None:
         if options.mirror and getattr(options, "mirror_borders", None) is not None and options.counterbody is None:
             raise rc.InputError("--mirror turns a second map over; --mirror-borders repeats maps that do not repeat.")
-        for name in ("offset", "rotation", "domain", "mirror"):
-            _refuse(options, name, "is for two maps that are interpolated: give both, and --match bilinear.")
+        names = ("offset", "rotation", "domain", "mirror")
+        refuse(options, names, "is for two maps that are interpolated: give both, and --match bilinear.")
     body = read_map(options)
     if options.counterbody is None:
         return _resample(body, options), rc.FlatSurface(), None
@@ -170,11 +170,6 @@ def _counterbody_size_and_unit(options: argparse.Namespace) -> tuple[list[float]
     return size, unit
 
 
-def _refuse(options: argparse.Namespace, name: str, reason: str) -> None:
-    if getattr(options, name) not in (None, False):
-        raise rc.InputError(f"--{name.replace('_', '-')} {reason}")
-
-
 def read_map(options: argparse.Namespace) -> rc.HeightMap:
     """Return the height map of the body, treated as the options say."""
     return _read(options.surface, options, options.size, options.unit, options.detrend)
@@ -192,7 +187,7 @@ def _read(
 
 def _options_of_reader(options: argparse.Namespace, path: str) -> dict[str, Any]:
     """Return the options for the reader of one map: all that are given, but those that are for the other map alone."""
-    given = {name: getattr(options, name) for name in OF_READERS if getattr(options, name) is not None}
+    given = {name: getattr(options, name) for name in list_reader_options() if getattr(options, name) is not None}
     maps = [Path(name) for name in (options.surface, getattr(options, "counterbody", None)) if name is not None]
     others = {name for file in maps for name in options_of(file) if name not in options_of(Path(path))}
     return {name: value for name, value in given.items() if name not in others}
@@ -211,8 +206,8 @@ def _sides(lengths: list[float] | None) -> float | list[float] | None:
 
 def _describe_counterbody_material(options: argparse.Namespace) -> str | dict[str, float]:
     if options.counterbody_young is None and options.counterbody_material is None:
-        for name in ("counterbody_hardness", "counterbody_poisson"):
-            _refuse(options, name, "needs --counterbody-young: without it the counterbody is rigid.")
+        names = ("counterbody_hardness", "counterbody_poisson")
+        refuse(options, names, "needs --counterbody-young: without it the counterbody is rigid.")
         return "rigid"
     return _describe_material(options, "counterbody_", 0.3 if options.poisson is None else options.poisson)
 
@@ -223,8 +218,8 @@ def _describe_material(options: argparse.Namespace, prefix: str = "", poisson: f
     constants = {part: getattr(options, prefix + part) for part in ("young", "poisson", "hardness")}
     if name is None:
         return {"poisson": poisson, **{part: value for part, value in constants.items() if value is not None}}
-    for part in ("poisson", "hardness"):
-        _refuse(options, prefix + part, f"is for a Young's modulus: {name!r} has its own.")
+    names = (prefix + part for part in ("poisson", "hardness"))
+    refuse(options, names, f"is for a Young's modulus: {name!r} has its own.")
     return name
 
 

@@ -9,6 +9,7 @@ from typing import Any
 import roughcontact as rc
 from roughcontact._base.arrays import Array
 from roughcontact._base.machine.progress import ChangeProgress
+from roughcontact._faces.cli.options import refuse
 from roughcontact._faces.cli.problem import make_part
 from roughcontact._faces.cli.progress import count_solves, describe_steps
 from roughcontact._parts.grid import Load
@@ -24,10 +25,8 @@ _OF_OTHER_LOADS = ("adhesion", "friction", "refine", "area_within", "peak_within
 
 def refuse_for_wanted(options: argparse.Namespace) -> None:
     """Refuse what does not fit a load that is asked for, before anything is read."""
-    for name in _OF_OTHER_LOADS:
-        if options.solve_for is not None and getattr(options, name) is not None:
-            shown = f"--{name.replace('_', '-')}"
-            raise rc.InputError(f"{shown} needs a load that is given: omit it with {_OPTION}, or give the load.")
+    if options.solve_for is not None:
+        refuse(options, _OF_OTHER_LOADS, f"needs a load that is given: omit it with {_OPTION}, or give the load.")
 
 
 def wanted_of(texts: Sequence[str]) -> tuple[rc.Response[Any], str]:
@@ -73,4 +72,4 @@ def solve_wanted(
     try:
         return find_required_load(problem, solve, response, value, {}, foresee)
     except rc.InputError as error:
-        raise rc.InputError(f"{_OPTION}: {error}") from error
+        raise rc.InputError(f"{_OPTION}: {error.marked}") from error

@@ -7,16 +7,16 @@ import contextlib
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import attrs
-
 import roughcontact as rc
 from roughcontact._answers.linear.stiffness import find_pull_off_once
 from roughcontact._base.machine.progress import ChangeProgress
+from roughcontact._base.registry import PartField
 from roughcontact._base.units import EXAMPLES, si
 from roughcontact._faces.cli.help import add_group
 from roughcontact._faces.cli.problem import make_part
 from roughcontact._solve.problem import OnStateToPullOff, problem_of
-from roughcontact._work.studies import Answers, ResponseField, ask_states, describe_response
+from roughcontact._work.studies import Answers, ask_states, describe_response
+from roughcontact.errors import Sentence
 
 # Registered name of the force of pull-off.
 PULL_OFF = "pull-off"
@@ -30,7 +30,7 @@ def add_responses(parser: argparse.ArgumentParser) -> None:
         if form.is_array:
             continue
         needed = [f"{field.name}={_write_example(field)}" for field in form.fields if field.is_needed]
-        others = [f"[{field.name}={_write_default(name, field)}]" for field in form.fields if not field.is_needed]
+        others = [f"[{field.name}={_write_default(field)}]" for field in form.fields if not field.is_needed]
         with contextlib.suppress(argparse.ArgumentError):
             group.add_argument(
                 f"--{name}",
@@ -41,20 +41,19 @@ def add_responses(parser: argparse.ArgumentParser) -> None:
             )
 
 
-def _write_example(field: ResponseField) -> str:
+def _write_example(field: PartField) -> str:
     """Return an example of the value of a field, with its unit; dots where it has none."""
     unit = field.unit or field.plain_unit
     return f"{EXAMPLES[unit] if unit and unit in EXAMPLES else '...'}{_write_plain_unit(field)}"
 
 
-def _write_plain_unit(field: ResponseField) -> str:
+def _write_plain_unit(field: PartField) -> str:
     return f" ({field.plain_unit})" if field.plain_unit else ""
 
 
-def _write_default(name: str, field: ResponseField) -> str:
+def _write_default(field: PartField) -> str:
     """Return the default of a field of a response; dots where it is nothing that one can write."""
-    cls: Any = rc.responses[name]
-    default = attrs.fields_dict(cls)[field.name].default
+    default = field.default
     shown = f"{default:g}" if isinstance(default, float) else str(default) if isinstance(default, (int, str)) else "..."
     return f"{shown}{_write_plain_unit(field)}"
 
@@ -102,7 +101,7 @@ def ask_all_states(
     answers, reasons = ask_states(asked, states, tell)
     for name, reason in reasons.items():
         if not any(result is not None for result in answers[name]):
-            raise rc.InputError(f"--{name}: {reason}")
+            raise rc.InputError(f"--{name}: {Sentence(reason).marked}")
     return answers, reasons
 
 
@@ -137,5 +136,5 @@ def ask(
                     find_pull_off_once(problem_of(solution), _tell_states(change))
                 found[name].append(solution.response(response))
             except rc.InputError as error:
-                raise rc.InputError(f"--{name}: {error}") from error
+                raise rc.InputError(f"--{name}: {error.marked}") from error
     return found

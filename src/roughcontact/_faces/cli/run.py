@@ -14,8 +14,7 @@ from pathlib import Path
 
 from roughcontact._base.units import counted, fit, kind_of
 from roughcontact._faces.cli import DOUBTFUL, Command
-from roughcontact._faces.cli.answers import describe_rows, write_json
-from roughcontact._faces.cli.inputs import describe_study
+from roughcontact._faces.cli.answers import describe_rows, describe_study, write_json
 from roughcontact._faces.cli.options import whole_number
 from roughcontact._faces.cli.progress import show_progress
 from roughcontact._work.studies import Record, Share, StudyResult

@@ -15,6 +15,8 @@ from roughcontact._base.units import fit
 from roughcontact._faces.cli import DOUBTFUL, Command
 from roughcontact._faces.cli.answers import (
     LATE,
+    describe_responses,
+    describe_wanted,
     is_doubtful,
     name_written,
     plan_outputs,
@@ -24,17 +26,9 @@ from roughcontact._faces.cli.answers import (
     write_late,
     write_outputs,
 )
-from roughcontact._faces.cli.cycle import refuse_for_cycle, solve_cycle
-from roughcontact._faces.cli.friction import (
-    explain_friction,
-    friction_of,
-    refuse_for_friction,
-    solve_friction,
-)
 from roughcontact._faces.cli.help import add_group, tell
-from roughcontact._faces.cli.inputs import describe_responses, describe_wanted
-from roughcontact._faces.cli.options import add_accuracy, add_problem, whole_number
-from roughcontact._faces.cli.paths import plan_path_outputs
+from roughcontact._faces.cli.options import add_accuracy, add_problem, add_shape, refuse, whole_number
+from roughcontact._faces.cli.paths import find_course, plan_path_outputs, write_path
 from roughcontact._faces.cli.problem import loads_of, problem_of, set_tolerance
 from roughcontact._faces.cli.progress import (
     count_grids,
@@ -46,8 +40,7 @@ from roughcontact._faces.cli.required_load import ANSWER, refuse_for_wanted, sol
 from roughcontact._faces.cli.responses import add_responses, ask, refuse_pull_off, responses_of
 from roughcontact._parts.grid import Load
 from roughcontact._parts.surfaces import find_maps
-from roughcontact._solve.problem import list_loads, run_loads, run_solve, tolerance_within
-from roughcontact._solve.solution import require_to_hold
+from roughcontact._solve.problem import run_solve, sweep_loads, tolerance_within
 
 
 class Solve(Command):
@@ -87,10 +80,7 @@ examples:
         )
         output = parser.add_argument_group("output")
         output.add_argument("--area", metavar="NAME", help="area estimator to report besides the default")
-        shape = output.add_mutually_exclusive_group()
-        shape.add_argument("--json", action="store_true", help="print one JSON object, in SI units")
-        shape.add_argument("--csv", action="store_true", help="print a header and a row for each load, in SI units")
-        shape.add_argument("-q", "--quiet", action="store_true", help="print nothing but errors")
+        add_shape(output)
         output.add_argument("--explain", action="store_true", help="print the plan first: cells, memory, threads, ...")
         output.add_argument("--dry-run", action="store_true", help="print the plan, and solve nothing")
         output.add_argument(
@@ -112,43 +102,36 @@ examples:
         if options.dry_run and piped:
             raise rc.InputError("--dry-run prints the plan, which is text: omit --json or --csv.")
         _refuse_for_several(options)
-        refuse_for_friction(options)
-        refuse_for_cycle(options)
+        course = find_course(options)
         refuse_for_wanted(options)
         wanted = None if options.solve_for is None else wanted_of(options.solve_for)
-        law = None if options.friction is None else friction_of(options)
         asked = responses_of(options)
         refuse_pull_off(options, asked)
-        if law is not None:
-            for response in asked.values():
-                require_to_hold(response, {"shear"})
+        if course is not None:
+            course.check(asked.values())
         maps = [name for name in (options.surface, options.counterbody) if name is not None]
         paths = [checks.path(name, "The map") for name in maps]
-        if law is not None or options.cycle is not None:
-            files = plan_path_outputs(options, paths)
-        else:
+        if course is None:
             files = plan_outputs(options.output, options.report, paths, max(1, len(loads_of(options))))
+        else:
+            files = plan_path_outputs(options, paths)
         with show_progress("reading the maps", quiet=options.quiet) as change:
             problem = problem_of(options)
         if options.explain or options.dry_run:
-            plan = fit(problem.explain() if law is None else explain_friction(options, problem, law))
+            plan = fit(problem.explain() if course is None else course.explain(problem))
             print(plan, end="\n" if options.dry_run else "\n\n", file=sys.stderr if piped else None)
         loads = loads_of(options)
-        if options.tangential is None or options.loads is None:
-            loads = tuple(problem.require_load(**load.arguments) for load in loads)
+        if course is not None:
+            loads = course.require(problem, loads)
         else:
-            # The last load of a path may be zero.
-            loads = list_loads(problem, {loads[0].kind: [load.value for load in loads]})
-        if options.cycle is not None:
-            problem.require_cycle(approach=options.cycle)
+            loads = tuple(problem.require_load(**load.arguments) for load in loads)
         if options.dry_run:
             return 0
-        if options.cycle is not None:
-            cycle, doubtful = solve_cycle(options, problem, asked, files)
-            return _status(cycle.states, doubtful, quiet=options.quiet)
-        if law is not None:
-            doubtful = solve_friction(options, problem, law, loads, asked, files)
-            return _report_warnings(doubtful, quiet=options.quiet)
+        if course is not None:
+            path = course.solve(set_tolerance(options, problem), loads)
+            doubtful = write_path(options, path, asked, files)
+            states, numbers = course.list_doubted(path)
+            return _status(states, doubtful or any(one.warnings for one in numbers), quiet=options.quiet)
         with show_progress("solving", quiet=options.quiet) as change:
             if wanted is None:
                 subject, solutions = _solve(options, problem, loads, change)
@@ -187,11 +170,9 @@ examples:
 def _refuse_for_several(options: argparse.Namespace) -> None:
     """Refuse options that are for one grid, for one load or for surfaces that attract each other."""
     several = "--refine" if options.refine is not None else "--loads" if options.loads is not None else ""
-    for name in ("area_within", "peak_within"):
-        if several and getattr(options, name) is not None:
-            raise rc.InputError(
-                f"--{name.replace('_', '-')} chooses the grid of one solve: omit it, or {several}, which has several."
-            )
+    if several:
+        reason = f"chooses the grid of one solve: omit it, or {several}, which has several."
+        refuse(options, ("area_within", "peak_within"), reason)
     if options.refine is not None and options.loads is not None:
         raise rc.InputError("--refine is for one load: omit it, or give one load instead of --loads.")
     if len({load.kind for load in options.loads or ()}) > 1:
@@ -234,7 +215,7 @@ def _solve(
         done += 1
         return run_solve(problem, load, start, throw=False, on_step=steps, **others)
 
-    sweep = run_loads(problem, solve, loads)
+    sweep = sweep_loads(problem, solve, loads)
     return sweep, sweep.states
 
 
@@ -259,11 +240,7 @@ def _status(solutions: tuple[rc.ContactSolution, ...], doubtful: bool = False, *
             raise rc.NotConverged(f"The contact is {solution.status}; what is shown is the last iterate.", solution)
         if solution.accuracy is not None and not solution.accuracy.met:
             raise rc.NotConverged(solution.accuracy.explain(), solution)
-    return _report_warnings(doubtful or any(solution.warnings for solution in solutions), quiet=quiet)
-
-
-def _report_warnings(doubtful: bool, *, quiet: bool) -> int:
-    """Return the exit status of a converged answer, after saying if it has warnings."""
+    doubtful = doubtful or any(solution.warnings for solution in solutions)
     if doubtful and not quiet:
         tell("roughcontact: The solution is converged, but doubtful: see its warnings.")
     return DOUBTFUL if doubtful else 0

@@ -5,7 +5,8 @@ from __future__ import annotations
 import hashlib
 import math
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence, Set
+from typing import Any
 
 import attrs
 import numpy as np
@@ -18,14 +19,11 @@ from roughcontact._parts.grid import Load
 from roughcontact._parts.materials import Material, Rigid
 from roughcontact._parts.surfaces import FlatSurface, HeightMap, Surface, SurfaceSum, find_maps
 from roughcontact._solve.problem import (
-    AS_GIVEN,
     Body,
     ContactProblem,
     ExpressionWriter,
-    FrictionalPath,
     NotInAScript,
     describe_part,
-    write_number,
 )
 from roughcontact._solve.problem import Path as StatePath
 from roughcontact._solve.solution import (
@@ -36,16 +34,12 @@ from roughcontact._solve.solution import (
     versions,
 )
 
-_READ = 'rc.ContactSolution.load("solution.npz")'
 _FROM_FILE = """\
 # The file that {written} holds the heights and all else.
 saved = {read}
 problem = rc.ContactProblem(**saved.origin.problem)"""
-# How the file of a subject is written, and its solution read.
-_OF_SOLUTION = ("solution.save(\"solution.npz\") writes, or 'Fields (.npz)' on the page,", _READ)
-_OF_CYCLE = ('cycle.save("cycle.npz") writes', 'rc.load("cycle.npz")[0]')
-_OF_PATH = ('path.save("path.npz") writes', 'rc.FrictionalPath.load("path.npz")[0]')
-_OF_STATE = ('state.save("state.npz") writes', 'rc.ContactSolution.load("state.npz")')
+# What a script calls that which a method of a problem returns, if not by the name of the method.
+_NAMES = {"solve": "solution", "slide": "state"}
 # Digits of an angle in degrees that rounding leaves.
 _ANGLE_DIGITS = 10
 # Where the name of a file stands in the history of a map.
@@ -59,83 +53,57 @@ def hash_pressure(solution: ContactSolution) -> str:
     return hashlib.sha256(np.ascontiguousarray(solution.pressure).tobytes()).hexdigest()
 
 
-def write_script(solution: ContactSolution, problem: ContactProblem, load: Load) -> str:
-    """Return a Python script that solves a contact again, made of the parts of its problem or from its npz file.
+def write_script(subject: ContactSolution | StatePath, problem: ContactProblem) -> str:
+    """Return a Python script that solves a contact or a path again, made of the parts of its problem or from its file.
 
-    It is empty for a state of a path, which its path solves again.
+    It is empty for a state of a path, which its path solves again, and if no line makes what it needs.
     """
-    if any(one.follows for one in solution.added):
-        return ""
-    if solution.shear is not None:
-        return _write_sliding_script(problem, solution, load)
-    given = f"{load.kind}={write_number(load.value)}"
-    return (
-        f"{_write_problem(problem, _OF_SOLUTION, 'hashlib')}\nsolution = problem.solve({given})\nprint(solution)\n"
-        "print(hashlib.sha256(solution.pressure.tobytes()).hexdigest())  # of the report:\n"
-        f"# {hash_pressure(solution)}\n"
-    )
-
-
-def write_path_script(problem: ContactProblem, path: StatePath) -> str:
-    """Return a Python script that follows a path again; empty if no line makes its law of friction."""
-    if isinstance(path, FrictionalPath):
-        return _write_frictional_script(problem, path)
-    approaches = _write_numbers(load.value for load in _loads_of(path.given))
-    return f"{_write_problem(problem, _OF_CYCLE)}\ncycle = problem.cycle(approach={approaches})\nprint(cycle)\n"
-
-
-def _write_frictional_script(problem: ContactProblem, path: FrictionalPath) -> str:
-    writer = ExpressionWriter()
+    verb, arguments = _find_call(subject)
+    name = _NAMES.get(verb, verb)
+    writer = ExpressionWriter(set() if verb != "solve" else {"hashlib"})
     try:
-        law = writer.write(path[0].friction)
+        given = ", ".join(f"{name}={writer.write(value)}" for name, value in arguments.items())
     except NotInAScript:
+        given = ""
+    if not given:
         return ""
-    loads = _loads_of(path)
-    kind = loads[0].kind
-    # Under one load the bodies are pressed first, and then moved.
-    normal = write_number(loads[0].value) if path.pressed is not None else _write_numbers(one.value for one in loads)
-    pairs = ", ".join(f"({', '.join(map(write_number, state.tangential_load.values))})" for state in path)
-    given = [f"{kind}={normal}", f"{path[0].tangential_load.kind}=[{pairs}]", f"friction={law}"]
-    if AS_GIVEN in path.reasons:
-        given.append(f"substeps={path.increments[path.reasons.index(AS_GIVEN)]}")
-    return (
-        f"{_write_problem(problem, _OF_PATH, *writer.modules)}\npath = problem.path({', '.join(given)})\nprint(path)\n"
-    )
+    found = f"{name} = problem.{verb}({given})\nprint({name})\n"
+    if isinstance(subject, ContactSolution) and verb == "solve":
+        found += (
+            f"print(hashlib.sha256({name}.pressure.tobytes()).hexdigest())  # of the report:\n"
+            f"# {hash_pressure(subject)}\n"
+        )
+    return f"{_write_problem(problem, name, isinstance(subject, StatePath), writer.modules)}\n{found}"
 
 
-def _write_sliding_script(problem: ContactProblem, state: ContactSolution, load: Load) -> str:
-    """Return a Python script of steady sliding; empty if no line makes its law."""
-    writer = ExpressionWriter()
-    try:
-        law = writer.write(state.friction)
-    except NotInAScript:
-        return ""
-    x, y = state.tangential_load.values
-    angle = write_number(round(math.degrees(math.atan2(y, x)), _ANGLE_DIGITS))
-    given = f"{load.kind}={write_number(load.value)}, friction={law}, direction={angle}"
-    return f"{_write_problem(problem, _OF_STATE, *writer.modules)}\nstate = problem.slide({given})\nprint(state)\n"
+def _find_call(subject: ContactSolution | StatePath) -> tuple[str, dict[str, Any]]:
+    """Return the method of a problem that solves a contact or path again, and its arguments; none for other states."""
+    if isinstance(subject, StatePath):
+        return subject.verb, subject.list_arguments()
+    if any(one.follows for one in subject.added):
+        return "", {}
+    load = find_load(subject)
+    given: dict[str, Any] = {} if load is None else load.arguments
+    if subject.shear is None:
+        return "solve", given
+    x, y = subject.tangential_load.values
+    direction = round(math.degrees(math.atan2(y, x)), _ANGLE_DIGITS)
+    return "slide", {**given, "friction": subject.friction, "direction": direction}
 
 
-def _write_problem(problem: ContactProblem, file: tuple[str, str], *modules: str) -> str:
-    """Return the lines that import modules and make a problem, of its parts or from a file."""
+def _write_problem(problem: ContactProblem, name: str, of_path: bool, modules: Set[str]) -> str:
+    """Return the lines that import modules and make a problem, of its parts or from the file of a contact or a path."""
     writer = ExpressionWriter()
     try:
         made = writer.write_problem(problem)
     except NotInAScript:
-        made = _FROM_FILE.format(written=file[0], read=file[1])
+        page = ", or 'Fields (.npz)' on the page," if name == "solution" else ""
+        read = f'rc.load("{name}.npz"){"[0]" * of_path}'
+        made = _FROM_FILE.format(written=f'{name}.save("{name}.npz") writes{page}', read=read)
         writer = ExpressionWriter()
     imports = "".join(f"import {name}\n" for name in sorted({*modules, *writer.modules}))
     separator = "\n" if imports else ""
     return f"{imports}{separator}import roughcontact as rc\n\n{made}"
-
-
-def _loads_of(solutions: Iterable[ContactSolution]) -> list[Load]:
-    """Return the loads in the order of the solutions, all of which state theirs."""
-    return [load for load in map(find_load, solutions) if load is not None]
-
-
-def _write_numbers(values: Iterable[float]) -> str:
-    return f"[{', '.join(map(write_number, values))}]"
 
 
 def describe_scene(solution: ContactSolution, problem: ContactProblem | None, loads: Sequence[Load]) -> str:

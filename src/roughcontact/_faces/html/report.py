@@ -21,7 +21,6 @@ from roughcontact._faces.html.inputs import (
     list_certificate,
     list_inputs,
     list_versions,
-    write_path_script,
     write_script,
 )
 from roughcontact._faces.html.parts import (
@@ -41,11 +40,9 @@ from roughcontact._faces.panels.figures import can_draw, draw_panel
 from roughcontact._parts.grid import Load
 from roughcontact._solve.problem import (
     ContactProblem,
-    FrictionalPath,
     Sweep,
     explain_state,
     find_problem,
-    include_friction,
 )
 from roughcontact._solve.problem import Path as StatePath
 from roughcontact._solve.solution import (
@@ -207,7 +204,7 @@ def _write_path(path: StatePath, answers: Answers = _NO_ANSWERS) -> str:
     """Return the page of a path: its states, with what responses have answered, then one of them in detail."""
     detailed = path.detailed
     problem, missing = find_problem(detailed)
-    script = "" if problem is None else write_path_script(problem, path)
+    script = "" if problem is None else write_script(path, problem)
     return _make_page(
         counted(len(path), "state"),
         [
@@ -216,16 +213,11 @@ def _write_path(path: StatePath, answers: Answers = _NO_ANSWERS) -> str:
             *_make_states(path, answers),
             section(_name_detailed(path), _make_answer(detailed)),
             _make_figures(detailed),
-            *_make_details(detailed, problem, missing, script, _explain(problem, path)),
+            *_make_details(
+                detailed, problem, missing, script, path.explain_plan(None if problem is None else problem.plan)
+            ),
         ],
     )
-
-
-def _explain(problem: ContactProblem | None, path: StatePath) -> str:
-    """Return the plan of a path with friction; empty: that of its states."""
-    if not isinstance(path, FrictionalPath):
-        return ""
-    return path.explain() if problem is None else f"{include_friction(problem.plan)}\n{path.explain()}"
 
 
 def _name_detailed(path: StatePath) -> str:
@@ -320,7 +312,7 @@ def _make_details(
 
 def _make_script(solution: ContactSolution, problem: ContactProblem | None) -> str:
     load = find_load(solution)
-    return "" if problem is None or load is None else _show_script(write_script(solution, problem, load))
+    return "" if problem is None or load is None else _show_script(write_script(solution, problem))
 
 
 def _show_script(script: str) -> str:

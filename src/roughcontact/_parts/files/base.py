@@ -18,13 +18,17 @@ from roughcontact._base.checks import Part, choice
 from roughcontact._base.machine import require_memory
 from roughcontact._base.registry import Registry
 from roughcontact._base.units import outlined
-from roughcontact.errors import InputError
+from roughcontact.errors import InputError, either
 
 _PICTURE_ADVICE = "export the heights themselves, as text or TIFF in 32-bit floating point"
 _DOCUMENT_ADVICE = "export the heights themselves, as text"
 _POINTS_ADVICE = "export the heights on a regular grid, as text x y z"
 _GRID_ADVICE = "export it as text x y z, or as a grid of ESRI or Surfer"
 _PACKED_ADVICE = "unpack it first"
+GRIDDATA_ADVICE = either(", as by scipy.interpolate.griddata")
+SAVE_ADVICE = either(
+    "write the heights with numpy.savez(path, heights=heights, size=(lx, ly))", "write one row of text for each x"
+)
 # The first bytes of files without heights, letters in lower case, their kind, and advice.
 _FOREIGN_KINDS: dict[bytes | tuple[bytes, ...], tuple[str, str]] = {
     b"\x89png": ("a PNG picture", _PICTURE_ADVICE),
@@ -48,7 +52,7 @@ _FOREIGN_KINDS: dict[bytes | tuple[bytes, ...], tuple[str, str]] = {
     b"objecttype = image": ("an image in MetaImage", _PICTURE_ADVICE),
     b"fsasci": ("a grid of CPS-3", _GRID_ADVICE),
     b"exp  0": ("a file in the interchange format of ArcInfo", _GRID_ADVICE),
-    b'{"': ("a text in JSON", "write the heights with numpy.savez(path, heights=heights, size=(lx, ly))"),
+    b'{"': ("a text in JSON", SAVE_ADVICE),
     b"{{": ("a list of Mathematica", 'export it as a table: Export["map.csv", heights]'),
     b"par1": ("a table in Parquet", _DOCUMENT_ADVICE),
     b"sqlite format": ("a data base of SQLite", _DOCUMENT_ADVICE),
@@ -220,8 +224,8 @@ def find_foreign(file: Path) -> str:
         end = stream.read(2 * len(SEAL))
     if SEAL[:20] in end:
         return (
-            f"it is a saved solution, not a height map: ContactSolution.load({file.name!r}) reads it, and the command "
-            f"'roughcontact plot {file.name}' draws it"
+            f"it is a saved solution, not a height map: {either(f'ContactSolution.load({file.name!r}) reads it, and ')}"
+            f"the command 'roughcontact plot {file.name}' draws it"
         )
     if b"<vtkfile" in start:
         start = b"<vtkfile"

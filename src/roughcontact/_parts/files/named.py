@@ -11,10 +11,10 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import RealArray
-from roughcontact._parts.files.base import RawMap, SurfaceReader, check_rows
+from roughcontact._parts.files.base import GRIDDATA_ADVICE, RawMap, SurfaceReader, check_rows
 from roughcontact._parts.files.points import MIN_POINTS, are_on_grid
 from roughcontact._parts.files.stated import Stated, build_map, check_no_data, metres, names_unit
-from roughcontact.errors import InputError
+from roughcontact.errors import InputError, argument
 
 # Attributes of an array that are read: its unit, packing, the values of non-measured points, and the valid ones.
 UNIT_ATTRIBUTES = ("units", "unit", "Units", "Unit", "UNITS", "UNIT")
@@ -209,7 +209,8 @@ def choose_map(
     if name not in maps or (reader.variable is None and name != "heights" and len(chosen) > 1):
         found = ", ".join(sorted(maps)) or "none"
         raise InputError(
-            "its array of heights is not known: give variable= with its name; its real arrays of two dimensions "
+            f"its array of heights is not known: give {argument('variable')} with its name; its real arrays of two "
+            "dimensions "
             f"are: {found:.200}"
         )
     # What stands beside the map counts before what stands above it.
@@ -295,7 +296,9 @@ def _find_sides(stated: Stated, shape: tuple[int, ...], arrays: Mapping[str, Nam
     known = {name: arrays[name] for name in _SIZE_NAMES if name in arrays and arrays[name].values.size <= 2}
     units = {one.unit for one in known.values()}
     if len(units) > 1:
-        raise InputError("its sides are stated in different units: give size=, and keep the heights alone")
+        raise InputError(
+            f"its sides are stated in different units: give {argument('size')}, and keep the heights alone"
+        )
     if units - {None}:
         stated = attrs.evolve(stated, length=units.pop())
     values = {name: one.values.ravel().astype(np.float64).tolist() for name, one in known.items()}
@@ -353,7 +356,6 @@ def _find_step(places: RealArray, axis: str) -> float:
     step = float(places[-1] - places[0]) / (places.size - 1)
     if not np.isfinite(step) or step == 0.0 or np.abs(np.diff(places) - step).max() > _STEP_TOLERANCE * abs(step):
         raise InputError(
-            f"its positions {axis} are not regular: interpolate the heights on a regular grid, as by "
-            "scipy.interpolate.griddata"
+            f"its positions {axis} are not regular: interpolate the heights on a regular grid{GRIDDATA_ADVICE}"
         )
     return step

@@ -9,10 +9,10 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from roughcontact._base.arrays import Array
-from roughcontact._parts.files.base import RawMap
+from roughcontact._parts.files.base import GRIDDATA_ADVICE, SAVE_ADVICE, RawMap
 from roughcontact._parts.files.stated import metres
 from roughcontact._parts.files.text import decode_latin
-from roughcontact.errors import InputError
+from roughcontact.errors import InputError, Sentence, argument
 
 # Rounding of printed positions in a list of points, over the step.
 _GRID_TOLERANCE = 0.05
@@ -167,12 +167,14 @@ def put_on_grid(points: Array) -> RawMap:
     if np.bincount(i * ny + j, minlength=nx * ny).max() > 1:
         raise _at_one_place(points, i * ny + j)
     unit, length = (1.0, "metre") if max(nx * dx, ny * dy) < _MAX_METRIC_SIDE else (1e-6, "micrometre")
-    sides = ", ".join(f"{unit * side:.6g}" for side in (nx * dx, ny * dy))
+    sides = (float(f"{unit * side:.6g}") for side in (nx * dx, ny * dy))
     return RawMap(
         heights,
         steps=(dx, dy),
-        hint=f"its {nx} x {ny} points are {dx:.6g} x {dy:.6g} apart in a unit that it does not state; if that is the "
-        f"{length}, size=({sides})",
+        hint=Sentence(
+            f"its {nx} x {ny} points are {dx:.6g} x {dy:.6g} apart in a unit that it does not state; if that is the "
+            f"{length}, {argument('size', *sides, unit='m')}"
+        ),
     )
 
 
@@ -201,13 +203,12 @@ def _at_one_place(points: Array, cells: np.ndarray) -> InputError:
     return InputError(
         f"each of its {len(points)} rows holds 3 numbers, as in a list of points x y z, but two of them or more stand "
         f"at one place of a regular grid, as at x = {points[twin, 0]:g}, y = {points[twin, 1]:g}: keep one point at "
-        "each place, or interpolate them, as by scipy.interpolate.griddata"
+        f"each place, or interpolate them{GRIDDATA_ADVICE}"
     )
 
 
 def _irregular(count: int) -> InputError:
     return InputError(
         f"each of its {count} rows holds 3 numbers, as in a list of points x y z, but they do not lie on a regular "
-        "grid: interpolate them on one, as by scipy.interpolate.griddata, and write the heights with "
-        "numpy.savez(path, heights=heights, size=(lx, ly))"
+        f"grid: interpolate them on one{GRIDDATA_ADVICE}, and {SAVE_ADVICE}"
     )

@@ -17,11 +17,12 @@ import numpy as np
 from roughcontact._base import checks
 from roughcontact._base.arrays import Pair
 from roughcontact._base.checks import choice, number, pair
+from roughcontact._base.registry import PartField, describe_fields, list_fields
 from roughcontact._base.units import Length, si
 from roughcontact._parts.files.base import RawMap, SurfaceReader, find_foreign, readers
 from roughcontact._parts.files.bounds import HDF5_SIGNATURE
 from roughcontact._parts.surfaces import TREATMENTS, HeightMap, complete
-from roughcontact.errors import InputError, RoughContactError, shorten
+from roughcontact.errors import InputError, RoughContactError, Sentence, argument, shorten
 from roughcontact.errors.door import guarded
 
 _LOGGER = logging.getLogger("roughcontact")
@@ -119,9 +120,7 @@ def read_surface(
     raw = read_raw(file, reader, **options)
     given = _choose_size(_find_size(size, cell, raw), raw, unit, file)
     _require_fitting(raw, given, file)
-    heights, mask, done = complete(
-        raw.heights, f"the file {file.name}", non_measured, " (on the command line --non-measured)"
-    )
+    heights, mask, done = complete(raw.heights, f"the file {file.name}", non_measured)
     surface = HeightMap(heights, given, periodic=raw.periodic, non_measured=mask)
     scale = _unit(raw, unit, file)
     told = scale if raw.unit is None else raw.unit
@@ -163,15 +162,28 @@ def read_raw(file: str | Path, reader: str | SurfaceReader = "auto", **options: 
 def _explain(error: Exception, file: Path) -> Exception:
     """Return the error for a file that its reader could not read."""
     # Text that was unpacked is known.
-    foreign = "" if file.suffix.lower() == ".gz" and isinstance(error, InputError) else find_foreign(file)
-    if foreign or isinstance(error, InputError):
-        return InputError(f"The file {file.name} cannot be used: {foreign or str(error).rstrip('.')}.")
+    said = error.marked if isinstance(error, InputError) else ""
+    foreign = "" if file.suffix.lower() == ".gz" and said else find_foreign(file)
+    if foreign or said:
+        return InputError(f"The file {file.name} cannot be used: {foreign or said.rstrip('.')}.")
     if isinstance(error, RoughContactError):
         return error
     reason = " ".join(str(error).split()) or type(error).__name__
     return InputError(
         f"The file {file.name} cannot be read as a height map: {shorten(reason, _MAX_REASON_CHARACTERS).rstrip('.')}."
     )
+
+
+def list_reader_options() -> dict[str, tuple[PartField, str]]:
+    """Return the options of all readers by name, each with what the first reader that has it says of it."""
+    found: dict[str, tuple[PartField, str]] = {}
+    for name in sorted(readers, reverse=True):
+        # A broken plug-in must not keep others from reading their files.
+        with contextlib.suppress(InputError):
+            texts = describe_fields(readers[name])
+            for option, field in list_fields(readers[name]).items():
+                found.setdefault(option, (field, texts.get(option, "")))
+    return found
 
 
 def options_of(file: Path, reader: str = "auto") -> tuple[str, ...]:
@@ -230,7 +242,7 @@ def _require_fitting(raw: RawMap, size: Length | Sequence[Length], file: Path) -
         raise InputError(
             f"The file {file.name} has {nx} rows of {ny} numbers: on {si(sides[0], 'm')} x {si(sides[1], 'm')}, a row "
             f"for each x makes cells of {si(cells[0], 'm')} x {si(cells[1], 'm')}, a row for each y square ones of "
-            f"{si(turned[0], 'm')}. Say which it is: rows='y', or rows='x'."
+            f"{si(turned[0], 'm')}. Say which it is: {argument('rows', 'y')}, or {argument('rows', 'x')}."
         )
     # Where no steps are stated, those of the cells contradict nothing.
     steps = raw.steps or cells
@@ -268,7 +280,8 @@ def _find_size(
     if size is not None and not np.allclose(_as_sides(size), found, rtol=_SIZE_TOLERANCE):
         raise InputError(
             f"Cells of {si(sides[0], 'm')} x {si(sides[1], 'm')} make {nx} x {ny} points {si(found[0], 'm')} x "
-            f"{si(found[1], 'm')} large, which is not the size given: give size= or cell= alone."
+            f"{si(found[1], 'm')} large, which is not the size given: give {argument('size')} or {argument('cell')} "
+            "alone."
         )
     return found
 
@@ -280,37 +293,38 @@ def _choose_size(
     if raw.size is not None and max(raw.size) > _MAX_SIDE and size is None:
         raise InputError(
             f"The file {file.name} states sides of {raw.size[0]:g} and {raw.size[1]:g} m, more than "
-            f"{_MAX_SIDE:g} m, so that they may be in another unit: give size=(x, y), m (on the command line --size)."
+            f"{_MAX_SIDE:g} m, so that they may be in another unit: give {argument('size', 'x', 'y', unit='m')}."
         )
     if raw.size is not None and max(raw.size) <= _MAX_SIDE:
         if size is not None and not np.allclose(_as_sides(size), raw.size, rtol=_SIZE_TOLERANCE, atol=0.0):
             raise InputError(
                 f"The file {file.name} states its own size, {si(raw.size[0], 'm')} x {si(raw.size[1], 'm')}, "
-                f"which is not the size given: leave size= out."
+                f"which is not the size given: leave {argument('size')} out."
             )
         return raw.size
     if size is not None:
         return size
-    known = f" ({raw.hint})" if raw.hint else ""
+    known = f" ({Sentence(raw.hint).marked})" if raw.hint else ""
     # Who looks up the size has the unit at hand too.
     in_metres = unit is None and not raw.metric and not raw.needs_unit
-    taken = " Its heights are taken as m: give unit='um' too if they are µm." if in_metres else ""
+    taken = f" Its heights are taken as m: give {argument('unit', 'um')} too if they are µm." if in_metres else ""
     raise InputError(
-        f"The file {file.name} does not state the size of its domain{known}: give size=(x, y), m (on the command line "
-        f"--size), or cell=, the distance of its points.{taken}"
+        f"The file {file.name} does not state the size of its domain{known}: give "
+        f"{argument('size', 'x', 'y', unit='m')}, or "
+        f"{argument('cell')}, the distance of its points.{taken}"
     )
 
 
 def _unit(raw: RawMap, given: float | str | None, file: Path) -> float:
     if given is None and raw.needs_unit:
         raise InputError(
-            f"The heights in {file.name} are numbers without a unit: give what one of them means, m, such as unit=1e-9 "
-            "(on the command line --unit 1nm)."
+            f"The heights in {file.name} are numbers without a unit: give what one of them means, m, such as "
+            f"{argument('unit', 1e-9, unit='m')}."
         )
     if given is None and raw.unit_hint:
         raise InputError(
             f"The file {file.name} states {shorten(raw.unit_hint.strip(), _MAX_HINT_CHARACTERS)!a}, which may be the "
-            "unit of its heights: give unit=, such as 'nm' (on the command line --unit nm), or unit=1 if they are "
+            f"unit of its heights: give {argument('unit', 'nm')}, for example, or {argument('unit', 1)} if they are "
             "metres."
         )
     if given is None:
@@ -324,5 +338,5 @@ def _unit(raw: RawMap, given: float | str | None, file: Path) -> float:
     if not raw.metric:
         return unit
     if raw.unit is None or not math.isclose(raw.unit, unit, rel_tol=_SIZE_TOLERANCE):
-        raise InputError(f"The file {file.name} states its own unit of height: leave unit= out.")
+        raise InputError(f"The file {file.name} states its own unit of height: leave {argument('unit')} out.")
     return 1.0

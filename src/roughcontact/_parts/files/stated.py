@@ -12,7 +12,7 @@ import numpy.typing as npt
 from roughcontact._base.arrays import Array, Pair
 from roughcontact._base.units import si
 from roughcontact._parts.files.base import RawMap, name_rows, turn_up
-from roughcontact.errors import InputError
+from roughcontact.errors import InputError, argument, either, write_number
 
 # Metres in units of length, as instruments and persons write them; the two letters for micro, and its byte in Latin-1,
 # read as UTF-8.
@@ -208,10 +208,11 @@ def build_map(
 def require_understood(stated: Stated) -> None:
     """Refuse what changes the meaning of numbers and is not understood, and more than one array."""
     if stated.not_understood:
+        skipped = either(f" (in text, {argument('skip_rows')} skips the line)")
         quoted = stated.not_understood[0].strip()[:_MAX_QUOTED_CHARACTERS]
         raise InputError(
             f"it states {quoted!a}, which changes what its numbers mean and is not understood: write the heights "
-            "themselves, with nan for points that were not measured, and omit that (in text, skip_rows= skips the line)"
+            f"themselves, with nan for points that were not measured, and omit that{skipped}"
         )
     if len(stated.channels) > 1:
         names = ", ".join(repr(name) for name in stated.channels)
@@ -227,7 +228,7 @@ def _find_rows(stated: Stated, rows: str, table: tuple[int, ...]) -> str:
     if rows == "auto":
         return stated.rows
     if stated.rows and rows != stated.rows:
-        raise InputError(f"it states that its rows are those of {stated.rows}: omit rows=")
+        raise InputError(f"it states that its rows are those of {stated.rows}: omit {argument('rows')}")
     return rows
 
 
@@ -238,7 +239,7 @@ def _require_rows(stated: Stated) -> None:
     if rows is not None and columns is not None and rows != columns and lengths[0] != lengths[1]:
         raise InputError(
             f"it states {rows} rows, {columns} columns and lengths along x and y, but not whether a row is one x or "
-            "one y: say it with rows='y', or rows='x'"
+            f"one y: say it with {argument('rows', 'y')}, or {argument('rows', 'x')}"
         )
 
 
@@ -283,17 +284,12 @@ def _refuse_marks(numbers: npt.NDArray[np.generic]) -> None:
         span = high - low
         distance = max(low - mark, mark - high)
         if distance > _MARK_DISTANCE * span > 0.0 and _is_mark(mark, count, total, distance / span):
+            named = f"say so with {argument('no_data', mark)}, or {argument('no_data', 'none')} if it is a height"
+            advice = either(named, "leave these fields empty")
             raise InputError(
-                f"its number {_name(mark)} stands at {count} points, far from all others ({low:.6g} to {high:.6g}), as "
-                "programs write it where nothing was measured: say so with "
-                f"no_data={_name(mark)}, or no_data='none' if it is a height"
+                f"its number {write_number(mark)} stands at {count} points, far from all others ({low:.6g} to "
+                f"{high:.6g}), as programs write it where nothing was measured: {advice}"
             )
-
-
-def _name(mark: float) -> str:
-    """Return a number with as few digits as state it exactly."""
-    short = f"{mark:.12g}"
-    return short if float(short) == mark else repr(mark)
 
 
 def _find_range(values: Array, chosen: npt.NDArray[np.bool_]) -> tuple[float, float]:

@@ -16,7 +16,7 @@ import numpy as np
 
 from roughcontact._base.arrays import Array
 from roughcontact._parts.files.plain import FORTRAN_EXPONENT, NON_MEASURED_WORDS, read_plain
-from roughcontact.errors import InputError
+from roughcontact.errors import InputError, argument, either
 
 # Separators by the names of those that are awkward to type.
 WORDS = {"tab": "\t", "blank": " "}
@@ -38,7 +38,7 @@ _STEP_TOLERANCE = 0.01
 _MAX_POSITION_DECIMALS = 6
 _DECIMAL_TOLERANCE = 1e-6
 _COUNTING_MARGIN = "count"
-_KEEP_ADVICE = "if they are heights, save the map with numpy.save"
+_KEEP_ADVICE = f"if they are heights, save the map {either('with numpy.save', 'as .npy or .mat')}"
 # Byte-order mark of each encoding; the longer ones first, because they begin with the shorter.
 _BYTE_ORDER_MARKS = {
     codecs.BOM_UTF8: "utf-8-sig",
@@ -147,7 +147,9 @@ def find_layout(lines: Sequence[str], separator: str, decimal: str) -> Layout:
     if decimal == "," and given == "auto":
         _refuse_thousands(lines, separator)
     if separator == "," == decimal:
-        raise InputError("a comma cannot both separate the numbers and be their decimal mark: give another separator=")
+        raise InputError(
+            f"a comma cannot both separate the numbers and be their decimal mark: give another {argument('separator')}"
+        )
     return Layout(separator, decimal)
 
 
@@ -158,7 +160,7 @@ def _refuse_thousands(lines: Sequence[str], separator: str) -> None:
     if with_comma and all(map(_THOUSANDS.fullmatch, with_comma)) and any(map(_WHOLE.fullmatch, fields)):
         raise InputError(
             f"it holds numbers such as {with_comma[0]} beside whole ones, so that the commas may separate thousands: "
-            "give decimal=',' if they are decimal, or write the numbers without separators of thousands"
+            f"give {argument('decimal', ',')} if they are decimal, or write the numbers without separators of thousands"
         )
 
 
@@ -186,8 +188,11 @@ def _judge_commas(lines: Sequence[str]) -> str:
         return " "
     found = "commas, some of them beside blanks," if beside else "one comma in each line"
     raise InputError(
-        f"it has {found} and no points, so that the commas may be decimal or separate numbers: give decimal=',' or "
-        "decimal='.'"
+        f"it has {found} and no points, so that the commas may be decimal or separate numbers: "
+        + either(
+            f"give {argument('decimal', ',')} or {argument('decimal', '.')}",
+            "write decimals with points, or separate the numbers by semicolons",
+        )
     )
 
 
@@ -202,7 +207,8 @@ def require_heights(table: Array) -> None:
         line = "column" if table.shape[1] < 2 else "row"
         raise InputError(
             f"its {table.size} numbers stand in one {line}, but a height map has a row for each x and a number for "
-            "each y: bring them into that shape, as by numpy.loadtxt(path).reshape(nx, ny), and save them again"
+            f"each y: bring them into that shape{either(', as by numpy.loadtxt(path).reshape(nx, ny),')} and save "
+            "them again"
         )
     # The corner, where there are both margins, belongs to neither.
     candidates = {
@@ -213,11 +219,13 @@ def require_heights(table: Array) -> None:
     what = next((what for what, kinds in candidates.items() if all(kinds)), "")
     if not what:
         return
-    skip = "skip them with skip_rows=" if what == "its first row" else "save the heights without them"
+    skip = "save the heights without them"
+    if what == "its first row":
+        skip = either(f"skip them with {argument('skip_rows')}", "delete that row")
     found, advice = (
-        ("count, as header and index of pandas do", ", in pandas by to_csv(path, header=False, index=False)")
+        ("count, as header and index of pandas do", either(", in pandas by to_csv(path, header=False, index=False)"))
         if set(candidates[what]) == {_COUNTING_MARGIN}
-        else ("rise in equal steps, as places x and y do", ", and give size=")
+        else ("rise in equal steps, as places x and y do", f", and give {argument('size')}")
     )
     raise InputError(f"the numbers of {what} {found}, and are not heights: {skip}{advice}; {_KEEP_ADVICE}")
 
@@ -388,7 +396,8 @@ def _read_rows(lines: Iterator[tuple[int, str]], layout: Layout) -> tuple[Array,
         if len(row) != columns:
             raise InputError(
                 f"line {place} has {len(row)} numbers, but the lines before it have {columns}: write nan for a point "
-                "that was not measured; if those lines are a header, say how many lines with skip_rows="
+                "that was not measured; if those lines are a header, "
+                + either(f"say how many lines with {argument('skip_rows')}", "delete them")
             )
         gaps.extend([place - 1] if last and place > last + 1 else [])
         last = place
@@ -412,7 +421,11 @@ def _require_words(header: list[str], layout: Layout, columns: int) -> None:
         if sum(_float(field) is not None for field in fields) > columns // 2:
             raise InputError(
                 f"the line {line.strip()[:_MAX_QUOTED_CHARACTERS]!a} above its heights has as many fields as they "
-                "have, most of them numbers: correct it, or skip the lines that are not heights with skip_rows="
+                "have, most of them numbers: correct it, or "
+                + either(
+                    f"skip the lines that are not heights with {argument('skip_rows')}",
+                    "delete the lines that are not heights",
+                )
             )
 
 
@@ -455,12 +468,16 @@ def _number(field: str, layout: Layout, place: int, rows: int) -> float:
         if is_non_measured(word):
             return math.nan
         other = "," if layout.decimal == "." else "."
-        advice = f"give decimal={other!r} if that is its decimal mark" if other in word else ""
+        named = f"give {argument('decimal', other)} if that is its decimal mark"
+        advice = either(named, "write decimals with points") if other in word else ""
         if (advice and layout.decimal in word) or _OTHER_THOUSANDS.fullmatch(word):
             advice = "write numbers without separators of thousands"
         if not advice and rows >= _MIN_ROWS_ABOVE:
             advice = f"{rows} rows of numbers stand above it: if they are all, remove this line and those below it"
-        advice = advice or f"lines above the heights that are not heights are skipped with skip_rows={place}"
+        advice = advice or either(
+            f"lines above the heights that are not heights are skipped with {argument('skip_rows', place)}",
+            "delete lines that are not heights",
+        )
         raise InputError(
             f"line {place} holds {word[:_MAX_QUOTED_CHARACTERS]!a}, which is not a number: write numbers such as "
             f"-1.5e-6, nan for a point that was not measured, and comments behind #; {advice}"

@@ -18,7 +18,7 @@ from roughcontact._parts.files.base import RawMap, SurfaceReader, readers, requi
 from roughcontact._parts.files.bounds import TEXT_OR_IMAGE, require_room
 from roughcontact._parts.files.headers import read_header
 from roughcontact._parts.files.stated import Stated, build_map, check_no_data, metres, parse_number
-from roughcontact.errors import InputError, MissingPackage, requiring
+from roughcontact.errors import InputError, MissingPackage, argument, requiring
 
 # Number of the tag with the value of points without data, in geographic images.
 _NODATA_TAG = 42113
@@ -91,7 +91,7 @@ class TiffReader(SurfaceReader):
     def _choose(self, file: Any) -> Any:
         count = len(file.pages)
         if self.page is None and count > 1:
-            raise InputError(f"it holds {count} images: choose one with page=, from 0 to {count - 1}")
+            raise InputError(f"it holds {count} images: choose one with {argument('page')}, from 0 to {count - 1}")
         if (self.page or 0) >= count:
             raise InputError(f"it has no page {self.page}: its pages are 0 to {count - 1}")
         return file.pages[self.page or 0]

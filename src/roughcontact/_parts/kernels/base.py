@@ -17,7 +17,7 @@ from roughcontact._base.registry import Registry
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._parts.kernels.mixed import Spectrum, mixed_coefficients
 from roughcontact._parts.materials import PairConstants
-from roughcontact.errors import InputError
+from roughcontact.errors import InputError, argument
 
 # Wave number times cell side, small enough for the spectrum of the body without the cells, and the relative change of
 # the modulus below which a body is homogeneous.
@@ -271,9 +271,9 @@ def is_at_nyquist(wavenumber: Array, step: float) -> Mask:
 
 
 _MISSING_FORMS: dict[type, str] = {
-    SupportsCoefficients: "real-space coefficients, which this boundary needs: use boundary='periodic'",
-    SupportsSpectrum: "spectrum, which the periodic boundary needs: use boundary='wrapped' or 'free',",
-    SupportsShear: "response to shear, which friction needs: use kernel='love'",
+    SupportsCoefficients: f"real-space coefficients, which this boundary needs: use {argument('boundary', 'periodic')}",
+    SupportsSpectrum: f"spectrum, which the periodic boundary needs: use {argument('boundary', 'wrapped')} or 'free',",
+    SupportsShear: f"response to shear, which friction needs: use {argument('kernel', 'love')}",
 }
 
 

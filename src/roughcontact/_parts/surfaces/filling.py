@@ -9,7 +9,7 @@ import numpy as np
 
 from roughcontact._base.arrays import Array, Mask
 from roughcontact._base.machine import require_memory
-from roughcontact.errors import InputError
+from roughcontact.errors import InputError, argument
 
 _TREATMENT_WORDS = {"fill": "filled from their neighbours", "keep": "kept so"}
 # Treatments of non-measured points.
@@ -33,7 +33,7 @@ _CG_TOLERANCE = 1e-13
 _MAX_CG_STEPS = 300
 
 
-def complete(heights: Array, where: str, treatment: str, option: str = "") -> tuple[Array, Mask | None, str]:
+def complete(heights: Array, where: str, treatment: str) -> tuple[Array, Mask | None, str]:
     """Return heights at all points, the mask of the non-measured points to be kept, and a note for the history.
 
     `InputError` if no point was measured, or non-measured points are refused.
@@ -44,8 +44,8 @@ def complete(heights: Array, where: str, treatment: str, option: str = "") -> tu
         Heights, NaN at non-measured points.
     where
         Their source, for messages: ``"the file x.npz"``.
-    treatment, option
-        One of `TREATMENTS`; another way to choose it than ``non_measured=``, for messages.
+    treatment
+        One of `TREATMENTS`.
     """
     if heights.dtype.kind != "f" or heights.ndim != 2:
         return heights, None, ""
@@ -59,7 +59,7 @@ def complete(heights: Array, where: str, treatment: str, option: str = "") -> tu
     if treatment == "refuse":
         raise InputError(
             f"In {where} {found} were not measured: fill them from their neighbours with "
-            f"non_measured='fill', or keep them with non_measured='keep'{option}."
+            f"{argument('non_measured', 'fill')}, or keep them with {argument('non_measured', 'keep')}."
         )
     done = f", {found} non-measured and {_TREATMENT_WORDS[treatment]}"
     return fill(heights), mask if treatment == "keep" else None, done
@@ -213,7 +213,9 @@ def _solve(matrix: Any, right: Array, places: Array) -> Array:
     preconditioner = LinearOperator(matrix.shape, matvec=cycle, dtype=np.float64)
     found, failed = cg(matrix, right, rtol=_CG_TOLERANCE, maxiter=_MAX_CG_STEPS, M=preconditioner)
     if failed:
-        raise InputError("The non-measured points cannot be filled: keep them, with non_measured='keep'.")
+        raise InputError(
+            f"The non-measured points cannot be filled: keep them, with {argument('non_measured', 'keep')}."
+        )
     return np.asarray(found)
 
 

@@ -29,7 +29,7 @@ from roughcontact._parts.surfaces.resampling import (
 )
 from roughcontact._parts.surfaces.statistics import repeats
 from roughcontact._parts.surfaces.topography import make_topography, read_topography
-from roughcontact.errors import InputError
+from roughcontact.errors import InputError, argument
 
 # Maximum degree of a form: higher ones follow the roughness, and their normal equations lose their digits.
 _MAX_DEGREE = 30
@@ -45,7 +45,7 @@ def _size(value: Quantity | Sequence[Quantity], height_map: Any) -> Pair:
     nx, ny = height_map.values.shape
     if nx != ny and np.size(value) == 1:
         raise InputError(
-            f"A height map of {nx} x {ny} points needs both sides, size=(x, y), m (on the command line --size X Y), "
+            f"A height map of {nx} x {ny} points needs both sides, {argument('size', 'x', 'y', unit='m')}, "
             f"but got one: with square cells it is {si(sides[0], 'm')} x {si(sides[0] * ny / nx, 'm')} large."
         )
     return sides

@@ -282,7 +282,7 @@ def _intersect(one: float, other: float, offset: float) -> tuple[float, float]:
 
 def _apart(placed: PlacedMap) -> InputError:
     x, y = (si(value, "m") for value in placed.offset)
-    return InputError(f"The height maps do not overlap with an offset of ({x}, {y}): move them together.")
+    return InputError(f"The height maps do not overlap where the second is shifted by ({x}, {y}): move them together.")
 
 
 def _largest_rectangle(body: HeightMap, placed: PlacedMap) -> tuple[Pair, Pair]:

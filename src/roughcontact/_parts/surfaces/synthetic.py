@@ -14,7 +14,7 @@ import scipy.fft
 from roughcontact._base.arrays import Array, IntArray, Pair, Waves
 from roughcontact._base.checks import integer, number, pair
 from roughcontact._base.machine import require_memory
-from roughcontact._base.units import Quantity, si
+from roughcontact._base.units import PlainText, Quantity, si
 from roughcontact._parts.grid import Grid
 from roughcontact._parts.surfaces.base import Surface
 from roughcontact.errors import InputError
@@ -117,8 +117,8 @@ class SphereSurface(Surface):
         square = x**2 + y**2
         if square.max() > 1.0:
             raise InputError(
-                f"The sphere of radius {self.radius:g} m does not cover the domain of {grid.size[0]:g} m x "
-                f"{grid.size[1]:g} m: choose a smaller domain, or a ParaboloidSurface."
+                f"The sphere of radius {si(self.radius, 'm')} does not cover the domain of {si(grid.size[0], 'm')} x "
+                f"{si(grid.size[1], 'm')}: choose a smaller domain, a larger radius or a paraboloid."
             )
         # R - sqrt(R^2 - r^2) cancels near the summit; this form does not.
         return np.asarray(-self.radius * (square / (1.0 + np.sqrt(1.0 - square))), dtype=np.float64)
@@ -339,9 +339,9 @@ class SelfAffineSurface(Surface):
         """Refuse a grid that is too coarse, or one of which a part does not fit into memory."""
         nyquist = max(2.0 * step for step in grid.spacing)
         if self.shortest < nyquist * (1 - _WAVELENGTH_TOLERANCE):
-            allowed = f"at least two cells ({nyquist:g} m) on this grid"
+            allowed = f"at least two cells ({si(nyquist, 'm')}) on this grid"
             hint = "Refine the grid or choose a longer wave."
-            raise InputError.about("The shortest wavelength", self.shortest, allowed, hint)
+            raise InputError.about("The shortest wavelength", PlainText(si(self.shortest, "m")), allowed, hint)
         nx, ny = (2 * m + 1 for m in self._boxes(grid)[1])
         numbers = part * max(_NUMBERS_PER_WAVE * nx * ny, _NUMBERS_PER_CELL * grid.cells)
         require_memory(8.0 * numbers, f"A self-affine surface of {nx} x {ny} waves", "choose fewer cells")

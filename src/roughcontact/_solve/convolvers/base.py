@@ -39,7 +39,7 @@ from roughcontact._solve.convolvers.transforms import (
     half_waves,
     transform_extended,
 )
-from roughcontact.errors import InputError
+from roughcontact.errors import InputError, argument
 
 # Minimum sides of the padded grid of the inverse on a free boundary, over the domain, and in additional cells, so that
 # opposite borders hardly interact. 1.125 and 1.5, 8 and 32 cells change the products of
@@ -207,7 +207,7 @@ def require_shear(setup: ConvolutionSetup) -> None:
     if setup.boundary is Boundary.WRAPPED:
         raise InputError(
             "A wrapped boundary has no response to shear, whose sign at half of the domain would be arbitrary: "
-            "use boundary='free' or boundary='periodic'."
+            f"use {argument('boundary', 'free')} or {argument('boundary', 'periodic')}."
         )
 
 

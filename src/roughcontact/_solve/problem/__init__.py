@@ -4,7 +4,9 @@ from roughcontact._solve.problem.accuracy import interpolate_pressure as interpo
 from roughcontact._solve.problem.accuracy import resample_problem as resample_problem
 from roughcontact._solve.problem.accuracy import tolerance_within as tolerance_within
 from roughcontact._solve.problem.adhesive_path import follow as follow
-from roughcontact._solve.problem.adhesive_path import run_loads as run_loads
+from roughcontact._solve.problem.adhesive_path import order_loads as order_loads
+from roughcontact._solve.problem.adhesive_path import solve_next as solve_next
+from roughcontact._solve.problem.adhesive_path import sweep_loads as sweep_loads
 from roughcontact._solve.problem.body import RIGID_FLAT as RIGID_FLAT
 from roughcontact._solve.problem.body import Body as Body
 from roughcontact._solve.problem.cycle import AdhesionCycle as AdhesionCycle

@@ -22,7 +22,7 @@ from roughcontact._solve.problem.run import run_solve
 from roughcontact._solve.problem.scene import Scene
 from roughcontact._solve.solution import DEFAULT_AREA, Accuracy, ContactSolution, Trial
 from roughcontact._solve.solvers import Step
-from roughcontact.errors import InputError, NotEnoughMemory
+from roughcontact.errors import InputError, NotEnoughMemory, argument
 
 S = TypeVar("S", bound=Scene)
 
@@ -89,7 +89,7 @@ class Target:
     def of(cls, area_within: object, peak_within: object) -> Target | None:
         """Return the target, or None if nothing is requested; `InputError` if a value is not between 0 and 1."""
         given = [
-            None if value is None else number(value, f"The relative error {name}=", above=0.0, at_most=1.0)
+            None if value is None else number(value, f"The relative error {argument(name)}", above=0.0, at_most=1.0)
             for name, value in (("area_within", area_within), ("peak_within", peak_within))
         ]
         return None if given == [None, None] else cls(*given)
@@ -131,10 +131,14 @@ def solve_within(
             "With adhesion the accuracy cannot be asked for: give a grid whose cohesive length has 2.5 cells."
         )
     if start is not None:
-        raise InputError("With area_within= or peak_within= the grid is chosen: omit start=, which needs one.")
+        raise InputError(
+            f"With {argument('area_within')} or {argument('peak_within')} the grid is chosen: omit start=, which "
+            "needs one."
+        )
     if load.kind == "approach":
         raise InputError(
-            "An accuracy needs pressure= or force=: an approach counts from first touch, which moves with the grid."
+            f"An accuracy needs {argument('pressure')} or {argument('force')}: an approach counts from first touch, "
+            "which moves with the grid."
         )
     problem = _choose_tolerance(problem, target) if tolerance is None else with_tolerance(problem, tolerance)
     trials: list[Trial] = []

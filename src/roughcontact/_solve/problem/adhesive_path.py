@@ -15,9 +15,9 @@ from roughcontact._solve.problem.path import march
 from roughcontact._solve.problem.plan import SolvePlan
 from roughcontact._solve.problem.run import run_solve
 from roughcontact._solve.problem.scene import Scene
-from roughcontact._solve.problem.sweep import Sweep, predict_pressure, report_states, run_sweep
+from roughcontact._solve.problem.sweep import Sweep, order_of_solving, predict_pressure, report_states, run_sweep
 from roughcontact._solve.solution import TRAPPED_CELLS, ContactSolution, describe_range
-from roughcontact.errors import InputError
+from roughcontact.errors import InputError, argument
 
 
 class Solve(Protocol):
@@ -37,7 +37,9 @@ class Solve(Protocol):
 def require_resolved(plan: SolvePlan) -> None:
     """Raise `InputError` unless there is adhesion and the cells resolve it well enough to follow a path."""
     if plan.interaction is None:
-        raise InputError("Without adhesion= nothing is pulled apart: give the problem a law, such as Exponential.")
+        raise InputError(
+            f"Without {argument('adhesion')} nothing is pulled apart: give the problem a law, such as Exponential."
+        )
     cells = plan.interaction.cohesive_cells(plan.grid.resolved.spacing, plan.surface_modulus)
     if cells < TRAPPED_CELLS:
         reason = describe_range(plan.interaction, plan.grid, plan.surface_modulus)
@@ -45,14 +47,26 @@ def require_resolved(plan: SolvePlan) -> None:
 
 
 def solve_loads(problem: Scene, loads: tuple[Load, ...], change: ChangeProgress) -> Sweep:
-    """Return the solutions at all loads; see `run_loads`."""
+    """Return the solutions at all loads; see `sweep_loads`."""
     solve = report_states(partial(run_solve, problem), count_done(change, len(loads), "load"))
-    return run_loads(problem, solve, loads)
+    return sweep_loads(problem, solve, loads)
 
 
-def run_loads(problem: Scene, solve: Solve, loads: tuple[Load, ...]) -> Sweep:
+def sweep_loads(problem: Scene, solve: Solve, loads: tuple[Load, ...]) -> Sweep:
     """Return the solutions of a problem at all loads, in their order where a state depends on those before."""
     return follow_loads(solve, loads) if problem.remembers else run_sweep(solve, loads)
+
+
+def order_loads(problem: Scene, loads: Sequence[Load]) -> Sequence[int]:
+    """Return the positions of loads in the order in which they are solved: theirs, where a state depends on others."""
+    return range(len(loads)) if problem.remembers else order_of_solving(loads)
+
+
+def solve_next(problem: Scene, before: Sequence[ContactSolution], load: Load) -> ContactSolution:
+    """Return the solution at a load, from the solutions before in this order."""
+    if problem.remembers:
+        return follow(partial(run_solve, problem), before, load)
+    return run_solve(problem, load, predict_pressure(before, load))
 
 
 def follow_loads(solve: Solve, loads: Sequence[Load], first: ContactSolution | None = None) -> Sweep:
@@ -78,7 +92,7 @@ def require_memory_of_flow(last: ContactSolution, load: Load) -> None:
         raise InputError(
             f"The load falls to {load} after the pressure has reached its limit on {last.saturated.sum()} cells: each "
             "state is a first loading, which forgets how far the summits were flattened, and with them the pull-off. "
-            "Keep the loads below the hardness, give loads that do not fall, or take Elastic materials."
+            "Keep the loads below the hardness, give loads that do not fall, or take materials without a hardness."
         )
 
 

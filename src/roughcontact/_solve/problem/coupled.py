@@ -44,7 +44,7 @@ from roughcontact._solve.solvers import (
     magnitude,
     project_to_discs,
 )
-from roughcontact.errors import InputError, NotConverged
+from roughcontact.errors import InputError, NotConverged, argument, either
 
 _LOGGER = logging.getLogger("roughcontact")
 # Alternations of normal and tangential solves after which a coupled solve is given up.
@@ -265,7 +265,7 @@ class CoupledSolve(FrictionalContact):
         if self.shear.coupled and contact.saturated.any():
             raise InputError(
                 "The pressure reaches its limit, and the bodies are of unlike materials: friction is then not known "
-                "where cells yield. Lower the load, or take Elastic materials."
+                "where cells yield. Lower the load, or take materials without a hardness."
             )
         pressure = contact.pressure
         limit = shear_limit(self.law, pressure)
@@ -289,9 +289,11 @@ class CoupledSolve(FrictionalContact):
         sliding = float(limit.sum()) * self.force_unit
         size = math.hypot(*tangential.values)
         if not size < sliding * (1.0 - FORCE_TOLERANCE) and size > 0.0:
+            slide = argument("slide", call="problem.slide(...)")
+            advice = either(f"Give {argument('displacement')} instead, or {slide}", "Give a smaller tangential force")
             raise InputError(
                 f"The bodies slide: the tangential force of {si(size, 'N')} is not below the sum of the shear "
-                f"strengths, {si(sliding, 'N')}. Give displacement= instead, or call problem.slide(...)."
+                f"strengths, {si(sliding, 'N')}. {advice}."
             )
 
     def _shear(

@@ -16,7 +16,6 @@ from roughcontact._parts.grid import Grid, Load
 from roughcontact._parts.kernels import InfluenceKernel, has_layers
 from roughcontact._solve.problem.body import Body
 from roughcontact._solve.problem.expressions import describe_part
-from roughcontact._solve.problem.frictional_path import AS_GIVEN, FrictionalPath
 from roughcontact._solve.problem.path import Path
 from roughcontact._solve.problem.problem import ContactProblem
 from roughcontact._solve.problem.saved import problem_of
@@ -226,9 +225,7 @@ def find_path_inputs(path: Path) -> dict[str, Any] | None:
     if found is None:
         return None
     found |= _describe_along(path)
-    if isinstance(path, FrictionalPath) and AS_GIVEN in path.reasons:
-        found["substeps"] = path.increments[path.reasons.index(AS_GIVEN)]
-    return found
+    return found | {name: value for name, value in path.list_arguments().items() if name == "substeps"}
 
 
 def find_versions(solution: ContactSolution) -> Mapping[str, str]:

@@ -59,6 +59,8 @@ class ExpressionWriter:
             return repr(value)
         if isinstance(value, tuple):
             return f"({', '.join(map(self.write, value))}{',' if len(value) == 1 else ''})"
+        if isinstance(value, list):
+            return f"[{', '.join(map(self.write, value))}]"
         if isinstance(value, SurfaceSum):
             return " + ".join(
                 f"({self.write(part)})" if isinstance(part, SurfaceSum) else self.write(part) for part in value.parts

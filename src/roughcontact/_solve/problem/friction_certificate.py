@@ -27,7 +27,7 @@ from roughcontact._solve.solution import (
     TangentialLoad,
 )
 from roughcontact._solve.solvers import Outcome, magnitude, natural_residual
-from roughcontact.errors import InputError
+from roughcontact.errors import InputError, argument
 
 # Rounding of tangential forces and of the friction cone.
 FORCE_TOLERANCE = 1e-10
@@ -278,9 +278,9 @@ class StrengthBound:
 def require_frictional(problem: Scene) -> None:
     """Raise `InputError` unless a problem has a contact with friction; its shear convolution is prepared."""
     if problem.adhesion is not None:
-        raise InputError("Friction with adhesion is not known: omit adhesion=.")
+        raise InputError(f"Friction with adhesion is not known: omit {argument('adhesion')}.")
     if problem.laws:
-        raise InputError("Friction beside other laws is not known: omit laws=.")
+        raise InputError(f"Friction beside other laws is not known: omit {argument('laws')}.")
     _ = problem.shear_convolution
 
 

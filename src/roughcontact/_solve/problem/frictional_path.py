@@ -22,6 +22,7 @@ from roughcontact._parts.interactions import Coulomb, FrictionLaw
 from roughcontact._solve.problem.coupled import CoupledSolve
 from roughcontact._solve.problem.friction_certificate import require_frictional
 from roughcontact._solve.problem.friction_plan import (
+    include_friction,
     list_omitted_shear,
     list_pair,
     require_memory_of_friction,
@@ -34,12 +35,13 @@ from roughcontact._solve.problem.increments import (
     refine_steps,
 )
 from roughcontact._solve.problem.path import Path
+from roughcontact._solve.problem.plan import SolvePlan
 from roughcontact._solve.problem.scene import Scene
 from roughcontact._solve.problem.step_numbers import StepNumbers, list_cell_errors, numbers_of
 from roughcontact._solve.problem.task import limit_load
 from roughcontact._solve.solution import ContactSolution, find_load, read_estimate, read_states
 from roughcontact._solve.solvers import Step
-from roughcontact.errors import InputError
+from roughcontact.errors import InputError, argument
 from roughcontact.errors.door import guarded
 
 # States that a picture draws in each step, and the states of a path of which it draws more.
@@ -229,6 +231,21 @@ class FrictionalPath(Path):
                 return _sum_lost(numbers[-back:])
         return None
 
+    def explain_plan(self, plan: SolvePlan | None) -> str:
+        """Return the plan of the normal contact, if it is known, and `explain`."""
+        return self.explain() if plan is None else f"{include_friction(plan)}\n{self.explain()}"
+
+    def list_arguments(self) -> dict[str, Any]:
+        """Return the arguments of `ContactProblem.path`."""
+        along = [state.tangential_load for state in self]
+        found = super().list_arguments()
+        if self.pressed is not None:
+            # Under one load the bodies are pressed first, and then moved.
+            found = {kind: values[0] for kind, values in found.items()}
+        found |= {along[0].kind: [one.values for one in along], "friction": self[0].friction}
+        given = self.reasons.index(AS_GIVEN) if AS_GIVEN in self.reasons else None
+        return found if given is None else {**found, "substeps": self.increments[given]}
+
     def list_numbers(self) -> Mapping[str, Estimate | None]:
         """Return the energy lost along the path, and in its last loop if it ends with one."""
         return {"dissipated": self.dissipated, "loop": self.dissipated_in_loop}
@@ -344,7 +361,7 @@ def resolve_friction(friction: object) -> FrictionLaw:
     if isinstance(friction, FrictionLaw):
         return friction
     if isinstance(friction, (bool, str)) or not isinstance(friction, (int, float, np.ndarray, np.number)):
-        raise InputError.about("friction=", friction, "a coefficient or a FrictionLaw such as Coulomb(0.3)")
+        raise InputError.about(argument("friction"), friction, "a coefficient or a FrictionLaw such as Coulomb(0.3)")
     return Coulomb(friction)
 
 
@@ -359,7 +376,7 @@ def run_path(
 ) -> FrictionalPath:
     """Return the states along a path; see `ContactProblem.path`."""
     law = resolve_friction(friction)
-    count = None if substeps == "auto" else checks.integer(substeps, "substeps=", at_least=1)
+    count = None if substeps == "auto" else checks.integer(substeps, argument("substeps"), at_least=1)
     told = checks.callback(on_increment, "on_increment=", "increment")
     tell = tell_both(told, lambda done: change(str(done)))
     require_frictional(problem)

@@ -25,7 +25,7 @@ from roughcontact._solve.problem.step_numbers import (
 )
 from roughcontact._solve.problem.task import limit_load
 from roughcontact._solve.solution import ContactSolution, TangentialLoad
-from roughcontact.errors import InputError
+from roughcontact.errors import InputError, argument
 
 # Minimum increments of a step by "auto", whose errors show their order with those of half and a quarter as many; the
 # maximum, and the changes from half as many at which it ends: of the displacement over
@@ -41,7 +41,7 @@ _MIN_LOSS = 1e-2
 # Sine of the angle between two changes of load below which they have one direction.
 _ONE_DIRECTION = 1e-9
 GIVEN_INCREMENTS = WarningText(
-    "the number of increments was given, so that the error of the increments is not known: leave it to substeps='auto'",
+    "the number of increments was given, so that the error of the increments is not known: leave the number open",
     "increments",
 )
 
@@ -166,7 +166,7 @@ def list_targets(tangential: Mapping[str, object]) -> list[TangentialLoad]:
     named = {kind: value for kind, value in tangential.items() if value is not None}
     if len(named) != 1:
         given = " and ".join(f"{kind}=" for kind in named) or "neither"
-        raise InputError(f"Give tangential_force= or displacement=, but got {given}.")
+        raise InputError(f"Give {argument('tangential_force')} or {argument('displacement')}, but got {given}.")
     kind, values = next(iter(named.items()))
     unit = "N" if kind == "tangential_force" else "m"
     allowed = f"pairs (x, y) in {unit}, {kind}=[(x, y), ...]"

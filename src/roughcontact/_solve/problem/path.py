@@ -16,7 +16,8 @@ from roughcontact._base.arrays import Array
 from roughcontact._base.registry import find_view
 from roughcontact._base.tables import Table, TableResult
 from roughcontact._base.units import Estimate
-from roughcontact._solve.solution import ContactSolution, read_states, usable, write_states
+from roughcontact._solve.problem.plan import SolvePlan
+from roughcontact._solve.solution import ContactSolution, find_load, read_states, usable, write_states
 
 T = TypeVar("T")
 
@@ -29,6 +30,11 @@ class Path(TableResult, Sequence[ContactSolution]):
     kind: ClassVar[str]
     view: ClassVar[str]
     curve: ClassVar[str]
+
+    @property
+    def verb(self) -> str:
+        """The method of a problem that follows such a path."""
+        return self.kind.rpartition(" ")[2]
 
     @property
     @abc.abstractmethod
@@ -48,7 +54,7 @@ class Path(TableResult, Sequence[ContactSolution]):
     def __getitem__(self, index: slice) -> Sequence[ContactSolution]: ...
 
     def __getitem__(self, index: int | slice) -> ContactSolution | Sequence[ContactSolution]:
-        return checks.item_of(self.states, index, f"The index of a {self.kind.rpartition(' ')[2]}")
+        return checks.item_of(self.states, index, f"The index of a {self.verb}")
 
     @property
     def force(self) -> Array:
@@ -79,6 +85,15 @@ class Path(TableResult, Sequence[ContactSolution]):
     def given(self) -> Sequence[ContactSolution]:
         """The states whose loads were given, in their order."""
         return self.states
+
+    def list_arguments(self) -> dict[str, Any]:
+        """Return the arguments of the call that follows the path again: `verb` of its problem."""
+        loads = [load for load in map(find_load, self.given) if load is not None]
+        return {loads[0].kind: [load.value for load in loads]}
+
+    def explain_plan(self, plan: SolvePlan | None) -> str:
+        """Return the plan, if it is known, and what was chosen on the way, in words; empty: that of its states."""
+        return ""
 
     def list_numbers(self) -> Mapping[str, Estimate | None]:
         """Return the numbers of the path as a whole by name; None where one has no value."""

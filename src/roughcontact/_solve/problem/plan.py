@@ -15,6 +15,7 @@ import scipy.fft
 from roughcontact._base.arrays import Array, Mask
 from roughcontact._base.checks import number
 from roughcontact._base.machine import available_memory, choose_threads
+from roughcontact._base.registry import name_in_words
 from roughcontact._base.units import PlainText, binary, outlined, si
 from roughcontact._parts.grid import FIRST_LOADING, Boundary, Grid
 from roughcontact._parts.interactions import Interaction
@@ -33,7 +34,7 @@ from roughcontact._solve.problem.body import Body, InitialGap
 from roughcontact._solve.problem.memory import UNRESTRICTED_ARRAYS, memory_of_solve, require_arrays
 from roughcontact._solve.solution import RESOLVED_CELLS, Law, Process, areas, describe_range, find_scene, responses
 from roughcontact._solve.solvers import ProjectedConjugateGradient, Solver, halve_shape, solvers
-from roughcontact.errors import InputError
+from roughcontact.errors import InputError, argument
 
 _AUTO_SOLVER = "projected-cg"
 _ADHESIVE_SOLVER = "gap-descent"
@@ -206,10 +207,10 @@ class SolvePlan:
             *histories,
             *self._describe_adhesion(),
             *(("law", f"{law!r}{_REMEMBERS if isinstance(law, Process) else ''}") for law in self.laws),
-            ("kernel", str(self.kernel)),
-            ("convolver", f"{self.convolver} on {nx} x {ny} cells"),
-            ("solver", repr(self.solver)),
-            ("precision", "fields and residuals in float64, whatever the solver uses inside"),
+            ("kernel", name_in_words(self.kernel)),
+            ("convolver", f"{name_in_words(self.convolver)} on {nx} x {ny} cells"),
+            ("solver", name_in_words(self.solver)),
+            ("precision", "fields and residuals in double precision, whatever the solver uses inside"),
             ("threads", "{}: {}".format(*self.thread_choice)),
             ("memory", self._format_memory()),
             *self._list_heavy_answers(),
@@ -356,7 +357,9 @@ def find_surface_modulus(kernel: InfluenceKernel, grid: Grid, modulus: float) ->
 def _resolve_interaction(adhesion: Interaction, grid: Grid, modulus: float, solver: Solver) -> Interaction:
     """Return the law for the grid, after a check that the solver and the grid fit it."""
     if not solver.adhesive:
-        raise InputError(f"The solver {solver!r} knows no tension: with adhesion choose solver='auto' or 'majorise'.")
+        raise InputError(
+            f"The solver {solver!r} knows no tension: with adhesion choose {argument('solver', 'auto')} or 'majorise'."
+        )
     law = adhesion.resolve(grid.resolved.spacing, modulus)
     kind: Any = type(law)
     for field in attrs.fields(kind) if attrs.has(kind) else ():
@@ -381,7 +384,7 @@ def _name_law(law: Interaction) -> str:
 
 def _require_range(value: float, unit: str, name: str) -> None:
     if not 1.0 / _MAX_MAGNITUDE < value < _MAX_MAGNITUDE:
-        raise InputError(f"A {name} of {value:g} {unit} leaves the range of float64: check the units.")
+        raise InputError(f"A {name} of {value:g} {unit} leaves the range of double precision: check the units.")
 
 
 def _list_omitted(bodies: tuple[Body, Body], boundary: Boundary, *, capped: bool, adhesive: bool) -> list[str]:

@@ -29,7 +29,7 @@ from roughcontact._solve.problem.sweep import Sweep
 from roughcontact._solve.problem.task import limit_load
 from roughcontact._solve.solution import DEFAULT_AREA, AreaEstimator, ContactSolution, Response
 from roughcontact._solve.solvers import Step
-from roughcontact.errors import InputError
+from roughcontact.errors import InputError, argument
 
 
 @attrs.frozen(eq=False, repr=False)
@@ -133,7 +133,7 @@ class ContactProblem(Scene):
         throw = flag(throw, "throw=")
         branch = choice(branch, "The branch", ("loading", "unloading"))
         if branch == "unloading" and self.adhesion is None:
-            raise InputError("Without adhesion= each load has one state: omit branch=.")
+            raise InputError(f"Without {argument('adhesion')} each load has one state: omit branch=.")
         on_step = callback(on_step, "on_step=", "step")
         target = Target.of(area_within, peak_within)
         if target is None:

@@ -15,7 +15,7 @@ from roughcontact._solve.convolvers import PreparedConvolution, ShearConvolution
 from roughcontact._solve.problem.friction_plan import require_memory_of_friction
 from roughcontact._solve.problem.plan import SolvePlan
 from roughcontact._solve.solvers import Task
-from roughcontact.errors import InputError
+from roughcontact.errors import InputError, argument
 from roughcontact.errors.door import guarded
 
 # Relative error of the load by rounding.
@@ -110,7 +110,7 @@ def limit_load(plan: SolvePlan, initial_gap: Array, load: Load) -> Load:
     smallest = _MIN_LOAD if plan.interaction is None else -_MAX_LOAD
     if not smallest * unit < mean < _MAX_LOAD * unit:
         raise InputError(
-            f"The mean pressure of {mean:g} Pa leaves the range of float64 beside {unit:g} Pa, contact modulus times "
+            f"The mean pressure of {mean:g} Pa is out of all proportion to {unit:g} Pa, contact modulus times "
             "peak-to-valley height over cell: check the units."
         )
     maximum = maximum_pressure(plan)
@@ -140,14 +140,15 @@ def _limit_approach(plan: SolvePlan, initial_gap: Array, load: Load) -> Load:
     smallest = _MIN_LOAD if plan.interaction is None else -_MAX_LOAD
     if not smallest * height < load.value < _MAX_LOAD * height:
         raise InputError(
-            f"The approach of {load.value:g} m leaves the range of float64 beside the peak-to-valley height of "
+            f"The approach of {load.value:g} m is out of all proportion to the peak-to-valley height of "
             f"{height:g} m: check the units."
         )
     unbounded = plan.boundary is Boundary.PERIODIC and bool(np.isinf(_dimensionless_limit(plan)).any())
     if unbounded and load.value >= full:
         raise InputError(
             f"On a periodic boundary the approach must be below that of full contact, {si(full, 'm')}, but got "
-            f"{si(load.value, 'm')}: from there on it does not determine the pressure. Give pressure= instead."
+            f"{si(load.value, 'm')}: from there on it does not determine the pressure. Give {argument('pressure')} "
+            "instead."
         )
     return load
 

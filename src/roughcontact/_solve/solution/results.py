@@ -19,7 +19,7 @@ from roughcontact._base.units import Estimate as Estimate
 from roughcontact._base.units import ShownAsPrinted, WarningText, prefixed, si, with_spread
 from roughcontact._parts.surfaces import HeightMap
 from roughcontact._solve.solution.additions import Condition
-from roughcontact.errors import InputError
+from roughcontact.errors import InputError, argument
 
 T_co = TypeVar("T_co", covariant=True)
 DEFAULT_AREA = "blend"
@@ -176,11 +176,11 @@ class Status(Enum):
     """
 
     CONVERGED = "converged: the conditions of contact hold within the tolerance"
-    CONVERGED_TO_ROUNDING = "converged to rounding: the conditions of contact hold as well as float64 can tell"
+    CONVERGED_TO_ROUNDING = "converged to rounding: the conditions of contact hold as well as double precision can tell"
     RESCUED = (
         "converged: the conditions of contact hold within the tolerance, by a second method after the first stalled"
     )
-    UNRESOLVED = "not converged: the displacement or the pressure is too large for float64 to resolve the gap"
+    UNRESOLVED = "not converged: the displacement or the pressure is too large for double precision to resolve the gap"
     MAXIMUM_ITERATIONS = "not converged: the maximum number of iterations was reached"
     STALLED = "not converged: no step reduces the error further"
     SEPARATED = "separated: no contact carries this load, the surfaces come apart"
@@ -446,7 +446,7 @@ def estimate_attractive_area(solution: Any, fraction: float) -> Area:
     if fraction >= 1.0:
         raise InputError.about("The fraction of the maximum tension", fraction, "below 1")
     if solution.tension is None:
-        raise InputError("The surfaces do not attract each other: give the problem adhesion=.")
+        raise InputError(f"The surfaces do not attract each other: give the problem {argument('adhesion')}.")
     strong = (solution.tension > fraction * float(solution.tension.max())) & ~solution.contact
     # A cell at the edge of the zone is inside or outside as a whole: half a cell either way, not alike for all.
     steps = sum(int(np.count_nonzero(np.diff(strong, axis=axis))) for axis in (0, 1))

@@ -20,7 +20,7 @@ from roughcontact._solve.solvers.base import (
     starting_pressure,
 )
 from roughcontact._solve.solvers.driver import Method, Monitor, Work, iterate, judged
-from roughcontact.errors import InputError
+from roughcontact.errors import InputError, argument
 
 
 @attrs.frozen
@@ -60,10 +60,13 @@ class PolonskyKeer(Solver):
         """Refuse both; see `Solver.require`."""
         if capped:
             raise InputError(
-                "The solver 'polonsky-keer' has no pressure limit, but a material has one: use solver='auto'."
+                "The solver 'polonsky-keer' has no pressure limit, but a material has one: use "
+                f"{argument('solver', 'auto')}."
             )
         if approach:
-            raise InputError("The solver 'polonsky-keer' needs a load, not an approach: use solver='auto'.")
+            raise InputError(
+                f"The solver 'polonsky-keer' needs a load, not an approach: use {argument('solver', 'auto')}."
+            )
 
     def solve(self, convolution: PreparedConvolution, task: Task) -> Outcome:
         """Return the contact pressure; see `Solver.solve`.

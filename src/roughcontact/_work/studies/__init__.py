@@ -2,7 +2,6 @@
 
 from roughcontact._work.studies.answers import name_of as name_of
 from roughcontact._work.studies.asking import Answers as Answers
-from roughcontact._work.studies.asking import ResponseField as ResponseField
 from roughcontact._work.studies.asking import ResponseForm as ResponseForm
 from roughcontact._work.studies.asking import add_answers as add_answers
 from roughcontact._work.studies.asking import ask_states as ask_states

@@ -10,8 +10,8 @@ from typing import Any, TypeAlias, get_type_hints
 
 import attrs
 
-from roughcontact._base.arrays import Array, Pair
-from roughcontact._base.registry import Registry, find_view
+from roughcontact._base.arrays import Array
+from roughcontact._base.registry import PartField, Registry, find_view, list_fields, summarize
 from roughcontact._base.tables import Table, page_or_file
 from roughcontact._base.units import Estimate, kind_of
 from roughcontact._solve.problem import Path as StatePath
@@ -24,39 +24,13 @@ from roughcontact._solve.solution import (
     responses,
 )
 from roughcontact._work.studies.coatings import find_layer_class
-from roughcontact._work.studies.form import Form, list_fields
-from roughcontact.errors import InputError, RoughContactError
+from roughcontact._work.studies.form import Form
+from roughcontact.errors import InputError, RoughContactError, Sentence
 from roughcontact.errors.door import guarded
 
 # What each response that was asked for says of each solution, by the name of the response.
 Answers: TypeAlias = Mapping[str, Sequence[Any]]
 _NO_ANSWERS: Answers = MappingProxyType({})
-
-
-@attrs.frozen
-class ResponseField:
-    """A field of a response, as a form asks for it.
-
-    Attributes
-    ----------
-    name
-        The name.
-    unit
-        SI unit of its number; empty for a number without one, None if it is not a number.
-    is_pair
-        Whether it is one number or two.
-    is_needed
-        Whether it has no default.
-    plain_unit
-        Unit of a number that a text may omit, such as ``"W/(m K) or S/m"``: the ``plain_unit`` in the metadata of
-        the field; empty without one.
-    """
-
-    name: str
-    unit: str | None
-    is_pair: bool
-    is_needed: bool
-    plain_unit: str = ""
 
 
 @attrs.frozen
@@ -74,7 +48,7 @@ class ResponseForm:
     """
 
     summary: str
-    fields: tuple[ResponseField, ...]
+    fields: tuple[PartField, ...]
     is_array: bool
 
 
@@ -89,15 +63,10 @@ def describe_response(name: str) -> ResponseForm:
     [('viscosity', 'Pa s'), ('pressure_drop', 'Pa')]
     """
     cls = responses[name]
-    line = (cls.__doc__ or "").partition("\n")[0].partition(":math:")[0].strip(" ,.")
-    fields = []
-    # Those of a class that is not of attrs are for scripts.
-    for field, found in list_fields(cls).items() if attrs.has(cls) else ():
-        plain = "" if found.kind in (float, Pair) else None
-        unit = plain if found.unit is None else found.unit
-        fields.append(ResponseField(field, unit, found.kind == Pair, found.required, found.plain_unit))
-    is_array = get_type_hints(cls.respond).get("return") == Array
-    return ResponseForm(line[:1].lower() + line[1:], tuple(fields), is_array)
+    # The fields of a class that is not of attrs are for scripts.
+    fields = tuple(list_fields(cls).values()) if attrs.has(cls) else ()
+    line = summarize(cls)
+    return ResponseForm(line[:1].lower() + line[1:], fields, get_type_hints(cls.respond).get("return") == Array)
 
 
 @guarded
@@ -154,7 +123,7 @@ def _build(kind: type, fields: Mapping[str, Any], what: str) -> Any:
     form = Form()
     made = form.read(kind, fields, "")
     for place, error in form.faults:
-        raise InputError(f"{what}{place and f' {place}'}: {error}") from error
+        raise InputError(f"{what}{place and f' {place}'}: {error.marked}") from error
     return made
 
 
@@ -306,12 +275,12 @@ def ask_states(
                 results[key] = state.response(response)
             except RoughContactError as error:
                 results[key] = None
-                missing.append(str(error))
+                missing.append(error.marked if isinstance(error, InputError) else str(error))
         found[name] = [results[id(state)] for state in states]
         if missing:
             has_none = len(missing) == len(different)
             count = "no state has an" if has_none else f"{len(missing)} of {len(different)} states have no"
-            reasons[name] = f"{count} answer: {missing[0]}"
+            reasons[name] = Sentence(f"{count} answer: {missing[0]}")
     return found, reasons
 
 

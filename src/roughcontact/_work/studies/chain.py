@@ -6,7 +6,7 @@ import contextlib
 import copy
 import traceback
 from collections.abc import Mapping, Sequence
-from functools import cached_property, partial
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -18,29 +18,12 @@ from roughcontact._parts.kernels import InfluenceKernel
 from roughcontact._parts.materials import Material
 from roughcontact._parts.surfaces import Surface
 from roughcontact._solve.convolvers import Convolver
-from roughcontact._solve.problem import (
-    Body,
-    ContactProblem,
-    FrictionalPath,
-    follow,
-    load_path,
-    order_of_solving,
-    predict_pressure,
-    run_solve,
-    save_path,
-)
-from roughcontact._solve.solution import (
-    ContactSolution,
-    Response,
-    list_all_warnings,
-    read_figures,
-    solution_key,
-    write,
-)
+from roughcontact._solve.problem import Body, ContactProblem
+from roughcontact._solve.solution import ContactSolution, Response, list_all_warnings, solution_key
 from roughcontact._solve.solvers import Solver
 from roughcontact._work.studies.answers import find_answers, has_answers
-from roughcontact._work.studies.paths import Shearing, figures_of, list_figures
-from roughcontact._work.studies.record import Record, read_solution, solution_path
+from roughcontact._work.studies.loading import SINGLE_LOADS, Loading
+from roughcontact._work.studies.record import Record
 from roughcontact.errors import InputError, NotConverged, NotWritten, RoughContactError
 
 _KINDS = {Surface: "surface", Material: "material", InfluenceKernel: "kernel", Convolver: "convolver", Solver: "solver"}
@@ -146,8 +129,8 @@ class Chain(Point):
         The folder of the solutions, on a disk that every worker sees.
     known
         Earlier records, by key.
-    shearing
-        Loads along the surface that follow each load; None without.
+    loading
+        What is found at each load.
     responses
         What is asked of each contact.
     """
@@ -156,7 +139,7 @@ class Chain(Point):
     areas: tuple[str, ...]
     folder: Path
     known: Mapping[str, Record] = attrs.Factory(dict)
-    shearing: Shearing | None = None
+    loading: Loading = SINGLE_LOADS
     responses: tuple[Response[Any], ...] = ()
 
     def bodies(self) -> dict[str, Any]:
@@ -184,16 +167,15 @@ class Chain(Point):
     def solution_keys(self) -> tuple[str, ...]:
         """Return the key of each load."""
         content = key_of({**self.problem.parts, **self.bodies()})
-        if self.shearing is not None:
-            content = key_of([content, *self.shearing.parts])
+        if self.loading.parts:
+            content = key_of([content, *self.loading.parts])
         return tuple(
             solution_key(content, load.arguments, earlier=self.earlier(index)) for index, load in enumerate(self.loads)
         )
 
-    def earlier(self, index: int) -> tuple[Mapping[str, float], ...]:
+    def earlier(self, index: int) -> list[Mapping[str, float]]:
         """Return the loads before one, where its state depends on those before."""
-        follows = self.problem.remembers and self.shearing is None
-        return tuple(load.arguments for load in self.loads[:index]) if follows else ()
+        return [load.arguments for load in self.loads[:index]] if self.loading.follows(self.problem) else []
 
     def listed(self, key: str, load: Load) -> Record | None:
         """Return the earlier record of a load, which another problem of the study may have made; None without one."""
@@ -239,96 +221,40 @@ class ChainResult:
 def run_chain(chain: Chain) -> ChainResult:
     """Return the records of a chain; each solution is written before anything is computed from it.
 
-    The loads are solved from the largest down, those of surfaces that attract each other and paths with friction in
-    their order. A failure at one load is in its record, and the others are solved. Only a solution that cannot be
-    written ends the chain.
+    The loads are solved in the order that their kind asks for. A failure at one load is in its record, and the others
+    are solved. Only a solution that cannot be written ends the chain.
     """
     # A copy, whose problem goes with it.
     chain = attrs.evolve(chain)
-    if chain.shearing is not None:
-        return _follow_paths(chain, chain.shearing)
     records: dict[int, Record] = {}
-    solutions: list[ContactSolution] = []
+    states: list[ContactSolution] = []
     computed = 0
     is_known = True
     keys = chain.solution_keys()
-    for index in range(len(chain.loads)) if chain.problem.remembers else order_of_solving(chain.loads):
+    for index in chain.loading.order(chain.problem, chain.loads):
         key = keys[index]
         load = chain.loads[index]
         try:
-            record, solution = _find(chain, key, load)
+            record, state = _find(chain, key, load)
             if record is None:
                 if chain.problem.processes and not is_known:
                     raise InputError("A law remembers the state at the load before it, which has no solution.")
                 computed += 1
-                solution = _solve(chain.seeded, load, solutions)
-                # The list of records is flushed once for the chain, and with it the names of all its files.
-                write(chain.path(key), solution, flush=False, earlier=chain.earlier(index))
-                record = _measure(chain, chain.record(key, load), solution)
-            elif solution is None and len(records) + 1 < len(chain.loads):
-                solution = _load(chain, key)
+                found = chain.loading.solve(chain.seeded, load, states)
+                chain.loading.write(chain.path(key), found, key, chain.earlier(index))
+                record, state = _measure(chain, chain.record(key, load), found)
+            elif state is None and len(records) + 1 < len(chain.loads):
+                state = _load(chain, key)
         except NotWritten as error:
             return ChainResult(_in_order(records), computed - 1, name_full_disk(chain.folder, error))
         except Exception as error:
             record = chain.record(key, load, *status_of(error))
-            solution = None
+            state = None
         records[index] = record
-        is_known = solution is not None
-        if solution is not None:
-            solutions = [*solutions[-1:], solution]
+        is_known = state is not None
+        if state is not None:
+            states = [*states[-1:], state]
     return ChainResult(_in_order(records), computed)
-
-
-def _solve(problem: ContactProblem, load: Load, before: list[ContactSolution]) -> ContactSolution:
-    """Return the solution at a load, from those before."""
-    if problem.remembers:
-        return follow(partial(run_solve, problem), before, load)
-    return problem.solve(**load.arguments, start=predict_pressure(before, load))
-
-
-def _follow_paths(chain: Chain, shearing: Shearing) -> ChainResult:
-    """Return the records of a chain whose loads are followed by loads along the surface."""
-    records: list[Record] = []
-    computed = 0
-    for key, load in zip(chain.solution_keys(), chain.loads, strict=True):
-        try:
-            record = _find_path(chain, shearing, key, load)
-            if record is None:
-                computed += 1
-                path = shearing.follow(chain.seeded, load)
-                save_path(chain.path(key), path, key)
-                record = _measure_path(chain, chain.record(key, load), path)
-        except NotWritten as error:
-            return ChainResult(records, computed - 1, name_full_disk(chain.folder, error))
-        except Exception as error:
-            record = chain.record(key, load, *status_of(error))
-        records.append(record)
-    return ChainResult(records, computed)
-
-
-def _find_path(chain: Chain, shearing: Shearing, key: str, load: Load) -> Record | None:
-    """Return the record of a path on disk; None if there is no intact one."""
-    known = chain.listed(key, load)
-    try:
-        path = load_path(solution_path(chain.folder, key), verify=False, key=key, law=shearing.friction)
-        if known is None or not known.agrees_with(figures_of(path)):
-            known = chain.record(key, load)
-            shearing.verify(chain.seeded, load, path)
-        elif chain.is_answered(known):
-            return attrs.evolve(known, message="")
-    # Damaged files fail in many ways: a path that cannot be read is followed again.
-    except Exception:
-        return None
-    return _measure_path(chain, known, path)
-
-
-def _measure_path(chain: Chain, record: Record, path: FrictionalPath) -> Record:
-    """Return the record of a path, with the areas of the contact at its end that the given record lacks."""
-    record = _measure(chain, record, path[-1])
-    warnings = tuple(dict.fromkeys((*path.warnings, *record.warnings)))
-    return attrs.evolve(
-        record, **list_figures(path), warnings=warnings, doubtful=bool(path.warnings) or record.doubtful
-    )
 
 
 def _in_order(records: Mapping[int, Record]) -> list[Record]:
@@ -337,31 +263,41 @@ def _in_order(records: Mapping[int, Record]) -> list[Record]:
 
 
 def _find(chain: Chain, key: str, load: Load) -> tuple[Record | None, ContactSolution | None]:
-    """Return the record of a solution on disk, and the solution if it was read; None if there is no intact one."""
+    """Return the record of what is on disk, and its last state if it was read; None if it is missing or damaged."""
     known = chain.listed(key, load)
     try:
-        figures = read_figures(solution_path(chain.folder, key), key)
+        figures = chain.loading.read_figures(chain.folder, key)
         if known is None or not known.agrees_with(figures):
             known = chain.record(key, load)
         elif chain.is_answered(known):
             return attrs.evolve(known, message=""), None
-        solution = read_solution(chain.folder, key)
-        chain.seeded.verify(solution)
-    # Damaged files fail in many ways: a solution that cannot be read is solved again.
+        found = chain.loading.read(chain.folder, key)
+        chain.loading.verify(chain.seeded, load, found)
+    # Damaged files fail in many ways: what cannot be read is solved again.
     except Exception:
         return None, None
-    return _measure(chain, known, solution), solution
+    return _measure(chain, known, found)
 
 
 def _load(chain: Chain, key: str) -> ContactSolution | None:
     try:
-        return read_solution(chain.folder, key)
+        return chain.loading.end_of(chain.loading.read(chain.folder, key))
     except Exception:
         # Only a start for the next load.
         return None
 
 
-def _measure(chain: Chain, record: Record, solution: ContactSolution) -> Record:
+def _measure(chain: Chain, record: Record, found: Any) -> tuple[Record, ContactSolution]:
+    """Return the record of what was found, with the areas and answers that the given record lacks, and its state."""
+    state = chain.loading.end_of(found)
+    record = _measure_state(chain, record, state)
+    own = chain.loading.list_warnings(found)
+    warnings = tuple(dict.fromkeys((*own, *record.warnings)))
+    figures = chain.loading.list_figures(found)
+    return attrs.evolve(record, **figures, warnings=warnings, doubtful=bool(own) or record.doubtful), state
+
+
+def _measure_state(chain: Chain, record: Record, solution: ContactSolution) -> Record:
     """Return the record of a solution, with the areas and answers that the given record lacks."""
     areas = dict(record.areas)
     failures = []

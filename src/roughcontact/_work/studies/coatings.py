@@ -10,7 +10,7 @@ import attrs
 from roughcontact._base.archive.plain import parts
 from roughcontact._parts.kernels import InfluenceKernel, kernels
 from roughcontact._parts.materials import TYPICAL, Elastic, Material, Rigid
-from roughcontact.errors import InputError, MissingPackage
+from roughcontact.errors import InputError, MissingPackage, argument
 
 # Reads an entry of a table by its kind and its place; see `Form.read`.
 Read: TypeAlias = Callable[[Any, Any, str], Any]
@@ -43,7 +43,9 @@ def read_layers(table: Mapping[str, Any], read: Read) -> Mapping[str, Any]:
     if not sides:
         return table
     if table.get("kernel") not in (None, LAYERED, _TWO):
-        raise InputError("The layers of a body are the kernel of the problem: omit kernel=, or the layers.")
+        raise InputError(
+            f"The layers of a body are the kernel of the problem: omit {argument('kernel')}, or the layers."
+        )
     layer = find_layer_class()
     bodies = {}
     coatings = {}

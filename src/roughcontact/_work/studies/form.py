@@ -13,9 +13,9 @@ import attrs
 
 from roughcontact._base.arrays import Pair
 from roughcontact._base.checks import INFINITE
-from roughcontact._base.registry import Registry, field_types, registries
+from roughcontact._base.registry import Registry, list_fields, registries
 from roughcontact._base.units import parse_quantity
-from roughcontact._parts.files import read_surface
+from roughcontact._parts.files import list_reader_options, read_surface
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._parts.materials import materials, resolve_material
 from roughcontact._parts.surfaces import HeightMap, Surface, SurfaceSum, match, surfaces
@@ -26,21 +26,8 @@ from roughcontact.errors.door import guarded
 
 T = TypeVar("T")
 
-_READING = (
-    "size",
-    "cell",
-    "non_measured",
-    "unit",
-    "reader",
-    "separator",
-    "decimal",
-    "skip_rows",
-    "rows",
-    "no_data",
-    "variable",
-    "page",
-)
-_OF_FILE = ("path", *_READING, "detrend", "resample")
+# Arguments of `read_surface` beside the path and the options of readers, and of `match` beside both maps.
+_OF_READING = tuple(inspect.signature(read_surface).parameters)[1:-1]
 _OF_MATCH = tuple(inspect.signature(match).parameters)[2:]
 _UNITS_OF_MAPS = {"size": "m", "cell": "m", "unit": "m", "offset": "m", "rotation": "rad"}
 
@@ -183,7 +170,7 @@ class Form:
         if unknown:
             self.faults.append((place, InputError(_name_unknown(unknown, known))))
         for name, field in known.items():
-            if field.required and name not in table:
+            if field.is_needed and name not in table:
                 self.faults.append((place, InputError(f"required field {name!r} is missing")))
         values = {
             name: self.read(field.kind, table[name], join(place, name), field.text_unit)
@@ -217,14 +204,15 @@ class Form:
         return self._read_fields(ContactProblem, {**others, **changed, "grid": table.get("grid", pair.grid)}, place)
 
     def _read_map(self, fields: Mapping[str, Any]) -> HeightMap:
-        _refuse_unknown(fields, _OF_FILE)
+        reading = (*_OF_READING, *list_reader_options())
+        _refuse_unknown(fields, ("path", *reading, "detrend", "resample"))
         path = fields.get("path")
         if self.folder is None:
             raise InputError("Only a study file names files of height maps.")
         file = (self.folder / str(path)).resolve()
         if not isinstance(path, str) or not file.is_relative_to(self.folder.resolve()):
             raise InputError.about("The path of a map", path, "that of a file in the folder of the study file")
-        given = {name: self._in_si_of_maps(name, fields[name]) for name in _READING if name in fields}
+        given = {name: self._in_si_of_maps(name, fields[name]) for name in reading if name in fields}
         surface = read_surface(file, **given)
         if "detrend" in fields:
             surface = surface.detrend(fields["detrend"])
@@ -262,7 +250,7 @@ def build_problem(table: Mapping[str, Any]) -> ContactProblem:
     if form.faults:
         error = form.faults[0][1]
         is_sentence = str(error).endswith((".", "..."))
-        raise error if is_sentence else InputError(f"The table of the problem cannot be used: {error}.")
+        raise error if is_sentence else InputError(f"The table of the problem cannot be used: {error.marked}.")
     return problem
 
 
@@ -313,43 +301,6 @@ def _registry_of(kind: type) -> Registry[Any] | None:
     """Return the registry of a class: that of the nearest base, since an area estimator is a response too."""
     fitting = [one for one in registries().values() if one.base is not object and issubclass(kind, one.base)]
     return max(fitting, key=lambda one: len(one.base.__mro__), default=None)
-
-
-@attrs.frozen
-class Field:
-    """Annotation and unit of an argument, whether it is required, and the unit that texts may omit."""
-
-    kind: Any
-    unit: str | None
-    required: bool
-    plain_unit: str = ""
-
-    @property
-    def text_unit(self) -> str | None:
-        """Unit of texts that stand for numbers; None if texts do not."""
-        return self.plain_unit or None if self.unit is None else self.unit
-
-
-def list_fields(cls: type) -> dict[str, Field]:
-    """Return the arguments of a class by name."""
-    if not attrs.has(cls):
-        parameters = inspect.signature(cls).parameters
-        return {name: Field(Any, None, one.default is one.empty) for name, one in parameters.items()}
-    try:
-        hints = field_types(cls)
-    # A class of a script may be annotated with what is not known in its module.
-    except NameError:
-        hints = {}
-    return {
-        str(field.alias): Field(
-            hints.get(field.name, Any),
-            field.metadata.get("unit"),
-            field.default is attrs.NOTHING,
-            field.metadata.get("plain_unit", ""),
-        )
-        for field in attrs.fields(cls)
-        if field.init
-    }
 
 
 def _name_and_fields(value: Any, registry: Registry[Any]) -> tuple[str, Mapping[str, Any]]:

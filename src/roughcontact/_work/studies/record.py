@@ -28,7 +28,7 @@ _COLUMN_NAMES = {"saturated": "saturated_area"}
 _MAX_INDEX_CHARACTERS = 2**28
 _MAX_RECORD_CHARACTERS = 2**16
 _INDEX_END = "\n]}\n"
-FRICTION_UNITS = {
+PATH_UNITS = {
     "dissipated": "J",
     "dissipated_uncertainty": "J",
     "stick_area": "m2",
@@ -127,7 +127,7 @@ class Record:
     def agrees_with(self, figures: Mapping[str, Any]) -> bool:
         """Return whether it states the figures of its file; the areas of other estimators are not in the file."""
         names = {"p_max": "maximum_pressure", "saturated": "saturated_area"}
-        stated = (*_STATED_FIGURES, *names, *(FRICTION_UNITS if self.has_friction else ()))
+        stated = (*_STATED_FIGURES, *names, *(PATH_UNITS if self.has_path else ()))
         blend = self.areas.get(DEFAULT_AREA, (figures["area"], figures["area_uncertainty"]))
         return all(getattr(self, name) == figures[names.get(name, name)] for name in stated) and blend == (
             figures["area"],
@@ -140,8 +140,8 @@ class Record:
         return self.status in Status.__members__ and Status[self.status].success
 
     @property
-    def has_friction(self) -> bool:
-        """Whether a path with friction was followed."""
+    def has_path(self) -> bool:
+        """Whether a path was followed under this load."""
         return self.dissipated is not None
 
     def row(self) -> dict[str, Any]:
@@ -152,8 +152,8 @@ class Record:
         del figures["answers"]
         figures = {_COLUMN_NAMES.get(name, name): value for name, value in figures.items()}
         figures["warnings"] = " ".join(self.warnings)
-        if not self.has_friction:
-            figures = {name: value for name, value in figures.items() if name not in FRICTION_UNITS}
+        if not self.has_path:
+            figures = {name: value for name, value in figures.items() if name not in PATH_UNITS}
         if parameters:
             del figures["seed"]
             figures = {**parameters, **figures}
@@ -223,7 +223,7 @@ def write_index(path: Path, records: Sequence[Record]) -> None:
 def _stated(record: Record) -> dict[str, Any]:
     """Return the fields of a record, without those that it does not have, as in the lists of older versions."""
     absent = [] if record.parameters else ["parameters"]
-    absent += [] if record.has_friction else list(FRICTION_UNITS)
+    absent += [] if record.has_path else list(PATH_UNITS)
     absent += [] if record.answers else ["answers"]
     return {name: value for name, value in attrs.asdict(record).items() if name not in absent}
 

@@ -18,7 +18,7 @@ from roughcontact._base.units import Estimate, counted
 from roughcontact._parts.grid import FIRST_LOADING, Load
 from roughcontact._solve.problem import FrictionalPath, load_path
 from roughcontact._solve.solution import ContactSolution
-from roughcontact._work.studies.record import COUNT_COLUMNS, FRICTION_UNITS, Record, read_solution, solution_path
+from roughcontact._work.studies.record import COUNT_COLUMNS, PATH_UNITS, Record, read_solution, solution_path
 from roughcontact.errors import InputError
 
 _UNITS = {
@@ -88,11 +88,11 @@ class StudyResult(TableResult):
 
         Of a path with friction it is the state at its end.
         """
-        return self.path(record)[-1] if record.has_friction else read_solution(self.folder, record.key)
+        return self.path(record)[-1] if record.has_path else read_solution(self.folder, record.key)
 
     def path(self, record: Record) -> FrictionalPath:
         """Return the path with friction of a record from its file; `InputError` if there is none, or it is damaged."""
-        if not record.has_friction:
+        if not record.has_path:
             raise InputError("This record has no path: a study with friction= and tangential_force= has some.")
         return load_path(solution_path(self.folder, record.key), verify=False, key=record.key)
 
@@ -162,7 +162,7 @@ class StudyResult(TableResult):
         NaN. ``warnings`` is a text, empty where there are none.
         """
         columns = self._columns
-        known = {**_UNITS, **FRICTION_UNITS}
+        known = {**_UNITS, **PATH_UNITS}
         units = {name: known[name] for name in columns if name in known}
         units |= {name: "m2" for name in columns if name.startswith(("area ", "uncertainty "))}
         for name, unit in self._answer_units.items():
@@ -194,10 +194,10 @@ class StudyResult(TableResult):
         answers = {
             column: unit for name, unit in self._answer_units.items() for column in (name, f"{name}_uncertainty")
         }
-        friction = FRICTION_UNITS if any(record.has_friction for record in self.records) else {}
+        of_paths = PATH_UNITS if any(record.has_path for record in self.records) else {}
         variables: dict[str, Any] = {
             name: (tuple(places), spread((row.get(name, np.nan) for row in rows), np.nan, float), {"units": unit})
-            for name, unit in {**_UNITS, **friction, **answers, **dict.fromkeys(COUNT_COLUMNS, "")}.items()
+            for name, unit in {**_UNITS, **of_paths, **answers, **dict.fromkeys(COUNT_COLUMNS, "")}.items()
         }
         for name in ("status", "warnings"):
             variables[name] = (tuple(places), spread((row[name] for row in rows), "", object).astype(str))
@@ -252,7 +252,7 @@ class StudyResult(TableResult):
         columns["maximum pressure"] = [
             Estimate(record.peak_pressure, record.peak_pressure_uncertainty, "Pa") for record in rows
         ]
-        if any(record.has_friction for record in rows):
+        if any(record.has_path for record in rows):
             lost = [(one.dissipated, one.dissipated_uncertainty) for one in rows]
             stick = [(one.stick_area, one.stick_area_uncertainty) for one in rows]
             columns["energy lost"] = [_estimate(*pair, "J") for pair in lost]

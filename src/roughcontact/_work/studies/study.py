@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import copy
 import logging
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -22,12 +21,12 @@ from roughcontact._base.machine.progress import count_done, show_progress, tell_
 from roughcontact._base.units import Force, Length, PlainText, Pressure, binary, counted
 from roughcontact._parts.grid import Load
 from roughcontact._parts.interactions import FrictionLaw
-from roughcontact._solve.problem import ContactProblem, require_frictional
-from roughcontact._solve.solution import DEFAULT_AREA, Response, areas, require_to_hold
+from roughcontact._solve.problem import ContactProblem
+from roughcontact._solve.solution import DEFAULT_AREA, Response, areas
 from roughcontact._work.studies.answers import read_responses
 from roughcontact._work.studies.axes import BuiltProblems
 from roughcontact._work.studies.chain import Chain, Unbuilt, name_full_disk
-from roughcontact._work.studies.paths import Shearing
+from roughcontact._work.studies.loading import Loading, read_loading
 from roughcontact._work.studies.record import Record, read_index, write_index
 from roughcontact._work.studies.result import StudyResult
 from roughcontact._work.studies.shares import Share, list_of_records, read_all_records
@@ -41,10 +40,6 @@ _TYPICAL_CONVOLUTIONS = 25
 _MAX_LISTED_VALUES = 8
 # Units of a time, s; each is used from twice its length on.
 _TIME_UNITS = {"hours": 3600.0, "minutes": 60.0, "s": 1.0}
-_ARGUMENTS = (
-    "problems", "pressure", "force", "approach", "areas", "responses", "seeds",
-    "tangential_force", "displacement", "friction", "substeps",
-)  # fmt: skip
 # Units in which texts of a study file are read.
 _PASCAL, _NEWTON, _METRE = ({"unit": unit} for unit in ("Pa", "N", "m"))
 
@@ -55,7 +50,7 @@ def describe_study(
     loads: Sequence[Load],
     *,
     sampled: bool,
-    shearing: Shearing | None = None,
+    loading: Loading,
 ) -> str:
     """Return the plans of the known problems, the values on each axis, and the work of all solves.
 
@@ -69,11 +64,11 @@ def describe_study(
         The loads of each combination.
     sampled
         Whether the known problem is the first of several.
-    shearing
-        The loads along the surface that follow each load.
+    loading
+        What is found at each load.
     """
     plans = [problem.plan for _, problem in known]
-    memory = [plan.memory if shearing is None else shearing.memory_of(plan) for plan in plans]
+    memory = [loading.memory_of(plan) for plan in plans]
     kind = loads[0].kind
     count = math.prod(map(len, axes.values())) * len(loads)
     cells = sum(plan.grid.cells for plan in plans) / len(plans) * count
@@ -88,11 +83,9 @@ def describe_study(
     ]
     if sampled:
         rows.append(("", "if all problems are like the first"))
-    if shearing is not None:
-        rows.insert(len(lists), ("path", str(shearing)))
-        rows.append(("", "for the normal contacts alone: each step of a path takes several solves more"))
-    plan_of = ContactProblem.explain if shearing is None else shearing.explain
-    texts = [f"{name}:\n{plan_of(problem)}" for name, problem in known]
+    own = loading.list_rows()
+    rows = [*rows[: len(lists)], *own[:1], *rows[len(lists) :], *own[1:]]
+    texts = [f"{name}:\n{loading.explain(problem)}" for name, problem in known]
     return PlainText("\n\n".join([*texts, "\n".join(f"{label:<10} {text}" for label, text in rows)]))
 
 
@@ -212,14 +205,12 @@ class Study:
     displacement: Sequence[Pair] | None = attrs.field(default=None, kw_only=True, metadata=_METRE)
     friction: float | FrictionLaw | None = attrs.field(default=None, kw_only=True)
     substeps: int | str = attrs.field(default="auto", kw_only=True)
-    shearing: Shearing | None = attrs.field(init=False, repr=False)
+    loading: Loading = attrs.field(init=False, repr=False)
 
-    @shearing.default
-    def _find_shearing(self) -> Shearing | None:
-        found = Shearing.of(self.tangential_force, self.displacement, self.friction, self.substeps)
-        for response in () if found is None else self.responses:
-            require_to_hold(response, {"shear"})
-        return found
+    @loading.default
+    def _find_loading(self) -> Loading:
+        along = (self.tangential_force, self.displacement, self.friction, self.substeps)
+        return read_loading(*along, self.responses)
 
     def __init__(
         self,
@@ -237,24 +228,13 @@ class Study:
         substeps: int | str = "auto",
         **axes: Iterable[Any],
     ) -> None:
+        arguments = {name: value for name, value in locals().items() if name not in ("self", "problems", "axes")}
         made: Any = problems
         if callable(problems):
-            made = BuiltProblems.over(problems, axes, _ARGUMENTS)
+            made = BuiltProblems.over(problems, axes, ("problems", *arguments))
         elif axes:
-            raise InputError.unknown("argument of Study", min(axes), _ARGUMENTS)
-        self.__attrs_init__(
-            made,
-            pressure=pressure,
-            force=force,
-            approach=approach,
-            areas=areas,
-            responses=responses,
-            seeds=seeds,
-            tangential_force=tangential_force,
-            displacement=displacement,
-            friction=friction,
-            substeps=substeps,
-        )
+            raise InputError.unknown("argument of Study", min(axes), ("problems", *arguments))
+        self.__attrs_init__(made, **arguments)
 
     def __attrs_post_init__(self) -> None:
         if isinstance(self.problems, BuiltProblems) and self.seeds:
@@ -262,21 +242,12 @@ class Study:
         for name, problem in self._known_problems:
             if self.seeds and not _has_random_surface(problem):
                 raise InputError(f"Seeds are given, but no surface of the problem {name!r} has one: leave seeds= out.")
-            if self.shearing is not None:
-                self._require_frictional(name, problem)
-            for load in self.loads:
-                try:
+            try:
+                self.loading.require(problem)
+                for load in self.loads:
                     problem.require_load(**load.arguments)
-                except InputError as error:
-                    raise InputError(f"Problem {name!r}: {error}") from error
-
-    @staticmethod
-    def _require_frictional(name: str, problem: ContactProblem) -> None:
-        try:
-            # Of a copy: the responses to shear of all problems would take the memory of many grids.
-            require_frictional(copy.copy(problem))
-        except InputError as error:
-            raise InputError(f"Problem {name!r}: {error}") from error
+            except InputError as error:
+                raise InputError(f"Problem {name!r}: {error.marked}") from error
 
     @property
     def _known_problems(self) -> list[tuple[str, ContactProblem]]:
@@ -302,8 +273,7 @@ class Study:
             described = [self.problems.name, dict(self.problems.axes)]
         else:
             described = {name: problem.parts for name, problem in self.problems.items()}
-        along = [] if self.shearing is None else self.shearing.parts
-        return key_of([described, [load.arguments for load in self.loads], self.seeds, *along])[:12]
+        return key_of([described, [load.arguments for load in self.loads], self.seeds, *self.loading.parts])[:12]
 
     def chains(self) -> Iterator[Chain]:
         """Yield each problem with each seed, at all loads."""
@@ -313,7 +283,7 @@ class Study:
             yield chain
 
     def _points(self, folder: Path, known: Mapping[str, Record], share: Share | None) -> Chains:
-        asked = (self.shearing, self.responses)
+        asked = (self.loading, self.responses)
         return Chains(self.problems, self.seeds, self.loads, self.areas, folder, known, share, *asked)
 
     def explain(self) -> str:
@@ -321,7 +291,7 @@ class Study:
         axes = self.axes or {"problem": tuple(self.problems), **({"seed": self.seeds} if self.seeds else {})}
         known = self._known_problems
         sampled = len(known) < len(self.problems)
-        return describe_study(known, axes, self.loads, sampled=sampled, shearing=self.shearing)
+        return describe_study(known, axes, self.loads, sampled=sampled, loading=self.loading)
 
     def run(
         self,

@@ -16,7 +16,7 @@ from roughcontact._solve.problem import ContactProblem
 from roughcontact._solve.solution import Response
 from roughcontact._work.studies.axes import BuiltProblems
 from roughcontact._work.studies.chain import Chain, ChainResult, Unbuilt, name_exception, run_chain
-from roughcontact._work.studies.paths import Shearing
+from roughcontact._work.studies.loading import SINGLE_LOADS, Loading
 from roughcontact._work.studies.record import Record
 from roughcontact._work.studies.shares import Share
 from roughcontact.errors import InputError, RoughContactError
@@ -42,8 +42,8 @@ class Chains(Sequence[Chain | Unbuilt]):
         Earlier records, by key.
     share
         Which of n shares they are; None for all.
-    shearing
-        The loads along the surface of the study; None without.
+    loading
+        What the study finds at each load.
     responses
         What the study asks of each contact.
     """
@@ -55,7 +55,7 @@ class Chains(Sequence[Chain | Unbuilt]):
     folder: Path
     known: Mapping[str, Record]
     share: Share | None
-    shearing: Shearing | None = None
+    loading: Loading = SINGLE_LOADS
     responses: tuple[Response[Any], ...] = ()
     _places: list[tuple[str, int | None]] = attrs.field(init=False)
 
@@ -75,7 +75,7 @@ class Chains(Sequence[Chain | Unbuilt]):
             problem = self.problems[name]
         except InputError as error:
             return Unbuilt(**place, message=str(error))
-        asked: dict[str, Any] = {"areas": self.areas, "responses": self.responses, "shearing": self.shearing}
+        asked: dict[str, Any] = {"areas": self.areas, "responses": self.responses, "loading": self.loading}
         chain = Chain(**place, problem=problem, folder=self.folder, **asked)
         if not self.known:
             return chain

@@ -88,7 +88,7 @@ class GapDescent(Solver):
     adhesive: ClassVar[bool] = True
     climbs_grids: ClassVar[bool] = True
     omitted: ClassVar[tuple[str, ...]] = (
-        "float64 inside the iterations: float32 is enough, and every result is verified in float64",
+        "double precision inside the iterations: single is enough, and every result is verified in double",
     )
 
     tolerance: float = attrs.field(converter=positive_tolerance, default=DEFAULT_TOLERANCE)

@@ -18,7 +18,7 @@ from roughcontact._solve.convolvers import (
     mixed_spectrum,
     wrapped_spectrum,
 )
-from roughcontact.errors import InputError
+from roughcontact.errors import InputError, argument
 
 # Amplitude over the mean one below which a displacement does not determine the pressure.
 _SINGULAR = 1e-9
@@ -160,7 +160,8 @@ def surface_stiffness(convolution: PreparedConvolution, extended: tuple[int, int
     if others.size and not others.min() > _SINGULAR * float(others.mean()):
         raise InputError(
             f"The kernel {setup.kernel.kernel!r} displaces nothing by some waves of pressure, so that a gap does not "
-            "determine the pressure on this grid: solver='majorise' finds the contact, but without its stability, "
+            f"determine the pressure on this grid: {argument('solver', 'majorise')} finds the contact, but without "
+            "its stability, "
             "stiffness and gradients."
         )
     stiffness = np.zeros_like(response)

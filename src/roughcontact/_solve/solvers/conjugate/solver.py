@@ -74,7 +74,7 @@ class ProjectedConjugateGradient(Solver):
 
     climbs_grids: ClassVar[bool] = True
     omitted: ClassVar[tuple[str, ...]] = (
-        "float64 inside the iterations: float32 is enough, and every result is verified in float64",
+        "double precision inside the iterations: single is enough, and every result is verified in double",
         "cells that cannot touch: only those that can are solved",
     )
 

@@ -1,0 +1,300 @@
+"""What a study finds at each load: a state, or a path of loads along the surface that follow it."""
+
+from __future__ import annotations
+
+import abc
+import copy
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import attrs
+
+from roughcontact._base.checks import integer
+from roughcontact._parts.grid import Load
+from roughcontact._parts.interactions import FrictionLaw
+from roughcontact._solve.problem import (
+    ContactProblem,
+    FrictionalPath,
+    SolvePlan,
+    describe_loads,
+    describe_part,
+    explain_with_friction,
+    list_targets,
+    load_path,
+    memory_of_friction,
+    order_loads,
+    require_frictional,
+    resolve_friction,
+    save_path,
+    solve_next,
+)
+from roughcontact._solve.solution import (
+    ContactSolution,
+    Response,
+    Status,
+    TangentialLoad,
+    read_figures,
+    require_to_hold,
+    scalars_of,
+    write,
+)
+from roughcontact._work.studies.record import read_solution, solution_path
+from roughcontact.errors import InputError
+
+# Loads along the surface that `explain` lists: the first ones and the last.
+_MAX_LISTED_LOADS = 6
+
+
+class Loading(abc.ABC):
+    """How a study finds what it keeps at a load, and asks it."""
+
+    # What determines the states beside the problem and the load.
+    parts: Sequence[Any] = ()
+
+    @abc.abstractmethod
+    def require(self, problem: ContactProblem) -> None:
+        """Raise `InputError` unless this can be done with a problem."""
+
+    @abc.abstractmethod
+    def order(self, problem: ContactProblem, loads: Sequence[Load]) -> Sequence[int]:
+        """Return the positions of loads in the order in which they are solved."""
+
+    @abc.abstractmethod
+    def solve(self, problem: ContactProblem, load: Load, before: Sequence[ContactSolution]) -> Any:
+        """Return what is found at a load, after the last states of those before."""
+
+    def follows(self, problem: ContactProblem) -> bool:
+        """Return whether what is found at a load depends on the loads before it."""
+        return False
+
+    @abc.abstractmethod
+    def write(self, file: Path, found: Any, key: str, earlier: Sequence[Mapping[str, float]]) -> None:
+        """Write what was found; the list of records is flushed once for the chain, and with it the names of files.
+
+        `earlier` are the loads on which it depends.
+        """
+
+    @abc.abstractmethod
+    def read(self, folder: Path, key: str) -> Any:
+        """Return what was written under a key; `InputError` where it is missing or damaged."""
+
+    def read_figures(self, folder: Path, key: str) -> dict[str, Any]:
+        """Return the figures of what was written, by which a record is known to be of it."""
+        return {**scalars_of(self.end_of(found := self.read(folder, key))), **self.list_figures(found)}
+
+    @abc.abstractmethod
+    def verify(self, problem: ContactProblem, load: Load, found: Any) -> None:
+        """Raise `InputError` unless what was read is of a problem and a load."""
+
+    @abc.abstractmethod
+    def end_of(self, found: Any) -> ContactSolution:
+        """Return the state that a record describes."""
+
+    def list_figures(self, found: Any) -> dict[str, Any]:
+        """Return the figures of a record beside those of this state."""
+        return {}
+
+    def list_warnings(self, found: Any) -> tuple[str, ...]:
+        """Return what is warned of beside this state."""
+        return ()
+
+    def explain(self, problem: ContactProblem) -> str:
+        """Return the plan of a load, in words."""
+        return problem.explain()
+
+    def memory_of(self, plan: SolvePlan) -> int:
+        """Return the peak memory of a load, bytes."""
+        return plan.memory
+
+    def list_rows(self) -> list[tuple[str, str]]:
+        """Return what it does at each load, and what the time of a study does not count, in rows of its plan."""
+        return []
+
+    def describe(self) -> dict[str, Any]:
+        """Return it as plain data by name, beside the loads."""
+        return {}
+
+
+@attrs.frozen
+class SingleLoads(Loading):
+    """A state at each load, from the states before."""
+
+    def require(self, problem: ContactProblem) -> None:
+        """Take any problem."""
+
+    def order(self, problem: ContactProblem, loads: Sequence[Load]) -> Sequence[int]:
+        """Return the positions from the largest load down; in their order where a state depends on those before."""
+        return order_loads(problem, loads)
+
+    def solve(self, problem: ContactProblem, load: Load, before: Sequence[ContactSolution]) -> ContactSolution:
+        """Return the state at a load."""
+        return solve_next(problem, before, load)
+
+    def follows(self, problem: ContactProblem) -> bool:
+        """Return whether a state depends on those before."""
+        return problem.remembers
+
+    def write(self, file: Path, found: Any, key: str, earlier: Sequence[Mapping[str, float]]) -> None:
+        """Write a state, whose key follows from its problem and the loads."""
+        write(file, found, flush=False, earlier=earlier)
+
+    def read(self, folder: Path, key: str) -> ContactSolution:
+        """Return the state with a key."""
+        return read_solution(folder, key)
+
+    def read_figures(self, folder: Path, key: str) -> dict[str, Any]:
+        """Return the figures of a state, whose fields are not read."""
+        return read_figures(solution_path(folder, key), key)
+
+    def verify(self, problem: ContactProblem, load: Load, found: Any) -> None:
+        """Raise `InputError` unless a state is a solution of a problem: its key says at which load."""
+        problem.verify(found)
+
+    def end_of(self, found: Any) -> ContactSolution:
+        """Return the state."""
+        state: ContactSolution = found
+        return state
+
+
+SINGLE_LOADS = SingleLoads()
+
+
+@attrs.frozen(eq=False)
+class LoadsAlong(Loading):
+    """The loads along the surface that follow each normal load of a study.
+
+    Attributes
+    ----------
+    loads
+        The loads, one after the other.
+    friction
+        The law by which the surfaces slip.
+    substeps
+        Increments of each load; ``"auto"``: as many as it needs.
+    """
+
+    loads: tuple[TangentialLoad, ...]
+    friction: FrictionLaw
+    substeps: int | str
+
+    @property
+    def kind(self) -> str:
+        """The argument of `ContactProblem.path` that states the loads."""
+        return self.loads[0].kind
+
+    @property
+    def parts(self) -> Sequence[Any]:  # type: ignore[override]
+        """Loads, law and increments."""
+        return [self.kind, [list(one.values) for one in self.loads], self.friction, self.substeps]
+
+    def require(self, problem: ContactProblem) -> None:
+        """Raise `InputError` unless a problem has a response to loads along its surface."""
+        # Of a copy: the responses to shear of all problems would take the memory of many grids.
+        require_frictional(copy.copy(problem))
+
+    def order(self, problem: ContactProblem, loads: Sequence[Load]) -> Sequence[int]:
+        """Return the positions in their order."""
+        return range(len(loads))
+
+    def solve(self, problem: ContactProblem, load: Load, before: Sequence[ContactSolution]) -> FrictionalPath:
+        """Return the states at the loads along the surface, under a normal load."""
+        along: dict[str, Any] = {self.kind: [one.values for one in self.loads]}
+        return problem.path(**load.arguments, **along, friction=self.friction, substeps=self.substeps)
+
+    def write(self, file: Path, found: Any, key: str, earlier: Sequence[Mapping[str, float]]) -> None:
+        """Write a path."""
+        save_path(file, found, key)
+
+    def read(self, folder: Path, key: str) -> FrictionalPath:
+        """Return the path with a key."""
+        return load_path(solution_path(folder, key), verify=False, key=key, law=self.friction)
+
+    def verify(self, problem: ContactProblem, load: Load, found: Any) -> None:
+        """Raise `InputError` unless a path has these loads, and its states are solutions of a problem."""
+        normal = [None if state.origin is None else state.origin.load for state in found]
+        if [one.tangential_load for one in found] != list(self.loads) or normal != [load.arguments] * len(found):
+            raise InputError("The path has other loads.")
+        for state in found._saved_states:
+            problem.verify(state)
+
+    def end_of(self, found: Any) -> ContactSolution:
+        """Return the state at the end of a path."""
+        state: ContactSolution = found[-1]
+        return state
+
+    def list_figures(self, found: Any) -> dict[str, Any]:
+        """Return the figures of a path in its record, beside those of the contact at its end."""
+        states = found._saved_states
+        # From the best to the worst.
+        severity = list(Status)
+        stick = found.numbers[-1].stick_area
+        lost = found.dissipated
+        return {
+            "status": max((state.status for state in states), key=severity.index).name,
+            "iterations": found[-1].iterations,
+            "convolutions": found[-1].convolutions,
+            "seconds": math.fsum(state.seconds for state in states),
+            "dissipated": lost.value,
+            "dissipated_uncertainty": lost.uncertainty,
+            "stick_area": stick.value,
+            "stick_area_uncertainty": stick.uncertainty,
+        }
+
+    def list_warnings(self, found: Any) -> tuple[str, ...]:
+        """Return what is warned of the path as a whole."""
+        warnings: tuple[str, ...] = found.warnings
+        return warnings
+
+    def explain(self, problem: ContactProblem) -> str:
+        """Return the plan of a path, in words."""
+        return explain_with_friction(problem.plan, self.friction, 1 + len(self.loads))
+
+    def memory_of(self, plan: SolvePlan) -> int:
+        """Return the peak memory of a path, or of its normal contact with all cells in contact, bytes."""
+        return max(plan.memory, memory_of_friction(plan, 1 + len(self.loads)))
+
+    def list_rows(self) -> list[tuple[str, str]]:
+        """Return the loads along the surface, and what the time is of."""
+        return [
+            ("path", str(self)),
+            ("", "for the normal contacts alone: each step of a path takes several solves more"),
+        ]
+
+    def describe(self) -> dict[str, Any]:
+        """Return the loads along the surface and the law."""
+        return {"along": describe_loads(self.loads), "friction": describe_part(self.friction)}
+
+    def __str__(self) -> str:
+        texts = list(map(str, self.loads))
+        if len(texts) > _MAX_LISTED_LOADS:
+            texts = [*texts[: _MAX_LISTED_LOADS - 1], "...", texts[-1]]
+        return f"{self.kind.replace('_', ' ')} {', '.join(texts)} under each normal load; {self.friction!r}"
+
+
+def read_loading(
+    tangential_force: object,
+    displacement: object,
+    friction: object,
+    substeps: object,
+    responses: Sequence[Response[Any]],
+) -> Loading:
+    """Return what the arguments of a study ask for at each load.
+
+    `InputError` if there are loads along the surface without friction, or friction without them, a value is wrong, or a
+    response means nothing for a state with a tangential traction.
+    """
+    given = {"tangential_force": tangential_force, "displacement": displacement}
+    if all(values is None for values in given.values()):
+        if friction is not None or substeps != "auto":
+            raise InputError(
+                "Friction is for loads along the surface: give tangential_force=[(x, y), ...] or displacement= too."
+            )
+        return SINGLE_LOADS
+    for response in responses:
+        require_to_hold(response, {"shear"})
+    if friction is None:
+        raise InputError("Loads along the surface need a law by which it slips: give friction=0.3, for example.")
+    count: int | str = "auto" if substeps == "auto" else integer(substeps, "substeps=", at_least=1)
+    return LoadsAlong(tuple(list_targets(given)), resolve_friction(friction), count)
