@@ -93,7 +93,8 @@ class Slabs(Whole):
 
     def gather(self, solution: Any) -> ContactSolution | None:
         """Return the whole solution on the first process, certified anew there; None on the others."""
-        pressure, gap = solution.pressure.gather(), solution.initial_gap.gather()
+        pressure = solution.pressure.gather()
+        gap = solution.initial_gap.gather()
         if pressure is None or gap is None:
             return None
         body = Body(HeightMap(-gap, solution.grid.size), self.scene.body.material)

@@ -234,7 +234,8 @@ class SlabProcesses:
             for start, stop in itertools.pairwise(bounds)
         ]
         beside = self.fetch_rows(values, bounds, wanted)
-        before, behind = beside[:reach], beside[reach:]
+        before = beside[:reach]
+        behind = beside[reach:]
         if not periodic and self.rank == 0:
             before = self.library.zeros_like(before)
         if not periodic and self.rank == self.count - 1:
