@@ -24,29 +24,23 @@ _PART_NUMBERS = 3840
 
 
 def frozen_array(values: Array) -> Array:
-    """Return `values` as a C-ordered, read-only float64 array; one of another kind, such as a tensor, as it is."""
-    if follows_numpy(values):
-        return values
+    """Return `values` as a C-ordered, read-only float64 array."""
     array = np.ascontiguousarray(values, dtype=np.float64)
     array.flags.writeable = False
     return array
 
 
 def read_only(values: RealArray) -> RealArray:
-    """Return a view of an array, or the array made from other values, that cannot be written to.
-
-    An array of another kind, such as one of which each process has a part, is returned as it is.
-    """
-    if follows_numpy(values):
-        return values
+    """Return a view of an array, or the array made from other values, that cannot be written to."""
     array = np.asarray(values).view()
     array.flags.writeable = False
     return array
 
 
-def follows_numpy(values: object) -> bool:
-    """Return whether values are an array that is not numpy's, but follows its protocols."""
-    return hasattr(values, "__array_function__") and not isinstance(values, np.ndarray)
+def read_only_field(values: RealArray) -> RealArray:
+    """Return `read_only` of an array of numpy, and one of slabs or tensors, which follow its protocols, as it is."""
+    follows = hasattr(values, "__array_function__") and not isinstance(values, np.ndarray)
+    return values if follows else read_only(values)
 
 
 def as_shape(value: Sequence[int]) -> tuple[int, int]:

@@ -214,7 +214,8 @@ def plan_outputs(given: Sequence[str], report: str | None, maps: Sequence[Path],
     MissingPackage
         If a picture, a report or netCDF is asked for without its packages.
     """
-    known = {suffix for name in rc.writers for suffix in rc.writers.create(name).suffixes} | PICTURES
+    writers = [rc.writers.create(name) for name in rc.writers]
+    known = {suffix for writer in writers if not writer.divided for suffix in writer.suffixes} | PICTURES
     files = []
     for text in given:
         path = checks.path(text, "The output")

@@ -215,8 +215,8 @@ def make_solution(
         boundary=plan.boundary,
         modulus=plan.modulus,
         pressure_limit=plan.pressure_limit,
-        pressure=frozen_array(certificate.pressure),
-        displacement=frozen_array(certificate.displacement),
+        pressure=_freeze(certificate.pressure),
+        displacement=_freeze(certificate.displacement),
         initial_gap=initial_gap,
         approach=certificate.approach,
         status=certificate.status,
@@ -232,6 +232,11 @@ def make_solution(
         non_measured=plan.non_measured,
         tension=None if outcome.tension is None else frozen_array(outcome.tension * pressure_unit(plan)),
     )
+
+
+def _freeze(field: Array) -> Array:
+    """Return an array of numpy C-ordered and read-only, one of slabs or tensors as it is."""
+    return frozen_array(field) if isinstance(field, np.ndarray) else field
 
 
 def verify_solution(

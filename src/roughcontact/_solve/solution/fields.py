@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 import attrs
 import numpy as np
 
-from roughcontact._base.arrays import Array, IntArray, Mask, read_only
+from roughcontact._base.arrays import Array, IntArray, Mask, read_only, read_only_field
 from roughcontact._base.checks import numbers
 from roughcontact._base.units import ShownAsPrinted, outlined
 from roughcontact._parts.grid import Boundary, Grid
@@ -223,10 +223,10 @@ class ContactFields(AskedOf):
     grid: Grid
     boundary: Boundary
     modulus: float
-    pressure_limit: Array = attrs.field(converter=read_only)
-    pressure: Array = attrs.field(converter=read_only)
-    displacement: Array = attrs.field(converter=read_only)
-    initial_gap: Array = attrs.field(converter=read_only)
+    pressure_limit: Array = attrs.field(converter=read_only_field)
+    pressure: Array = attrs.field(converter=read_only_field)
+    displacement: Array = attrs.field(converter=read_only_field)
+    initial_gap: Array = attrs.field(converter=read_only_field)
     approach: float
     status: Status
     iterations: int
@@ -240,8 +240,8 @@ class ContactFields(AskedOf):
     directional_moduli: tuple[float, ...] | None = None
     origin: Origin | None = None
     accuracy: Accuracy | None = None
-    non_measured: Mask | None = attrs.field(default=None, converter=attrs.converters.optional(read_only))
-    tension: Array | None = attrs.field(default=None, converter=attrs.converters.optional(read_only))
+    non_measured: Mask | None = attrs.field(default=None, converter=attrs.converters.optional(read_only_field))
+    tension: Array | None = attrs.field(default=None, converter=attrs.converters.optional(read_only_field))
     added: tuple[Addition, ...] = ()
     parts: Whole = attrs.field(default=Whole(), repr=False)
 
@@ -305,17 +305,17 @@ class ContactFields(AskedOf):
         """Gap, shape `grid.shape`, m: zero in contact up to the residual, negative where saturated cells overlap."""
         gap = self.initial_gap + self.displacement
         gap -= self.approach
-        return read_only(gap)
+        return read_only_field(gap)
 
     @cached_property
     def contact_pressure(self) -> Array:
         """Pressure of the contact alone, shape `grid.shape`, Pa, at least zero: without adhesion `pressure` itself."""
-        return self.pressure if self.tension is None else read_only(np.maximum(self.pressure + self.tension, 0.0))
+        return self.pressure if self.tension is None else read_only_field(np.maximum(self.pressure + self.tension, 0.0))
 
     @cached_property
     def contact(self) -> Mask:
         """Cells in contact, whose contact pressure is above zero, shape `grid.shape`."""
-        return read_only(self.contact_pressure > 0.0)
+        return read_only_field(self.contact_pressure > 0.0)
 
     @property
     def capped(self) -> bool:
@@ -325,7 +325,7 @@ class ContactFields(AskedOf):
     @property
     def saturated(self) -> Mask:
         """Saturated cells, whose pressure has reached the limit, shape `grid.shape`."""
-        return read_only(self.pressure >= self.pressure_limit)
+        return read_only_field(self.pressure >= self.pressure_limit)
 
     @property
     def force(self) -> float:

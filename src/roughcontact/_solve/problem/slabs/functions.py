@@ -11,6 +11,7 @@ from roughcontact._base.arrays import RealArray
 from roughcontact.errors import InputError
 
 _FUNCTIONS: dict[Any, Callable[..., Any]] = {}
+# What a reduction of no entries gives.
 _IDENTITIES: dict[Any, float] = {np.add: 0.0, np.minimum: np.inf, np.maximum: -np.inf}
 
 
