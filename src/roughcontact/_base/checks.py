@@ -16,7 +16,7 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
-from roughcontact._base.arrays import Array, Pair, frozen_array
+from roughcontact._base.arrays import Array, Pair, RealArray, frozen_array
 from roughcontact._base.units import EXAMPLES, Quantity, parse_quantity
 from roughcontact.errors import InputError, NoSuchItem
 from roughcontact.errors.door import outside
@@ -233,6 +233,17 @@ def numbers(values: object, what: str, allowed: str) -> Array:
         return np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError, OverflowError, RecursionError):
         raise InputError.about(what, values, allowed) from None
+
+
+def returned_array(values: object, shape: tuple[int, ...], source: str, what: str = "an array") -> RealArray:
+    """Return what a part of a plug-in returned as an array; `InputError` unless it holds real numbers of a shape."""
+    array = np.asarray(values)
+    if array.shape != shape or array.dtype.kind != "f":
+        raise InputError(
+            f"{source} returned {what} of shape {array.shape} and type {array.dtype}, where real numbers of shape "
+            f"{shape} are needed."
+        )
+    return array
 
 
 def _is_mapped(values: object) -> bool:

@@ -11,7 +11,7 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array, Pair, RealArray
-from roughcontact._base.checks import Part, number, pair
+from roughcontact._base.checks import Part, number, pair, returned_array
 from roughcontact._base.registry import Registry, arguments_of
 from roughcontact.errors import InputError
 
@@ -154,12 +154,8 @@ class _Scaled(Interaction):
         gaps = np.asarray(gap)
         values = np.asarray(function(gaps.astype(np.float64) * self.length)) / unit
         # Of a single gap a law of arrays returns one value for each cell.
-        if values.dtype.kind != "f" or (gaps.ndim and values.shape != gaps.shape):
-            raise InputError(
-                f"The interaction {self.law!r} returned an array of shape {values.shape} and type {values.dtype}, "
-                f"where real numbers of shape {gaps.shape} are needed."
-            )
-        return values.astype(gaps.dtype, copy=False)
+        shape = gaps.shape if gaps.ndim else values.shape
+        return returned_array(values, shape, f"The interaction {self.law!r}").astype(gaps.dtype, copy=False)
 
 
 @attrs.frozen(eq=False)

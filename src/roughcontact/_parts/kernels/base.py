@@ -12,7 +12,7 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array, Mask, Pair, matrix_product
-from roughcontact._base.checks import Part
+from roughcontact._base.checks import Part, returned_array
 from roughcontact._base.registry import Registry
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._parts.kernels.mixed import Spectrum, mixed_coefficients
@@ -445,12 +445,7 @@ class BoundKernel:
 
     def _check(self, given: Array, shape: tuple[int, int], component: str = "zz", unused: Any = None) -> Array:
         """Return a copy of values in the unit, zero where they are unused; `InputError` unless it is finite."""
-        values = np.asarray(given)
-        if values.shape != shape or values.dtype.kind != "f":
-            raise InputError(
-                f"The kernel {self.kernel!r} returned an array of shape {values.shape} and type {values.dtype}, "
-                f"where real numbers of shape {shape} are needed."
-            )
+        values = returned_array(given, shape, f"The kernel {self.kernel!r}")
         scaled = np.divide(values, self.unit, dtype=np.float64)
         if unused is not None:
             scaled[unused] = 0.0

@@ -9,6 +9,7 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array, Pair, RealArray
+from roughcontact._base.checks import returned_array
 from roughcontact._parts.kernels.base import InfluenceKernel, is_at_nyquist, odd_axes
 from roughcontact._parts.kernels.half_space import Love
 from roughcontact._parts.kernels.mixed import set_octaves, sum_rest
@@ -217,14 +218,8 @@ class BoundStress:
         return result if free == 0 else result.transpose(0, 2, 1)
 
     def _check(self, given: Any, shape: tuple[int, int]) -> RealArray:
-        stress = np.asarray(given)
         whole = len(STRESS_COMPONENTS), *shape
-        if stress.shape != whole or stress.dtype.kind != "f":
-            raise InputError(
-                f"The kernel {self.kernel!r} returned stresses of shape {stress.shape} and type {stress.dtype}, where "
-                f"real numbers of shape {whole} are needed."
-            )
-        stress = np.require(stress, np.float32, "W")
+        stress = np.require(returned_array(given, whole, f"The kernel {self.kernel!r}", "stresses"), np.float32, "W")
         if not math.isfinite(float(stress.sum())):
             raise InputError(f"The kernel {self.kernel!r} returned stresses that are not finite.")
         return stress
