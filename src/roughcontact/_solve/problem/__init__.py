@@ -3,7 +3,6 @@
 from roughcontact._solve.problem.accuracy import interpolate_pressure as interpolate_pressure
 from roughcontact._solve.problem.accuracy import resample_problem as resample_problem
 from roughcontact._solve.problem.accuracy import tolerance_within as tolerance_within
-from roughcontact._solve.problem.adhesive_path import follow as follow
 from roughcontact._solve.problem.adhesive_path import order_loads as order_loads
 from roughcontact._solve.problem.adhesive_path import solve_next as solve_next
 from roughcontact._solve.problem.adhesive_path import sweep_loads as sweep_loads
@@ -34,9 +33,7 @@ from roughcontact._solve.problem.find_load import TriedLoad as TriedLoad
 from roughcontact._solve.problem.friction_certificate import require_frictional as require_frictional
 from roughcontact._solve.problem.friction_plan import explain_state as explain_state
 from roughcontact._solve.problem.friction_plan import explain_with_friction as explain_with_friction
-from roughcontact._solve.problem.friction_plan import include_friction as include_friction
 from roughcontact._solve.problem.friction_plan import memory_of_friction as memory_of_friction
-from roughcontact._solve.problem.frictional_path import AS_GIVEN as AS_GIVEN
 from roughcontact._solve.problem.frictional_path import FrictionalPath as FrictionalPath
 from roughcontact._solve.problem.frictional_path import TangentialLoop as TangentialLoop
 from roughcontact._solve.problem.frictional_path import load_path as load_path
@@ -78,7 +75,6 @@ from roughcontact._solve.problem.slabs import stiffness_on_slabs as stiffness_on
 from roughcontact._solve.problem.slabs import symbol_of_columns as symbol_of_columns
 from roughcontact._solve.problem.step_numbers import StepNumbers as StepNumbers
 from roughcontact._solve.problem.sweep import Sweep as Sweep
-from roughcontact._solve.problem.sweep import order_of_solving as order_of_solving
 from roughcontact._solve.problem.sweep import predict_pressure as predict_pressure
 from roughcontact._solve.problem.sweep import run_sweep as run_sweep
 from roughcontact._solve.problem.sweep import solve_from_largest as solve_from_largest
