@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import scipy.fft
+import scipy
 
 from roughcontact._base.arrays import Array, Mask
 from roughcontact._parts.grid import Grid

@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 import numpy as np
-import scipy.fft
+import scipy
 
 from roughcontact._base.arrays import Array, Mask
 from roughcontact._base.units import WarningText, si

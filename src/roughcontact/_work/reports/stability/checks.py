@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 import attrs
 import numpy as np
-import scipy.fft
+import scipy
 
 from roughcontact._answers.areas.curvature import curvature_resolution
 from roughcontact._answers.refinement import on_grid
