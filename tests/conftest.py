@@ -14,7 +14,10 @@ import pytest
 import roughcontact as rc
 from roughcontact.__main__ import main
 
-hypothesis.settings.register_profile("default", max_examples=60, deadline=None, derandomize=True)
+# Processes that tests start, and those of pytest-xdist, share what one of them has compiled.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+# The same draws in each run, so that they are few.
+hypothesis.settings.register_profile("default", max_examples=25, deadline=None, derandomize=True)
 # For `pytest --hypothesis-profile=random`: other draws in each run.
 hypothesis.settings.register_profile("random", max_examples=60, deadline=None, print_blob=True)
 hypothesis.settings.load_profile("default")

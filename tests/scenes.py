@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import attrs
 import numpy as np
 import pytest
@@ -78,3 +80,20 @@ def list_unfinished(folder):
 def rather_slow(cases, ordinary):
     """Return the cases of a test; the ordinary run tries only some of them."""
     return [case if case in ordinary else pytest.param(case, marks=pytest.mark.slow) for case in cases]
+
+
+def each_once(axes):
+    """Parametrise a test by all combinations, of which the ordinary run tries each value of each argument.
+
+    `axes` holds the values of an argument by its name, or those of several arguments by their names in one text.
+    """
+    lists = [list(values) for values in axes.values()]
+    longest = max(map(len, lists))
+    ordinary = {tuple(k % len(values) for values in lists) for k in range(longest)}
+    cases = []
+    for places in itertools.product(*(range(len(values)) for values in lists)):
+        chosen = [values[k] for values, k in zip(lists, places, strict=True)]
+        groups = [one if " " in names else (one,) for names, one in zip(axes, chosen, strict=True)]
+        marks = () if places in ordinary else pytest.mark.slow
+        cases.append(pytest.param(*itertools.chain(*groups), marks=marks))
+    return pytest.mark.parametrize(" ".join(axes).split(), cases)

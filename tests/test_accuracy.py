@@ -13,7 +13,7 @@ import pytest
 
 import roughcontact as rc
 from roughcontact.__main__ import main
-from scenes import make_rough
+from scenes import each_once, make_rough
 
 STEEL, SOFT = rc.Elastic(200e9, 0.3), rc.Elastic(1.0, 0.0)
 # Converged area of the paper's wave at 100 MPa over nominal.
@@ -35,8 +35,12 @@ def map_problem(periodic=False):
     return rc.ContactProblem(rc.Body(rc.HeightMap(heights, 64.0, periodic=periodic), SOFT), boundary=boundary)
 
 
-@pytest.mark.parametrize("cells", [96, 1024])
-@pytest.mark.parametrize("phase", [(0.0, 0.0), (1.0, 2.0)])
+@each_once(
+    {
+        "cells": [96, 1024],
+        "phase": [(0.0, 0.0), (1.0, 2.0)],
+    }
+)
 def test_the_area_lies_within_what_is_asked_whatever_the_grid(cells, phase):
     solution = wave(cells, phase=phase).solve(pressure=100e6, area_within=0.01)
     assert solution.area().fraction == pytest.approx(TRUE, rel=0.01)
@@ -124,8 +128,12 @@ def find_fine_area(body, boundary):
 
 
 @pytest.mark.filterwarnings("error", "ignore::roughcontact.errors.ContactWarning")
-@pytest.mark.parametrize("shape", [(2, 64), (64, 2), (1, 64), (2, 31)])
-@pytest.mark.parametrize("boundary", ["free", "periodic"])
+@each_once(
+    {
+        "shape": [(2, 64), (64, 2), (1, 64), (2, 31)],
+        "boundary": ["free", "periodic"],
+    }
+)
 def test_grids_of_two_cells_are_refined(shape, boundary):
     body = rc.Body(rc.WavySurface(1e-8, (1e-5, 5e-6)), rc.Elastic(2e11, 0.3))
     problem = rc.ContactProblem(body, grid=rc.Grid(shape, 1e-5), boundary=boundary)
@@ -186,8 +194,12 @@ class TestTolerance:
         solution.save(tmp_path / "s.npz")
         assert rc.ContactSolution.load(tmp_path / "s.npz").grid == solution.grid
 
-    @pytest.mark.parametrize("within", [0.1, 0.01])
-    @pytest.mark.parametrize("seed", [1, 2, 3])
+    @each_once(
+        {
+            "within": [0.1, 0.01],
+            "seed": [1, 2, 3],
+        }
+    )
     def test_the_algebraic_error_is_a_small_part_of_the_uncertainty(self, seed, within):
         problem = rough(seed=seed)
         loose = problem.solve(pressure=0.0025, area_within=within)

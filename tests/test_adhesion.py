@@ -11,7 +11,7 @@ import pytest
 import roughcontact as rc
 from roughcontact.errors import InputError, NotConverged
 from roughcontact.reference import DMT, JKR, JohnsonWave, MaugisDugdale, PastewkaRobbins
-from scenes import make_problem, rather_slow
+from scenes import each_once, make_problem, rather_slow
 
 MODULUS = 1e9
 RADIUS = 1e-6
@@ -252,8 +252,12 @@ class TestEnergy:
         for before, after in itertools.pairwise(differences):
             assert before / after == pytest.approx(10.0, rel=0.1)
 
-    @pytest.mark.parametrize("boundary", BOUNDARIES)
-    @pytest.mark.parametrize("load", [{"pressure": 5e6}, {"pressure": 0.0}, {"approach": 3e-9}])
+    @each_once(
+        {
+            "boundary": BOUNDARIES,
+            "load": [{"pressure": 5e6}, {"pressure": 0.0}, {"approach": 3e-9}],
+        }
+    )
     def test_two_solvers_find_the_same_contact(self, boundary, load):
         first = make_rough(boundary=boundary).solve(**load)
         second = make_rough(boundary=boundary, solver="majorise").solve(**load)
@@ -635,6 +639,7 @@ class TestZeroLoad:
 
 
 class TestCyclesOfFewStates:
+    @pytest.mark.slow
     def test_pull_off_is_that_of_the_problem(self):
         ball = rc.Body(rc.ParaboloidSurface(1e-6, (2e-9, -1e-9)), rc.Elastic(1e9, 0.0))
         law = rc.Exponential(0.05, 6e-9)

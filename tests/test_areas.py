@@ -8,10 +8,11 @@ from hypothesis import given, settings
 
 import roughcontact as rc
 from roughcontact import reference
+from scenes import each_once
 from strategies import problems
 
 
-@settings(max_examples=40)
+@settings(max_examples=25)
 @given(problems())
 def test_areas_are_between_zero_and_the_nominal_area(case):
     problem, mean = case
@@ -148,8 +149,12 @@ def press_strips(rows):
     return found
 
 
-@pytest.mark.parametrize("rows", [1, 4])
-@pytest.mark.parametrize("name", ["perimeter", "level-set", "level-set-richardson", "blend"])
+@each_once(
+    {
+        "rows": [1, 4],
+        "name": ["perimeter", "level-set", "level-set-richardson", "blend"],
+    }
+)
 def test_the_uncertainties_hold_strips_along_the_grid(name, rows):
     """Westergaard: the position of both edges of a strip errs alike."""
     held = []

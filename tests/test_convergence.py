@@ -7,6 +7,7 @@ import pytest
 
 import roughcontact as rc
 from roughcontact import reference
+from scenes import each_once
 
 MODULUS = 1e11
 BODY = rc.Elastic(MODULUS, 0.0)
@@ -101,8 +102,12 @@ def test_full_contact_of_a_wave_converges_with_loves_kernel():
     assert observed_order(sizes, errors) == pytest.approx(2.0, abs=0.3)
 
 
-@pytest.mark.parametrize("kernel", ["love", "fourier"])
-@pytest.mark.parametrize("fraction", [0.1, 0.5, 0.9])
+@each_once(
+    {
+        "kernel": ["love", "fourier"],
+        "fraction": [0.1, 0.5, 0.9],
+    }
+)
 def test_westergaard(kernel, fraction):
     """The strip's edges lie anywhere in a cell: mean over positions of the wave on the grid."""
     wave = reference.Westergaard(1e-6, 1e-4, MODULUS)

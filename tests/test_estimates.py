@@ -10,6 +10,7 @@ import pytest
 
 import roughcontact as rc
 from roughcontact.reference import hertz_elliptic, hertz_sphere
+from scenes import each_once
 
 ELASTIC = rc.Elastic(1.0, 0.0)
 NAMES = ("peak-pressure", "perimeter", "patches", "approach", "mean-gap")
@@ -30,8 +31,12 @@ def press_wave(cells, phase, waves=20, pressure=100e6):
     return rc.ContactProblem(body, grid=grid, boundary="periodic").solve(pressure=pressure)
 
 
-@pytest.mark.parametrize("radius", [0.6, 0.9, 1.4, 2.3, 3.7, 6.0, 9.0])
-@pytest.mark.parametrize("center", [(0.0, 0.0), (0.31, -0.17)])
+@each_once(
+    {
+        "radius": [0.6, 0.9, 1.4, 2.3, 3.7, 6.0, 9.0],
+        "center": [(0.0, 0.0), (0.31, -0.17)],
+    }
+)
 def test_hertz_below_the_cell(radius, center):
     solution, exact = press_ball(radius, center=center)
     true = {"peak-pressure": exact.p_max, "perimeter": 2 * np.pi * radius, "approach": exact.approach, "patches": 1.0}

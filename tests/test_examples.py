@@ -185,6 +185,7 @@ def test_theory_and_laws(monkeypatch, tmp_path):
         assert (tmp_path / name).stat().st_size > 10_000
 
 
+@pytest.mark.slow
 def test_overview(monkeypatch, tmp_path):
     overview = study("overview", monkeypatch)
     overview.main(128, 256, tmp_path)
@@ -203,6 +204,7 @@ def test_gradients(monkeypatch, tmp_path):
     assert (tmp_path / "gradients.png").stat().st_size > 10_000
 
 
+@pytest.mark.slow
 def test_partial_slip(monkeypatch, tmp_path):
     module = study("partial_slip", monkeypatch)
     assert [row[0] for row in module.make_rows((3,), 2)] == ["contact radius, cells", "3"]
@@ -238,6 +240,7 @@ def test_random_problems(monkeypatch, capsys):
     assert "30 problems" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_capped_ball(monkeypatch, tmp_path):
     capped = study("capped_ball", monkeypatch)
     assert [row[0] for row in capped.make_rows(64, 300)[1:]] == ["1.1", "1.5", "2", "3", "5", "8", "12"]
@@ -245,6 +248,7 @@ def test_capped_ball(monkeypatch, tmp_path):
     assert (tmp_path / "capped_ball.png").stat().st_size > 10_000
 
 
+@pytest.mark.slow
 def test_finite_elements(monkeypatch):
     fits = study("finite_elements", monkeypatch)
     stored = __import__("doc_tables").read("finite-elements")

@@ -279,7 +279,7 @@ def test_what_is_ambiguous_in_a_table_is_said_by_options(tmp_path, content, opti
     encoding=st.sampled_from(["utf-8", "utf-8-sig", "utf-16", "latin-1"]),
     trailing=st.booleans(),
 )
-@settings(deadline=None, max_examples=150)
+@settings(deadline=None, max_examples=60)
 def test_what_is_written_in_any_layout_is_read_back(
     tmp_path_factory, heights, separator, decimal, missing, end, header, encoding, trailing
 ):

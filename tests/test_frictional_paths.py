@@ -28,6 +28,8 @@ sys.path.insert(0, str(Path(__file__).parent.parent / "benchmarks"))
 
 import frictional_paths
 
+from scenes import each_once, rather_slow
+
 CELL = 1e-6
 RADIUS = 1e-2
 FRICTION = 0.3
@@ -138,8 +140,12 @@ class TestReference:
 class TestLikeBodies:
     """Cattaneo-Mindlin, cycles, and what is exact in one increment."""
 
-    @pytest.mark.parametrize("poisson", [0.0, 0.3, 0.5])
-    @pytest.mark.parametrize("fraction", [0.2, 0.5, 0.9])
+    @each_once(
+        {
+            "poisson": [0.0, 0.3, 0.5],
+            "fraction": [0.2, 0.5, 0.9],
+        }
+    )
     def test_cattaneo_and_mindlin(self, poisson, fraction):
         material = rc.Elastic(200e9, poisson)
         problem, force = make_ball(16, material, material, place=(0.5, 0.0))
@@ -389,7 +395,7 @@ class TestUnlikeBodies:
         path.verify()
 
 
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", rather_slow(range(40), range(0, 40, 4)))
 def test_random_paths_are_confirmed_by_dense_matrices(seed):
     _, outcome, violations = frictional_paths.run(seed)
     assert outcome == "verified" or outcome.startswith("refused: The bodies slide"), violations
@@ -661,8 +667,12 @@ class TestRefusals:
 class TestSmallLoadsAndStrongFriction:
     """Tractions are judged over those that the load causes, not over a strength that none comes near."""
 
-    @pytest.mark.parametrize("friction", [0.3, 1e4, 1e10, Bonded(1e13)])
-    @pytest.mark.parametrize("fraction", [1e-2, 1e-6])
+    @each_once(
+        {
+            "friction": [0.3, 1e4, 1e10, Bonded(1e13)],
+            "fraction": [1e-2, 1e-6],
+        }
+    )
     def test_a_ball_that_sticks_moves_as_mindlin_says(self, friction, fraction):
         problem, force = make_ball(9, place=(0.3, -0.2))
         exact = CattaneoMindlin(force, RADIUS, problem.plan.modulus, 1e3, MINDLIN)
@@ -692,8 +702,12 @@ class TestSmallLoadsAndStrongFriction:
         with pytest.raises(InputError):
             wrong.verify()
 
-    @pytest.mark.parametrize(("cells", "stretch"), [((1, 3), 3.0), ((3, 1), 1 / 3), ((8, 1), 1 / 8)])
-    @pytest.mark.parametrize("fraction", [1e-4, 0.03, 0.3])
+    @each_once(
+        {
+            "cells stretch": [((1, 3), 3.0), ((3, 1), 1 / 3), ((8, 1), 1 / 8)],
+            "fraction": [1e-4, 0.03, 0.3],
+        }
+    )
     def test_the_uncertainty_holds_on_slender_cells(self, cells, stretch, fraction):
         count = 18
         shape = (count * cells[0], count * cells[1])
@@ -726,6 +740,7 @@ class TestOrders:
             assert abs(found.value - exact) < 2.0 * found.uncertainty + 1e-3 * abs(exact)
         assert path.numbers[1].dissipated.value == pytest.approx(fine[1].dissipated.value, rel=0.05)
 
+    @pytest.mark.slow
     def test_from_the_first_touch_the_order_is_a_half(self):
         problem, force = make_ball(10)
         loads = {"force": [force], "tangential_force": [(0.5 * FRICTION * force, 0.0)], "friction": FRICTION}
@@ -834,6 +849,7 @@ class TestErrorsOfTheCells:
         problem = rc.ContactProblem(body, rc.Body(rc.FlatSurface(), STEEL), grid=grid, threads=1)
         return problem, 4 * problem.plan.modulus * (cells * CELL) ** 3 / (3 * RADIUS)
 
+    @pytest.mark.slow
     @pytest.mark.parametrize(
         ("first", "second", "stretch"),
         [
@@ -888,6 +904,7 @@ class TestErrorsOfTheCells:
         assert path.numbers[0].stick_area.uncertainty == pytest.approx(area.uncertainty, rel=0.1)
         assert path[0].slip_area.value == 0.0
 
+    @pytest.mark.slow
     def test_the_drift_of_unlike_bodies_under_pressure_alone(self):
         """A ball that lies anywhere between the cells does not drift."""
         ball = rc.ParaboloidSurface(RADIUS, (0.3 * CELL, 0.1 * CELL))

@@ -7,6 +7,7 @@ import pytest
 
 import roughcontact as rc
 from roughcontact.reference import hertz_sphere
+from scenes import each_once
 
 ELASTIC = rc.Elastic(1.0, 0.0)
 
@@ -20,8 +21,12 @@ def press_cone(shape, cell, center, radius):
     return problem.solve(force=0.5 * math.pi * slope * radius**2), 0.5 * math.pi * slope * radius
 
 
-@pytest.mark.parametrize("cell", [(1.0, 1.0), (1.0, 3.0), (3.0, 1.0)])
-@pytest.mark.parametrize("shape", [(31, 32), (61, 29), (24, 64)])
+@each_once(
+    {
+        "cell": [(1.0, 1.0), (1.0, 3.0), (3.0, 1.0)],
+        "shape": [(31, 32), (61, 29), (24, 64)],
+    }
+)
 def test_the_approach_of_a_cone_at_any_place(shape, cell):
     rng = np.random.default_rng(11)
     for _ in range(3):
@@ -136,11 +141,12 @@ def test_a_ball_in_a_wrapped_domain_is_that_of_a_free_one(shape, size, axis):
     assert wrapped.peak_pressure().value == pytest.approx(free.peak_pressure().value, rel=1e-8)
 
 
-@pytest.mark.parametrize(
-    ("shape", "size", "boundary"),
-    [((40, 33), (40.0, 33.0), "periodic"), ((29, 45), (87.0, 45.0), ("periodic", "free"))],
+@each_once(
+    {
+        "shape size boundary": [((40, 33), (40.0, 33.0), "periodic"), ((29, 45), (87.0, 45.0), ("periodic", "free"))],
+        "axis": [0, 1],
+    }
 )
-@pytest.mark.parametrize("axis", [0, 1])
 def test_a_ball_that_does_not_repeat_in_a_periodic_domain_is_that_of_finer_cells(shape, size, boundary, axis):
     """A spline across the border swung far inside: 13 standard deviations of the area, 15 of the maximum pressure."""
     kinds = boundary[::-1] if axis and isinstance(boundary, tuple) else boundary

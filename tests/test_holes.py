@@ -9,7 +9,7 @@ import pytest
 from scipy import ndimage
 
 import roughcontact as rc
-from scenes import rather_slow
+from scenes import each_once, rather_slow
 
 ELASTIC = rc.Elastic(1.0, 0.0)
 # Cells and their sides: square, long, turned, long cells, odd and prime.
@@ -52,8 +52,7 @@ def lose_points(contact, fraction, grouped, seed):
     return mask & ~contact
 
 
-@pytest.mark.parametrize("grouped", [False, True], ids=["single", "grouped"])
-@pytest.mark.parametrize("make", [make_ball, make_rough, make_wave])
+@each_once({"grouped": [False, True], "make": [make_ball, make_rough, make_wave]})
 @pytest.mark.parametrize("domain", rather_slow(DOMAINS, DOMAINS[1::2]))
 def test_points_that_are_missing_outside_the_contact_change_no_number(domain, make, grouped):
     shape, cell = domain

@@ -134,7 +134,7 @@ def read_answers(solution):
     return answers
 
 
-@settings(max_examples=25, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=12, deadline=None, suppress_health_check=list(HealthCheck))
 @given(scene=scenes(), move=st.sampled_from(MOVES))
 def test_every_area_and_estimate_follows_the_contact(scene, move):
     expected, found = read_answers(scene.solve()), read_answers(move.apply(scene).solve())

@@ -18,7 +18,7 @@ from strategies import problems, seeds
 SOLVERS = [rc.PolonskyKeer(), rc.SpectralGradient(), rc.ProjectedConjugateGradient()]
 
 
-@settings(max_examples=150)
+@settings(max_examples=50)
 @given(problems())
 def test_random_problems_satisfy_the_conditions_of_contact(case):
     problem, mean = case
@@ -30,7 +30,7 @@ def test_random_problems_satisfy_the_conditions_of_contact(case):
     assert solution.pressure.max() <= solution.pressure_limit
 
 
-@settings(max_examples=60)
+@settings(max_examples=25)
 @given(problems(limited=False, solver="polonsky-keer"))
 def test_two_solvers_find_one_solution(case):
     problem, mean = case

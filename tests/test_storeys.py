@@ -170,7 +170,6 @@ SOLVING_LOOPS = {
     "_answers.refinement.beyond_resolution",
     "_solve.problem.accuracy.solve_within",
     "_solve.problem.path.march",
-    "_work.studies.chain._follow_paths",
 }
 
 

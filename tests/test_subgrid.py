@@ -105,7 +105,7 @@ def test_a_finer_grid_where_the_grid_hardly_resolves_the_waves(fraction, hurst, 
 
 
 @pytest.mark.slow
-@settings(max_examples=60)
+@settings(max_examples=25)
 @given(problems())
 def test_every_estimator_gives_a_possible_area(case):
     problem, mean = case

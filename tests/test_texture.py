@@ -13,6 +13,7 @@ from scipy.special import ellipe
 from scipy.stats import norm
 
 import roughcontact as rc
+from scenes import each_once
 
 SIZE = (64e-6, 48e-6)
 
@@ -66,9 +67,13 @@ class TestWave:
         assert wave["Std"] == 90.0
 
 
-@pytest.mark.parametrize("shape", [(64, 48), (48, 64), (45, 75), (256, 32), (32, 256), (97, 61)])
-@pytest.mark.parametrize("size", [SIZE, (8e-3, 1e-3), (1e-6, 3e-6)])
-@pytest.mark.parametrize("phase", [0.0, 0.3])
+@each_once(
+    {
+        "shape": [(64, 48), (48, 64), (45, 75), (256, 32), (32, 256), (97, 61)],
+        "size": [SIZE, (8e-3, 1e-3), (1e-6, 3e-6)],
+        "phase": [0.0, 0.3],
+    }
+)
 def test_sums_of_cosines_have_exact_moments(shape, size, phase):
     """Of a cos u + b cos 2u + c cos v: the means of products of waves below half of the shortest are exact on cells.
 
@@ -138,6 +143,7 @@ def test_isotropic_roughness_has_no_lay():
     assert found.Sq.value == pytest.approx(1e-7, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_the_core_of_gaussian_heights():
     """The line of least squares through the quantiles of 30 to 70 %, and triangles of the areas beyond it."""
     count = 400

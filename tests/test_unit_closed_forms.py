@@ -26,6 +26,7 @@ from roughcontact._solve.solvers.projection import ApproachControl, LoadControl,
 from roughcontact.results import Sweep
 from roughcontact.solving import Whole
 from roughcontact.typing import Load
+from scenes import each_once
 
 CORNERS = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
 
@@ -164,8 +165,12 @@ class Springs:
         return None
 
 
-@pytest.mark.parametrize("limit", [math.inf, 1.2, "varied"])
-@pytest.mark.parametrize("given", ["approach", "load"])
+@each_once(
+    {
+        "limit": [math.inf, 1.2, "varied"],
+        "given": ["approach", "load"],
+    }
+)
 def test_the_descent_of_cells_on_springs_has_a_closed_form(limit, given):
     """p = clip((level - h) / k, 0, limit) on three tiles; the error of any pressure is that of its parts."""
     shape = (3, 2**16 + 7)

@@ -14,6 +14,7 @@ from roughcontact._answers.areas.cells import Neighbourhood, find_sharp_edges
 from roughcontact._answers.areas.contour import CellOwners, find_distances, find_dual_cells, find_kinds, trace_contour
 from roughcontact._answers.areas.edges import trace_edges
 from roughcontact._answers.areas.estimators import edge_law
+from scenes import each_once
 
 GRIDS = [((15, 16), (1.0, 1.0)), ((15, 22), (2.0, 1.0)), ((24, 13), (1.0, 3.0))]
 
@@ -165,9 +166,13 @@ def test_polygons_in_a_disc_lack_what_their_chords_cut_off(cell, stride):
     assert 0.985 < np.mean(lengths) < 1.0
 
 
-@pytest.mark.parametrize("cell", [(1.0, 1.0), (1.0, 2.0), (3.0, 1.0)])
-@pytest.mark.parametrize("boundary", ["free", "periodic"])
-@pytest.mark.parametrize("cells", [3.0, 7.0])
+@each_once(
+    {
+        "cell": [(1.0, 1.0), (1.0, 2.0), (3.0, 1.0)],
+        "boundary": ["free", "periodic"],
+        "cells": [3.0, 7.0],
+    }
+)
 def test_areas_of_exact_balls(cell, cells, boundary):
     """Extrapolated, the area errs by hundredths of a cell; by one stride by the chords of oblong cells beside it."""
     rng, a = np.random.default_rng(4), cells * max(cell) * 1e-6

@@ -18,6 +18,7 @@ from roughcontact._answers.areas.hertz import _plastic_growth
 from roughcontact._answers.areas.peak import _find_sharpness, _fit_quadratics
 from roughcontact._answers.areas.quantities import _elliptic_quotient
 from roughcontact._answers.areas.summits import find_axes_ratio
+from scenes import each_once
 
 CELLS = [(1.0, 1.0), (1.0, 2.5), (3.0, 1.0)]
 
@@ -121,8 +122,12 @@ def test_the_area_by_hertz_is_that_of_the_reference():
         assert solution.area("hertz").value == pytest.approx(exact.area, rel=3e-3)
 
 
-@pytest.mark.parametrize("cell", CELLS)
-@pytest.mark.parametrize("cells", [0.8, 1.6, 3.2, 7.0])
+@each_once(
+    {
+        "cell": CELLS,
+        "cells": [0.8, 1.6, 3.2, 7.0],
+    }
+)
 def test_small_contacts_have_the_area_of_their_load(cell, cells):
     """Hertz's area by load and curvature, however few the cells; the blend is it, or the traced one if that is sure."""
     rng, a = np.random.default_rng(7), cells * max(cell) * 1e-6

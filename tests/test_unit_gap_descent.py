@@ -11,6 +11,7 @@ from roughcontact._solve.solution.attraction import AdhesiveConditions
 from roughcontact._solve.solvers.adhesive import LinearisedGap, surface_stiffness
 from roughcontact.reference import MaugisDugdale
 from roughcontact.typing import BoundInteraction, BoundKernel, Task
+from scenes import each_once
 
 TOLERANCE = 1e-5
 
@@ -138,9 +139,13 @@ def test_force_is_the_derivative_of_the_energy():
     assert slope == pytest.approx(np.polyfit(np.arange(9) - 4, forces, 4)[-1], rel=2e-3)
 
 
-@pytest.mark.parametrize("boundary", ["periodic", "free", "wrapped"])
-@pytest.mark.parametrize("control", ["load", "approach"])
-@pytest.mark.parametrize("limit", [math.inf, 0.8])
+@each_once(
+    {
+        "boundary": ["periodic", "free", "wrapped"],
+        "control": ["load", "approach"],
+        "limit": [math.inf, 0.8],
+    }
+)
 def test_descent_and_majorise_agree(boundary, control, limit):
     grid, gap = make_rough((48, 48))
     load = {"mean_pressure": 0.05} if control == "load" else {"approach": 0.6 * gap.mean()}
@@ -190,11 +195,17 @@ def test_without_interaction_it_is_the_default_solver():
         np.testing.assert_array_equal(solver.solve(convolution, task).pressure, plain.pressure)
 
 
-@pytest.mark.parametrize(
-    ("shape", "spacing"),
-    [((128, 16), (1.0, 1.0)), ((45, 63), (1.0, 1.0)), ((48, 32), (1.0, 3.0)), ((37, 64), (2.0, 1.0))],
+@each_once(
+    {
+        "shape spacing": [
+            ((128, 16), (1.0, 1.0)),
+            ((45, 63), (1.0, 1.0)),
+            ((48, 32), (1.0, 3.0)),
+            ((37, 64), (2.0, 1.0)),
+        ],
+        "boundary": ["periodic", "free"],
+    }
 )
-@pytest.mark.parametrize("boundary", ["periodic", "free"])
 def test_shapes_of_domains_and_cells_and_their_transposes(shape, spacing, boundary):
     grid, gap = make_rough(shape, spacing)
     law = make_law(0.1 * max(spacing), cell=max(spacing))
@@ -326,9 +337,13 @@ def test_a_limit_of_iterations_ends_the_solve_and_steps_are_reported():
     assert steps[-1].shape == (64, 64)
 
 
-@pytest.mark.parametrize("solver", [rc.GapDescent(), rc.Majorise()])
-@pytest.mark.parametrize("boundary", ["periodic", "free"])
-@pytest.mark.parametrize("given", ["load", "approach"])
+@each_once(
+    {
+        "solver": [rc.GapDescent(), rc.Majorise()],
+        "boundary": ["periodic", "free"],
+        "given": ["load", "approach"],
+    }
+)
 def test_a_solution_is_found_again_from_itself(solver, boundary, given):
     """From its pressure alone, and with its gap: the same contact, in a part of the products."""
     grid, gap = make_rough((40, 36), (1.0, 1.5))

@@ -18,6 +18,7 @@ from roughcontact._solve.solvers.shear.descent import Face, ShearDescent
 from roughcontact._solve.solvers.shear.discs import ForceControl, project_to_discs
 from roughcontact._solve.solvers.shear.preconditioner import CoarseCorrection, PunchWeights
 from roughcontact.typing import BoundKernel, PairConstants, ShearTask, natural_residual
+from scenes import each_once
 from strategies import seeds
 
 MODULUS, RADIUS, CELL, FRICTION = 100e9, 1e-2, 1e-6, 0.3
@@ -133,8 +134,12 @@ def test_the_closed_form_is_nearly_right_with_poissons_ratio(poisson):
         assert np.abs(found.shear[0]).max() > 0.01 * FRICTION * solution.peak_pressure().value
 
 
-@pytest.mark.parametrize("boundary", ["free", "periodic"])
-@pytest.mark.parametrize("angle", [0.0, 0.5])
+@each_once(
+    {
+        "boundary": ["free", "periodic"],
+        "angle": [0.0, 0.5],
+    }
+)
 def test_without_poissons_ratio_it_is_partial_slip(boundary, angle):
     solver = rc.solvers.resolve("projected-cg").with_tolerance(1e-9)
     body, flat = rc.Body(ROUGH, TURNED), rc.Body(rc.FlatSurface(), TURNED)
@@ -163,8 +168,12 @@ def test_rough_contact_in_few_iterations():
             assert found.products <= 2 * found.iterations + 12
 
 
-@pytest.mark.parametrize("fraction", [0.4, 0.9])
-@pytest.mark.parametrize(("pressure", "contact"), [(0.15, 0.3), (0.6, 0.83), (1.0, 0.97)])
+@each_once(
+    {
+        "fraction": [0.4, 0.9],
+        "pressure contact": [(0.15, 0.3), (0.6, 0.83), (1.0, 0.97)],
+    }
+)
 def test_rough_contact_in_few_iterations_up_to_nearly_full_contact(pressure, contact, fraction):
     """Given the displacement instead of the force too: without displacing what lags behind at once up to 44."""
     solution = press(ROUGH, 128, "periodic", pressure=pressure * 0.05 * MODULUS)
@@ -240,7 +249,7 @@ def test_the_coarse_correction_of_shear_solves_its_system_on_the_blocks(boundary
     assert correction.apply(residual) == pytest.approx(face.weights.multiply(spread), rel=1e-4, abs=1e-5)
 
 
-@settings(deadline=None, max_examples=80)
+@settings(deadline=None, max_examples=30)
 @given(seed=seeds)
 def test_random_tasks_hold_before_an_own_judge(seed):
     convolution, task = make_task(seed)
@@ -270,7 +279,7 @@ def test_both_solvers_agree_and_forget_their_start(seed):
         assert np.abs(other.shear - found.shear).max() < 1e-6
 
 
-@settings(deadline=None, max_examples=25)
+@settings(deadline=None, max_examples=10)
 @given(seed=seeds, stress=st.integers(-60, 60), compliance=st.integers(-60, 60))
 def test_powers_of_two_and_signs_change_no_bit(seed, stress, compliance):
     convolution, task = make_task(seed)

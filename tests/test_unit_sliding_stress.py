@@ -15,6 +15,7 @@ import roughcontact as rc
 from roughcontact._answers.subsurface.field import find_crossland, find_dang_van, find_spheres, list_paths, von_mises
 from roughcontact._parts.kernels.stress_cells import cell_stress
 from roughcontact.reference import SlidingCylinder, SlidingSphere
+from scenes import each_once
 from test_sliding_reference import tangential_point_force
 from test_stress import NU, RADIUS, STEEL, XX, XY, XZ, YY, YZ, ZZ, convolve, press_ball
 from test_stress import press_rough as rough
@@ -76,8 +77,12 @@ def test_a_cell_is_the_integral_of_tangential_point_forces(nu, z, sides):
             np.testing.assert_allclose(table[:, i, j], whole, atol=1e-9)
 
 
-@pytest.mark.parametrize("sides", [(1.0, 1.0), (1.0, 3.0)])
-@pytest.mark.parametrize("z", [0.0, 0.3, 2.5, 11.0])
+@each_once(
+    {
+        "sides": [(1.0, 1.0), (1.0, 3.0)],
+        "z": [0.0, 0.3, 2.5, 11.0],
+    }
+)
 def test_transforms_are_the_sums_over_cells(sides, z):
     traction = np.random.default_rng(5).standard_normal((2, 24, 15)).astype(np.float32)
 
@@ -92,10 +97,15 @@ def test_transforms_are_the_sums_over_cells(sides, z):
     np.testing.assert_allclose(periodic, 2.0 * add(traction, 24) - add(traction, 12), atol=4e-5)
 
 
-@pytest.mark.parametrize("mu", [0.1, 0.25, 0.5])
-@pytest.mark.parametrize(
-    ("shape", "sides", "degrees"),
-    [((48, 45), (1.0, 1.0), 0.0), ((45, 90), (1.0, 1.0), 90.0), ((17, 49), (3.0, 1.0), 35.0)],
+@each_once(
+    {
+        "mu": [0.1, 0.25, 0.5],
+        "shape sides degrees": [
+            ((48, 45), (1.0, 1.0), 0.0),
+            ((45, 90), (1.0, 1.0), 90.0),
+            ((17, 49), (3.0, 1.0), 35.0),
+        ],
+    }
 )
 def test_hamiltons_ball_at_all_points(mu, shape, sides, degrees):
     place = (0.31, -0.17)
@@ -107,8 +117,12 @@ def test_hamiltons_ball_at_all_points(mu, shape, sides, degrees):
         assert np.abs(found - below_ball(solution, hertz, place, z, mu, degrees)).max() < error
 
 
-@pytest.mark.parametrize("mu", [0.1, 0.25, 0.5])
-@pytest.mark.parametrize("boundary", ["free", "periodic"])
+@each_once(
+    {
+        "mu": [0.1, 0.25, 0.5],
+        "boundary": ["free", "periodic"],
+    }
+)
 def test_a_slide_to_the_other_side_mirrors_the_stress_and_an_exchange_of_axes_transposes_it(mu, boundary):
     solution, _, _ = press_ball(6.0, (25, 31), sides=(3.0, 1.0), boundary=boundary, tolerance=1e-8)
     depths = [cells * solution.grid.spacing[1] for cells in (0.5, 2.0, 5.0)]
@@ -238,8 +252,12 @@ def test_the_maximum_moves_to_the_surface_near_a_friction_of_three_tenths():
         assert found.warnings == ()
 
 
-@pytest.mark.parametrize("cells", [4.0, 16.0])
-@pytest.mark.parametrize(("mu", "degrees"), [(0.0, 0.0), (0.1, 90.0), (0.5, 35.0)])
+@each_once(
+    {
+        "cells": [4.0, 16.0],
+        "mu degrees": [(0.0, 0.0), (0.1, 90.0), (0.5, 35.0)],
+    }
+)
 def test_the_tension_behind_a_ball(cells, mu, degrees):
     count = int(2.8 * cells) + 7
     solution, hertz, _ = press_ball(cells, (count, count), place=(0.2, 0.3))
@@ -264,8 +282,12 @@ def test_the_principal_stress_of_a_plane_is_the_largest():
     np.testing.assert_allclose(field.principal, expected, atol=1e-3 * np.abs(expected).max())
 
 
-@pytest.mark.parametrize("boundary", ["free", "periodic", ("periodic", "free")])
-@pytest.mark.parametrize("place", [(0.2, -0.3), (21.6, 0.4), (-21.6, 19.1)])
+@each_once(
+    {
+        "boundary": ["free", "periodic", ("periodic", "free")],
+        "place": [(0.2, -0.3), (21.6, 0.4), (-21.6, 19.1)],
+    }
+)
 def test_the_tension_does_not_depend_on_the_place(boundary, place):
     solution, hertz, _ = press_ball(5.0, (56, 52), place=place, boundary=boundary)
     for mu in (0.2, 0.6):

@@ -13,6 +13,7 @@ from roughcontact._answers.subsurface.field import find_steps, maximum_shear
 from roughcontact._base import machine
 from roughcontact._parts.kernels.stress_cells import STRESS_COMPONENTS, cell_stress
 from roughcontact.responses import StressField
+from scenes import each_once
 from test_stress import NU, XX, XY, XZ, YY, YZ, ZZ, boussinesq, convolve, press_rough
 
 
@@ -53,8 +54,12 @@ def test_a_cell_is_the_integral_of_point_forces(nu, z, sides):
         np.testing.assert_allclose(table[:, i, j], whole, atol=1e-9)
 
 
-@pytest.mark.parametrize("sides", [(1.0, 1.0), (1.0, 1.7)])
-@pytest.mark.parametrize("z", [0.0, 0.3, 2.5, 11.0])
+@each_once(
+    {
+        "sides": [(1.0, 1.0), (1.0, 1.7)],
+        "z": [0.0, 0.3, 2.5, 11.0],
+    }
+)
 def test_transforms_are_the_sums_over_cells(sides, z):
     pressure = np.random.default_rng(5).random((24, 15)).astype(np.float32)
     free = convolve(pressure, z, "free", sides, common=(4, 1))
@@ -65,20 +70,21 @@ def test_transforms_are_the_sums_over_cells(sides, z):
     np.testing.assert_allclose(periodic, superpose(even, z, NU, sides, 16), atol=3e-6)
 
 
-@pytest.mark.parametrize("boundary", ["free", "periodic", "free-periodic", "periodic-free"])
-@pytest.mark.parametrize("slides", [False, True])
-@pytest.mark.parametrize(
-    ("shape", "z", "sides"),
-    [
-        ((128, 64), 8.0, (1.0, 1.0)),
-        ((64, 160), 17.0, (1.0, 1.0)),
-        ((96, 33), 40.0, (1.0, 1.0)),
-        ((64, 64), 700.0, (1.0, 1.0)),
-        ((50, 66), 9.0, (1.0, 1.0)),
-        ((100, 76), 18.0, (1.0, 1.0)),
-        ((64, 96), 20.0, (1.0, 2.0)),
-        ((128, 64), 17.0, (1.0, 0.4)),
-    ],
+@each_once(
+    {
+        "boundary": ["free", "periodic", "free-periodic", "periodic-free"],
+        "slides": [False, True],
+        "shape z sides": [
+            ((128, 64), 8.0, (1.0, 1.0)),
+            ((64, 160), 17.0, (1.0, 1.0)),
+            ((96, 33), 40.0, (1.0, 1.0)),
+            ((64, 64), 700.0, (1.0, 1.0)),
+            ((50, 66), 9.0, (1.0, 1.0)),
+            ((100, 76), 18.0, (1.0, 1.0)),
+            ((64, 96), 20.0, (1.0, 2.0)),
+            ((128, 64), 17.0, (1.0, 0.4)),
+        ],
+    }
 )
 def test_fewer_points_at_depth_lose_nothing(boundary, slides, shape, z, sides):
     rng = np.random.default_rng(int(z))

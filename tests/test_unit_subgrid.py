@@ -11,7 +11,7 @@ from roughcontact import reference
 from roughcontact._answers.areas.cells import find_sharp_edges
 from roughcontact._answers.areas.contour import trace_contour
 from roughcontact._answers.areas.summits import find_area_factor
-from scenes import rather_slow
+from scenes import each_once, rather_slow
 from test_subgrid import ESTIMATORS, RADIUS, YOUNG, Summit
 
 
@@ -73,9 +73,13 @@ def test_blend_on_spheres_at_a_pressure_limit(fraction):
     assert np.mean(np.abs(error) <= 2 * std) >= 0.9
 
 
-@pytest.mark.parametrize("angle", [0.0, 0.3, np.pi / 4, 1.1])
-@pytest.mark.parametrize("step", [1.0, 50.0])
-@pytest.mark.parametrize("round_", [False, True])
+@each_once(
+    {
+        "angle": [0.0, 0.3, np.pi / 4, 1.1],
+        "step": [1.0, 50.0],
+        "round_": [False, True],
+    }
+)
 def test_flat_punches(angle, step, round_):
     """The edge of a punch is sharp: its cells are its area."""
     grid = rc.Grid((64, 64), 64.0)

@@ -23,6 +23,7 @@ from roughcontact._answers.areas.summits import (
     find_summits,
     is_elliptic,
 )
+from scenes import each_once
 
 CELLS = [(1.0, 1.0), (1.0, 2.5), (3.0, 1.0)]
 
@@ -131,10 +132,12 @@ def ellipsoid(grid, curvatures, angle, centre, force, boundary="periodic", **opt
     return solution, area, axes
 
 
-@pytest.mark.parametrize("moduli", [None, (MODULUS,) * 128])
-@pytest.mark.parametrize("cell", CELLS)
-@pytest.mark.parametrize(
-    ("curvatures", "angle"), [((2.0, 1.0), 0.0), ((0.5, 1.5), 0.6), ((1.0, 3.0), 2.5), ((1.0, 1.0), 0.0)]
+@each_once(
+    {
+        "moduli": [None, (MODULUS,) * 128],
+        "cell": CELLS,
+        "curvatures angle": [((2.0, 1.0), 0.0), ((0.5, 1.5), 0.6), ((1.0, 3.0), 2.5), ((1.0, 1.0), 0.0)],
+    }
 )
 def test_summits_have_the_ellipse_of_hertz(cell, curvatures, angle, moduli):
     """Place, area, axes, angle and extents, anywhere on the grid; also of moduli that are alike in all directions."""

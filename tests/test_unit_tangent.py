@@ -11,6 +11,7 @@ from roughcontact._answers.linear.tangent import Tangent
 from roughcontact._parts.surfaces.statistics import rms_slope
 from roughcontact._solve.problem import problem_of
 from roughcontact.errors import NotConverged
+from scenes import each_once
 
 YOUNG, POISSON = 2e11, 0.3
 MODULUS = YOUNG / (1 - POISSON**2)
@@ -42,9 +43,13 @@ def matrix_of(solution, cells):
     return unit * np.array(columns).T
 
 
-@pytest.mark.parametrize("compliance", [0.0, 3.0])
-@pytest.mark.parametrize(("load", "hardness"), [(0.002, None), (0.1, None), (0.1, 0.3), (0.6, None)])
-@pytest.mark.parametrize("boundary", BOUNDARIES)
+@each_once(
+    {
+        "compliance": [0.0, 3.0],
+        "load hardness": [(0.002, None), (0.1, None), (0.1, 0.3), (0.6, None)],
+        "boundary": BOUNDARIES,
+    }
+)
 def test_the_solution_is_that_of_the_matrix(boundary, load, hardness, compliance):
     _, solution = press_noise(boundary, load, hardness=hardness)
     compliance *= solution.grid.spacing[0] / solution.modulus
@@ -78,8 +83,12 @@ def test_in_full_contact_the_mean_is_omitted():
     assert not Tangent(solution, compliance=1e-9 * unit).is_rigid
 
 
-@pytest.mark.parametrize("boundary", ["free", "periodic"])
-@pytest.mark.parametrize("hardness", [None, 0.3])
+@each_once(
+    {
+        "boundary": ["free", "periodic"],
+        "hardness": [None, 0.3],
+    }
+)
 def test_it_is_the_difference_of_solves(boundary, hardness):
     solver = rc.ProjectedConjugateGradient(tolerance=1e-12)
     problem, solution = press_noise(boundary, 0.1, hardness=hardness, solver=solver, seed=5)

@@ -24,6 +24,7 @@ from roughcontact._solve.problem import run as run_module
 from roughcontact._work.studies.toml import read_study
 from roughcontact.faces import available_threads
 from roughcontact.typing import BoundKernel, PairConstants
+from scenes import each_once
 from strategies import grids, seeds
 from test_memory import rough_problem
 
@@ -218,8 +219,12 @@ class TestBits:
         for field in fields[1:]:
             np.testing.assert_array_equal(field, fields[0])
 
-    @pytest.mark.parametrize("boundary", ["free", "periodic", "wrapped"])
-    @pytest.mark.parametrize("solver", ["projected-cg", "polonsky-keer", "spectral-gradient"])
+    @each_once(
+        {
+            "boundary": ["free", "periodic", "wrapped"],
+            "solver": ["projected-cg", "polonsky-keer", "spectral-gradient"],
+        }
+    )
     def test_of_a_solution_are_the_same(self, boundary, solver, many):
         found = [
             rough_problem(64, boundary=boundary, solver=solver, threads=count).solve(pressure=5e6) for count in COUNTS

@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from scenes import rather_slow
+
 sys.path.insert(0, str(Path(__file__).parent.parent / "benchmarks"))
 
 import contact_classes
@@ -47,7 +49,11 @@ def test_the_classes_of_unkind_geometry_are_judged_together(capsys, monkeypatch,
 
 
 @pytest.mark.parametrize(
-    "name", ["long-domain", "long-cells", "slender", "tip-1.5", "tip-3", "tip-4", "strips-unkind", "holes-outside"]
+    "name",
+    rather_slow(
+        ["long-domain", "long-cells", "slender", "tip-1.5", "tip-3", "tip-4", "strips-unkind", "holes-outside"],
+        ["long-cells", "tip-3", "holes-outside"],
+    ),
 )
 def test_the_true_maximum_pressure_is_within_two_standard_deviations(name):
     ratios = []
@@ -57,7 +63,7 @@ def test_the_true_maximum_pressure_is_within_two_standard_deviations(name):
     assert sum(ratio <= 2.0 for ratio in ratios) >= 14, max(ratios)
 
 
-@pytest.mark.parametrize("power", [1.25, 1.5, 1.75])
+@pytest.mark.parametrize("power", rather_slow([1.25, 1.5, 1.75], [1.5]))
 def test_the_true_approach_of_pointed_summits_is_within_two_standard_deviations(power):
     ratios = []
     for case in itertools.islice(unkind_classes.tip("held-out", power), 15):

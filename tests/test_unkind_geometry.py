@@ -10,6 +10,7 @@ from scipy.special import ellipe
 
 import roughcontact as rc
 from roughcontact.reference import hertz_elliptic, hertz_sphere
+from scenes import each_once
 
 ELASTIC = rc.Elastic(1.0, 0.0)
 
@@ -22,9 +23,11 @@ def assert_within_two(found, true):
     assert abs(found.value - true) <= 2 * found.uncertainty
 
 
-@pytest.mark.parametrize("turned", [False, True])
-@pytest.mark.parametrize(
-    ("ratio", "minor", "room"), [(4.0, 3.3, 1.2), (12.0, 2.1, 1.3), (30.0, 1.7, 1.15), (48.0, 2.6, 1.4)]
+@each_once(
+    {
+        "turned": [False, True],
+        "ratio minor room": [(4.0, 3.3, 1.2), (12.0, 2.1, 1.3), (30.0, 1.7, 1.15), (48.0, 2.6, 1.4)],
+    }
 )
 def test_slender_ellipses_in_domains_of_their_shape(ratio, minor, room, turned):
     radii = (1e5, 1e5 / ratio)
@@ -43,8 +46,12 @@ def test_slender_ellipses_in_domains_of_their_shape(ratio, minor, room, turned):
     assert solution.peak_pressure().value == pytest.approx(exact.p_max, rel=2e-3)
 
 
-@pytest.mark.parametrize("shape", [(6, 21), (9, 9), (40, 7), (12, 31)])
-@pytest.mark.parametrize("sides", [(1.0, 1.0), (3.0, 1.0), (1.0, 3.0)])
+@each_once(
+    {
+        "shape": [(6, 21), (9, 9), (40, 7), (12, 31)],
+        "sides": [(1.0, 1.0), (3.0, 1.0), (1.0, 3.0)],
+    }
+)
 def test_a_ball_in_a_small_free_domain(shape, sides):
     size = np.multiply(shape, sides)
     radius, blunt = 0.3 * size.min(), 1e3 * size.max()

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
+from scenes import each_once
 
 
 def stiffness_of(solution, axis):
@@ -32,9 +33,11 @@ def move_rigidly(matrix, axis, letters):
     return np.linalg.solve(system, right)[matrix.shape[0] + axis]
 
 
-@pytest.mark.parametrize("axis", [0, 1])
-@pytest.mark.parametrize(
-    ("boundary", "poisson"), [("free", 0.0), ("free", 0.2), ("periodic", 0.3), ("free-periodic", 0.2)]
+@each_once(
+    {
+        "axis": [0, 1],
+        "boundary poisson": [("free", 0.0), ("free", 0.2), ("periodic", 0.3), ("free-periodic", 0.2)],
+    }
 )
 def test_it_is_that_of_a_dense_system(boundary, poisson, axis):
     rough = rc.SelfAffineSurface(hurst=0.8, rms_height=2e-8, shortest=6e-6, longest=3e-5, seed=4)

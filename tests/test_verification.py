@@ -15,7 +15,7 @@ from hypothesis import HealthCheck, given, settings
 
 import roughcontact as rc
 from damage import right_key, write_forged
-from scenes import make_problem
+from scenes import each_once, make_problem
 from strategies import wild_problems
 from systems import posix
 from unit_files import read_archive
@@ -114,8 +114,12 @@ FORGERIES = {
 }
 
 
-@pytest.mark.parametrize("suffix", ["npz", "nc"])
-@pytest.mark.parametrize("name", FORGERIES)
+@each_once(
+    {
+        "suffix": ["npz", "nc"],
+        "name": FORGERIES,
+    }
+)
 def test_a_forgery_with_right_digests_and_key_is_refused(content, tmp_path, name, suffix):
     change, words = FORGERIES[name]
     arrays, header = {**content[0]}, copy.deepcopy(content[1])

@@ -6,7 +6,7 @@ import math
 
 import attrs
 import numpy as np
-from scipy import special
+import scipy
 
 from roughcontact._base.arrays import Array, Pair
 from roughcontact._base.checks import number, pair
@@ -143,7 +143,7 @@ def hertz_elliptic(force: float, radii: Pair, modulus: float) -> Hertz:
     b = a * ratio
     p_max = 1.5 * force / (math.pi * a * b)
     axes = (a, b) if radii[0] >= radii[1] else (b, a)
-    return Hertz(axes, p_max, p_max * b * float(special.ellipkm1(ratio**2)) / modulus)
+    return Hertz(axes, p_max, p_max * b * float(scipy.special.ellipkm1(ratio**2)) / modulus)
 
 
 @attrs.frozen
@@ -272,4 +272,4 @@ class FlatPunch:
 def _curvature_integrals(ratio: float) -> tuple[float, float]:
     """Return (K - E)/e^2 and (E/ratio^2 - K)/e^2 of the ellipse b/a = ratio, in Carlson's form without cancellation."""
     square = ratio**2
-    return float(special.elliprd(0.0, square, 1.0)) / 3.0, float(special.elliprd(0.0, 1.0, square)) / 3.0
+    return float(scipy.special.elliprd(0.0, square, 1.0)) / 3.0, float(scipy.special.elliprd(0.0, 1.0, square)) / 3.0

@@ -10,7 +10,7 @@ import math
 
 import attrs
 import numpy as np
-from scipy import special
+import scipy
 
 from roughcontact._base.arrays import Array
 from roughcontact._base.checks import number
@@ -155,13 +155,13 @@ def frictional_punch(friction_over_beta: float) -> float:
     ratio = number(friction_over_beta, "The friction over beta", above=0.0)
 
     def mismatch(logit: float) -> float:
-        c = float(special.expit(logit))
-        logarithm = math.log1p(c) - float(special.log_expit(-logit))
-        return logarithm / (2.0 * c * ratio) - float(special.ellipkm1(c**2))
+        c = float(scipy.special.expit(logit))
+        logarithm = math.log1p(c) - float(scipy.special.log_expit(-logit))
+        return logarithm / (2.0 * c * ratio) - float(scipy.special.ellipkm1(c**2))
 
     if not mismatch(-_LARGEST_LOGIT) < 0.0 < mismatch(_LARGEST_LOGIT):
         raise InputError.about("The friction over beta", friction_over_beta, "between 0.004 and 70")
-    return float(special.expit(optimize.brentq(mismatch, -_LARGEST_LOGIT, _LARGEST_LOGIT, xtol=1e-12)))
+    return float(scipy.special.expit(optimize.brentq(mismatch, -_LARGEST_LOGIT, _LARGEST_LOGIT, xtol=1e-12)))
 
 
 @guarded

@@ -6,7 +6,7 @@ import math
 
 import attrs
 import numpy as np
-import scipy.fft
+import scipy
 
 from roughcontact._base.arrays import Array, read_only, sum_of_products
 from roughcontact._base.checks import MIN_MAGNITUDE, flag, heights_array, numbers

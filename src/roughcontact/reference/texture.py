@@ -6,7 +6,7 @@ import math
 
 import attrs
 import numpy as np
-import scipy.fft
+import scipy
 
 from roughcontact._base.arrays import Array, Mask
 from roughcontact._base.checks import flag

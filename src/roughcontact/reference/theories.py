@@ -6,7 +6,7 @@ import math
 
 import attrs
 import numpy as np
-from scipy import special
+import scipy
 
 from roughcontact._base.arrays import Array, read_only
 from roughcontact._base.checks import number
@@ -126,7 +126,7 @@ def evaluate_persson(waves: Waves, modulus: float, pressures: Array) -> PerssonC
     unit = modulus * (waves.height / waves.cell)
     energy, variance = _list_bands(waves)
     p = np.atleast_1d(pressures) / unit
-    area = special.erf(p / math.sqrt(2.0 * variance[-1]))
+    area = scipy.special.erf(p / math.sqrt(2.0 * variance[-1]))
     light = _LIGHT_PRESSURE_RATIO * math.sqrt(variance[0])
     full = _FULL_PRESSURE_RATIO * math.sqrt(variance[-1])
     nodes = np.unique(np.concatenate((np.geomspace(light, full, _PRESSURE_NODES), p[(p > light) & (p < full)])))
@@ -159,7 +159,7 @@ def _list_bands(waves: Waves) -> tuple[Array, Array]:
 def _slope_of_energy(pressure: Array, energy: Array, variance: Array) -> Array:
     """Return dU/dp at pressures, shape (count,)."""
     ratio = pressure[:, np.newaxis] / np.sqrt(2.0 * variance)
-    factor = _GAMMA + 3.0 * (1.0 - _GAMMA) * special.erf(ratio) ** 2
+    factor = _GAMMA + 3.0 * (1.0 - _GAMMA) * scipy.special.erf(ratio) ** 2
     density = factor * np.exp(-(np.minimum(ratio, 30.0) ** 2))
     return np.asarray(density @ (energy * np.sqrt(2.0 / (np.pi * variance))))
 

@@ -2,7 +2,7 @@
 
 import attrs
 import numpy as np
-from scipy.signal import fftconvolve
+import scipy
 
 import roughcontact as rc
 from roughcontact.typing import Array, ConvolutionSetup, PreparedConvolution
@@ -34,4 +34,4 @@ class SignalConvolution(PreparedConvolution):
 
     def apply(self, pressure):
         """Return the displacement, shape (nx, ny), in the precision of the pressure."""
-        return fftconvolve(self.responses.astype(pressure.dtype), pressure, mode="valid")
+        return scipy.signal.fftconvolve(self.responses.astype(pressure.dtype), pressure, mode="valid")

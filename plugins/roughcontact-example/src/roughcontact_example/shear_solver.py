@@ -2,7 +2,7 @@
 
 import attrs
 import numpy as np
-from scipy.optimize import root
+import scipy
 
 import roughcontact as rc
 from roughcontact.typing import ShearOutcome, ShearSolver, natural_residual
@@ -68,5 +68,5 @@ def project(shear, limit, force, moved, step):
 
     given = np.isfinite(force)
     if given.any():
-        moved = fill(root(excess, moved[given], tol=1e-15).x)
+        moved = fill(scipy.optimize.root(excess, moved[given], tol=1e-15).x)
     return shift(moved), moved

@@ -2,7 +2,7 @@
 
 import attrs
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 
 import roughcontact as rc
 from roughcontact.typing import Monitor
@@ -60,7 +60,9 @@ def project(values, task):
     if mean >= np.mean(limit):
         return np.full(values.shape, limit)
     lowest = values.min() - 2.0 * min(np.max(limit), values.size * mean)
-    shift = brentq(lambda shift: np.clip(values - shift, 0.0, limit).mean() - mean, lowest, values.max(), xtol=1e-300)
+    shift = scipy.optimize.brentq(
+        lambda shift: np.clip(values - shift, 0.0, limit).mean() - mean, lowest, values.max(), xtol=1e-300
+    )
     pressure = np.clip(values - shift, 0.0, limit)
     elastic = (pressure > 0.0) & (pressure < limit)
     # The shift is rounded, but the load must hold to 1e-12.

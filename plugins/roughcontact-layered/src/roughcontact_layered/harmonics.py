@@ -8,9 +8,8 @@ from typing import TypeAlias
 
 import attrs
 import numpy as np
+import scipy
 from numpy.polynomial import chebyshev, legendre
-from scipy import special
-from scipy.interpolate import CubicSpline
 
 from roughcontact_layered.cells import integrate_gauss
 from roughcontact_layered.radial import count_halvings, list_points
@@ -130,7 +129,7 @@ class _PointStress:
     """
 
     load: str
-    spline: CubicSpline
+    spline: scipy.interpolate.CubicSpline
 
     def __call__(self, x: Array, y: Array) -> Array:
         """Return the components at offsets x and y, shape (6, ...), 1/m^2."""
@@ -216,9 +215,9 @@ def _tabulate(find: FindWaves, load: str, smallest: float, largest: float, reach
         q = x / r[:, np.newaxis]
         orders, amplitudes = list_amplitudes(find, load, q.ravel())
         values = [
-            amplitude.reshape(q.shape) @ (weights * x * _SIGNS[k] / (2.0 * np.pi) * special.jv(k, x))
+            amplitude.reshape(q.shape) @ (weights * x * _SIGNS[k] / (2.0 * np.pi) * scipy.special.jv(k, x))
             for k, amplitude in zip(orders, amplitudes, strict=True)
         ]
         tables.append(chebyshev.chebval(points, np.linalg.solve(vandermonde, np.stack(values, axis=1))))
     at = first + np.arange(_POINTS * len(tables)) / _POINTS
-    return _PointStress(load, CubicSpline(at, np.concatenate(tables, axis=1), axis=1))
+    return _PointStress(load, scipy.interpolate.CubicSpline(at, np.concatenate(tables, axis=1), axis=1))

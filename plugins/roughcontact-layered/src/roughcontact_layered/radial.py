@@ -9,8 +9,8 @@ from typing import Protocol
 
 import attrs
 import numpy as np
+import scipy
 from numpy.polynomial import chebyshev, legendre
-from scipy import special
 
 from roughcontact_layered.stack import Array
 
@@ -105,8 +105,8 @@ def _octave(kernel: DepthDependent, octave: int, order: int) -> tuple[Array, Arr
     x, weights = list_points(count_halvings(kernel.depth / 2.0**octave))
     q = x[np.newaxis, :] / r[:, np.newaxis]
     values = kernel.rest(q) * q / (2.0 * np.pi)
-    point = values @ (weights * (special.j0(x) if order == 0 else -special.jv(2, x)))
-    disc = values @ (weights * special.j1(x) / x)
+    point = values @ (weights * (scipy.special.j0(x) if order == 0 else -scipy.special.jv(2, x)))
+    disc = values @ (weights * scipy.special.j1(x) / x)
     vandermonde = chebyshev.chebvander(nodes, _NODES - 1)
     solved = np.linalg.solve(vandermonde, np.stack((point, disc), axis=1)).astype(np.float64)
     return solved[:, 0], solved[:, 1]

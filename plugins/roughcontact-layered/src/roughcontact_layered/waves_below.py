@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import roughcontact as rc
-from scipy.interpolate import CubicSpline
+import scipy
 
 from roughcontact_layered.harmonics import FindWaves, add_angles, list_amplitudes
 from roughcontact_layered.stack import Array
@@ -76,7 +76,7 @@ class _Table:
         self.last = max(last, 2.0 * first)
         count = math.ceil(_NODES * math.log2(self.last / first)) + 8
         q = np.geomspace(0.99 * first, 1.01 * self.last, count)
-        self.spline = CubicSpline(np.log(q), list_amplitudes(find, load, q)[1], axis=1)
+        self.spline = scipy.interpolate.CubicSpline(np.log(q), list_amplitudes(find, load, q)[1], axis=1)
 
     def __call__(self, qx: Array, qy: Array) -> Array:
         """Return the components, shape (6, m, n); zero at the mean and where waves have decayed."""

@@ -85,6 +85,8 @@ def solve_on_device(
     plan = problem.plan
     if plan.non_measured is not None:
         raise rc.InputError("Some points were not measured: solve this contact by problem.solve.")
+    if problem.laws:
+        raise rc.InputError("Laws change the gap of this contact: solve it by problem.solve.")
     load = problem.require_load(pressure=pressure, force=force, approach=approach)
     with convolution.use_threads(plan.thread_choice[0]):
         task = make_task(plan, problem.initial_gap, load)

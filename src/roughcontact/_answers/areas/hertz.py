@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import attrs
 import numpy as np
+import scipy
 
 from roughcontact._answers.areas import calibration
 from roughcontact._answers.areas.cells import Neighbourhood, count_saturated, split
@@ -57,8 +58,6 @@ class LoadCorrection:
 
 def correct_loads(solution: ContactSolution, summits: Summits, spline: Spline) -> LoadCorrection:
     """Return the correction of the load of each patch by the common approach; the sum remains the solution's load."""
-    from scipy import optimize
-
     patches = solution.patches
     even = (
         summits.known
@@ -93,7 +92,7 @@ def correct_loads(solution: ContactSolution, summits: Summits, spline: Spline) -
     if surplus(-far) * surplus(far) > 0.0:
         return none
     carried, hidden = loads(
-        far * float(optimize.brentq(lambda part: surplus(part * far), -1.0, 1.0, xtol=_APPROACH_TOLERANCE))
+        far * float(scipy.optimize.brentq(lambda part: surplus(part * far), -1.0, 1.0, xtol=_APPROACH_TOLERANCE))
     )
     factor = np.where(even, carried / patches.forces, 1.0)
     others = float(patches.forces[~even].sum() / patches.forces.sum())

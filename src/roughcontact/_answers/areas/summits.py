@@ -7,7 +7,7 @@ from functools import lru_cache
 
 import attrs
 import numpy as np
-from scipy import special
+import scipy
 
 from roughcontact._answers.areas import calibration
 from roughcontact._answers.areas.cells import find_patches_of, split
@@ -56,7 +56,7 @@ def find_depth(force: Array, semi_axis: Array, axes_ratio: Array, modulus: float
 
     It is two thirds of the approach of a paraboloid with the same contact.
     """
-    return np.asarray(force * special.ellipk(1.0 - 1.0 / axes_ratio**2) / (np.pi * modulus * semi_axis))
+    return np.asarray(force * scipy.special.ellipk(1.0 - 1.0 / axes_ratio**2) / (np.pi * modulus * semi_axis))
 
 
 @lru_cache(maxsize=1)
@@ -68,8 +68,8 @@ def _tabulate() -> tuple[Array, Array, Array]:
     """
     k = np.geomspace(1.0 + 1e-4, _MAX_AXES_RATIO, _TABLE_ENTRIES)
     m = 1.0 - 1.0 / k**2
-    first = special.ellipk(m)
-    second = special.ellipe(m)
+    first = scipy.special.ellipk(m)
+    second = scipy.special.ellipe(m)
     logarithms = -np.log((k**2 * second - first) / (first - second))
     factors = k ** (1.0 / 3.0) * (2.0 * second / np.pi) ** (2.0 / 3.0)
     return (

@@ -8,7 +8,7 @@ from functools import lru_cache
 
 import attrs
 import numpy as np
-from scipy import special
+import scipy
 
 from roughcontact._answers.areas.edges import warn_if_uncertain
 from roughcontact._answers.linear.stiffness import (
@@ -272,7 +272,7 @@ def _list_points() -> tuple[Array, Array]:
     half = 0.5 * np.diff(edges)[:, np.newaxis]
     x = (edges[:-1, np.newaxis] + half * (at + 1.0)).ravel()
     sine = np.sin(x)
-    bessel = 2.0 * special.j1(x)
+    bessel = 2.0 * scipy.special.j1(x)
     means = np.array([np.full(x.size, 0.5), 1.0 / np.sqrt(np.pi * x), 4.0 / (np.pi * x)])
     products = np.where(x < last, np.array([sine**2, sine * bessel, bessel**2]), means) * (half * weight).ravel() / x**2
     # Exact of a half-space.

@@ -7,7 +7,7 @@ from typing import Any, final
 
 import attrs
 import numpy as np
-import scipy.fft
+import scipy
 
 from roughcontact._base.arrays import Array
 from roughcontact._base.units import prefixed, si

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import TypeAlias
 
 import numpy as np
-import scipy.fft
+import scipy
 
 from roughcontact._base.arrays import Array, Pair, RealArray
 from roughcontact._parts.kernels.cells import alias_sum

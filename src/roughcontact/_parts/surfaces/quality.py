@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
-import scipy.fft
+import scipy
 
 from roughcontact._base.arrays import Array, Mask
 from roughcontact._base.units import WarningText, counted, percent, si

@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
-import scipy.fft
+import scipy
 
 from roughcontact._base.arrays import Array, Mask, matrix_product
 from roughcontact._base.checks import choice

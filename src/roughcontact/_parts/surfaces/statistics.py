@@ -7,7 +7,7 @@ import math
 import attrs
 import numpy as np
 import numpy.typing as npt
-import scipy.fft
+import scipy
 
 from roughcontact._base.arrays import Array, Mask, RealArray, matrix_product
 from roughcontact._base.units import si

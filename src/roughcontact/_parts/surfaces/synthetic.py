@@ -9,7 +9,7 @@ from typing import ClassVar
 
 import attrs
 import numpy as np
-import scipy.fft
+import scipy
 
 from roughcontact._base.arrays import Array, IntArray, Pair, Waves
 from roughcontact._base.checks import integer, number, pair

@@ -11,7 +11,7 @@ from functools import cached_property
 import attrs
 import numpy as np
 import numpy.typing as npt
-import scipy.fft
+import scipy
 
 from roughcontact._base.arrays import (
     Array,

@@ -6,7 +6,7 @@ from functools import cached_property, partial
 
 import attrs
 import numpy as np
-import scipy.fft
+import scipy
 
 from roughcontact._base.arrays import RealArray, Waves
 from roughcontact._base.machine import threads_for

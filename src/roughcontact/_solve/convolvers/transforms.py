@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-import scipy.fft
+import scipy
 
 from roughcontact._base.arrays import Array, IntArray, Pair, RealArray, Waves
 from roughcontact._base.machine import map_tiles, split, threads_for

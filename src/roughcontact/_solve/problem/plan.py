@@ -10,7 +10,7 @@ from typing import Any
 
 import attrs
 import numpy as np
-import scipy.fft
+import scipy
 
 from roughcontact._base.arrays import Array, Mask
 from roughcontact._base.checks import number

@@ -7,7 +7,7 @@ from typing import Any
 
 import attrs
 import numpy as np
-from scipy import special
+import scipy
 
 from roughcontact._base.arrays import Array, IntArray, Mask
 from roughcontact._parts.grid import Grid, extend
@@ -430,7 +430,7 @@ def _find_elasticity(fraction: float) -> float:
     """Return by how much per cent the area falls if the slopes grow by one, after Persson; 0 in full contact."""
     if fraction >= 1.0:
         return 0.0
-    ratio = float(special.erfinv(fraction))
+    ratio = float(scipy.special.erfinv(fraction))
     return 2.0 / math.sqrt(math.pi) * ratio * math.exp(-(ratio**2)) / fraction
 
 
@@ -480,4 +480,4 @@ def _find_punch_stiffness(sides: tuple[float, float], modulus: float) -> float:
     """Return the stiffness of a flat rectangular punch, from that of an ellipse of its area and sides, N/m."""
     ratio = min(sides) / max(sides)
     longer = max(sides) / math.sqrt(math.pi)
-    return _SQUARE_PUNCH_FACTOR * math.pi * modulus * longer / float(special.ellipk(1.0 - ratio**2))
+    return _SQUARE_PUNCH_FACTOR * math.pi * modulus * longer / float(scipy.special.ellipk(1.0 - ratio**2))

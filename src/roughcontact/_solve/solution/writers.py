@@ -6,7 +6,6 @@ import abc
 import sys
 from pathlib import Path
 from typing import Any, ClassVar, final
-from xml.sax.saxutils import quoteattr
 
 import attrs
 import numpy as np
@@ -175,6 +174,8 @@ def _origin(grid: Grid) -> tuple[float, float, float]:
 
 def _heading(grid: Grid, numbers: dict[str, RealArray], cells: dict[str, RealArray]) -> str:
     """Return the XML up to the first byte of the arrays."""
+    from xml.sax.saxutils import quoteattr
+
     offset = 0
     lines = {"numbers": "", "cells": ""}
     for group, arrays, tuples in (("numbers", numbers, ' NumberOfTuples="1"'), ("cells", cells, "")):

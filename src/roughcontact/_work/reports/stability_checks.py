@@ -9,7 +9,7 @@ from typing import Any
 
 import attrs
 import numpy as np
-import scipy.fft
+import scipy
 
 from roughcontact._answers.areas.initial_gap import curvature_resolution
 from roughcontact._answers.refinement import on_grid

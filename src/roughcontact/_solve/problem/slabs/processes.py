@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
-import scipy.fft
+import scipy
 
 from roughcontact._base.arrays import RealArray
 from roughcontact._solve.solvers import halve_shape

@@ -6,7 +6,7 @@ from functools import cached_property
 
 import attrs
 import numpy as np
-import scipy.fft
+import scipy
 
 from roughcontact._base.arrays import RealArray
 from roughcontact._parts.grid import Boundary
