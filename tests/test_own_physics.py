@@ -15,6 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import roughcontact as rc
+from roughcontact.__main__ import main
 
 STEEL = rc.Elastic(young=210e9, poisson=0.3)
 GRID = rc.Grid((32, 32), 100e-6)
@@ -252,6 +253,19 @@ def test_a_study_does_not_forget_a_load_that_failed(tmp_path):
     found = study.run(tmp_path)
     assert [record.status for record in found] == ["CONVERGED", "REFUSED", "REFUSED"]
     assert "remembers the state at the load before it" in found[2].message
+
+
+def test_the_command_follows_the_loads(worn, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    np.savez("ball.npz", heights=press().body.heights(GRID), size=GRID.size)
+    steel = ["--young", "210GPa", "--poisson", "0.3"]
+    law = ["--law", "test-wear", "rate=1e-17", "--law", "test-lubricant", "pressure=0MPa"]
+    assert main(["solve", "ball.npz", "--loads", "1N", "2N", "0.5N", *steel, *law, "--json"]) in (0, 3)
+    found = json.loads(capsys.readouterr().out)["solutions"]
+    assert [one["approach"]["value"] for one in found] == pytest.approx([state.approach for state in worn], rel=1e-6)
+    assert found[2]["worn_volume"]["value"] == pytest.approx(3.5e-17)
+    assert main(["solve", "ball.npz", "--force", "1N", *steel, "--law", "test-weer", "rate=1"]) == 2
+    assert "There is no law named 'test-weer'. Did you mean 'test-wear'?" in capsys.readouterr().err
 
 
 class TestRefusals:

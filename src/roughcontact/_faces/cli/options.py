@@ -131,6 +131,13 @@ def add_problem(parser: argparse.ArgumentParser, *, study: bool = False) -> None
     )
     if not study:
         adhesion.add_argument("--states", type=whole_number, metavar="N", help="states on each branch of --cycle (41)")
+    parser.add_argument_group("laws of plug-ins").add_argument(
+        "--law",
+        nargs="+",
+        action="append",
+        metavar=("LAW", "FIELD=VALUE"),
+        help="what else changes the contact, such as wear from load to load; may be given several times",
+    )
     if not study:
         _add_friction(parser)
     _add_method(parser)
@@ -148,7 +155,7 @@ def add_interface(parser: argparse.ArgumentParser) -> None:
     group.add_argument("--loads", type=_pressures, nargs="+", metavar="P", required=True, help=loads)
     _add_materials(parser, study=False)
     _add_method(parser, boundary=False)
-    parser.set_defaults(adhesion=None, boundary=str(Boundary.PERIODIC))
+    parser.set_defaults(adhesion=None, law=None, boundary=str(Boundary.PERIODIC))
 
 
 def _pressures(text: str) -> list[float]:

@@ -55,6 +55,7 @@ def problem_of(options: argparse.Namespace) -> rc.ContactProblem:
             **_describe_layers(options, "counterbody_"),
         },
         "adhesion": None if options.adhesion is None else _adhesion(options),
+        "laws": [make_part(rc.laws, "--law", name, texts) for name, *texts in options.law or ()],
         **_describe_kernel(options),
         **{name: getattr(options, name) for name in ("boundary", "solver", "threads")},
     }
