@@ -148,7 +148,7 @@ def test_fields_of_a_kernel_are_given_behind_its_name(ball, capsys):
     _, out, _ = solve(
         capsys, ball, *["--force", "1N", "--young", "210GPa", "--kernel", "graded", "gradient=1e4m-1", "--dry-run"]
     )
-    assert "GradedKernel(gradient=10000.0, surface=Elastic(young=210000000000.0" in " ".join(out.split())
+    assert "Graded Kernel, gradient 10000.0, surface Elastic (young 210000000000.0" in " ".join(out.split())
 
 
 def test_without_the_plug_in_a_sentence_says_what_to_install(ball, capsys, monkeypatch):

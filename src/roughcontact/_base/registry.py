@@ -263,11 +263,11 @@ def name_in_words(part: object) -> str:
     cls = type(part)
     if not attrs.has(cls) or cls.__str__ is not object.__str__:
         return str(part)
-    fields = [
-        f"{field.name.replace('_', ' ')} {name_in_words(getattr(part, field.name))}"
-        for field in attrs.fields(cls)
-        if field.repr
-    ]
+    fields = []
+    for field in attrs.fields(cls):
+        name, comma, others = name_in_words(getattr(part, field.name)).partition(", ")
+        # The fields of a part inside a part stand in parentheses.
+        fields += [f"{field.name.replace('_', ' ')} {name}{f' ({others})' if comma else ''}"] if field.repr else []
     return ", ".join([_WORD.sub(" ", cls.__name__), *fields])
 
 
