@@ -37,6 +37,17 @@ def test_a_problem_takes_the_convolver_and_gets_whole_fields():
     assert np.abs(found.pressure - expected.pressure).max() < 1e-9 * expected.pressure.max()
 
 
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+def test_the_text_and_the_numbers_are_those_of_a_solution(boundary):
+    solution = solve(slab(), 1.0, rc.ElasticPerfectlyPlastic(1e9, 0.3, 1e8), pressure=1e7, boundary=boundary)
+    solution.stiffness()
+    whole = solution.gather()
+    assert type(solution) is type(whole) is rc.ContactSolution
+    assert {"slabs", "stiffness", "force"} <= {line[:18].strip() for line in str(solution).splitlines()}
+    assert solution.to_dict()["area"]["value"] == pytest.approx(whole.to_dict()["area"]["value"], rel=1e-9)
+    assert repr(solution)[:32] == repr(whole)[:32]
+
+
 def test_a_step_that_slabs_do_not_have_is_refused():
     with pytest.raises(rc.InputError, match="thin stiff layers"):
         solve(slab(), 1.0, STEEL, pressure=1e7, boundary="periodic", kernel=StiffLayer())

@@ -70,7 +70,8 @@ class Slabs(Whole):
         known = {(areas if name in areas else responses)[name] for name in self.answers}
         if type(answer) not in known:
             asked = answer if isinstance(answer, str) else type(answer).__name__
-            allowed = f"one of {', '.join(self.answers) or 'none'}; solution.gather() has all"
+            served = f"one of {', '.join(self.answers)}; solution.gather() has all"
+            allowed = served if self.answers else "asked of solution.gather() instead"
             raise InputError.about("What is asked of a contact on slabs", asked, allowed)
         found = find(self.window(solution))
         self._answered[type(answer).__name__] = found
