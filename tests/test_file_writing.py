@@ -29,7 +29,7 @@ ELSEWHERE = {
         "files.py",
         "write_field",
     ): "an unfinished file of which each process writes its rows, renamed when it is complete",
-    ("store.py", "_replace"): "a complete store, which is renamed",
+    ("files.py", "_replace"): "a complete store, which is renamed",
     ("uploads.py", "_copy"): "an unfinished file, renamed when it is complete",
     ("output.py", "write_results"): "draws in memory first",
     ("inputs.py", "_damaged"): "writes to a temporary folder",

@@ -227,3 +227,11 @@ def test_sampling_errors_cover_other_places():
 def test_what_has_no_texture_is_refused(heights, grid, words):
     with pytest.raises(rc.InputError, match=words):
         rc.reference.texture(heights, grid)
+
+
+@pytest.mark.parametrize("shape", [(2, 2), (3, 5), (6, 2)])
+def test_maps_of_a_few_cells_have_a_texture(shape):
+    """Their parts, by which numbers are uncertain, are single cells."""
+    found = rc.reference.texture(np.random.default_rng(0).random(shape) * 1e-6, rc.Grid(shape, 1e-3))
+    assert found.Sq.value > 0.0
+    assert np.isfinite(found.Sk.uncertainty)

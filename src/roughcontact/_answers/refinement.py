@@ -1,4 +1,7 @@
-"""The same problem on ever finer grids, and waves beyond the resolution of maps."""
+"""The same problem on ever finer grids, and waves beyond the resolution of maps.
+
+Scripts call `on_grid`, `extrapolate` and `beyond_resolution`; reports call `on_grid` and `solve_ladder`.
+"""
 
 from __future__ import annotations
 
@@ -40,7 +43,7 @@ _MAX_REALIZATIONS = 1000
 _RANGE_STDS = 2.0
 
 
-def require_problem(problem: ContactProblem) -> ContactProblem:
+def _require_problem(problem: ContactProblem) -> ContactProblem:
     """Return the problem, or raise `InputError` if it is something else."""
     if not isinstance(problem, ContactProblem):
         raise InputError.about("What is to be refined", problem, "a ContactProblem")
@@ -75,7 +78,7 @@ def on_grid(problem: ContactProblem, shape: tuple[int, int], interpolation: str 
     >>> finer.grid.shape
     (64, 64)
     """
-    return resample_problem(require_problem(problem), shape, interpolation)
+    return resample_problem(_require_problem(problem), shape, interpolation)
 
 
 @attrs.frozen(eq=False)
@@ -189,7 +192,7 @@ def extrapolate(
     levels = integer(levels, "The number of grids", at_least=2)
     on_step = callback(on_step, "on_step=", "step")
     areas.resolve(estimator)
-    nx, ny = require_problem(problem).plan.grid.shape
+    nx, ny = _require_problem(problem).plan.grid.shape
     load = Load.of(pressure=pressure, force=force, approach=approach)
     # A finest grid that does not fit into memory is refused before the others are made.
     finest = min(levels - 1, _MAX_DOUBLINGS)

@@ -310,6 +310,7 @@ class PartField:
         return self.plain_unit or self.unit
 
 
+@guarded
 def list_fields(cls: type) -> dict[str, PartField]:
     """Return the arguments of a class by name; of one that is not of attrs their types are not known."""
     if not attrs.has(cls):

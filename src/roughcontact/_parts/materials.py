@@ -184,7 +184,8 @@ def _hardness(value: Quantity | Array) -> float | Array:
     return number_or_array(value, "The hardness", "Pa")
 
 
-@attrs.frozen
+# Without its own state for pickles: a subclass whose arrays are restored would keep the fields of this class alone.
+@attrs.frozen(getstate_setstate=False)
 class _Isotropic(Material):
     """A material of two elastic constants."""
 

@@ -260,6 +260,8 @@ class _MaterialRatio:
     def _fit_core(self) -> tuple[float, float]:
         """Return the heights of the line through the core at the material ratios zero and one."""
         count = self._levels.size
+        if count == 1:
+            return float(self._levels[0]), float(self._levels[0])
         span = max(round(_SECANT * count), 1)
         drops = self._levels[: count - span] - self._levels[span:]
         # Of equal secants the middle one, of a symmetrical curve that of the centre.

@@ -1,4 +1,8 @@
-"""Claims about what a scene is made of: materials, surfaces and their readers, laws of attraction and of friction."""
+"""Claims about what a scene is made of: materials, surfaces and their readers, laws of attraction and of friction.
+
+`roughcontact.testing` imports them for their effect, the registration; `check` runs them, nothing calls them by name.
+Their texts are their interface: a stricter claim fails the plug-ins of others.
+"""
 
 from __future__ import annotations
 

@@ -13,6 +13,7 @@ from roughcontact._solve.solution import ContactSolution, Law, Process, laws
 from roughcontact.errors import InputError, NotConverged
 from roughcontact.testing.claim import DoesNotApply, claim, require, require_equal
 
+# Forces on a ball, N, that rise and fall.
 _FORCES = (1.0, 2.0, 0.5)
 # Largest residual of a condition: that of the contact is 2e-5.
 _MAX_ERROR = 1e-4

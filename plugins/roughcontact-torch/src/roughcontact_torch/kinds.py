@@ -75,11 +75,15 @@ class Tensors(SlabProcesses):
     """
 
     library: ClassVar[Any] = torch
-    transforms: ClassVar[Any] = torch.fft
     max_exchanges: ClassVar[int] = 1
 
     def __init__(self, device: torch.device) -> None:
         self.device = device
+
+    @property
+    def transforms(self) -> Any:
+        """The Fourier transforms of tensors."""
+        return torch.fft
 
     def place(self, values: np.ndarray) -> torch.Tensor:
         """Return an array of numpy as a tensor on the device."""

@@ -62,11 +62,12 @@ def order_loads(problem: Scene, loads: Sequence[Load]) -> Sequence[int]:
     return range(len(loads)) if problem.remembers else order_of_solving(loads)
 
 
-def solve_next(problem: Scene, before: Sequence[ContactSolution], load: Load) -> ContactSolution:
-    """Return the solution at a load, from the solutions before in this order."""
+def solve_next(problem: Any, before: Sequence[ContactSolution], load: Load) -> ContactSolution:
+    """Return the solution of a `ContactProblem` at a load, from the solutions before in this order."""
     if problem.remembers:
         return follow(partial(run_solve, problem), before, load)
-    return run_solve(problem, load, predict_pressure(before, load))
+    found: ContactSolution = problem.solve(**load.arguments, start=predict_pressure(before, load))
+    return found
 
 
 def follow_loads(solve: Solve, loads: Sequence[Load], first: ContactSolution | None = None) -> Sweep:

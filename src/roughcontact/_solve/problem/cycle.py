@@ -1,4 +1,8 @@
-"""Paths of surfaces that attract each other: loads in their order, loading and unloading, jumps and pull-off."""
+"""Loading and unloading of surfaces that attract each other, with jumps and pull-off, and how near a state is to one.
+
+`ContactProblem.cycle` calls `list_approaches` and `run_cycle`; answers call `find_stability` and `linearise`; a page
+calls `describe_cycle`. Methods that begin with an underscore are hooks of `Path`: they write and read files.
+"""
 
 from __future__ import annotations
 
@@ -61,6 +65,7 @@ class AdhesionCycle(Path):
     (5, 5)
     """
 
+    # Files state it, and its last word is the method of a problem: a saved cycle is read by it.
     kind = "adhesion cycle"
     view = "cycle"
     curve = "force of both branches over the approach"

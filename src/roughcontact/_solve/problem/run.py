@@ -206,6 +206,7 @@ def _in_si(
     )
 
 
+@guarded
 def make_solution(
     plan: SolvePlan, initial_gap: Array, outcome: Outcome, certificate: ConfirmedFields, seconds: float
 ) -> ContactSolution:
@@ -465,6 +466,7 @@ def _solve(
     return solution
 
 
+@guarded
 def require_certified(solution: Any) -> None:
     """Raise `NotConverged` if a solution, whose fields may be of any kind, is not certified.
 

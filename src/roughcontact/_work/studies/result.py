@@ -268,6 +268,7 @@ class StudyResult(TableResult):
             columns["doubtful"] = ["yes" if record.doubtful else "" for record in rows]
         return Table(columns, {"load": self._load_unit, "mean pressure": "Pa", "approach": "m"})
 
+    # Hooks of TableResult, as _list_notes.
     def _list_head(self) -> Sequence[str]:
         return [self._summary]
 

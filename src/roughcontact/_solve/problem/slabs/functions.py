@@ -9,6 +9,7 @@ import numpy as np
 
 from roughcontact._base.arrays import RealArray
 from roughcontact.errors import InputError
+from roughcontact.errors.door import guarded
 
 _FUNCTIONS: dict[Any, Callable[..., Any]] = {}
 # What a reduction of no entries gives.
@@ -83,6 +84,7 @@ def reduce(
     return own.dtype.type(found)
 
 
+@guarded
 def gather_slabs(values: Any) -> Any:
     """Return the whole of an array as one of numpy, on each process."""
     if not values.is_divided:

@@ -41,20 +41,24 @@ class SlabProcesses:
         Reductions so far, and the bytes sent to other processes.
     name
         What is named before the sentence of an error.
-    library, transforms
-        The library of the slabs, and its Fourier transforms.
+    library
+        The library of the slabs.
     max_exchanges
         Maximum parts in which rows are exchanged for columns, so that they take little memory.
     """
 
     name: ClassVar[str] = "roughcontact"
     library: ClassVar[Any] = np
-    transforms: ClassVar[Any] = scipy.fft
     max_exchanges: ClassVar[int] = 8
     rank: int = 0
     count: int = 1
     reductions: int = 0
     sent: int = 0
+
+    @property
+    def transforms(self) -> Any:
+        """The Fourier transforms of the library; scipy loads its own at their first use."""
+        return scipy.fft
 
     @staticmethod
     def share(count: int, parts: int) -> tuple[int, ...]:

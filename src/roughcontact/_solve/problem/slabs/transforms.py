@@ -17,6 +17,7 @@ from roughcontact._parts.surfaces import SelfAffineSurface
 from roughcontact._solve.convolvers import ConvolutionSetup, Convolver, PreparedConvolution, padded_shape
 from roughcontact._solve.problem.slabs.processes import SlabProcesses, in_tiles
 from roughcontact.errors import InputError
+from roughcontact.errors.door import guarded
 
 # Values of a tile of rows, with what its transform takes: few enough to save memory.
 _TILE_VALUES = 2**16
@@ -104,6 +105,7 @@ class Transpose:
             start += size
 
 
+@guarded
 def multiply_on_slabs(
     processes: SlabProcesses, values: Any, nx: int, factors: Callable[[slice], Any], padded: tuple[int, int]
 ) -> Any:
@@ -193,6 +195,7 @@ def _transform_even(processes: SlabProcesses, values: Any, length: int) -> Any:
     return processes.transforms.rfft(extended, None, 0).real
 
 
+@guarded
 def symbol_of_columns(setup: ConvolutionSetup, padded: tuple[int, int], processes: SlabProcesses) -> Any:
     """Return the transform of the kernel on a padded grid: the columns of this process.
 
@@ -253,6 +256,7 @@ def _exchange(
     return symbol
 
 
+@guarded
 def make_random_rows(surface: SelfAffineSurface, grid: Grid, processes: SlabProcesses) -> Any:
     """Return the rows of this process of a random surface, m; each draws all random numbers, and keeps its waves."""
     nx, ny = grid.shape
@@ -269,6 +273,7 @@ def make_random_rows(surface: SelfAffineSurface, grid: Grid, processes: SlabProc
     return transform_back(processes, waves, ny, ny, "forward")
 
 
+@guarded
 def stiffness_on_slabs(
     setup: ConvolutionSetup, processes: SlabProcesses, dtype: Any
 ) -> tuple[RealArray, bool, tuple[RealArray, RealArray]]:
@@ -284,6 +289,7 @@ def stiffness_on_slabs(
     return stiffness, exact, (processes.total_blocks(first), processes.total_blocks(top))
 
 
+@guarded
 def long_waves_on_slabs(
     processes: SlabProcesses, padded: tuple[int, int], stiffness: RealArray, columns: int
 ) -> RealArray:

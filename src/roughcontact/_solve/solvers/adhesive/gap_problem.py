@@ -1,4 +1,8 @@
-"""An adhesive contact as a problem of its gap."""
+"""An adhesive contact as a problem of its gap, in the units of `Task`.
+
+`gap_descent` makes it, holds and scales its gaps, and `descent` minimises it. A gap here has the shape (mx, my) of the
+extended grid, that of a task the shape (nx, ny) of the grid.
+"""
 
 from __future__ import annotations
 
