@@ -266,6 +266,9 @@ def test_the_command_follows_the_loads(worn, tmp_path, monkeypatch, capsys):
     assert found[2]["worn_volume"]["value"] == pytest.approx(3.5e-17)
     assert main(["solve", "ball.npz", "--force", "1N", *steel, "--law", "test-weer", "rate=1"]) == 2
     assert "There is no law named 'test-weer'. Did you mean 'test-wear'?" in capsys.readouterr().err
+    along = ["--friction", "0.3", "--tangential", "0.1N", "--counterbody-young", "210GPa"]
+    assert main(["solve", "ball.npz", "--force", "1N", *steel, *law, *along]) == 2
+    assert "Friction beside other laws is not known: omit --law." in capsys.readouterr().err
 
 
 class TestRefusals:

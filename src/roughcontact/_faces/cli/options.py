@@ -24,6 +24,8 @@ from roughcontact.errors import Argument, InputError, Spell, write_number
 
 # Arguments that are not options of their own names.
 _SPELLED = {"displacement": "displacements to --tangential", "tangential_force": "forces to --tangential"}
+# Arguments with several parts, each of which is given by an option of its own.
+_GIVEN_ONE_BY_ONE = {"laws": "law"}
 # Most characters of a wrong argument that are shown.
 _MAX_SHOWN_CHARACTERS = 80
 # Most loads of a range.
@@ -36,8 +38,9 @@ def spell_options(known: Collection[str]) -> Spell:
     def spell(one: Argument) -> str:
         if one.name in _SPELLED:
             return _SPELLED[one.name] if "tangential" in known else ""
+        name = _GIVEN_ONE_BY_ONE.get(one.name, one.name)
         values = [_write_value(value, one) for value in one.values]
-        return " ".join([f"--{one.name.replace('_', '-')}", *values]) if one.name in known else ""
+        return " ".join([f"--{name.replace('_', '-')}", *values]) if name in known else ""
 
     return spell
 
