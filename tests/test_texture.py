@@ -230,7 +230,7 @@ def test_what_has_no_texture_is_refused(heights, grid, words):
 
 
 @pytest.mark.parametrize("shape", [(2, 2), (3, 5), (6, 2)])
-def test_maps_of_a_few_cells_have_a_texture(shape):
+def test_small_maps_have_a_texture(shape):
     """Their parts, by which numbers are uncertain, are single cells."""
     found = rc.reference.texture(np.random.default_rng(0).random(shape) * 1e-6, rc.Grid(shape, 1e-3))
     assert found.Sq.value > 0.0
