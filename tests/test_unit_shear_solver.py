@@ -7,7 +7,7 @@ import math
 import attrs
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 import roughcontact as rc
@@ -265,6 +265,9 @@ def test_random_tasks_hold_before_an_own_judge(seed):
 @pytest.mark.slow
 @settings(deadline=None, max_examples=25)
 @given(seed=seeds)
+# Near rounding a step goes uphill, and the next ones fall again.
+@example(seed=23)
+@example(seed=1098701)
 def test_both_solvers_agree_and_forget_their_start(seed):
     convolution, task = make_task(seed)
     task = attrs.evolve(task, tolerance=1e-9)

@@ -112,13 +112,17 @@ class ProjectedGradients(Method):
     def move(self, step: Array, part: float, end: Array) -> None:
         """Take a part of the last step looked at, which leads to an end."""
 
+    def is_stuck(self, step: Array, slope: float, curvature: float) -> bool:
+        """Return whether a step lowers no energy."""
+        return not (slope < 0.0 and math.isfinite(curvature))
+
     def step(self) -> Status | None:
         """Make one step; see `Method.step`."""
         end = self._project(_advance(self.point, self.gradient, -self.length))
         step = end - self.point
         slope = self._dot(self.gradient, step)
         before, after, curvature = self.look_ahead(step, slope)
-        if not (slope < 0.0 and math.isfinite(curvature)):
+        if self.is_stuck(step, slope, curvature):
             return Status.STALLED
         self._energies.append(before)
         is_too_high = after > max(self._energies) + _MIN_DECREASE * slope

@@ -62,6 +62,10 @@ class _ShearGradients(ProjectedGradients):
         turned = found.slip - trial.slip - (found.displacement - trial.displacement)[:, np.newaxis]
         return found.energy, trial.energy, sum_of_products(step, turned)
 
+    def is_stuck(self, step: Array, slope: float, curvature: float) -> bool:
+        """Return whether there is no step: near rounding its slope has any sign, and the next ones fall again."""
+        return not step.any()
+
     def move(self, step: Array, part: float, end: Array) -> None:
         """Take a part of a step."""
         self.found = self._trial if part == 1.0 else Verified(self._system, self.point + part * step)
