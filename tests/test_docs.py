@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 
 import roughcontact
+import roughcontact.slabs
 import roughcontact.testing
 import roughcontact.typing
 
@@ -70,12 +71,12 @@ def test_examples_in_the_reference():
 def test_every_public_name_has_its_entry():
     pages = "\n".join(page.read_text(encoding="utf-8") for page in (DOCS / "api").glob("*.rst"))
     entered = re.findall(
-        r"^\.\. (?:auto\w+|data):: (?:roughcontact\.(?:faces|responses|results|solving|testing|typing)\.)?(\w+)$",
+        r"^\.\. (?:auto\w+|data):: (?:roughcontact\.(?:faces|responses|results|slabs|solving|testing|typing)\.)?(\w+)$",
         pages,
         re.M,
     )
     arrays = {"Array", "IntArray", "Mask", "Pair", "RealArray"}
-    modules = (getattr(roughcontact, name) for name in ("faces", "results", "solving", "testing", "typing"))
+    modules = (getattr(roughcontact, name) for name in ("faces", "results", "slabs", "solving", "testing", "typing"))
     public = {*roughcontact.__all__}.union(*(module.__all__ for module in modules))
     assert public - arrays <= set(entered)
 

@@ -20,7 +20,7 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact import extrapolation, faces, reference, results, solving
+from roughcontact import extrapolation, faces, reference, results, slabs, solving
 from roughcontact import typing as types_of_rc
 from roughcontact.errors import door
 from scenes import make_problem
@@ -29,7 +29,7 @@ GRID = rc.Grid((8, 8), 1e-3)
 WAVE = rc.WavySurface(1e-6, 1e-3)
 STEEL = rc.Elastic(210e9, 0.3)
 PUBLIC = {f"rc.{name}": getattr(rc, name) for name in rc.__all__}
-for module in (faces, results, solving, types_of_rc):
+for module in (faces, results, slabs, solving, types_of_rc):
     PUBLIC |= {f"{module.__name__}.{name}": getattr(module, name) for name in module.__all__}
 for module in (reference, extrapolation):
     own = {k: v for k, v in vars(module).items() if getattr(v, "__module__", "").startswith(module.__name__)}

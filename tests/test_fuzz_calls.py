@@ -26,7 +26,7 @@ import pytest
 from matplotlib import pyplot
 
 import roughcontact as rc
-from roughcontact import extrapolation, faces, reference, results, solving
+from roughcontact import extrapolation, faces, reference, results, slabs, solving
 from roughcontact import typing as types_of_rc
 
 # Calls of the long run, and of one block of it.
@@ -308,11 +308,11 @@ def is_made(value):
 def collect():
     """Return the public calls by name."""
     calls = {}
-    for module in (rc, reference, extrapolation, faces, solving, types_of_rc):
+    for module in (rc, reference, extrapolation, faces, slabs, solving, types_of_rc):
         for name in getattr(module, "__all__", vars(module)):
             value = getattr(module, name)
             if inspect.isfunction(value) and name[0] != "_" and value.__module__.startswith("roughcontact"):
-                if module in (rc, faces, solving, types_of_rc) or value.__module__.startswith(module.__name__):
+                if module in (rc, faces, slabs, solving, types_of_rc) or value.__module__.startswith(module.__name__):
                     calls[name] = value
             elif module is reference and is_made(value) and value.__module__.startswith(module.__name__):
                 calls[f"reference.{name}"] = value

@@ -31,6 +31,8 @@ HEAVY = {
     "argparse",
     "roughcontact._faces.html",
     "roughcontact.testing",
+    "roughcontact.slabs",
+    "roughcontact._solve.problem.slabs",
     "hypothesis",
 }
 
@@ -86,7 +88,7 @@ def test_a_pickle_that_names_a_private_module_is_read():
 
 
 def test_a_public_name_has_one_place_and_those_of_parts_are_few():
-    modules = ("faces", "responses", "results", "solving", "typing")
+    modules = ("faces", "responses", "results", "slabs", "solving", "typing")
     names = [name for module in modules for name in importlib.import_module(f"roughcontact.{module}").__all__]
     assert len(set(names)) == len(names)
     assert not set(names) & set(rc.__all__)

@@ -202,7 +202,7 @@ def test_a_state_with_another_memory_is_refused(worn):
     forged = attrs.evolve(state.added[0], memory=({"height_loss": state.added[0].memory[0]["height_loss"] * 2.0},))
     with pytest.raises(rc.InputError, match="Its memory 'height_loss' contradicts its laws"):
         attrs.evolve(state, added=(forged,)).verify()
-    with pytest.raises(rc.InputError, match="contradicts those of its problem"):
+    with pytest.raises(rc.InputError, match="Its laws are not those of its problem"):
         press().verify(attrs.evolve(state, added=()).__class__(**attrs.asdict(state, recurse=False)))
     state.verify()
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
-from roughcontact.solving import (
+from roughcontact.slabs import (
     SlabArray,
     SlabContacts,
     SlabConvolver,

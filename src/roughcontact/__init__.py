@@ -102,7 +102,8 @@ from roughcontact.plotting import Panel, panels
 __version__ = "0.1.0"
 
 _MODULES = (
-    "errors", "examples", "extrapolation", "faces", "plotting", "reference", "results", "solving", "testing", "typing",
+    "errors", "examples", "extrapolation", "faces", "plotting", "reference", "results", "slabs",
+    "solving", "testing", "typing",
 )  # fmt: skip
 
 __all__ = [
@@ -216,8 +217,8 @@ _SELDOM_TYPED = frozenset({
 
 
 def __getattr__(name: str) -> object:
-    """Import a module at its first use; what every plug-in must do is seldom asked."""
-    if name == "testing":
+    """Import a module at its first use: what plug-ins must do, and slabs of processes, are seldom asked."""
+    if name in ("slabs", "testing"):
         return importlib.import_module(f"{__name__}.{name}")
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 

@@ -1,4 +1,4 @@
-"""A solve in your own hands: what a solver on other arrays, or on several processes, shares with those that ship.
+"""A solve in your own hands: what a solver on other arrays shares with those that ship.
 
 `bind_kernel` makes a kernel dimensionless and a convolver prepares it, `make_task` makes the `Task` of a load, a solver
 answers with an `Outcome` (`roughcontact.typing`), and `confirm` recomputes the conditions of contact from the fields
@@ -12,7 +12,6 @@ pressures           `starting_pressure`, `nearest_pressure`, `project_to_load`, 
 nested grids        `halve_shape`, `solve_in_window`, `GridSolution`, `GridLevel`, `estimate_approach`
 a preconditioner    `WaveMatrix`, `count_blocks`, `LONG_WAVE_CUT`, `MAX_CUT_EXPONENT`
 memory              `available_memory`, `require_memory_of_solve`
-slabs of processes  `SlabProcesses`, `SlabArray`, `SlabContacts`, `Slabs`, `SlabConvolver`, `multiply_on_slabs`, ...
 answers on slabs    `Whole`, `find_patches`, `solve_on_cells`, `LinearSolution`
 ==================  ===============================================================================================
 """
@@ -22,23 +21,12 @@ from roughcontact._base.machine import available_memory
 from roughcontact._solve.convolvers import WaveMatrix
 from roughcontact._solve.problem import (
     ConfirmedFields,
-    SlabArray,
-    SlabContacts,
-    SlabConvolver,
-    SlabProcesses,
-    Slabs,
     bind_kernel,
     confirm,
-    gather_slabs,
-    long_waves_on_slabs,
-    make_random_rows,
     make_solution,
     make_task,
-    multiply_on_slabs,
     require_certified,
     require_memory_of_solve,
-    stiffness_on_slabs,
-    symbol_of_columns,
 )
 from roughcontact._solve.solution import ContactConditions, GridLevel, Whole, find_patches
 from roughcontact._solve.solvers import (
@@ -63,11 +51,6 @@ __all__ = [
     "GridLevel",
     "GridSolution",
     "LinearSolution",
-    "SlabArray",
-    "SlabContacts",
-    "SlabConvolver",
-    "SlabProcesses",
-    "Slabs",
     "WaveMatrix",
     "Whole",
     "available_memory",
@@ -76,13 +59,9 @@ __all__ = [
     "count_blocks",
     "estimate_approach",
     "find_patches",
-    "gather_slabs",
     "halve_shape",
-    "long_waves_on_slabs",
-    "make_random_rows",
     "make_solution",
     "make_task",
-    "multiply_on_slabs",
     "nearest_pressure",
     "project_to_load",
     "require_certified",
@@ -91,6 +70,4 @@ __all__ = [
     "solve_in_window",
     "solve_on_cells",
     "starting_pressure",
-    "stiffness_on_slabs",
-    "symbol_of_columns",
 ]

@@ -1,6 +1,6 @@
 """One contact of roughcontact solved by several processes, each with a slab of the domain."""
 
-from roughcontact.solving import SlabArray
+from roughcontact.slabs import SlabArray
 
 from roughcontact_mpi.contact import Contacts
 from roughcontact_mpi.convolver import SlabFFT

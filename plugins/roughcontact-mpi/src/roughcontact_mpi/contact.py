@@ -6,7 +6,8 @@ from typing import Any, ClassVar
 
 import attrs
 import roughcontact as rc
-from roughcontact.solving import SlabContacts, Slabs, require_memory_of_solve
+from roughcontact.slabs import SlabContacts, Slabs
+from roughcontact.solving import require_memory_of_solve
 
 from roughcontact_mpi.convolver import SlabFFT
 from roughcontact_mpi.parts import Part

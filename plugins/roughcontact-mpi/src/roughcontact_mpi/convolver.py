@@ -9,7 +9,7 @@ from typing import Any, cast
 import attrs
 import numpy as np
 import roughcontact as rc
-from roughcontact.solving import (
+from roughcontact.slabs import (
     SlabArray,
     SlabConvolver,
     gather_slabs,

@@ -14,7 +14,7 @@ import attrs
 import numpy as np
 import roughcontact as rc
 from numpy.lib import format as npy
-from roughcontact.solving import SlabArray
+from roughcontact.slabs import SlabArray
 from roughcontact.typing import replacing
 
 from roughcontact_mpi.processes import Processes

@@ -9,7 +9,8 @@ import attrs
 import numpy as np
 import roughcontact as rc
 import scipy.fft
-from roughcontact.solving import LinearSolution, SlabArray, Whole, solve_on_cells
+from roughcontact.slabs import SlabArray
+from roughcontact.solving import LinearSolution, Whole, solve_on_cells
 from roughcontact.typing import Array, IntArray, Mask, PreparedConvolution, RealArray
 
 from roughcontact_mpi.processes import Processes

@@ -8,7 +8,8 @@ import attrs
 import numpy as np
 import roughcontact as rc
 from roughcontact.results import ContactPatches
-from roughcontact.solving import SlabArray, find_patches
+from roughcontact.slabs import SlabArray
+from roughcontact.solving import find_patches
 from roughcontact.typing import Array, IntArray, RealArray
 from scipy import sparse
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import roughcontact as rc
-from roughcontact.solving import SlabProcesses
+from roughcontact.slabs import SlabProcesses
 from roughcontact.typing import RealArray
 
 # Where the mpiexec of MPICH and of Open MPI states the number of processes.

@@ -11,7 +11,8 @@ import attrs
 import numpy as np
 import roughcontact as rc
 import torch
-from roughcontact.solving import halve_shape, make_random_rows, multiply_on_slabs, symbol_of_columns
+from roughcontact.slabs import make_random_rows, multiply_on_slabs, symbol_of_columns
+from roughcontact.solving import halve_shape
 from roughcontact.typing import (
     Array,
     BoundKernel,

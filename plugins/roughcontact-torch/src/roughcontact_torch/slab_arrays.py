@@ -7,7 +7,7 @@ from typing import Any, Self
 import numpy as np
 import roughcontact as rc
 import torch
-from roughcontact.solving import SlabArray
+from roughcontact.slabs import SlabArray
 
 from roughcontact_torch.arrays import TensorArray
 from roughcontact_torch.processes import Processes

@@ -11,7 +11,8 @@ import roughcontact as rc
 import torch
 from roughcontact.errors import NotEnoughMemory
 from roughcontact.results import SolvePlan
-from roughcontact.solving import SlabContacts, bind_kernel, require_memory_of_solve
+from roughcontact.slabs import SlabContacts
+from roughcontact.solving import bind_kernel, require_memory_of_solve
 from roughcontact.typing import Outcome, Task, binary
 
 from roughcontact_torch.masked import MaskedConjugateGradient

@@ -8,7 +8,8 @@ import attrs
 import numpy as np
 import roughcontact as rc
 import torch
-from roughcontact.solving import SlabConvolver, halve_shape, multiply_on_slabs, stiffness_on_slabs
+from roughcontact.slabs import SlabConvolver, multiply_on_slabs, stiffness_on_slabs
+from roughcontact.solving import halve_shape
 from roughcontact.typing import (
     Array,
     ConvolutionSetup,

@@ -7,7 +7,7 @@ from typing import cast
 
 import attrs
 import torch
-from roughcontact.solving import multiply_on_slabs
+from roughcontact.slabs import multiply_on_slabs
 
 from roughcontact_torch.masked_grid import Axes, Blocks, MaskedGrid, interpolate, repeat, widen
 from roughcontact_torch.processes import Processes

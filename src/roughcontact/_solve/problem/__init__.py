@@ -3,9 +3,6 @@
 from roughcontact._solve.problem.accuracy import interpolate_pressure as interpolate_pressure
 from roughcontact._solve.problem.accuracy import resample_problem as resample_problem
 from roughcontact._solve.problem.accuracy import tolerance_within as tolerance_within
-from roughcontact._solve.problem.adhesive_path import order_loads as order_loads
-from roughcontact._solve.problem.adhesive_path import solve_next as solve_next
-from roughcontact._solve.problem.adhesive_path import sweep_loads as sweep_loads
 from roughcontact._solve.problem.body import RIGID_FLAT as RIGID_FLAT
 from roughcontact._solve.problem.body import Body as Body
 from roughcontact._solve.problem.cycle import AdhesionCycle as AdhesionCycle
@@ -43,6 +40,9 @@ from roughcontact._solve.problem.frictional_path import save_path as save_path
 from roughcontact._solve.problem.increments import Increment as Increment
 from roughcontact._solve.problem.increments import list_loads as list_loads
 from roughcontact._solve.problem.increments import list_targets as list_targets
+from roughcontact._solve.problem.loads import order_loads as order_loads
+from roughcontact._solve.problem.loads import solve_next as solve_next
+from roughcontact._solve.problem.loads import sweep_loads as sweep_loads
 from roughcontact._solve.problem.memory import require_memory_of_solve as require_memory_of_solve
 from roughcontact._solve.problem.path import Path as Path
 from roughcontact._solve.problem.path import march as march
@@ -62,17 +62,6 @@ from roughcontact._solve.problem.run import run_solve as run_solve
 from roughcontact._solve.problem.saved import find_saved_kind as find_saved_kind
 from roughcontact._solve.problem.saved import load as load
 from roughcontact._solve.problem.saved import problem_of as problem_of
-from roughcontact._solve.problem.slabs import SlabArray as SlabArray
-from roughcontact._solve.problem.slabs import SlabContacts as SlabContacts
-from roughcontact._solve.problem.slabs import SlabConvolver as SlabConvolver
-from roughcontact._solve.problem.slabs import SlabProcesses as SlabProcesses
-from roughcontact._solve.problem.slabs import Slabs as Slabs
-from roughcontact._solve.problem.slabs import gather_slabs as gather_slabs
-from roughcontact._solve.problem.slabs import long_waves_on_slabs as long_waves_on_slabs
-from roughcontact._solve.problem.slabs import make_random_rows as make_random_rows
-from roughcontact._solve.problem.slabs import multiply_on_slabs as multiply_on_slabs
-from roughcontact._solve.problem.slabs import stiffness_on_slabs as stiffness_on_slabs
-from roughcontact._solve.problem.slabs import symbol_of_columns as symbol_of_columns
 from roughcontact._solve.problem.step_numbers import StepNumbers as StepNumbers
 from roughcontact._solve.problem.sweep import Sweep as Sweep
 from roughcontact._solve.problem.sweep import predict_pressure as predict_pressure

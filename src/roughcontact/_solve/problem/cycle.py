@@ -21,7 +21,7 @@ from roughcontact._base.machine.progress import ChangeProgress, count_done, tell
 from roughcontact._base.tables import Table
 from roughcontact._base.units import Estimate, Length, si, write_column
 from roughcontact._parts.grid import Load
-from roughcontact._solve.problem.adhesive_path import Solve, cells_of, follow_loads, open_gap, plan_of, require_resolved
+from roughcontact._solve.problem.loads import Solve, cells_of, follow_loads, open_gap, plan_of, require_resolved
 from roughcontact._solve.problem.path import Path
 from roughcontact._solve.problem.plan import SolvePlan
 from roughcontact._solve.problem.pull_off import find_lowest

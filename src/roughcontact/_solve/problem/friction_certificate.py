@@ -20,7 +20,6 @@ from roughcontact._solve.solution import (
     ContactSolution,
     FrictionalResiduals,
     FrictionalState,
-    Governed,
     Origin,
     Sheared,
     Status,
@@ -288,16 +287,8 @@ def verify_state(problem: Scene, solution: ContactSolution) -> None:
     """Recompute the certificate of a solution, with friction or without; see `ContactProblem.verify`."""
     if solution.shear is not None:
         _verify_sheared(problem, solution, solution.sheared)
-        return
-    effect = next((one for one in solution.added if isinstance(one, Governed)), None)
-    if (effect is None) is bool(problem.laws):
-        raise InputError("What its laws have changed contradicts those of its problem.")
-    gap = problem._gap
-    if effect is not None:
-        again = effect.repeat(problem, solution)
-        effect.require_same(again)
-        gap = attrs.evolve(gap, values=gap.values + again.offset)
-    verify_solution(problem.plan, problem.convolution, gap, solution._normal)
+    else:
+        verify_solution(problem, solution)
 
 
 def _verify_sheared(problem: Scene, solution: ContactSolution, sheared: Sheared) -> None:
@@ -315,7 +306,7 @@ def _verify_sheared(problem: Scene, solution: ContactSolution, sheared: Sheared)
         if solution.status.success and not contact.status.success:
             raise InputError(f"Its contact is not in equilibrium: the recomputed residuals are {contact.residuals}.")
     else:
-        verify_solution(problem.plan, problem.convolution, problem._gap, contact)
+        verify_solution(problem, contact)
     found = FoundTractions(contact, sheared.traction, np.zeros(2), solution.status, sheared.passes, sheared.iterations)
     start = run.fields_of(sheared.before)
     again, fields = run.judge(contact, solution.end, sheared.given, sheared.before, start, found, 0.0)

@@ -16,11 +16,11 @@ from roughcontact._base.units import Estimate, Force, Length, Pressure
 from roughcontact._parts.grid import Load
 from roughcontact._parts.interactions import FrictionLaw
 from roughcontact._solve.problem.accuracy import Target, solve_within, with_tolerance
-from roughcontact._solve.problem.adhesive_path import solve_loads
 from roughcontact._solve.problem.cycle import AdhesionCycle, list_approaches, run_cycle
 from roughcontact._solve.problem.friction_certificate import verify_state
 from roughcontact._solve.problem.frictional_path import FrictionalPath, run_path, run_slide
 from roughcontact._solve.problem.increments import Increment
+from roughcontact._solve.problem.loads import solve_loads
 from roughcontact._solve.problem.pull_off import find_pull_off
 from roughcontact._solve.problem.required_load import RequiredLoad, find_load_of_area, find_required_load
 from roughcontact._solve.problem.run import computing, require_success, run_solve

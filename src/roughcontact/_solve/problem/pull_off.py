@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import attrs
 import numpy as np
@@ -14,7 +14,7 @@ from roughcontact._base.arrays import Array, Mask
 from roughcontact._base.units import Estimate
 from roughcontact._parts.grid import Load, extend
 from roughcontact._parts.interactions import Exponential, ShortRange
-from roughcontact._solve.problem.adhesive_path import Solve, cells_of, follow, open_gap, plan_of, require_resolved
+from roughcontact._solve.problem.loads import Solve, cells_of, follow, open_gap, plan_of, require_resolved
 from roughcontact._solve.problem.path import march
 from roughcontact._solve.problem.plan import SolvePlan
 from roughcontact._solve.problem.run import run_solve
@@ -104,15 +104,8 @@ class _ToldStates:
         self.count = 0
         self.start: ContactSolution | None = None
 
-    def __call__(
-        self,
-        load: Load,
-        start: Array | None = None,
-        *,
-        start_gap: Array | None = None,
-        before: ContactSolution | None = None,
-    ) -> ContactSolution:
-        state = self.solve(load, start, start_gap=start_gap, before=before)
+    def __call__(self, load: Load, start: Array | None = None, **others: Any) -> ContactSolution:
+        state = self.solve(load, start, **others)
         self.start = self.start or state
         self.count += 1
         if self.left is not None:

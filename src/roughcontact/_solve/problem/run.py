@@ -240,12 +240,15 @@ def _freeze(field: Array) -> Array:
     return frozen_array(field) if isinstance(field, np.ndarray) else field
 
 
-def verify_solution(
-    plan: SolvePlan, convolution: PreparedConvolution, gap: InitialGap, solution: ContactSolution
-) -> None:
-    """Recompute displacement and residuals of a solution from its pressure; see `ContactProblem.verify`."""
+def verify_solution(problem: Scene, solution: ContactSolution) -> None:
+    """Recompute displacement and residuals of a solution from its pressure; see `ContactProblem.verify`.
+
+    What laws have changed and remember is recomputed too; what friction adds is not.
+    """
+    plan = problem.plan
     if solution.origin is None or not solution.grid.matches(plan.grid):
         raise InputError(f"It is not a solution at a load, on the grid of the problem, {plan.grid}.")
+    gap = _verify_laws(problem, solution)
     if gap.non_measured is not None:
         # The solve may have deepened them.
         gap = gap.with_depth(max(plan.peak_to_valley, float(solution.initial_gap[gap.non_measured].max())))
@@ -260,8 +263,21 @@ def verify_solution(
     outcome = Outcome(
         pressure=pressure, status=solution.status, iterations=0, convolutions=0, errors=(), tension=tension
     )
-    again = certify(plan, _by_transforms(convolution), solution.initial_gap, task, outcome, seconds=0.0)
+    convolution = _by_transforms(problem.convolution)
+    again = certify(plan, convolution, solution.initial_gap, task, outcome, seconds=0.0)
     _require_confirmed(solution, again, gap.values)
+
+
+def _verify_laws(problem: Scene, solution: ContactSolution) -> InitialGap:
+    """Return the gap of a problem as its laws have changed it; `InputError` if a solution states another change."""
+    effect = solution._find_added(Governed)
+    if (effect is None) is bool(problem.laws):
+        raise InputError("Its laws are not those of its problem.")
+    if effect is None:
+        return problem._gap
+    again = effect.repeat(problem, solution)
+    effect.require_same(again)
+    return attrs.evolve(problem._gap, values=problem._gap.values + again.offset)
 
 
 def _by_transforms(convolution: PreparedConvolution) -> PreparedConvolution:
@@ -357,14 +373,13 @@ def run_solve(
     started = time.perf_counter()
     gap = problem._gap if gap is None else gap
     effect = Governed.begin(problem, load, before) if problem.laws else None
-    inner = load
-    datum = 0.0
-    if effect is not None:
-        gap, datum = gap.change(effect.offset)
-        if gap.non_measured is not None:
-            # One depth for all of them, as in a verification.
-            gap = gap.with_depth(float(gap.values[gap.non_measured].max()))
-        inner = load.after(datum) if problem.adhesion is not None else _after_touch(load, datum)
+    gap, datum = (gap, 0.0) if effect is None else _change_gap(gap, effect.offset)
+    inner = load.after(datum)
+    if problem.adhesion is None and inner.kind == "approach" and load.value > 0.0 >= inner.value:
+        raise InputError(
+            f"At an approach of {si(load.value, 'm')} the surfaces do not touch: as the laws of the problem have "
+            f"changed them, the first touch is at {si(datum, 'm')}."
+        )
     with computing(problem):
         solution = _solve(problem, gap, inner, start, on_step, started, start_gap)
         if solution.status is Status.SEPARATED and start_gap is None:
@@ -385,15 +400,12 @@ def run_solve(
     return require_success(solution) if throw else solution
 
 
-def _after_touch(load: Load, datum: float) -> Load:
-    """Return a load from the first touch of changed surfaces, which is at an approach of `datum`, m."""
-    found = load.after(datum)
-    if load.kind == "approach" and load.value > 0.0 >= found.value:
-        raise InputError(
-            f"At an approach of {si(load.value, 'm')} the surfaces do not touch: as the laws of the problem have "
-            f"changed them, the first touch is at {si(datum, 'm')}."
-        )
-    return found
+def _change_gap(gap: InitialGap, offset: Array) -> tuple[InitialGap, float]:
+    """Return a gap plus what laws add, from its first touch, with one depth of its lost points; and that touch, m."""
+    changed, datum = gap.change(offset)
+    if changed.non_measured is None:
+        return changed, datum
+    return changed.with_depth(float(changed.values[changed.non_measured].max())), datum
 
 
 def _govern(solution: ContactSolution, effect: Governed, datum: float) -> ContactSolution:

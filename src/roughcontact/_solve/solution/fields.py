@@ -22,6 +22,7 @@ from roughcontact.errors.door import guarded
 from roughcontact.errors.warning import AskedOf
 
 T = TypeVar("T")
+A = TypeVar("A", bound=Addition)
 # Minimum cells of a patch with a point that is surrounded by contact; the area of smaller ones is hardly known.
 _SMALL_PATCH_CELLS = 4
 
@@ -244,6 +245,10 @@ class ContactFields(AskedOf):
     tension: Array | None = attrs.field(default=None, converter=attrs.converters.optional(read_only_field))
     added: tuple[Addition, ...] = ()
     parts: Whole = attrs.field(default=Whole(), repr=False)
+
+    def _find_added(self, kind: type[A]) -> A | None:
+        """Return what a physics has added, by its class; None if it has added nothing."""
+        return next((one for one in self.added if isinstance(one, kind)), None)
 
     def __reduce__(self) -> tuple[Any, ...]:
         # Arrays in pickles and deep copies are writable: the constructor makes them read-only again.

@@ -166,7 +166,7 @@ class Governed(Addition):
     @classmethod
     def begin(cls, problem: Any, load: Load, last: Any) -> Governed:
         """Return what the laws of a problem change in an increment that follows a state, or None at the first."""
-        known = None if last is None else next((one for one in last.added if isinstance(one, cls)), None)
+        known = None if last is None else last._find_added(cls)
         fresh = tuple(_start_memory(law, problem.plan.grid) for law in problem.laws)
         return cls._change(problem, load, fresh if known is None else known.memory)
 

@@ -323,7 +323,7 @@ class ShearFields(ContactFields):
 
     @cached_property
     def _sheared(self) -> Sheared | None:
-        return next((one for one in self.added if isinstance(one, Sheared)), None)
+        return self._find_added(Sheared)
 
     @property
     def sheared(self) -> Sheared:
