@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import abc
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Hashable
 from contextlib import AbstractContextManager, nullcontext
 from functools import cached_property
+from typing import Any, TypeVar
 
 import attrs
 import numpy as np
@@ -33,6 +34,7 @@ from roughcontact._parts.kernels import (
     require_form,
 )
 from roughcontact._parts.surfaces import Surface
+from roughcontact._solve.convolvers.field_passes import FieldPasses
 from roughcontact._solve.convolvers.inverse import InverseConvolution, invert_response
 from roughcontact._solve.convolvers.matrix import WaveMatrix
 from roughcontact._solve.convolvers.transforms import (
@@ -46,6 +48,12 @@ from roughcontact.errors import InputError, argument
 # the default solver by less than 1 % (docs/studies/solver_constants.py).
 _PADDING_FACTOR = 1.25
 _PADDING_CELLS = 16
+# Maximum cells of a grid on which inverses and coarser grids are kept between solves, and how many of them: preparing
+# them takes a third of a solve on 64 x 64 cells.
+_MAX_KEPT_CELLS = 2**16
+_MAX_KEPT = 8
+
+T = TypeVar("T")
 
 
 def approximate_inverse(setup: ConvolutionSetup, dtype: npt.DTypeLike = np.float64) -> InverseConvolution:
@@ -232,11 +240,28 @@ class PreparedConvolution(abc.ABC):
 
     def on(self, grid: Grid) -> PreparedConvolution:
         """Return the convolution of the same kernel and boundary on another grid: a coarser one, or a part."""
-        return self.setup.convolver.prepare(self.setup.kernel, grid, self.setup.boundary)
+        return self._keep(grid, grid, lambda: self.setup.convolver.prepare(self.setup.kernel, grid, self.setup.boundary))
 
     def inverse(self, dtype: type[np.float32] | type[np.float64] = np.float64) -> InverseConvolution:
         """Return the approximate inverse, its stiffness in a precision."""
-        return approximate_inverse(self.setup, dtype)
+        return self._keep(dtype, self.setup.grid, lambda: approximate_inverse(self.setup, dtype))
+
+    def _keep(self, key: Hashable, grid: Grid, prepare: Callable[[], T]) -> T:
+        """Return what is prepared on a small grid from the last solves, or prepare it."""
+        if grid.cells > _MAX_KEPT_CELLS:
+            return prepare()
+        kept = self._kept
+        found: T | None = kept.get(key)
+        if found is None:
+            if len(kept) >= _MAX_KEPT:
+                kept.pop(next(iter(kept), None), None)
+            kept[key] = found = prepare()
+        return found
+
+    @cached_property
+    def _kept(self) -> dict[Hashable, Any]:
+        """Inverses, and convolutions on coarser grids and parts, which solves of small grids repeat."""
+        return {}
 
     def shear(self) -> ShearConvolution:
         """Return the linear map from shear and pressure to displacement, for the pair of materials of the kernel.
@@ -251,6 +276,11 @@ class PreparedConvolution(abc.ABC):
         raise InputError(
             f"{self.setup.convolver!r} has no convolution of shear, which friction needs: use convolver='auto'."
         )
+
+    @property
+    def passes(self) -> FieldPasses | None:
+        """What solvers do to whole fields beside its products, where it brings that compiled; None: numpy does it."""
+        return None
 
     def from_numpy(self, values: Array) -> Array:
         """Return a numpy array in the form on which it works; by default itself."""

@@ -112,6 +112,16 @@ def rescale_to_load(pressure: Array, load: float, pressure_limit: float | Array)
     return pressure
 
 
+def shift_to_load(values: Array, load: float, limit: Array, error: float) -> Array:
+    """Return clip(values - shift, 0, limit) with the shift for which the sum is `load`, shape (n,).
+
+    `limit` has shape () or (n,), and the sum an admissible error.
+    """
+    error = max(error, _LOAD_EPSILON * load)
+    shift = _find_shift(values, None, load, limit.reshape(-1), (-math.inf, math.inf), error)
+    return np.clip(values - shift, 0.0, limit)
+
+
 def _choose_shifted(pressure: Array, load: float, limit: Array) -> Array:
     """Return weights of one for the cells whose shift gives the load: elastic, in contact, or all."""
     contact = pressure > 0.0

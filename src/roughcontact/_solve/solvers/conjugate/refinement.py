@@ -13,7 +13,8 @@ from roughcontact._solve.convolvers import InverseConvolution, PreparedConvoluti
 from roughcontact._solve.solution import GridLevel, Status, Violation
 from roughcontact._solve.solvers.base import Task
 from roughcontact._solve.solvers.conjugate.descent import Descent
-from roughcontact._solve.solvers.conjugate.preconditioner import Preconditioner, PunchWeights, multiply_active
+from roughcontact._solve.solvers.conjugate.field_descent import MAX_FIELD_CELLS, FieldDescent, NumpyPasses
+from roughcontact._solve.solvers.conjugate.preconditioner import Preconditioner, PunchWeights, is_steep, multiply_active
 from roughcontact._solve.solvers.driver import Log, Monitor, Refinement, Work, iterate, judged
 from roughcontact._solve.solvers.passes import ActiveCells, total
 from roughcontact._solve.solvers.projection import ApproachControl, Control, LoadControl
@@ -194,11 +195,19 @@ class PressureRefinement(Refinement):
         self._convolve = partial(self.work.convolve, convolution)
         self._openings = None if nearly_full is None else Openings(nearly_full, monitor, self.work)
         self.met_limit = False
+        gap = task.initial_gap
+        self._on_fields = isinstance(gap, np.ndarray) and gap.size <= MAX_FIELD_CELLS
 
     @cached_property
-    def _descent(self) -> Descent:
+    def _descent(self) -> Descent | FieldDescent:
         # A start without descent, such as full contact, needs no preconditioner.
         inverse = self._convolution.inverse(np.float32)
+        if self._on_fields and not is_steep(inverse):
+            shape = self._task.initial_gap.shape
+            limit = self._limit if self._task.capped else None
+            load = self._control.load if isinstance(self._control, LoadControl) else None
+            passes = self._convolution.passes or NumpyPasses()
+            return FieldDescent(self._convolve, inverse, self.work, passes, shape, limit, load)
         rigid = self._task.mean_pressure is None
         preconditioner = Preconditioner(inverse, self._convolution, self.work, rigid=rigid)
         return Descent(self._convolve, self._task.initial_gap.shape, preconditioner, self._control, self._limit)
@@ -276,6 +285,11 @@ class PressureRefinement(Refinement):
         violation = self._violation
         self._descent.start(self._pressure, gap, violation.scale, violation.error)
         del gap
-        iterate(self._descent, self._monitor, goal, violation.error)
+        status = iterate(self._descent, self._monitor, goal, violation.error)
         self.met_limit = self.met_limit or self._descent.met_limit
-        return self._descent.stop()
+        gap = self._descent.stop()
+        if status is Status.STALLED and self._on_fields:
+            # Lists of cells have a better preconditioner.
+            self._on_fields = False
+            del self._descent
+        return gap

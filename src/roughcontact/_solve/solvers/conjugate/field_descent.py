@@ -1,0 +1,342 @@
+"""Conjugate gradients on whole fields: for small grids, where to list cells costs more than it saves.
+
+The same energy and the same steps as of `Descent`, with two products each, but all vectors are fields, the metric of
+the projections is uniform, and the preconditioner is the inverse kernel between masks alone.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import final
+
+import numpy as np
+
+from roughcontact._base.arrays import Array, IntArray, Mask, RealArray
+from roughcontact._solve.convolvers import FieldPasses, InverseConvolution
+from roughcontact._solve.solution import Status
+from roughcontact._solve.solvers.conjugate.descent import (
+    CAREFUL_LENGTH,
+    FIRST_LENGTH,
+    MAX_LENGTH,
+    MIN_CONJUGATE_SLOPE,
+    choose_part,
+)
+from roughcontact._solve.solvers.driver import Method, Work
+from roughcontact._solve.solvers.passes import dot, limits_at, total
+from roughcontact._solve.solvers.projection import shift_to_load
+
+# Maximum cells of a grid for it: on 512 x 512 cells long waves need the correction of `Preconditioner`.
+MAX_FIELD_CELLS = 2**16
+# Maximum iterations that do not halve the error; the descent on lists of cells then goes on.
+_MAX_IDLE_ITERATIONS = 12
+# Maximum rejected steps, and rounds that find the released cells that stay on their bounds.
+_MAX_BACKTRACKS = 12
+_MAX_RELEASED_ROUNDS = 20
+# Error of the load in a step, over the change of pressure; see `projection`.
+_STEP_LOAD_ERROR = 1e-5
+# Fraction of the cells whose change of state makes the response to the active cells outdated.
+_MAX_OUTDATED_FRACTION = 0.03
+
+
+@final
+class FieldDescent(Method):
+    """Lowers the energy p.Kp/2 + h.p within the bounds on all cells of a small grid; see `Descent`.
+
+    Parameters
+    ----------
+    multiply
+        The displacement by a pressure, both of the shape of the grid.
+    inverse
+        Approximate inverse of that, in float32.
+    work
+        Counts the products of the inverse.
+    passes
+        What is done beside the products.
+    limit
+        Pressure limit, flat, of one entry or one for each cell; None without one.
+    load
+        The sum of the pressure; None if the approach is given.
+    """
+
+    patience = _MAX_IDLE_ITERATIONS
+
+    def __init__(
+        self,
+        multiply: Callable[[RealArray], RealArray],
+        inverse: InverseConvolution,
+        work: Work,
+        passes: FieldPasses,
+        shape: tuple[int, int],
+        limit: Array | None,
+        load: float | None,
+    ) -> None:
+        self._multiply = multiply
+        self._inverse = inverse
+        self._work = work
+        self._passes = passes
+        self._shape = shape
+        self._limit = limit
+        self._load = load
+        self._length = FIRST_LENGTH
+        self._step: RealArray | None = None
+        self._change: RealArray | None = None
+        self._curvature = 1.0
+        self._rigid = _RigidMotion()
+        self.met_limit = False
+
+    def start(self, pressure: Array, gap: RealArray, scale: float = 1.0, error: float | None = None) -> None:
+        """Continue from a pressure and its gap, both flat, changed in place; see `Descent.start`."""
+        self._scale = scale
+        self._level = 0.0
+        self.pressure = pressure
+        self.gap = gap
+
+    def stop(self) -> RealArray:
+        """Return the gap from its level, flat."""
+        self.gap -= np.float32(self._level)
+        return self.gap
+
+    def measure(self) -> tuple[float, float]:
+        """Return the estimated error, and no rounding."""
+        self._level, error = self._passes.measure(self.pressure, self.gap, self._limit, self._load)
+        return error / self._scale, 0.0
+
+    def step(self) -> Status | None:
+        """Make one step; see `Method.step`."""
+        residual, active, count = self._passes.release(self.pressure, self.gap, self._limit, self._load)
+        if count == 0:
+            return Status.STALLED
+        direction = self._find_direction(residual, active)
+        moved = direction is not None and self._move(residual, active, direction)
+        return None if moved else Status.STALLED
+
+    def _find_direction(self, residual: RealArray, active: Mask) -> RealArray | None:
+        """Return the first of conjugate, preconditioned and plain gradient that lowers the energy; None without one."""
+        image = self._precondition(residual, active)
+        conjugate = self._passes.conjugate(image, active, self._step, self._change, self._curvature)
+        steepness = MIN_CONJUGATE_SLOPE * dot(residual, image)
+        for direction, minimum in ((conjugate, steepness), (image, 0.0), (residual, 0.0)):
+            admitted, slope = self._passes.admit(direction, residual, active, self.pressure, self._limit, self._load)
+            if slope > max(minimum, 0.0):
+                return admitted
+            self._length = CAREFUL_LENGTH
+        return None
+
+    def _precondition(self, residual: RealArray, active: Mask) -> RealArray:
+        """Return the preconditioned residual, at a given approach with its rigid part."""
+        image = self._work.invert(self._inverse, residual.reshape(self._shape)).ravel()
+        if self._load is None:
+            image += np.float32(self._rigid.part(active, residual, self._displace))
+        return image
+
+    def _displace(self, field: RealArray) -> RealArray:
+        return self._multiply(field.reshape(self._shape)).ravel()
+
+    def _move(self, residual: RealArray, active: Mask, direction: RealArray) -> bool:
+        passes = self._passes
+        for _ in range(_MAX_BACKTRACKS):
+            trial, step, clipped = passes.advance(
+                self.pressure, direction, self._length, active, self._limit, self._load
+            )
+            change = self._displace(step)
+            slope, curvature = passes.slopes(residual, step, change)
+            if not math.isfinite(curvature):
+                return False
+            part = slope / curvature if curvature > 0.0 else 0.0
+            part, pressure = self._take_part(part, trial, clipped=clipped)
+            self.met_limit |= clipped and self._limit is not None and bool((trial >= self._limit).any())
+            if part > 0.0:
+                self.pressure[:] = pressure
+                passes.add(self.gap, change, part)
+                self._step = step
+                self._change = change
+                self._curvature = part * curvature
+                return True
+            self._length *= CAREFUL_LENGTH
+        return False
+
+    def _take_part(self, part: float, trial: Array, *, clipped: bool) -> tuple[float, Array]:
+        """Return the part of the step to the trial to be taken, zero for none, and the pressure there; see `Descent`."""
+        if clipped:
+            part, factor = choose_part(part)
+            self._length = min(MAX_LENGTH, self._length * factor)
+        else:
+            self._length = min(MAX_LENGTH, self._length * min(max(part, 0.25), 4.0))
+        if part in (0.0, 1.0):
+            return part, trial
+        moved, inside = self._passes.move(self.pressure, trial, part, self._limit)
+        return (part, moved) if inside or part <= 1.0 else (1.0, trial)
+
+
+class _RigidMotion:
+    """The active cells as a uniform pressure, and the displacement by it: at a given approach the load is free."""
+
+    def __init__(self) -> None:
+        self._active: Mask | None = None
+        self._stiffness = 0.0
+
+    def part(self, active: Mask, residual: RealArray, displace: Callable[[RealArray], RealArray]) -> float:
+        """Return the uniform pressure on the active cells that removes the mean of a residual."""
+        before = self._active
+        if before is None or np.count_nonzero(before ^ active) > _MAX_OUTDATED_FRACTION * active.size:
+            uniform = active.astype(np.float32)
+            self._active = active
+            self._stiffness = dot(uniform, displace(uniform))
+        return total(residual) / self._stiffness if self._stiffness > 0.0 else 0.0
+
+
+class NumpyPasses(FieldPasses):
+    """The passes in numpy, few calls each."""
+
+    def measure(self, pressure: Array, gap: RealArray, limit: Array | None, load: float | None) -> tuple[float, float]:
+        """See `FieldPasses.measure`."""
+        single = pressure.astype(np.float32)
+        elastic = single
+        if limit is not None:
+            elastic = np.where(pressure < limit, single, np.float32(0.0))
+        level = 0.0
+        if load is not None:
+            carried = total(elastic)
+            level = dot(elastic, gap) / carried if carried > 0.0 else 0.0
+        rest = gap - np.float32(level)
+        if limit is not None:
+            np.maximum(rest, 0.0, out=rest, where=pressure >= limit)
+        overlap = -float(rest.min())
+        sum_of_pressure = total(single)
+        opened = dot(single, np.abs(rest, out=rest)) / sum_of_pressure if sum_of_pressure > 0.0 else 0.0
+        return level, max(opened, overlap)
+
+    def release(
+        self, pressure: Array, gap: RealArray, limit: Array | None, load: float | None
+    ) -> tuple[RealArray, Mask, int]:
+        """See `FieldPasses.release`."""
+        inside = pressure > 0.0
+        if limit is not None:
+            inside &= pressure < limit
+        level = np.float32(0.0 if load is None else _mean(gap, inside))
+        active = gap < level
+        if limit is None:
+            active |= inside
+        else:
+            saturated = pressure >= limit
+            active &= ~saturated
+            active |= inside
+            active |= saturated & (gap > level)
+        count = int(np.count_nonzero(active))
+        residual = np.float32(0.0 if load is None else _mean(gap, active)) - gap
+        residual *= active
+        return residual, active, count
+
+    def conjugate(
+        self, image: RealArray, active: Mask, step: RealArray | None, change: RealArray | None, curvature: float
+    ) -> RealArray:
+        """See `FieldPasses.conjugate`."""
+        image *= active
+        if step is None or change is None:
+            return image
+        factor = -dot(image, change) / curvature
+        if factor <= 0.0:
+            return image
+        direction = step * active
+        direction *= np.float32(factor)
+        direction += image
+        return direction
+
+    def admit(
+        self,
+        direction: RealArray,
+        residual: RealArray,
+        active: Mask,
+        pressure: Array,
+        limit: Array | None,
+        load: float | None,
+    ) -> tuple[RealArray, float]:
+        """See `FieldPasses.admit`."""
+        low = np.flatnonzero(active & (pressure <= 0.0))
+        high = low[:0] if limit is None else np.flatnonzero(active & (pressure >= limit))
+        if load is None:
+            admitted = direction.copy()
+        else:
+            count = int(np.count_nonzero(active))
+            admitted = direction - np.float32(_held_mean(direction, count, low, high))
+            admitted *= active
+        admitted[low] = np.maximum(admitted[low], 0.0)
+        if high.size:
+            admitted[high] = np.minimum(admitted[high], 0.0)
+        return admitted, dot(residual, admitted)
+
+    def advance(
+        self,
+        pressure: Array,
+        direction: RealArray,
+        length: float,
+        active: Mask,
+        limit: Array | None,
+        load: float | None,
+    ) -> tuple[Array, RealArray, bool]:
+        """See `FieldPasses.advance`."""
+        trial = pressure + np.float32(length) * direction
+        clipped = not _is_within(trial, limit)
+        if clipped:
+            bound = np.inf if limit is None else limit
+            if load is None:
+                np.clip(trial, 0.0, bound, out=trial)
+            else:
+                error = _STEP_LOAD_ERROR * length * float(np.abs(direction).sum())
+                bounds = bound if limit is None else limits_at(limit, active)
+                carried = float(np.add.reduce(pressure[active]))
+                trial[active] = shift_to_load(trial[active], carried, np.asarray(bounds), error)
+        return trial, (trial - pressure).astype(np.float32), clipped
+
+    def slopes(self, residual: RealArray, step: RealArray, change: RealArray) -> tuple[float, float]:
+        """See `FieldPasses.slopes`."""
+        return dot(residual, step), dot(step, change)
+
+    def move(self, pressure: Array, trial: Array, part: float, limit: Array | None) -> tuple[Array, bool]:
+        """See `FieldPasses.move`."""
+        moved = trial - pressure
+        moved *= part
+        moved += pressure
+        inside = _is_within(moved, limit)
+        if not inside:
+            np.clip(moved, 0.0, np.inf if limit is None else limit, out=moved)
+        return moved, inside
+
+    def add(self, gap: RealArray, change: RealArray, part: float) -> None:
+        """See `FieldPasses.add`."""
+        change *= np.float32(part)
+        gap += change
+
+
+def _mean(values: RealArray, cells: Mask) -> float:
+    """Return the mean over some cells; zero without any."""
+    count = int(np.count_nonzero(cells))
+    return dot(values, cells.astype(np.float32)) / count if count else 0.0
+
+
+def _held_mean(direction: RealArray, count: int, low: IntArray, high: IntArray) -> float:
+    """Return the mean of a direction over the active cells but those that it would move across their bounds.
+
+    `low` and `high` are the released cells at zero and at the limit; what is subtracted decides which of them stay.
+    """
+    change = total(direction)
+    mean = change / count
+    if not low.size and not high.size:
+        return mean
+    lowest = direction[low]
+    highest = direction[high]
+    held = -1
+    for _ in range(_MAX_RELEASED_ROUNDS):
+        down = lowest[lowest < mean]
+        up = highest[highest > mean]
+        before = held
+        held = down.size + up.size
+        if held in (before, count):
+            break
+        mean = (change - total(down) - total(up)) / (count - held)
+    return mean
+
+
+def _is_within(pressure: Array, limit: Array | None) -> bool:
+    return not float(pressure.min()) < 0.0 and (limit is None or not bool((pressure > limit).any()))
