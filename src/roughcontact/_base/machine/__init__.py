@@ -204,6 +204,8 @@ def choose_threads(given: int | str, cells: int) -> tuple[int, str]:
     """Return the number of threads of a solve on so many cells, and why; a text that is given is ``"auto"``."""
     useful = max(1, cells // _CELLS_PER_THREAD)
     asked = None if isinstance(given, str) else given
+    if asked == 1:
+        return 1, "as given"
     if asked is None and useful == 1:
         return 1, f"two pay from {_TWO_THREADS_SIDE} x {_TWO_THREADS_SIDE} cells"
     if asked is None and (_IS_SHARED.get() or _is_pooled()):

@@ -240,7 +240,8 @@ class PreparedConvolution(abc.ABC):
 
     def on(self, grid: Grid) -> PreparedConvolution:
         """Return the convolution of the same kernel and boundary on another grid: a coarser one, or a part."""
-        return self._keep(grid, grid, lambda: self.setup.convolver.prepare(self.setup.kernel, grid, self.setup.boundary))
+        setup = self.setup
+        return self._keep(grid, grid, lambda: setup.convolver.prepare(setup.kernel, grid, setup.boundary))
 
     def inverse(self, dtype: type[np.float32] | type[np.float64] = np.float64) -> InverseConvolution:
         """Return the approximate inverse, its stiffness in a precision."""

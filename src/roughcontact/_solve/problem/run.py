@@ -38,10 +38,6 @@ from roughcontact.errors import InputError, NotConverged
 from roughcontact.errors.door import guarded
 
 _LOGGER = logging.getLogger("roughcontact")
-# Wave numbers at which the effective modulus is sampled: about 24 per decade on a grid of 1000 cells a side.
-_SAMPLED_WAVE_NUMBERS = 96
-# Directions over half a turn at which it is sampled: the mean over them for an ellipse of axes 10 : 1 errs by 1e-8.
-_SAMPLED_DIRECTIONS = 128
 # Difference between machines, and versions of numpy and scipy, of residuals, and of other numbers over their maximum:
 # transforms differ by some 1e-15, Love's kernel by up to 5e-11 between its forms.
 _MACHINE_DIFFERENCE = 1e-10
@@ -228,8 +224,8 @@ def make_solution(
         errors=outcome.errors,
         levels=outcome.levels,
         edge_shift=plan.kernel.edge_shift,
-        moduli=_sample_modulus(plan),
-        directional_moduli=_sample_directions(plan),
+        moduli=plan.sampled_moduli,
+        directional_moduli=plan.sampled_directions,
         non_measured=plan.non_measured,
         tension=None if outcome.tension is None else frozen_array(outcome.tension * pressure_unit(plan)),
     )
@@ -330,28 +326,6 @@ def _are_close(given: Array, right: Array, allowed: float) -> bool:
         return given.shape == right.shape
     with np.errstate(all="ignore"):
         return bool(np.abs(given - right).max() <= allowed)
-
-
-def _sample_modulus(plan: SolvePlan) -> tuple[tuple[float, ...], tuple[float, ...]] | None:
-    """Return inverse wave numbers, from a tenth of a cell to the domain, m, and the effective modulus at each, Pa."""
-    lengths = np.geomspace(0.1 * min(plan.grid.resolved.spacing), max(plan.grid.resolved.size), _SAMPLED_WAVE_NUMBERS)
-    moduli = plan.kernel.effective_modulus(1.0 / lengths, 1.0 / plan.modulus)
-    if moduli is None:
-        return None
-    if moduli.shape != lengths.shape or not (np.isfinite(moduli).all() and moduli.min() > 0.0):
-        raise InputError(f"The kernel {plan.kernel!r} must return moduli above zero, of shape {lengths.shape}.")
-    return tuple(lengths.tolist()), tuple(moduli.tolist())
-
-
-def _sample_directions(plan: SolvePlan) -> tuple[float, ...] | None:
-    """Return the modulus of waves at equal angles from the x axis over half a turn, Pa."""
-    angles = np.linspace(0.0, np.pi, _SAMPLED_DIRECTIONS, endpoint=False)
-    moduli = plan.kernel.directional_modulus(angles, 1.0 / plan.modulus)
-    if moduli is None:
-        return None
-    if moduli.shape != angles.shape or not (np.isfinite(moduli).all() and moduli.min() > 0.0):
-        raise InputError(f"The kernel {plan.kernel!r} must return moduli above zero, of shape {angles.shape}.")
-    return tuple(moduli.tolist())
 
 
 def run_solve(

@@ -157,7 +157,7 @@ class FieldDescent(Method):
         return False
 
     def _take_part(self, part: float, trial: Array, *, clipped: bool) -> tuple[float, Array]:
-        """Return the part of the step to the trial to be taken, zero for none, and the pressure there; see `Descent`."""
+        """Return the part of the step to be taken, zero for none, and the pressure there, as `Descent` does."""
         if clipped:
             part, factor = choose_part(part)
             self._length = min(MAX_LENGTH, self._length * factor)
