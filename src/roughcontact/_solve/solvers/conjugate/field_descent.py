@@ -27,7 +27,7 @@ from roughcontact._solve.solvers.passes import dot, limits_at, total
 from roughcontact._solve.solvers.projection import shift_to_load
 
 # Maximum cells of a grid for it: on 512 x 512 cells long waves need the correction of `Preconditioner`.
-MAX_FIELD_CELLS = 2**16
+MAX_FIELD_CELLS = 2**15
 # Maximum iterations that do not halve the error; the descent on lists of cells then goes on.
 _MAX_IDLE_ITERATIONS = 12
 # Maximum rejected steps, and rounds that find the released cells that stay on their bounds.
