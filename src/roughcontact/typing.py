@@ -9,7 +9,7 @@ arrays       `Array` (float64), `RealArray` (float32 or float64), `IntArray`, `M
 kernels      `SupportsCoefficients`, `SupportsRows`, `SupportsSpectrum`, `SupportsShear`, `SupportsStress`,
              `SupportsConduction`, `SupportsTangential`; `HalfSpaceStress`; `PairConstants`, `pair_constants`
 convolvers   `BoundKernel`, `ConvolutionSetup`, `PreparedConvolution`, `InverseConvolution`, `ShearConvolution`,
-             `StressConvolution`; the function `padded_shape`
+             `StressConvolution`, `FieldPasses`; the function `padded_shape`
 solvers      `Task`, `Outcome`, `Step`, `Monitor`, `Violation`, `BoundInteraction`; `ShearSolver`, `ShearTask`,
              `ShearOutcome`, `natural_residual`
 physics      `Addition`, what one adds to a state
@@ -44,6 +44,7 @@ from roughcontact._parts.kernels import (
 from roughcontact._parts.materials import PairConstants, pair_constants
 from roughcontact._solve.convolvers import (
     ConvolutionSetup,
+    FieldPasses,
     InverseConvolution,
     PreparedConvolution,
     ShearConvolution,
@@ -69,6 +70,7 @@ __all__ = [
     "BoundKernel",
     "Command",
     "ConvolutionSetup",
+    "FieldPasses",
     "Force",
     "HalfSpaceStress",
     "IntArray",

@@ -26,8 +26,6 @@ from roughcontact._solve.solvers.driver import Method, Work
 from roughcontact._solve.solvers.passes import dot, limits_at, total
 from roughcontact._solve.solvers.projection import shift_to_load
 
-# Maximum cells of a grid for it: on 512 x 512 cells long waves need the correction of `Preconditioner`.
-MAX_FIELD_CELLS = 2**15
 # Maximum iterations that do not halve the error; the descent on lists of cells then goes on.
 _MAX_IDLE_ITERATIONS = 12
 # Maximum rejected steps, and rounds that find the released cells that stay on their bounds.
@@ -188,6 +186,9 @@ class _RigidMotion:
 
 class NumpyPasses(FieldPasses):
     """The passes in numpy, few calls each."""
+
+    # On 256 x 256 cells long waves need the correction of `Preconditioner`.
+    max_cells = 2**15
 
     def measure(self, pressure: Array, gap: RealArray, limit: Array | None, load: float | None) -> tuple[float, float]:
         """See `FieldPasses.measure`."""

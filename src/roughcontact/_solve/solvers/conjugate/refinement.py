@@ -13,7 +13,7 @@ from roughcontact._solve.convolvers import InverseConvolution, PreparedConvoluti
 from roughcontact._solve.solution import GridLevel, Status, Violation
 from roughcontact._solve.solvers.base import Task
 from roughcontact._solve.solvers.conjugate.descent import Descent
-from roughcontact._solve.solvers.conjugate.field_descent import MAX_FIELD_CELLS, FieldDescent, NumpyPasses
+from roughcontact._solve.solvers.conjugate.field_descent import FieldDescent, NumpyPasses
 from roughcontact._solve.solvers.conjugate.preconditioner import Preconditioner, PunchWeights, is_steep, multiply_active
 from roughcontact._solve.solvers.driver import Log, Monitor, Refinement, Work, iterate, judged
 from roughcontact._solve.solvers.passes import ActiveCells, total
@@ -196,7 +196,8 @@ class PressureRefinement(Refinement):
         self._openings = None if nearly_full is None else Openings(nearly_full, monitor, self.work)
         self.met_limit = False
         gap = task.initial_gap
-        self._on_fields = isinstance(gap, np.ndarray) and gap.size <= MAX_FIELD_CELLS
+        self._passes = convolution.passes or NumpyPasses()
+        self._on_fields = isinstance(gap, np.ndarray) and gap.size <= self._passes.max_cells
 
     @cached_property
     def _descent(self) -> Descent | FieldDescent:
@@ -206,8 +207,7 @@ class PressureRefinement(Refinement):
             shape = self._task.initial_gap.shape
             limit = self._limit if self._task.capped else None
             load = self._control.load if isinstance(self._control, LoadControl) else None
-            passes = self._convolution.passes or NumpyPasses()
-            return FieldDescent(self._convolve, inverse, self.work, passes, shape, limit, load)
+            return FieldDescent(self._convolve, inverse, self.work, self._passes, shape, limit, load)
         rigid = self._task.mean_pressure is None
         preconditioner = Preconditioner(inverse, self._convolution, self.work, rigid=rigid)
         return Descent(self._convolve, self._task.initial_gap.shape, preconditioner, self._control, self._limit)
