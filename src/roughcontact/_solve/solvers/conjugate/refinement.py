@@ -162,6 +162,12 @@ class OpeningPreconditioner:
         return multiply_active(active, residual, self._inverse, symbol, self._shape)
 
 
+def descends_on_fields(convolution: PreparedConvolution, task: Task) -> bool:
+    """Return whether the pressure is found on whole fields, as on small grids of numpy's arrays."""
+    gap = task.initial_gap
+    return isinstance(gap, np.ndarray) and gap.size <= (convolution.passes or NumpyPasses).max_cells
+
+
 class PressureRefinement(Refinement):
     """Solves one task on one grid from a start.
 
@@ -195,9 +201,7 @@ class PressureRefinement(Refinement):
         self._convolve = partial(self.work.convolve, convolution)
         self._openings = None if nearly_full is None else Openings(nearly_full, monitor, self.work)
         self.met_limit = False
-        gap = task.initial_gap
-        self._passes = convolution.passes or NumpyPasses()
-        self._on_fields = isinstance(gap, np.ndarray) and gap.size <= self._passes.max_cells
+        self._on_fields = descends_on_fields(convolution, task)
 
     @cached_property
     def _descent(self) -> Descent | FieldDescent:
@@ -207,7 +211,8 @@ class PressureRefinement(Refinement):
             shape = self._task.initial_gap.shape
             limit = self._limit if self._task.capped else None
             load = self._control.load if isinstance(self._control, LoadControl) else None
-            return FieldDescent(self._convolve, inverse, self.work, self._passes, shape, limit, load)
+            passes = self._convolution.passes or NumpyPasses()
+            return FieldDescent(self._convolve, inverse, self.work, passes, shape, limit, load)
         rigid = self._task.mean_pressure is None
         preconditioner = Preconditioner(inverse, self._convolution, self.work, rigid=rigid)
         return Descent(self._convolve, self._task.initial_gap.shape, preconditioner, self._control, self._limit)
