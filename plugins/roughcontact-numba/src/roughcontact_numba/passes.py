@@ -16,65 +16,68 @@ _STEP_LOAD_ERROR = 1e-5
 _LOAD_EPSILON = 4e-16
 _NO_LIMIT = np.array([math.inf])
 _NO_FIELD = np.zeros(0, dtype=np.float32)
-# Sums are in float64 and in the order of the cells, so that their bits do not depend on the machine's vectors.
-_compiled = njit(cache=True, nogil=True, error_model="numpy")
+# Sums, in float64, may be taken in any order, so that vectors of the processor serve; threads do not change it.
+_compiled = njit(cache=True, nogil=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
+
+
+@njit(inline="always")
+def _at(limit, i):  # type: ignore[no-untyped-def]
+    """Return the limit of a cell, from one entry for each or for all."""
+    return limit[i] if limit.size > 1 else limit[0]
 
 
 @_compiled
 def _measure(pressure, gap, limit, by_load):  # type: ignore[no-untyped-def]
-    stride = 1 if limit.size > 1 else 0
+    total = 0.0
     carried = 0.0
     weighted = 0.0
-    total = 0.0
     for i in range(pressure.size):
         value = pressure[i]
-        if value > 0.0:
-            total += value
-            if value < limit[i * stride]:
-                carried += value
-                weighted += value * gap[i]
+        elastic = value if value < _at(limit, i) else 0.0
+        total += value
+        carried += elastic
+        weighted += elastic * gap[i]
     level = weighted / carried if by_load and carried > 0.0 else 0.0
     opened = 0.0
-    overlap = -math.inf
+    overlaps = np.empty(pressure.size, dtype=np.float32)
     for i in range(pressure.size):
-        rest = gap[i] - level
-        value = pressure[i]
-        if value > 0.0:
-            if value >= limit[i * stride]:
-                rest = max(rest, 0.0)
-            opened += value * abs(rest)
-        overlap = max(overlap, -rest)
-    return level, max(opened / total if total > 0.0 else 0.0, overlap)
+        rest = gap[i] - np.float32(level)
+        rest = rest if pressure[i] < _at(limit, i) else max(rest, np.float32(0.0))
+        opened += pressure[i] * abs(rest)
+        overlaps[i] = -rest if rest < np.float32(0.0) else np.float32(0.0)
+    # Numbers that are not negative are in the order of their bits, whose maximum vectors of the processor can find.
+    bits = overlaps.view(np.int32)
+    largest = np.zeros(1, dtype=np.int32)
+    for i in range(bits.size):
+        largest[0] = max(largest[0], bits[i])
+    return level, max(opened / total if total > 0.0 else 0.0, np.float64(largest.view(np.float32)[0]))
 
 
 @_compiled
 def _release(pressure, gap, limit, by_load):  # type: ignore[no-untyped-def]
-    stride = 1 if limit.size > 1 else 0
-    level = 0.0
-    count = 0
+    cells = pressure.size
+    level = np.float32(0.0)
     if by_load:
-        for i in range(pressure.size):
-            if 0.0 < pressure[i] < limit[i * stride]:
-                level += gap[i]
-                count += 1
-        level = level / count if count else 0.0
-    active = np.empty(pressure.size, dtype=np.bool_)
-    residual = np.zeros(pressure.size, dtype=np.float32)
+        total = 0.0
+        count = 0
+        for i in range(cells):
+            inside = (pressure[i] > 0.0) & (pressure[i] < _at(limit, i))
+            total += gap[i] if inside else np.float32(0.0)
+            count += inside
+        level = np.float32(total / count if count else 0.0)
+    active = np.empty(cells, dtype=np.bool_)
+    residual = np.empty(cells, dtype=np.float32)
+    total = 0.0
     count = 0
-    mean = 0.0
-    for i in range(pressure.size):
-        if pressure[i] <= 0.0:
-            found = gap[i] < level
-        else:
-            found = pressure[i] < limit[i * stride] or gap[i] > level
+    for i in range(cells):
+        loaded = pressure[i] > 0.0
+        found = (loaded & ((pressure[i] < _at(limit, i)) | (gap[i] > level))) | (~loaded & (gap[i] < level))
         active[i] = found
-        if found:
-            count += 1
-            mean += gap[i]
-    mean = mean / count if by_load and count else 0.0
-    for i in range(pressure.size):
-        if active[i]:
-            residual[i] = mean - gap[i]
+        total += gap[i] if found else np.float32(0.0)
+        count += found
+    mean = np.float32(total / count if by_load and count else 0.0)
+    for i in range(cells):
+        residual[i] = mean - gap[i] if active[i] else np.float32(0.0)
     return residual, active, count
 
 
@@ -82,104 +85,103 @@ def _release(pressure, gap, limit, by_load):  # type: ignore[no-untyped-def]
 def _conjugate(image, active, step, change, curvature):  # type: ignore[no-untyped-def]
     product = 0.0
     for i in range(image.size):
-        if not active[i]:
-            image[i] = 0.0
-        elif step.size:
-            product += np.float64(image[i]) * change[i]
-    factor = -product / curvature
-    direction = image.copy()
-    if step.size and factor > 0.0:
+        image[i] = image[i] if active[i] else np.float32(0.0)
+    if step.size:
         for i in range(image.size):
-            if active[i]:
-                direction[i] += np.float32(factor) * step[i]
+            product += np.float64(image[i]) * change[i]
+    direction = image.copy()
+    if product < 0.0:
+        factor = np.float32(-product / curvature)
+        for i in range(image.size):
+            direction[i] += factor * step[i] if active[i] else np.float32(0.0)
     return direction
 
 
 @_compiled
 def _admit(direction, residual, active, pressure, limit, by_load):  # type: ignore[no-untyped-def]
-    stride = 1 if limit.size > 1 else 0
-    mean = 0.0
-    if by_load:
-        before = -1
-        for _ in range(_MAX_RELEASED_ROUNDS):
-            change = 0.0
-            count = 0
-            held = 0
-            for i in range(direction.size):
-                if not active[i]:
-                    continue
-                value = direction[i]
-                down = pressure[i] <= 0.0 and value < mean
-                up = pressure[i] >= limit[i * stride] and value > mean
-                if before >= 0 and (down or up):
-                    held += 1
-                else:
-                    change += value
-                    count += 1
-            if held == before or count == 0:
-                break
-            before = held
-            mean = change / count
-    admitted = np.zeros(direction.size, dtype=np.float32)
+    cells = direction.size
+    released = np.empty(cells, dtype=np.int32)
+    few = 0
+    total = 0.0
+    count = 0
+    for i in range(cells):
+        total += direction[i]
+        count += active[i]
+    for i in range(cells):
+        if active[i] and (pressure[i] <= 0.0 or pressure[i] >= _at(limit, i)):
+            released[few] = i
+            few += 1
+    mean = total / count if by_load else 0.0
+    before = -1
+    for _ in range(_MAX_RELEASED_ROUNDS if by_load else 0):
+        held = 0
+        change = 0.0
+        for k in range(few):
+            i = released[k]
+            if (direction[i] < mean) == (pressure[i] <= 0.0):
+                held += 1
+                change += direction[i]
+        if held in (before, count):
+            break
+        before = held
+        mean = (total - change) / (count - held)
+    shift = np.float32(mean)
+    admitted = np.empty(cells, dtype=np.float32)
     slope = 0.0
-    for i in range(direction.size):
-        if active[i]:
-            value = direction[i] - np.float32(mean)
-            if pressure[i] <= 0.0:
-                value = max(value, np.float32(0.0))
-            if pressure[i] >= limit[i * stride]:
-                value = min(value, np.float32(0.0))
-            admitted[i] = value
-            slope += np.float64(residual[i]) * value
+    for i in range(cells):
+        admitted[i] = direction[i] - shift if active[i] else np.float32(0.0)
+        slope += np.float64(residual[i]) * admitted[i]
+    for k in range(few):
+        i = released[k]
+        if (admitted[i] < 0.0) == (pressure[i] <= 0.0):
+            slope -= np.float64(residual[i]) * admitted[i]
+            admitted[i] = 0.0
     return admitted, slope
 
 
 @_compiled
 def _advance(pressure, direction, length, active, limit, by_load):  # type: ignore[no-untyped-def]
-    stride = 1 if limit.size > 1 else 0
-    trial = np.empty(pressure.size)
-    step = np.zeros(pressure.size, dtype=np.float32)
+    cells = pressure.size
+    trial = np.empty(cells)
     load = 0.0
     change = 0.0
-    clipped = False
-    for i in range(pressure.size):
-        trial[i] = pressure[i] + length * direction[i]
-        if active[i]:
-            load += pressure[i]
-            change += abs(direction[i])
-            clipped |= not 0.0 <= trial[i] <= limit[i * stride]
-    if clipped:
+    outside = 0
+    for i in range(cells):
+        moved = pressure[i] + length * direction[i]
+        trial[i] = moved
+        load += pressure[i] if active[i] else 0.0
+        change += abs(direction[i])
+        outside += (moved < 0.0) | (moved > _at(limit, i))
+    if outside:
         shift = 0.0
         if by_load:
-            shift = _find_shift(trial, active, limit, load, max(_STEP_LOAD_ERROR * length * change, _LOAD_EPSILON * load))
-        for i in range(pressure.size):
-            if active[i]:
-                trial[i] = min(max(trial[i] - shift, 0.0), limit[i * stride])
-    for i in range(pressure.size):
-        if active[i]:
-            step[i] = trial[i] - pressure[i]
-    return trial, step, clipped
+            error = max(_STEP_LOAD_ERROR * length * change, _LOAD_EPSILON * load)
+            shift = _find_shift(trial, active, limit, load, error)
+        for i in range(cells):
+            kept = min(max(trial[i] - shift, 0.0), _at(limit, i))
+            trial[i] = kept if active[i] else trial[i]
+    step = np.empty(cells, dtype=np.float32)
+    for i in range(cells):
+        step[i] = trial[i] - pressure[i]
+    return trial, step, outside > 0
 
 
 @_compiled
 def _find_shift(values, active, limit, load, error):  # type: ignore[no-untyped-def]
     """Return the shift for which clip(values - shift, 0, limit) sums to the load over the active cells."""
-    stride = 1 if limit.size > 1 else 0
     lower = -math.inf
     upper = math.inf
     reach = load / max(values.size, 1)
     shift = 0.0
     for _ in range(_MAX_ROUNDS):
-        excess = -load
+        carried = 0.0
         slope = 0
         for i in range(values.size):
-            if active[i]:
-                carried = values[i] - shift
-                if carried >= limit[i * stride]:
-                    excess += limit[i * stride]
-                elif carried > 0.0:
-                    excess += carried
-                    slope += 1
+            value = values[i] - shift
+            moving = active[i] & (value > 0.0)
+            carried += min(value, _at(limit, i)) if moving else 0.0
+            slope += moving & (value < _at(limit, i))
+        excess = carried - load
         if abs(excess) <= error:
             break
         if excess > 0.0:
@@ -193,7 +195,7 @@ def _find_shift(values, active, limit, load, error):  # type: ignore[no-untyped-
             else:
                 trial = lower + reach if math.isfinite(lower) else upper - reach
                 reach *= 2.0
-        if trial == lower or trial == upper:
+        if trial in (lower, upper):
             break
         shift = trial
     return shift
@@ -211,20 +213,20 @@ def _slopes(residual, step, change):  # type: ignore[no-untyped-def]
 
 @_compiled
 def _move(pressure, trial, part, limit):  # type: ignore[no-untyped-def]
-    stride = 1 if limit.size > 1 else 0
     moved = np.empty(pressure.size)
-    inside = True
+    outside = 0
     for i in range(pressure.size):
         value = pressure[i] + part * (trial[i] - pressure[i])
-        moved[i] = min(max(value, 0.0), limit[i * stride])
-        inside &= moved[i] == value
-    return moved, inside
+        outside += (value < 0.0) | (value > _at(limit, i))
+        moved[i] = min(max(value, 0.0), _at(limit, i))
+    return moved, outside == 0
 
 
 @_compiled
 def _add(gap, change, part):  # type: ignore[no-untyped-def]
+    factor = np.float32(part)
     for i in range(gap.size):
-        change[i] *= np.float32(part)
+        change[i] *= factor
         gap[i] += change[i]
 
 
@@ -263,9 +265,7 @@ class CompiledPasses(FieldPasses):
         load: float | None,
     ) -> tuple[RealArray, float]:
         """See `FieldPasses.admit`."""
-        found: tuple[RealArray, float] = _admit(
-            direction, residual, active, pressure, _bound(limit), load is not None
-        )
+        found: tuple[RealArray, float] = _admit(direction, residual, active, pressure, _bound(limit), load is not None)
         return found
 
     def advance(
