@@ -27,6 +27,7 @@ from roughcontact._solve.solvers.conjugate.preconditioner import Preconditioner 
 from roughcontact._solve.solvers.conjugate.preconditioner import count_blocks as count_blocks
 from roughcontact._solve.solvers.driver import Monitor as Monitor
 from roughcontact._solve.solvers.driver import Work as Work
+from roughcontact._solve.solvers.grids import coarser_shape as coarser_shape
 from roughcontact._solve.solvers.grids import halve_shape as halve_shape
 from roughcontact._solve.solvers.passes import ActiveCells as ActiveCells
 from roughcontact._solve.solvers.passes import MaskedCells as MaskedCells
