@@ -7,7 +7,7 @@ import numpy as np
 import roughcontact as rc
 from roughcontact.typing import PairConstants
 
-from roughcontact_layered.cells import cell_waves
+from roughcontact_layered.aliases import cell_waves
 from roughcontact_layered.conduction import conduct
 from roughcontact_layered.harmonics import integrate_cells
 from roughcontact_layered.radial import tabulate
