@@ -81,8 +81,7 @@ class CompiledInverse(InverseConvolution):
         self, values: RealArray, symbol: RealArray, padded: tuple[int, int], rows: IntArray | None = None
     ) -> RealArray:
         """Return a field with each of its waves multiplied by a symbol; see `InverseConvolution.multiply`."""
-        found: RealArray = _multiply(values, symbol, *padded)
-        return found
+        return _multiply(values, symbol, *padded)
 
 
 @attrs.frozen(eq=False)
@@ -117,8 +116,7 @@ class CompiledConvolution(PreparedConvolution):
     def apply(self, pressure: RealArray) -> RealArray:
         """Return the displacement by a pressure; see `PreparedConvolution.apply`."""
         symbol = self.symbol_float32 if pressure.dtype == np.float32 else self.symbol
-        found: RealArray = _multiply(np.ascontiguousarray(pressure), symbol, *self.padded)
-        return found
+        return _multiply(np.ascontiguousarray(pressure), symbol, *self.padded)
 
     def inverse(self, dtype: type[np.float32] | type[np.float64] = np.float64) -> InverseConvolution:
         """Return the approximate inverse, compiled."""
