@@ -100,7 +100,7 @@ class CompiledConvolution(PreparedConvolution):
     def symbol(self) -> Array:
         """The factors of all waves of the padded grid, shape (mx, my // 2 + 1)."""
         mx = self.padded[0]
-        half = self.inner.symbol
+        half = self.inner.symbol  # type: ignore[attr-defined]
         return np.ascontiguousarray(np.concatenate((half, half[mx - half.shape[0] : 0 : -1])))
 
     @cached_property

@@ -62,7 +62,7 @@ def _release(pressure, gap, limit, by_load):  # type: ignore[no-untyped-def]
         count = 0
         for i in range(cells):
             inside = (pressure[i] > 0.0) & (pressure[i] < _at(limit, i))
-            total += gap[i] if inside else np.float32(0.0)
+            total += gap[i] if inside else 0.0
             count += inside
         level = np.float32(total / count if count else 0.0)
     active = np.empty(cells, dtype=np.bool_)
@@ -73,7 +73,7 @@ def _release(pressure, gap, limit, by_load):  # type: ignore[no-untyped-def]
         loaded = pressure[i] > 0.0
         found = (loaded & ((pressure[i] < _at(limit, i)) | (gap[i] > level))) | (~loaded & (gap[i] < level))
         active[i] = found
-        total += gap[i] if found else np.float32(0.0)
+        total += gap[i] if found else 0.0
         count += found
     mean = np.float32(total / count if by_load and count else 0.0)
     for i in range(cells):
