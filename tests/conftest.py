@@ -87,7 +87,7 @@ class DaskCluster:
         self.command = [sys.executable, "-m", "distributed.cli.dask_worker", cluster.scheduler_address, "--no-nanny"]
         self.command += ["--nthreads", "1", "--memory-limit", "0", "--dashboard-address", ":0"]
         # What the workers are sent may be of a module of tests.
-        self.environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parent)}
+        self.environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
         self.stack, self.workers = stack, []
 
     def start(self, count):

@@ -1,4 +1,4 @@
-"""Tables of the pages: written by the scripts of this folder, compared with them by tests/test_doc_tables.py.
+"""Tables of the pages: written by the scripts of this folder, compared with them by tests/pages/test_doc_tables.py.
 
     python docs/studies/doc_tables.py                  # the tables, their pages and their scripts
     python docs/studies/doc_tables.py NAME [NAME ...]  # compute these again and write them to their pages
