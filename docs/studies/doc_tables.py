@@ -44,7 +44,7 @@ class DocTable:
     rows
         Returns the lines, each a list of cells; the first one is the heading.
     seconds
-        CPU time it needs. Computed again by the slow tests up to 20 s, each week up to 60 s, else by hand.
+        CPU time it needs. Computed again by the slow tests up to 60 s, else by hand.
     timed
         Headings of columns that hold times, or depend on the machine: not compared.
     units

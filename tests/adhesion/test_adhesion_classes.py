@@ -32,16 +32,8 @@ def judge(name, split, number):
     return np.abs(found)
 
 
-@pytest.mark.parametrize(
-    "name",
-    [
-        pytest.param("pull-off-free", marks=pytest.mark.slow),
-        pytest.param("pull-off-wrapped", marks=pytest.mark.slow),
-        "area-wrapped",
-    ],
-)
-def test_errors_of_balls_in_random_places(name):
-    errors = judge(name, "held-out", 10)
+def test_errors_of_balls_in_random_places():
+    errors = judge("area-wrapped", "held-out", 10)
     assert np.mean(errors <= 2.0) >= 0.9
     assert 0.1 < np.median(errors) < 1.2
 
@@ -49,7 +41,8 @@ def test_errors_of_balls_in_random_places(name):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", list(adhesion_classes.CLASSES))
 def test_coverage_of_a_class(name):
-    errors = judge(name, "held-out", adhesion_classes.CASES)
+    # Half of the balls that the benchmark judges, and all rough surfaces.
+    errors = judge(name, "held-out", adhesion_classes.CASES // 2)
     assert np.mean(errors <= 2.0) >= 0.93
     assert 0.15 < np.median(errors) < 1.0
 

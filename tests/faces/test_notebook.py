@@ -66,15 +66,14 @@ path
 INLINE = {"solution.plot()": 1, "fig = sweep.plot()": 1, "fig": 1, "first = sweep.plot()\nsweep.plot()": 2}
 
 
-@pytest.fixture(scope="module")
-def executed(tmp_path_factory):
-    """The cells of one notebook."""
+def execute(tmp_path):
+    """Return the cells of one notebook, executed."""
     printed = [cell for text in PRINTED for cell in (text, f"print({text})")]
     cells = [SETUP, *CELLS, "%matplotlib inline", *INLINE, *printed, f"[{PRINTED[0]}]", MAP, PATH]
     notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(cell) for cell in cells])
     with pytest.MonkeyPatch.context() as patch:
         for name in ("IPYTHONDIR", "JUPYTER_RUNTIME_DIR"):
-            patch.setenv(name, str(tmp_path_factory.mktemp(name)))
+            patch.setenv(name, str(tmp_path / name))
         # The kernel chooses the backend.
         patch.delenv("MPLBACKEND", raising=False)
         nbclient.NotebookClient(notebook, timeout=120, kernel_name="python3").execute()
@@ -88,20 +87,19 @@ def pictures(cell) -> Iterator[bytes]:
                 yield base64.b64decode(content)
 
 
-@pytest.mark.slow
-def test_each_figure_is_shown_once(executed):
+def check_that_each_figure_is_shown_once(executed):
     shown = [(cell.source, len(list(pictures(cell)))) for cell in executed]
     wanted = [(SETUP, 0), *CELLS.items(), ("%matplotlib inline", 0), *INLINE.items()]
     assert shown == wanted + [(cell.source, 0) for cell in executed[len(wanted) :]]
 
 
-def test_pictures_of_different_figures_differ(executed):
+def check_that_pictures_of_different_figures_differ(executed):
     images = [picture for cell in executed for picture in pictures(cell)]
     assert len(set(images)) >= 5
     assert all(image.startswith(b"\x89PNG") and len(image) > 2000 for image in images)
 
 
-def test_small_results_are_shown_as_they_print(executed):
+def check_that_small_results_are_shown_as_they_print(executed):
     # What an answer warns of goes to standard error.
     shown = {cell.source: [one for one in cell.outputs if one.get("name") != "stderr"] for cell in executed}
     for text in PRINTED:
@@ -114,7 +112,7 @@ def test_small_results_are_shown_as_they_print(executed):
     assert listed["data"]["text/plain"] == f"[{first['data']['text/plain']}]"
 
 
-def test_a_map_is_shown_with_its_numbers_and_one_picture(executed):
+def check_that_a_map_is_shown_with_its_numbers_and_one_picture(executed):
     (shown,) = (cell.outputs[0]["data"]["text/html"] for cell in executed if cell.source == MAP)
     fragment = html5lib.HTMLParser(strict=True, namespaceHTMLElements=False).parseFragment(shown)
     texts = {row.find("th").text: row.find("td").text for row in fragment.iter("tr")}
@@ -124,10 +122,20 @@ def test_a_map_is_shown_with_its_numbers_and_one_picture(executed):
     assert base64.b64decode(picture.get("src").partition(",")[2]).startswith(b"\x89PNG")
 
 
-def test_a_path_is_shown_as_a_table(executed):
+def check_that_a_path_is_shown_as_a_table(executed):
     (shown,) = (cell.outputs[0]["data"]["text/html"] for cell in executed if cell.source == PATH)
     assert shown.startswith("<div>energy lost: ")
     assert shown.count("<tr>") == 3
+
+
+def test_an_executed_notebook_shows_figures_once_and_results_as_they_print_or_as_tables(tmp_path):
+    """One test, so that processes of pytest-xdist do not execute the notebook one each."""
+    executed = execute(tmp_path)
+    check_that_each_figure_is_shown_once(executed)
+    check_that_pictures_of_different_figures_differ(executed)
+    check_that_small_results_are_shown_as_they_print(executed)
+    check_that_a_map_is_shown_with_its_numbers_and_one_picture(executed)
+    check_that_a_path_is_shown_as_a_table(executed)
 
 
 @pytest.mark.parametrize(

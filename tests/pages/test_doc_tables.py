@@ -11,13 +11,9 @@ sys.path.insert(0, str(Path(__file__).parents[2] / "docs" / "studies"))
 
 import doc_tables
 
-# CPU time up to which a table is computed again by the ordinary tests, and by the slow ones, s.
-ORDINARY, SLOW = 10.0, 60.0
+# CPU time up to which a table is computed again, s.
+LONGEST = 60.0
 FOUND = doc_tables.find_tables()
-
-
-def tables(low, high):
-    return [name for name in sorted(FOUND) if low < doc_tables.load_table(name).seconds <= high]
 
 
 @pytest.mark.parametrize("name", sorted(FOUND))
@@ -35,21 +31,11 @@ def test_every_stored_table_is_in_a_page():
     assert marks == sum(len(pages) for _, pages in FOUND.values())
 
 
-def hold(name):
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [name for name in sorted(FOUND) if doc_tables.load_table(name).seconds <= LONGEST])
+def test_the_script_still_finds_it(name):
     table = doc_tables.load_table(name)
     assert doc_tables.compare(table.rows(), doc_tables.read(name), table) == []
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", tables(0.0, ORDINARY))
-def test_the_script_still_finds_it(name):
-    hold(name)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", tables(ORDINARY, SLOW))
-def test_the_script_still_finds_it_slow(name):
-    hold(name)
 
 
 def test_cells_are_compared_by_their_last_digit():
