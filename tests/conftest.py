@@ -72,6 +72,12 @@ def run(capsys):
 
 
 @pytest.fixture
+def leave_memory(monkeypatch):
+    """Let there be so many bytes of memory that this process may take."""
+    return lambda count: monkeypatch.setattr("roughcontact._base.machine.available_memory", lambda: count)
+
+
+@pytest.fixture
 def no_pictures(monkeypatch):
     """Reports without their pictures, for tests of what stands beside these: drawing eight takes two seconds."""
     monkeypatch.setattr("roughcontact._faces.html.report.can_draw", lambda: False)

@@ -142,9 +142,9 @@ def test_grids_of_two_cells_are_refined(shape, boundary):
     assert min(solution.grid.shape) > 2
 
 
-def test_more_cells_than_memory_holds_are_refused(monkeypatch):
+def test_more_cells_than_memory_holds_are_refused(leave_memory):
     problem = wave(128)
-    monkeypatch.setattr("roughcontact._base.machine.available_memory", lambda: 2**25)
+    leave_memory(2**25)
     with pytest.raises(rc.NotConverged, match=r"too little memory \(this process may take only") as caught:
         problem.solve(pressure=100e6, area_within=1e-5)
     assert caught.value.solution.status.success

@@ -52,9 +52,9 @@ def limited(root, folder, name, used, limit, stat=""):
     (group / "memory.stat").write_text(stat)
 
 
-def test_a_grid_may_have_more_cells_than_this_machine_can_take(monkeypatch):
+def test_a_grid_may_have_more_cells_than_this_machine_can_take(leave_memory):
     """It is the fields that need memory, and of a grid on a cluster each process has a slab."""
-    monkeypatch.setattr("roughcontact._base.machine.available_memory", lambda: 2**33)
+    leave_memory(2**33)
     grid = rc.Grid((2**17, 2**17), 1e-2)
     assert grid.cells == 2**34
     assert grid.x.shape == (2**17, 1)
@@ -104,8 +104,8 @@ def test_the_limit_of_a_container_that_sees_only_its_own_groups(tmp_path):
     assert available_memory(tmp_path) == 1024 * 1024
 
 
-def test_the_sentence_says_how_much_there_is_and_what_to_do(monkeypatch):
-    monkeypatch.setattr("roughcontact._base.machine.available_memory", lambda: 3 * 2**30)
+def test_the_sentence_says_how_much_there_is_and_what_to_do(leave_memory):
+    leave_memory(3 * 2**30)
     with pytest.raises(rc.InputError) as caught:
         rc.ContactProblem(rc.Body(WAVY, STEEL), grid=GRID)
     assert str(caught.value) == (
@@ -114,7 +114,7 @@ def test_the_sentence_says_how_much_there_is_and_what_to_do(monkeypatch):
     )
     # Memory that was taken since the problem was made.
     problem = rc.ContactProblem(rc.Body(WAVY, STEEL), grid=rc.Grid((512, 512), 1e-2))
-    monkeypatch.setattr("roughcontact._base.machine.available_memory", lambda: 2**23)
+    leave_memory(2**23)
     with pytest.raises(rc.InputError, match=r"needs 23 MiB of memory, but this process may take only 8 MiB more"):
         problem.solve(pressure=1e5)
 
@@ -131,8 +131,8 @@ def test_a_limit_names_the_largest_grid_that_fits(boundary):
         require_memory_of_solve(rc.Grid((nx + 64, ny + 64), 1.0), rc.Boundary(boundary), 3 * 2**30)
 
 
-def test_a_limit_replaces_what_the_machine_has(monkeypatch):
-    monkeypatch.setattr("roughcontact._base.machine.available_memory", lambda: 2**23)
+def test_a_limit_replaces_what_the_machine_has(leave_memory):
+    leave_memory(2**23)
     grid = rc.Grid((512, 512), 1e-2)
     assert contact(grid=grid, memory_limit="100 MiB").solve(pressure=1e5).status.success
     with pytest.raises(rc.InputError, match=r"allows only 1 MiB: choose at most 96 x 96 cells"):
@@ -158,8 +158,8 @@ def test_explain_says_for_how_much_contact_the_memory_suffices(monkeypatch):
     assert "the 4 MiB there are suffice for up to 0 %" in attrs.evolve(problem, memory_limit=None).explain()
 
 
-def test_what_is_small_is_not_asked_for(monkeypatch):
-    monkeypatch.setattr("roughcontact._base.machine.available_memory", lambda: 0)
+def test_what_is_small_is_not_asked_for(leave_memory):
+    leave_memory(0)
     assert rc.ContactProblem(rc.Body(WAVY, STEEL), grid=rc.Grid((64, 64), 1e-2)).solve(pressure=1e5).status.success
 
 
@@ -278,12 +278,12 @@ def test_the_largest_grid_is_refused_before_anything_is_taken(tmp_path):
 
 
 @linux
-def test_maps_of_files_are_compared_with_the_memory(tmp_path, monkeypatch):
+def test_maps_of_files_are_compared_with_the_memory(tmp_path, leave_memory):
     np.save(tmp_path / "map.npy", np.zeros((1200, 1200)))
     np.savez(tmp_path / "map.npz", heights=np.zeros((1200, 1200)), size=1.0)
     row = b"0.000000000000000000e+00 " * 1200 + b"\n"
     (tmp_path / "map.txt").write_bytes(row * 1200)
-    monkeypatch.setattr("roughcontact._base.machine.available_memory", lambda: 2**24)
+    leave_memory(2**24)
     for name, needed in (("map.npy", 21.97), ("map.npz", 21.97), ("map.txt", 68.67)):
         with pytest.raises(rc.InputError, match=rf"{name} cannot be used: it needs {needed} MiB of memory, but"):
             rc.read_surface(tmp_path / name, size=1.0)
@@ -318,7 +318,7 @@ def test_a_small_file_does_not_expand_to_a_large_map(tmp_path):
         (rc.FlatSurface() + rc.SphereSurface(1.0), 3),
     ],
 )
-def test_surfaces_ask_before_they_take_memory(monkeypatch, surface, arrays):
+def test_surfaces_ask_before_they_take_memory(leave_memory, surface, arrays):
     grid = rc.Grid((1600, 1500), 1e-4)
     tracemalloc.start()
     surface.heights(grid)
@@ -326,7 +326,7 @@ def test_surfaces_ask_before_they_take_memory(monkeypatch, surface, arrays):
     tracemalloc.stop()
     # A sum holds its total as well.
     assert arrays <= taken < arrays + 1.1
-    monkeypatch.setattr("roughcontact._base.machine.available_memory", lambda: 2**20)
+    leave_memory(2**20)
     tracemalloc.start()
     with pytest.raises(rc.InputError, match=r"on 1600 x 1500 cells needs .* of memory, but .*: choose fewer cells"):
         surface.heights(grid)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import sys
 from functools import partial
 
 import attrs
@@ -128,7 +129,7 @@ class TestShort:
         monkeypatch.setattr("roughcontact._faces.html.report._MAX_PICTURE_CELLS", 100)
         assert "<img" not in solution._repr_html_()
         monkeypatch.undo()
-        monkeypatch.setattr("roughcontact._faces.html.report.can_draw", lambda: False)
+        monkeypatch.setitem(sys.modules, "matplotlib", None)
         assert "<img" not in solution._repr_html_()
 
 

@@ -390,11 +390,11 @@ def test_an_image_of_gwyddion_has_its_size_its_unit_and_x_first(tmp_path):
         rc.read_surface(tmp_path / "image.txt", unit=1e-6)
 
 
-def test_points_that_take_more_memory_than_there_is_are_not_filled(tmp_path, monkeypatch):
+def test_points_that_take_more_memory_than_there_is_are_not_filled(tmp_path, leave_memory):
     heights = np.full((300, 300), np.nan)
     heights[0] = 0.0
     np.savez(tmp_path / "map.npz", heights=heights, size=1e-3)
-    monkeypatch.setattr("roughcontact._base.machine.available_memory", lambda: 2**24)
+    leave_memory(2**24)
     with pytest.raises(rc.InputError, match=r"Filling 89700 non-measured points needs 42\.77 MiB of memory"):
         rc.read_surface(tmp_path / "map.npz", non_measured="fill")
 
