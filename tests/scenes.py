@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 
 import attrs
@@ -97,3 +98,33 @@ def each_once(axes):
         marks = () if places in ordinary else pytest.mark.slow
         cases.append(pytest.param(*itertools.chain(*groups), marks=marks))
     return pytest.mark.parametrize(" ".join(axes).split(), cases)
+
+
+@attrs.frozen
+class Doubled(rc.Surface):
+    inner: rc.Surface
+
+    def heights(self, grid):
+        return 2 * self.inner.heights(grid)
+
+
+@dataclasses.dataclass(frozen=True)
+class DoubledData(rc.Surface):
+    inner: rc.Surface
+
+    def heights(self, grid):
+        return 2 * self.inner.heights(grid)
+
+
+class DoubledPlain(rc.Surface):
+    def __init__(self, inner):
+        self.inner = inner
+
+    def heights(self, grid):
+        return 2 * self.inner.heights(grid)
+
+    def with_parts(self, parts):
+        return DoubledPlain(*parts)
+
+
+WRAPPERS = [Doubled, DoubledData, DoubledPlain]
