@@ -15,6 +15,7 @@ from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._parts.materials import Elastic, ElasticPerfectlyPlastic, Material
 from roughcontact._parts.surfaces import border_jump, rms_slope
 from roughcontact._solve.solution.fields import ContactFields
+from roughcontact._solve.solution.theory import compare_areas
 from roughcontact.errors.door import guarded
 
 # Young's modulus of the softest rubbers, Pa, minimum Poisson's ratio of softer solids that are gels and not foams, and
@@ -409,10 +410,10 @@ def _find_slope(solution: ContactFields) -> Finding:
 def _find_departure(solution: Any) -> Finding:
     """Return the distance of the area from the range of Persson's theory, in standard deviations."""
     name = "theory"
-    theory = solution.theory
+    theory = compare_areas(solution)
     if theory is None:
         return Finding(name, math.nan, "Persson's theory does not hold for this contact")
-    text = f"the area of Persson's theory is {theory.area_ratio:.2f} of the solved one"
+    text = f"the area of Persson's theory is {theory.ratio:.2f} of the solved one"
     return Finding(name, theory.departure, text)
 
 

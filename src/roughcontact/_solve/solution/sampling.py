@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from functools import cached_property
 from typing import Any
 
 import attrs
@@ -10,12 +12,15 @@ import numpy as np
 import scipy
 
 from roughcontact._base.arrays import Array, IntArray, Mask
-from roughcontact._parts.grid import Grid, extend
+from roughcontact._base.units import Deferred
+from roughcontact._parts.grid import Boundary, Grid, extend
 from roughcontact._parts.surfaces import FlatSurface, polynomial
 from roughcontact._solve.solution.fields import ContactFields
 from roughcontact.reference.roughness import Waves, find_lay, transform_waves
 
-# All constants were set on the tuned classes of docs/studies/sampling.py.
+# Maximum cells of a contact whose answers hold its fields until their sampling errors are read.
+_MAX_HELD_CELLS = 2**16
+# All further constants were set on the tuned classes of docs/studies/sampling.py.
 # Tiles of a square domain along each side, between which the load is compared with the area, and cells along a side
 # of the coarse heights, which hold the longest waves.
 _TILES = 8
@@ -105,6 +110,68 @@ class PlaceStatistics:
     unevenness: float
 
 
+@attrs.frozen(eq=False)
+class Place:
+    """What the sampling errors of a contact follow from, without the rest of its fields.
+
+    Attributes
+    ----------
+    grid, boundary, initial_gap, pressure
+        Those of the contact.
+    non_measured
+        Points whose roughness is not known, shape `grid.shape`; None without any.
+    members, count
+        Flat indices of the cells in contact, and the number of its patches.
+    has_form
+        Whether a ball, say, is pressed on the roughness, so that it touches in a part of the domain.
+    modulus
+        Contact modulus of the shortest waves, Pa.
+    """
+
+    grid: Grid
+    boundary: Boundary
+    initial_gap: Array
+    pressure: Array
+    non_measured: Mask | None
+    members: IntArray
+    count: int
+    has_form: bool
+    modulus: float
+
+    @classmethod
+    def of(cls, solution: ContactFields, non_measured: Mask | None = None) -> Place | None:
+        """Return the place of a solution; None where no other places are known, or without a contact."""
+        if not _is_sampled(solution) or not solution.contact.any():
+            return None
+        return cls(
+            grid=solution.grid,
+            boundary=solution.boundary,
+            initial_gap=solution.initial_gap,
+            pressure=solution.pressure,
+            non_measured=non_measured,
+            members=solution.patches.members,
+            count=solution.patches.count,
+            has_form=_has_form(solution),
+            modulus=solution.surface_modulus,
+        )
+
+    @cached_property
+    def statistics(self) -> PlaceStatistics | None:
+        """The statistics of the place; None without roughness."""
+        return find_place_statistics(self)
+
+    def defer(self, find: Callable[[Place, PlaceStatistics], float | None], *, at_once: bool) -> Deferred:
+        """Return a sampling error that is found when it is read; of large contacts at once, or it would hold them."""
+
+        def read() -> float | None:
+            return None if self.statistics is None else find(self, self.statistics)
+
+        found = Deferred(read)
+        if at_once or self.grid.cells > _MAX_HELD_CELLS:
+            found.read()
+        return found
+
+
 def _is_sampled(solution: ContactFields) -> bool:
     """Return whether there are other places, and their differences can be estimated."""
     if solution.origin is None or solution.tension is not None or not solution.status.success:
@@ -115,46 +182,57 @@ def _is_sampled(solution: ContactFields) -> bool:
 
 
 def _has_form(solution: ContactFields) -> bool:
-    """Return whether a ball, say, is pressed on the roughness, so that it touches in a part of the domain."""
     known = () if solution.origin is None else solution.origin.surfaces
     return any(not (one.is_random or isinstance(one, FlatSurface)) for one in known)
 
 
-def find_area_sampling(solution: Any) -> float | None:
+def defer_area_sampling(solution: Any) -> Deferred | None:
     """Return the standard deviation of the area between places, over the area; None if it is not known."""
-    found = solution._place
-    if found is None:
-        return None
+    place: Place | None = solution._place
+    return None if place is None else place.defer(_vary_area, at_once=not solution.parts.is_whole)
+
+
+def _vary_area(place: Place, found: PlaceStatistics) -> float | None:
     even = _AREA_FACTOR * found.tiles * (1.0 + _DEPENDENCE * found.height)
     return _keep_known(found.elasticity * math.hypot(even, found.unevenness))
 
 
-def find_stiffness_sampling(solution: Any, stiffness: float) -> float | None:
+def defer_stiffness_sampling(solution: Any, stiffness: float) -> Deferred | None:
     """Return the standard deviation of the stiffness, N/m, between places, over it; None if it is not known."""
-    found = solution._place
+    place: Place | None = solution._place
     free = solution.boundary.free_axes
-    if found is None or not math.isfinite(stiffness) or free[0] != free[1]:
+    if place is None or not math.isfinite(stiffness) or free[0] != free[1]:
         return None
-    of_height, of_tiles = _STIFFNESS_FACTORS
-    rough = math.hypot(of_height * found.height, of_tiles * found.tiles, _STIFFNESS_UNEVENNESS * found.unevenness)
-    if not free[0]:
-        return _keep_known(rough)
-    # A flat punch as large as the domain, or the ellipse in which a ball touches, yields too, everywhere alike.
-    sides = _find_window(solution).size
-    flat = _find_punch_stiffness(sides, float(solution.effective_modulus(1.0 / math.sqrt(sides[0] * sides[1]))))
-    flat *= _ELLIPSE_FACTOR if _has_form(solution) else 1.0
-    return _keep_known(rough * max(1.0 - stiffness / flat, _MIN_ROUGH_FRACTION))
+    part = 1.0
+    if free[0]:
+        # A flat punch as large as the domain, or the ellipse in which a ball touches, yields too, everywhere alike.
+        sides = _find_window(place).size
+        flat = _find_punch_stiffness(sides, float(solution.effective_modulus(1.0 / math.sqrt(sides[0] * sides[1]))))
+        flat *= _ELLIPSE_FACTOR if place.has_form else 1.0
+        part = max(1.0 - stiffness / flat, _MIN_ROUGH_FRACTION)
+
+    def vary(place: Place, found: PlaceStatistics) -> float | None:
+        of_height, of_tiles = _STIFFNESS_FACTORS
+        rough = math.hypot(of_height * found.height, of_tiles * found.tiles, _STIFFNESS_UNEVENNESS * found.unevenness)
+        return _keep_known(rough * part)
+
+    return place.defer(vary, at_once=not solution.parts.is_whole)
 
 
-def find_peak_sampling(solution: Any) -> float | None:
+def defer_peak_sampling(solution: Any) -> Deferred | None:
     """Return the standard deviation of the maximum pressure between places, over it; None if it is not known."""
-    found = solution._place
-    if found is None:
+    place: Place | None = solution._place
+    if place is None:
         return None
-    if solution.saturated.any():
-        return 0.0
-    maxima = _vary_maxima(solution, found.lay**_PEAK_LAY_EXPONENT)
-    return _keep_known(math.hypot(maxima, _PEAK_UNEVENNESS * found.unevenness))
+    saturated = bool(solution.saturated.any())
+
+    def vary(place: Place, found: PlaceStatistics) -> float | None:
+        if saturated:
+            return 0.0
+        maxima = _vary_maxima(place, found.lay**_PEAK_LAY_EXPONENT)
+        return _keep_known(math.hypot(maxima, _PEAK_UNEVENNESS * found.unevenness))
+
+    return place.defer(vary, at_once=not solution.parts.is_whole)
 
 
 def _keep_known(relative: float) -> float | None:
@@ -164,7 +242,8 @@ def _keep_known(relative: float) -> float | None:
 
 def find_sampling_warning(solution: Any) -> str:
     """Return why other places may differ more than the sampling errors say, empty without a reason."""
-    found = solution._place
+    place: Place | None = solution._place
+    found = None if place is None else place.statistics
     if found is None:
         return ""
     if found.unevenness > _MAX_UNEVENNESS:
@@ -176,27 +255,25 @@ def find_sampling_warning(solution: Any) -> str:
     return ""
 
 
-def find_place_statistics(solution: ContactFields, non_measured: Mask | None = None) -> PlaceStatistics | None:
-    """Return the statistics of the place; None where no other places are known, or without a contact or roughness.
+def find_place_statistics(place: Place) -> PlaceStatistics | None:
+    """Return the statistics of a place; None without roughness.
 
-    The roughness at non-measured points, shape `grid.shape`, is not known, whatever gap the solution has there.
+    The roughness at non-measured points is not known, whatever gap the place has there.
     """
-    if not _is_sampled(solution) or not solution.contact.any():
-        return None
-    window = _find_window(solution)
-    waves = _find_long_waves(solution, window)
+    window = _find_window(place)
+    waves = _find_long_waves(place, window)
     if waves is None:
         return None
     height = min(waves.spread(1.0) / waves.sum(1.0), _MAX_HEIGHT_ERROR)
     lay = min(find_lay(waves)[0], _MAX_LAY_RATIO)
     known = np.ones(window.shape, dtype=bool)
-    if non_measured is not None:
-        known = ~non_measured[window.slices]
+    if place.non_measured is not None:
+        known = ~place.non_measured[window.slices]
     if known.mean() < _MIN_KNOWN_FRACTION:
         return None
-    elasticity = _find_elasticity(min(solution.patches.members.size / np.count_nonzero(known), 1.0))
-    tiles = _compare_tiles(solution, window, elasticity) * lay**_TILE_LAY_EXPONENT
-    unevenness = _find_unevenness(solution, window, waves, known)
+    elasticity = _find_elasticity(min(place.members.size / np.count_nonzero(known), 1.0))
+    tiles = _compare_tiles(place, window, elasticity) * lay**_TILE_LAY_EXPONENT
+    unevenness = _find_unevenness(place, window, waves, known)
     return None if unevenness is None else PlaceStatistics(tiles, elasticity, height, lay, unevenness)
 
 
@@ -215,11 +292,11 @@ class _Window:
         return i, j
 
 
-def _find_window(solution: ContactFields) -> _Window:
-    grid = solution.grid
-    if not _has_form(solution):
+def _find_window(place: Place) -> _Window:
+    grid = place.grid
+    if not place.has_form:
         return _Window((0, 0), grid.shape, grid.size)
-    i, j = np.divmod(solution.patches.members, grid.shape[1])
+    i, j = np.divmod(place.members, grid.shape[1])
     nx, ny = (int(k.max() - k.min()) + 1 for k in (i, j))
     dx, dy = grid.spacing
     return _Window((int(i.min()), int(j.min())), (nx, ny), (nx * dx, ny * dy))
@@ -240,37 +317,37 @@ def _count_tiles(window: _Window, per_side: int) -> tuple[int, int]:
     return nx, ny
 
 
-def _share(solution: ContactFields, window: _Window, per_side: int) -> tuple[Array, Array]:
+def _share(place: Place, window: _Window, per_side: int) -> tuple[Array, Array]:
     """Return the fractions of the load and of the area of each tile of a window."""
     nx, ny = _count_tiles(window, per_side)
     rows, columns = (
         np.repeat(np.arange(count), np.diff(_find_edges(count, cells)))
         for count, cells in zip((nx, ny), window.shape, strict=True)
     )
-    members = solution.patches.members
-    i, j = np.divmod(members, solution.grid.shape[1])
+    members = place.members
+    i, j = np.divmod(members, place.grid.shape[1])
     tile = rows[i - window.first[0]] * ny + columns[j - window.first[1]]
-    pressures = solution.pressure.ravel()[members]
+    pressures = place.pressure.ravel()[members]
     loads = np.bincount(tile, weights=pressures / pressures.sum(), minlength=nx * ny)
     areas = np.bincount(tile, weights=np.full(members.size, 1.0 / members.size), minlength=nx * ny)
     return np.asarray(loads, dtype=np.float64), np.asarray(areas, dtype=np.float64)
 
 
-def _compare_tiles(solution: ContactFields, window: _Window, elasticity: float) -> float:
+def _compare_tiles(place: Place, window: _Window, elasticity: float) -> float:
     r"""Return the standard deviation of the area at a given load, by tiles of a window.
 
     With loads F and areas A of independent tiles the ratio of the sums, :math:`r = \sum A / \sum F`, has
 
     .. math:: \left(\frac{s_r}{r}\right)^2 = \frac{\sum (A_i - r F_i)^2}{(\sum A_i)^2}
     """
-    loads, areas = _share(solution, window, _TILES)
+    loads, areas = _share(place, window, _TILES)
     found = float(np.sum((areas - loads) ** 2))
     count = 1.0 / float(np.sum(loads**2))
-    usual = (_PATCH_STD * elasticity) ** 2 / solution.patches.count
+    usual = (_PATCH_STD * elasticity) ** 2 / place.count
     return math.sqrt((count * found + _PATCH_WEIGHT * usual) / (count + _PATCH_WEIGHT))
 
 
-def _find_unevenness(solution: ContactFields, window: _Window, waves: Waves, measured: Mask) -> float | None:
+def _find_unevenness(place: Place, window: _Window, waves: Waves, measured: Mask) -> float | None:
     r"""Return the relative standard deviation of the rms slope in contact beyond that of a Gaussian surface.
 
     None where the cells that are compared are flat, or their upper half is, as on a map of a few steps.
@@ -285,21 +362,21 @@ def _find_unevenness(solution: ContactFields, window: _Window, waves: Waves, mea
     parts are strips. Few steep summits have two other signs: pressures that spread more than those of a Gaussian
     surface, and a contact smaller than its.
     """
-    heights, slopes, compared = _sample_slopes(solution, window, measured)
+    heights, slopes, compared = _sample_slopes(place, window, measured)
     # The contact knows only the upper half.
     upper = compared & (heights < heights.mean(where=compared))
     if not slopes[upper].any():
         return None
     square = float(slopes.mean(where=compared))
     cells = np.count_nonzero(measured)
-    pressures = solution.pressure.ravel()[solution.patches.members]
+    pressures = place.pressure.ravel()[place.members]
     fraction = pressures.size / cells
-    load = float(pressures.sum()) / cells / (solution.surface_modulus * math.sqrt(square))
+    load = float(pressures.sum()) / cells / (place.modulus * math.sqrt(square))
     # Persson's area.
     usual = (1.0 + _USUAL_EXCESS * (1.0 - fraction) ** 2) * math.erf(math.sqrt(2.0) * load)
     steep = max(math.log(usual / fraction), 0.0)
     spread = max(math.log(float(np.mean(pressures**2)) / (_USUAL_SPREAD * float(pressures.mean()) ** 2)), 0.0)
-    chance = _find_chance(solution, window, waves, square)
+    chance = _find_chance(place, window, waves, square)
     slopes *= upper
     mean = float(slopes.sum()) / np.count_nonzero(upper)
 
@@ -308,14 +385,14 @@ def _find_unevenness(solution: ContactFields, window: _Window, waves: Waves, mea
         if counts == (1, 1):
             return 0.0
         known = _sum_tiles(upper.astype(np.float64), counts)
-        loads, _ = _share(solution, window, per_side)
+        loads, _ = _share(place, window, per_side)
         return _find_excess(loads, _sum_tiles(slopes, counts), mean * known, _CHANCE * chance)
 
     tiles = vary(_TILES)
     long = max(factor * (vary(per_side) - tiles) for per_side, factor in _PART_FACTORS.items())
     # Slopes of the map tell little of summits that are much blunter.
     relevance = min(1.0, _BLUNT_AREA * usual / fraction)
-    across = _vary_across_lay(solution, window, waves, slopes, upper, chance)
+    across = _vary_across_lay(place, window, waves, slopes, upper, chance)
     changes = 0.5 * math.sqrt(max(relevance**2 * tiles + max(long, 0.0), across))
     return math.hypot(changes, _SPREAD_FACTOR * spread, _STEEP_FACTOR * steep)
 
@@ -333,7 +410,7 @@ def _find_excess(loads: Array, slopes: Array, usual: Array, chance: float) -> fl
 
 
 def _vary_across_lay(
-    solution: ContactFields, window: _Window, waves: Waves, slopes: Array, upper: Mask, chance: float
+    place: Place, window: _Window, waves: Waves, slopes: Array, upper: Mask, chance: float
 ) -> float:
     """Return the variance of the mean square slope in contact by strips along the lay, beyond that by chance.
 
@@ -347,13 +424,13 @@ def _vary_across_lay(
     def number(i: IntArray, j: IntArray, count: int) -> IntArray:
         """Return in which of the strips cells of the window lie."""
         x, y = ((k + 0.5) / n * side for k, n, side in zip((i, j), window.shape, window.size, strict=True))
-        place = (unit[0] * x + unit[1] * y - start) / width
-        return np.minimum((place * count).astype(np.intp), count - 1)
+        part = (unit[0] * x + unit[1] * y - start) / width
+        return np.minimum((part * count).astype(np.intp), count - 1)
 
     rows, columns = (np.arange(0, n, math.ceil(n / _SAMPLED_CELLS)) for n in window.shape)
-    members = solution.patches.members
-    i, j = np.divmod(members, solution.grid.shape[1])
-    pressures = solution.pressure.ravel()[members]
+    members = place.members
+    i, j = np.divmod(members, place.grid.shape[1])
+    pressures = place.pressure.ravel()[members]
     fractions = pressures / pressures.sum()
     mean = float(slopes.sum()) / np.count_nonzero(upper)
     found = []
@@ -367,18 +444,18 @@ def _vary_across_lay(
     return (1.0 - across**-2) * max(found)
 
 
-def _sample_slopes(solution: ContactFields, window: _Window, measured: Mask) -> tuple[Array, Array, Mask]:
+def _sample_slopes(place: Place, window: _Window, measured: Mask) -> tuple[Array, Array, Mask]:
     """Return gaps within a window and their squared slopes, of every so many cells, and which of them are measured.
 
     On a free boundary they are less their plane, or a form.
     """
-    gap = solution.initial_gap[window.slices]
-    degree = 0 if not solution.boundary.has_free_axis else 2 if _has_form(solution) else 1
+    gap = place.initial_gap[window.slices]
+    degree = 0 if not place.boundary.has_free_axis else 2 if place.has_form else 1
     taken = [np.arange(0, cells, math.ceil(cells / _SAMPLED_CELLS)) for cells in window.shape]
     heights = gap[np.ix_(*taken)]
     compared = measured[np.ix_(*taken)]
     squares = np.zeros(heights.shape)
-    for axis, step in enumerate(solution.grid.spacing):
+    for axis, step in enumerate(place.grid.spacing):
         ends = list(taken)
         ends[axis] = np.minimum(taken[axis] + 1, window.shape[axis] - 1)
         starts = list(taken)
@@ -396,24 +473,24 @@ def _invert(measured: Mask) -> Mask | None:
     return None if measured.all() else ~measured
 
 
-def _find_chance(solution: ContactFields, window: _Window, waves: Waves, square: float) -> float:
+def _find_chance(place: Place, window: _Window, waves: Waves, square: float) -> float:
     """Return the relative variance of the mean square slope between places of a Gaussian surface of this spectrum.
 
     Of large windows the middle is taken, and the longest waves.
     """
     shape = tuple(min(cells, _SAMPLED_CELLS) for cells in window.shape)
     first = (at + (cells - n) // 2 for at, cells, n in zip(window.first, window.shape, shape, strict=True))
-    part = solution.initial_gap[tuple(slice(at, at + n) for at, n in zip(first, shape, strict=True))]
+    part = place.initial_gap[tuple(slice(at, at + n) for at, n in zip(first, shape, strict=True))]
     whole = shape == window.shape
-    repeats = whole and not solution.boundary.has_free_axis
+    repeats = whole and not place.boundary.has_free_axis
     if not repeats and min(shape) >= _MIN_PLANE_CELLS:
-        part = part - polynomial(part, 2 if _has_form(solution) else 1, None)
+        part = part - polynomial(part, 2 if place.has_form else 1, None)
     chance = 0.0
     if not whole:
         long = waves.spread(waves.square) * (waves.height / waves.cell) ** 2 / square
         chance = long**2 / waves.dependent
-    if float(np.ptp(part)) > _FLATNESS * float(np.ptp(solution.initial_gap)):
-        sides = (n * step for n, step in zip(shape, solution.grid.spacing, strict=True))
+    if float(np.ptp(part)) > _FLATNESS * float(np.ptp(place.initial_gap)):
+        sides = (n * step for n, step in zip(shape, place.grid.spacing, strict=True))
         fine = transform_waves(part, Grid(shape, tuple(sides)), repeats)
         fraction = part.size / (window.shape[0] * window.shape[1])
         chance += fraction * (fine.spread(fine.square) / fine.sum(fine.square)) ** 2 / fine.dependent
@@ -434,33 +511,33 @@ def _find_elasticity(fraction: float) -> float:
     return 2.0 / math.sqrt(math.pi) * ratio * math.exp(-(ratio**2)) / fraction
 
 
-def _find_long_waves(solution: ContactFields, window: _Window) -> Waves | None:
+def _find_long_waves(place: Place, window: _Window) -> Waves | None:
     """Return the waves of coarse heights, on a free boundary less their plane or form; None for flat surfaces."""
     cells = window.shape
     shape = (min(cells[0], _COARSE_CELLS), min(cells[1], _COARSE_CELLS))
-    gap = solution.initial_gap[window.slices]
+    gap = place.initial_gap[window.slices]
     counts = np.outer(*(np.diff(_find_edges(n, full)) for n, full in zip(shape, cells, strict=True)))
     coarse = _sum_tiles(gap, shape) / counts
-    repeats = not solution.boundary.has_free_axis
+    repeats = not place.boundary.has_free_axis
     if not repeats:
         if min(shape) < _MIN_PLANE_CELLS:
             return None
-        coarse = coarse - polynomial(coarse, 2 if _has_form(solution) else 1, None)
+        coarse = coarse - polynomial(coarse, 2 if place.has_form else 1, None)
     if not float(np.ptp(coarse)) > _FLATNESS * float(np.ptp(gap)):
         return None
     return transform_waves(coarse, Grid(shape, window.size), repeats)
 
 
-def _vary_maxima(solution: ContactFields, dependence: float) -> float:
+def _vary_maxima(place: Place, dependence: float) -> float:
     """Return the relative standard deviation of the maximum pressure, from the fall of the highest local maxima.
 
     Of many independent places that have maxima with an exponential tail, the highest one scatters as the mean fall
     from the highest to a lower one; `dependence` is the factor for a lay.
     """
-    pressure = solution.pressure
-    cells = solution.patches.members
+    pressure = place.pressure
+    cells = place.members
     i, j = np.divmod(cells, pressure.shape[1])
-    around = extend(pressure, 1, solution.boundary)
+    around = extend(pressure, 1, place.boundary)
     own = pressure.ravel()[cells]
     highest = np.ones(cells.size, dtype=bool)
     for step in range(9):
@@ -470,7 +547,7 @@ def _vary_maxima(solution: ContactFields, dependence: float) -> float:
     beyond = float(maxima[count]) if maxima.size > count else 0.0
     fall = (float(maxima[:count].mean()) - beyond) / float(maxima[0])
     fall = math.sqrt((count * fall**2 + _PEAK_WEIGHT * _USUAL_FALL**2) / (count + _PEAK_WEIGHT))
-    free_x, free_y = solution.boundary.free_axes
+    free_x, free_y = place.boundary.free_axes
     nx, ny = pressure.shape
     cut = bool((free_x & ((i == 0) | (i == nx - 1)) | free_y & ((j == 0) | (j == ny - 1))).any())
     return math.hypot(_PEAK_FACTOR * dependence * fall, _CUT_PEAK_STD if cut else 0.0)
