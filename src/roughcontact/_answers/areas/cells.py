@@ -14,8 +14,6 @@ from roughcontact._solve.solution import ContactSolution
 
 # Cells of the smallest patch that may have a sharp edge: in smaller ones the pressure rises outward by chance.
 MIN_SHARP_PATCH_CELLS = 9
-# Cells inwards from an edge with which the pressure of the cell at the edge is compared.
-_INWARD_CELLS = 2
 # Height of a step over the differences of height before and behind it, from which it is sharp.
 _MIN_STEP_RATIO = 4.0
 # Steps, in cells, from a cell to its eight neighbours.
@@ -177,6 +175,10 @@ def _count_both(solution: ContactSolution, of: Mask | None) -> IntArray:
 
 def find_straight_rows(solution: ContactSolution) -> IntArray:
     """Return the lengths, in sides, of the straight rows of sides that form the edge of the contact."""
+    return solution._keep("straight rows", lambda: _find_straight_rows(solution))
+
+
+def _find_straight_rows(solution: ContactSolution) -> IntArray:
     boundary = solution.boundary
     lengths = []
     for axis, sides in enumerate(_mark_sides(solution.contact, boundary, None)):
@@ -213,46 +215,67 @@ def find_sharp_edges(solution: ContactSolution) -> Mask:
     The pressure of saturated cells does not depend on the distance from the edge: they are marked where the heights
     have a step.
     """
+    return solution._keep("sharp edges", lambda: _find_sharp_edges(solution))
+
+
+def _find_sharp_edges(solution: ContactSolution) -> Mask:
     contact = solution.contact
+    nx, ny = contact.shape
     patches = solution.patches
-    extended = extend(contact, 1, solution.boundary)
-    interior = extended[:-2] & extended[1:-1] & extended[2:]
-    interior = interior[:, :-2] & interior[:, 1:-1] & interior[:, 2:]
     sharp = np.zeros(contact.size, dtype=bool)
-    edge = np.flatnonzero(contact & ~interior)
+    edge = np.flatnonzero(contact & ~find_interior(solution))
     edge = edge[np.concatenate(([False], patches.cells >= MIN_SHARP_PATCH_CELLS))[patches.labels.ravel()[edge]]]
-    if edge.size == 0:
-        return sharp.reshape(contact.shape)
-    saturated = solution.saturated.ravel()[edge] if solution.capped else np.zeros(edge.size, dtype=bool)
-    pressure = solution.pressure.ravel()
-    touching = contact.ravel()
-    gap = solution.initial_gap.ravel() if saturated.any() else pressure
-    near = Neighbourhood.of(*split(edge, contact.shape[1]), contact.shape, solution.boundary, _INWARD_CELLS)
-    beside = {step: touching[near.at(*step)] for step in _NEIGHBOUR_STEPS}
+    i, j = split(edge, ny)
+    extended = extend(contact, 1, solution.boundary).ravel()
+    width = ny + 2
+    here = (i + 1) * width + (j + 1)
+    beside = {(dx, dy): extended.take(here + (dx * width + dy)) for dx, dy in _NEIGHBOUR_STEPS}
+    found = []
     for dx, dy in _NEIGHBOUR_STEPS:
         straight = dx == 0 or dy == 0
         sides = beside[dy, dx] & beside[-dy, -dx] if straight else ~(beside[dx, 0] | beside[0, dy])
-        facing = np.flatnonzero(sides & ~beside[dx, dy])
-        found = _find_sharp(pressure, gap, near, facing, (dx, dy), saturated[facing])
-        sharp[edge[facing[found]]] = True
+        found.append(np.flatnonzero(sides & ~beside[dx, dy]))
+    facing = np.concatenate(found)
+    if facing.size == 0:
+        return sharp.reshape(contact.shape)
+    # All directions at once.
+    steps = np.repeat(_NEIGHBOUR_STEPS, [one.size for one in found], axis=0).T
+    places = i[facing], j[facing]
+
+    def at(distance: int) -> IntArray:
+        """Return the flat indices of the cells that are so many steps further in the direction of each cell."""
+        axes = zip(places, steps, (nx, ny), solution.boundary.free_axes, strict=True)
+        row, column = (
+            np.clip(k + distance * step, 0, n - 1) if free else (k + distance * step) % n for k, step, n, free in axes
+        )
+        return np.asarray(row * ny + column)
+
+    pressure = solution.pressure.ravel()
+    outer = pressure.take(edge[facing])
+    inner, innermost = (pressure.take(at(-k)) for k in (1, 2))
+    marked = (outer >= inner) & (inner >= innermost) & (innermost > 0.0)
+    saturated = solution.saturated.ravel()[edge[facing]] if solution.capped else np.zeros(facing.size, dtype=bool)
+    if saturated.any():
+        gap = solution.initial_gap.ravel()
+        before, level, after, beyond = (gap.take(at(k)) for k in (-1, 0, 1, 2))
+        stepped = after - level > _MIN_STEP_RATIO * np.maximum(np.abs(beyond - after), np.abs(level - before))
+        marked = np.where(saturated, stepped, marked)
+    sharp[edge[facing[marked]]] = True
     return sharp.reshape(contact.shape)
 
 
-def _find_sharp(
-    pressure: Array, gap: Array, near: Neighbourhood, facing: IntArray, step: tuple[int, int], saturated: Mask
-) -> Mask:
-    """Return which of the cells that face the open side in a direction lie at a sharp edge."""
+def find_interior(solution: ContactSolution) -> Mask:
+    """Return the cells in contact whose eight neighbours are in contact too, shape (nx, ny)."""
+    return solution._keep("interior", lambda: _find_interior(solution.contact, solution.boundary))
 
-    def take(field: Array, steps: int) -> Array:
-        return field[near.at(steps * step[0], steps * step[1])[facing]]
 
-    outer, inner, innermost = (take(pressure, -k) for k in (0, 1, 2))
-    rising = (outer >= inner) & (inner >= innermost) & (innermost > 0.0)
-    if not saturated.any():
-        return rising
-    before, here, beside, beyond = (take(gap, k) for k in (-1, 0, 1, 2))
-    stepped = beside - here > _MIN_STEP_RATIO * np.maximum(np.abs(beyond - beside), np.abs(here - before))
-    return np.where(saturated, stepped, rising)
+def _find_interior(contact: Mask, boundary: Boundary) -> Mask:
+    extended = extend(contact, 1, boundary)
+    rows = extended[:-2] & extended[1:-1]
+    rows &= extended[2:]
+    interior = rows[:, :-2] & rows[:, 1:-1]
+    interior &= rows[:, 2:]
+    return interior
 
 
 def find_lost_std(solution: ContactSolution) -> float:

@@ -28,6 +28,9 @@ _DIAGONAL_INSIDE = (_CORNERS_INSIDE[0] == _CORNERS_INSIDE[2]) & (_CORNERS_INSIDE
 # The corner at which a polygon begins: the one that differs from the others, or the first of two in contact.
 _ODD_CORNERS = np.where(_THREE_INSIDE, ~_CORNERS_INSIDE, _CORNERS_INSIDE)
 _FIRST_CORNERS = np.where(_ODD_CORNERS[0] & _ODD_CORNERS[3] & _TWO_INSIDE, 3, np.argmax(_ODD_CORNERS, axis=0))
+_BEGINS_EVEN = _FIRST_CORNERS % 2 == 0
+# That corner, the one before it and both behind it, in the order in which they stand around the dual cell.
+_CORNERS_AROUND = tuple(_FIRST_CORNERS + step & 3 for step in (-1, 0, 1, 2))
 _EULER_NUMBERS = np.select([CORNER_COUNTS == 1, _THREE_INSIDE, _DIAGONAL_INSIDE], [0.25, -0.25, -0.5], 0.0)
 # Upper bound of the distance at the corners of a dual cell, in cells; at a smooth edge it is below sqrt(2).
 _MAX_DISTANCE_CELLS = 16.0
@@ -69,14 +72,11 @@ def measure_polygons(
     n = kind.size
     kind = kind.astype(np.intp)
     # Distances at the corner to begin at, the one before it and both behind it.
-    before, here, after, last = (
-        away.take((_FIRST_CORNERS + step & 3).take(kind) * n + columns) for step in (-1, 0, 1, 2)
-    )
+    before, here, after, last = (away.take(corners.take(kind) * n + columns) for corners in _CORNERS_AROUND)
     rest = _divide(here, before)
     middle = _divide(here, after)
     end = _divide(after, last)
-    even = _FIRST_CORNERS % 2 == 0
-    along, across = (np.where(even, *sides).take(kind) for sides in (size, size[::-1]))
+    along, across = (np.where(_BEGINS_EVEN, *sides).take(kind) for sides in (size, size[::-1]))
     pair = _TWO_INSIDE.take(kind)
     triangle = 0.5 * rest * middle
     chord = np.hypot(np.where(pair, 1.0, middle) * along, np.where(pair, end - rest, rest) * across)
@@ -164,6 +164,12 @@ class DualCells:
         left, right = self.columns[:, j[border]]
         found[:, border] = low + left, high + left, high + right, low + right
         return np.asarray(found)
+
+    def weigh(self, i: IntArray, j: IntArray) -> Array:
+        """Return the weights of dual cells: each of stride^2 choices of cells covers all of the contact."""
+        if self.before == (0, 0):
+            return np.full(i.size, 1.0 / self.stride**2)
+        return np.asarray(self.weights[0][i] * self.weights[1][j] / self.stride**2)
 
     def cover(self, solution: ContactSolution) -> Array:
         """Return the number of dual cells in each patch, a quarter for each corner, shape (count + 1,)."""
@@ -254,7 +260,7 @@ class Contour:
         Euler number: the number of pieces less the number of holes.
     sharp, sharp_length
         Fraction of the edge that is sharp, and the length of that part on the cells, through the middles of their
-        sides, m.
+        sides, m. These and the following are found between neighbouring cells alone.
     alike
         Mean number of dual cells with the same edge as one of them.
     meeting
@@ -282,7 +288,6 @@ def trace_contour(solution: ContactSolution, sharp: Mask, stride: int = 1) -> Co
     """
     dual = find_dual_cells(solution, stride)
     patches = solution.patches
-    cell = solution.grid.cell_area
     i, j = dual.find_edge(solution.contact)
     mine = solution.parts.own_rows(i - dual.before[0])
     i = i[mine]
@@ -291,50 +296,58 @@ def trace_contour(solution: ContactSolution, sharp: Mask, stride: int = 1) -> Co
     label = patches.labels.ravel().take(k)
     touching = label > 0
     kind = find_kinds(touching)
-    inside = CORNER_COUNTS[kind]
     jagged = sharp.ravel().take(k).any(axis=0) if sharp.any() else np.zeros(kind.size, dtype=bool)
     beside, meeting = _find_non_measured(solution, k, touching)
     # Beside non-measured points the contact ends with the cells.
     counted = jagged | beside
     size = (stride * solution.grid.spacing[0], stride * solution.grid.spacing[1])
+    whole = size[0] * size[1]
     distance = find_distances(solution, k, touching, stride)
     parts, chords, euler = measure_polygons(distance, touching, kind, size)
-    parts = np.where(counted, inside / 4.0 * (size[0] * size[1]), parts)
-    alike = _count_alike(solution.parts, parts / (size[0] * size[1]), chords / size[0], distance)
+    # The corners in contact have a quarter each.
+    quarters = CORNER_COUNTS.take(kind) / 4.0 * whole
+    parts = np.where(counted, quarters, parts)
+    fine = stride == 1
+    alike = _count_alike(solution.parts, parts / whole, chords / size[0], distance) if fine else None
     straight = np.zeros(patches.count + 1)
-    if stride == 1 and _has_known_edge(solution):
+    if fine and _has_known_edge(solution):
         straight, parts = _place_straight_edges(solution, label, distance, parts, counted)
-    # Each of stride^2 choices of cells covers all of the contact.
-    weight = dual.weights[0][i] * dual.weights[1][j] / stride**2
+    weight = dual.weigh(i, j)
     smooth = weight * ~counted
     owners = CellOwners.find(label, kind, patches.count)
     # At the edge the area of the polygon replaces the quarters of the corners in contact.
-    replaced = (parts - inside / 4.0 * (size[0] * size[1])) * weight
-    steps = jagged * weight * _measure_steps(kind, touching, size)
-    edges = (chords * smooth, euler * smooth, jagged * weight, steps)
-    terms = (weight, replaced, *edges, alike * weight, meeting * weight)
-    sums = solution.parts.total(np.stack([owners.sum(term) for term in terms]))
-    total, replaced, length, euler, jagged_part, steps, alike, met = sums
+    sums = [owners.sum(term) for term in ((parts - quarters) * weight, chords * smooth, euler * smooth)]
+    if alike is not None:
+        steps = _measure_steps(kind, touching, size, jagged)
+        sums += [owners.sum(term * weight) for term in (np.ones(kind.size), jagged, steps, alike, meeting)]
+    sums = [*solution.parts.total(np.stack(sums))]
+    replaced, length, euler = sums[:3]
+    total, jagged_part, steps, equal, met = sums[3:] or np.zeros((5, patches.count + 1))
     return Contour(
-        area=cell * dual.cover(solution) + replaced,
+        area=solution.grid.cell_area * dual.cover(solution) + replaced,
         length=length,
         euler=euler,
         sharp=_divide_or(jagged_part, total, 0.0),
         sharp_length=steps,
-        alike=_divide_or(alike, total, 1.0),
+        alike=_divide_or(equal, total, 1.0),
         meeting=met,
         straight=straight,
     )
 
 
-def _measure_steps(kind: npt.NDArray[np.uint8], touching: Mask, size: Pair) -> Array:
-    """Return the length of the edge in each dual cell through the middles of its sides, shape (n,), m."""
+def _measure_steps(kind: npt.NDArray[np.uint8], touching: Mask, size: Pair, chosen: Mask) -> Array:
+    """Return the length of the edge in chosen dual cells through the middles of their sides, shape (n,), m."""
+    steps = np.zeros(kind.size)
+    at = np.flatnonzero(chosen)
+    if at.size == 0:
+        return steps
     diagonal = 0.5 * math.hypot(*size)
     # Two corners in contact along x: the edge runs along x.
-    along = np.where(touching[0] == touching[1], size[0], size[1])
-    pieces = [(CORNER_COUNTS == 1) | _THREE_INSIDE, _DIAGONAL_INSIDE]
-    one, two = (chosen[kind] for chosen in pieces)
-    return np.select([one, two, CORNER_COUNTS[kind] == 2], [diagonal, 2.0 * diagonal, along], 0.0)
+    along = np.where(touching[0, at] == touching[1, at], size[0], size[1])
+    pieces = [(CORNER_COUNTS == 1) | _THREE_INSIDE, _DIAGONAL_INSIDE, _TWO_INSIDE]
+    cases = [one[kind[at]] for one in pieces]
+    steps[at] = np.select(cases, [diagonal, 2.0 * diagonal, along], 0.0)
+    return steps
 
 
 def _has_known_edge(solution: ContactSolution) -> bool:
