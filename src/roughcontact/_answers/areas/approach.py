@@ -272,7 +272,7 @@ def measure_bend(solution: ContactSolution) -> Bend:
 def _measure_bend(solution: ContactSolution) -> Bend:
     patches = solution.patches
     touching = np.flatnonzero(solution.contact)
-    _, _, spread, bends = (part[1:] for part in average_curvature(solution, touching))
+    _, _, spread, bends = (part[1:] for part in average_curvature(solution))
     load = patches.forces / patches.forces.sum()
     pressure = solution.pressure.ravel()[touching] / np.sum(solution.pressure)
     resolution = curvature_resolution(solution)

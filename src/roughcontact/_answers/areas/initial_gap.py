@@ -75,14 +75,20 @@ _CENTRE_VALUES = (66.0 / 120.0, 26.0 / 120.0, 1.0 / 120.0)
 _POINTS_PER_CHUNK = 1024
 
 
-def average_curvature(solution: ContactSolution, chosen: IntArray) -> tuple[Array, Array, Array, Array]:
-    """Return the curvature of the initial gap under each patch, averaged over the chosen cells weighted by pressure.
+def average_curvature(solution: ContactSolution) -> tuple[Array, Array, Array, Array]:
+    """Return the curvature of the initial gap under each patch, averaged over its cells weighted by pressure.
 
     These are half the sum of the principal curvatures, 1/m, positive at a summit; half their difference, 1/m; the
     standard deviation of all components over the patch, relative to the first; and half the sum of the second
     differences along x and y, m; each of shape (count + 1,).
     """
+    # Perimeter, approach and mean gap ask for the same.
+    return solution._keep("average curvature", lambda: _average_curvature(solution))
+
+
+def _average_curvature(solution: ContactSolution) -> tuple[Array, Array, Array, Array]:
     patches = solution.patches
+    chosen = np.flatnonzero(solution.contact)
     label = patches.labels.ravel()[chosen]
     weights = solution.pressure.ravel()[chosen]
     cells = np.concatenate(([0], patches.cells))
