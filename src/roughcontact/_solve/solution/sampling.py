@@ -141,7 +141,13 @@ class Place:
     @classmethod
     def of(cls, solution: ContactFields, non_measured: Mask | None = None) -> Place | None:
         """Return the place of a solution; None where no other places are known, or without a contact."""
-        if not _is_sampled(solution) or not solution.contact.any():
+        if solution.origin is None or solution.tension is not None or not solution.status.success:
+            return None
+        surfaces = solution.origin.surfaces
+        has_form = any(not (one.is_random or isinstance(one, FlatSurface)) for one in surfaces)
+        # On a periodic boundary a form is a wave of the domain.
+        is_sampled = any(one.is_random for one in surfaces) and (all(solution.boundary.free_axes) or not has_form)
+        if not is_sampled or not solution.contact.any():
             return None
         return cls(
             grid=solution.grid,
@@ -151,7 +157,7 @@ class Place:
             non_measured=non_measured,
             members=solution.patches.members,
             count=solution.patches.count,
-            has_form=_has_form(solution),
+            has_form=has_form,
             modulus=solution.surface_modulus,
         )
 
@@ -170,20 +176,6 @@ class Place:
         if at_once or self.grid.cells > _MAX_HELD_CELLS:
             found.read()
         return found
-
-
-def _is_sampled(solution: ContactFields) -> bool:
-    """Return whether there are other places, and their differences can be estimated."""
-    if solution.origin is None or solution.tension is not None or not solution.status.success:
-        return False
-    is_random = any(one.is_random for one in solution.origin.surfaces)
-    # On a periodic boundary a form is a wave of the domain.
-    return is_random and (all(solution.boundary.free_axes) or not _has_form(solution))
-
-
-def _has_form(solution: ContactFields) -> bool:
-    known = () if solution.origin is None else solution.origin.surfaces
-    return any(not (one.is_random or isinstance(one, FlatSurface)) for one in known)
 
 
 def defer_area_sampling(solution: Any) -> Deferred | None:
