@@ -419,6 +419,8 @@ def _count_alike(whole: Whole, parts: Array, chords: Array, distance: Corners) -
 
 def find_modulus_change(solution: ContactSolution) -> float:
     """Return the logarithm of the change of E* over two octaves of wavelength at the edge; zero without layers."""
+    if solution.moduli is None:
+        return 0.0
     length = calibration.EDGE_LENGTH * math.sqrt(solution.grid.resolved.cell_area)
     shorter, longer = solution.effective_modulus(np.array([2.0, 0.5]) / length)
     return abs(math.log(longer / shorter))

@@ -79,14 +79,20 @@ def correct_loads(solution: ContactSolution, summits: Summits, spline: Spline) -
     stiffness = 2.0 * solution.modulus * np.sqrt(np.where(summits.known, summits.area, patches.areas) / np.pi)
     depth, unit_depth, unit_area = _find_hidden(solution, spline, float(summits.curvature[even].max()))
 
+    forces = patches.forces
+    total = forces.sum()
+    paraboloid = 1.5 * flat
+
     def loads(shift: float) -> tuple[Array, Array]:
         # A paraboloid's load grows as depth^(3/2); a large patch is stiff as a flat punch of its area.
-        small = patches.forces * _raise_to_three_halves(1.0 + (excess + shift) / (1.5 * flat))
-        large = np.maximum(patches.forces + stiffness * (excess + shift), 0.0)
+        lowered = excess + shift
+        small = forces * _raise_to_three_halves(1.0 + lowered / paraboloid)
+        large = np.maximum(forces + stiffness * lowered, 0.0)
         return np.where(even, small, large), _raise_to_three_halves((depth + shift) / unit_depth)
 
     def surplus(shift: float) -> float:
-        return float(sum(part.sum() for part in loads(shift)) - patches.forces.sum())
+        carried, hidden = loads(shift)
+        return float(np.add.reduce(carried) + np.add.reduce(hidden) - total)
 
     far = 3.0 * float(flat[even].max()) + float(np.abs(excess).max())
     if surplus(-far) * surplus(far) > 0.0:
@@ -94,9 +100,9 @@ def correct_loads(solution: ContactSolution, summits: Summits, spline: Spline) -
     carried, hidden = loads(
         far * float(scipy.optimize.brentq(lambda part: surplus(part * far), -1.0, 1.0, xtol=_APPROACH_TOLERANCE))
     )
-    factor = np.where(even, carried / patches.forces, 1.0)
-    others = float(patches.forces[~even].sum() / patches.forces.sum())
-    error = calibration.APPROACH_DEFICIT_STD * np.median(curved) * solution.grid.cell_area * others / (1.5 * flat)
+    factor = np.where(even, carried / forces, 1.0)
+    others = float(forces[~even].sum() / total)
+    error = calibration.APPROACH_DEFICIT_STD * np.median(curved) * solution.grid.cell_area * others / paraboloid
     error = np.where(even, np.minimum(error, unknown), unknown)
     return LoadCorrection(factor, error, unit_area[hidden > 0.0] * hidden[hidden > 0.0] ** (2.0 / 3.0))
 
