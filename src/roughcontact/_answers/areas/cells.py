@@ -8,7 +8,7 @@ import attrs
 import numpy as np
 
 from roughcontact._answers.areas import calibration
-from roughcontact._base.arrays import Array, IntArray, Mask
+from roughcontact._base.arrays import Array, IntArray, Mask, RealArray
 from roughcontact._parts.grid import Boundary, extend, list_borders
 from roughcontact._solve.solution import ContactSolution
 
@@ -78,6 +78,16 @@ class Neighbourhood:
         found = self.cells + (i * self.width + j)
         found[self.near] = self.rows[self.reach + i] + self.columns[self.reach + j]
         return np.asarray(found)
+
+
+def gather_around(field: RealArray, cells: IntArray, reach: int, boundary: Boundary) -> RealArray:
+    """Return a field around cells of flat index, shape (2 reach + 1, 2 reach + 1, n); beyond a border as `extend`."""
+    steps = np.arange(-reach, reach + 1)[:, np.newaxis]
+    rows, columns = (
+        np.clip(at + steps, 0, n - 1) if free else (at + steps) % n
+        for at, n, free in zip(split(cells, field.shape[1]), field.shape, boundary.free_axes, strict=True)
+    )
+    return field[rows[:, np.newaxis], columns]
 
 
 def split(cells: IntArray, width: int) -> tuple[IntArray, IntArray]:
@@ -189,8 +199,11 @@ def _find_straight_rows(solution: ContactSolution) -> IntArray:
             first = np.argmin(lines[crossing], axis=1)[:, np.newaxis]
             order = (np.arange(lines.shape[1]) + first) % lines.shape[1]
             lines[crossing] = np.take_along_axis(lines[crossing], order, axis=1)
-        changes = np.diff(np.pad(lines.astype(np.int8), ((0, 0), (1, 1))), axis=1)
-        lengths.append(np.nonzero(changes == -1)[1] - np.nonzero(changes == 1)[1])
+        # With a gap before the first line and behind each.
+        padded = np.zeros(lines.shape[0] * (lines.shape[1] + 1) + 1, dtype=bool)
+        padded[1:].reshape(lines.shape[0], -1)[:, :-1] = lines
+        starts, stops = np.flatnonzero(padded[1:] != padded[:-1]).reshape(-1, 2).T
+        lengths.append(stops - starts)
     return np.concatenate(lengths)
 
 
@@ -306,11 +319,14 @@ def _find_crease_std(solution: ContactSolution) -> float:
     lost = np.zeros(chosen.shape)
     shape = solution.grid.shape
     near = Neighbourhood.inside(solution, chosen, _REACH)
-    touching = Neighbourhood.of(*split(chosen, shape[1]), shape, solution.boundary, _REACH)
     for step, cells in zip(((1, 0), (0, 1)), shape, strict=True):
         if cells > 2 * _REACH:
+            height = _find_lost_height(solution, near, step)
+            creased = np.flatnonzero(height)
+            places = split(chosen[creased], shape[1])
+            touching = Neighbourhood.of(*places, shape, solution.boundary, _REACH)
             narrow = np.minimum(_NARROW_RUN / _count_run(solution, touching, step), 1.0)
-            lost += narrow**2 * _find_lost_height(solution, near, step)
+            lost[creased] += narrow**2 * height[creased]
     return calibration.CREASE_STD * float(np.sum(load * lost) / np.sum(load))
 
 

@@ -8,7 +8,13 @@ import attrs
 import numpy as np
 
 from roughcontact._answers.areas import calibration
-from roughcontact._answers.areas.cells import count_saturated, find_cut_cells, find_interior, find_sharp_edges, find_straight_rows
+from roughcontact._answers.areas.cells import (
+    count_saturated,
+    find_cut_cells,
+    find_interior,
+    find_sharp_edges,
+    find_straight_rows,
+)
 from roughcontact._answers.areas.contour import Contour, find_modulus_change, trace_contour
 from roughcontact._answers.areas.initial_gap import curvature_resolution, find_filled, lay_ratio, rim_ratio
 from roughcontact._base.arrays import Array, Mask

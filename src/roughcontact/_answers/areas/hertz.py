@@ -7,7 +7,7 @@ import numpy as np
 import scipy
 
 from roughcontact._answers.areas import calibration
-from roughcontact._answers.areas.cells import Neighbourhood, count_saturated, split
+from roughcontact._answers.areas.cells import Neighbourhood, count_saturated, gather_around, split
 from roughcontact._answers.areas.initial_gap import Spline, combine_principal, curvature_resolution
 from roughcontact._answers.areas.summits import (
     MIN_CURVATURE_RATIO,
@@ -20,7 +20,7 @@ from roughcontact._answers.areas.summits import (
     unwrap,
 )
 from roughcontact._base.arrays import Array, IntArray, Mask
-from roughcontact._parts.grid import extend, grow
+from roughcontact._parts.grid import grow
 from roughcontact._parts.kernels import Love
 from roughcontact._solve.solution import ContactSolution
 
@@ -333,15 +333,12 @@ def _find_tip_error(solution: ContactSolution) -> Array:
 
 def find_sharpness(solution: ContactSolution, cells: IntArray) -> Array:
     """Return the logarithm of the curvature over one cell over that over two; nan where one is not positive."""
-    gap = extend(solution.initial_gap, 2, solution.boundary)
-    row, column = split(cells, solution.grid.shape[1])
-    i = row + 2
-    j = column + 2
+    around = gather_around(solution.initial_gap, cells, 2, solution.boundary)
 
     def curvature(step: int) -> Array:
         dx, dy = (step * length for length in solution.grid.spacing)
-        along_x = gap[i + step, j] + gap[i - step, j] - 2.0 * gap[i, j]
-        along_y = gap[i, j + step] + gap[i, j - step] - 2.0 * gap[i, j]
+        along_x = around[2 + step, 2] + around[2 - step, 2] - 2.0 * around[2, 2]
+        along_y = around[2, 2 + step] + around[2, 2 - step] - 2.0 * around[2, 2]
         return np.asarray(along_x / dx**2 + along_y / dy**2)
 
     near = curvature(1)

@@ -399,9 +399,13 @@ def _find_slope(solution: ContactFields) -> Finding:
     name = "slope"
     total = 0.0
     contact = solution.contact
-    for axis, spacing in enumerate(solution.grid.spacing):
-        first, second = (np.take(contact, range(k, n - 1 + k), axis) for n in (contact.shape[axis],) for k in (0, 1))
-        steps = np.diff(solution.initial_gap, axis=axis)[first & second] / spacing
+    gap = solution.initial_gap
+    for spacing, before, after in (
+        (solution.grid.spacing[0], np.s_[:-1], np.s_[1:]),
+        (solution.grid.spacing[1], np.s_[:, :-1], np.s_[:, 1:]),
+    ):
+        both = contact[before] & contact[after]
+        steps = (gap[after][both] - gap[before][both]) / spacing
         total += float(np.mean(steps**2)) if steps.size else 0.0
     slope = math.sqrt(total)
     return Finding(name, slope, f"the rms slope of both surfaces together is {slope:.3g} in contact")
