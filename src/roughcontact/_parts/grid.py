@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from enum import StrEnum
+from functools import cached_property
 from typing import Any
 
 import attrs
@@ -125,7 +126,7 @@ class Grid:
     shape: tuple[int, int] = attrs.field(converter=grid_shape)
     size: Pair = attrs.field(converter=_size, metadata={"unit": "m"})
 
-    @property
+    @cached_property
     def spacing(self) -> Pair:
         """Sides of a cell (dx, dy), m."""
         return self.size[0] / self.shape[0], self.size[1] / self.shape[1]
@@ -135,7 +136,7 @@ class Grid:
         """Number of cells."""
         return self.shape[0] * self.shape[1]
 
-    @property
+    @cached_property
     def cell_area(self) -> float:
         """Area of a cell, m2."""
         return self.spacing[0] * self.spacing[1]

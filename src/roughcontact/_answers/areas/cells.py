@@ -17,7 +17,12 @@ MIN_SHARP_PATCH_CELLS = 9
 # Height of a step over the differences of height before and behind it, from which it is sharp.
 _MIN_STEP_RATIO = 4.0
 # Steps, in cells, from a cell to its eight neighbours.
-_NEIGHBOUR_STEPS = ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1))
+_NEIGHBOUR_STEPS = np.array(((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)))
+# Which of these run along an axis, shape (8, 1), and the two neighbours beside each direction by their places there:
+# across an axis on both sides, and beside a diagonal those along both axes.
+_IS_STRAIGHT = (_NEIGHBOUR_STEPS == 0).any(axis=1)[:, np.newaxis]
+_FIRST_BESIDE = np.array((2, 3, 0, 1, 0, 0, 1, 1))
+_SECOND_BESIDE = np.array((3, 2, 1, 0, 2, 3, 2, 3))
 # Second differences beside the two at a crease, in cells from the first of both, that must be small.
 _BESIDE_CREASE = (-2, -1, 2, 3)
 # Cells on each side that the second differences at a cell and beside it need.
@@ -242,17 +247,15 @@ def _find_sharp_edges(solution: ContactSolution) -> Mask:
     extended = extend(contact, 1, solution.boundary).ravel()
     width = ny + 2
     here = (i + 1) * width + (j + 1)
-    beside = {(dx, dy): extended.take(here + (dx * width + dy)) for dx, dy in _NEIGHBOUR_STEPS}
-    found = []
-    for dx, dy in _NEIGHBOUR_STEPS:
-        straight = dx == 0 or dy == 0
-        sides = beside[dy, dx] & beside[-dy, -dx] if straight else ~(beside[dx, 0] | beside[0, dy])
-        found.append(np.flatnonzero(sides & ~beside[dx, dy]))
-    facing = np.concatenate(found)
+    beside = extended.take(here + (_NEIGHBOUR_STEPS @ (width, 1))[:, np.newaxis])
+    one = beside[_FIRST_BESIDE]
+    other = beside[_SECOND_BESIDE]
+    sides = np.where(_IS_STRAIGHT, one & other, ~(one | other))
+    # All directions at once.
+    direction, facing = np.nonzero(sides & ~beside)
     if facing.size == 0:
         return sharp.reshape(contact.shape)
-    # All directions at once.
-    steps = np.repeat(_NEIGHBOUR_STEPS, [one.size for one in found], axis=0).T
+    steps = _NEIGHBOUR_STEPS[direction].T
     places = i[facing], j[facing]
 
     def at(distance: int) -> IntArray:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import TypeAlias
 
 import attrs
@@ -25,12 +26,14 @@ CORNER_COUNTS = _CORNERS_INSIDE.sum(axis=0).astype(np.float64)
 _TWO_INSIDE = CORNER_COUNTS == 2
 _THREE_INSIDE = CORNER_COUNTS == 3
 _DIAGONAL_INSIDE = (_CORNERS_INSIDE[0] == _CORNERS_INSIDE[2]) & (_CORNERS_INSIDE[1] == _CORNERS_INSIDE[3]) & _TWO_INSIDE
+# Of two corners in contact: whether both lie along x, and the edge too.
+_EDGE_ALONG_X = _CORNERS_INSIDE[0] == _CORNERS_INSIDE[1]
 # The corner at which a polygon begins: the one that differs from the others, or the first of two in contact.
 _ODD_CORNERS = np.where(_THREE_INSIDE, ~_CORNERS_INSIDE, _CORNERS_INSIDE)
 _FIRST_CORNERS = np.where(_ODD_CORNERS[0] & _ODD_CORNERS[3] & _TWO_INSIDE, 3, np.argmax(_ODD_CORNERS, axis=0))
 _BEGINS_EVEN = _FIRST_CORNERS % 2 == 0
-# That corner, the one before it and both behind it, in the order in which they stand around the dual cell.
-_CORNERS_AROUND = tuple(_FIRST_CORNERS + step & 3 for step in (-1, 0, 1, 2))
+# The corner before it, itself and both behind it, shape (4, 16).
+_CORNERS_AROUND = np.stack([_FIRST_CORNERS + step & 3 for step in (-1, 0, 1, 2)])
 _EULER_NUMBERS = np.select([CORNER_COUNTS == 1, _THREE_INSIDE, _DIAGONAL_INSIDE], [0.25, -0.25, -0.5], 0.0)
 # Upper bound of the distance at the corners of a dual cell, in cells; at a smooth edge it is below sqrt(2).
 _MAX_DISTANCE_CELLS = 16.0
@@ -67,15 +70,11 @@ def measure_polygons(
     distance: Corners, contact: Mask, kind: npt.NDArray[np.uint8], size: tuple[float, float]
 ) -> tuple[Array, Array, Array]:
     """Return the area inside (m2), the length (m) and the Euler number of the edge in each dual cell."""
-    away = np.abs(distance).ravel()
-    columns = np.arange(kind.size)
     n = kind.size
     kind = kind.astype(np.intp)
-    # Distances at the corner to begin at, the one before it and both behind it.
-    before, here, after, last = (away.take(corners.take(kind) * n + columns) for corners in _CORNERS_AROUND)
-    rest = _divide(here, before)
-    middle = _divide(here, after)
-    end = _divide(after, last)
+    # Distances at the corner before the one to begin at, at that one and at both behind it.
+    around = np.abs(distance).ravel().take(_CORNERS_AROUND.take(kind, axis=1) * n + np.arange(n))
+    rest, middle, end = _divide(around.take((1, 1, 2), axis=0), around.take((0, 2, 3), axis=0))
     along, across = (np.where(_BEGINS_EVEN, *sides).take(kind) for sides in (size, size[::-1]))
     pair = _TWO_INSIDE.take(kind)
     triangle = 0.5 * rest * middle
@@ -231,10 +230,15 @@ class CellOwners:
 
 def find_dual_cells(solution: ContactSolution, stride: int) -> DualCells:
     """Return the dual cells whose corners are `stride` cells apart."""
-    before = tuple(stride if free else 0 for free in solution.boundary.free_axes)
+    return _make_dual_cells(solution.contact.shape, solution.boundary.free_axes, stride)
+
+
+@lru_cache(maxsize=8)
+def _make_dual_cells(shape: tuple[int, int], free: tuple[bool, bool], stride: int) -> DualCells:
+    before = tuple(stride if ends else 0 for ends in free)
     weights = []
     corners = []
-    for n, more in zip(solution.contact.shape, before, strict=True):
+    for n, more in zip(shape, before, strict=True):
         first = np.arange(-more, n)
         both = np.stack((first, first + stride))
         if more == 0:
@@ -318,7 +322,7 @@ def trace_contour(solution: ContactSolution, sharp: Mask, stride: int = 1) -> Co
     # At the edge the area of the polygon replaces the quarters of the corners in contact.
     sums = [owners.sum(term) for term in ((parts - quarters) * weight, chords * smooth, euler * smooth)]
     if alike is not None:
-        steps = _measure_steps(kind, touching, size, jagged)
+        steps = _measure_steps(kind, size, jagged)
         sums += [owners.sum(term * weight) for term in (np.ones(kind.size), jagged, steps, alike, meeting)]
     sums = [*solution.parts.total(np.stack(sums))]
     replaced, length, euler = sums[:3]
@@ -335,18 +339,17 @@ def trace_contour(solution: ContactSolution, sharp: Mask, stride: int = 1) -> Co
     )
 
 
-def _measure_steps(kind: npt.NDArray[np.uint8], touching: Mask, size: Pair, chosen: Mask) -> Array:
+def _measure_steps(kind: npt.NDArray[np.uint8], size: Pair, chosen: Mask) -> Array:
     """Return the length of the edge in chosen dual cells through the middles of their sides, shape (n,), m."""
     steps = np.zeros(kind.size)
     at = np.flatnonzero(chosen)
     if at.size == 0:
         return steps
     diagonal = 0.5 * math.hypot(*size)
-    # Two corners in contact along x: the edge runs along x.
-    along = np.where(touching[0, at] == touching[1, at], size[0], size[1])
-    pieces = [(CORNER_COUNTS == 1) | _THREE_INSIDE, _DIAGONAL_INSIDE, _TWO_INSIDE]
-    cases = [one[kind[at]] for one in pieces]
-    steps[at] = np.select(cases, [diagonal, 2.0 * diagonal, along], 0.0)
+    lengths = np.where(_EDGE_ALONG_X, size[0], size[1])
+    lengths[(CORNER_COUNTS == 1) | _THREE_INSIDE] = diagonal
+    lengths[_DIAGONAL_INSIDE] = 2.0 * diagonal
+    steps[at] = lengths.take(kind[at])
     return steps
 
 

@@ -448,11 +448,12 @@ def _find_repeating_axes(solution: ContactSolution) -> Boundary:
     A spline across it would swing far into the domain.
     """
     ends = []
-    for axis, free in enumerate(solution.boundary.free_axes):
-        gap = np.moveaxis(solution.initial_gap, axis, 0)
-        contact = np.moveaxis(solution.contact, axis, 0)
+    fields = (solution.initial_gap, solution.contact), (solution.initial_gap.T, solution.contact.T)
+    for free, (gap, contact) in zip(solution.boundary.free_axes, fields, strict=True):
         beside = contact[:_BORDER_CELLS].any() or contact[-_BORDER_CELLS:].any()
         ends.append(free or not (beside or _goes_on(gap)))
+    if tuple(ends) == solution.boundary.free_axes:
+        return solution.boundary
     return as_boundary(["free" if end else "periodic" for end in ends])
 
 
@@ -461,8 +462,9 @@ def _goes_on(values: Array) -> bool:
     if len(values) < 4 * _BORDER_CELLS:
         return True
     lines = values[:, :: max(1, values.shape[1] // _COMPARED_LINES)]
-    border = np.diff(np.concatenate((lines[-2:], lines[:2])), 2, axis=0)
-    inside = np.diff(lines, 2, axis=0)
+    border, inside = (
+        np.diff(part[1:] - part[:-1], axis=0) for part in (np.concatenate((lines[-2:], lines[:2])), lines)
+    )
     return float(np.mean(border**2)) <= _MIN_BORDER_STEP**2 * float(np.mean(inside**2))
 
 
