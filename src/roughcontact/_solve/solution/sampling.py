@@ -413,10 +413,12 @@ def _vary_across_lay(
     start = sum(min(part, 0.0) * side for part, side in zip(unit, window.size, strict=True))
     width = sum(abs(part) * side for part, side in zip(unit, window.size, strict=True))
 
-    def number(i: IntArray, j: IntArray, count: int) -> IntArray:
-        """Return in which of the strips cells of the window lie."""
+    def measure(i: IntArray, j: IntArray) -> Array:
+        """Return how far across the lay cells of the window lie, from 0 to 1."""
         x, y = ((k + 0.5) / n * side for k, n, side in zip((i, j), window.shape, window.size, strict=True))
-        part = (unit[0] * x + unit[1] * y - start) / width
+        return np.asarray((unit[0] * x + unit[1] * y - start) / width)
+
+    def number(part: Array, count: int) -> IntArray:
         return np.minimum((part * count).astype(np.intp), count - 1)
 
     rows, columns = (np.arange(0, n, math.ceil(n / _SAMPLED_CELLS)) for n in window.shape)
@@ -425,13 +427,15 @@ def _vary_across_lay(
     pressures = place.pressure.ravel()[members]
     fractions = pressures / pressures.sum()
     mean = float(slopes.sum()) / np.count_nonzero(upper)
+    sampled = measure(rows[:, np.newaxis], columns).ravel()
+    touching = measure(i - window.first[0], j - window.first[1])
+    counted = upper.ravel().astype(np.float64)
     found = []
     for count in _STRIPS:
-        strip = number(rows[:, np.newaxis], columns, count).ravel()
-        known = np.bincount(strip, weights=upper.ravel(), minlength=count)
+        strip = number(sampled, count)
+        known = np.bincount(strip, weights=counted, minlength=count)
         sums = np.asarray(np.bincount(strip, weights=slopes.ravel(), minlength=count), dtype=np.float64)
-        touching = number(i - window.first[0], j - window.first[1], count)
-        loads = np.bincount(touching, weights=fractions, minlength=count)
+        loads = np.bincount(number(touching, count), weights=fractions, minlength=count)
         found.append(_find_excess(np.asarray(loads, dtype=np.float64), sums, mean * known, chance))
     return (1.0 - across**-2) * max(found)
 
@@ -443,18 +447,20 @@ def _sample_slopes(place: Place, window: _Window, measured: Mask) -> tuple[Array
     """
     gap = place.initial_gap[window.slices]
     degree = 0 if not place.boundary.has_free_axis else 2 if place.has_form else 1
-    taken = [np.arange(0, cells, math.ceil(cells / _SAMPLED_CELLS)) for cells in window.shape]
-    heights = gap[np.ix_(*taken)]
-    compared = measured[np.ix_(*taken)]
+    steps = [math.ceil(cells / _SAMPLED_CELLS) for cells in window.shape]
+    each = np.s_[:: steps[0], :: steps[1]]
+    heights = gap[each]
+    compared = measured[each].copy()
     squares = np.zeros(heights.shape)
-    for axis, step in enumerate(place.grid.spacing):
-        ends = list(taken)
-        ends[axis] = np.minimum(taken[axis] + 1, window.shape[axis] - 1)
-        starts = list(taken)
-        starts[axis] = np.maximum(ends[axis] - 1, 0)
-        slopes = (gap[np.ix_(*ends)] - gap[np.ix_(*starts)]) / step
-        both = measured[np.ix_(*ends)] & measured[np.ix_(*starts)]
-        compared = compared & both
+    for axis, side in enumerate(place.grid.spacing):
+        # Towards the next cell, and of the last one from the one before.
+        last = window.shape[axis] - 1
+        starts = np.minimum(np.arange(0, last + 1, steps[axis]), max(last - 1, 0))
+        ends = np.minimum(starts + 1, last)
+        lines, known = (field[:, :: steps[1]] if axis == 0 else field[:: steps[0]] for field in (gap, measured))
+        slopes = (lines.take(ends, axis) - lines.take(starts, axis)) / side
+        both = known.take(ends, axis) & known.take(starts, axis)
+        compared &= both
         squares += (slopes - polynomial(slopes, degree - 1, _invert(both)) if degree else slopes) ** 2
     heights = heights - polynomial(heights, degree, _invert(compared)) if degree else heights
     return np.asarray(heights), np.where(compared, squares, 0.0), compared
