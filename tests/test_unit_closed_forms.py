@@ -14,7 +14,8 @@ import roughcontact as rc
 from roughcontact import reference
 from roughcontact._answers.areas import summits
 from roughcontact._answers.areas.cells import count_sides, find_straight_rows
-from roughcontact._answers.areas.contour import find_kinds, measure_polygons
+from roughcontact._answers.areas.contour import measure_polygons
+from roughcontact._answers.areas.dual_cells import find_kinds
 from roughcontact._answers.linear.stiffness import _find_rows, _shift
 from roughcontact._base.archive import remove_stale
 from roughcontact._parts.files.points import put_on_grid

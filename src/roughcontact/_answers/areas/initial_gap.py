@@ -374,7 +374,7 @@ class Spline:
         """
         parts = self._evaluate(np.stack((i.ravel(), j.ravel())), degrees)
         parts /= _list_units(self.spacing, degrees)
-        return parts.reshape(-1, *i.shape)
+        return parts.reshape(len(parts), *i.shape)
 
     def _evaluate(self, at: Array, degrees: Sequence[int]) -> Array:
         """Return derivatives, per cell, at points of shape (2, n)."""

@@ -16,6 +16,7 @@ from roughcontact._parts.surfaces import HeightMap
 from roughcontact._solve.solution.additions import Addition
 from roughcontact._solve.solution.attraction import interpolate_peak, warn_of_attraction, widen_area
 from roughcontact._solve.solution.healing import heal
+from roughcontact._solve.solution.place import Place
 from roughcontact._solve.solution.plausibility import list_warnings
 from roughcontact._solve.solution.results import (
     DEFAULT_ADHESIVE_AREA,
@@ -33,7 +34,7 @@ from roughcontact._solve.solution.results import (
     require_to_hold,
     responses,
 )
-from roughcontact._solve.solution.sampling import Place, defer_area_sampling
+from roughcontact._solve.solution.sampling import defer_area_sampling
 from roughcontact._solve.solution.shear import ShearFields
 from roughcontact._solve.solution.theory import Stickiness, TheoryBeside, compare_with_theory, find_stickiness
 from roughcontact.errors import InputError
