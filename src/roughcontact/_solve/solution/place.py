@@ -1,4 +1,4 @@
-"""One place of a rough surface: what its contact tells of how much other places differ."""
+"""One place of a rough surface: numbers of its contact from which the differences between places follow."""
 
 from __future__ import annotations
 
