@@ -42,7 +42,7 @@ HANN_DEPENDENCE = (35.0 / 18.0) ** 2
 def rms_slope(heights: Array, grid: Grid) -> float:
     """Return the root mean square of the gradient of heights, shape (nx, ny), m, from differences of neighbours."""
     steps = [_find_steps(heights, axis) / grid.spacing[axis] for axis in (0, 1) if grid.shape[axis] > 1]
-    maximum = max(float(np.abs(step).max()) for step in steps)
+    maximum = max(max(float(step.max()), -float(step.min())) for step in steps)
     if not 0.0 < maximum < math.inf:
         return maximum
     return maximum * math.sqrt(sum(float(np.mean((step / maximum) ** 2)) for step in steps))

@@ -132,6 +132,22 @@ class Place:
         )
 
     @cached_property
+    def cells(self) -> tuple[IntArray, IntArray]:
+        """Rows and columns of the cells in contact."""
+        rows = self.members // self.grid.shape[1]
+        return rows, self.members - rows * self.grid.shape[1]
+
+    @cached_property
+    def pressures(self) -> Array:
+        """Pressures of the cells in contact, Pa."""
+        return np.asarray(self.pressure.ravel()[self.members])
+
+    @cached_property
+    def fractions(self) -> Array:
+        """Fractions of the load on the cells in contact."""
+        return np.asarray(self.pressures / self.pressures.sum())
+
+    @cached_property
     def statistics(self) -> PlaceStatistics | None:
         """The statistics of the place; None without roughness."""
         return find_place_statistics(self)
@@ -189,7 +205,7 @@ def find_window(place: Place) -> _Window:
     grid = place.grid
     if not place.has_form:
         return _Window((0, 0), grid.shape, grid.size)
-    i, j = np.divmod(place.members, grid.shape[1])
+    i, j = place.cells
     nx, ny = (int(k.max() - k.min()) + 1 for k in (i, j))
     dx, dy = grid.spacing
     return _Window((int(i.min()), int(j.min())), (nx, ny), (nx * dx, ny * dy))
@@ -210,20 +226,16 @@ def _count_tiles(window: _Window, per_side: int) -> tuple[int, int]:
     return nx, ny
 
 
-def _share(place: Place, window: _Window, per_side: int) -> tuple[Array, Array]:
-    """Return the fractions of the load and of the area of each tile of a window."""
+def _share(place: Place, window: _Window, per_side: int, weights: Array) -> Array:
+    """Return the sums of the weights of the cells in contact over each tile of a window."""
     nx, ny = _count_tiles(window, per_side)
     rows, columns = (
         np.repeat(np.arange(count), np.diff(_find_edges(count, cells)))
         for count, cells in zip((nx, ny), window.shape, strict=True)
     )
-    members = place.members
-    i, j = np.divmod(members, place.grid.shape[1])
+    i, j = place.cells
     tile = rows[i - window.first[0]] * ny + columns[j - window.first[1]]
-    pressures = place.pressure.ravel()[members]
-    loads = np.bincount(tile, weights=pressures / pressures.sum(), minlength=nx * ny)
-    areas = np.bincount(tile, weights=np.full(members.size, 1.0 / members.size), minlength=nx * ny)
-    return np.asarray(loads, dtype=np.float64), np.asarray(areas, dtype=np.float64)
+    return np.asarray(np.bincount(tile, weights=weights, minlength=nx * ny), dtype=np.float64)
 
 
 def _compare_tiles(place: Place, window: _Window, elasticity: float) -> float:
@@ -233,7 +245,8 @@ def _compare_tiles(place: Place, window: _Window, elasticity: float) -> float:
 
     .. math:: \left(\frac{s_r}{r}\right)^2 = \frac{\sum (A_i - r F_i)^2}{(\sum A_i)^2}
     """
-    loads, areas = _share(place, window, _TILES)
+    size = place.members.size
+    loads, areas = (_share(place, window, _TILES, part) for part in (place.fractions, np.full(size, 1.0 / size)))
     found = float(np.sum((areas - loads) ** 2))
     count = 1.0 / float(np.sum(loads**2))
     usual = (_PATCH_STD * elasticity) ** 2 / place.count
@@ -262,7 +275,7 @@ def _find_unevenness(place: Place, window: _Window, waves: Waves, measured: Mask
         return None
     square = float(slopes.mean(where=compared))
     cells = np.count_nonzero(measured)
-    pressures = place.pressure.ravel()[place.members]
+    pressures = place.pressures
     fraction = pressures.size / cells
     load = float(pressures.sum()) / cells / (place.modulus * math.sqrt(square))
     # Persson's area.
@@ -278,7 +291,7 @@ def _find_unevenness(place: Place, window: _Window, waves: Waves, measured: Mask
         if counts == (1, 1):
             return 0.0
         known = _sum_tiles(upper.astype(np.float64), counts)
-        loads, _ = _share(place, window, per_side)
+        loads = _share(place, window, per_side, place.fractions)
         return _find_excess(loads, _sum_tiles(slopes, counts), mean * known, _CHANCE * chance)
 
     tiles = vary(_TILES)
@@ -321,10 +334,7 @@ def _vary_across_lay(place: Place, window: _Window, waves: Waves, slopes: Array,
         return np.minimum((part * count).astype(np.intp), count - 1)
 
     rows, columns = (np.arange(0, n, math.ceil(n / _SAMPLED_CELLS)) for n in window.shape)
-    members = place.members
-    i, j = np.divmod(members, place.grid.shape[1])
-    pressures = place.pressure.ravel()[members]
-    fractions = pressures / pressures.sum()
+    i, j = place.cells
     mean = float(slopes.sum()) / np.count_nonzero(upper)
     sampled = measure(rows[:, np.newaxis], columns).ravel()
     touching = measure(i - window.first[0], j - window.first[1])
@@ -334,7 +344,7 @@ def _vary_across_lay(place: Place, window: _Window, waves: Waves, slopes: Array,
         strip = number(sampled, count)
         known = np.bincount(strip, weights=counted, minlength=count)
         sums = np.asarray(np.bincount(strip, weights=slopes.ravel(), minlength=count), dtype=np.float64)
-        loads = np.bincount(number(touching, count), weights=fractions, minlength=count)
+        loads = np.bincount(number(touching, count), weights=place.fractions, minlength=count)
         found.append(_find_excess(np.asarray(loads, dtype=np.float64), sums, mean * known, chance))
     return (1.0 - across**-2) * max(found)
 

@@ -121,11 +121,10 @@ def _vary_maxima(place: Place, dependence: float) -> float:
     from the highest to a lower one; `dependence` is the factor for a lay.
     """
     pressure = place.pressure
-    cells = place.members
-    i, j = np.divmod(cells, pressure.shape[1])
+    i, j = place.cells
     around = extend(pressure, 1, place.boundary)
-    own = pressure.ravel()[cells]
-    highest = np.ones(cells.size, dtype=bool)
+    own = place.pressures
+    highest = np.ones(own.size, dtype=bool)
     for step in range(9):
         highest &= own >= around[i + step // 3, j + step % 3]
     maxima = np.sort(own[highest])[::-1]
