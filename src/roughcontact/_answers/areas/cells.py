@@ -92,7 +92,7 @@ def gather_around(field: RealArray, cells: IntArray, reach: int, boundary: Bound
         np.clip(at + steps, 0, n - 1) if free else (at + steps) % n
         for at, n, free in zip(split(cells, field.shape[1]), field.shape, boundary.free_axes, strict=True)
     )
-    return field[rows[:, np.newaxis], columns]
+    return np.asarray(field[rows[:, np.newaxis], columns])
 
 
 def split(cells: IntArray, width: int) -> tuple[IntArray, IntArray]:
@@ -291,7 +291,7 @@ def _find_interior(contact: Mask, boundary: Boundary) -> Mask:
     rows &= extended[2:]
     interior = rows[:, :-2] & rows[:, 1:-1]
     interior &= rows[:, 2:]
-    return interior
+    return np.asarray(interior)
 
 
 def find_lost_std(solution: ContactSolution) -> float:

@@ -158,7 +158,7 @@ def trace_contour(solution: ContactSolution, sharp: Mask, stride: int = 1) -> Co
     label = patches.labels.ravel().take(k)
     touching = label > 0
     kind = find_kinds(touching)
-    jagged = sharp.ravel().take(k).any(axis=0) if sharp.any() else np.zeros(kind.size, dtype=bool)
+    jagged = np.asarray(sharp.ravel().take(k).any(axis=0)) if sharp.any() else np.zeros(kind.size, dtype=bool)
     beside, meeting = _find_non_measured(solution, k, touching)
     # Beside non-measured points the contact ends with the cells.
     counted = jagged | beside

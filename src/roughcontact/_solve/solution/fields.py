@@ -158,7 +158,8 @@ def _join_runs(starts: IntArray, stops: IntArray, shape: tuple[int, int], bounda
             row = starts[last] // width + step
             beyond = np.where((row >= 0) & (row < nx) | (not free_x), rows[row % nx], -1)
             pairs.append((last[beyond >= 0], beyond[beyond >= 0]))
-    return _number_pieces(*np.concatenate(pairs, axis=1), starts.size)
+    one, other = np.concatenate(pairs, axis=1)
+    return _number_pieces(one, other, starts.size)
 
 
 def _number_pieces(one: IntArray, other: IntArray, count: int) -> tuple[IntArray, int]:
