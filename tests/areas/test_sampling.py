@@ -99,8 +99,8 @@ def test_few_marks_of_a_lay_are_said(rough):
 def test_pressures_that_spread_tell_of_steep_summits(rough):
     steep = (np.arange(64 * 64).reshape(64, 64) % 7 == 0) & rough.contact
     uneven = attrs.evolve(rough, pressure=np.where(steep, 6.0, 1.0) * rough.pressure)
-    assert uneven._place.unevenness > 0.2
-    assert rough._place.unevenness < 0.05
+    assert uneven._place.statistics.unevenness > 0.2
+    assert rough._place.statistics.unevenness < 0.05
 
 
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
@@ -196,6 +196,19 @@ def test_an_area_does_not_keep_its_solution():
     gc.collect()
     assert reference() is None
     assert area.sampling > 0.0
+
+
+def test_an_area_holds_the_heights_until_its_sampling_error_is_read():
+    solution = press(draw((32, 32), 32e-6, 1, 16e-6, 4e-6), 32e-6)
+    area = solution.area()
+    held = weakref.ref(solution._place)
+    expected = pickle.loads(pickle.dumps(solution)).area().sampling
+    del solution
+    gc.collect()
+    assert held() is not None
+    assert area.sampling == expected
+    gc.collect()
+    assert held() is None
 
 
 def test_pickles_and_copies_hold_the_number(rough):

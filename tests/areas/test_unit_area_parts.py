@@ -8,7 +8,7 @@ from scipy import ndimage
 
 import roughcontact as rc
 from roughcontact._answers.areas.cells import Neighbourhood, split
-from roughcontact._answers.areas.contour import find_dual_cells
+from roughcontact._answers.areas.dual_cells import find_dual_cells
 from roughcontact._answers.areas.initial_gap import Spline
 from roughcontact._answers.areas.summits import find_far_field
 

@@ -11,7 +11,8 @@ import roughcontact as rc
 from exact_contacts import MODULUS, ball, distances, edge, with_fields
 from roughcontact._answers.areas import calibration
 from roughcontact._answers.areas.cells import Neighbourhood, find_sharp_edges
-from roughcontact._answers.areas.contour import CellOwners, find_distances, find_dual_cells, find_kinds, trace_contour
+from roughcontact._answers.areas.contour import find_distances, trace_contour
+from roughcontact._answers.areas.dual_cells import CellOwners, find_dual_cells, find_kinds
 from roughcontact._answers.areas.edges import trace_edges
 from roughcontact._answers.areas.estimators import edge_law
 from scenes import each_once
