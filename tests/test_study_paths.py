@@ -146,7 +146,7 @@ def like_pair(**changes):
     bodies = rc.Body(rc.SphereSurface(1e-3), steel), rc.Body(rc.FlatSurface(), steel)
     problem = rc.ContactProblem(*bodies, grid=rc.Grid((25, 9), (240e-6, 30e-6)))
     along = {"tangential_force": [(0.02, 0.0), (-0.02, 0.003)], "friction": 0.3}
-    return rc.Study(problem, **{"force": [0.1, 0.2], **along, **changes})
+    return rc.Study(problem, **{"force": [0.1, 0.2], "fields": True, **along, **changes})
 
 
 @contextlib.contextmanager
