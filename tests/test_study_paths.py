@@ -33,6 +33,7 @@ force = ["0.2N", "0.4N"]
 tangential_force = [["20mN", 0.0], ["-20mN", "5mN"]]
 friction = {type = "limited-coulomb", coefficient = 0.3, strength = "2GPa"}
 substeps = 2
+fields = true
 """
 
 

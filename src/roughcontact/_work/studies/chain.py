@@ -301,12 +301,14 @@ def run_chain(chain: Chain) -> ChainResult:
     return ChainResult(_in_order(records), computed)
 
 
-def solve_again(chain: Chain) -> dict[str, Any]:
-    """Return what is found at each load of a chain by its key, with the bits that it had, or the error that it ends in."""
+def solve_again(chain: Chain, wanted: str) -> dict[str, Any]:
+    """Return the wanted state of a chain with the bits that it had, and those solved with it: states or errors by key."""
     states: list[ContactSolution] = []
     found: dict[str, Any] = {}
     for index in chain.loading.order(chain.problem, chain.loads):
         key = chain.keys[index]
+        if key != wanted and not chain.loading.goes_on:
+            continue
         try:
             found[key] = chain.loading.solve(chain.seeded, chain.loads[index], states)
         except RoughContactError as error:

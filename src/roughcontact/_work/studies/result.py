@@ -65,7 +65,7 @@ class SolvedAgain:
         """Return what was found at the load of a record; `InputError` if the study does not have it any more."""
         if record.key not in self._last:
             self._last = {}
-            self._last = solve_again(self._chains.find(record))
+            self._last = solve_again(self._chains.find(record), record.key)
         found = self._last[record.key]
         if isinstance(found, Exception):
             raise found
