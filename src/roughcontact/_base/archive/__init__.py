@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import functools
 import hashlib
 import io
@@ -12,6 +13,7 @@ import os
 import platform
 import re
 import stat
+import threading
 import time
 import uuid
 import zipfile
@@ -31,6 +33,10 @@ _PROCESS = re.compile(r"([0-9a-f]{8})-(\d+)")
 _PARTIAL_NAME = re.compile(rf"\..+\.(?P<process>{_PROCESS.pattern})\.[0-9a-f]{{12}}\.partial", re.DOTALL)
 # Seconds, a week: the age at which an unfinished file is stale if its process cannot be seen from this machine.
 _STALE_AGE = 604800.0
+# Seconds between two times at which appended lines are flushed: it takes as long as a small solve.
+_FLUSH_INTERVAL = 1.0
+_appending = threading.Lock()
+_flushed: dict[Path, float] = {}
 HEADER = "header"
 # Version of the file format; a change that older versions cannot read counts up.
 FORMAT = 1
@@ -83,6 +89,28 @@ def replacing(path: str | os.PathLike[str], *, flush: bool = True) -> Iterator[P
         if isinstance(error, OSError) and not isinstance(error, RoughContactError):
             raise NotWritten(error.errno, error.strerror or str(error), str(target)) from error
         raise
+
+
+def append_line(path: Path, line: str) -> None:
+    """Append a line to a file that no other process writes, completely or not at all; `NotWritten` if it cannot be.
+
+    A process that is killed loses no line; a loss of power may lose those of the last second, in which none is flushed.
+    """
+    content = f"{line}\n".encode()
+    try:
+        # Threads of one process would write over each other.
+        with _appending, path.open("ab", buffering=0) as file:
+            size = file.tell()
+            if file.write(content) < len(content):
+                file.truncate(size)
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+            now = time.monotonic()
+            if now - _flushed.get(path, -math.inf) > _FLUSH_INTERVAL:
+                os.fsync(file.fileno())
+                _flushed.clear()
+                _flushed[path] = now
+    except OSError as error:
+        raise NotWritten(error.errno, error.strerror or str(error), str(path)) from error
 
 
 def remove_stale(folder: str | os.PathLike[str]) -> None:

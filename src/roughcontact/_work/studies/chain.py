@@ -259,8 +259,6 @@ def run_chain(chain: Chain) -> ChainResult:
     listed = chain.find_listed()
     if listed is not None:
         return listed
-    # A copy, whose problem goes with it.
-    chain = attrs.evolve(chain)
     records = chain.list_complete()
     order = chain.loading.order(chain.problem, chain.loads)
     last = max(place for place, index in enumerate(order) if index not in records)
@@ -302,7 +300,7 @@ def run_chain(chain: Chain) -> ChainResult:
 
 
 def solve_again(chain: Chain, wanted: str) -> dict[str, Any]:
-    """Return the wanted state of a chain with the bits that it had, and those solved with it: states or errors by key."""
+    """Return states or errors by key: the wanted one, with the bits that it had, and those solved with it."""
     states: list[ContactSolution] = []
     found: dict[str, Any] = {}
     for index in chain.loading.order(chain.problem, chain.loads):

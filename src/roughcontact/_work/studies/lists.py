@@ -7,12 +7,8 @@ the list of a study, or of one share, gathers these lines at the end of a run.
 from __future__ import annotations
 
 import contextlib
-import errno
 import hashlib
 import json
-import os
-import threading
-import time
 import uuid
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
@@ -20,24 +16,18 @@ from typing import Any
 
 import attrs
 
-from roughcontact._base.archive import is_left_over, name_process, replacing, short_digest
+from roughcontact._base.archive import append_line, is_left_over, name_process, replacing, short_digest
 from roughcontact._base.archive.plain import describe, rebuild
 from roughcontact._work.studies.record import PATH_UNITS, Place, Record
 from roughcontact._work.studies.shares import Share
-from roughcontact.errors import NotWritten
 
 _FORMAT = "roughcontact study, format 1"
 # Most characters of the list of records, and of one record (about 500 and its warnings); the end of the list.
 _MAX_LIST_CHARACTERS = 2**28
 _MAX_RECORD_CHARACTERS = 2**16
 _LIST_END = "\n]}\n"
-# Seconds between two times at which the lines of a process are flushed, which takes milliseconds: a loss of power loses
-# no more, and a process that is killed loses nothing.
-_FLUSH_INTERVAL = 1.0
 # What a line has in place of the content of its study if that is not known, because a function builds the problems.
 _UNKNOWN = "-"
-_writing = threading.Lock()
-_flushed: dict[Path, float] = {}
 
 
 @attrs.frozen(eq=False)
@@ -74,20 +64,8 @@ class Journal:
     def append(self, record: Record) -> None:
         """Append a record; `NotWritten` if the system refuses, and then nothing is appended."""
         body = f"{self.content or _UNKNOWN} {_to_text(record)}"
-        line = f"{short_digest(body)} {body}\n".encode()
         path = self.stem.with_name(f"{self.stem.name}.{name_process()}.jsonl")
-        try:
-            with _writing, path.open("ab", buffering=0) as file:
-                size = file.tell()
-                if file.write(line) < len(line):
-                    file.truncate(size)
-                    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-                now = time.monotonic()
-                if now - _flushed.get(self.stem, -_FLUSH_INTERVAL) >= _FLUSH_INTERVAL:
-                    os.fsync(file.fileno())
-                    _flushed[self.stem] = now
-        except OSError as error:
-            raise NotWritten(error.errno, error.strerror or str(error), str(path)) from error
+        append_line(path, f"{short_digest(body)} {body}")
 
 
 @attrs.frozen(eq=False)
