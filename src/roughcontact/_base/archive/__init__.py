@@ -133,7 +133,7 @@ def name_process() -> str:
 
 
 def is_left_over(file: os.DirEntry[str] | Path, process: str) -> bool:
-    """Return whether the process that a file is of, by `name_process`, has ended; by the file's age if it is not seen."""
+    """Return whether the process of a file, by its `name_process`, has ended; by the file's age if it is not seen."""
     known = _PROCESS.fullmatch(process)
     if known is None:
         return False

@@ -165,7 +165,8 @@ class Chain(Point):
     def alone(self) -> Chain:
         """Return the chain for a worker: its problem holds no fields in memory, and of all records it has its own."""
         records = self.known.records
-        known = Known({key: records[key] for key in self.keys if key in records})
+        # The keys take a while, and a new study needs none of them.
+        known = Known({key: records[key] for key in self.keys if key in records} if records else {})
         return attrs.evolve(self, problem=copy.copy(self.problem), known=known)
 
     @cached_property
@@ -209,12 +210,12 @@ class Chain(Point):
         """Return the records by load that need no solution: all that is asked is in them, and no file is."""
         if self.fields or not self.known.records:
             return {}
-        listed = {index: self.listed(key, load) for index, (key, load) in enumerate(zip(self.keys, self.loads))}
-        return {
-            index: attrs.evolve(record, message="")
-            for index, record in listed.items()
-            if record is not None and record.has_solution and self.is_answered(record)
-        }
+        found = {}
+        for index, (key, load) in enumerate(zip(self.keys, self.loads, strict=True)):
+            record = self.listed(key, load)
+            if record is not None and record.has_solution and self.is_answered(record):
+                found[index] = attrs.evolve(record, message="")
+        return found
 
     def find_listed(self) -> ChainResult | None:
         """Return its records if none of them needs a solution."""

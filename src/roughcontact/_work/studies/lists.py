@@ -79,7 +79,7 @@ class RecordList:
     study
         The key of the study.
     share
-        The share, if it is one: writers of one list would overwrite each other.
+        Which of n shares it is; None for all. Each has its own list, because writers would overwrite each other's.
     content
         See `Journal`.
     """
