@@ -291,6 +291,7 @@ def run_chain(chain: Chain) -> ChainResult:
             return ChainResult(_in_order(records), computed, name_full_disk(chain.folder, error))
         except Exception as error:
             record = chain.record(key, load, *status_of(error))
+            state = None
         # One that is solved again only for those after it has its record.
         records.setdefault(index, record)
         computed += is_new
