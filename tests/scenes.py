@@ -60,13 +60,14 @@ def make_study(**changes):
         "force": [0.1, 0.5, 1.0],
         "seeds": [0, 1],
         "areas": ["blend", "cell-count"],
+        "fields": True,
     }
     return rc.Study(**{**parts, **changes})
 
 
 def small_study(**changes):
     """Return a study of one small problem, two loads and three seeds, unless other things are given."""
-    parts = {"problems": small_problem(), "force": [0.1, 0.3], "seeds": [0, 1, 2]}
+    parts = {"problems": small_problem(), "force": [0.1, 0.3], "seeds": [0, 1, 2], "fields": True}
     return rc.Study(**{**parts, "areas": ["blend", "cell-count"], **changes})
 
 

@@ -23,7 +23,7 @@ import roughcontact as rc
 from roughcontact.typing import replacing
 from scenes import ELASTIC, SMALL_ROUGH, list_unfinished, small_problem, small_study, without_seconds
 from systems import linux
-from unit_files import read_index, remove_stale
+from unit_files import read_records, remove_stale
 
 resource = pytest.importorskip("resource", reason="full disks and permissions are those of POSIX")
 
@@ -211,8 +211,7 @@ class TestInterruption:
             patched.setattr(rc.ContactProblem, "solve", interrupt)
             with pytest.raises(KeyboardInterrupt):
                 small_study().run(tmp_path)
-        (index,) = tmp_path.glob("study-*.json")
-        assert len(read_index(index)) == 2
+        assert len(read_records(tmp_path)) == 3
         assert not list_unfinished(tmp_path)
         assert small_study().run(tmp_path).computed == 3
 
@@ -247,8 +246,7 @@ class TestInterruption:
             pytest.raises(rc.StudyStopped, match=r"The executor broke.*2 of 6 solves are reported"),
         ):
             deadly.run(tmp_path, executor=executor, on_records=seen.extend)
-        (index,) = tmp_path.glob("study-*.json")
-        assert sorted(read_index(index)) == sorted(record.key for record in seen)
+        assert sorted(read_records(tmp_path)) == sorted(record.key for record in seen)
         assert len(seen) == 2
         assert not list_unfinished(tmp_path)
 
@@ -368,8 +366,7 @@ class TestDisk:
             pytest.raises(rc.StudyStopped, match=r"cannot be written to .*: 2 of 4 solves"),
         ):
             both.run(tmp_path, on_records=seen.extend)
-        (index,) = tmp_path.glob("study-*.json")
-        assert set(read_index(index)) == {record.key for record in seen}
+        assert set(read_records(tmp_path)) == {record.key for record in seen}
         assert len(seen) == 2
         assert both.run(tmp_path).computed == 2
         assert not list_unfinished(tmp_path)

@@ -18,6 +18,7 @@ OPENERS = {"open", "File", "ZipFile", "memmap"}
 ELSEWHERE = {
     ("__init__.py", "replacing"): "the door itself",
     ("__init__.py", "seal"): "is given the unfinished file",
+    ("__init__.py", "append_line"): "appends lines that have a checksum each, and takes back one that does not fit",
     ("storage.py", "write_netcdf"): "writes to memory first",
     ("figures.py", "write_picture"): "draws in memory first",
     ("figures.py", "write_png"): "draws in memory",

@@ -15,7 +15,7 @@ import roughcontact as rc
 from roughcontact._base.archive import plain
 from roughcontact._base.archive.plain import programs, programs_of
 from roughcontact._solve.solution import storage
-from roughcontact._work.studies import record
+from roughcontact._work.studies import lists
 from test_verification import MATERIAL, problem, run_study, save
 from unit_files import key_of
 
@@ -126,7 +126,7 @@ def test_whatever_fails_in_a_list_of_records_is_made_again(tmp_path, monkeypatch
 
     first = run_study(tmp_path)
     with monkeypatch.context() as context:
-        context.setattr(record, "rebuild", fail)
+        context.setattr(lists, "rebuild", fail)
         assert run_study(tmp_path).records == first.records
 
 
@@ -144,7 +144,7 @@ def test_links_out_of_the_folder_of_a_study_are_not_followed(tmp_path):
     (index,) = (tmp_path / "study").glob("*.json")
     index.rename(tmp_path / "index")
     index.symlink_to(tmp_path / "index")
-    assert record.read_index(index) == {}
+    assert lists.read_list(index) == []
 
 
 @pytest.mark.parametrize(
@@ -154,7 +154,7 @@ def test_a_list_of_records_that_contradicts_the_files_is_not_believed(tmp_path, 
     first = run_study(tmp_path)
     value = {"status": "STALLED", "areas": {"blend": (1.0, 1.0)}}.get(name, 7.0)
     (index,) = tmp_path.glob("*.json")
-    record.write_index(index, [attrs.evolve(one, **{name: value}) for one in first.records])
+    lists.write_list(index, [attrs.evolve(one, **{name: value}) for one in first.records])
     assert run_study(tmp_path).records == first.records
 
 

@@ -279,7 +279,7 @@ def test_a_full_disk_leaves_the_old_file_and_a_sentence(tmp_path, suffix):
 
 
 def run_study(folder):
-    return rc.Study(problems=problem(), force=[1.0, 2.0]).run(folder)
+    return rc.Study(problems=problem(), force=[1.0, 2.0], fields=True).run(folder)
 
 
 def test_a_study_takes_no_solution_whose_residuals_are_wrong(tmp_path):

@@ -41,6 +41,7 @@ parts = [
 force = [0.1, 0.5, 1.0]
 seeds = [0, 1, 2, 3, 4]
 areas = ["blend", "cell-count"]
+fields = true
 """
 SOLVES = 2 * 5 * 3
 TABLES = Path(__file__).parents[2] / "docs" / "tables"
@@ -194,7 +195,7 @@ def make_ball(radius, seed=0):
 
 def small_study(**changes):
     problems = {name: make_ball(radius) for name, radius in (("a", 1e-3), ("b", 2e-3), ("c", 3e-3))}
-    return rc.Study(**{"problems": problems, "force": [0.01, 0.02], "seeds": range(7), **changes})
+    return rc.Study(**{"problems": problems, "force": [0.01, 0.02], "seeds": range(7), "fields": True, **changes})
 
 
 def places(records):

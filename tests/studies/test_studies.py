@@ -21,7 +21,7 @@ import roughcontact as rc
 from roughcontact.results import Sweep
 from scenes import ROUGH, make_problem, make_study
 from systems import posix
-from unit_files import read_index, write_index
+from unit_files import read_index, write_list
 
 
 @attrs.frozen
@@ -241,14 +241,13 @@ class TestMishaps:
         (index,) = tmp_path.glob("study-*.json")
         with pytest.raises(rc.InputError, match="32 hexadecimal digits"):
             attrs.evolve(result.records[0], key="../../secret")
-        lines = index.read_text().splitlines()
+        text = index.read_text()
         for key, count in (("../../secret", 0), (result.records[1].key, 5), (result.records[0].key, 6)):
-            records = "\n".join([lines[1].replace(result.records[0].key, key), *lines[2:-1]])
-            head = (
-                lines[0].partition('"sha256": "')[0]
-                + f'"sha256": "{hashlib.sha256(records.encode()).hexdigest()}", "records": ['
-            )
-            index.write_text("\n".join([head, records, lines[-1], ""]))
+            changed = text.replace(result.records[0].key, key)
+            head, _, lines = changed.partition("\n")
+            stated = json.loads(f"{head}]}}")
+            content = f"{stated['study']}{stated['current']}" + lines.removesuffix("\n]}\n")
+            index.write_text(changed.replace(stated["sha256"], hashlib.sha256(content.encode()).hexdigest()))
             assert len(read_index(index)) == count
 
     def test_a_file_that_was_taken_away_is_solved_again(self, tmp_path):
@@ -392,10 +391,10 @@ class TestRecords:
         new = ("warnings", "doubtful", "peak_pressure", "peak_pressure_uncertainty")
         with monkeypatch.context() as context:
             context.setattr(
-                "roughcontact._work.studies.record._stated",
+                "roughcontact._work.studies.lists._stated",
                 lambda one: {name: value for name, value in attrs.asdict(one).items() if name not in new and value},
             )
-            write_index(index, first.records)
+            write_list(index, first.records)
         assert "doubtful" not in index.read_text(encoding="utf-8")
         again = make_study(seeds=[]).run(tmp_path)
         assert (again.computed, again.records) == (0, first.records)

@@ -25,7 +25,9 @@ def build(seed):
 
 
 def study(responses, **changes):
-    return rc.Study(build, responses=responses, **{"pressure": [20e6, 50e6], "seed": range(2), **changes})
+    return rc.Study(
+        build, responses=responses, **{"pressure": [20e6, 50e6], "seed": range(2), "fields": True, **changes}
+    )
 
 
 def test_they_are_those_of_the_solutions(tmp_path):

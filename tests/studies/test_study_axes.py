@@ -26,7 +26,7 @@ def build(hurst, seed, boundary="periodic"):
 
 
 def over(**changes):
-    return rc.Study(build, **{"hurst": [0.3, 0.8], "force": [0.1, 0.5], "seed": range(2), **changes})
+    return rc.Study(build, **{"hurst": [0.3, 0.8], "force": [0.1, 0.5], "seed": range(2), "fields": True, **changes})
 
 
 class TestAxes:
@@ -42,7 +42,7 @@ class TestAxes:
         record = result[-1]
         again = build(**record.parameters).solve(force=record.load)
         assert record.areas["blend"][0] == pytest.approx(again.area().value, rel=1e-3)
-        named = rc.Study(problems=build(0.8, 1), force=[0.1, 0.5]).run(tmp_path)
+        named = rc.Study(problems=build(0.8, 1), force=[0.1, 0.5], fields=True).run(tmp_path)
         assert named.computed == 0
         assert [one.key for one in named] == [one.key for one in result[-2:]]
 

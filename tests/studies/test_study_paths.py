@@ -33,6 +33,7 @@ force = ["0.2N", "0.4N"]
 tangential_force = [["20mN", 0.0], ["-20mN", "5mN"]]
 friction = {type = "limited-coulomb", coefficient = 0.3, strength = "2GPa"}
 substeps = 2
+fields = true
 """
 
 
@@ -146,7 +147,7 @@ def like_pair(**changes):
     bodies = rc.Body(rc.SphereSurface(1e-3), steel), rc.Body(rc.FlatSurface(), steel)
     problem = rc.ContactProblem(*bodies, grid=rc.Grid((25, 9), (240e-6, 30e-6)))
     along = {"tangential_force": [(0.02, 0.0), (-0.02, 0.003)], "friction": 0.3}
-    return rc.Study(problem, **{"force": [0.1, 0.2], **along, **changes})
+    return rc.Study(problem, **{"force": [0.1, 0.2], "fields": True, **along, **changes})
 
 
 @contextlib.contextmanager

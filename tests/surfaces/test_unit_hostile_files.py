@@ -12,7 +12,7 @@ import pytest
 
 import roughcontact as rc
 from roughcontact._parts.files.bounds import _count_inflated, _is_sound, require_bounded
-from roughcontact._work.studies import record
+from roughcontact._work.studies import lists
 from unit_files import read_index
 
 h5py = pytest.importorskip("h5py")
@@ -27,15 +27,15 @@ def readers():
 
 def test_a_list_of_records_is_used_after_its_checksum(tmp_path, monkeypatch):
     built, path = [], tmp_path / "index.json"
-    monkeypatch.setattr(record, "rebuild", lambda described, _: built.append(described))
+    monkeypatch.setattr(lists, "rebuild", lambda described, _: built.append(described))
     for lines in ("{}", "{}" * 40_000, ",\n".join(["{}"] * 10)):
-        path.write_text(record._sealed(lines).replace('sha256": "', 'sha256": "0', 1))
+        path.write_text(lists._seal(lines, "", 0).replace('sha256": "', 'sha256": "0', 1))
         assert read_index(path) == {}
         assert not built
-    path.write_text(record._sealed("{" + " " * 70_000 + "}"))
+    path.write_text(lists._seal("{" + " " * 70_000 + "}", "", 0))
     assert read_index(path) == {}
     assert not built
-    path.write_text(record._sealed("{},\n{}"))
+    path.write_text(lists._seal("{},\n{}", "", 0))
     assert read_index(path) == {}
     assert built == [{}]
 
