@@ -77,6 +77,24 @@ def no_pictures(monkeypatch):
     monkeypatch.setattr("roughcontact._faces.html.report.can_draw", lambda: False)
 
 
+@pytest.fixture
+def as_on_large_grids(monkeypatch):
+    """The default solver does on small grids, which are fast, what it does on large ones.
+
+    It starts on coarser grids, descends on lists of cells, and near full contact seeks the openings.
+    """
+    for module in ("refinement", "nested_iteration"):
+        monkeypatch.setattr(f"roughcontact._solve.solvers.conjugate.{module}.descends_on_fields", lambda *_: False)
+    monkeypatch.setattr("roughcontact._solve.solvers.grids._MIN_HALVED_CELLS", 0)
+
+
+@pytest.fixture(params=["on fields", "on lists"])
+def on_fields_and_on_lists(request):
+    """The default solver descends on fields, as on small grids, and as it does on large ones."""
+    if request.param == "on lists":
+        request.getfixturevalue("as_on_large_grids")
+
+
 class DaskCluster:
     """A scheduler of dask in this process, and workers, processes of their own that nobody starts again."""
 

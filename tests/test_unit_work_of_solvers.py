@@ -154,12 +154,14 @@ def require_few(found, known):
     assert found <= (1.0 + MARGIN) * known
 
 
+@pytest.mark.usefixtures("as_on_large_grids")
 @pytest.mark.parametrize("group", CONJUGATE)
 def test_projected_conjugate_gradients(group):
     known, cases = CONJUGATE[group]
     require_few(sum(solve(rc.ProjectedConjugateGradient(), *case).convolutions for case in cases), known)
 
 
+@pytest.mark.usefixtures("as_on_large_grids")
 @pytest.mark.parametrize("group", SEARCHES)
 def test_searches_of_the_load_of_an_approach(group):
     """As where the approach determines the pressure badly: from a light contact."""
@@ -186,6 +188,7 @@ def test_solvers_without_a_preconditioner(solver):
     require_few(sum(solve(solver(), *case).convolutions for case in cases), known)
 
 
+@pytest.mark.usefixtures("as_on_large_grids")
 @pytest.mark.parametrize(("boundary", "known"), [("periodic", 23), ("free", 15)])
 def test_a_start_saves_products(boundary, known):
     """From the pressure at nine tenths of the load; on the finest grid alone."""
@@ -209,6 +212,7 @@ ADHESIVE = {
 }
 
 
+@pytest.mark.usefixtures("as_on_large_grids")
 @pytest.mark.parametrize(("solver", "boundary"), ADHESIVE)
 def test_solvers_of_adhesion(solver, boundary):
     found = 0
