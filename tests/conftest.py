@@ -13,6 +13,7 @@ import pytest
 
 import roughcontact as rc
 from roughcontact.__main__ import main
+from scenes import act_as_on_large_grids
 
 # Processes that tests start, and those of pytest-xdist, share what one of them has compiled.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
@@ -79,13 +80,8 @@ def no_pictures(monkeypatch):
 
 @pytest.fixture
 def as_on_large_grids(monkeypatch):
-    """The default solver does on small grids, which are fast, what it does on large ones.
-
-    It starts on coarser grids, descends on lists of cells, and near full contact seeks the openings.
-    """
-    for module in ("refinement", "nested_iteration"):
-        monkeypatch.setattr(f"roughcontact._solve.solvers.conjugate.{module}.descends_on_fields", lambda *_: False)
-    monkeypatch.setattr("roughcontact._solve.solvers.grids._MIN_HALVED_CELLS", 0)
+    """See `scenes.act_as_on_large_grids`."""
+    act_as_on_large_grids(monkeypatch)
 
 
 @pytest.fixture(params=["on fields", "on lists"])

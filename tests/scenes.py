@@ -97,3 +97,13 @@ def each_once(axes):
         marks = () if places in ordinary else pytest.mark.slow
         cases.append(pytest.param(*itertools.chain(*groups), marks=marks))
     return pytest.mark.parametrize(" ".join(axes).split(), cases)
+
+
+def act_as_on_large_grids(patch):
+    """Have the default solver do on small grids, which are fast, what it does on large ones.
+
+    It starts on coarser grids, descends on lists of cells, and near full contact seeks the openings.
+    """
+    for module in ("refinement", "nested_iteration"):
+        patch.setattr(f"roughcontact._solve.solvers.conjugate.{module}.descends_on_fields", lambda *_: False)
+    patch.setattr("roughcontact._solve.solvers.grids._MIN_HALVED_CELLS", 0)

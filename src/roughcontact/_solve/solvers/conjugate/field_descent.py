@@ -336,15 +336,21 @@ def _held_mean(direction: RealArray, count: int, low: IntArray, high: IntArray) 
         return mean
     lowest = direction[low]
     highest = direction[high]
-    held = -1
+    below = -math.inf
+    above = math.inf
     for _ in range(_MAX_RELEASED_ROUNDS):
         down = lowest[lowest < mean]
         up = highest[highest > mean]
-        before = held
-        held = down.size + up.size
-        if held in (before, count):
+        moving = count - down.size - up.size
+        trial = (change - total(down) - total(up)) / moving if moving else mean
+        if trial == mean:
             break
-        mean = (change - total(down) - total(up)) / (count - held)
+        if trial > mean:
+            below = mean
+        else:
+            above = mean
+        # Cells at zero and at the limit that change places would repeat for ever.
+        mean = trial if below < trial < above else 0.5 * (below + above)
     return mean
 
 
