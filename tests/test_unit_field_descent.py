@@ -54,7 +54,7 @@ class Fields:
 
 @st.composite
 def fields(draw):
-    """Pressures of which any part is zero, or at a limit: of none, of one value, or of one for each cell, or infinite."""
+    """Pressures any part of which is zero or at a limit: there is none, one, one for each cell, or an infinite one."""
     rng = np.random.default_rng(draw(st.integers(0, 9999)))
     cells = draw(st.integers(2, 400))
     kind = draw(st.sampled_from(["none", "one", "each", "infinite in places"]))
@@ -302,9 +302,7 @@ def test_small_grids_are_solved_on_fields_and_large_ones_on_lists(descents):
     waves = rc.SelfAffineSurface(hurst=0.8, rms_slope=SLOPE, shortest=8.0, longest=64.0)
     for shape, kind in (((256, 128), FieldDescent), ((258, 128), Descent)):
         grid = rc.Grid(shape, (256.0, 128.0))
-        problem = make_problem(
-            waves, rc.Elastic(YOUNG, 0.0), grid=grid, boundary="periodic", convolver="circular-fft"
-        )
+        problem = make_problem(waves, rc.Elastic(YOUNG, 0.0), grid=grid, boundary="periodic", convolver="circular-fft")
         assert problem.solve(pressure=5e-3).status is rc.Status.CONVERGED
         assert descents[-1] is kind
 
