@@ -82,13 +82,16 @@ class PressureOnGrid(GridProblem[InitialGuess]):
         task = self.task
         guess = InitialGuess(pressure=start.copy())
         bearing = start > 0.0
-        if not self.opens_cells or np.count_nonzero(bearing) <= _NEARLY_FULL_FRACTION * start.size:
+        contact = np.count_nonzero(bearing) / start.size
+        if contact < 1.0 and (contact <= _NEARLY_FULL_FRACTION or not self.opens_cells):
             return guess
         full = self.close()
         if full is None or not full.inverse.exact:
             return attrs.evolve(guess, products=0 if full is None else 1)
         if full.is_closed(task.pressure_limit):
             return InitialGuess(pressure=full.closing, products=1, closed=True)
+        if not self.opens_cells:
+            return attrs.evolve(guess, products=1)
         gap = self.convolution.apply(start.astype(np.float32))
         gap += task.initial_gap
         gap -= np.float32(sum_of_products(start, gap) / float(start.sum()))
