@@ -122,7 +122,7 @@ class Face:
         if not self.system.control.holds:
             return inside
         mean = self._solve_for_mean(self.weights.multiply(inside))
-        return inside - self.restrict(np.broadcast_to(mean, inside.shape))
+        return inside - (mean if self.is_stuck else _cut(mean, self.normal_float32))
 
     def balance(self, vectors: RealArray) -> RealArray:
         """Return vectors in the face that do not change the given force, float32."""
@@ -159,7 +159,8 @@ class Face:
 
 def _cut(vectors: RealArray, normal: RealArray) -> RealArray:
     """Return vectors without their part along a normal."""
-    outward = normal * dot(normal, vectors)
+    x, y = normal
+    outward = normal * (x * vectors[0] + y * vectors[1])
     return np.subtract(vectors, outward, out=outward)
 
 

@@ -223,13 +223,21 @@ class _ShiftSearch:
         """Return Newton's step, not longer than what moves a cell across its circle."""
         factor = self.gain * found.factor
         both = float(np.add.reduce(factor))
-        x, y = found.values * (found.beyond / found.reach)
-        xx, xy, yy = (float(np.einsum("n,n,n->", factor, one, other)) for one, other in ((x, x), (x, y), (y, y)))
+        normal = found.values * (found.beyond / found.reach)
+        (xx, xy), (_, yy) = np.einsum("an,bn->ab", factor * normal, normal).tolist()
         x, y = self.control.solve_on_axes((both - xx, -xy, both - yy), found.excess)
         length = math.hypot(x, y)
-        longest = 2.0 * float(found.size.max() + self.limit.max()) / float(np.max(self.gain))
+        limit, gain = self._largest
+        if length * gain <= 2.0 * limit:
+            return -x, -y
+        longest = 2.0 * (float(found.size.max()) + limit) / gain
         part = longest / length if length > longest else 1.0
         return -part * x, -part * y
+
+    @cached_property
+    def _largest(self) -> Pair:
+        """The largest limit and gain."""
+        return float(self.limit.max()), float(np.max(self.gain))
 
 
 @attrs.frozen(eq=False)

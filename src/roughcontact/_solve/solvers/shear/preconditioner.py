@@ -74,16 +74,15 @@ class EqualWeights:
 
     def multiply(self, vectors: RealArray) -> RealArray:
         """Return the products with vectors; see `Weights`."""
-        outward = self.normal * dot(self.normal, np.broadcast_to(vectors, self.normal.shape))
-        return np.asarray(self.ease * (vectors - outward))
+        x, y = self.normal
+        return np.asarray(self.ease * (vectors - self.normal * (x * vectors[0] + y * vectors[1])))
 
     @cached_property
     def total(self) -> Symmetric:
         """The sum over all cells."""
-        x, y = self.normal
-        along_x, along_y = self.ease * self.normal
         eased = float(np.add.reduce(self.ease))
-        return eased - float(along_x @ x), -float(along_x @ y), eased - float(along_y @ y)
+        (xx, xy), (_, yy) = np.einsum("an,bn->ab", self.ease * self.normal, self.normal).tolist()
+        return eased - xx, -xy, eased - yy
 
 
 class PunchWeights:
