@@ -71,6 +71,8 @@ _MAX_CONCENTRATION = 1e3
 _REACHED_BOUND = 1.0 - 1e-6
 _BOUND_GROWTH = 4.0
 _BOUND_SHRINKAGE = 0.5
+# Part of a strength that counts as reached by the traction from which a solve starts.
+_REACHED_STRENGTH = 1.0 - 1e-9
 # Depth of the summit, which touches last, over the peak-to-valley height: rounding of equal heights.
 _SUMMIT_DEPTH = 1e-12
 # Growth of the pressure at which a law must not give less.
@@ -168,7 +170,8 @@ class CoupledSolve(FrictionalContact):
         if at_rest and (tangential.kind == "tangential_force" or not start.displacement.any()):
             return FoundTractions(contact, start.shear, start.displacement, Status.CONVERGED, 1, 0)
         peak = float(contact.pressure.max()) / self.unit
-        outcome = self._shear(tangential, limit, peak, -start.relative, start.shear, self.tolerance)
+        shear = _keep_sliding(start.shear, self._limit_of(start.pressure), limit)
+        outcome = self._shear(tangential, limit, peak, -start.relative, shear, self.tolerance)
         return FoundTractions(
             contact, outcome.shear, np.array(outcome.displacement), outcome.status, 1, outcome.iterations
         )
@@ -187,11 +190,14 @@ class CoupledSolve(FrictionalContact):
         error = math.inf
         iterations = 0
         passes = 0
+        limit = self._limit_of(start.pressure)
         while passes < _MAX_PASSES:
             passes += 1
             contact = self._press_on(lifted, load, pressure, error)
             pressure = contact.pressure
+            before = limit
             limit, coupling = self._find_limit(contact)
+            shear = _keep_sliding(shear, before, limit)
             self._require_coupling(coupling)
             self._require_stick(tangential, limit)
             dragged = self.shear.apply(contact.pressure[np.newaxis] / self.unit, of="z")
@@ -275,6 +281,10 @@ class CoupledSolve(FrictionalContact):
         pressed = pressure > 0.0
         slope = float(np.max(growth[pressed] / pressure[pressed], initial=0.0)) / (_PROBED_GROWTH - 1.0)
         return limit / self.unit, abs(self.pair.beta) * slope
+
+    def _limit_of(self, pressure: Array) -> Array:
+        """Return the dimensionless shear strength under a dimensionless pressure."""
+        return shear_limit(self.law, pressure * self.unit) / self.unit
 
     def _require_coupling(self, coupling: float) -> None:
         if coupling > _MAX_COUPLING:
@@ -379,6 +389,15 @@ class CoupledSolve(FrictionalContact):
         moved = (float(found.displacement[0]) * self.length, float(found.displacement[1]) * self.length)
         state = FrictionalState(pressure=contact.pressure, shear=shear, displacement=moved, approach=contact.approach)
         return self.judge(contact, state, tangential, before, start, found, time.perf_counter() - started)
+
+
+def _keep_sliding(shear: Array, before: Array, limit: Array) -> Array:
+    """Return a traction to start from, which reaches the strength where it reached the one before.
+
+    Where a strength that was reached grows a little, cells would stick until the first step moves them beyond it.
+    """
+    reached = (before > 0.0) & (magnitude(shear) >= _REACHED_STRENGTH * before)
+    return shear * np.divide(limit, before, out=np.ones_like(limit), where=reached)
 
 
 class _Mixing:
