@@ -61,8 +61,7 @@ _INNER_SLIP = 0.1
 _LOOSEST_INNER = 100.0
 _TIGHTEST_INNER = 0.3
 _LOOSEST_SLIP = 0.03
-# Residual of a tangential solve below which passes are combined (Anderson), and earlier passes of a combination.
-_MIXED_SLIP = 0.1
+# Earlier passes that are combined with one (Anderson).
 _MIXED_PASSES = 4
 # Traction over the mean one of a force that is looked for first.
 _MAX_CONCENTRATION = 1e3
@@ -211,7 +210,8 @@ class CoupledSolve(FrictionalContact):
             if max(error, outcome.residual) <= self.tolerance:
                 break
             damping = 1.0 / (1.0 + coupling**2) if coupling > _RELAXED_COUPLING else 1.0
-            if outcome.residual < _MIXED_SLIP:
+            # The change by a rough tangential solve is not that by the pressure.
+            if outcome.residual < error:
                 lifted = mixing.combine(lifted, found - lifted, damping)
             else:
                 lifted = lifted + damping * (found - lifted)
