@@ -169,8 +169,7 @@ class CoupledSolve(FrictionalContact):
         if at_rest and (tangential.kind == "tangential_force" or not start.displacement.any()):
             return FoundTractions(contact, start.shear, start.displacement, Status.CONVERGED, 1, 0)
         peak = float(contact.pressure.max()) / self.unit
-        shear = _keep_sliding(start.shear, self._limit_of(start.pressure), limit)
-        outcome = self._shear(tangential, limit, peak, -start.relative, shear, self.tolerance)
+        outcome = self._shear(tangential, limit, peak, -start.relative, start.shear, self.tolerance)
         return FoundTractions(
             contact, outcome.shear, np.array(outcome.displacement), outcome.status, 1, outcome.iterations
         )
@@ -189,14 +188,15 @@ class CoupledSolve(FrictionalContact):
         error = math.inf
         iterations = 0
         passes = 0
-        limit = self._limit_of(start.pressure)
+        before: Array | None = None
         while passes < _MAX_PASSES:
             passes += 1
             contact = self._press_on(lifted, load, pressure, error)
             pressure = contact.pressure
-            before = limit
             limit, coupling = self._find_limit(contact)
-            shear = _keep_sliding(shear, before, limit)
+            if before is not None:
+                shear = _keep_sliding(shear, before, limit)
+            before = limit
             self._require_coupling(coupling)
             self._require_stick(tangential, limit)
             dragged = self.shear.apply(contact.pressure[np.newaxis] / self.unit, of="z")
@@ -281,10 +281,6 @@ class CoupledSolve(FrictionalContact):
         pressed = pressure > 0.0
         slope = float(np.max(growth[pressed] / pressure[pressed], initial=0.0)) / (_PROBED_GROWTH - 1.0)
         return limit / self.unit, abs(self.pair.beta) * slope
-
-    def _limit_of(self, pressure: Array) -> Array:
-        """Return the dimensionless shear strength under a dimensionless pressure."""
-        return shear_limit(self.law, pressure * self.unit) / self.unit
 
     def _require_coupling(self, coupling: float) -> None:
         if coupling > _MAX_COUPLING:

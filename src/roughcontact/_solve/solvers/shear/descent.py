@@ -160,7 +160,7 @@ class Face:
 def _cut(vectors: RealArray, normal: RealArray) -> RealArray:
     """Return vectors without their part along a normal."""
     x, y = normal
-    outward = normal * (x * vectors[0] + y * vectors[1])
+    outward: RealArray = normal * (x * vectors[0] + y * vectors[1])
     return np.subtract(vectors, outward, out=outward)
 
 
@@ -270,7 +270,7 @@ class ShearDescent(Method):
         if wanted <= SHORTENED_STEP_PART:
             return False
         part = self._choose_part(face, move, wanted, meets=bool(hits.any()))
-        along *= np.float32(part)
+        along = np.float32(part) * along
         change *= np.float32(part)
         step *= np.float32(part)
         self._last = _Taken(along, change, part * part * curvature)

@@ -153,8 +153,9 @@ class ForceControl:
         """
         held_x, held_y = self._held
         xx, xy, yy = matrix
-        xx *= held_x
-        yy *= held_y
+        # Rounding may leave less than nothing.
+        xx = held_x * max(xx, 0.0)
+        yy = held_y * max(yy, 0.0)
         xy *= held_x * held_y
         regular = max(_MIN_STIFFNESS * (xx + yy), _MIN_TRACE)
         xx += regular + 1.0 - held_x
@@ -163,10 +164,10 @@ class ForceControl:
         # One step of elimination: a determinant would lose the digits of two unlike axes.
         if xx >= yy:
             ratio = xy / xx
-            second = (y - ratio * x) / (yy - ratio * xy)
+            second = (y - ratio * x) / max(yy - ratio * xy, regular)
             return (x - xy * second) / xx, second
         ratio = xy / yy
-        first = (x - ratio * y) / (xx - ratio * xy)
+        first = (x - ratio * y) / max(xx - ratio * xy, regular)
         return first, (y - xy * first) / yy
 
     @cached_property
