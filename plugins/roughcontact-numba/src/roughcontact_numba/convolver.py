@@ -36,13 +36,14 @@ def _multiply(values, symbol, mx, my):  # type: ignore[no-untyped-def]
     """
     nx, ny = values.shape
     waves = scipy.fft.rfft(values, my, 1)
-    waves = scipy.fft.fft(waves, mx, 0)
+    waves = scipy.fft.fft(waves, mx, 0, None, True)
     for i in range(mx):
         row = i if i < symbol.shape[0] else mx - i
         for j in range(waves.shape[1]):
             waves[i, j] *= symbol[row, j]
-    waves = scipy.fft.ifft(waves, mx, 0)
-    return scipy.fft.irfft(waves[:nx], my, 1)[:, :ny].copy()
+    waves = scipy.fft.ifft(waves, mx, 0, None, True)
+    product = scipy.fft.irfft(waves[:nx], my, 1, None, True)
+    return product if ny == my else product[:, :ny].copy()
 
 
 @attrs.frozen

@@ -240,8 +240,6 @@ def _add(gap, change, part):  # type: ignore[no-untyped-def]
 class CompiledPasses(FieldPasses):
     """The passes compiled by numba; they let other threads run."""
 
-    max_cells = 2**16
-
     def measure(self, pressure: Array, gap: RealArray, limit: Array | None, load: float | None) -> tuple[float, float]:
         """See `FieldPasses.measure`."""
         return _measure(pressure, gap, _bound(limit), load is not None)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import abc
-from typing import ClassVar
 
 from roughcontact._base.arrays import Array, Mask, RealArray
 
@@ -14,14 +13,7 @@ class FieldPasses(abc.ABC):
     Fields are flat, shape (n,): the pressure in float64 between zero and its limit, masks, and all others in float32.
     A limit has one entry, or one for each cell; None: there is none. A load is the sum of the pressure; None: the
     approach is given, and is the datum of the gap.
-
-    Attributes
-    ----------
-    max_cells
-        Cells of the largest grid on which such a descent is faster than one on lists of cells.
     """
-
-    max_cells: ClassVar[int]
 
     @abc.abstractmethod
     def measure(self, pressure: Array, gap: RealArray, limit: Array | None, load: float | None) -> tuple[float, float]:

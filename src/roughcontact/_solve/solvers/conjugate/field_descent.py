@@ -196,9 +196,6 @@ class _RigidMotion:
 class NumpyPasses(FieldPasses):
     """The passes in numpy, few calls each."""
 
-    # On 256 x 256 cells long waves need the correction of `Preconditioner`.
-    max_cells = 2**15
-
     def measure(self, pressure: Array, gap: RealArray, limit: Array | None, load: float | None) -> tuple[float, float]:
         """See `FieldPasses.measure`."""
         single = pressure.astype(np.float32)

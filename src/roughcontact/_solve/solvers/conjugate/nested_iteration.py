@@ -71,7 +71,7 @@ class PressureOnGrid(GridProblem[InitialGuess]):
         """Whether the gap is sought near full contact, which saves steps on large grids without a pressure limit."""
         if self.task.capped:
             return False
-        return not descends_on_fields(self.convolution, self.task) or is_steep(self.convolution.inverse(np.float32))
+        return not descends_on_fields(self.task) or is_steep(self.convolution.inverse(np.float32))
 
     def begin(self) -> InitialGuess:
         """Return the pressure of full contact, or a uniform one, or that of the task."""
