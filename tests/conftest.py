@@ -72,6 +72,12 @@ def run(capsys):
 
 
 @pytest.fixture
+def leave_memory(monkeypatch):
+    """Let there be so many bytes of memory that this process may take."""
+    return lambda count: monkeypatch.setattr("roughcontact._base.machine.available_memory", lambda: count)
+
+
+@pytest.fixture
 def no_pictures(monkeypatch):
     """Reports without their pictures, for tests of what stands beside these: drawing eight takes two seconds."""
     monkeypatch.setattr("roughcontact._faces.html.report.can_draw", lambda: False)
@@ -87,7 +93,7 @@ class DaskCluster:
         self.command = [sys.executable, "-m", "distributed.cli.dask_worker", cluster.scheduler_address, "--no-nanny"]
         self.command += ["--nthreads", "1", "--memory-limit", "0", "--dashboard-address", ":0"]
         # What the workers are sent may be of a module of tests.
-        self.environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parent)}
+        self.environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
         self.stack, self.workers = stack, []
 
     def start(self, count):

@@ -9,6 +9,7 @@ from __future__ import annotations
 from functools import cached_property, lru_cache
 
 import attrs
+import mpmath as mp
 import numpy as np
 
 Long = np.longdouble
@@ -21,6 +22,18 @@ TO_ROUNDING = 1e-5
 LOAD = 1e-12
 # A uniform pressure displaces a periodic surface by nothing: a range below this, over the pressure, is rounding.
 UNIFORM = 1e-12
+
+
+def love_by_mpmath(i, j, dx, dy):
+    """Love's four logarithms with 80 digits, for 1/(pi E*) = 1."""
+    with mp.workdps(80):
+        dx, dy = mp.mpf(dx), mp.mpf(dy)
+
+        def corner(x, y):
+            return (x * mp.asinh(y / abs(x)) if x else 0) + (y * mp.asinh(x / abs(y)) if y else 0)
+
+        x, y = (i - mp.mpf(1) / 2) * dx, (j - mp.mpf(1) / 2) * dy
+        return corner(x + dx, y + dy) - corner(x, y + dy) - corner(x + dx, y) + corner(x, y)
 
 
 def love(i, j, aspect):

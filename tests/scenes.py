@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 
 import attrs
@@ -59,13 +60,14 @@ def make_study(**changes):
         "force": [0.1, 0.5, 1.0],
         "seeds": [0, 1],
         "areas": ["blend", "cell-count"],
+        "fields": True,
     }
     return rc.Study(**{**parts, **changes})
 
 
 def small_study(**changes):
     """Return a study of one small problem, two loads and three seeds, unless other things are given."""
-    parts = {"problems": small_problem(), "force": [0.1, 0.3], "seeds": [0, 1, 2]}
+    parts = {"problems": small_problem(), "force": [0.1, 0.3], "seeds": [0, 1, 2], "fields": True}
     return rc.Study(**{**parts, "areas": ["blend", "cell-count"], **changes})
 
 
@@ -97,3 +99,33 @@ def each_once(axes):
         marks = () if places in ordinary else pytest.mark.slow
         cases.append(pytest.param(*itertools.chain(*groups), marks=marks))
     return pytest.mark.parametrize(" ".join(axes).split(), cases)
+
+
+@attrs.frozen
+class Doubled(rc.Surface):
+    inner: rc.Surface
+
+    def heights(self, grid):
+        return 2 * self.inner.heights(grid)
+
+
+@dataclasses.dataclass(frozen=True)
+class DoubledData(rc.Surface):
+    inner: rc.Surface
+
+    def heights(self, grid):
+        return 2 * self.inner.heights(grid)
+
+
+class DoubledPlain(rc.Surface):
+    def __init__(self, inner):
+        self.inner = inner
+
+    def heights(self, grid):
+        return 2 * self.inner.heights(grid)
+
+    def with_parts(self, parts):
+        return DoubledPlain(*parts)
+
+
+WRAPPERS = [Doubled, DoubledData, DoubledPlain]

@@ -20,6 +20,18 @@ from roughcontact._base.archive.plain import rebuild as rebuild
 from roughcontact._base.registry import registries as registries
 from roughcontact._solve.problem import load_path as load_path
 from roughcontact._solve.problem import save_path as save_path
-from roughcontact._work.studies.record import read_index as read_index
-from roughcontact._work.studies.record import write_index as write_index
+from roughcontact._work.studies.lists import RecordList
+from roughcontact._work.studies.lists import read_journal as read_journal
+from roughcontact._work.studies.lists import read_list as read_list
+from roughcontact._work.studies.lists import write_list as write_list
 from roughcontact._work.studies.toml import read_study as read_study
+
+
+def read_index(path):
+    """Return the records of a list by key."""
+    return {record.key: record for _, record in read_list(path)}
+
+
+def read_records(folder):
+    """Return the records of all studies in a folder by key: those of their lists, and those that are in none yet."""
+    return dict(RecordList(folder, "", None, "").read().records)

@@ -1,4 +1,4 @@
-"""Tables of the pages: written by the scripts of this folder, compared with them by tests/test_doc_tables.py.
+"""Tables of the pages: written by the scripts of this folder, compared with them by tests/pages/test_doc_tables.py.
 
     python docs/studies/doc_tables.py                  # the tables, their pages and their scripts
     python docs/studies/doc_tables.py NAME [NAME ...]  # compute these again and write them to their pages
@@ -44,7 +44,7 @@ class DocTable:
     rows
         Returns the lines, each a list of cells; the first one is the heading.
     seconds
-        CPU time it needs. Computed again by the slow tests up to 20 s, each week up to 60 s, else by hand.
+        CPU time it needs. Computed again by the slow tests up to 60 s, else by hand.
     timed
         Headings of columns that hold times, or depend on the machine: not compared.
     units

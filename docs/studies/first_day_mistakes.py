@@ -1,6 +1,6 @@
 """The table of first-day mistakes in docs/use/limits.md: scenes, and what is said of each.
 
-Run ``python docs/studies/first_day_mistakes.py`` to write the table; ``tests/test_mistakes.py`` compares it.
+Run ``python docs/studies/first_day_mistakes.py`` to write the table; ``tests/pages/test_mistakes.py`` compares it.
 """
 
 from __future__ import annotations

@@ -19,7 +19,7 @@ from roughcontact.extrapolation import richardson
 # Order at which corrected areas were extrapolated.
 ORDER = 2.0
 STEEL, SOFT = rc.Elastic(200e9, 0.3), rc.Elastic(1.0, 0.0)
-# Converged areas of the paper's wave over nominal, by pressure, Pa (tests/test_refinement.py).
+# Converged areas of the paper's wave over nominal, by pressure, Pa (tests/problems/test_refinement.py).
 WAVES = {50e6: 0.71689e-2, 100e6: 1.14192e-2, 200e6: 1.82266e-2}
 
 

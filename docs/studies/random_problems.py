@@ -3,7 +3,7 @@
     python docs/studies/random_problems.py [PROBLEMS]
 
 Prints how many problems ended with which status, and those wrongly called a success. Run it from a checkout:
-problems and judge are those of the tests (tests/test_fuzz_problems.py).
+problems and judge are those of the tests (tests/fuzz/test_fuzz_problems.py).
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from collections import Counter
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "tests"))
+sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "fuzz"))
 from fuzz_cases import case_of
 from test_fuzz_problems import PROBLEMS, fault_of
 

@@ -9,6 +9,7 @@ for                 names
 ==================  ===============================================================================================
 pressures           `starting_pressure`, `nearest_pressure`, `project_to_load`, `rescale_to_load`,
                     `ContactConditions`
+fields              `NumpyPasses`, what a descent on whole fields does beside its products
 nested grids        `halve_shape`, `solve_in_window`, `GridSolution`, `GridLevel`, `estimate_approach`
 a preconditioner    `WaveMatrix`, `count_blocks`, `LONG_WAVE_CUT`, `MAX_CUT_EXPONENT`
 memory              `available_memory`, `require_memory_of_solve`
@@ -33,6 +34,7 @@ from roughcontact._solve.solvers import (
     LONG_WAVE_CUT,
     MAX_CUT_EXPONENT,
     GridSolution,
+    NumpyPasses,
     count_blocks,
     estimate_approach,
     halve_shape,
@@ -51,6 +53,7 @@ __all__ = [
     "GridLevel",
     "GridSolution",
     "LinearSolution",
+    "NumpyPasses",
     "WaveMatrix",
     "Whole",
     "available_memory",

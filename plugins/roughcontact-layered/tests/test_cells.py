@@ -38,6 +38,21 @@ def test_the_point_force_is_hankels_integral():
         assert table.displacement(np.array([r]), np.zeros(1)).item() == pytest.approx(exact, abs=1e-12 * scale + 1e-14)
 
 
+@pytest.mark.parametrize(
+    ("layers", "substrate"),
+    [
+        ((Layer(5.0, 0.25, 0.3), Layer(0.05, 0.5, 0.2), Layer(20.0, 0.2, 1.5)), STEEL),
+        ((Layer(1.0, 0.3, 0.3), Layer(1e-3, 0.5, 0.05)), rc.Rigid()),
+    ],
+)
+def test_the_rest_at_any_wave_number_is_that_of_the_layers(layers, substrate):
+    """A plate on an incompressible layer has the poles that are nearest to real wave numbers."""
+    kernel = LayeredKernel(layers, substrate=substrate)
+    q = np.geomspace(1e-9, 1e4, 4001)
+    exact = kernel.respond(q)[1]
+    np.testing.assert_allclose(kernel.rest(q) * q, exact, rtol=0, atol=3e-14 * np.abs(exact).max())
+
+
 @pytest.mark.parametrize("ratio", [0.1, 0.5, 5.0])
 @pytest.mark.parametrize("thickness", [1e-2, 0.2, 1.0, 5.0])
 def test_cells_near_and_far_are_one_function(ratio, thickness):
@@ -65,6 +80,32 @@ def test_the_spectrum_is_the_transform_of_the_coefficients(ratio, thickness):
     size = love.spectrum(*waves, spacing, C)
     i, j = 40, 55
     assert abs(spectrum - transform[1:, 1:])[i, j] < 1e-9 * size[i, j]
+
+
+@pytest.mark.parametrize("layers", [Layer(0.1, 0.3, 0.05), (Layer(8.0, 0.25, 0.4), Layer(0.1, 0.5, 1.0))])
+@pytest.mark.parametrize("spacing", [(1.0, 1.0), (1.0, 3.0), (6.0, 1.0)])
+@pytest.mark.parametrize("axis", [0, 1])
+def test_free_along_one_axis_is_a_sum_over_images_of_the_free_coefficients(layers, spacing, axis):
+    """Of a pressure without a mean along the periodic axis; what layers add to the half-space falls as r^-3."""
+    kernel = LayeredKernel(layers, substrate=STEEL)
+    shape = (9, 10) if axis == 0 else (10, 9)
+    periods = 81
+    boundary = ("free", "periodic") if axis == 0 else ("periodic", "free")
+    body = rc.Body(rc.ParaboloidSurface(radius=200.0), STEEL)
+    pressure = np.random.default_rng(3).standard_normal(shape)
+    pressure -= pressure.mean(axis=1 - axis, keepdims=True)
+    repeated = np.tile(pressure, (1, periods) if axis == 0 else (periods, 1))
+
+    def displace(pressure, kernel, boundary):
+        sides = tuple(n * side for n, side in zip(pressure.shape, spacing, strict=True))
+        problem = rc.ContactProblem(body, grid=rc.Grid(pressure.shape, sides), kernel=kernel, boundary=boundary)
+        return problem.convolution.apply(pressure)
+
+    found = displace(pressure, kernel, boundary) - displace(pressure, "love", boundary)
+    images = displace(repeated, kernel, "free") - displace(repeated, "love", "free")
+    middle = slice(periods // 2 * 10, (periods // 2 + 1) * 10)
+    images = images[:, middle] if axis == 0 else images[middle]
+    np.testing.assert_allclose(found, images, rtol=0, atol=1e-8 * np.abs(found).max())
 
 
 def test_thick_layers_are_their_half_space_and_thin_ones_the_substrate():

@@ -134,7 +134,7 @@ def rough(n, boundary, shortest, limit=None):
     return {"surface": surface, "n": n, "material": material, "boundary": boundary}
 
 
-@pytest.mark.parametrize("n", [128, 256, pytest.param(1024, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("n", [128, 256, pytest.param(512, marks=pytest.mark.slow)])
 @pytest.mark.parametrize(
     ("boundary", "shortest", "load"),
     [("periodic", 8, 0.05), ("periodic", 8, 0.2), ("periodic", 8, 1.0), ("periodic", 2, 0.2), ("free", 8, 0.05)],

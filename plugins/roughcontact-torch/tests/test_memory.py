@@ -46,8 +46,8 @@ print((read("VmHWM") - before) / problem.plan.memory)
         (512, "free", 0.03, "solve(pressure=0.01)"),
         pytest.param(1024, FREE_PERIODIC, 1.0, "solve(pressure=0.02)", marks=pytest.mark.slow),
         pytest.param(1024, "periodic", 1.0, "solve(approach=1.0)", marks=pytest.mark.slow),
-        pytest.param(2048, "periodic", 0.03, "solve(pressure=0.01)", marks=pytest.mark.slow),
-        pytest.param(2048, "free", 1.0, "solve(pressure=0.005)", marks=pytest.mark.slow),
+        pytest.param(1024, "periodic", 0.03, "solve(pressure=0.01)", marks=pytest.mark.slow),
+        pytest.param(1024, "free", 1.0, "solve(pressure=0.005)", marks=pytest.mark.slow),
     ],
     ids=str,
 )

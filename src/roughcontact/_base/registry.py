@@ -123,7 +123,7 @@ class Registry(Generic[T]):
         top = cls.__module__.partition(".")[0]
         for name, entries in self._entries().items():
             # Only its own distribution can have listed the class: no other is loaded.
-            if any(entry.module.partition(".")[0] == top for entry in entries):
+            if name not in self._classes and any(entry.module.partition(".")[0] == top for entry in entries):
                 with suppress(InputError):
                     self[name]
         return min((name for name, known in self._classes.items() if known is cls), default=None)

@@ -8,7 +8,7 @@ import re
 import textwrap
 from collections.abc import Callable, Iterable, Sequence
 from decimal import Decimal
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, final
 
 import attrs
 import numpy as np
@@ -267,6 +267,33 @@ def kind_of(warning: str) -> str:
     return getattr(warning, "rule", "") or _NUMBER_WITH_PREFIX.sub("#", warning)
 
 
+@final
+class Deferred:
+    """A number, or None, that is found when it is first read, and in pickles and copies."""
+
+    __slots__ = ("_find", "_found")
+
+    def __init__(self, find: Callable[[], float | None]) -> None:
+        self._find: Callable[[], float | None] | None = find
+        self._found: float | None = None
+
+    def read(self) -> float | None:
+        """Return the number."""
+        find = self._find
+        if find is not None:
+            self._found = find()
+            # What the number is found from is not held any longer.
+            self._find = None
+        return self._found
+
+    def __reduce__(self) -> tuple[Callable[[float | None], Deferred], tuple[float | None]]:
+        return _hold, (self.read(),)
+
+
+def _hold(found: float | None) -> Deferred:
+    return Deferred(lambda: found)
+
+
 @attrs.frozen
 class Estimate(ShownAsPrinted, Answer):
     """A number with its uncertainty.
@@ -284,7 +311,8 @@ class Estimate(ShownAsPrinted, Answer):
     sampling
         Standard deviation between places of the same rough surface, of this size: the mean of many places should lie
         within two of them, another place within three. Changes over lengths beyond the side of the map do not show in
-        it. None where there is no such surface, or it is not known.
+        it. None where there is no such surface, or it is not known. It is found when it is first read; until then the
+        answer of a contact of at most 65,536 cells holds its heights and pressures.
 
     Examples
     --------
@@ -299,12 +327,15 @@ class Estimate(ShownAsPrinted, Answer):
     unit: str
     warnings: tuple[str, ...] = ()
     # Over the value.
-    _relative_sampling: float | None = attrs.field(default=None, kw_only=True, eq=False, repr=False)
+    _relative_sampling: float | Deferred | None = attrs.field(default=None, kw_only=True, eq=False, repr=False)
 
     @property
     def sampling(self) -> float | None:
         """Standard deviation between places, in the unit of the value."""
-        return None if self._relative_sampling is None else abs(self.value) * self._relative_sampling
+        relative = self._relative_sampling
+        if isinstance(relative, Deferred):
+            relative = relative.read()
+        return None if relative is None else abs(self.value) * relative
 
     @property
     def _reasons(self) -> str:

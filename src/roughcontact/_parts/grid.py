@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from enum import StrEnum
+from functools import cached_property
 from typing import Any
 
 import attrs
@@ -125,7 +126,7 @@ class Grid:
     shape: tuple[int, int] = attrs.field(converter=grid_shape)
     size: Pair = attrs.field(converter=_size, metadata={"unit": "m"})
 
-    @property
+    @cached_property
     def spacing(self) -> Pair:
         """Sides of a cell (dx, dy), m."""
         return self.size[0] / self.shape[0], self.size[1] / self.shape[1]
@@ -135,7 +136,7 @@ class Grid:
         """Number of cells."""
         return self.shape[0] * self.shape[1]
 
-    @property
+    @cached_property
     def cell_area(self) -> float:
         """Area of a cell, m2."""
         return self.spacing[0] * self.spacing[1]
@@ -192,12 +193,23 @@ def pad_axes(
     field: npt.NDArray[Any], widths: tuple[tuple[int, int], tuple[int, int]], free: tuple[bool, bool]
 ) -> npt.NDArray[Any]:
     """Return a field with so many cells more before and behind it along x and y; see `extend`."""
-    if free[0] == free[1]:
-        return np.pad(field, widths, mode="edge" if free[0] else "wrap")
-    kept = (0, 0)
-    on_free = (widths[0], kept) if free[0] else (kept, widths[1])
-    on_periodic = (kept, widths[1]) if free[0] else (widths[0], kept)
-    return np.pad(np.pad(field, on_free, mode="edge"), on_periodic, mode="wrap")
+    (x0, x1), (y0, y1) = widths
+    nx, ny = field.shape
+    if max(x0, x1) > nx or max(y0, y1) > ny:
+        rows, columns = (
+            np.clip(at, 0, n - 1) if ends else at % n
+            for at, n, ends in zip((np.arange(-x0, nx + x1), np.arange(-y0, ny + y1)), (nx, ny), free, strict=True)
+        )
+        return np.asarray(field[rows[:, np.newaxis], columns])
+    # Faster than `numpy.pad`, by a factor of ten on small fields.
+    padded = np.empty((x0 + nx + x1, y0 + ny + y1), field.dtype)
+    inside = padded[x0 : x0 + nx]
+    inside[:, y0 : y0 + ny] = field
+    inside[:, :y0] = field[:, :1] if free[1] else field[:, ny - y0 :]
+    inside[:, y0 + ny :] = field[:, -1:] if free[1] else field[:, :y1]
+    padded[:x0] = inside[:1] if free[0] else inside[nx - x0 :]
+    padded[x0 + nx :] = inside[-1:] if free[0] else inside[:x1]
+    return padded
 
 
 def list_borders(field: npt.NDArray[Any], boundary: Boundary) -> list[npt.NDArray[Any]]:

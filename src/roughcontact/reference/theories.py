@@ -141,6 +141,13 @@ def evaluate_persson(waves: Waves, modulus: float, pressures: Array) -> PerssonC
     return PerssonContact(pressures, *(values.reshape(pressures.shape) for values in columns))
 
 
+def find_persson_area(waves: Waves, modulus: float, pressure: float) -> float:
+    """Return the area fraction of `evaluate_persson` at one pressure, Pa, alone."""
+    variance = _list_bands(waves)[1]
+    p = pressure / (modulus * (waves.height / waves.cell))
+    return float(scipy.special.erf(p / math.sqrt(2.0 * variance[-1])))
+
+
 def _list_bands(waves: Waves) -> tuple[Array, Array]:
     """Return for each band of wave numbers its elastic energy, and the variance of the pressure up to its end."""
     square = waves.square

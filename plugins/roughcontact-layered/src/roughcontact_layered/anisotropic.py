@@ -8,8 +8,9 @@ import attrs
 import numpy as np
 import roughcontact as rc
 
+from roughcontact_layered.aliases import cell_waves
 from roughcontact_layered.bodies import compliance_of_other
-from roughcontact_layered.cells import cell_integrals, cell_waves
+from roughcontact_layered.cells import cell_integrals
 from roughcontact_layered.crystal import Anisotropic
 from roughcontact_layered.stack import Array
 

@@ -9,9 +9,9 @@ import numpy as np
 import roughcontact as rc
 from roughcontact.typing import HalfSpaceStress, PairConstants
 
+from roughcontact_layered.aliases import cell_waves
 from roughcontact_layered.below import find_excess
 from roughcontact_layered.bodies import compliance_of_other, is_made_of
-from roughcontact_layered.cells import cell_waves
 from roughcontact_layered.conduction import LayeredConduction, conductivity_of
 from roughcontact_layered.harmonics import FindWaves, integrate_stress
 from roughcontact_layered.shear import LayeredShear

@@ -7,9 +7,10 @@ import numpy as np
 import roughcontact as rc
 from roughcontact.typing import PairConstants
 
-from roughcontact_layered.cells import cell_waves
+from roughcontact_layered.aliases import cell_waves
 from roughcontact_layered.conduction import conduct
 from roughcontact_layered.harmonics import integrate_cells
+from roughcontact_layered.octaves import tabulate_rest
 from roughcontact_layered.radial import tabulate
 from roughcontact_layered.stack import Array, Layer, respond
 
@@ -37,15 +38,13 @@ class _Harmonic:
 
     def rest(self, q: Array) -> Array:
         """Return it for wave numbers, less that of a half-space of the topmost layer, shape of `q`, m/Pa."""
-        along, across = _find_rests(self.layers, self.substrate, q)
-        return np.asarray(0.5 * (along + across if self.order == 0 else along - across) / q)
+        return np.asarray(tabulate_rest(self)(q) / q)
 
-
-def _find_rests(layers: tuple[Layer, ...], substrate: rc.Elastic, q: Array) -> tuple[Array, Array]:
-    """Return q times the rests of the displacement by shear along and across waves, of the shape of `q`, 1/Pa."""
-    along = respond(layers, substrate, q.ravel(), (0, 0))[1]
-    across = respond_across(layers, substrate, q.ravel())[1]
-    return along.reshape(q.shape), across.reshape(q.shape)
+    def find_rest(self, q: Array) -> Array:
+        """Return q times `rest`, by the layers themselves, shape (n,); see `SmoothResponse`."""
+        along = respond(self.layers, self.substrate, q, (0, 0))[1]
+        across = respond_across(self.layers, self.substrate, q)[1]
+        return np.asarray(0.5 * (along + across if self.order == 0 else along - across))
 
 
 def respond_across(layers: tuple[Layer, ...], substrate: rc.Elastic, q: Array) -> tuple[Array, Array]:
@@ -110,9 +109,9 @@ class LayeredShear(rc.InfluenceKernel):
     def wave_rest(self, qx: Array, qy: Array) -> Array:
         """Return the response less that of a half-space of the topmost layer, of wave vectors, m/Pa."""
         q = np.hypot(qx, qy)
-        along, across = _find_rests(self.layers, self.substrate, q)
-        square = np.square((qx if self.axis == 0 else qy) / q)
-        return np.asarray((along * square + across * (1.0 - square)) / q)
+        mean, change = (_Harmonic(self.layers, self.substrate, order).rest(q) for order in (0, 2))
+        cosine = 2.0 * np.square((qx if self.axis == 0 else qy) / q) - 1.0
+        return np.asarray(mean + change * cosine)
 
     def _find_surface(self, compliance: float) -> tuple[float, PairConstants]:
         """Return 1/E* and the constants of half-spaces of the topmost layer and of the other body."""

@@ -7,7 +7,9 @@ import abc
 import numpy as np
 import roughcontact as rc
 
-from roughcontact_layered.cells import cell_integrals, cell_waves
+from roughcontact_layered.aliases import cell_waves
+from roughcontact_layered.cells import cell_integrals
+from roughcontact_layered.octaves import tabulate_rest
 from roughcontact_layered.radial import tabulate
 from roughcontact_layered.stack import Array, Layer
 
@@ -108,8 +110,11 @@ class StackedKernel(rc.InfluenceKernel):
 
     def rest(self, q: Array) -> Array:
         """Return the response less that of a half-space of the topmost layer, shape of `q` (rad/m, above 0), m/Pa."""
-        _, rest = self.respond(q.ravel())
-        return np.asarray(rest.reshape(q.shape) / q)
+        return np.asarray(tabulate_rest(self)(q) / q)
+
+    def find_rest(self, q: Array) -> Array:
+        """Return q times `rest`, by the layers themselves, shape (n,); see `SmoothResponse`."""
+        return self.respond(q)[1]
 
     def surface_compliance(self, compliance: float) -> float:
         """Return the compliance of half-spaces of the topmost layer and of the other body."""

@@ -44,13 +44,21 @@ def sum_waves(find: FindWaves, load: str, qx: Array, qy: Array, spacing: tuple[f
     orders = [_count_orders(side, reach) if q.any() else 0 for side, q in zip(spacing, (qx, qy), strict=True)]
     table = _Table(find, load, _smallest(qx, qy), _DECAYED / reach)
     total = np.zeros((6, qx.shape[0], qy.shape[1]))
-    for m in range(-orders[0], orders[0] + 1):
-        for n in range(-orders[1], orders[1] + 1):
-            x = qx + 2.0 * np.pi * m / spacing[0]
-            y = qy + 2.0 * np.pi * n / spacing[1]
-            cell = np.sinc(x * spacing[0] / (2.0 * np.pi)) * np.sinc(y * spacing[1] / (2.0 * np.pi))
-            total += cell * table(x, y)
+    along_x, along_y = (
+        [_alias(q, order, side) for order in range(-most, most + 1)]
+        for q, side, most in zip((qx, qy), spacing, orders, strict=True)
+    )
+    for x, cell_x in along_x:
+        for y, cell_y in along_y:
+            if math.hypot(np.abs(x).min(), np.abs(y).min()) <= table.last:
+                total += cell_x * cell_y * table(x, y)
     return total
+
+
+def _alias(q: Array, order: int, side: float) -> tuple[Array, Array]:
+    """Return the aliases of waves along an axis, rad/m, and their amplitudes in unit load on cells."""
+    wave = q + 2.0 * np.pi * order / side
+    return wave, np.sinc(wave * side / (2.0 * np.pi))
 
 
 def _count_orders(side: float, reach: float) -> int:
@@ -84,6 +92,7 @@ class _Table:
         kept = np.nonzero((q > 0.0) & (q <= self.last))
         at = q[kept]
         result = np.zeros((6, *q.shape))
-        cos, sin = (np.broadcast_to(one, q.shape)[kept] / at for one in (qx, qy))
+        cos = qx[kept[0], 0] / at
+        sin = qy[0, kept[1]] / at
         result[:, kept[0], kept[1]] = add_angles(self.load, self.spline(np.log(at)), cos, sin)
         return result

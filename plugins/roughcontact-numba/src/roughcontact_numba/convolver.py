@@ -81,8 +81,7 @@ class CompiledInverse(InverseConvolution):
         self, values: RealArray, symbol: RealArray, padded: tuple[int, int], rows: IntArray | None = None
     ) -> RealArray:
         """Return a field with each of its waves multiplied by a symbol; see `InverseConvolution.multiply`."""
-        found: RealArray = _multiply(values, symbol, *padded)
-        return found
+        return _multiply(values, symbol, *padded)
 
 
 @attrs.frozen(eq=False)
@@ -101,7 +100,7 @@ class CompiledConvolution(PreparedConvolution):
     def symbol(self) -> Array:
         """The factors of all waves of the padded grid, shape (mx, my // 2 + 1)."""
         mx = self.padded[0]
-        half = self.inner.symbol
+        half = self.inner.symbol  # type: ignore[attr-defined]
         return np.ascontiguousarray(np.concatenate((half, half[mx - half.shape[0] : 0 : -1])))
 
     @cached_property
@@ -117,8 +116,7 @@ class CompiledConvolution(PreparedConvolution):
     def apply(self, pressure: RealArray) -> RealArray:
         """Return the displacement by a pressure; see `PreparedConvolution.apply`."""
         symbol = self.symbol_float32 if pressure.dtype == np.float32 else self.symbol
-        found: RealArray = _multiply(np.ascontiguousarray(pressure), symbol, *self.padded)
-        return found
+        return _multiply(np.ascontiguousarray(pressure), symbol, *self.padded)
 
     def inverse(self, dtype: type[np.float32] | type[np.float64] = np.float64) -> InverseConvolution:
         """Return the approximate inverse, compiled."""

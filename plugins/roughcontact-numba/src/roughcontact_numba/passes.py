@@ -62,7 +62,7 @@ def _release(pressure, gap, limit, by_load):  # type: ignore[no-untyped-def]
         count = 0
         for i in range(cells):
             inside = (pressure[i] > 0.0) & (pressure[i] < _at(limit, i))
-            total += gap[i] if inside else np.float32(0.0)
+            total += gap[i] if inside else 0.0
             count += inside
         level = np.float32(total / count if count else 0.0)
     active = np.empty(cells, dtype=np.bool_)
@@ -73,7 +73,7 @@ def _release(pressure, gap, limit, by_load):  # type: ignore[no-untyped-def]
         loaded = pressure[i] > 0.0
         found = (loaded & ((pressure[i] < _at(limit, i)) | (gap[i] > level))) | (~loaded & (gap[i] < level))
         active[i] = found
-        total += gap[i] if found else np.float32(0.0)
+        total += gap[i] if found else 0.0
         count += found
     mean = np.float32(total / count if by_load and count else 0.0)
     for i in range(cells):
@@ -190,10 +190,11 @@ def _find_shift(values, active, limit, load, error):  # type: ignore[no-untyped-
             upper = shift
         trial = shift + excess / slope if slope else math.nan
         if not lower < trial < upper:
-            if math.isfinite(upper - lower):
+            # Sums in any order make a check of infinite values unsafe; comparisons are safe.
+            if lower > -math.inf and upper < math.inf:
                 trial = 0.5 * (lower + upper)
             else:
-                trial = lower + reach if math.isfinite(lower) else upper - reach
+                trial = lower + reach if lower > -math.inf else upper - reach
                 reach *= 2.0
         if trial in (lower, upper):
             break
@@ -237,23 +238,20 @@ class CompiledPasses(FieldPasses):
 
     def measure(self, pressure: Array, gap: RealArray, limit: Array | None, load: float | None) -> tuple[float, float]:
         """See `FieldPasses.measure`."""
-        found: tuple[float, float] = _measure(pressure, gap, _bound(limit), load is not None)
-        return found
+        return _measure(pressure, gap, _bound(limit), load is not None)
 
     def release(
         self, pressure: Array, gap: RealArray, limit: Array | None, load: float | None
     ) -> tuple[RealArray, Mask, int]:
         """See `FieldPasses.release`."""
-        found: tuple[RealArray, Mask, int] = _release(pressure, gap, _bound(limit), load is not None)
-        return found
+        return _release(pressure, gap, _bound(limit), load is not None)
 
     def conjugate(
         self, image: RealArray, active: Mask, step: RealArray | None, change: RealArray | None, curvature: float
     ) -> RealArray:
         """See `FieldPasses.conjugate`."""
         former = _NO_FIELD if step is None else step
-        found: RealArray = _conjugate(image, active, former, _NO_FIELD if change is None else change, curvature)
-        return found
+        return _conjugate(image, active, former, _NO_FIELD if change is None else change, curvature)
 
     def admit(
         self,
@@ -265,8 +263,7 @@ class CompiledPasses(FieldPasses):
         load: float | None,
     ) -> tuple[RealArray, float]:
         """See `FieldPasses.admit`."""
-        found: tuple[RealArray, float] = _admit(direction, residual, active, pressure, _bound(limit), load is not None)
-        return found
+        return _admit(direction, residual, active, pressure, _bound(limit), load is not None)
 
     def advance(
         self,
@@ -278,20 +275,15 @@ class CompiledPasses(FieldPasses):
         load: float | None,
     ) -> tuple[Array, RealArray, bool]:
         """See `FieldPasses.advance`."""
-        found: tuple[Array, RealArray, bool] = _advance(
-            pressure, direction, length, active, _bound(limit), load is not None
-        )
-        return found
+        return _advance(pressure, direction, length, active, _bound(limit), load is not None)
 
     def slopes(self, residual: RealArray, step: RealArray, change: RealArray) -> tuple[float, float]:
         """See `FieldPasses.slopes`."""
-        found: tuple[float, float] = _slopes(residual, step, change)
-        return found
+        return _slopes(residual, step, change)
 
     def move(self, pressure: Array, trial: Array, part: float, limit: Array | None) -> tuple[Array, bool]:
         """See `FieldPasses.move`."""
-        found: tuple[Array, bool] = _move(pressure, trial, part, _bound(limit))
-        return found
+        return _move(pressure, trial, part, _bound(limit))
 
     def add(self, gap: RealArray, change: RealArray, part: float) -> None:
         """See `FieldPasses.add`."""

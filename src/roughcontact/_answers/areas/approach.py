@@ -23,13 +23,14 @@ from roughcontact._answers.areas.initial_gap import (
     rim_ratio,
 )
 from roughcontact._base.arrays import Array, Mask
-from roughcontact._parts.grid import Boundary
+from roughcontact._parts.grid import Boundary, pad_axes
 from roughcontact._solve.solution import ContactSolution, heal
 
 # Number of the highest cells of a map that are tried: often the highest summit is not beside the highest cell.
 _SEARCHED_CELLS = 64
 # Cells on each side of a summit through which polynomials are fitted.
 _POLYNOMIAL_REACH = 4
+_MORE_ROWS = ((_POLYNOMIAL_REACH, _POLYNOMIAL_REACH), (0, 0))
 # Largest distance of a summit from its highest cell along an axis, and the distances that are tried, cells.
 _MAX_SUMMIT_OFFSET = 0.75
 _TRIED_OFFSETS = np.linspace(-_MAX_SUMMIT_OFFSET, _MAX_SUMMIT_OFFSET, 13)
@@ -61,6 +62,8 @@ def _weigh(reach: int) -> Array:
     return np.asarray(np.stack((value, slope, bend)) @ np.linalg.inv(np.vander(cells, increasing=True)))
 
 
+# The order of products that is best for the polynomials: finding it takes longer than the products.
+_EINSUM_PATH = ["einsum_path", (0, 1), (0, 1)]
 _POLYNOMIAL_WEIGHTS = {reach: _weigh(reach) for reach in (_POLYNOMIAL_REACH - 1, _POLYNOMIAL_REACH)}
 
 
@@ -107,7 +110,7 @@ def _gather_highest(gap: Array, measured: Array, boundary: Boundary) -> tuple[Ar
     wide = gap
     for free in boundary.free_axes:
         # Each axis in turn is the first one.
-        wide = (_continue(wide) if free else np.pad(wide, ((_POLYNOMIAL_REACH, _POLYNOMIAL_REACH), (0, 0)), "wrap")).T
+        wide = (_continue(wide) if free else pad_axes(wide, _MORE_ROWS, (False, False))).T
     count = min(_SEARCHED_CELLS, gap.size)
     highest = np.argpartition(measured, count - 1, axis=None)[:count]
     highest = highest[np.isfinite(measured.ravel()[highest])]
@@ -132,7 +135,7 @@ def _interpolate(near: Array, reach: int) -> Array:
     beside = slice(_POLYNOMIAL_REACH - reach, _POLYNOMIAL_REACH + reach + 1)
     near = near[:, beside, beside]
     weights = _POLYNOMIAL_WEIGHTS[reach]
-    values = np.einsum("ai,nij,bj->nab", weights[0], near, weights[0], optimize=True)
+    values = np.einsum("ai,nij,bj->nab", weights[0], near, weights[0], optimize=_EINSUM_PATH)
     i, j = np.divmod(values.reshape(len(near), -1).argmin(axis=1), _TRIED_OFFSETS.size)
 
     def derive(first: int, second: int) -> Array:
@@ -272,7 +275,7 @@ def measure_bend(solution: ContactSolution) -> Bend:
 def _measure_bend(solution: ContactSolution) -> Bend:
     patches = solution.patches
     touching = np.flatnonzero(solution.contact)
-    _, _, spread, bends = (part[1:] for part in average_curvature(solution, touching))
+    _, _, spread, bends = (part[1:] for part in average_curvature(solution))
     load = patches.forces / patches.forces.sum()
     pressure = solution.pressure.ravel()[touching] / np.sum(solution.pressure)
     resolution = curvature_resolution(solution)

@@ -8,18 +8,21 @@ import attrs
 import numpy as np
 
 from roughcontact._answers.areas import calibration
-from roughcontact._base.arrays import Array, IntArray, Mask
+from roughcontact._base.arrays import Array, IntArray, Mask, RealArray
 from roughcontact._parts.grid import Boundary, extend, list_borders
 from roughcontact._solve.solution import ContactSolution
 
 # Cells of the smallest patch that may have a sharp edge: in smaller ones the pressure rises outward by chance.
 MIN_SHARP_PATCH_CELLS = 9
-# Cells inwards from an edge with which the pressure of the cell at the edge is compared.
-_INWARD_CELLS = 2
 # Height of a step over the differences of height before and behind it, from which it is sharp.
 _MIN_STEP_RATIO = 4.0
 # Steps, in cells, from a cell to its eight neighbours.
-_NEIGHBOUR_STEPS = ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1))
+_NEIGHBOUR_STEPS = np.array(((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)))
+# Which of these run along an axis, shape (8, 1), and the two neighbours beside each direction by their places there:
+# across an axis on both sides, and beside a diagonal those along both axes.
+_IS_STRAIGHT = (_NEIGHBOUR_STEPS == 0).any(axis=1)[:, np.newaxis]
+_FIRST_BESIDE = np.array((2, 3, 0, 1, 0, 0, 1, 1))
+_SECOND_BESIDE = np.array((3, 2, 1, 0, 2, 3, 2, 3))
 # Second differences beside the two at a crease, in cells from the first of both, that must be small.
 _BESIDE_CREASE = (-2, -1, 2, 3)
 # Cells on each side that the second differences at a cell and beside it need.
@@ -80,6 +83,16 @@ class Neighbourhood:
         found = self.cells + (i * self.width + j)
         found[self.near] = self.rows[self.reach + i] + self.columns[self.reach + j]
         return np.asarray(found)
+
+
+def gather_around(field: RealArray, cells: IntArray, reach: int, boundary: Boundary) -> RealArray:
+    """Return a field around cells of flat index, shape (2 reach + 1, 2 reach + 1, n); beyond a border as `extend`."""
+    steps = np.arange(-reach, reach + 1)[:, np.newaxis]
+    rows, columns = (
+        np.clip(at + steps, 0, n - 1) if free else (at + steps) % n
+        for at, n, free in zip(split(cells, field.shape[1]), field.shape, boundary.free_axes, strict=True)
+    )
+    return np.asarray(field[rows[:, np.newaxis], columns])
 
 
 def split(cells: IntArray, width: int) -> tuple[IntArray, IntArray]:
@@ -177,6 +190,10 @@ def _count_both(solution: ContactSolution, of: Mask | None) -> IntArray:
 
 def find_straight_rows(solution: ContactSolution) -> IntArray:
     """Return the lengths, in sides, of the straight rows of sides that form the edge of the contact."""
+    return solution._keep("straight rows", lambda: _find_straight_rows(solution))
+
+
+def _find_straight_rows(solution: ContactSolution) -> IntArray:
     boundary = solution.boundary
     lengths = []
     for axis, sides in enumerate(_mark_sides(solution.contact, boundary, None)):
@@ -187,8 +204,11 @@ def find_straight_rows(solution: ContactSolution) -> IntArray:
             first = np.argmin(lines[crossing], axis=1)[:, np.newaxis]
             order = (np.arange(lines.shape[1]) + first) % lines.shape[1]
             lines[crossing] = np.take_along_axis(lines[crossing], order, axis=1)
-        changes = np.diff(np.pad(lines.astype(np.int8), ((0, 0), (1, 1))), axis=1)
-        lengths.append(np.nonzero(changes == -1)[1] - np.nonzero(changes == 1)[1])
+        # With a gap before the first line and behind each.
+        padded = np.zeros(lines.shape[0] * (lines.shape[1] + 1) + 1, dtype=bool)
+        padded[1:].reshape(lines.shape[0], -1)[:, :-1] = lines
+        starts, stops = np.flatnonzero(padded[1:] != padded[:-1]).reshape(-1, 2).T
+        lengths.append(stops - starts)
     return np.concatenate(lengths)
 
 
@@ -213,46 +233,65 @@ def find_sharp_edges(solution: ContactSolution) -> Mask:
     The pressure of saturated cells does not depend on the distance from the edge: they are marked where the heights
     have a step.
     """
+    return solution._keep("sharp edges", lambda: _find_sharp_edges(solution))
+
+
+def _find_sharp_edges(solution: ContactSolution) -> Mask:
     contact = solution.contact
+    nx, ny = contact.shape
     patches = solution.patches
-    extended = extend(contact, 1, solution.boundary)
-    interior = extended[:-2] & extended[1:-1] & extended[2:]
-    interior = interior[:, :-2] & interior[:, 1:-1] & interior[:, 2:]
     sharp = np.zeros(contact.size, dtype=bool)
-    edge = np.flatnonzero(contact & ~interior)
+    edge = np.flatnonzero(contact & ~find_interior(solution))
     edge = edge[np.concatenate(([False], patches.cells >= MIN_SHARP_PATCH_CELLS))[patches.labels.ravel()[edge]]]
-    if edge.size == 0:
+    i, j = split(edge, ny)
+    extended = extend(contact, 1, solution.boundary).ravel()
+    width = ny + 2
+    here = (i + 1) * width + (j + 1)
+    beside = extended.take(here + (_NEIGHBOUR_STEPS @ (width, 1))[:, np.newaxis])
+    one = beside[_FIRST_BESIDE]
+    other = beside[_SECOND_BESIDE]
+    sides = np.where(_IS_STRAIGHT, one & other, ~(one | other))
+    # All directions at once.
+    direction, facing = np.nonzero(sides & ~beside)
+    if facing.size == 0:
         return sharp.reshape(contact.shape)
-    saturated = solution.saturated.ravel()[edge] if solution.capped else np.zeros(edge.size, dtype=bool)
+    steps = _NEIGHBOUR_STEPS[direction].T
+    places = i[facing], j[facing]
+
+    def at(distance: int) -> IntArray:
+        """Return the flat indices of the cells that are so many steps further in the direction of each cell."""
+        axes = zip(places, steps, (nx, ny), solution.boundary.free_axes, strict=True)
+        row, column = (
+            np.clip(k + distance * step, 0, n - 1) if free else (k + distance * step) % n for k, step, n, free in axes
+        )
+        return np.asarray(row * ny + column)
+
     pressure = solution.pressure.ravel()
-    touching = contact.ravel()
-    gap = solution.initial_gap.ravel() if saturated.any() else pressure
-    near = Neighbourhood.of(*split(edge, contact.shape[1]), contact.shape, solution.boundary, _INWARD_CELLS)
-    beside = {step: touching[near.at(*step)] for step in _NEIGHBOUR_STEPS}
-    for dx, dy in _NEIGHBOUR_STEPS:
-        straight = dx == 0 or dy == 0
-        sides = beside[dy, dx] & beside[-dy, -dx] if straight else ~(beside[dx, 0] | beside[0, dy])
-        facing = np.flatnonzero(sides & ~beside[dx, dy])
-        found = _find_sharp(pressure, gap, near, facing, (dx, dy), saturated[facing])
-        sharp[edge[facing[found]]] = True
+    outer = pressure.take(edge[facing])
+    inner, innermost = (pressure.take(at(-k)) for k in (1, 2))
+    marked = (outer >= inner) & (inner >= innermost) & (innermost > 0.0)
+    saturated = solution.saturated.ravel()[edge[facing]] if solution.capped else np.zeros(facing.size, dtype=bool)
+    if saturated.any():
+        gap = solution.initial_gap.ravel()
+        before, level, after, beyond = (gap.take(at(k)) for k in (-1, 0, 1, 2))
+        stepped = after - level > _MIN_STEP_RATIO * np.maximum(np.abs(beyond - after), np.abs(level - before))
+        marked = np.where(saturated, stepped, marked)
+    sharp[edge[facing[marked]]] = True
     return sharp.reshape(contact.shape)
 
 
-def _find_sharp(
-    pressure: Array, gap: Array, near: Neighbourhood, facing: IntArray, step: tuple[int, int], saturated: Mask
-) -> Mask:
-    """Return which of the cells that face the open side in a direction lie at a sharp edge."""
+def find_interior(solution: ContactSolution) -> Mask:
+    """Return the cells in contact whose eight neighbours are in contact too, shape (nx, ny)."""
+    return solution._keep("interior", lambda: _find_interior(solution.contact, solution.boundary))
 
-    def take(field: Array, steps: int) -> Array:
-        return field[near.at(steps * step[0], steps * step[1])[facing]]
 
-    outer, inner, innermost = (take(pressure, -k) for k in (0, 1, 2))
-    rising = (outer >= inner) & (inner >= innermost) & (innermost > 0.0)
-    if not saturated.any():
-        return rising
-    before, here, beside, beyond = (take(gap, k) for k in (-1, 0, 1, 2))
-    stepped = beside - here > _MIN_STEP_RATIO * np.maximum(np.abs(beyond - beside), np.abs(here - before))
-    return np.where(saturated, stepped, rising)
+def _find_interior(contact: Mask, boundary: Boundary) -> Mask:
+    extended = extend(contact, 1, boundary)
+    rows = extended[:-2] & extended[1:-1]
+    rows &= extended[2:]
+    interior = rows[:, :-2] & rows[:, 1:-1]
+    interior &= rows[:, 2:]
+    return np.asarray(interior)
 
 
 def find_lost_std(solution: ContactSolution) -> float:
@@ -283,11 +322,14 @@ def _find_crease_std(solution: ContactSolution) -> float:
     lost = np.zeros(chosen.shape)
     shape = solution.grid.shape
     near = Neighbourhood.inside(solution, chosen, _REACH)
-    touching = Neighbourhood.of(*split(chosen, shape[1]), shape, solution.boundary, _REACH)
     for step, cells in zip(((1, 0), (0, 1)), shape, strict=True):
         if cells > 2 * _REACH:
+            height = _find_lost_height(solution, near, step)
+            creased = np.flatnonzero(height)
+            places = split(chosen[creased], shape[1])
+            touching = Neighbourhood.of(*places, shape, solution.boundary, _REACH)
             narrow = np.minimum(_NARROW_RUN / _count_run(solution, touching, step), 1.0)
-            lost += narrow**2 * _find_lost_height(solution, near, step)
+            lost[creased] += narrow**2 * height[creased]
     return calibration.CREASE_STD * float(np.sum(load * lost) / np.sum(load))
 
 

@@ -10,24 +10,31 @@ import numpy as np
 import numpy.typing as npt
 
 from roughcontact._answers.areas import calibration
-from roughcontact._answers.areas.cells import count_saturated, split
+from roughcontact._answers.areas.cells import count_saturated
+from roughcontact._answers.areas.dual_cells import (
+    CORNER_COUNTS,
+    CORNERS_INSIDE,
+    CellOwners,
+    find_dual_cells,
+    find_kinds,
+)
 from roughcontact._base.arrays import Array, IntArray, Mask, Pair
-from roughcontact._parts.grid import pad_axes
 from roughcontact._parts.kernels import InfluenceKernel
 from roughcontact._solve.solution import ContactSolution, Whole
 
 Corners: TypeAlias = npt.NDArray[np.float64]
 
-# Whether each corner is in contact, shape (4, 16), in the 16 kinds of dual cells: kind k has the bits of k.
-_CORNERS_INSIDE = (np.arange(16) >> np.arange(4)[:, np.newaxis] & 1).astype(bool)
-# Number of corners in contact of each kind, as a floating-point number.
-CORNER_COUNTS = _CORNERS_INSIDE.sum(axis=0).astype(np.float64)
 _TWO_INSIDE = CORNER_COUNTS == 2
 _THREE_INSIDE = CORNER_COUNTS == 3
-_DIAGONAL_INSIDE = (_CORNERS_INSIDE[0] == _CORNERS_INSIDE[2]) & (_CORNERS_INSIDE[1] == _CORNERS_INSIDE[3]) & _TWO_INSIDE
+_DIAGONAL_INSIDE = (CORNERS_INSIDE[0] == CORNERS_INSIDE[2]) & (CORNERS_INSIDE[1] == CORNERS_INSIDE[3]) & _TWO_INSIDE
+# Of two corners in contact: whether both lie along x, and the edge too.
+_EDGE_ALONG_X = CORNERS_INSIDE[0] == CORNERS_INSIDE[1]
 # The corner at which a polygon begins: the one that differs from the others, or the first of two in contact.
-_ODD_CORNERS = np.where(_THREE_INSIDE, ~_CORNERS_INSIDE, _CORNERS_INSIDE)
+_ODD_CORNERS = np.where(_THREE_INSIDE, ~CORNERS_INSIDE, CORNERS_INSIDE)
 _FIRST_CORNERS = np.where(_ODD_CORNERS[0] & _ODD_CORNERS[3] & _TWO_INSIDE, 3, np.argmax(_ODD_CORNERS, axis=0))
+_BEGINS_EVEN = _FIRST_CORNERS % 2 == 0
+# The corner before it, itself and both behind it, shape (4, 16).
+_CORNERS_AROUND = np.stack([_FIRST_CORNERS + step & 3 for step in (-1, 0, 1, 2)])
 _EULER_NUMBERS = np.select([CORNER_COUNTS == 1, _THREE_INSIDE, _DIAGONAL_INSIDE], [0.25, -0.25, -0.5], 0.0)
 # Upper bound of the distance at the corners of a dual cell, in cells; at a smooth edge it is below sqrt(2).
 _MAX_DISTANCE_CELLS = 16.0
@@ -48,12 +55,6 @@ _NEWTON_STEPS = 4
 _BRACKETED_STEPS = 16
 
 
-def find_kinds(contact: Mask) -> npt.NDArray[np.uint8]:
-    """Return the kind of each dual cell, shape (n,), of the contact at its corners."""
-    bits = contact.view(np.uint8)
-    return np.asarray(bits[0] | bits[1] << 1 | bits[2] << 2 | bits[3] << 3)
-
-
 def find_crossings(distance: Corners) -> Corners:
     """Return where the edge crosses each side, as a fraction of the side from its first corner."""
     away = np.abs(distance)
@@ -64,19 +65,12 @@ def measure_polygons(
     distance: Corners, contact: Mask, kind: npt.NDArray[np.uint8], size: tuple[float, float]
 ) -> tuple[Array, Array, Array]:
     """Return the area inside (m2), the length (m) and the Euler number of the edge in each dual cell."""
-    away = np.abs(distance).ravel()
-    columns = np.arange(kind.size)
     n = kind.size
     kind = kind.astype(np.intp)
-    # Distances at the corner to begin at, the one before it and both behind it.
-    before, here, after, last = (
-        away.take((_FIRST_CORNERS + step & 3).take(kind) * n + columns) for step in (-1, 0, 1, 2)
-    )
-    rest = _divide(here, before)
-    middle = _divide(here, after)
-    end = _divide(after, last)
-    even = _FIRST_CORNERS % 2 == 0
-    along, across = (np.where(even, *sides).take(kind) for sides in (size, size[::-1]))
+    # Distances at the corner before the one to begin at, at that one and at both behind it.
+    around = np.abs(distance).ravel().take(_CORNERS_AROUND.take(kind, axis=1) * n + np.arange(n))
+    rest, middle, end = _divide(around.take((1, 1, 2), axis=0), around.take((0, 2, 3), axis=0))
+    along, across = (np.where(_BEGINS_EVEN, *sides).take(kind) for sides in (size, size[::-1]))
     pair = _TWO_INSIDE.take(kind)
     triangle = 0.5 * rest * middle
     chord = np.hypot(np.where(pair, 1.0, middle) * along, np.where(pair, end - rest, rest) * across)
@@ -117,132 +111,6 @@ def _measure_saddles(
 
 
 @attrs.frozen(eq=False)
-class DualCells:
-    """Dual cells, numbered by their lower left corners.
-
-    Attributes
-    ----------
-    stride
-        Distance of the corners, in cells.
-    before
-        Number of dual cells before the first cell along x and along y: none along a periodic axis.
-    weights
-        Fraction of each dual cell that lies in the domain, along x and along y.
-    rows, columns
-        Row and column of the cells at the lower and the upper corner, shape (2, number along the axis).
-    """
-
-    stride: int
-    before: tuple[int, int]
-    weights: tuple[Array, Array]
-    rows: IntArray
-    columns: IntArray
-
-    def count_inside(self, contact: Mask) -> npt.NDArray[np.uint8]:
-        """Return the number of corners in contact of each dual cell."""
-        s = self.stride
-        before_x, before_y = self.before
-        free = before_x > 0, before_y > 0
-        extended = pad_axes(contact.view(np.uint8), ((before_x, s), (before_y, s)), free)
-        rows = extended[:-s] + extended[s:]
-        return np.asarray(rows[:, :-s] + rows[:, s:])
-
-    def find_edge(self, contact: Mask) -> tuple[IntArray, IntArray]:
-        """Return rows and columns of the dual cells that have corners in contact and open corners."""
-        return split(np.flatnonzero((self.count_inside(contact) - np.uint8(1)) < 3), self.columns.shape[1])
-
-    def corners(self, i: IntArray, j: IntArray) -> IntArray:
-        """Return the flat indices of the cells at the corners of dual cells, in order around them, shape (4, n)."""
-        m, n = (self.rows.shape[1], self.columns.shape[1])
-        s = self.stride
-        before_x, before_y = self.before
-        ny = n - before_y
-        steps = np.array((0, s * ny, s * ny + s, s))[:, np.newaxis]
-        found = (i - before_x) * ny + (j - before_y) + steps
-        border = np.flatnonzero((i < before_x) | (j < before_y) | (i >= m - s) | (j >= n - s))
-        low, high = self.rows[:, i[border]] * ny
-        left, right = self.columns[:, j[border]]
-        found[:, border] = low + left, high + left, high + right, low + right
-        return np.asarray(found)
-
-    def cover(self, solution: ContactSolution) -> Array:
-        """Return the number of dual cells in each patch, a quarter for each corner, shape (count + 1,)."""
-        patches = solution.patches
-        if self.before == (0, 0):
-            return np.concatenate(([0.0], patches.cells))
-        i, j = np.divmod(patches.members, self.columns.shape[1] - self.before[1])
-        along, across = (
-            0.5 * np.bincount(corners.ravel(), weights=np.tile(weights, 2))
-            for corners, weights in zip((self.rows, self.columns), self.weights, strict=True)
-        )
-        weights = along[i] * across[j]
-        cover = np.bincount(patches.member_labels, weights=weights, minlength=patches.count + 1)
-        return solution.parts.total(cover.astype(np.float64))
-
-
-@attrs.frozen(eq=False)
-class CellOwners:
-    """The patches to which dual cells belong; a dual cell with corners in several patches is divided among them.
-
-    Attributes
-    ----------
-    cell, patch, fraction
-        Dual cells (all, if none is divided), their patches, and the fraction of the dual cell that belongs to the
-        patch, shape (m,).
-    count
-        Number of patches.
-    """
-
-    cell: IntArray | slice
-    patch: IntArray
-    fraction: Array
-    count: int
-
-    @classmethod
-    def find(cls, label: IntArray, kind: npt.NDArray[np.uint8], count: int) -> CellOwners:
-        """Return the owners of dual cells from the labels at their corners, shape (4, n)."""
-        highest = label.max(axis=0)
-        divided = ((label != highest) & (label > 0)).any(axis=0)
-        if not divided.any():
-            return cls(slice(None), highest, np.ones(1), count)
-        alone = np.flatnonzero(~divided)
-        several = np.flatnonzero(divided)
-        which, corner = np.nonzero(label[:, several].T)
-        cell = several[which]
-        patch = label[corner, several[which]]
-        return cls(
-            np.concatenate((alone, cell)),
-            np.concatenate((highest[alone], patch)),
-            np.concatenate((np.ones(alone.size), 1.0 / CORNER_COUNTS[kind[cell]])),
-            count,
-        )
-
-    def sum(self, values: Array) -> Array:
-        """Return the sum of values of the dual cells over each patch, shape (count + 1,)."""
-        weights = values[self.cell] * self.fraction
-        return np.bincount(self.patch, weights=weights, minlength=self.count + 1).astype(np.float64)
-
-
-def find_dual_cells(solution: ContactSolution, stride: int) -> DualCells:
-    """Return the dual cells whose corners are `stride` cells apart."""
-    before = tuple(stride if free else 0 for free in solution.boundary.free_axes)
-    weights = []
-    corners = []
-    for n, more in zip(solution.contact.shape, before, strict=True):
-        first = np.arange(-more, n)
-        both = np.stack((first, first + stride))
-        if more == 0:
-            weights.append(np.ones(n))
-            corners.append(both % n)
-            continue
-        # The domain ends half a cell beyond the outermost centres.
-        inside = np.minimum(both[1], n - 0.5) - np.maximum(both[0], -0.5)
-        weights.append(np.clip(inside, 0.0, stride) / stride)
-        corners.append(np.clip(both, 0, n - 1))
-    return DualCells(stride, (before[0], before[1]), (weights[0], weights[1]), corners[0], corners[1])
-
-
-@attrs.frozen(eq=False)
 class Contour:
     """The edge of each patch, arrays of shape (count + 1,); the first entry stands for no patch and is zero.
 
@@ -254,7 +122,7 @@ class Contour:
         Euler number: the number of pieces less the number of holes.
     sharp, sharp_length
         Fraction of the edge that is sharp, and the length of that part on the cells, through the middles of their
-        sides, m.
+        sides, m. These and the following are found between neighbouring cells alone.
     alike
         Mean number of dual cells with the same edge as one of them.
     meeting
@@ -282,7 +150,6 @@ def trace_contour(solution: ContactSolution, sharp: Mask, stride: int = 1) -> Co
     """
     dual = find_dual_cells(solution, stride)
     patches = solution.patches
-    cell = solution.grid.cell_area
     i, j = dual.find_edge(solution.contact)
     mine = solution.parts.own_rows(i - dual.before[0])
     i = i[mine]
@@ -291,50 +158,57 @@ def trace_contour(solution: ContactSolution, sharp: Mask, stride: int = 1) -> Co
     label = patches.labels.ravel().take(k)
     touching = label > 0
     kind = find_kinds(touching)
-    inside = CORNER_COUNTS[kind]
-    jagged = sharp.ravel().take(k).any(axis=0) if sharp.any() else np.zeros(kind.size, dtype=bool)
+    jagged = np.asarray(sharp.ravel().take(k).any(axis=0)) if sharp.any() else np.zeros(kind.size, dtype=bool)
     beside, meeting = _find_non_measured(solution, k, touching)
     # Beside non-measured points the contact ends with the cells.
     counted = jagged | beside
     size = (stride * solution.grid.spacing[0], stride * solution.grid.spacing[1])
+    whole = size[0] * size[1]
     distance = find_distances(solution, k, touching, stride)
     parts, chords, euler = measure_polygons(distance, touching, kind, size)
-    parts = np.where(counted, inside / 4.0 * (size[0] * size[1]), parts)
-    alike = _count_alike(solution.parts, parts / (size[0] * size[1]), chords / size[0], distance)
+    # The corners in contact have a quarter each.
+    quarters = CORNER_COUNTS.take(kind) / 4.0 * whole
+    parts = np.where(counted, quarters, parts)
+    fine = stride == 1
+    alike = _count_alike(solution.parts, parts / whole, chords / size[0], distance) if fine else None
     straight = np.zeros(patches.count + 1)
-    if stride == 1 and _has_known_edge(solution):
+    if fine and _has_known_edge(solution):
         straight, parts = _place_straight_edges(solution, label, distance, parts, counted)
-    # Each of stride^2 choices of cells covers all of the contact.
-    weight = dual.weights[0][i] * dual.weights[1][j] / stride**2
+    weight = dual.weigh(i, j)
     smooth = weight * ~counted
     owners = CellOwners.find(label, kind, patches.count)
     # At the edge the area of the polygon replaces the quarters of the corners in contact.
-    replaced = (parts - inside / 4.0 * (size[0] * size[1])) * weight
-    steps = jagged * weight * _measure_steps(kind, touching, size)
-    edges = (chords * smooth, euler * smooth, jagged * weight, steps)
-    terms = (weight, replaced, *edges, alike * weight, meeting * weight)
-    sums = solution.parts.total(np.stack([owners.sum(term) for term in terms]))
-    total, replaced, length, euler, jagged_part, steps, alike, met = sums
+    sums = [owners.sum(term) for term in ((parts - quarters) * weight, chords * smooth, euler * smooth)]
+    if alike is not None:
+        steps = _measure_steps(kind, size, jagged)
+        sums += [owners.sum(term * weight) for term in (np.ones(kind.size), jagged, steps, alike, meeting)]
+    sums = [*solution.parts.total(np.stack(sums))]
+    replaced, length, euler = sums[:3]
+    total, jagged_part, steps, equal, met = sums[3:] or np.zeros((5, patches.count + 1))
     return Contour(
-        area=cell * dual.cover(solution) + replaced,
+        area=solution.grid.cell_area * dual.cover(solution) + replaced,
         length=length,
         euler=euler,
         sharp=_divide_or(jagged_part, total, 0.0),
         sharp_length=steps,
-        alike=_divide_or(alike, total, 1.0),
+        alike=_divide_or(equal, total, 1.0),
         meeting=met,
         straight=straight,
     )
 
 
-def _measure_steps(kind: npt.NDArray[np.uint8], touching: Mask, size: Pair) -> Array:
-    """Return the length of the edge in each dual cell through the middles of its sides, shape (n,), m."""
+def _measure_steps(kind: npt.NDArray[np.uint8], size: Pair, chosen: Mask) -> Array:
+    """Return the length of the edge in chosen dual cells through the middles of their sides, shape (n,), m."""
+    steps = np.zeros(kind.size)
+    at = np.flatnonzero(chosen)
+    if at.size == 0:
+        return steps
     diagonal = 0.5 * math.hypot(*size)
-    # Two corners in contact along x: the edge runs along x.
-    along = np.where(touching[0] == touching[1], size[0], size[1])
-    pieces = [(CORNER_COUNTS == 1) | _THREE_INSIDE, _DIAGONAL_INSIDE]
-    one, two = (chosen[kind] for chosen in pieces)
-    return np.select([one, two, CORNER_COUNTS[kind] == 2], [diagonal, 2.0 * diagonal, along], 0.0)
+    lengths = np.where(_EDGE_ALONG_X, size[0], size[1])
+    lengths[(CORNER_COUNTS == 1) | _THREE_INSIDE] = diagonal
+    lengths[_DIAGONAL_INSIDE] = 2.0 * diagonal
+    steps[at] = lengths.take(kind[at])
+    return steps
 
 
 def _has_known_edge(solution: ContactSolution) -> bool:
@@ -406,6 +280,8 @@ def _count_alike(whole: Whole, parts: Array, chords: Array, distance: Corners) -
 
 def find_modulus_change(solution: ContactSolution) -> float:
     """Return the logarithm of the change of E* over two octaves of wavelength at the edge; zero without layers."""
+    if solution.moduli is None:
+        return 0.0
     length = calibration.EDGE_LENGTH * math.sqrt(solution.grid.resolved.cell_area)
     shorter, longer = solution.effective_modulus(np.array([2.0, 0.5]) / length)
     return abs(math.log(longer / shorter))

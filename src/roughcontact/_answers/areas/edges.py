@@ -8,7 +8,13 @@ import attrs
 import numpy as np
 
 from roughcontact._answers.areas import calibration
-from roughcontact._answers.areas.cells import count_saturated, find_cut_cells, find_sharp_edges, find_straight_rows
+from roughcontact._answers.areas.cells import (
+    count_saturated,
+    find_cut_cells,
+    find_interior,
+    find_sharp_edges,
+    find_straight_rows,
+)
 from roughcontact._answers.areas.contour import Contour, find_modulus_change, trace_contour
 from roughcontact._answers.areas.initial_gap import curvature_resolution, find_filled, lay_ratio, rim_ratio
 from roughcontact._base.arrays import Array, Mask
@@ -167,6 +173,11 @@ class TracedEdges:
 
 def trace_edges(solution: ContactSolution) -> TracedEdges:
     """Return the traced edges of all patches."""
+    # Areas, perimeter and number of patches ask for the same.
+    return solution._keep("traced edges", lambda: _trace_edges(solution))
+
+
+def _trace_edges(solution: ContactSolution) -> TracedEdges:
     sharp = find_sharp_edges(solution)
     one, two = (trace_contour(solution, sharp, stride) for stride in (1, 2))
     fine = _correct(solution, one, 1)
@@ -300,7 +311,9 @@ def _border_std(solution: ContactSolution) -> float:
 
 def _find_filled_std(solution: ContactSolution) -> float:
     """Return the standard deviation at points beside the edge whose heights were filled in, in cells."""
-    beside = grow(solution.contact, 1, solution.boundary) & grow(~solution.contact, 1, solution.boundary)
+    # Cells with contact and open cells among themselves and their neighbours.
+    beside = grow(solution.contact, 1, solution.boundary)
+    beside &= ~find_interior(solution)
     filled = solution.parts.total(np.count_nonzero(find_filled(solution, np.flatnonzero(solution.parts.own(beside)))))
     return calibration.FILLED_POINT_STD * math.sqrt(filled)
 

@@ -14,13 +14,11 @@ import numpy.typing as npt
 from roughcontact._answers.areas.cells import count_sides, find_sharp_edges, find_straight_rows, measure_sides
 from roughcontact._answers.areas.contour import (
     Corners,
-    DualCells,
     find_crossings,
     find_distances,
-    find_dual_cells,
-    find_kinds,
     measure_polygons,
 )
+from roughcontact._answers.areas.dual_cells import DualCells, find_dual_cells, find_kinds
 from roughcontact._answers.areas.edges import SUBTRACTED_EXCESS_STD, TracedEdges, list_warnings, total_area, trace_edges
 from roughcontact._answers.areas.hertz import hertz_areas
 from roughcontact._answers.areas.initial_gap import curvature_resolution

@@ -7,7 +7,7 @@ import numpy as np
 import scipy
 
 from roughcontact._answers.areas import calibration
-from roughcontact._answers.areas.cells import Neighbourhood, count_saturated, split
+from roughcontact._answers.areas.cells import Neighbourhood, count_saturated, gather_around, split
 from roughcontact._answers.areas.initial_gap import Spline, combine_principal, curvature_resolution
 from roughcontact._answers.areas.summits import (
     MIN_CURVATURE_RATIO,
@@ -20,7 +20,7 @@ from roughcontact._answers.areas.summits import (
     unwrap,
 )
 from roughcontact._base.arrays import Array, IntArray, Mask
-from roughcontact._parts.grid import extend, grow
+from roughcontact._parts.grid import grow
 from roughcontact._parts.kernels import Love
 from roughcontact._solve.solution import ContactSolution
 
@@ -79,14 +79,20 @@ def correct_loads(solution: ContactSolution, summits: Summits, spline: Spline) -
     stiffness = 2.0 * solution.modulus * np.sqrt(np.where(summits.known, summits.area, patches.areas) / np.pi)
     depth, unit_depth, unit_area = _find_hidden(solution, spline, float(summits.curvature[even].max()))
 
+    forces = patches.forces
+    total = forces.sum()
+    paraboloid = 1.5 * flat
+
     def loads(shift: float) -> tuple[Array, Array]:
         # A paraboloid's load grows as depth^(3/2); a large patch is stiff as a flat punch of its area.
-        small = patches.forces * _raise_to_three_halves(1.0 + (excess + shift) / (1.5 * flat))
-        large = np.maximum(patches.forces + stiffness * (excess + shift), 0.0)
+        lowered = excess + shift
+        small = forces * _raise_to_three_halves(1.0 + lowered / paraboloid)
+        large = np.maximum(forces + stiffness * lowered, 0.0)
         return np.where(even, small, large), _raise_to_three_halves((depth + shift) / unit_depth)
 
     def surplus(shift: float) -> float:
-        return float(sum(part.sum() for part in loads(shift)) - patches.forces.sum())
+        carried, hidden = loads(shift)
+        return float(np.add.reduce(carried) + np.add.reduce(hidden) - total)
 
     far = 3.0 * float(flat[even].max()) + float(np.abs(excess).max())
     if surplus(-far) * surplus(far) > 0.0:
@@ -94,9 +100,9 @@ def correct_loads(solution: ContactSolution, summits: Summits, spline: Spline) -
     carried, hidden = loads(
         far * float(scipy.optimize.brentq(lambda part: surplus(part * far), -1.0, 1.0, xtol=_APPROACH_TOLERANCE))
     )
-    factor = np.where(even, carried / patches.forces, 1.0)
-    others = float(patches.forces[~even].sum() / patches.forces.sum())
-    error = calibration.APPROACH_DEFICIT_STD * np.median(curved) * solution.grid.cell_area * others / (1.5 * flat)
+    factor = np.where(even, carried / forces, 1.0)
+    others = float(forces[~even].sum() / total)
+    error = calibration.APPROACH_DEFICIT_STD * np.median(curved) * solution.grid.cell_area * others / paraboloid
     error = np.where(even, np.minimum(error, unknown), unknown)
     return LoadCorrection(factor, error, unit_area[hidden > 0.0] * hidden[hidden > 0.0] ** (2.0 / 3.0))
 
@@ -327,15 +333,12 @@ def _find_tip_error(solution: ContactSolution) -> Array:
 
 def find_sharpness(solution: ContactSolution, cells: IntArray) -> Array:
     """Return the logarithm of the curvature over one cell over that over two; nan where one is not positive."""
-    gap = extend(solution.initial_gap, 2, solution.boundary)
-    row, column = split(cells, solution.grid.shape[1])
-    i = row + 2
-    j = column + 2
+    around = gather_around(solution.initial_gap, cells, 2, solution.boundary)
 
     def curvature(step: int) -> Array:
         dx, dy = (step * length for length in solution.grid.spacing)
-        along_x = gap[i + step, j] + gap[i - step, j] - 2.0 * gap[i, j]
-        along_y = gap[i, j + step] + gap[i, j - step] - 2.0 * gap[i, j]
+        along_x = around[2 + step, 2] + around[2 - step, 2] - 2.0 * around[2, 2]
+        along_y = around[2, 2 + step] + around[2, 2 - step] - 2.0 * around[2, 2]
         return np.asarray(along_x / dx**2 + along_y / dy**2)
 
     near = curvature(1)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import lru_cache
 from typing import Literal
 
 import attrs
@@ -43,6 +44,7 @@ _DEGREE: Literal[5] = 5
 # Number of centres before and behind a point whose B-splines cover the point.
 _CENTRES_BEFORE = 3
 _CENTRES_BEHIND = 3
+_CENTRES = np.arange(_CENTRES_BEFORE + _CENTRES_BEHIND)
 # The pieces of the quintic B-spline at these centres, in powers of the fraction of a cell.
 _SPLINE_PIECES = (
     np.array(
@@ -75,14 +77,20 @@ _CENTRE_VALUES = (66.0 / 120.0, 26.0 / 120.0, 1.0 / 120.0)
 _POINTS_PER_CHUNK = 1024
 
 
-def average_curvature(solution: ContactSolution, chosen: IntArray) -> tuple[Array, Array, Array, Array]:
-    """Return the curvature of the initial gap under each patch, averaged over the chosen cells weighted by pressure.
+def average_curvature(solution: ContactSolution) -> tuple[Array, Array, Array, Array]:
+    """Return the curvature of the initial gap under each patch, averaged over its cells weighted by pressure.
 
     These are half the sum of the principal curvatures, 1/m, positive at a summit; half their difference, 1/m; the
     standard deviation of all components over the patch, relative to the first; and half the sum of the second
     differences along x and y, m; each of shape (count + 1,).
     """
+    # Perimeter, approach and mean gap ask for the same.
+    return solution._keep("average curvature", lambda: _average_curvature(solution))
+
+
+def _average_curvature(solution: ContactSolution) -> tuple[Array, Array, Array, Array]:
     patches = solution.patches
+    chosen = np.flatnonzero(solution.contact)
     label = patches.labels.ravel()[chosen]
     weights = solution.pressure.ravel()[chosen]
     cells = np.concatenate(([0], patches.cells))
@@ -364,17 +372,16 @@ class Spline:
 
         Degree 0 is the value, degree 1 has the derivatives along x and y, degree 2 those along xx, xy and yy.
         """
-        dx, dy = self.spacing
-        orders = [(degree - n, n) for degree in degrees for n in range(degree + 1)]
-        units = np.array([dx**m * dy**n for m, n in orders])
-        parts = self._evaluate(np.stack((i.ravel(), j.ravel())), degrees) / units[:, np.newaxis]
-        return np.asarray(parts.reshape(len(orders), *i.shape))
+        parts = self._evaluate(np.stack((i.ravel(), j.ravel())), degrees)
+        parts /= _list_units(self.spacing, degrees)
+        return parts.reshape(len(parts), *i.shape)
 
     def _evaluate(self, at: Array, degrees: Sequence[int]) -> Array:
         """Return derivatives, per cell, at points of shape (2, n)."""
         width = self.coefficients.shape[1]
         flat = self.coefficients.ravel()
-        at = at + np.array(self.beyond)[:, np.newaxis]
+        if self.beyond != (0, 0):
+            at = at + np.array(self.beyond)[:, np.newaxis]
         first = np.floor(at)
         fraction = at - first
         i, j = first.astype(np.intp)
@@ -383,10 +390,9 @@ class Spline:
         repeats_x, repeats_y = self.periodic
         row = i % nx if repeats_x else np.clip(i, 0, nx - 1)
         cell = row * width + (j % ny if repeats_y else np.clip(j, 0, ny - 1))
-        around = np.arange(_CENTRES_BEFORE + _CENTRES_BEHIND)
-        around = (around[:, np.newaxis] * width + around)[..., np.newaxis]
+        around = (_CENTRES[:, np.newaxis] * width + _CENTRES)[..., np.newaxis]
         highest = max(degrees)
-        sums = np.empty((sum(degree + 1 for degree in degrees), cell.size))
+        sums = np.empty((sum(degrees) + len(degrees), cell.size))
         for begin in range(0, cell.size, _POINTS_PER_CHUNK):
             part = slice(begin, begin + _POINTS_PER_CHUNK)
             along_x, along_y = _weigh(fraction[:, part], highest)
@@ -399,13 +405,30 @@ class Spline:
         return sums
 
 
+@lru_cache(maxsize=64)
+def _list_units(spacing: Pair, degrees: tuple[int, ...]) -> Array:
+    """Return the units of the derivatives of these degrees per cell, shape (derivatives, 1)."""
+    dx, dy = spacing
+    return np.array([[dx ** (degree - n) * dy**n] for degree in degrees for n in range(degree + 1)])
+
+
 def _weigh(fraction: Array, highest: int) -> Array:
     """Return the factors of the B-splines around points, shape (2, n), as an array (2, orders, centres, n)."""
-    powers = np.ones((_DEGREE + 1, fraction.size))
-    for degree in range(_DEGREE):
-        np.multiply(powers[degree], fraction.ravel(), out=powers[degree + 1])
+    powers = np.empty((_DEGREE + 1, fraction.size))
+    powers[0] = 1.0
+    powers[1] = fraction.ravel()
+    for degree in range(1, _DEGREE):
+        np.multiply(powers[degree], powers[1], out=powers[degree + 1])
     factors = _PIECE_FACTORS[: (highest + 1) * len(_SPLINE_PIECES)] @ powers
     return factors.reshape(highest + 1, len(_SPLINE_PIECES), 2, -1).transpose(2, 0, 1, 3)
+
+
+@lru_cache(maxsize=8)
+def _invert_splines(cells: int, count: int) -> Array:
+    """Return the inverse of the transform of the B-spline at the first waves of so many cells."""
+    own, first, second = _CENTRE_VALUES
+    angle = 2.0 * np.pi * np.arange(count) / cells
+    return np.asarray(1.0 / (own + 2.0 * first * np.cos(angle) + 2.0 * second * np.cos(2.0 * angle)))
 
 
 def _solve_periodic(values: Array) -> Array:
@@ -413,12 +436,9 @@ def _solve_periodic(values: Array) -> Array:
     from scipy import fft
 
     nx, ny = values.shape
-    own, first, second = _CENTRE_VALUES
-    angles = 2.0 * np.pi * np.arange(nx) / nx, 2.0 * np.pi * np.arange(ny // 2 + 1) / ny
-    rows, columns = (1.0 / (own + 2.0 * first * np.cos(one) + 2.0 * second * np.cos(2.0 * one)) for one in angles)
     spectrum = fft.rfft2(values)
-    spectrum *= rows[:, np.newaxis]
-    spectrum *= columns
+    spectrum *= _invert_splines(nx, nx)[:, np.newaxis]
+    spectrum *= _invert_splines(ny, ny // 2 + 1)
     return np.asarray(fft.irfft2(spectrum, values.shape))
 
 
@@ -428,11 +448,12 @@ def _find_repeating_axes(solution: ContactSolution) -> Boundary:
     A spline across it would swing far into the domain.
     """
     ends = []
-    for axis, free in enumerate(solution.boundary.free_axes):
-        gap = np.moveaxis(solution.initial_gap, axis, 0)
-        contact = np.moveaxis(solution.contact, axis, 0)
+    fields = (solution.initial_gap, solution.contact), (solution.initial_gap.T, solution.contact.T)
+    for free, (gap, contact) in zip(solution.boundary.free_axes, fields, strict=True):
         beside = contact[:_BORDER_CELLS].any() or contact[-_BORDER_CELLS:].any()
         ends.append(free or not (beside or _goes_on(gap)))
+    if tuple(ends) == solution.boundary.free_axes:
+        return solution.boundary
     return as_boundary(["free" if end else "periodic" for end in ends])
 
 
@@ -441,8 +462,9 @@ def _goes_on(values: Array) -> bool:
     if len(values) < 4 * _BORDER_CELLS:
         return True
     lines = values[:, :: max(1, values.shape[1] // _COMPARED_LINES)]
-    border = np.diff(np.concatenate((lines[-2:], lines[:2])), 2, axis=0)
-    inside = np.diff(lines, 2, axis=0)
+    border, inside = (
+        np.diff(part[1:] - part[:-1], axis=0) for part in (np.concatenate((lines[-2:], lines[:2])), lines)
+    )
     return float(np.mean(border**2)) <= _MIN_BORDER_STEP**2 * float(np.mean(inside**2))
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from roughcontact._answers.areas import calibration
 from roughcontact._answers.areas.approach import TIP_REACH, fit_hyperboloid
-from roughcontact._answers.areas.cells import MIN_SHARP_PATCH_CELLS, find_cut_patches, split
+from roughcontact._answers.areas.cells import MIN_SHARP_PATCH_CELLS, find_cut_patches, gather_around, split
 from roughcontact._answers.areas.edges import warn_if_uncertain
 from roughcontact._answers.areas.hertz import find_sharpness, hertz_areas
 from roughcontact._answers.areas.initial_gap import curvature_resolution
@@ -17,8 +17,8 @@ from roughcontact._answers.areas.quantities import Quantity
 from roughcontact._answers.areas.summits import Summits
 from roughcontact._base.arrays import Array, IntArray, Mask, RealArray
 from roughcontact._base.units import WarningText
-from roughcontact._parts.grid import extend, grow
-from roughcontact._solve.solution import Area, ContactSolution, Estimate, find_peak_sampling, responses
+from roughcontact._parts.grid import grow
+from roughcontact._solve.solution import Area, ContactSolution, Estimate, defer_peak_sampling, responses
 
 # Change of the maximum pressure over 3 F / 2A of a summit c2 r^2 + c4 r^4, times c4 a^2 / c2: (32/9 - 32/5) / 4.
 _QUARTIC_FACTOR = -32.0 / 45.0
@@ -60,7 +60,7 @@ class PeakPressure(Quantity):
 
     def respond(self, solution: ContactSolution) -> Estimate:
         """Return the maximum pressure, its uncertainty and its sampling error."""
-        return attrs.evolve(super().respond(solution), relative_sampling=find_peak_sampling(solution))
+        return attrs.evolve(super().respond(solution), relative_sampling=defer_peak_sampling(solution))
 
     def find(self, solution: ContactSolution, area: Area) -> Estimate:
         """Return the maximum pressure; see `Quantity.find`."""
@@ -141,7 +141,7 @@ def _find_residual_std(solution: ContactSolution) -> float:
 
 def _fit_quadratics(solution: ContactSolution, highest: IntArray, sharpness: Array) -> tuple[Array, Array]:
     """Return the maximum of a quadratic through p^2, and its relative error."""
-    near = _gather(solution, solution.pressure**2, highest, 2)
+    near = _gather(solution, solution.pressure, highest, 2) ** 2
     along_x = near[:, 2]
     along_y = near[2]
     here = near[2, 2]
@@ -258,9 +258,6 @@ def _measure_room(solution: ContactSolution, summits: Summits) -> Array:
 def _gather(solution: ContactSolution, field: RealArray, at: IntArray, reach: int) -> Array:
     """Return the field around cells of the domain, shape (2 reach + 1, 2 reach + 1, n)."""
     mine, places = solution.parts.find(at)
-    extended = extend(field, reach, solution.boundary)
-    i, j = split(places, field.shape[1])
-    steps = np.arange(2 * reach + 1)
-    found = np.zeros((steps.size, steps.size, at.size), dtype=field.dtype)
-    found[..., mine] = extended[i + steps[:, np.newaxis, np.newaxis], j + steps[:, np.newaxis]]
+    found = np.zeros((2 * reach + 1, 2 * reach + 1, at.size), dtype=field.dtype)
+    found[..., mine] = gather_around(field, places, reach, solution.boundary)
     return solution.parts.total(found)

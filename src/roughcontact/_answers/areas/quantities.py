@@ -92,9 +92,7 @@ class EdgeLength(Quantity):
         edges = trace_edges(solution)
         cell = solution.grid.cell_area
         step = math.sqrt(solution.grid.resolved.cell_area)
-        mean, difference, spread, _ = (
-            part[1:] for part in average_curvature(solution, np.flatnonzero(solution.contact))
-        )
+        mean, difference, spread, _ = (part[1:] for part in average_curvature(solution))
         # Single summits have the ellipse of their curvature, others the shape of their traced edge.
         even = is_elliptic(mean, difference, spread)
         # For edges at a border and beside non-measured points the area does not give the length.

@@ -150,8 +150,10 @@ def find_far_field(solution: ContactSolution, x: Array, y: Array, semi_axis: Arr
         load = forces[there] * cube
         for k, part in enumerate(parts):
             sums[k] += np.bincount(here, load * part, minlength=count) * (sign if k < 2 else 1.0)
-        around = _find_kinks(solution, dx, dy, semi_axis[here], semi_axis[there])
-        error += np.bincount(here, load * (relative + around), minlength=count)
+        unsure = relative
+        if solution.boundary is Boundary.WRAPPED:
+            unsure = relative + _find_kinks(solution, dx, dy, semi_axis[here], semi_axis[there])
+        error += np.bincount(here, load * unsure, minlength=count)
     if solution.boundary is Boundary.PERIODIC:
         # A uniform pressure outside of a circle bends the surface alike in all directions.
         sums[2::2] += solution.mean_pressure / (radius * float(solution.effective_modulus(1.0 / radius)))
@@ -165,8 +167,6 @@ def _find_kinks(solution: ContactSolution, dx: Array, dy: Array, here: Array, th
     by 2 F d / (pi E* r^3) over the contact, whose semi-axis is `here`, m; `there` is that of the loads.
     """
     factor = np.zeros(dx.shape)
-    if solution.boundary is not Boundary.WRAPPED:
-        return factor
     for step, side in zip((dx, dy), solution.grid.size, strict=True):
         missed = np.abs(0.5 * side - np.abs(step))
         met = np.maximum(1.0 - missed / (here + there), 0.0)

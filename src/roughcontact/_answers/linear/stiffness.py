@@ -17,7 +17,7 @@ from roughcontact._base.arrays import Array, IntArray, Mask
 from roughcontact._base.units import WarningText
 from roughcontact._parts.grid import Boundary, Grid, list_borders
 from roughcontact._solve.problem import ContactProblem, OnStateToPullOff, find_pull_off, find_stability, problem_of
-from roughcontact._solve.solution import Area, ContactSolution, Estimate, Response, find_stiffness_sampling, responses
+from roughcontact._solve.solution import Area, ContactSolution, Estimate, Response, defer_stiffness_sampling, responses
 from roughcontact.errors import InputError, argument
 
 # Area by which the punch of the cells acts as smaller, in cells, for a row of L sides: a L - b ln L - c. Solved for
@@ -260,7 +260,7 @@ class Stiffness(Response[Estimate]):
     def respond(self, solution: ContactSolution) -> Estimate:
         """Return the stiffness; see `Response.respond`."""
         normal = find_normal_answer(solution, "stiffness")
-        sampling = find_stiffness_sampling(solution, normal.value)
+        sampling = defer_stiffness_sampling(solution, normal.value)
         return Estimate(normal.value, normal.uncertainty, "N/m", normal.warnings, relative_sampling=sampling)
 
 

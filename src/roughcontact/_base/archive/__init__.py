@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import functools
 import hashlib
 import io
@@ -12,6 +13,7 @@ import os
 import platform
 import re
 import stat
+import threading
 import time
 import uuid
 import zipfile
@@ -27,9 +29,14 @@ from roughcontact.errors import InputError, NotWritten, RoughContactError
 
 # Characters of a file's name that its unfinished copy repeats: names have up to 255 bytes, a character up to 4.
 _PARTIAL_NAME_CHARACTERS = 40
-_PARTIAL_NAME = re.compile(r"\..+\.(?P<machine>[0-9a-f]{8})-(?P<pid>\d+)\.[0-9a-f]{12}\.partial", re.DOTALL)
+_PROCESS = re.compile(r"([0-9a-f]{8})-(\d+)")
+_PARTIAL_NAME = re.compile(rf"\..+\.(?P<process>{_PROCESS.pattern})\.[0-9a-f]{{12}}\.partial", re.DOTALL)
 # Seconds, a week: the age at which an unfinished file is stale if its process cannot be seen from this machine.
 _STALE_AGE = 604800.0
+# Seconds between two times at which appended lines are flushed: it takes as long as a small solve.
+_FLUSH_INTERVAL = 1.0
+_appending = threading.Lock()
+_flushed: dict[Path, float] = {}
 HEADER = "header"
 # Version of the file format; a change that older versions cannot read counts up.
 FORMAT = 1
@@ -62,10 +69,8 @@ def replacing(path: str | os.PathLike[str], *, flush: bool = True) -> Iterator[P
     file; `NotWritten` if the system refuses, and the former file is unchanged.
     """
     target = Path(path)
-    partial = (
-        target.parent
-        / f".{target.name[:_PARTIAL_NAME_CHARACTERS]}.{_machine()}-{os.getpid()}.{uuid.uuid4().hex[:12]}.partial"
-    )
+    own = f"{name_process()}.{uuid.uuid4().hex[:12]}"
+    partial = target.parent / f".{target.name[:_PARTIAL_NAME_CHARACTERS]}.{own}.partial"
     try:
         if "\0" in target.name or not target.parent.is_dir():
             raise InputError(f"There is no folder {str(target.parent)!r} to write {target.name!r} into.")
@@ -86,13 +91,35 @@ def replacing(path: str | os.PathLike[str], *, flush: bool = True) -> Iterator[P
         raise
 
 
+def append_line(path: Path, line: str) -> None:
+    """Append a line to a file that no other process writes, completely or not at all; `NotWritten` if it cannot be.
+
+    A process that is killed loses no line; a loss of power may lose those of the last second, in which none is flushed.
+    """
+    content = f"{line}\n".encode()
+    try:
+        # Threads of one process would write over each other.
+        with _appending, path.open("ab", buffering=0) as file:
+            size = file.tell()
+            if file.write(content) < len(content):
+                file.truncate(size)
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+            now = time.monotonic()
+            if now - _flushed.get(path, -math.inf) > _FLUSH_INTERVAL:
+                os.fsync(file.fileno())
+                _flushed.clear()
+                _flushed[path] = now
+    except OSError as error:
+        raise NotWritten(error.errno, error.strerror or str(error), str(path)) from error
+
+
 def remove_stale(folder: str | os.PathLike[str]) -> None:
     """Remove the unfinished files of `replacing` whose process was killed."""
     with contextlib.suppress(OSError), os.scandir(folder) as entries:
         for entry in entries:
             owner = _PARTIAL_NAME.fullmatch(entry.name)
             with contextlib.suppress(OSError):
-                if owner and entry.is_file(follow_symlinks=False) and _is_stale(entry, owner["machine"], owner["pid"]):
+                if owner and entry.is_file(follow_symlinks=False) and is_left_over(entry, owner["process"]):
                     os.unlink(entry.path)
 
 
@@ -100,10 +127,19 @@ def remove_stale(folder: str | os.PathLike[str]) -> None:
 _remove_stale_once = functools.cache(remove_stale)
 
 
-def _is_stale(entry: os.DirEntry[str], machine: str, pid: str) -> bool:
-    if machine == _machine() and os.name == "posix":
-        return _has_ended(int(pid))
-    return time.time() - entry.stat(follow_symlinks=False).st_mtime > _STALE_AGE
+def name_process() -> str:
+    """Return digits that identify this process among those of all machines."""
+    return f"{_machine()}-{os.getpid()}"
+
+
+def is_left_over(file: os.DirEntry[str] | Path, process: str) -> bool:
+    """Return whether the process of a file, by its `name_process`, has ended; by the file's age if it is not seen."""
+    known = _PROCESS.fullmatch(process)
+    if known is None:
+        return False
+    if known[1] == _machine() and os.name == "posix":
+        return _has_ended(int(known[2]))
+    return time.time() - file.stat(follow_symlinks=False).st_mtime > _STALE_AGE
 
 
 def _has_ended(pid: int) -> bool:

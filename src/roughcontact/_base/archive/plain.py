@@ -291,6 +291,8 @@ def _classes_in(value: object, place: str = "") -> Iterator[type]:
         inner = value
     elif isinstance(value, (list, tuple)):
         inner = {str(number): item for number, item in enumerate(value)}
+    elif isinstance(value, (bool, int, float, type(None))):
+        return
     elif attrs.has(type(value)) or isinstance(value, _plug_in_bases()):
         yield type(value)
         inner = _fields_of(value)

@@ -62,7 +62,7 @@ from roughcontact._solve.solution import (
 )
 from roughcontact._work.studies import Answers, add_answers, list_answer_warnings
 
-# As in CITATION.cff (tests/test_unit_html.py compares them); the year as in the licence.
+# As in CITATION.cff (tests/faces/test_unit_html.py compares them); the year as in the licence.
 TITLE = "roughcontact"
 AUTHORS = "The roughcontact developers"
 YEAR = 2026

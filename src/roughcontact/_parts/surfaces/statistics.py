@@ -41,11 +41,16 @@ HANN_DEPENDENCE = (35.0 / 18.0) ** 2
 
 def rms_slope(heights: Array, grid: Grid) -> float:
     """Return the root mean square of the gradient of heights, shape (nx, ny), m, from differences of neighbours."""
-    steps = [np.diff(heights, axis=axis) / grid.spacing[axis] for axis in (0, 1) if grid.shape[axis] > 1]
-    maximum = max(float(np.abs(step).max()) for step in steps)
+    steps = [_find_steps(heights, axis) / grid.spacing[axis] for axis in (0, 1) if grid.shape[axis] > 1]
+    maximum = max(max(float(step.max()), -float(step.min())) for step in steps)
     if not 0.0 < maximum < math.inf:
         return maximum
     return maximum * math.sqrt(sum(float(np.mean((step / maximum) ** 2)) for step in steps))
+
+
+def _find_steps(heights: Array, axis: int) -> Array:
+    """Return the differences of neighbours along an axis; faster than `numpy.diff`."""
+    return heights[1:] - heights[:-1] if axis == 0 else heights[:, 1:] - heights[:, :-1]
 
 
 def repeats(heights: Array, axis: int | None = None) -> bool:
@@ -59,8 +64,8 @@ def border_jump(heights: Array, axis: int) -> float:
     """Return the rms step of heights, shape (nx, ny), across the border along an axis, over the step between cells."""
     if heights.shape[axis] <= 2:
         return 0.0
-    inside = float(np.sqrt(np.mean(np.diff(heights, axis=axis) ** 2)))
-    across = float(np.sqrt(np.mean((heights.take(0, axis) - heights.take(-1, axis)) ** 2)))
+    inside = math.sqrt(np.mean(_find_steps(heights, axis) ** 2))
+    across = math.sqrt(np.mean((heights.take(0, axis) - heights.take(-1, axis)) ** 2))
     return across / inside if inside > 0.0 else 0.0
 
 

@@ -245,7 +245,7 @@ class PreparedConvolution(abc.ABC):
 
     def inverse(self, dtype: type[np.float32] | type[np.float64] = np.float64) -> InverseConvolution:
         """Return the approximate inverse, its stiffness in a precision."""
-        return self._keep(dtype, self.setup.grid, lambda: approximate_inverse(self.setup, dtype))
+        return self._keep(np.dtype(dtype), self.setup.grid, lambda: approximate_inverse(self.setup, dtype))
 
     def _keep(self, key: Hashable, grid: Grid, prepare: Callable[[], T]) -> T:
         """Return what is prepared on a small grid from the last solves, or prepare it."""

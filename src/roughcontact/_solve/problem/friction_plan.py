@@ -12,7 +12,8 @@ from roughcontact._solve.problem.plan import OMITTED_FRICTION, SolvePlan
 from roughcontact._solve.solution import ContactSolution
 
 # Memory of steady sliding at light contact, in float64 arrays of the grid, without and with a free boundary, for like
-# and unlike bodies, and of each further state of a path; measured by tests/test_memory.py. Most are symbols of shear.
+# and unlike bodies, and of each further state of a path; measured by tests/problems/test_memory.py. Most are symbols
+# of shear.
 _FRICTION_ARRAYS = {False: (32.0, 40.5), True: (36.0, 50.5)}
 _STATE_ARRAYS = (5.0, 8.5)
 

@@ -15,7 +15,8 @@ from roughcontact.errors.door import guarded
 # cells in contact; on a free boundary kernel and spectra are larger.
 _CONTACT_FRACTIONS = {False: (0.0, 0.4), True: (0.0, 0.1, 0.4)}
 _ARRAYS_AT_FRACTIONS = {False: (8.0, 11.4), True: (11.5, 12.7, 15.2)}
-# Minimum arrays if vectors hold all cells, as for other solvers and the direct sum; measured by tests/test_memory.py.
+# Minimum arrays if vectors hold all cells, as for other solvers and the direct sum; measured by
+# tests/problems/test_memory.py.
 UNRESTRICTED_ARRAYS = 14.0
 # Divisor of the sides of the largest proposed grid, so that they can be halved to coarser grids.
 _SIDE_MULTIPLE = 32

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import math
 import time
@@ -33,9 +34,12 @@ from roughcontact._solve.convolvers import Convolver, Direct, convolvers
 from roughcontact._solve.problem.body import Body, InitialGap
 from roughcontact._solve.problem.memory import UNRESTRICTED_ARRAYS, memory_of_solve, require_arrays
 from roughcontact._solve.solution import RESOLVED_CELLS, Law, Process, areas, describe_range, find_scene, responses
-from roughcontact._solve.solvers import ProjectedConjugateGradient, Solver, halve_shape, solvers
+from roughcontact._solve.solvers import ProjectedConjugateGradient, Solver, coarser_shape, solvers
 from roughcontact.errors import InputError, argument
 
+# The convolver of a package that is chosen where it is installed, and the cells up to which it is the fastest.
+_COMPILED_CONVOLVER = "compiled"
+_MAX_COMPILED_CELLS = 2**16
 _AUTO_SOLVER = "projected-cg"
 _ADHESIVE_SOLVER = "gap-descent"
 # Time of a solve in transforms there and back on the grid, by the number of free axes; measured on self-affine, wavy
@@ -255,7 +259,7 @@ class SolvePlan:
         if not self.solver.climbs_grids:
             return []
         shapes = [self.grid.shape]
-        while (coarser := halve_shape(shapes[0])) != shapes[0]:
+        while (coarser := coarser_shape(shapes[0])) != shapes[0]:
             shapes.insert(0, coarser)
         if len(shapes) == 1:
             return []
@@ -322,8 +326,7 @@ def make_plan(
 ) -> SolvePlan:
     """Return the plan of a problem; `InputError` unless its parts fit together."""
     kernel = kernels.resolve(kernel)
-    automatic = "dc-fft" if boundary.has_free_axis else "circular-fft"
-    convolver = convolvers.resolve(automatic if convolver == "auto" else convolver)
+    convolver = _choose_convolver(grid, boundary) if convolver == "auto" else convolvers.resolve(convolver)
     preferred = _AUTO_SOLVER if adhesion is None else _ADHESIVE_SOLVER
     solver = solvers.resolve(preferred if solver == "auto" else solver)
     convolver.require(kernel, boundary)
@@ -374,6 +377,16 @@ def make_plan(
     )
     plan.require_memory()
     return plan
+
+
+def _choose_convolver(grid: Grid, boundary: Boundary) -> Convolver:
+    """Return the convolver that is the fastest on a grid: compiled, where one is installed and can be loaded."""
+    if grid.cells <= _MAX_COMPILED_CELLS and _COMPILED_CONVOLVER in convolvers:
+        with contextlib.suppress(InputError):
+            compiled = convolvers.create(_COMPILED_CONVOLVER)
+            if boundary in compiled.boundaries:
+                return compiled
+    return convolvers.create("dc-fft" if boundary.has_free_axis else "circular-fft")
 
 
 def find_surface_modulus(kernel: InfluenceKernel, grid: Grid, modulus: float) -> float:

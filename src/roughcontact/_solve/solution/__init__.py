@@ -51,8 +51,8 @@ from roughcontact._solve.solution.results import list_estimates as list_estimate
 from roughcontact._solve.solution.results import read_number as read_number
 from roughcontact._solve.solution.results import require_to_hold as require_to_hold
 from roughcontact._solve.solution.results import responses as responses
-from roughcontact._solve.solution.sampling import find_peak_sampling as find_peak_sampling
-from roughcontact._solve.solution.sampling import find_stiffness_sampling as find_stiffness_sampling
+from roughcontact._solve.solution.sampling import defer_peak_sampling as defer_peak_sampling
+from roughcontact._solve.solution.sampling import defer_stiffness_sampling as defer_stiffness_sampling
 from roughcontact._solve.solution.shear import FrictionalResiduals as FrictionalResiduals
 from roughcontact._solve.solution.shear import FrictionalState as FrictionalState
 from roughcontact._solve.solution.shear import Sheared as Sheared

@@ -16,6 +16,7 @@ from roughcontact._parts.surfaces import HeightMap
 from roughcontact._solve.solution.additions import Addition
 from roughcontact._solve.solution.attraction import interpolate_peak, warn_of_attraction, widen_area
 from roughcontact._solve.solution.healing import heal
+from roughcontact._solve.solution.place import Place
 from roughcontact._solve.solution.plausibility import list_warnings
 from roughcontact._solve.solution.results import (
     DEFAULT_ADHESIVE_AREA,
@@ -33,7 +34,7 @@ from roughcontact._solve.solution.results import (
     require_to_hold,
     responses,
 )
-from roughcontact._solve.solution.sampling import PlaceStatistics, find_area_sampling, find_place_statistics
+from roughcontact._solve.solution.sampling import defer_area_sampling
 from roughcontact._solve.solution.shear import ShearFields
 from roughcontact._solve.solution.theory import Stickiness, TheoryBeside, compare_with_theory, find_stickiness
 from roughcontact.errors import InputError
@@ -130,11 +131,11 @@ class ContactAnswers(ShearFields):
             )
         area = judge_maps(area, self._maps, self.grid.resolved.cell_area)
         area = area if self.origin is None else widen_area(area, self, self.origin)
-        return attrs.evolve(area, relative_sampling=find_area_sampling(self))
+        return attrs.evolve(area, relative_sampling=defer_area_sampling(self))
 
     @cached_property
-    def _place(self) -> PlaceStatistics | None:
-        return find_place_statistics(heal(self._normal), self.non_measured)
+    def _place(self) -> Place | None:
+        return Place.of(heal(self._normal), self.non_measured)
 
     @cached_property
     def _maps(self) -> tuple[HeightMap, ...]:
@@ -404,8 +405,7 @@ class ContactAnswers(ShearFields):
         It holds on periodic boundaries without saturated cells, for nominally flat, isotropic, Gaussian roughness of
         many waves, most of them longer than four cells; grids have at most 2048 x 2048 cells.
         """
-        fits = self.tension is None and not self.added and self.parts.is_whole
-        return compare_with_theory(self) if fits else None
+        return compare_with_theory(self)
 
     @cached_property
     def stickiness(self) -> Stickiness | None:

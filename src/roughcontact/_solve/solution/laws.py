@@ -230,7 +230,12 @@ class Governed(Addition):
 
     def describe(self, arrays: dict[str, RealArray]) -> Described:
         """Return it as data for JSON; see `Addition.describe`."""
-        named = {name: attrs.asdict(one) if isinstance(one, Estimate) else one for name, one in self.numbers.items()}
+        # Numbers of laws state no sampling error.
+        plain = attrs.filters.exclude("_relative_sampling")
+        named = {
+            name: attrs.asdict(one, filter=plain) if isinstance(one, Estimate) else one
+            for name, one in self.numbers.items()
+        }
         return {
             **{name: describe(getattr(self, name), arrays) for name in (*_PLAIN, "offset", "before", "memory")},
             "numbers": describe(named, arrays),

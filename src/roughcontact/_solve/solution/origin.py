@@ -181,7 +181,7 @@ class Origin:
             found = [self.problem[name].surface for name in ("body", "counterbody")]
         except InputError:
             return ()
-        return tuple(one for surface in found for one in _list_surfaces(surface) if not one.parts)
+        return tuple(one for surface in found for one in _list_members(surface))
 
     @property
     def missing(self) -> str:
@@ -228,6 +228,12 @@ class Origin:
             return {**_PROBLEM_PART, "fields": {name: describe(part, arrays) for name, part in self._problem.items()}}
         arrays.update(self._saved[1])
         return self._saved[0]
+
+
+def _list_members(surface: Surface) -> list[Surface]:
+    """Return the surfaces without parts of which a surface is made."""
+    parts = surface.parts
+    return [found for part in parts for found in _list_members(part)] if parts else [surface]
 
 
 def _list_surfaces(surface: Surface) -> list[Surface]:

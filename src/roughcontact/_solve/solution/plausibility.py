@@ -15,6 +15,7 @@ from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._parts.materials import Elastic, ElasticPerfectlyPlastic, Material
 from roughcontact._parts.surfaces import border_jump, rms_slope
 from roughcontact._solve.solution.fields import ContactFields
+from roughcontact._solve.solution.theory import compare_areas
 from roughcontact.errors.door import guarded
 
 # Young's modulus of the softest rubbers, Pa, minimum Poisson's ratio of softer solids that are gels and not foams, and
@@ -398,9 +399,13 @@ def _find_slope(solution: ContactFields) -> Finding:
     name = "slope"
     total = 0.0
     contact = solution.contact
-    for axis, spacing in enumerate(solution.grid.spacing):
-        first, second = (np.take(contact, range(k, n - 1 + k), axis) for n in (contact.shape[axis],) for k in (0, 1))
-        steps = np.diff(solution.initial_gap, axis=axis)[first & second] / spacing
+    gap = solution.initial_gap
+    for spacing, before, after in (
+        (solution.grid.spacing[0], np.s_[:-1], np.s_[1:]),
+        (solution.grid.spacing[1], np.s_[:, :-1], np.s_[:, 1:]),
+    ):
+        both = contact[before] & contact[after]
+        steps = (gap[after][both] - gap[before][both]) / spacing
         total += float(np.mean(steps**2)) if steps.size else 0.0
     slope = math.sqrt(total)
     return Finding(name, slope, f"the rms slope of both surfaces together is {slope:.3g} in contact")
@@ -409,10 +414,10 @@ def _find_slope(solution: ContactFields) -> Finding:
 def _find_departure(solution: Any) -> Finding:
     """Return the distance of the area from the range of Persson's theory, in standard deviations."""
     name = "theory"
-    theory = solution.theory
+    theory = compare_areas(solution)
     if theory is None:
         return Finding(name, math.nan, "Persson's theory does not hold for this contact")
-    text = f"the area of Persson's theory is {theory.area_ratio:.2f} of the solved one"
+    text = f"the area of Persson's theory is {theory.ratio:.2f} of the solved one"
     return Finding(name, theory.departure, text)
 
 

@@ -5,45 +5,17 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import attrs
 import numpy as np
 import scipy
 
-from roughcontact._base.arrays import Array, IntArray, Mask
-from roughcontact._parts.grid import Grid, extend
-from roughcontact._parts.surfaces import FlatSurface, polynomial
-from roughcontact._solve.solution.fields import ContactFields
-from roughcontact.reference.roughness import Waves, find_lay, transform_waves
+from roughcontact._base.units import Deferred
+from roughcontact._parts.grid import extend
+from roughcontact._solve.solution.place import Place, PlaceStatistics, find_window
 
 # All constants were set on the tuned classes of docs/studies/sampling.py.
-# Tiles of a square domain along each side, between which the load is compared with the area, and cells along a side
-# of the coarse heights, which hold the longest waves.
-_TILES = 8
-_COARSE_CELLS = 64
-# Relative standard deviation of the area of one patch at a given load, and the number of tiles for which it counts.
-_PATCH_STD = 0.3
-_PATCH_WEIGHT = 3.0
 # Factors of the standard deviation of the area: of the tiles, and of the error of the mean square height.
 _AREA_FACTOR = 0.7
 _DEPENDENCE = 2.0
-# Parts of a square domain along each side whose slopes show whether the roughness changes from place to place, and
-# factors: the largest parts show it best, but as they are four they may be alike by chance.
-_PART_FACTORS = {2: 10.0, 4: 20.0}
-# Numbers of strips along a lay whose slopes show whether the roughness changes across it.
-_STRIPS = (2, 4, 8)
-# Cells along a side from which slopes are taken at most.
-_SAMPLED_CELLS = 192
-# Minimum fraction of measured points.
-_MIN_KNOWN_FRACTION = 0.25
-# Multiple of the variance of the slopes of a Gaussian surface that passes for chance.
-_CHANCE = 3.0
-# Of Gaussian surfaces: maximum of the mean square pressure over the squared mean, minimum excess of the area at small
-# loads over Persson's, and multiple of that area beyond which summits are blunt; factors of the departures.
-_USUAL_SPREAD = 1.65
-_USUAL_EXCESS = 0.25
-_BLUNT_AREA = 1.5
-_SPREAD_FACTOR = 0.6
-_STEEP_FACTOR = 0.5
 # Factors of the unevenness in the standard deviations of stiffness and maximum pressure.
 _STIFFNESS_UNEVENNESS = 1.2
 _PEAK_UNEVENNESS = 1.3
@@ -55,20 +27,13 @@ _FEW_WAVES = 0.4
 _MIN_LAY_RATIO = 1.5
 # Factors of the standard deviation of the stiffness: of the error of the mean square height, and of the tiles.
 _STIFFNESS_FACTORS = (0.65, 1.5)
-# Maximum relative error of the mean square height that counts, and maximum ratio of slopes across and along a lay.
-_MAX_HEIGHT_ERROR = 0.6
-_MAX_LAY_RATIO = 10.0
-# Powers of that ratio with which tiles and maxima grow that are not independent along a lay.
-_TILE_LAY_EXPONENT = 0.4
+# Power of the ratio of slopes across and along a lay with which maxima differ more, as those along it are alike.
 _PEAK_LAY_EXPONENT = 0.3
 # Stiffness of a square punch over that of an elliptic one, and minimum compliance by the roughness over all.
 _SQUARE_PUNCH_FACTOR = 1.02
 _MIN_ROUGH_FRACTION = 0.02
 # Stiffness of an elliptic punch over that of the rectangle around it.
 _ELLIPSE_FACTOR = math.sqrt(math.pi / 4.0) / _SQUARE_PUNCH_FACTOR
-# Minimum cells of coarse heights along an axis that determine a plane and roughness, and range of flat ones over all.
-_MIN_PLANE_CELLS = 4
-_FLATNESS = 1e-9
 # Highest local maxima of the pressure from which the fall of their number is measured, the fraction of all that they
 # are at most, the relative fall that is usual, the number of maxima that it counts for, and the factor.
 _PEAKS = 8
@@ -80,81 +45,53 @@ _PEAK_FACTOR = 0.9
 _CUT_PEAK_STD = 0.27
 
 
-@attrs.frozen
-class PlaceStatistics:
-    """Numbers of one place that tell how much others differ, without units.
-
-    Attributes
-    ----------
-    tiles
-        Standard deviation of the area at a given load, by the differences of the tiles.
-    elasticity
-        By how much per cent the area falls if the slopes grow by one.
-    height
-        Sampling error of the mean square height.
-    lay
-        Ratio of the rms slopes across and along the lay.
-    unevenness
-        Standard deviation of the rms slope in contact beyond that of a Gaussian surface alike everywhere.
-    """
-
-    tiles: float
-    elasticity: float
-    height: float
-    lay: float
-    unevenness: float
-
-
-def _is_sampled(solution: ContactFields) -> bool:
-    """Return whether there are other places, and their differences can be estimated."""
-    if solution.origin is None or solution.tension is not None or not solution.status.success:
-        return False
-    is_random = any(one.is_random for one in solution.origin.surfaces)
-    # On a periodic boundary a form is a wave of the domain.
-    return is_random and (all(solution.boundary.free_axes) or not _has_form(solution))
-
-
-def _has_form(solution: ContactFields) -> bool:
-    """Return whether a ball, say, is pressed on the roughness, so that it touches in a part of the domain."""
-    known = () if solution.origin is None else solution.origin.surfaces
-    return any(not (one.is_random or isinstance(one, FlatSurface)) for one in known)
-
-
-def find_area_sampling(solution: Any) -> float | None:
+def defer_area_sampling(solution: Any) -> Deferred | None:
     """Return the standard deviation of the area between places, over the area; None if it is not known."""
-    found = solution._place
-    if found is None:
-        return None
+    place: Place | None = solution._place
+    return None if place is None else place.defer(_vary_area, at_once=not solution.parts.is_whole)
+
+
+def _vary_area(place: Place, found: PlaceStatistics) -> float | None:
     even = _AREA_FACTOR * found.tiles * (1.0 + _DEPENDENCE * found.height)
     return _keep_known(found.elasticity * math.hypot(even, found.unevenness))
 
 
-def find_stiffness_sampling(solution: Any, stiffness: float) -> float | None:
+def defer_stiffness_sampling(solution: Any, stiffness: float) -> Deferred | None:
     """Return the standard deviation of the stiffness, N/m, between places, over it; None if it is not known."""
-    found = solution._place
+    place: Place | None = solution._place
     free = solution.boundary.free_axes
-    if found is None or not math.isfinite(stiffness) or free[0] != free[1]:
+    if place is None or not math.isfinite(stiffness) or free[0] != free[1]:
         return None
-    of_height, of_tiles = _STIFFNESS_FACTORS
-    rough = math.hypot(of_height * found.height, of_tiles * found.tiles, _STIFFNESS_UNEVENNESS * found.unevenness)
-    if not free[0]:
-        return _keep_known(rough)
-    # A flat punch as large as the domain, or the ellipse in which a ball touches, yields too, everywhere alike.
-    sides = _find_window(solution).size
-    flat = _find_punch_stiffness(sides, float(solution.effective_modulus(1.0 / math.sqrt(sides[0] * sides[1]))))
-    flat *= _ELLIPSE_FACTOR if _has_form(solution) else 1.0
-    return _keep_known(rough * max(1.0 - stiffness / flat, _MIN_ROUGH_FRACTION))
+    part = 1.0
+    if free[0]:
+        # A flat punch as large as the domain, or the ellipse in which a ball touches, yields too, everywhere alike.
+        sides = find_window(place).size
+        flat = _find_punch_stiffness(sides, float(solution.effective_modulus(1.0 / math.sqrt(sides[0] * sides[1]))))
+        flat *= _ELLIPSE_FACTOR if place.has_form else 1.0
+        part = max(1.0 - stiffness / flat, _MIN_ROUGH_FRACTION)
+
+    def vary(place: Place, found: PlaceStatistics) -> float | None:
+        of_height, of_tiles = _STIFFNESS_FACTORS
+        rough = math.hypot(of_height * found.height, of_tiles * found.tiles, _STIFFNESS_UNEVENNESS * found.unevenness)
+        return _keep_known(rough * part)
+
+    return place.defer(vary, at_once=not solution.parts.is_whole)
 
 
-def find_peak_sampling(solution: Any) -> float | None:
+def defer_peak_sampling(solution: Any) -> Deferred | None:
     """Return the standard deviation of the maximum pressure between places, over it; None if it is not known."""
-    found = solution._place
-    if found is None:
+    place: Place | None = solution._place
+    if place is None:
         return None
-    if solution.saturated.any():
-        return 0.0
-    maxima = _vary_maxima(solution, found.lay**_PEAK_LAY_EXPONENT)
-    return _keep_known(math.hypot(maxima, _PEAK_UNEVENNESS * found.unevenness))
+    saturated = bool(solution.saturated.any())
+
+    def vary(place: Place, found: PlaceStatistics) -> float | None:
+        if saturated:
+            return 0.0
+        maxima = _vary_maxima(place, found.lay**_PEAK_LAY_EXPONENT)
+        return _keep_known(math.hypot(maxima, _PEAK_UNEVENNESS * found.unevenness))
+
+    return place.defer(vary, at_once=not solution.parts.is_whole)
 
 
 def _keep_known(relative: float) -> float | None:
@@ -164,7 +101,8 @@ def _keep_known(relative: float) -> float | None:
 
 def find_sampling_warning(solution: Any) -> str:
     """Return why other places may differ more than the sampling errors say, empty without a reason."""
-    found = solution._place
+    place: Place | None = solution._place
+    found = None if place is None else place.statistics
     if found is None:
         return ""
     if found.unevenness > _MAX_UNEVENNESS:
@@ -176,293 +114,17 @@ def find_sampling_warning(solution: Any) -> str:
     return ""
 
 
-def find_place_statistics(solution: ContactFields, non_measured: Mask | None = None) -> PlaceStatistics | None:
-    """Return the statistics of the place; None where no other places are known, or without a contact or roughness.
-
-    The roughness at non-measured points, shape `grid.shape`, is not known, whatever gap the solution has there.
-    """
-    if not _is_sampled(solution) or not solution.contact.any():
-        return None
-    window = _find_window(solution)
-    waves = _find_long_waves(solution, window)
-    if waves is None:
-        return None
-    height = min(waves.spread(1.0) / waves.sum(1.0), _MAX_HEIGHT_ERROR)
-    lay = min(find_lay(waves)[0], _MAX_LAY_RATIO)
-    known = np.ones(window.shape, dtype=bool)
-    if non_measured is not None:
-        known = ~non_measured[window.slices]
-    if known.mean() < _MIN_KNOWN_FRACTION:
-        return None
-    elasticity = _find_elasticity(min(solution.patches.members.size / np.count_nonzero(known), 1.0))
-    tiles = _compare_tiles(solution, window, elasticity) * lay**_TILE_LAY_EXPONENT
-    unevenness = _find_unevenness(solution, window, waves, known)
-    return None if unevenness is None else PlaceStatistics(tiles, elasticity, height, lay, unevenness)
-
-
-@attrs.frozen
-class _Window:
-    """The part of the domain in which the surfaces touch: first cells, numbers of cells, and sides, m."""
-
-    first: tuple[int, int]
-    shape: tuple[int, int]
-    size: tuple[float, float]
-
-    @property
-    def slices(self) -> tuple[slice, slice]:
-        """The cells along both axes."""
-        i, j = (slice(at, at + cells) for at, cells in zip(self.first, self.shape, strict=True))
-        return i, j
-
-
-def _find_window(solution: ContactFields) -> _Window:
-    grid = solution.grid
-    if not _has_form(solution):
-        return _Window((0, 0), grid.shape, grid.size)
-    i, j = np.divmod(solution.patches.members, grid.shape[1])
-    nx, ny = (int(k.max() - k.min()) + 1 for k in (i, j))
-    dx, dy = grid.spacing
-    return _Window((int(i.min()), int(j.min())), (nx, ny), (nx * dx, ny * dy))
-
-
-def _find_edges(count: int, cells: int) -> IntArray:
-    """Return the first cell of each tile along an axis, and the number of cells; tiles differ by a cell at most."""
-    return np.arange(count + 1) * cells // count
-
-
-def _count_tiles(window: _Window, per_side: int) -> tuple[int, int]:
-    """Return the numbers of tiles along both axes, of which a square window has `per_side`."""
-    ratio = math.sqrt(window.size[0] / window.size[1])
-    nx, ny = (
-        max(1, min(round(per_side * scale), cells))
-        for scale, cells in zip((ratio, 1.0 / ratio), window.shape, strict=True)
-    )
-    return nx, ny
-
-
-def _share(solution: ContactFields, window: _Window, per_side: int) -> tuple[Array, Array]:
-    """Return the fractions of the load and of the area of each tile of a window."""
-    nx, ny = _count_tiles(window, per_side)
-    rows, columns = (
-        np.repeat(np.arange(count), np.diff(_find_edges(count, cells)))
-        for count, cells in zip((nx, ny), window.shape, strict=True)
-    )
-    members = solution.patches.members
-    i, j = np.divmod(members, solution.grid.shape[1])
-    tile = rows[i - window.first[0]] * ny + columns[j - window.first[1]]
-    pressures = solution.pressure.ravel()[members]
-    loads = np.bincount(tile, weights=pressures / pressures.sum(), minlength=nx * ny)
-    areas = np.bincount(tile, weights=np.full(members.size, 1.0 / members.size), minlength=nx * ny)
-    return np.asarray(loads, dtype=np.float64), np.asarray(areas, dtype=np.float64)
-
-
-def _compare_tiles(solution: ContactFields, window: _Window, elasticity: float) -> float:
-    r"""Return the standard deviation of the area at a given load, by tiles of a window.
-
-    With loads F and areas A of independent tiles the ratio of the sums, :math:`r = \sum A / \sum F`, has
-
-    .. math:: \left(\frac{s_r}{r}\right)^2 = \frac{\sum (A_i - r F_i)^2}{(\sum A_i)^2}
-    """
-    loads, areas = _share(solution, window, _TILES)
-    found = float(np.sum((areas - loads) ** 2))
-    count = 1.0 / float(np.sum(loads**2))
-    usual = (_PATCH_STD * elasticity) ** 2 / solution.patches.count
-    return math.sqrt((count * found + _PATCH_WEIGHT * usual) / (count + _PATCH_WEIGHT))
-
-
-def _find_unevenness(solution: ContactFields, window: _Window, waves: Waves, measured: Mask) -> float | None:
-    r"""Return the relative standard deviation of the rms slope in contact beyond that of a Gaussian surface.
-
-    None where the cells that are compared are flat, or their upper half is, as on a map of a few steps.
-
-    With mean square slopes m of n parts, that carry the fractions F of the load, the one in contact,
-    :math:`\sum F m`, would vary by
-
-    .. math:: s_n^2 = \sum F^2 \left(\frac{\operatorname{var} m}{\bar m^2} - n v\right)
-
-    more than on a Gaussian surface, v for the whole, if the parts were independent. They are not where larger parts
-    vary more; those weigh more then, because the whole varies more again. Along a lay they are not either: there the
-    parts are strips. Few steep summits have two other signs: pressures that spread more than those of a Gaussian
-    surface, and a contact smaller than its.
-    """
-    heights, slopes, compared = _sample_slopes(solution, window, measured)
-    # The contact knows only the upper half.
-    upper = compared & (heights < heights.mean(where=compared))
-    if not slopes[upper].any():
-        return None
-    square = float(slopes.mean(where=compared))
-    cells = np.count_nonzero(measured)
-    pressures = solution.pressure.ravel()[solution.patches.members]
-    fraction = pressures.size / cells
-    load = float(pressures.sum()) / cells / (solution.surface_modulus * math.sqrt(square))
-    # Persson's area.
-    usual = (1.0 + _USUAL_EXCESS * (1.0 - fraction) ** 2) * math.erf(math.sqrt(2.0) * load)
-    steep = max(math.log(usual / fraction), 0.0)
-    spread = max(math.log(float(np.mean(pressures**2)) / (_USUAL_SPREAD * float(pressures.mean()) ** 2)), 0.0)
-    chance = _find_chance(solution, window, waves, square)
-    slopes *= upper
-    mean = float(slopes.sum()) / np.count_nonzero(upper)
-
-    def vary(per_side: int) -> float:
-        counts = _count_tiles(window, per_side)
-        if counts == (1, 1):
-            return 0.0
-        known = _sum_tiles(upper.astype(np.float64), counts)
-        loads, _ = _share(solution, window, per_side)
-        return _find_excess(loads, _sum_tiles(slopes, counts), mean * known, _CHANCE * chance)
-
-    tiles = vary(_TILES)
-    long = max(factor * (vary(per_side) - tiles) for per_side, factor in _PART_FACTORS.items())
-    # Slopes of the map tell little of summits that are much blunter.
-    relevance = min(1.0, _BLUNT_AREA * usual / fraction)
-    across = _vary_across_lay(solution, window, waves, slopes, upper, chance)
-    changes = 0.5 * math.sqrt(max(relevance**2 * tiles + max(long, 0.0), across))
-    return math.hypot(changes, _SPREAD_FACTOR * spread, _STEEP_FACTOR * steep)
-
-
-def _find_excess(loads: Array, slopes: Array, usual: Array, chance: float) -> float:
-    """Return the variance of the mean square slope in contact, by parts and their loads, beyond that by chance.
-
-    `slopes` are the sums of the squares in each part, `usual` those that are expected; without any it does not count.
-    """
-    known = usual > 0.0
-    if np.count_nonzero(known) < 2:
-        return 0.0
-    part = slopes[known] / usual[known]
-    return float(np.sum(loads**2)) * max(float(np.var(part, ddof=1)) - part.size * chance, 0.0)
-
-
-def _vary_across_lay(
-    solution: ContactFields, window: _Window, waves: Waves, slopes: Array, upper: Mask, chance: float
-) -> float:
-    """Return the variance of the mean square slope in contact by strips along the lay, beyond that by chance.
-
-    `slopes` are those of the `upper` cells, of every so many of the window; without a lay there is none.
-    """
-    across, direction = find_lay(waves)
-    unit = (math.cos(direction), math.sin(direction))
-    start = sum(min(part, 0.0) * side for part, side in zip(unit, window.size, strict=True))
-    width = sum(abs(part) * side for part, side in zip(unit, window.size, strict=True))
-
-    def number(i: IntArray, j: IntArray, count: int) -> IntArray:
-        """Return in which of the strips cells of the window lie."""
-        x, y = ((k + 0.5) / n * side for k, n, side in zip((i, j), window.shape, window.size, strict=True))
-        place = (unit[0] * x + unit[1] * y - start) / width
-        return np.minimum((place * count).astype(np.intp), count - 1)
-
-    rows, columns = (np.arange(0, n, math.ceil(n / _SAMPLED_CELLS)) for n in window.shape)
-    members = solution.patches.members
-    i, j = np.divmod(members, solution.grid.shape[1])
-    pressures = solution.pressure.ravel()[members]
-    fractions = pressures / pressures.sum()
-    mean = float(slopes.sum()) / np.count_nonzero(upper)
-    found = []
-    for count in _STRIPS:
-        strip = number(rows[:, np.newaxis], columns, count).ravel()
-        known = np.bincount(strip, weights=upper.ravel(), minlength=count)
-        sums = np.asarray(np.bincount(strip, weights=slopes.ravel(), minlength=count), dtype=np.float64)
-        touching = number(i - window.first[0], j - window.first[1], count)
-        loads = np.bincount(touching, weights=fractions, minlength=count)
-        found.append(_find_excess(np.asarray(loads, dtype=np.float64), sums, mean * known, chance))
-    return (1.0 - across**-2) * max(found)
-
-
-def _sample_slopes(solution: ContactFields, window: _Window, measured: Mask) -> tuple[Array, Array, Mask]:
-    """Return gaps within a window and their squared slopes, of every so many cells, and which of them are measured.
-
-    On a free boundary they are less their plane, or a form.
-    """
-    gap = solution.initial_gap[window.slices]
-    degree = 0 if not solution.boundary.has_free_axis else 2 if _has_form(solution) else 1
-    taken = [np.arange(0, cells, math.ceil(cells / _SAMPLED_CELLS)) for cells in window.shape]
-    heights = gap[np.ix_(*taken)]
-    compared = measured[np.ix_(*taken)]
-    squares = np.zeros(heights.shape)
-    for axis, step in enumerate(solution.grid.spacing):
-        ends = list(taken)
-        ends[axis] = np.minimum(taken[axis] + 1, window.shape[axis] - 1)
-        starts = list(taken)
-        starts[axis] = np.maximum(ends[axis] - 1, 0)
-        slopes = (gap[np.ix_(*ends)] - gap[np.ix_(*starts)]) / step
-        both = measured[np.ix_(*ends)] & measured[np.ix_(*starts)]
-        compared = compared & both
-        squares += (slopes - polynomial(slopes, degree - 1, _invert(both)) if degree else slopes) ** 2
-    heights = heights - polynomial(heights, degree, _invert(compared)) if degree else heights
-    return np.asarray(heights), np.where(compared, squares, 0.0), compared
-
-
-def _invert(measured: Mask) -> Mask | None:
-    """Return which points are not measured; None without any."""
-    return None if measured.all() else ~measured
-
-
-def _find_chance(solution: ContactFields, window: _Window, waves: Waves, square: float) -> float:
-    """Return the relative variance of the mean square slope between places of a Gaussian surface of this spectrum.
-
-    Of large windows the middle is taken, and the longest waves.
-    """
-    shape = tuple(min(cells, _SAMPLED_CELLS) for cells in window.shape)
-    first = (at + (cells - n) // 2 for at, cells, n in zip(window.first, window.shape, shape, strict=True))
-    part = solution.initial_gap[tuple(slice(at, at + n) for at, n in zip(first, shape, strict=True))]
-    whole = shape == window.shape
-    repeats = whole and not solution.boundary.has_free_axis
-    if not repeats and min(shape) >= _MIN_PLANE_CELLS:
-        part = part - polynomial(part, 2 if _has_form(solution) else 1, None)
-    chance = 0.0
-    if not whole:
-        long = waves.spread(waves.square) * (waves.height / waves.cell) ** 2 / square
-        chance = long**2 / waves.dependent
-    if float(np.ptp(part)) > _FLATNESS * float(np.ptp(solution.initial_gap)):
-        sides = (n * step for n, step in zip(shape, solution.grid.spacing, strict=True))
-        fine = transform_waves(part, Grid(shape, tuple(sides)), repeats)
-        fraction = part.size / (window.shape[0] * window.shape[1])
-        chance += fraction * (fine.spread(fine.square) / fine.sum(fine.square)) ** 2 / fine.dependent
-    return chance
-
-
-def _sum_tiles(values: Array, counts: tuple[int, int]) -> Array:
-    """Return the sums of the values of each tile, shape `counts`."""
-    rows, columns = (_find_edges(count, cells)[:-1] for count, cells in zip(counts, values.shape, strict=True))
-    return np.asarray(np.add.reduceat(np.add.reduceat(values, columns, axis=1), rows, axis=0))
-
-
-def _find_elasticity(fraction: float) -> float:
-    """Return by how much per cent the area falls if the slopes grow by one, after Persson; 0 in full contact."""
-    if fraction >= 1.0:
-        return 0.0
-    ratio = float(scipy.special.erfinv(fraction))
-    return 2.0 / math.sqrt(math.pi) * ratio * math.exp(-(ratio**2)) / fraction
-
-
-def _find_long_waves(solution: ContactFields, window: _Window) -> Waves | None:
-    """Return the waves of coarse heights, on a free boundary less their plane or form; None for flat surfaces."""
-    cells = window.shape
-    shape = (min(cells[0], _COARSE_CELLS), min(cells[1], _COARSE_CELLS))
-    gap = solution.initial_gap[window.slices]
-    counts = np.outer(*(np.diff(_find_edges(n, full)) for n, full in zip(shape, cells, strict=True)))
-    coarse = _sum_tiles(gap, shape) / counts
-    repeats = not solution.boundary.has_free_axis
-    if not repeats:
-        if min(shape) < _MIN_PLANE_CELLS:
-            return None
-        coarse = coarse - polynomial(coarse, 2 if _has_form(solution) else 1, None)
-    if not float(np.ptp(coarse)) > _FLATNESS * float(np.ptp(gap)):
-        return None
-    return transform_waves(coarse, Grid(shape, window.size), repeats)
-
-
-def _vary_maxima(solution: ContactFields, dependence: float) -> float:
+def _vary_maxima(place: Place, dependence: float) -> float:
     """Return the relative standard deviation of the maximum pressure, from the fall of the highest local maxima.
 
     Of many independent places that have maxima with an exponential tail, the highest one scatters as the mean fall
     from the highest to a lower one; `dependence` is the factor for a lay.
     """
-    pressure = solution.pressure
-    cells = solution.patches.members
-    i, j = np.divmod(cells, pressure.shape[1])
-    around = extend(pressure, 1, solution.boundary)
-    own = pressure.ravel()[cells]
-    highest = np.ones(cells.size, dtype=bool)
+    pressure = place.pressure
+    i, j = place.cells
+    around = extend(pressure, 1, place.boundary)
+    own = place.pressures
+    highest = np.ones(own.size, dtype=bool)
     for step in range(9):
         highest &= own >= around[i + step // 3, j + step % 3]
     maxima = np.sort(own[highest])[::-1]
@@ -470,7 +132,7 @@ def _vary_maxima(solution: ContactFields, dependence: float) -> float:
     beyond = float(maxima[count]) if maxima.size > count else 0.0
     fall = (float(maxima[:count].mean()) - beyond) / float(maxima[0])
     fall = math.sqrt((count * fall**2 + _PEAK_WEIGHT * _USUAL_FALL**2) / (count + _PEAK_WEIGHT))
-    free_x, free_y = solution.boundary.free_axes
+    free_x, free_y = place.boundary.free_axes
     nx, ny = pressure.shape
     cut = bool((free_x & ((i == 0) | (i == nx - 1)) | free_y & ((j == 0) | (j == ny - 1))).any())
     return math.hypot(_PEAK_FACTOR * dependence * fall, _CUT_PEAK_STD if cut else 0.0)

@@ -20,6 +20,7 @@ from roughcontact.reference.theories import (
     PerssonContact,
     evaluate_full_contact,
     evaluate_persson,
+    find_persson_area,
 )
 
 # Range of theoretical over solved area on isotropic Gaussian surfaces of Hurst exponents 0.3 to 0.8, and the range of
@@ -71,13 +72,39 @@ class TheoryBeside(ShownAsPrinted):
 
 def compare_with_theory(solution: Any) -> TheoryBeside | None:
     """Return the theory beside a solution, or None if it does not hold: see `ContactSolution.theory`."""
-    applies = _has_spectrum(solution) and solution.contact.any()
-    waves = _find_waves(solution.initial_gap, solution.grid) if applies else None
-    if waves is None:
+    area = compare_areas(solution)
+    # The waves take as much memory as the fields, so that they are not kept.
+    waves = None if area is None else _find_waves(solution.initial_gap, solution.grid)
+    if area is None or waves is None:
         return None
     contact = evaluate_persson(waves, solution.modulus, np.asarray(solution.mean_pressure))
+    gap = float(np.mean(solution.gap))
+    gap_ratio = float(contact.mean_gap) / gap if gap > solution.residuals.scale * 1e-3 else math.nan
+    return TheoryBeside(contact, area.ratio, gap_ratio, area.departure)
+
+
+@attrs.frozen
+class AreaBeside:
+    """The area of Persson's theory over that of a solution, and its departure; see `TheoryBeside`."""
+
+    ratio: float
+    departure: float
+
+
+def compare_areas(solution: Any) -> AreaBeside | None:
+    """Return the area of the theory beside that of a solution, without its gap; None if it does not hold."""
+    found: AreaBeside | None = solution._keep("area beside theory", lambda: _compare_areas(solution))
+    return found
+
+
+def _compare_areas(solution: Any) -> AreaBeside | None:
+    if not _is_alone(solution) or not _has_spectrum(solution) or not solution.contact.any():
+        return None
+    waves = _find_waves(solution.initial_gap, solution.grid)
+    if waves is None:
+        return None
     area = solution.area()
-    ratio = float(contact.area_fraction) / area.fraction
+    ratio = find_persson_area(waves, solution.modulus, solution.mean_pressure) / area.fraction
     departure = 0.0
     if _CONTACT_RANGE[0] <= area.fraction <= _CONTACT_RANGE[1]:
         nearest = min(max(ratio, _AREA_RATIO_RANGE[0]), _AREA_RATIO_RANGE[1])
@@ -85,9 +112,12 @@ def compare_with_theory(solution: Any) -> TheoryBeside | None:
         sampling = waves.spread(square) / waves.sum(square)
         few = _PATCH_AREA_STD / math.sqrt(solution.patches.count)
         departure = abs(ratio - nearest) / (nearest * math.hypot(sampling, few, area.uncertainty / area.value))
-    gap = float(np.mean(solution.gap))
-    gap_ratio = float(contact.mean_gap) / gap if gap > solution.residuals.scale * 1e-3 else math.nan
-    return TheoryBeside(contact, ratio, gap_ratio, departure)
+    return AreaBeside(ratio, departure)
+
+
+def _is_alone(solution: Any) -> bool:
+    """Return whether nothing acts beside the pressure, on fields that are whole."""
+    return solution.tension is None and not solution.added and bool(solution.parts.is_whole)
 
 
 @attrs.frozen(eq=False)

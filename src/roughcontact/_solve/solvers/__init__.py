@@ -17,6 +17,7 @@ from roughcontact._solve.solvers.base import nearest_pressure as nearest_pressur
 from roughcontact._solve.solvers.base import positive_tolerance as positive_tolerance
 from roughcontact._solve.solvers.base import solvers as solvers
 from roughcontact._solve.solvers.base import starting_pressure as starting_pressure
+from roughcontact._solve.solvers.conjugate import NumpyPasses as NumpyPasses
 from roughcontact._solve.solvers.conjugate import ProjectedConjugateGradient as ProjectedConjugateGradient
 from roughcontact._solve.solvers.conjugate.nested_iteration import GridSolution as GridSolution
 from roughcontact._solve.solvers.conjugate.nested_iteration import estimate_approach as estimate_approach
@@ -27,6 +28,7 @@ from roughcontact._solve.solvers.conjugate.preconditioner import Preconditioner 
 from roughcontact._solve.solvers.conjugate.preconditioner import count_blocks as count_blocks
 from roughcontact._solve.solvers.driver import Monitor as Monitor
 from roughcontact._solve.solvers.driver import Work as Work
+from roughcontact._solve.solvers.grids import coarser_shape as coarser_shape
 from roughcontact._solve.solvers.grids import halve_shape as halve_shape
 from roughcontact._solve.solvers.passes import ActiveCells as ActiveCells
 from roughcontact._solve.solvers.passes import MaskedCells as MaskedCells

@@ -20,6 +20,8 @@ Values = TypeVar("Values", RealArray, Mask)
 
 # Minimum cells along a halved axis.
 _MIN_COARSE_CELLS = 32
+# Minimum cells of a grid that starts on a coarser one: 64 x 64 cells take a tenth less time without.
+_MIN_HALVED_CELLS = 2**13
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -95,9 +97,14 @@ def halve_shape(shape: tuple[int, int]) -> tuple[int, int]:
     return nx, ny
 
 
+def coarser_shape(shape: tuple[int, int]) -> tuple[int, int]:
+    """Return the cells of the grid on which a solve starts: `halve_shape`, or the shape itself of a small grid."""
+    return halve_shape(shape) if shape[0] * shape[1] >= _MIN_HALVED_CELLS else shape
+
+
 def coarsen(grid: Grid, task: Task) -> tuple[Grid, Task] | None:
-    """Return the grid with all even and long axes halved, and its task; None if there is no such axis."""
-    shape = halve_shape(grid.shape)
+    """Return the grid with all even and long axes halved, and its task; None if there is none, or the grid is small."""
+    shape = coarser_shape(grid.shape)
     if shape == grid.shape:
         return None
     gap, limit = (_average(values, shape) for values in (task.initial_gap, task.pressure_limit))

@@ -66,6 +66,30 @@ def read_responses(value: Any) -> tuple[Response[Any], ...]:
     return tuple(found)
 
 
+@attrs.frozen(eq=False)
+class Question:
+    """A response that a study asks of each contact.
+
+    Attributes
+    ----------
+    response
+        The response.
+    name
+        Its registered name.
+    key
+        That of the response with its fields.
+    """
+
+    response: Response[Any]
+    name: str
+    key: str
+
+    @classmethod
+    def of(cls, response: Response[Any]) -> Question:
+        """Return a question from its response."""
+        return cls(response, name_of(response), key_of(response))
+
+
 def name_of(response: Response[Any]) -> str:
     """Return the registered name of a response, or raise `InputError` if it has none."""
     name = responses.name_of(type(response))
@@ -75,7 +99,7 @@ def name_of(response: Response[Any]) -> str:
 
 
 def find_answers(
-    solution: ContactSolution, asked: Sequence[Response[Any]], known: Mapping[str, Answer]
+    solution: ContactSolution, asked: Sequence[Question], known: Mapping[str, Answer]
 ) -> tuple[dict[str, Answer], dict[str, Exception], list[str]]:
     """Return the answers of a solution by name, the errors of those that it refuses, and the warnings of new ones.
 
@@ -84,19 +108,19 @@ def find_answers(
     answers = dict(known)
     errors: dict[str, Exception] = {}
     results: dict[str, list[Any]] = {}
-    for response in asked:
-        name = name_of(response)
-        if has_answers(known, [response]):
+    for question in asked:
+        name = question.name
+        if has_answers(known, [question]):
             continue
         answers.pop(name, None)
         # Responses are plug-ins.
         try:
-            result = solution.response(response)
+            result = solution.response(question.response)
             estimates = list_estimates(result)
             if not estimates:
                 raise InputError("it has no single number")
             numbers = {part: (float(one.value), float(one.uncertainty), one.unit) for part, one in estimates.items()}
-            answers[name] = Answer(key_of(response), numbers)
+            answers[name] = Answer(question.key, numbers)
             results[name] = [result]
         except Exception as error:
             errors[name] = error
@@ -107,9 +131,6 @@ def find_answers(
     return answers, errors, said
 
 
-def has_answers(known: Mapping[str, Answer], asked: Sequence[Response[Any]]) -> bool:
+def has_answers(known: Mapping[str, Answer], asked: Sequence[Question]) -> bool:
     """Return whether answers are those of the responses, with the same fields."""
-    names = [name_of(response) for response in asked]
-    return all(
-        name in known and known[name].key == key_of(response) for name, response in zip(names, asked, strict=True)
-    )
+    return all(one.name in known and known[one.name].key == one.key for one in asked)

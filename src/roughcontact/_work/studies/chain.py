@@ -19,9 +19,10 @@ from roughcontact._parts.materials import Material
 from roughcontact._parts.surfaces import Surface
 from roughcontact._solve.convolvers import Convolver
 from roughcontact._solve.problem import Body, ContactProblem
-from roughcontact._solve.solution import ContactSolution, Response, list_all_warnings, solution_key
+from roughcontact._solve.solution import ContactSolution, list_all_warnings, solution_key
 from roughcontact._solve.solvers import Solver
-from roughcontact._work.studies.answers import find_answers, has_answers
+from roughcontact._work.studies.answers import Question, find_answers, has_answers
+from roughcontact._work.studies.lists import Journal, Known
 from roughcontact._work.studies.loading import SINGLE_LOADS, Loading
 from roughcontact._work.studies.record import Record
 from roughcontact.errors import InputError, NotConverged, NotWritten, RoughContactError
@@ -127,20 +128,26 @@ class Chain(Point):
         Area estimators.
     folder
         The folder of the solutions, on a disk that every worker sees.
+    journal
+        Where its records are written.
     known
-        Earlier records, by key.
+        Earlier records.
     loading
         What is found at each load.
     responses
         What is asked of each contact.
+    fields
+        Whether each solution is kept in a file.
     """
 
     problem: ContactProblem
     areas: tuple[str, ...]
     folder: Path
-    known: Mapping[str, Record] = attrs.Factory(dict)
+    journal: Journal
+    known: Known = attrs.Factory(Known)
     loading: Loading = SINGLE_LOADS
-    responses: tuple[Response[Any], ...] = ()
+    responses: tuple[Question, ...] = ()
+    fields: bool = False
 
     def bodies(self) -> dict[str, Any]:
         """Return the bodies with the seed added to the seeds of their surfaces."""
@@ -156,16 +163,26 @@ class Chain(Point):
             raise InputError(f"{what}: {error!r:.200}.") from error
 
     def alone(self) -> Chain:
-        """Return the chain with a problem that has computed nothing yet, and so holds no fields in memory."""
-        return attrs.evolve(self, problem=copy.copy(self.problem))
+        """Return the chain for a worker: its problem holds no fields in memory, and of all records it has its own."""
+        records = self.known.records
+        # The keys take a while, and a new study needs none of them.
+        known = Known({key: records[key] for key in self.keys if key in records} if records else {})
+        return attrs.evolve(self, problem=copy.copy(self.problem), known=known)
 
     @cached_property
     def seeded(self) -> ContactProblem:
         """Return the problem with its seed; a surface is first evaluated when its problem is made."""
         return self.problem if self.seed is None else attrs.evolve(self.problem, **self.bodies())
 
+    @cached_property
+    def keys(self) -> tuple[str, ...]:
+        """The key of each load."""
+        places = [self.record("0" * 32, load).place for load in self.loads]
+        found = [self.known.keys[place] for place in places if place in self.known.keys]
+        return tuple(found) if len(found) == len(places) else self.solution_keys()
+
     def solution_keys(self) -> tuple[str, ...]:
-        """Return the key of each load."""
+        """Return the key of each load, computed from its content."""
         content = key_of({**self.problem.parts, **self.bodies()})
         if self.loading.parts:
             content = key_of([content, *self.loading.parts])
@@ -178,8 +195,8 @@ class Chain(Point):
         return [load.arguments for load in self.loads[:index]] if self.loading.follows(self.problem) else []
 
     def listed(self, key: str, load: Load) -> Record | None:
-        """Return the earlier record of a load, which another problem of the study may have made; None without one."""
-        known = self.known.get(key)
+        """Return the earlier record of a load, which another problem or study may have made; None without one."""
+        known = self.known.records.get(key)
         if known is None:
             return None
         place: dict[str, Any] = {"problem": self.name, "seed": self.seed, "parameters": self.parameters}
@@ -189,13 +206,29 @@ class Chain(Point):
         """Return whether a record has the areas and answers that are asked for."""
         return set(self.areas) <= set(record.areas) and has_answers(record.answers, self.responses)
 
+    def list_complete(self) -> dict[int, Record]:
+        """Return the records by load that need no solution: all that is asked is in them, and no file is."""
+        if self.fields or not self.known.records:
+            return {}
+        found = {}
+        for index, (key, load) in enumerate(zip(self.keys, self.loads, strict=True)):
+            record = self.listed(key, load)
+            if record is not None and record.has_solution and self.is_answered(record):
+                found[index] = attrs.evolve(record, message="")
+        return found
+
+    def find_listed(self) -> ChainResult | None:
+        """Return its records if none of them needs a solution."""
+        found = self.list_complete()
+        return ChainResult(_in_order(found)) if len(found) == len(self.loads) else None
+
     def path(self, key: str) -> Path:
         """Return the file of the solution with a key."""
         return self.folder / f"{key}.npz"
 
     def failed(self, message: str) -> ChainResult:
         """Return the records of a chain that could not be run at all."""
-        return self.record_all(self.solution_keys(), "FAILED", message)
+        return self.record_all(self.keys, "FAILED", message)
 
 
 @attrs.frozen(eq=False)
@@ -219,42 +252,70 @@ class ChainResult:
 
 
 def run_chain(chain: Chain) -> ChainResult:
-    """Return the records of a chain; each solution is written before anything is computed from it.
+    """Return the records of a chain; a solution that is kept is written before anything is computed from it.
 
     The loads are solved in the order that their kind asks for. A failure at one load is in its record, and the others
-    are solved. Only a solution that cannot be written ends the chain.
+    are solved. Only what cannot be written ends the chain.
     """
-    # A copy, whose problem goes with it.
-    chain = attrs.evolve(chain)
-    records: dict[int, Record] = {}
+    listed = chain.find_listed()
+    if listed is not None:
+        return listed
+    records = chain.list_complete()
+    order = chain.loading.order(chain.problem, chain.loads)
+    last = max(place for place, index in enumerate(order) if index not in records)
     states: list[ContactSolution] = []
     computed = 0
     is_known = True
-    keys = chain.solution_keys()
-    for index in chain.loading.order(chain.problem, chain.loads):
-        key = keys[index]
+    for place, index in enumerate(order[: last + 1]):
+        if index in records and not chain.loading.goes_on:
+            continue
+        key = chain.keys[index]
         load = chain.loads[index]
+        state: ContactSolution | None = None
+        is_new = False
         try:
             record, state = _find(chain, key, load)
             if record is None:
                 if chain.problem.processes and not is_known:
                     raise InputError("A law remembers the state at the load before it, which has no solution.")
-                computed += 1
+                is_new = True
                 found = chain.loading.solve(chain.seeded, load, states)
-                chain.loading.write(chain.path(key), found, key, chain.earlier(index))
-                record, state = _measure(chain, chain.record(key, load), found)
-            elif state is None and len(records) + 1 < len(chain.loads):
+                if chain.fields:
+                    chain.loading.write(chain.path(key), found, key, chain.earlier(index))
+                record, state = _measure(chain, _find_base(chain, key, load, found), found)
+            elif state is None and place < last:
                 state = _load(chain, key)
+            if index not in records and record != chain.known.records.get(key):
+                chain.journal.append(record)
         except NotWritten as error:
-            return ChainResult(_in_order(records), computed - 1, name_full_disk(chain.folder, error))
+            return ChainResult(_in_order(records), computed, name_full_disk(chain.folder, error))
         except Exception as error:
             record = chain.record(key, load, *status_of(error))
             state = None
-        records[index] = record
+        # One that is solved again only for those after it has its record.
+        records.setdefault(index, record)
+        computed += is_new
         is_known = state is not None
         if state is not None:
             states = [*states[-1:], state]
     return ChainResult(_in_order(records), computed)
+
+
+def solve_again(chain: Chain, wanted: str) -> dict[str, Any]:
+    """Return states or errors by key: the wanted one, with the bits that it had, and those solved with it."""
+    states: list[ContactSolution] = []
+    found: dict[str, Any] = {}
+    for index in chain.loading.order(chain.problem, chain.loads):
+        key = chain.keys[index]
+        if key != wanted and not chain.loading.goes_on:
+            continue
+        try:
+            found[key] = chain.loading.solve(chain.seeded, chain.loads[index], states)
+        except RoughContactError as error:
+            found[key] = error
+        else:
+            states = [*states[-1:], chain.loading.end_of(found[key])]
+    return found
 
 
 def _in_order(records: Mapping[int, Record]) -> list[Record]:
@@ -277,6 +338,15 @@ def _find(chain: Chain, key: str, load: Load) -> tuple[Record | None, ContactSol
     except Exception:
         return None, None
     return _measure(chain, known, found)
+
+
+def _find_base(chain: Chain, key: str, load: Load, found: Any) -> Record:
+    """Return the earlier record of what was solved again, whose areas and answers stay, or else an empty one."""
+    known = chain.listed(key, load)
+    state = chain.loading.end_of(found)
+    figures = (state.approach, state.mean_pressure, float(state.pressure.max()))
+    is_same = known is not None and (known.approach, known.mean_pressure, known.p_max) == figures
+    return known if known is not None and is_same else chain.record(key, load)
 
 
 def _load(chain: Chain, key: str) -> ContactSolution | None:

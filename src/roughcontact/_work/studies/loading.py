@@ -52,6 +52,8 @@ class Loading(abc.ABC):
 
     # What determines the states beside the problem and the load.
     parts: Sequence[Any] = ()
+    # Whether each solve starts from the states at the loads before.
+    goes_on = True
 
     @abc.abstractmethod
     def require(self, problem: ContactProblem) -> None:
@@ -178,6 +180,7 @@ class LoadsAlong(Loading):
     loads: tuple[TangentialLoad, ...]
     friction: FrictionLaw
     substeps: int | str
+    goes_on = False
 
     @property
     def kind(self) -> str:

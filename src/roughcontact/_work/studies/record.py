@@ -1,33 +1,24 @@
-"""The records of a study, and the file that lists them."""
+"""What a study keeps of each solve."""
 
 from __future__ import annotations
 
-import hashlib
-import json
 import math
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import attrs
 
-from roughcontact._base.archive import replacing
-from roughcontact._base.archive.plain import describe, rebuild
 from roughcontact._base.units import Estimate, printable
 from roughcontact._solve.solution import DEFAULT_AREA, ContactSolution, Status, read
 from roughcontact._work.studies.answers import Answer, read_answers
 from roughcontact.errors import InputError
 
-_FORMAT = "roughcontact study, format 1"
 # Fields of a record that the file of its solution states under the same name.
 _STATED_FIGURES = ("status", "force", "mean_pressure", "approach", "iterations", "convolutions", "seconds")
 # Columns of a table that have other names than the fields, as in the table of a sweep.
 _COLUMN_NAMES = {"saturated": "saturated_area"}
-# Most characters of the list of records, and of one record (about 500 and its warnings); the end of the list.
-_MAX_INDEX_CHARACTERS = 2**28
-_MAX_RECORD_CHARACTERS = 2**16
-_INDEX_END = "\n]}\n"
 PATH_UNITS = {
     "dissipated": "J",
     "dissipated_uncertainty": "J",
@@ -35,6 +26,8 @@ PATH_UNITS = {
     "stick_area_uncertainty": "m2",
 }
 COUNT_COLUMNS = ("iterations", "convolutions")
+# The place of a record in its study: problem, seed, kind of load, load.
+Place: TypeAlias = tuple[str, int | None, str, float]
 
 
 def _key(value: str) -> str:
@@ -140,6 +133,16 @@ class Record:
         return self.status in Status.__members__ and Status[self.status].success
 
     @property
+    def has_solution(self) -> bool:
+        """Whether a state was found, certified or not."""
+        return not math.isnan(self.force)
+
+    @property
+    def place(self) -> Place:
+        """Where it is in its study."""
+        return self.problem, self.seed, self.control, self.load
+
+    @property
     def has_path(self) -> bool:
         """Whether a path was followed under this load."""
         return self.dissipated is not None
@@ -192,47 +195,3 @@ def read_solution(folder: Path, key: str) -> ContactSolution:
         If there is no such file, or it is a link, damaged or of another solution.
     """
     return ContactSolution(**read(solution_path(folder, key), key))
-
-
-def read_index(path: Path) -> dict[str, Record]:
-    """Return the records of a file of `write_index` by key; none if there is no such file, or it is damaged."""
-    try:
-        if path.is_symlink() or not path.is_file() or path.stat().st_size > _MAX_INDEX_CHARACTERS:
-            return {}
-        text = path.read_text(encoding="utf-8")
-        lines = text.partition("\n")[2].removesuffix(_INDEX_END)
-        # Checked before any of the content is used.
-        if _sealed(lines) != text:
-            return {}
-        texts = lines.split(",\n") if lines else []
-        if max(map(len, texts), default=0) > _MAX_RECORD_CHARACTERS:
-            return {}
-        records = [Record(**rebuild(json.loads(one), {})) for one in texts]
-    # The list only saves time: it is made again if it is damaged in any way.
-    except Exception:
-        return {}
-    return {record.key: record for record in records} if _index(records) == lines else {}
-
-
-def write_index(path: Path, records: Sequence[Record]) -> None:
-    """Write the records with a checksum, completely or not at all."""
-    with replacing(path) as partial:
-        partial.write_text(_sealed(_index(records)), encoding="utf-8")
-
-
-def _stated(record: Record) -> dict[str, Any]:
-    """Return the fields of a record, without those that it does not have, as in the lists of older versions."""
-    absent = [] if record.parameters else ["parameters"]
-    absent += [] if record.has_path else list(PATH_UNITS)
-    absent += [] if record.answers else ["answers"]
-    return {name: value for name, value in attrs.asdict(record).items() if name not in absent}
-
-
-def _index(records: Sequence[Record]) -> str:
-    return ",\n".join(json.dumps(describe(_stated(record), {})) for record in records)
-
-
-def _sealed(lines: str) -> str:
-    """Return the text of the list of records, with the checksum of its lines."""
-    digest = hashlib.sha256(lines.encode()).hexdigest()
-    return f'{{"format": "{_FORMAT}", "sha256": "{digest}", "records": [\n{lines}{_INDEX_END}'

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import Any, overload
+from typing import Any, final, overload
 
 import attrs
 import numpy as np
@@ -18,7 +18,9 @@ from roughcontact._base.units import Estimate, counted
 from roughcontact._parts.grid import FIRST_LOADING, Load
 from roughcontact._solve.problem import FrictionalPath, load_path
 from roughcontact._solve.solution import ContactSolution
+from roughcontact._work.studies.chain import solve_again
 from roughcontact._work.studies.record import COUNT_COLUMNS, PATH_UNITS, Record, read_solution, solution_path
+from roughcontact._work.studies.tasks import Chains
 from roughcontact.errors import InputError
 
 _UNITS = {
@@ -45,6 +47,31 @@ class StudyNames:
     over: str = ""
 
 
+@final
+class SolvedAgain:
+    """What was found at the loads of a study, solved again: the loads of the last problem and seed are kept.
+
+    Parameters
+    ----------
+    chains
+        The problems and loads of the study.
+    """
+
+    def __init__(self, chains: Chains) -> None:
+        self._chains = chains
+        self._last: dict[str, Any] = {}
+
+    def find(self, record: Record) -> Any:
+        """Return what was found at the load of a record; `InputError` if the study does not have it any more."""
+        if record.key not in self._last:
+            self._last = {}
+            self._last = solve_again(self._chains.find(record), record.key)
+        found = self._last[record.key]
+        if isinstance(found, Exception):
+            raise found
+        return found
+
+
 @attrs.frozen(eq=False, kw_only=True)
 class StudyResult(TableResult):
     """All records of a study, in its order: iterable, with `len` and ``[]``.
@@ -62,6 +89,7 @@ class StudyResult(TableResult):
     folder: Path
     records: tuple[Record, ...]
     computed: int
+    _again: SolvedAgain | None = attrs.field(default=None, repr=False)
 
     def __iter__(self) -> Iterator[Record]:
         return iter(self.records)
@@ -84,17 +112,28 @@ class StudyResult(TableResult):
         return tuple(record for record in self.records if record.message or not record.success)
 
     def solution(self, record: Record) -> ContactSolution:
-        """Return the solution of a record from its file; `InputError` if there is none, or it is damaged.
+        """Return the solution of a record, from its file or solved again; `InputError` if there is none.
 
-        Of a path with friction it is the state at its end.
+        Of a path with friction it is the state at its end. What has no file is solved again together with the other
+        loads of its problem and seed, to the same bits.
         """
-        return self.path(record)[-1] if record.has_path else read_solution(self.folder, record.key)
+        if record.has_path:
+            return self.path(record)[-1]
+        solution: ContactSolution = self._find(record, read_solution)
+        return solution
 
     def path(self, record: Record) -> FrictionalPath:
-        """Return the path with friction of a record from its file; `InputError` if there is none, or it is damaged."""
+        """Return the path with friction of a record, from its file or solved again; `InputError` if there is none."""
         if not record.has_path:
             raise InputError("This record has no path: a study with friction= and tangential_force= has some.")
-        return load_path(solution_path(self.folder, record.key), verify=False, key=record.key)
+        path: FrictionalPath = self._find(record, _read_path)
+        return path
+
+    def _find(self, record: Record, read: Callable[[Path, str], Any]) -> Any:
+        is_kept = solution_path(self.folder, record.key).exists()
+        if is_kept or self._again is None or not record.has_solution:
+            return read(self.folder, record.key)
+        return self._again.find(record)
 
     def plot(
         self,
@@ -289,6 +328,10 @@ class StudyResult(TableResult):
         if doubtful := sum(record.doubtful for record in self.records):
             bad += f", {doubtful} doubtful (see their warnings)"
         return f"{counted(len(self), 'solve')}, {self.computed} of them now{bad}, in {self.folder}"
+
+
+def _read_path(folder: Path, key: str) -> FrictionalPath:
+    return load_path(solution_path(folder, key), verify=False, key=key)
 
 
 def _estimate(value: float | None, uncertainty: float | None, unit: str) -> Estimate | None:

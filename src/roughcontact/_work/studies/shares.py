@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from pathlib import Path
 
 import attrs
 
 from roughcontact._base.archive.plain import key_of
 from roughcontact._base.checks import integer
-from roughcontact._work.studies.record import Record, read_index
 from roughcontact.errors import InputError
 
 _WHAT = "One of n shares"
@@ -65,17 +63,3 @@ def _numbers(value: object) -> Sequence[object]:
         found = re.fullmatch("([0-9]{1,9})/([0-9]{1,9})", value)
         return [int(text) for text in found.groups()] if found else []
     return value if isinstance(value, (tuple, list)) else []
-
-
-def list_of_records(folder: Path, key: str, share: Share | None) -> Path:
-    """Return the file of the records of a study, or of one share: writers of one list would overwrite each other."""
-    part = "" if share is None else f"-{share.number}-of-{share.count}"
-    return folder / f"study-{key}{part}.json"
-
-
-def read_all_records(folder: Path, key: str) -> dict[str, Record]:
-    """Return the records by key that the study and its shares have listed in a folder."""
-    whole = list_of_records(folder, key, None)
-    shares = sorted(folder.glob(f"{whole.stem}-*-of-*{whole.suffix}"))
-    # The list of the whole may know more areas than those that the shares were asked for.
-    return {name: record for path in (*shares, whole) for name, record in read_index(path).items()}

@@ -22,14 +22,15 @@ from roughcontact._base.units import Force, Length, PlainText, Pressure, binary,
 from roughcontact._parts.grid import Load
 from roughcontact._parts.interactions import FrictionLaw
 from roughcontact._solve.problem import ContactProblem
-from roughcontact._solve.solution import DEFAULT_AREA, Response, areas
-from roughcontact._work.studies.answers import read_responses
+from roughcontact._solve.solution import DEFAULT_AREA, Response, areas, solution_key
+from roughcontact._work.studies.answers import Question, read_responses
 from roughcontact._work.studies.axes import BuiltProblems
 from roughcontact._work.studies.chain import Chain, Unbuilt, name_full_disk
+from roughcontact._work.studies.lists import Known, RecordList
 from roughcontact._work.studies.loading import Loading, read_loading
-from roughcontact._work.studies.record import Record, read_index, write_index
-from roughcontact._work.studies.result import StudyResult
-from roughcontact._work.studies.shares import Share, list_of_records, read_all_records
+from roughcontact._work.studies.record import Record
+from roughcontact._work.studies.result import SolvedAgain, StudyResult
+from roughcontact._work.studies.shares import Share
 from roughcontact._work.studies.tasks import Chains, run_chains
 from roughcontact.errors import InputError, NotWritten, StudyStopped
 
@@ -143,6 +144,10 @@ def _seeds(value: Iterable[int]) -> tuple[int, ...]:
     return tuple(integer(seed, "A seed of the study", at_least=0) for seed in _as_list(value, "The seeds of a study"))
 
 
+def _fields(value: object) -> bool:
+    return flag(value, "fields=")
+
+
 @attrs.frozen(eq=False, init=False)
 class Study:
     """Every problem with every seed at every load, and every estimator's area of each.
@@ -171,6 +176,9 @@ class Study:
         The law by which the surfaces slip, or a coefficient of friction.
     substeps
         Increments of each step of a path; ``"auto"``: as many as it needs.
+    fields
+        Whether each solution is kept in a file, with all its fields: 32 bytes a cell. Without, the records are kept
+        alone, about a kilobyte each, and `StudyResult.solution` solves again, to the same bits.
     **axes
         Values of the parameters of the function, numbers or texts: ``hurst=[0.3, 0.8], seed=range(8)``. All
         combinations are solved, and the records state them as `Record.parameters`.
@@ -205,6 +213,7 @@ class Study:
     displacement: Sequence[Pair] | None = attrs.field(default=None, kw_only=True, metadata=_METRE)
     friction: float | FrictionLaw | None = attrs.field(default=None, kw_only=True)
     substeps: int | str = attrs.field(default="auto", kw_only=True)
+    fields: bool = attrs.field(default=False, converter=_fields, kw_only=True)
     loading: Loading = attrs.field(init=False, repr=False)
 
     @loading.default
@@ -226,6 +235,7 @@ class Study:
         displacement: Sequence[Pair] | None = None,
         friction: float | FrictionLaw | None = None,
         substeps: int | str = "auto",
+        fields: bool = False,
         **axes: Iterable[Any],
     ) -> None:
         arguments = {name: value for name, value in locals().items() if name not in ("self", "problems", "axes")}
@@ -268,23 +278,29 @@ class Study:
     @property
     def key(self) -> str:
         """A name for the study, made from its content; with a function, from its name and the axes."""
+        return self._long_key[:12]
+
+    @property
+    def _long_key(self) -> str:
         described: Any = {}
         if isinstance(self.problems, BuiltProblems):
             described = [self.problems.name, dict(self.problems.axes)]
         else:
             described = {name: problem.parts for name, problem in self.problems.items()}
-        return key_of([described, [load.arguments for load in self.loads], self.seeds, *self.loading.parts])[:12]
+        return key_of([described, [load.arguments for load in self.loads], self.seeds, *self.loading.parts])
 
     def chains(self) -> Iterator[Chain]:
         """Yield each problem with each seed, at all loads."""
-        for chain in self._points(Path(), {}, None):
+        for chain in self._points(RecordList(Path(), self.key, None, ""), Known(), None):
             if isinstance(chain, Unbuilt):
                 raise InputError(chain.message)
             yield chain
 
-    def _points(self, folder: Path, known: Mapping[str, Record], share: Share | None) -> Chains:
-        asked = (self.loading, self.responses)
-        return Chains(self.problems, self.seeds, self.loads, self.areas, folder, known, share, *asked)
+    def _points(self, records: RecordList, known: Known, share: Share | None) -> Chains:
+        files = (records.folder, records.journal, known)
+        questions = tuple(map(Question.of, self.responses))
+        asked = (self.loading, questions, self.fields)
+        return Chains(self.problems, self.seeds, self.loads, self.areas, *files, share, *asked)
 
     def explain(self) -> str:
         """Return in words the plan of every problem, or of the first that is built, the axes, and work and time."""
@@ -302,13 +318,13 @@ class Study:
         on_records: Callable[[Sequence[Record]], None] | None = None,
         progress: bool = False,
     ) -> StudyResult:
-        """Solve the contacts whose solutions are not in the folder yet.
+        """Solve the contacts whose records are not in the folder yet.
 
         Parameters
         ----------
         folder
-            The folder of the solutions, one npz file each, and of the list of records; made if it is missing.
-            Workers on other machines must see the same folder.
+            The folder of the list of records, and of the solutions that are kept, one npz file each; made if it is
+            missing. Workers on other machines must see the same folder.
         executor
             Any `concurrent.futures.Executor`, such as a process pool or the one of a dask client, which gets one
             task for each problem and seed; in this process if None.
@@ -331,8 +347,8 @@ class Study:
         InputError
             If there is no such share, or the folder cannot be made.
         StudyStopped
-            If the disk is full, the executor broke or a problem ended every worker that it was given to; solutions on
-            disk are safe, and the next run continues.
+            If the disk is full, the executor broke or a problem ended every worker that it was given to; what is on
+            disk is safe, and the next run continues.
         """
         if executor is not None and not callable(getattr(executor, "submit", None)):
             raise InputError.about("The executor", executor, "a concurrent.futures.Executor, or None")
@@ -340,10 +356,10 @@ class Study:
         part = None if share is None else Share.of(share)
         target = _make_folder(folder)
         remove_stale(target)
-        index = list_of_records(target, self.key, part)
-        listed = read_index(index)
-        known = read_all_records(target, self.key)
-        chains = self._points(target, known, part)
+        content = "" if isinstance(self.problems, BuiltProblems) else solution_key(self._long_key, {})
+        listed = RecordList(target, self.key, part, content)
+        known = listed.read()
+        chains = self._points(listed, known, part)
         done: dict[int, list[Record]] = {}
         computed = 0
         stops: list[str] = []
@@ -357,15 +373,15 @@ class Study:
                 done[position] = result.records
                 computed = computed + result.computed
                 stops += [reason for reason in (result.stopped, result.lost) if reason]
-                if any(known.get(record.key) != record for record in result.records):
-                    stops += _list_records(index, _in_order(done, listed))
                 tell(result.records)
                 _log_chain(result.records)
                 if executor is None and stops:
                     break
+        records = [record for position in sorted(done) for record in done[position]]
+        stops += _write_list(listed, records, known, ended=not stops)
         if stops:
             raise _stop_error(stops[0], done, len(chains) * len(self.loads))
-        return StudyResult(folder=target, records=tuple(_in_order(done, {})), computed=computed)
+        return StudyResult(folder=target, records=tuple(records), computed=computed, again=SolvedAgain(chains))
 
     def __repr__(self) -> str:
         axes = ", ".join(f"{counted(len(values), 'value')} of {name}" for name, values in self.axes.items())
@@ -398,25 +414,22 @@ def _make_folder(folder: str | Path) -> Path:
     return target
 
 
-def _list_records(index: Path, records: Sequence[Record]) -> list[str]:
+def _write_list(listed: RecordList, records: Sequence[Record], known: Known, *, ended: bool) -> list[str]:
+    """Write the list of records if it has changed; return why it could not be written."""
+    is_new = any(known.records.get(record.key) != record for record in records)
     try:
-        write_index(index, records)
+        if is_new or listed.is_scattered():
+            listed.close(records, ended=ended)
     except NotWritten as error:
-        return [name_full_disk(index.parent, error)]
+        # A finished study may lie where nothing can be written.
+        return [name_full_disk(listed.folder, error)] if is_new else []
     return []
-
-
-def _in_order(done: Mapping[int, list[Record]], known: Mapping[str, Record]) -> list[Record]:
-    """Return the records of this run in the order of the study, then earlier ones."""
-    found = [record for position in sorted(done) for record in done[position]]
-    keys = {record.key for record in found}
-    return found + [record for key, record in known.items() if key not in keys]
 
 
 def _stop_error(reason: str, done: Mapping[int, list[Record]], total: int) -> StudyStopped:
     count = sum(len(records) for records in done.values())
     return StudyStopped(
-        f"{reason}: {count} of {total} solves are reported, and every finished solution is on disk. "
+        f"{reason}: {count} of {total} solves are reported, and every finished one is on disk. "
         "Correct this and run the study again: it solves only what is missing."
     )
 

@@ -13,9 +13,10 @@ import attrs
 from roughcontact._base.machine import share_machine
 from roughcontact._parts.grid import Load
 from roughcontact._solve.problem import ContactProblem
-from roughcontact._solve.solution import Response
+from roughcontact._work.studies.answers import Question
 from roughcontact._work.studies.axes import BuiltProblems
 from roughcontact._work.studies.chain import Chain, ChainResult, Unbuilt, name_exception, run_chain
+from roughcontact._work.studies.lists import Journal, Known
 from roughcontact._work.studies.loading import SINGLE_LOADS, Loading
 from roughcontact._work.studies.record import Record
 from roughcontact._work.studies.shares import Share
@@ -38,14 +39,18 @@ class Chains(Sequence[Chain | Unbuilt]):
         The ones of the study.
     folder
         The folder of its solutions.
+    journal
+        Where its records are written.
     known
-        Earlier records, by key.
+        Earlier records.
     share
         Which of n shares they are; None for all.
     loading
         What the study finds at each load.
     responses
         What the study asks of each contact.
+    fields
+        Whether it keeps each solution in a file.
     """
 
     problems: Mapping[str, ContactProblem]
@@ -53,10 +58,12 @@ class Chains(Sequence[Chain | Unbuilt]):
     loads: tuple[Load, ...]
     areas: tuple[str, ...]
     folder: Path
-    known: Mapping[str, Record]
+    journal: Journal
+    known: Known
     share: Share | None
     loading: Loading = SINGLE_LOADS
-    responses: tuple[Response[Any], ...] = ()
+    responses: tuple[Question, ...] = ()
+    fields: bool = False
     _places: list[tuple[str, int | None]] = attrs.field(init=False)
 
     @_places.default
@@ -75,13 +82,17 @@ class Chains(Sequence[Chain | Unbuilt]):
             problem = self.problems[name]
         except InputError as error:
             return Unbuilt(**place, message=str(error))
+        files: dict[str, Any] = {"folder": self.folder, "journal": self.journal, "known": self.known}
         asked: dict[str, Any] = {"areas": self.areas, "responses": self.responses, "loading": self.loading}
-        chain = Chain(**place, problem=problem, folder=self.folder, **asked)
-        if not self.known:
-            return chain
-        # A worker needs the records of its own chain only.
-        known = {key: self.known[key] for key in chain.solution_keys() if key in self.known}
-        return attrs.evolve(chain, known=known)
+        return Chain(**place, problem=problem, **files, **asked, fields=self.fields)
+
+    def find(self, record: Record) -> Chain:
+        """Return the chain of a record; `InputError` if the study has none, or it has become another one."""
+        place = (record.problem, record.seed)
+        chain = self[self._places.index(place)] if place in self._places else None
+        if not isinstance(chain, Chain) or record.key not in chain.keys:
+            raise InputError("The study does not have this record.")
+        return chain
 
 
 def run_chains(
@@ -102,6 +113,10 @@ def run_chains(
                 chain = chains[position]
                 if isinstance(chain, Unbuilt):
                     yield position, chain.refused()
+                    continue
+                listed = chain.find_listed()
+                if listed is not None:
+                    yield position, listed
                     continue
                 try:
                     waiting[executor.submit(_run_beside_others, chain.alone())] = position, tries

@@ -32,8 +32,6 @@ _WINDOW_MULTIPLE = 32
 _MAX_BULGE = 1e-6
 # Maximum fraction of the domain for which a window saves work.
 _MAX_WINDOW_FRACTION = 0.7
-# Minimum cells of a grid that starts on a coarser one: 64 x 64 cells take a tenth less time without.
-_MIN_HALVED_CELLS = 2**13
 # Minimum fraction of the coarser grid in contact for a solve for the gap instead of the pressure.
 _NEARLY_FULL_FRACTION = 0.6
 
@@ -66,10 +64,6 @@ class InitialGuess(Guess):
 @attrs.frozen(eq=False)
 class PressureOnGrid(GridProblem[InitialGuess]):
     """A contact whose pressure is sought."""
-
-    def coarser(self) -> PressureOnGrid | None:
-        """Return the problem on the next coarser grid; None where its steps take longer than those that they save."""
-        return super().coarser() if self.task.initial_gap.size >= _MIN_HALVED_CELLS else None
 
     @property
     def opens_cells(self) -> bool:
