@@ -39,7 +39,7 @@ from collections.abc import Callable
 
 import attrs
 import numpy as np
-from doc_tables import DocTable, write_tables
+from doc_tables import DocTable, pick, write_tables
 
 import roughcontact as rc
 
@@ -493,7 +493,11 @@ def compare_in_process(name: str, options: list[str], threads: int) -> dict[str,
     """Return the runs of one case in a process of its own with a number of threads."""
     environment = {**os.environ, "OMP_NUM_THREADS": str(threads), "OPENBLAS_NUM_THREADS": str(threads)}
     output = subprocess.run(
-        [sys.executable, __file__, "--case", name, *options], env=environment, stdout=subprocess.PIPE, text=True, check=True
+        [sys.executable, __file__, "--case", name, *options],
+        env=environment,
+        stdout=subprocess.PIPE,
+        text=True,
+        check=True,
     ).stdout
     return {code: Run(**values) for code, values in json.loads(output.splitlines()[-1]).items()}
 
@@ -553,14 +557,16 @@ def format_small(run: Run | None, required: float) -> str:
     if run is None:
         return "-"
     missed = "" if run.violation <= required else f" ({run.violation:.0e})"
-    return f"{1e3 * run.cpu:.3g}{missed}"
+    time_ms = 1e3 * run.cpu
+    return f"{time_ms:.0f}{missed}" if time_ms >= 100.0 else f"{time_ms:.3g}{missed}"
 
 
 def format_ratio(other: Run | None, own: Run | None) -> str:
     return "-" if other is None or own is None else f"{other.cpu / own.cpu:.2g}"
 
 
-TABLES = {"small-codes": DocTable(make_small_rows, seconds=200, timed=SMALL_COLUMNS)}
+SHOWN = [column for column in ("case", *SMALL_COLUMNS) if column != "slippy, ms"]
+TABLES = {"small-codes": DocTable(make_small_rows, seconds=200, timed=SMALL_COLUMNS, shown=pick(SHOWN))}
 
 
 if __name__ == "__main__":

@@ -9,11 +9,11 @@ compilation takes half a minute a grid. Expected are, each printed when it is kn
     | at once, cells | way | contacts | solver, ms a contact | with certificate |
     | 256 | one by one; with graphs; as one; as one, compiled: each several times as fast as the line before it |
     | graphs, cells | iteration | solve, s | iterations / products | GPU memory, GiB |
-    | 4096, 8192 | eager, eager as a graph, compiled, compiled as a graph: graphs gain where launches take longer than the
-      passes, on the coarse grids, and less at 8192 than at 4096; compiled iterations move a third of the bytes |
+    | 4096, 8192 | eager, and as a graph; compiled, and as a graph: graphs gain on the coarse grids, where launches take
+      longer than the passes, and less at 8192 than at 4096; compiled iterations move a third of the bytes |
 
-Bytes are those of a product at least: each transform reads and writes its field twice, the symbol is read once. A
-processor of one thread, 64 cells a side: a graph gains nothing, and four contacts as one take half of the time.
+Bytes are those of a product at least: each transform reads and writes its field twice, the symbol is read once. On
+a processor, 64 cells a side, one thread, a graph gains nothing, and four contacts as one take less than half the time.
 """
 
 from __future__ import annotations
@@ -126,16 +126,20 @@ def print_graph(cells: int, solver: Graphed) -> None:
     print(f"| graphs, {cells} | {solver} | {seconds:.4g} | {work} | {memory} |", flush=True)
 
 
-def main(sides: list[int], cells: int, count: int, seconds: float) -> None:
+def measure_device() -> tuple[float, float]:
+    """Return the bytes a second of a copy, and the operations a second of a product of matrices in float32."""
     device = "cuda" if ON_GPU else "cpu"
-    print(torch.cuda.get_device_name() if ON_GPU else "processor", "torch", torch.__version__)
     source = torch.rand(COPIED, device=device)
     target = torch.empty_like(source)
-    bandwidth = 8 * COPIED / measure(lambda: target.copy_(source), 9)
-    del source, target
     matrix = torch.rand((SIDE, SIDE), device=device)
-    arithmetic = 2 * SIDE**3 / measure(lambda: matrix @ matrix)
-    del matrix
+    copied = measure(lambda: target.copy_(source), 9)
+    return 8 * COPIED / copied, 2 * SIDE**3 / measure(lambda: matrix @ matrix)
+
+
+def main(sides: list[int], cells: int, count: int, seconds: float) -> None:
+    """Print all lines in the order of what they tell."""
+    print(torch.cuda.get_device_name() if ON_GPU else "processor", "torch", torch.__version__)
+    bandwidth, arithmetic = measure_device()
     print(f"copy {1e-9 * bandwidth:.0f} GB/s, matrix product {1e-12 * arithmetic:.3g} TFLOP/s in float32", flush=True)
     plain, graph = Graphed(), Graphed(graph=True)
     compiled, both = Graphed(compiled=True), Graphed(compiled=True, graph=True)
