@@ -13,7 +13,7 @@ compilation takes half a minute a grid. Expected are, each printed when it is kn
       longer than the passes, and less at 8192 than at 4096; compiled iterations move a third of the bytes |
 
 Bytes are those of a product at least: each transform reads and writes its field twice, the symbol is read once. On
-a processor, 64 cells a side, one thread, a graph gains nothing, and four contacts as one take less than half the time.
+a processor, 64 cells a side, one thread, a graph gains nothing, and four contacts as one take about half the time.
 """
 
 from __future__ import annotations
