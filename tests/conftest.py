@@ -13,6 +13,7 @@ import pytest
 
 import roughcontact as rc
 from roughcontact.__main__ import main
+from scenes import act_as_on_large_grids
 
 # Processes that tests start, and those of pytest-xdist, share what one of them has compiled.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
@@ -81,6 +82,19 @@ def leave_memory(monkeypatch):
 def no_pictures(monkeypatch):
     """Reports without their pictures, for tests of what stands beside these: drawing eight takes two seconds."""
     monkeypatch.setattr("roughcontact._faces.html.report.can_draw", lambda: False)
+
+
+@pytest.fixture
+def as_on_large_grids(monkeypatch):
+    """See `scenes.act_as_on_large_grids`."""
+    act_as_on_large_grids(monkeypatch)
+
+
+@pytest.fixture(params=["on fields", "on lists"])
+def on_fields_and_on_lists(request):
+    """The default solver descends on fields, as on small grids, and as it does on large ones."""
+    if request.param == "on lists":
+        request.getfixturevalue("as_on_large_grids")
 
 
 class DaskCluster:

@@ -129,3 +129,13 @@ class DoubledPlain(rc.Surface):
 
 
 WRAPPERS = [Doubled, DoubledData, DoubledPlain]
+
+
+def act_as_on_large_grids(patch):
+    """Have the default solver do on small grids, which are fast, what it does on large ones.
+
+    It starts on coarser grids, descends on lists of cells, and near full contact seeks the openings.
+    """
+    for module in ("refinement", "nested_iteration"):
+        patch.setattr(f"roughcontact._solve.solvers.conjugate.{module}.descends_on_fields", lambda *_: False)
+    patch.setattr("roughcontact._solve.solvers.grids._MIN_HALVED_CELLS", 0)

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 import roughcontact as rc
 from roughcontact._solve.solvers import ProjectedShearCG, SpectralShearGradient, shear_solvers
 from roughcontact._solve.solvers.conjugate.preconditioner import solve_on_blocks
+from roughcontact._solve.solvers.shear import preconditioner
 from roughcontact._solve.solvers.shear.base import ShearSystem
 from roughcontact._solve.solvers.shear.descent import Face, ShearDescent
 from roughcontact._solve.solvers.shear.discs import ForceControl, project_to_discs
@@ -192,6 +193,12 @@ def test_rough_contact_in_few_iterations_up_to_nearly_full_contact(pressure, con
     assert other.iterations <= 30
 
 
+@pytest.fixture
+def weighs_cells(monkeypatch):
+    """Weigh the cells of grids of any size, as otherwise of large ones alone."""
+    monkeypatch.setattr(preconditioner, "_MAX_SMALL_CELLS", 0)
+
+
 def make_face(shape, boundary, slipping):
     """Return the face at which the cells of spots stick, but for a part that slips along x, and its system."""
     i, j = np.indices(shape)
@@ -203,6 +210,7 @@ def make_face(shape, boundary, slipping):
     return system, Face.find(system, PunchWeights(system), shear, 0.4 * shear)
 
 
+@pytest.mark.usefixtures("weighs_cells")
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
 @pytest.mark.parametrize("slipping", [0.0, 0.4])
 def test_weights_are_the_shear_if_all_cells_are_displaced_alike(boundary, slipping):
@@ -225,6 +233,31 @@ def test_weights_are_the_shear_if_all_cells_are_displaced_alike(boundary, slippi
     assert np.einsum("an,an->", vectors, product) > 0.0
 
 
+@pytest.mark.parametrize("boundary", ["free", "periodic"])
+def test_equal_weights_lie_in_the_face(boundary):
+    _, face = make_face((32, 32), boundary, 0.4)
+    weights = face.weights
+    vectors = np.random.default_rng(1).normal(size=(2, face.slips.size)).astype(np.float32)
+    product = weights.multiply(vectors)
+    assert product == pytest.approx(face.ease * face.restrict(vectors), abs=1e-6)
+    xx, xy, yy = weights.total
+    for vector in np.eye(2):
+        alike = weights.multiply(vector.astype(np.float32)[:, np.newaxis]).sum(axis=1)
+        assert alike == pytest.approx(np.array([[xx, xy], [xy, yy]]) @ vector, rel=1e-5)
+
+
+@settings(deadline=None, max_examples=20)
+@given(seed=seeds)
+def test_random_tasks_hold_with_the_weights_of_large_grids(seed):
+    convolution, task = make_task(seed)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(preconditioner, "_MAX_SMALL_CELLS", 0)
+        found = ProjectedShearCG().solve(convolution, task)
+    assert found.status.success
+    assert judge(convolution, task, found)[0] <= task.tolerance
+
+
+@pytest.mark.usefixtures("weighs_cells")
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
 def test_the_coarse_correction_of_shear_solves_its_system_on_the_blocks(boundary):
     """Woodbury: the far part and the sums of the weights; the few steps leave some per cent."""

@@ -16,7 +16,7 @@ import roughcontact as rc
 from roughcontact._base.archive import _has_ended, _machine, _remove_stale_once
 from roughcontact._solve.problem.accuracy import Target, _coarsest, _is_confirmed, _mean_square_curvature, _refine
 from roughcontact._solve.problem.memory import _round_down, memory_of_solve
-from roughcontact._solve.problem.run import _are_close, _sample_modulus
+from roughcontact._solve.problem.run import _are_close
 from roughcontact._solve.problem.sweep import order_of_solving
 from roughcontact._solve.problem.task import maximum_pressure, pressure_unit
 from roughcontact.results import Trial
@@ -207,7 +207,7 @@ def test_violations_of_a_pressure_on_several_tiles():
 
 
 def test_figures_are_compared_by_shape_and_distance():
-    assert _sample_modulus(problem().plan) is None
+    assert problem().plan.sampled_moduli is None
     assert _are_close(np.array([1.0, np.inf]), np.array([1.0, np.inf]), 0.0)
     assert _are_close(np.array(1.0), np.array(1.0 + 1e-9), 1e-8)
     assert not _are_close(np.array(1.0), np.array(1.0 + 1e-7), 1e-8)

@@ -67,6 +67,7 @@ def test_a_million_cells_most_of_which_are_saturated(part):
     assert solution.iterations <= 25
 
 
+@pytest.mark.usefixtures("on_fields_and_on_lists")
 @each_once(
     {
         "boundary": ["free", "periodic", "wrapped"],
@@ -84,6 +85,7 @@ def test_approach_and_load_find_one_solution(boundary, fraction):
     assert by_load.approach == pytest.approx(by_approach.approach, rel=1e-6)
 
 
+@pytest.mark.usefixtures("on_fields_and_on_lists")
 @pytest.mark.parametrize("boundary", ["free", "periodic", "wrapped"])
 def test_agrees_with_the_independent_solvers(boundary):
     fast = rough(96, boundary=boundary).solve(pressure=5e-3)
@@ -92,6 +94,7 @@ def test_agrees_with_the_independent_solvers(boundary):
         np.testing.assert_allclose(other.pressure, fast.pressure, atol=1e-6 * fast.pressure.max())
 
 
+@pytest.mark.usefixtures("on_fields_and_on_lists")
 def test_a_limit_may_differ_from_place_to_place():
     limits = np.where(np.arange(64)[:, None] < 32, 0.02, 0.06) * np.ones((64, 64))
     solution = rough(64, hardness=limits).solve(pressure=8e-3)
@@ -115,6 +118,7 @@ class PartlySoft(rc.Material):
         return self.limits
 
 
+@pytest.mark.usefixtures("on_fields_and_on_lists")
 @pytest.mark.parametrize("boundary", ["free", "periodic", "wrapped"])
 @pytest.mark.parametrize("load", [0.008, 0.05])
 def test_a_limit_may_be_infinite_in_places(boundary, load):
@@ -139,6 +143,7 @@ def test_a_limit_is_carried_as_an_array_of_one_entry_or_one_per_cell():
         assert np.broadcast_shapes(task.pressure_limit.shape, gap.shape) == gap.shape
 
 
+@pytest.mark.usefixtures("on_fields_and_on_lists")
 @pytest.mark.parametrize("boundary", ["free", "periodic", "wrapped"])
 def test_one_limit_for_all_cells_is_that_limit_on_each_cell(boundary):
     one = rough(64, boundary=boundary, hardness=0.03).solve(pressure=8e-3)
@@ -147,6 +152,7 @@ def test_one_limit_for_all_cells_is_that_limit_on_each_cell(boundary):
     np.testing.assert_allclose(each.pressure, one.pressure, atol=1e-6 * one.pressure.max())
 
 
+@pytest.mark.usefixtures("on_fields_and_on_lists")
 @pytest.mark.parametrize("count", [1, 2, 5, 40])
 def test_a_start_without_an_elastic_cell_is_left(count):
     """The wrong cells are saturated, and carry the load exactly."""
@@ -158,6 +164,7 @@ def test_a_start_without_an_elastic_cell_is_left(count):
     assert solution.status is rc.Status.CONVERGED
 
 
+@pytest.mark.usefixtures("on_fields_and_on_lists")
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
 def test_contacts_of_some_cells(boundary):
     """Conjugating cancels all of the direction but its rounding there."""
@@ -168,6 +175,7 @@ def test_contacts_of_some_cells(boundary):
         assert solution.iterations <= 15
 
 
+@pytest.mark.usefixtures("on_fields_and_on_lists")
 def test_the_maximum_load_of_an_uneven_limit_is_its_mean():
     limits = np.full((64, 64), 0.02)
     limits[:32] = 0.04
@@ -177,6 +185,7 @@ def test_the_maximum_load_of_an_uneven_limit_is_its_mean():
         problem.solve(pressure=0.031)
 
 
+@pytest.mark.usefixtures("as_on_large_grids")
 @each_once(
     {
         "kernel": ["love", "fourier"],
@@ -205,6 +214,7 @@ def test_coefficients_of_the_inverse_are_the_response_to_one_cell(shape):
     np.testing.assert_allclose(inverse.coefficients(3), inverse.apply(unit)[np.ix_(i, j)], atol=1e-13)
 
 
+@pytest.mark.usefixtures("on_fields_and_on_lists")
 def test_full_contact_takes_no_iteration():
     solution = rough(128).solve(pressure=3 * SLOPE * YOUNG)
     assert solution.contact.all()
@@ -212,6 +222,7 @@ def test_full_contact_takes_no_iteration():
     assert solution.convolutions <= 5
 
 
+@pytest.mark.usefixtures("on_fields_and_on_lists")
 @pytest.mark.parametrize("control", ["pressure", "approach"])
 def test_only_the_window_that_can_touch_is_solved(control):
     grid = rc.Grid((256, 256), 1e-3)
@@ -256,6 +267,7 @@ class CoefficientsOnly(rc.InfluenceKernel):
         return rc.Love().coefficients(shape, spacing, compliance) * (0.5 + 0.5 * np.exp(-distance / 20.0))
 
 
+@pytest.mark.usefixtures("on_fields_and_on_lists")
 @pytest.mark.parametrize("boundary", ["free", "wrapped"])
 def test_each_kernel_has_its_own_preconditioner(boundary):
     problem = rough(128, boundary=boundary, kernel=CoefficientsOnly())
@@ -265,6 +277,7 @@ def test_each_kernel_has_its_own_preconditioner(boundary):
     np.testing.assert_allclose(solution.pressure, other.pressure, atol=1e-6 * other.pressure.max())
 
 
+@pytest.mark.usefixtures("on_fields_and_on_lists")
 @each_once(
     {
         "shape": [(101, 77), (251, 127), (2, 4096), (96, 100), (1, 300), (64, 33)],
@@ -280,6 +293,7 @@ def test_any_shape_of_grid(shape, boundary):
     assert solution.iterations <= 70
 
 
+@pytest.mark.usefixtures("as_on_large_grids")
 def test_a_start_skips_the_coarse_grids():
     problem = rough(128)
     cold = problem.solve(pressure=5e-3)
@@ -289,6 +303,7 @@ def test_a_start_skips_the_coarse_grids():
     assert problem.solve(pressure=5e-3, start=cold.pressure).iterations <= 2
 
 
+@pytest.mark.usefixtures("as_on_large_grids")
 def test_a_start_near_full_contact_goes_on_by_the_openings():
     """The few openings are found by the inverse kernel; a descent for the pressure takes a convolution an iteration."""
     problem = rough(128)
@@ -301,6 +316,7 @@ def test_a_start_near_full_contact_goes_on_by_the_openings():
     np.testing.assert_allclose(warm.pressure, cold.pressure, atol=1e-5 * cold.pressure.max())
 
 
+@pytest.mark.usefixtures("on_fields_and_on_lists")
 def test_a_start_beyond_full_contact_is_the_solution():
     problem = rough(64)
     full = problem.solve(pressure=6.0 * SLOPE * YOUNG)
@@ -309,6 +325,7 @@ def test_a_start_beyond_full_contact_is_the_solution():
     assert again.iterations == 0
 
 
+@pytest.mark.usefixtures("as_on_large_grids")
 def test_levels_and_steps_report_the_work():
     steps = []
     solution = rough(128).solve(pressure=5e-3, on_step=steps.append)
@@ -319,6 +336,7 @@ def test_levels_and_steps_report_the_work():
     assert steps[-1].error == solution.errors[-1] <= 1e-8
 
 
+@pytest.mark.usefixtures("on_fields_and_on_lists")
 @pytest.mark.parametrize("levels", [1, 2, 50])
 @pytest.mark.parametrize("left", [1e-3, 2e-6, 1e-7])
 def test_an_approach_next_to_full_contact_is_found_through_loads(left, levels, monkeypatch):
@@ -351,6 +369,7 @@ def test_memory(pressure, boundary, fields):
 
 
 class TestSweep:
+    @pytest.mark.usefixtures("on_fields_and_on_lists")
     @pytest.mark.parametrize("boundary", ["free", "periodic"])
     def test_is_monotone(self, boundary):
         sweep = rough(96, boundary=boundary).sweep(pressure=np.geomspace(1e-4, 0.05, 8))
@@ -358,12 +377,14 @@ class TestSweep:
             assert (np.diff(column) > 0).all()
         assert str(sweep).count("\n") == 8
 
+    @pytest.mark.usefixtures("as_on_large_grids")
     def test_warm_starts_save_convolutions(self):
         problem = rough(96)
         approaches = np.linspace(0.3, 0.6, 6) * problem.initial_gap.mean()
         cold = sum(problem.solve(approach=a).convolutions for a in approaches)
         assert problem.sweep(approach=approaches).convolutions < 0.95 * cold
 
+    @pytest.mark.usefixtures("on_fields_and_on_lists")
     @each_once(
         {
             "boundary": ["free", "periodic"],
@@ -454,6 +475,7 @@ def test_a_thousand_random_approaches(surface, young, boundary, fraction):
     assert found.holds, found
 
 
+@pytest.mark.usefixtures("on_fields_and_on_lists")
 @pytest.mark.parametrize(
     ("shape", "size", "seed"),
     [((16, 31), (1e-5, 5e-5), 2), ((16, 31), (1e-5, 5e-5), 36), ((8, 16), (1e-5, 8e-5), 25), ((36, 16), 1e-5, 29)],
@@ -473,6 +495,7 @@ def test_a_start_far_from_the_solution_does_not_keep_it_from_being_found(shape, 
     assert len(found.errors) >= found.iterations
 
 
+@pytest.mark.usefixtures("on_fields_and_on_lists")
 @pytest.mark.parametrize("seed", rather_slow([7, 48], [7]))
 def test_an_approach_on_cells_500_times_as_long_as_wide_is_found(seed):
     heights = 1e-7 * np.random.default_rng(seed).standard_normal((8, 32))

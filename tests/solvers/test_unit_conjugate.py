@@ -21,6 +21,7 @@ from roughcontact.typing import Load, Task
 from test_conjugate import SLOPE, YOUNG, rough
 
 
+@pytest.mark.usefixtures("as_on_large_grids")
 def test_where_the_openings_do_not_settle_the_pressure_is_sought(monkeypatch):
     monkeypatch.setattr(Openings, "_descend", lambda self, goal: self._closing.astype(np.float32))
     solution = rough(128).solve(pressure=SLOPE * YOUNG)
@@ -47,6 +48,7 @@ def test_weights_are_exact_while_cells_join_and_leave():
         np.testing.assert_allclose(found, exact, atol=0.03 * exact.max())
 
 
+@pytest.mark.usefixtures("as_on_large_grids")
 def test_nested_iteration_starts_near_the_solution():
     problem = rough(128)
     task = Task(
@@ -58,6 +60,7 @@ def test_nested_iteration_starts_near_the_solution():
     assert np.abs(start.pressure - fine).sum() < 0.5 * fine.sum()
 
 
+@pytest.mark.usefixtures("as_on_large_grids")
 def test_after_a_stall_another_method_continues(monkeypatch):
     monkeypatch.setattr(Descent, "iterate", lambda self: False)
     solution = rough(64).solve(pressure=5e-3)

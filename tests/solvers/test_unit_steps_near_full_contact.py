@@ -130,6 +130,7 @@ def test_the_openings_are_supported_by_a_quarter_of_their_stiffness():
     assert work.inverse == before + 1
 
 
+@pytest.mark.usefixtures("as_on_large_grids")
 @pytest.mark.parametrize("hardness", [None, 0.05])
 def test_a_nested_start_is_near_the_solution_and_within_its_bounds(hardness):
     given = wave((128, 96), hardness=hardness)
@@ -152,6 +153,7 @@ def test_a_nested_start_is_near_the_solution_and_within_its_bounds(hardness):
     assert guess.met_limit == (hardness is not None)
 
 
+@pytest.mark.usefixtures("as_on_large_grids")
 def test_open_cells_of_a_coarse_grid_stay_open_where_the_gap_does():
     """The pressure of a coarse grid is interpolated where it bears, or where the gap would be negative."""
     given = wave((128, 96))
@@ -176,6 +178,7 @@ def test_open_cells_of_a_coarse_grid_stay_open_where_the_gap_does():
     assert found.nearly_full is None
 
 
+@pytest.mark.usefixtures("as_on_large_grids")
 def test_a_start_near_full_contact_has_the_gap_that_it_leaves():
     given = wave()
     task, unit = task_of(given, 0.97), pressure_unit(given.plan)
@@ -190,6 +193,7 @@ def test_a_start_near_full_contact_has_the_gap_that_it_leaves():
     assert closed.closed
 
 
+@pytest.mark.usefixtures("on_fields_and_on_lists")
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
 @pytest.mark.parametrize("given_load", [True, False])
 def test_a_refinement_ends_where_the_conditions_hold(boundary, given_load):
@@ -322,6 +326,7 @@ def test_the_preconditioner_is_symmetric_and_nearly_the_inverse(rigid):
     assert np.linalg.norm(answer - wanted) < 0.35 * np.linalg.norm(wanted)
 
 
+@pytest.mark.usefixtures("on_fields_and_on_lists")
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
 def test_a_limit_that_shortens_steps_but_is_not_reached_changes_no_bit(boundary):
     """The steps pass the maximum pressure on their way: such contacts are solved again without the limit."""

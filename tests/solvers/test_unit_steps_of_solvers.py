@@ -322,6 +322,7 @@ def test_values_between_coarse_cells_are_those_of_parabolas(factors, shape):
     np.testing.assert_allclose(moved, np.roll(found, (3 * factors[0], 5 * factors[1]), (0, 1)), rtol=1e-12)
 
 
+@pytest.mark.usefixtures("as_on_large_grids")
 def test_coarse_cells_have_the_mean_of_their_fine_cells():
     rng = np.random.default_rng(10)
     values = rng.normal(size=(128, 66))
@@ -477,6 +478,7 @@ def test_rescaling_moves_the_elastic_cells_alone():
     np.testing.assert_allclose(rescale_to_load(np.array([0.0, 1.0, 1.0]), 2.5, 1.0), [0.5, 1.0, 1.0])
 
 
+@pytest.mark.usefixtures("on_fields_and_on_lists")
 @pytest.mark.parametrize("solver", ["auto", "polonsky-keer", "spectral-gradient"])
 def test_the_cost_of_a_ball_by_each_solver(solver):
     """Hertz's pressure; and no more convolutions than a method of its kind needs."""

@@ -122,6 +122,8 @@ CONJUGATE = {
         ],
     ),
 }
+# Those of the same contacts by the descent on fields, which starts on coarser grids from 2^13 cells on.
+ON_FIELDS = {"light": 122, "heavy": 150, "mixed and wrapped": 89, "approach": 160, "saturated": 161}
 # Surface, cells, approach over the mean gap and pressure limit.
 SEARCHES = {
     "elastic": (
@@ -154,12 +156,20 @@ def require_few(found, known):
     assert found <= (1.0 + MARGIN) * known
 
 
+@pytest.mark.usefixtures("as_on_large_grids")
 @pytest.mark.parametrize("group", CONJUGATE)
 def test_projected_conjugate_gradients(group):
     known, cases = CONJUGATE[group]
     require_few(sum(solve(rc.ProjectedConjugateGradient(), *case).convolutions for case in cases), known)
 
 
+@pytest.mark.parametrize("group", CONJUGATE)
+def test_projected_conjugate_gradients_on_fields(group):
+    cases = CONJUGATE[group][1]
+    require_few(sum(solve(rc.ProjectedConjugateGradient(), *case).convolutions for case in cases), ON_FIELDS[group])
+
+
+@pytest.mark.usefixtures("on_fields_and_on_lists")
 @pytest.mark.parametrize("group", SEARCHES)
 def test_searches_of_the_load_of_an_approach(group):
     """As where the approach determines the pressure badly: from a light contact."""
@@ -186,6 +196,7 @@ def test_solvers_without_a_preconditioner(solver):
     require_few(sum(solve(solver(), *case).convolutions for case in cases), known)
 
 
+@pytest.mark.usefixtures("as_on_large_grids")
 @pytest.mark.parametrize(("boundary", "known"), [("periodic", 23), ("free", 15)])
 def test_a_start_saves_products(boundary, known):
     """From the pressure at nine tenths of the load; on the finest grid alone."""
@@ -201,6 +212,20 @@ def test_a_start_saves_products(boundary, known):
     require_few(found.convolutions, known)
 
 
+@pytest.mark.parametrize(("boundary", "known"), [("periodic", 24), ("free", 24)])
+def test_a_start_saves_products_on_fields(boundary, known):
+    """A cold solve takes 30 and 31: a small grid has no coarser ones that a start would spare."""
+    grid = rc.Grid(*SQUARE)
+    gap = make_gap("rough", grid)
+    load = 0.055 if boundary == "periodic" else 0.012
+    convolution = prepare(grid, boundary)
+    before = rc.ProjectedConjugateGradient().solve(convolution, Task(initial_gap=gap, mean_pressure=0.9 * load))
+    task = Task(initial_gap=gap, mean_pressure=load, start=before.pressure / 0.9)
+    found = rc.ProjectedConjugateGradient().solve(convolution, task)
+    assert [level.shape for level in before.levels] == [level.shape for level in found.levels] == [(64, 64)]
+    require_few(found.convolutions, known)
+
+
 ADHESIVE = {
     (rc.GapDescent, "periodic"): 174,
     (rc.GapDescent, "free"): 345,
@@ -209,15 +234,29 @@ ADHESIVE = {
 }
 
 
-@pytest.mark.parametrize(("solver", "boundary"), ADHESIVE)
-def test_solvers_of_adhesion(solver, boundary):
+# Without coarser grids the descent of the gap makes more products, in no more time.
+ON_ONE_GRID = {(rc.GapDescent, "periodic"): 194, (rc.GapDescent, "free"): 415}
+
+
+def count_products_of_adhesion(solver, boundary):
     found = 0
     for shape in ((64, 64), (40, 56))[solver is rc.Majorise :]:
         for work, load in ((0.02, 0.01), (0.1, 0.01), (0.1, -0.01)):
             law = BoundInteraction(rc.Exponential(work, math.sqrt(4.0 * work)))
             size = (float(shape[0]), float(shape[1]))
             found += solve(solver(), "rough", shape, size, boundary, load, law=law).convolutions
-    require_few(found, ADHESIVE[solver, boundary])
+    return found
+
+
+@pytest.mark.usefixtures("as_on_large_grids")
+@pytest.mark.parametrize(("solver", "boundary"), ADHESIVE)
+def test_solvers_of_adhesion(solver, boundary):
+    require_few(count_products_of_adhesion(solver, boundary), ADHESIVE[solver, boundary])
+
+
+@pytest.mark.parametrize(("solver", "boundary"), ON_ONE_GRID)
+def test_solvers_of_adhesion_on_one_grid(solver, boundary):
+    require_few(count_products_of_adhesion(solver, boundary), ON_ONE_GRID[solver, boundary])
 
 
 @pytest.mark.parametrize(("solver", "known"), [(rc.GapDescent, 152), (rc.Majorise, 1241)])

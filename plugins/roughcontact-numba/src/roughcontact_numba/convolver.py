@@ -11,7 +11,6 @@ import roughcontact as rc
 import scipy.fft
 from numba import njit
 from roughcontact.typing import (
-    Array,
     BoundKernel,
     ConvolutionSetup,
     FieldPasses,
@@ -31,13 +30,17 @@ _PASSES = CompiledPasses()
 # rocket-fft gives compiled code the transforms of scipy.fft, by the same library.
 @njit(cache=True, nogil=True)
 def _multiply(values, symbol, mx, my):  # type: ignore[no-untyped-def]
-    """Return a field, padded with zeros to (mx, my), with each of its waves multiplied by a real symbol."""
+    """Return a field, padded with zeros to (mx, my), with each of its waves multiplied by a real symbol.
+
+    The symbol has all rows of waves, or those from zero up.
+    """
     nx, ny = values.shape
     waves = scipy.fft.rfft(values, my, 1)
     waves = scipy.fft.fft(waves, mx, 0)
     for i in range(mx):
+        row = i if i < symbol.shape[0] else mx - i
         for j in range(waves.shape[1]):
-            waves[i, j] *= symbol[i, j]
+            waves[i, j] *= symbol[row, j]
     waves = scipy.fft.ifft(waves, mx, 0)
     return scipy.fft.irfft(waves[:nx], my, 1)[:, :ny].copy()
 
@@ -97,25 +100,13 @@ class CompiledConvolution(PreparedConvolution):
         return _PASSES
 
     @cached_property
-    def symbol(self) -> Array:
-        """The factors of all waves of the padded grid, shape (mx, my // 2 + 1)."""
-        mx = self.padded[0]
-        half = self.inner.symbol  # type: ignore[attr-defined]
-        return np.ascontiguousarray(np.concatenate((half, half[mx - half.shape[0] : 0 : -1])))
-
-    @cached_property
-    def symbol_float32(self) -> RealArray:
-        """The factors in float32."""
-        return self.symbol.astype(np.float32)
-
-    @cached_property
     def padded(self) -> tuple[int, int]:
         """The cells of the padded grid."""
         return padded_shape(self.setup.grid, self.setup.boundary)
 
     def apply(self, pressure: RealArray) -> RealArray:
         """Return the displacement by a pressure; see `PreparedConvolution.apply`."""
-        symbol = self.symbol_float32 if pressure.dtype == np.float32 else self.symbol
+        symbol = self.inner.symbol_like(pressure)  # type: ignore[attr-defined]
         return _multiply(np.ascontiguousarray(pressure), symbol, *self.padded)
 
     def inverse(self, dtype: type[np.float32] | type[np.float64] = np.float64) -> InverseConvolution:

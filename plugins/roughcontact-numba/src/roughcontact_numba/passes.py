@@ -112,19 +112,25 @@ def _admit(direction, residual, active, pressure, limit, by_load):  # type: igno
             released[few] = i
             few += 1
     mean = total / count if by_load else 0.0
-    before = -1
+    below = -math.inf
+    above = math.inf
     for _ in range(_MAX_RELEASED_ROUNDS if by_load else 0):
-        held = 0
+        moving = count
         change = 0.0
         for k in range(few):
             i = released[k]
             if (direction[i] < mean) == (pressure[i] <= 0.0):
-                held += 1
+                moving -= 1
                 change += direction[i]
-        if held in (before, count):
+        trial = (total - change) / moving if moving else mean
+        if trial == mean:
             break
-        before = held
-        mean = (total - change) / (count - held)
+        if trial > mean:
+            below = mean
+        else:
+            above = mean
+        # Cells at zero and at the limit that change places would repeat for ever.
+        mean = trial if below < trial < above else 0.5 * (below + above)
     shift = np.float32(mean)
     admitted = np.empty(cells, dtype=np.float32)
     slope = 0.0

@@ -45,6 +45,8 @@ def _like(parameter: float | Array, gap: RealArray) -> float | RealArray:
 def _spread(gap: RealArray, *parameters: float | Array) -> RealArray:
     """Return gaps as an array of the shape that they have together with the parameters."""
     gaps = np.asarray(gap)
+    if all(isinstance(parameter, float) for parameter in parameters):
+        return gaps
     shape = np.broadcast_shapes(gaps.shape, *(np.shape(parameter) for parameter in parameters))
     return gaps if shape == gaps.shape else np.broadcast_to(gaps, shape)
 

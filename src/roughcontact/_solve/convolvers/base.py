@@ -50,7 +50,7 @@ _PADDING_FACTOR = 1.25
 _PADDING_CELLS = 16
 # Maximum cells of a grid on which inverses and coarser grids are kept between solves, and how many of them: preparing
 # them takes a third of a solve on 64 x 64 cells.
-_MAX_KEPT_CELLS = 2**16
+_MAX_KEPT_CELLS = 2**15
 _MAX_KEPT = 8
 
 T = TypeVar("T")

@@ -12,7 +12,17 @@ from roughcontact._base.arrays import RealArray, Waves
 from roughcontact._base.checks import choice
 from roughcontact._base.units import outlined
 from roughcontact._parts.kernels import odd_axes
-from roughcontact._solve.convolvers.transforms import multiply_columns, transform_rows, transform_rows_back
+from roughcontact._solve.convolvers.transforms import (
+    list_all_waves,
+    multiply_columns,
+    transform_columns,
+    transform_columns_back,
+    transform_rows,
+    transform_rows_back,
+)
+
+# Maximum waves of a field that are multiplied as a whole: calls cost more there than passes over memory.
+_MAX_WHOLE_WAVES = 2**16
 
 
 @attrs.frozen(eq=False)
@@ -39,6 +49,11 @@ class WaveMatrix:
     def _symbols_float32(self) -> dict[str, RealArray]:
         return {name: symbol.astype(np.float32, copy=False) for name, symbol in self.symbols.items()}
 
+    @cached_property
+    def _factors(self) -> dict[tuple[Sequence[str], Sequence[str], bool], RealArray]:
+        """The factors found so far of all waves of small grids."""
+        return {}
+
     def apply(self, fields: RealArray, of: Sequence[str] = "xy", to: Sequence[str] = "xy") -> RealArray:
         """Return the products, shape (len(to), nx, ny), in the precision of the fields, shape (len(of), nx, ny).
 
@@ -46,6 +61,8 @@ class WaveMatrix:
         """
         count, nx, ny = fields.shape
         mx, my = self.padded
+        if mx * my <= _MAX_WHOLE_WAVES:
+            return self._apply_as_whole(fields, of, to)
 
         def multiply(columns: Waves, block: slice) -> Waves:
             turn(columns, of)
@@ -55,6 +72,36 @@ class WaveMatrix:
         out = waves if len(of) == len(to) else np.empty((len(to), *waves.shape[1:]), dtype=waves.dtype)
         multiply_columns(waves, mx, multiply, out)
         return transform_rows_back(out.reshape(len(to) * nx, -1), my, ny).reshape(len(to), nx, ny)
+
+    def _apply_as_whole(self, fields: RealArray, of: Sequence[str], to: Sequence[str]) -> RealArray:
+        """Return the products of the fields of a small grid, by few calls."""
+        count, nx, ny = fields.shape
+        mx, my = self.padded
+        rows = transform_rows(fields.reshape(count * nx, ny), my).reshape(count, nx, -1)
+        waves = transform_columns(rows, mx)
+        turn(waves, of)
+        key = of, to, waves.dtype == np.complex64
+        if key not in self._factors:
+            self._factors[key] = self._list_factors(*key)
+        factors = self._factors[key]
+        products: Waves = factors[:, 0] * waves[0]
+        for column, wave in zip(factors.swapaxes(0, 1)[1:], waves[1:], strict=True):
+            products += column * wave
+        turn(products, to)
+        back = transform_columns_back(products)[:, :nx]
+        return transform_rows_back(back.reshape(len(to) * nx, -1), my, ny).reshape(len(to), nx, ny)
+
+    def _list_factors(self, of: Sequence[str], to: Sequence[str], single: bool) -> RealArray:
+        """Return the real matrix of each wave, shape (len(to), len(of), mx, my // 2 + 1)."""
+        symbols = self._symbols_float32 if single else self.symbols
+        shape = (self.padded[0], self.padded[1] // 2 + 1)
+        factors = np.zeros((len(to), len(of), *shape), dtype=np.float32 if single else np.float64)
+        for row, letters in zip(factors, to, strict=True):
+            for factor, other in zip(row, of, strict=True):
+                name, sign = _find_real_component(letters, other)
+                if name in symbols:
+                    factor[...] = sign * list_all_waves(symbols[name], shape[0], odd_axes(name)[0])
+        return factors
 
     def multiply(self, turned: Waves, block: slice, of: Sequence[str], to: Sequence[str]) -> Waves:
         """Return the products of some columns of waves after `turn`, shape (len(to), mx, n)."""

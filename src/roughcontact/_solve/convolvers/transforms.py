@@ -28,6 +28,18 @@ def transform_rows(values: RealArray, length: int) -> Waves:
     return waves
 
 
+def transform_columns(waves: Waves, length: int) -> Waves:
+    """Return the waves of each column of some fields, padded with zeros to `length`; the waves may be overwritten."""
+    found: Waves = scipy.fft.fft(waves, n=length, axis=-2, overwrite_x=True, workers=threads_for(2 * waves.size))
+    return found
+
+
+def transform_columns_back(waves: Waves) -> Waves:
+    """Return each column from its waves, which may be overwritten."""
+    found: Waves = scipy.fft.ifft(waves, axis=-2, overwrite_x=True, workers=threads_for(2 * waves.size))
+    return found
+
+
 def multiply_columns(
     waves: Waves, length: int | None, multiply: Callable[[Waves, slice], Waves], out: Waves | None = None
 ) -> None:

@@ -61,8 +61,7 @@ _INNER_SLIP = 0.1
 _LOOSEST_INNER = 100.0
 _TIGHTEST_INNER = 0.3
 _LOOSEST_SLIP = 0.03
-# Residual of a tangential solve below which passes are combined (Anderson), and earlier passes of a combination.
-_MIXED_SLIP = 0.1
+# Earlier passes that are combined with one (Anderson).
 _MIXED_PASSES = 4
 # Traction over the mean one of a force that is looked for first.
 _MAX_CONCENTRATION = 1e3
@@ -71,6 +70,8 @@ _MAX_CONCENTRATION = 1e3
 _REACHED_BOUND = 1.0 - 1e-6
 _BOUND_GROWTH = 4.0
 _BOUND_SHRINKAGE = 0.5
+# Part of a strength that counts as reached by the traction from which a solve starts.
+_REACHED_STRENGTH = 1.0 - 1e-9
 # Depth of the summit, which touches last, over the peak-to-valley height: rounding of equal heights.
 _SUMMIT_DEPTH = 1e-12
 # Growth of the pressure at which a law must not give less.
@@ -187,11 +188,15 @@ class CoupledSolve(FrictionalContact):
         error = math.inf
         iterations = 0
         passes = 0
+        before: Array | None = None
         while passes < _MAX_PASSES:
             passes += 1
             contact = self._press_on(lifted, load, pressure, error)
             pressure = contact.pressure
             limit, coupling = self._find_limit(contact)
+            if before is not None:
+                shear = _keep_sliding(shear, before, limit)
+            before = limit
             self._require_coupling(coupling)
             self._require_stick(tangential, limit)
             dragged = self.shear.apply(contact.pressure[np.newaxis] / self.unit, of="z")
@@ -205,7 +210,8 @@ class CoupledSolve(FrictionalContact):
             if max(error, outcome.residual) <= self.tolerance:
                 break
             damping = 1.0 / (1.0 + coupling**2) if coupling > _RELAXED_COUPLING else 1.0
-            if outcome.residual < _MIXED_SLIP:
+            # The change by a rough tangential solve is not that by the pressure.
+            if outcome.residual < error:
                 lifted = mixing.combine(lifted, found - lifted, damping)
             else:
                 lifted = lifted + damping * (found - lifted)
@@ -379,6 +385,15 @@ class CoupledSolve(FrictionalContact):
         moved = (float(found.displacement[0]) * self.length, float(found.displacement[1]) * self.length)
         state = FrictionalState(pressure=contact.pressure, shear=shear, displacement=moved, approach=contact.approach)
         return self.judge(contact, state, tangential, before, start, found, time.perf_counter() - started)
+
+
+def _keep_sliding(shear: Array, before: Array, limit: Array) -> Array:
+    """Return a traction to start from, which reaches the strength where it reached the one before.
+
+    Where a strength that was reached grows a little, cells would stick until the first step moves them beyond it.
+    """
+    reached = (before > 0.0) & (magnitude(shear) >= _REACHED_STRENGTH * before)
+    return shear * np.divide(limit, before, out=np.ones_like(limit), where=reached)
 
 
 class _Mixing:

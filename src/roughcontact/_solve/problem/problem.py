@@ -73,7 +73,7 @@ class ContactProblem(Scene):
     >>> print(solution.area())
     (689.255 +- 0.017) µm2, (6.89255 +- 0.00017) % of nominal [blend]
     >>> print(solution.peak_pressure())
-    2.1762 GPa +- 0.0041 %
+    2.1762 GPa +- 0.004 %
     """
 
     def solve(

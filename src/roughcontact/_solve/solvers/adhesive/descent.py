@@ -179,7 +179,8 @@ class AdhesiveDescent(Method):
         return self._clip(None if self._weights is None else np.ones_like(self._weights))
 
     def _map(self, work: Callable[[_Tile], T]) -> list[T]:
-        return map_tiles(work, self._tiles)
+        # A small grid is one tile.
+        return [work(self._tiles[0])] if len(self._tiles) == 1 else map_tiles(work, self._tiles)
 
     def _multiply(self, field: RealArray, symbol: RealArray) -> RealArray:
         self.products += 1

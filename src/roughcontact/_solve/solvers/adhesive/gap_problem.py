@@ -6,6 +6,8 @@ extended grid, that of a task the shape (nx, ny) of the grid.
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import attrs
 import numpy as np
 
@@ -46,7 +48,7 @@ class GapProblem:
     holds_mean: bool
     limit: Array
 
-    @property
+    @cached_property
     def capped(self) -> bool:
         """Whether the pressure of any cell is limited."""
         return bool(np.isfinite(self.limit).any())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
+from weakref import WeakKeyDictionary
 
 import attrs
 import numpy as np
@@ -12,6 +13,7 @@ from roughcontact._base.arrays import RealArray
 from roughcontact._parts.grid import Boundary
 from roughcontact._parts.interactions import BoundInteraction
 from roughcontact._solve.convolvers import (
+    ConvolutionSetup,
     InverseConvolution,
     PreparedConvolution,
     list_all_waves,
@@ -26,6 +28,9 @@ _SINGULAR = 1e-9
 # stiffness of the longest wave.
 _SUPPORT = 0.5
 _LONGEST = 0.02
+# Cells of a grid up to which the stiffness is kept as long as its convolution: it is as large as a few fields.
+_MAX_KEPT_CELLS = 2**16
+_KEPT: WeakKeyDictionary[PreparedConvolution, dict[tuple[int, int], SurfaceStiffness]] = WeakKeyDictionary()
 
 
 @attrs.frozen(eq=False)
@@ -131,7 +136,7 @@ class SurfaceStiffness:
 
 
 def surface_stiffness(convolution: PreparedConvolution, extended: tuple[int, int] | None = None) -> SurfaceStiffness:
-    """Return the stiffness that inverts a convolution.
+    """Return the stiffness that inverts a convolution; on a small grid it is kept for the next states of a path.
 
     Parameters
     ----------
@@ -146,9 +151,20 @@ def surface_stiffness(convolution: PreparedConvolution, extended: tuple[int, int
         If a wave of pressure displaces nothing, or the wrong way, so that the convolution has no inverse.
     """
     setup = convolution.setup
-    shape = setup.grid.shape
     if extended is None or not setup.boundary.has_free_axis:
-        extended = extended_shape(shape, setup.boundary)
+        extended = extended_shape(setup.grid.shape, setup.boundary)
+    if setup.grid.cells > _MAX_KEPT_CELLS:
+        return _invert(setup, extended)
+    kept = _KEPT.setdefault(convolution, {})
+    if extended not in kept:
+        kept.clear()
+        kept[extended] = _invert(setup, extended)
+    return kept[extended]
+
+
+def _invert(setup: ConvolutionSetup, extended: tuple[int, int]) -> SurfaceStiffness:
+    """Return the stiffness on an extended grid."""
+    shape = setup.grid.shape
     if setup.boundary is Boundary.PERIODIC:
         response = setup.spectrum
     elif setup.boundary.mixed:

@@ -137,13 +137,14 @@ class FieldDescent(Method):
             trial, step, clipped = passes.advance(
                 self.pressure, direction, self._length, active, self._limit, self._load
             )
+            if clipped:
+                self._compare_with_limit(np.float32(self._length) * direction)
             change = self._displace(step)
             slope, curvature = passes.slopes(residual, step, change)
             if not math.isfinite(curvature):
                 return False
             part = slope / curvature if curvature > 0.0 else 0.0
             part, pressure = self._take_part(part, trial, clipped=clipped)
-            self.met_limit |= clipped and self._limit is not None and bool((trial >= self._limit).any())
             if part > 0.0:
                 self.pressure[:] = pressure
                 passes.add(self.gap, change, part)
@@ -164,7 +165,15 @@ class FieldDescent(Method):
         if part in (0.0, 1.0):
             return part, trial
         moved, inside = self._passes.move(self.pressure, trial, part, self._limit)
-        return (part, moved) if inside or part <= 1.0 else (1.0, trial)
+        if inside or part <= 1.0:
+            return part, moved
+        self._compare_with_limit(part * (trial - self.pressure))
+        return 1.0, trial
+
+    def _compare_with_limit(self, step: RealArray) -> None:
+        """Note whether a step would cross the limit: it is then another one than without, wherever it ends."""
+        if self._limit is not None and not self.met_limit:
+            self.met_limit = bool((self.pressure + step > self._limit).any())
 
 
 class _RigidMotion:
@@ -327,15 +336,21 @@ def _held_mean(direction: RealArray, count: int, low: IntArray, high: IntArray) 
         return mean
     lowest = direction[low]
     highest = direction[high]
-    held = -1
+    below = -math.inf
+    above = math.inf
     for _ in range(_MAX_RELEASED_ROUNDS):
         down = lowest[lowest < mean]
         up = highest[highest > mean]
-        before = held
-        held = down.size + up.size
-        if held in (before, count):
+        moving = count - down.size - up.size
+        trial = (change - total(down) - total(up)) / moving if moving else mean
+        if trial == mean:
             break
-        mean = (change - total(down) - total(up)) / (count - held)
+        if trial > mean:
+            below = mean
+        else:
+            above = mean
+        # Cells at zero and at the limit that change places would repeat for ever.
+        mean = trial if below < trial < above else 0.5 * (below + above)
     return mean
 
 

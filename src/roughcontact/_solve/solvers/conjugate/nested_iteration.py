@@ -11,6 +11,7 @@ from roughcontact._base.arrays import Array, IntArray, RealArray, sum_of_product
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._solve.convolvers import PreparedConvolution
 from roughcontact._solve.solvers.base import Outcome, Step, Task, starting_pressure
+from roughcontact._solve.solvers.conjugate.preconditioner import is_steep
 from roughcontact._solve.solvers.conjugate.refinement import NearlyFull, PressureRefinement, descends_on_fields
 from roughcontact._solve.solvers.driver import Monitor
 from roughcontact._solve.solvers.grids import GridProblem, Guess, coarsen, interpolate, repeat_cells
@@ -68,7 +69,9 @@ class PressureOnGrid(GridProblem[InitialGuess]):
     @property
     def opens_cells(self) -> bool:
         """Whether the gap is sought near full contact, which saves steps on large grids without a pressure limit."""
-        return not self.task.capped and not descends_on_fields(self.convolution, self.task)
+        if self.task.capped:
+            return False
+        return not descends_on_fields(self.convolution, self.task) or is_steep(self.convolution.inverse(np.float32))
 
     def begin(self) -> InitialGuess:
         """Return the pressure of full contact, or a uniform one, or that of the task."""
@@ -82,13 +85,16 @@ class PressureOnGrid(GridProblem[InitialGuess]):
         task = self.task
         guess = InitialGuess(pressure=start.copy())
         bearing = start > 0.0
-        if not self.opens_cells or np.count_nonzero(bearing) <= _NEARLY_FULL_FRACTION * start.size:
+        contact = np.count_nonzero(bearing) / start.size
+        if contact < 1.0 and (contact <= _NEARLY_FULL_FRACTION or not self.opens_cells):
             return guess
         full = self.close()
         if full is None or not full.inverse.exact:
             return attrs.evolve(guess, products=0 if full is None else 1)
         if full.is_closed(task.pressure_limit):
             return InitialGuess(pressure=full.closing, products=1, closed=True)
+        if not self.opens_cells:
+            return attrs.evolve(guess, products=1)
         gap = self.convolution.apply(start.astype(np.float32))
         gap += task.initial_gap
         gap -= np.float32(sum_of_products(start, gap) / float(start.sum()))

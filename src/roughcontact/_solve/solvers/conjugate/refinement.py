@@ -207,7 +207,8 @@ class PressureRefinement(Refinement):
     def _descent(self) -> Descent | FieldDescent:
         # A start without descent, such as full contact, needs no preconditioner.
         inverse = self._convolution.inverse(np.float32)
-        if self._on_fields and not is_steep(inverse):
+        self._on_fields = self._on_fields and not is_steep(inverse)
+        if self._on_fields:
             shape = self._task.initial_gap.shape
             limit = self._limit if self._task.capped else None
             load = self._control.load if isinstance(self._control, LoadControl) else None

@@ -21,7 +21,12 @@ from roughcontact._solve.solvers.conjugate.descent import (
 from roughcontact._solve.solvers.driver import Log, Method, iterate
 from roughcontact._solve.solvers.shear.base import ShearSystem, Verified
 from roughcontact._solve.solvers.shear.discs import MIN_SIZE, dot, magnitude
-from roughcontact._solve.solvers.shear.preconditioner import CoarseCorrection, PunchWeights, Weights
+from roughcontact._solve.solvers.shear.preconditioner import (
+    CoarseCorrection,
+    EqualWeights,
+    PunchWeights,
+    Weights,
+)
 
 # Maximum curvature: its product with the shear of such a cell, below the limit, stays in the range of float32.
 _MAX_CURVATURE = 1e30
@@ -73,20 +78,25 @@ class Face:
         curvature = np.minimum(slips * outward, _MAX_CURVATURE).astype(np.float32)
         return cls(system=system, punch=punch, slips=slips, normal=shear * (slips / system.limit), curvature=curvature)
 
-    def move_to(self, shear: Array) -> Face:
-        """Return the face with the directions of another shear."""
-        return attrs.evolve(self, normal=shear * (self.slips / self.system.limit))
-
     @cached_property
     def normal_float32(self) -> RealArray:
         """The outward direction in float32."""
         return self.normal.astype(np.float32)
 
+    @cached_property
+    def is_stuck(self) -> bool:
+        """Whether no cell slips."""
+        return not self.slips.any()
+
     def restrict(self, vectors: RealArray) -> RealArray:
         """Return the part of vectors along the circle where a cell slips, and the vectors elsewhere."""
-        normal = self.normal_float32 if vectors.dtype == np.float32 else self.normal
-        outward = normal * dot(normal, vectors)
-        return np.subtract(vectors, outward, out=outward)
+        if self.is_stuck:
+            return vectors
+        return _cut(vectors, self.normal_float32 if vectors.dtype == np.float32 else self.normal)
+
+    def restrict_at(self, shear: Array, vectors: Array) -> Array:
+        """Return `restrict` of vectors on the circles of another shear."""
+        return vectors if self.is_stuck else _cut(vectors, shear * (self.slips / self.system.limit))
 
     @cached_property
     def ease(self) -> RealArray:
@@ -95,26 +105,31 @@ class Face:
         return np.asarray(own / (self.curvature + own))
 
     @cached_property
-    def weights(self) -> Weights:
+    def weights(self) -> Weights | EqualWeights:
         """The shear if all cells are displaced alike."""
         return self.punch.find(self.slips, self.normal_float32, self.ease)
 
-    def _solve_for_mean(self, total: Array) -> RealArray:
-        """Return the displacement of all cells that changes the force by a total, float32, shape (2, 1)."""
-        mean = self.system.control.solve_on_axes(self.weights.total, total)
-        return mean.astype(np.float32)[:, np.newaxis]
+    def _solve_for_mean(self, change: RealArray) -> RealArray:
+        """Return the displacement of all cells that changes the force as a shear does, float32, shape (2, 1)."""
+        x, y = np.add.reduce(change, axis=1).tolist()
+        mean = self.system.control.solve_on_axes(self.weights.total, (x, y))
+        return np.array(mean, dtype=np.float32)[:, np.newaxis]
 
     def find_residual(self, slip: Array) -> RealArray:
         """Return the slip in the face without its mean along axes with a given force, float32."""
         # Along the circle it is a small part of the slip.
         inside = self.restrict(slip).astype(np.float32)
-        return inside - self.restrict(self._solve_for_mean(self.weights.multiply(inside).sum(axis=1)))
+        if not self.system.control.holds:
+            return inside
+        mean = self._solve_for_mean(self.weights.multiply(inside))
+        return inside - (mean if self.is_stuck else _cut(mean, self.normal_float32))
 
     def balance(self, vectors: RealArray) -> RealArray:
         """Return vectors in the face that do not change the given force, float32."""
         inside = self.restrict(vectors)
-        inside -= self.weights.multiply(self._solve_for_mean(inside.sum(axis=1)))
-        return inside
+        if not self.system.control.holds:
+            return inside
+        return inside - self.weights.multiply(self._solve_for_mean(inside))
 
     def precondition(self, residual: RealArray) -> RealArray:
         r"""Return the preconditioned residual, in the face.
@@ -123,17 +138,30 @@ class Face:
         :math:`R M R + (1 - D) / (\lambda + k)`, :math:`D = k / (k + \lambda)`, :math:`R = \sqrt D`: near the edge of
         the contact, where the limit falls to zero, the curvature is far above the kernel.
         """
-        root = np.sqrt(self.ease)
-        preconditioned = self.system.multiply_inverse(root * residual)
-        preconditioned *= root
-        preconditioned += (self.ease - self.ease * self.ease) / np.float32(self.system.own) * residual
+        preconditioned = self._multiply_inverse(residual)
         weights = self.weights
-        if self.punch.is_full:
+        if self.punch.are_equal or isinstance(weights, EqualWeights):
             return self.balance(preconditioned)
         corrected = preconditioned - CoarseCorrection(self.system, weights).apply(residual)
         # Where weights ring, the correction may turn the direction uphill.
         is_downhill = sum_of_products(residual, corrected) > 0.0
         return self.balance(corrected if is_downhill else preconditioned)
+
+    def _multiply_inverse(self, residual: RealArray) -> RealArray:
+        if self.is_stuck:
+            return self.system.multiply_inverse(residual)
+        root = np.sqrt(self.ease)
+        preconditioned = self.system.multiply_inverse(root * residual)
+        preconditioned *= root
+        preconditioned += (self.ease - self.ease * self.ease) / np.float32(self.system.own) * residual
+        return preconditioned
+
+
+def _cut(vectors: RealArray, normal: RealArray) -> RealArray:
+    """Return vectors without their part along a normal."""
+    x, y = normal
+    outward: RealArray = normal * (x * vectors[0] + y * vectors[1])
+    return np.subtract(vectors, outward, out=outward)
 
 
 @attrs.frozen(eq=False)
@@ -217,8 +245,7 @@ class ShearDescent(Method):
         curvature = self._last.curvature + sum_of_products(last, bent)
         if not (curvature > 0.0 > product):
             return preconditioned
-        last *= np.float32(-product / curvature)
-        direction = np.add(preconditioned, last, out=last)
+        direction = preconditioned + np.float32(-product / curvature) * last
         steep = sum_of_products(residual, direction) > MIN_CONJUGATE_SLOPE * sum_of_products(residual, preconditioned)
         return direction if steep else preconditioned
 
@@ -235,7 +262,7 @@ class ShearDescent(Method):
         along = face.restrict(move)
         curvature = sum_of_products(along, change - np.float32(system.own) * self._lag)
         slope = sum_of_products(residual, along)
-        after = sum_of_products(face.move_to(trial).restrict(self._slip - change).astype(np.float32), move)
+        after = sum_of_products(face.restrict_at(trial, self._slip - change).astype(np.float32), move)
         if not (math.isfinite(curvature) and slope > 0.0):
             return False
         # The mean shear of a periodic contact has no stiffness.
@@ -243,7 +270,7 @@ class ShearDescent(Method):
         if wanted <= SHORTENED_STEP_PART:
             return False
         part = self._choose_part(face, move, wanted, meets=bool(hits.any()))
-        along *= np.float32(part)
+        along = np.float32(part) * along
         change *= np.float32(part)
         step *= np.float32(part)
         self._last = _Taken(along, change, part * part * curvature)

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import math
 from functools import cached_property
+from typing import TypeAlias
 
 import attrs
 import numpy as np
 
-from roughcontact._base.arrays import Array, Mask, RealArray
+from roughcontact._base.arrays import Array, Mask, Pair, RealArray
 from roughcontact.errors.door import guarded
 
+# The entries xx, xy and yy of a symmetric matrix.
+Symmetric: TypeAlias = tuple[float, float, float]
 # Maximum rounds of Newton's method for the shift that gives a force, and halvings of one of its steps.
 _MAX_ROUNDS = 60
 _MAX_HALVINGS = 40
@@ -119,44 +122,79 @@ class ForceControl:
             Admissible error of the force, over the sum of the limits.
         """
         search = _ShiftSearch(self, values, limit, circle, gain)
-        shift = np.zeros(2)
-        found = search.evaluate(shift)
+        found = search.evaluate((0.0, 0.0))
         smallest = found.error
-        admissible = max(error, FORCE_EPSILON) * float(limit.sum())
+        admissible = max(error, FORCE_EPSILON) * float(np.add.reduce(limit))
         for _ in range(_MAX_ROUNDS):
             if not found.error > admissible:
                 break
-            step = search.find_step(found)
-            slope = float(found.excess @ step)
+            x, y = search.find_step(found)
+            slope = found.excess[0] * x + found.excess[1] * y
             for _ in range(_MAX_HALVINGS):
-                trial = search.evaluate(shift + step)
+                trial = search.evaluate((found.shift[0] + x, found.shift[1] + y))
                 if (
                     trial.error <= 0.5 * smallest
                     or trial.energy <= found.energy + _MIN_DECREASE * slope + found.rounding
                 ):
                     break
-                step = 0.5 * step
+                x *= 0.5
+                y *= 0.5
                 slope *= 0.5
             else:
                 break
-            shift = shift + step
             found = trial
             smallest = min(smallest, found.error)
-        return found.shear, shift
+        return found.shear, np.array(found.shift)
 
-    def solve_on_axes(self, matrix: Array, values: Array) -> Array:
+    def solve_on_axes(self, matrix: Symmetric, values: Pair) -> Pair:
         """Return the solution of a symmetric system of x and y on the axes with a given force; zero along the others.
 
         A small part of its trace is added to the diagonal, so that the matrix may be singular.
         """
-        held = np.outer(self.axes, self.axes) * matrix
-        regular = max(_MIN_STIFFNESS * float(np.trace(held)), _MIN_TRACE)
-        return np.asarray(np.linalg.solve(held + np.diag(1.0 - self.axes + regular), self.axes * values))
+        held_x, held_y = self._held
+        xx, xy, yy = matrix
+        # Rounding may leave less than nothing.
+        xx = held_x * max(xx, 0.0)
+        yy = held_y * max(yy, 0.0)
+        xy *= held_x * held_y
+        regular = max(_MIN_STIFFNESS * (xx + yy), _MIN_TRACE)
+        xx += regular + 1.0 - held_x
+        yy += regular + 1.0 - held_y
+        x, y = held_x * values[0], held_y * values[1]
+        # One step of elimination: a determinant would lose the digits of two unlike axes.
+        if xx >= yy:
+            ratio = xy / xx
+            second = (y - ratio * x) / max(yy - ratio * xy, regular)
+            return (x - xy * second) / xx, second
+        ratio = xy / yy
+        first = (x - ratio * y) / max(xx - ratio * xy, regular)
+        return first, (y - xy * first) / yy
+
+    @cached_property
+    def _held(self) -> Pair:
+        """The axes, as numbers."""
+        x, y = self.axes.tolist()
+        return x, y
+
+    @property
+    def holds(self) -> bool:
+        """Whether a force is given."""
+        return self._held != (0.0, 0.0)
+
+    @cached_property
+    def _wanted(self) -> Pair:
+        """The force, as numbers."""
+        x, y = self.force.tolist()
+        return x, y
+
+    def find_excess(self, shear: Array) -> Pair:
+        """Return the sums of the shear less the force, zero along an axis without one."""
+        x, y = np.add.reduce(shear, axis=1).tolist()
+        return self._held[0] * (x - self._wanted[0]), self._held[1] * (y - self._wanted[1])
 
     def find_error(self, shear: Array, limit: Array) -> float:
         """Return the error of the force, over the sum of the limits."""
-        missing = self.axes * (shear.sum(axis=1) - self.force)
-        return math.hypot(*missing) / float(limit.sum())
+        return math.hypot(*self.find_excess(shear)) / float(np.add.reduce(limit))
 
 
 @attrs.frozen(eq=False)
@@ -169,66 +207,79 @@ class _ShiftSearch:
     circle: Mask | None
     gain: float | Array
 
-    def evaluate(self, shift: Array) -> _Shifted:
-        values = self.values + self.gain * shift[:, np.newaxis]
+    def evaluate(self, shift: Pair) -> _Shifted:
+        values = self.values
+        if shift != (0.0, 0.0):
+            values = values + self.gain * np.array(shift)[:, np.newaxis]
         size = magnitude(values)
         # No cell is chosen by a mask: where masks are not smooth that takes ten times as long as a division.
         reach = np.maximum(size, self.limit)
-        beyond = size > self.limit
         if self.circle is not None:
             np.copyto(reach, np.maximum(size, MIN_SIZE), where=self.circle)
-            beyond |= self.circle
         factor = self.limit / reach
         shear = values * factor
-        excess = self.control.axes * (shear.sum(axis=1) - self.control.force)
-        return _Shifted(self, shift, values, size, beyond, factor, reach, shear, excess)
+        return _Shifted(self, shift, values, size, factor, reach, shear, self.control.find_excess(shear))
 
-    def find_step(self, found: _Shifted) -> Array:
+    def find_step(self, found: _Shifted) -> Pair:
         """Return Newton's step, not longer than what moves a cell across its circle."""
         factor = self.gain * found.factor
-        both = float(factor.sum())
-        x, y = found.values * (found.beyond / found.reach)
-        xx, xy, yy = (float(np.einsum("n,n,n->", factor, one, other)) for one, other in ((x, x), (x, y), (y, y)))
-        step = -self.control.solve_on_axes(np.array([[both - xx, -xy], [-xy, both - yy]]), found.excess)
-        length = float(np.hypot(*step))
-        longest = 2.0 * float(found.size.max() + self.limit.max()) / float(np.max(self.gain))
-        return step * (longest / length) if length > longest else step
+        both = float(np.add.reduce(factor))
+        normal = found.values * (found.beyond / found.reach)
+        (xx, xy), (_, yy) = np.einsum("an,bn->ab", factor * normal, normal).tolist()
+        x, y = self.control.solve_on_axes((both - xx, -xy, both - yy), found.excess)
+        length = math.hypot(x, y)
+        limit, gain = self._largest
+        if length * gain <= 2.0 * limit:
+            return -x, -y
+        longest = 2.0 * (float(found.size.max()) + limit) / gain
+        part = longest / length if length > longest else 1.0
+        return -part * x, -part * y
+
+    @cached_property
+    def _largest(self) -> Pair:
+        """The largest limit and gain."""
+        return float(self.limit.max()), float(np.max(self.gain))
 
 
 @attrs.frozen(eq=False)
 class _Shifted:
-    """Shear after a shift: what was projected, its size, whether that is beyond the limit, factor, force in excess.
+    """Shear after a shift: what was projected, its size, factor, shear, force in excess.
 
     The factor is the limit over `reach`.
     """
 
     search: _ShiftSearch
-    shift: Array
+    shift: Pair
     values: Array
     size: Array
-    beyond: Mask
     factor: Array
     reach: Array
     shear: Array
-    excess: Array
+    excess: Pair
+
+    @cached_property
+    def beyond(self) -> Mask:
+        """Cells whose shear is on their circle."""
+        beyond = self.size > self.search.limit
+        return beyond if self.search.circle is None else beyond | self.search.circle
 
     @property
     def error(self) -> float:
-        return float(np.abs(self.excess).max())
+        return max(abs(self.excess[0]), abs(self.excess[1]))
 
     @cached_property
-    def _terms(self) -> Array:
+    def _terms(self) -> Pair:
         """The terms of the energy."""
         limit = self.search.limit
         stored = np.where(self.beyond, limit * (self.size - 0.5 * limit), 0.5 * self.size * self.size)
-        total = float((stored / self.search.gain).sum())
-        return np.array([total, -float(self.search.control.force @ self.shift)])
+        x, y = self.search.control.force.tolist()
+        return float((stored / self.search.gain).sum()), -(x * self.shift[0] + y * self.shift[1])
 
     @property
     def energy(self) -> float:
         """The energy whose gradient is the force in excess."""
-        return float(self._terms.sum())
+        return sum(self._terms)
 
     @property
     def rounding(self) -> float:
-        return _ENERGY_EPSILON * float(np.abs(self._terms).sum())
+        return _ENERGY_EPSILON * sum(map(abs, self._terms))
