@@ -2,13 +2,15 @@
 
 Needs a separate environment with the other codes (none is a dependency of ours; tamaas is under the AGPL):
 
-    python -m venv peers && peers/bin/pip install -e . tamaas ContactMechanics
+    python -m venv peers && peers/bin/pip install -e . ./plugins/roughcontact-numba tamaas ContactMechanics
     peers/bin/pip install aspher  # compiles; needs CMake and Eigen 3.4
     peers/bin/pip install --no-deps slippy && peers/bin/pip install numba matplotlib pyfftw sympy scikit-image tinydb
     peers/bin/python docs/studies/compare_codes.py
 
 slippy 0.5.2 asks for a numpy before 1.21, but its solver runs with newer ones. What is not installed is omitted.
 `--friction` compares the first step of a path with friction, of which ASPHER alone has histories (like materials).
+`--small` writes the table of grids of 64 to 256 cells a side, by numpy alone and compiled by the plug-in: all codes
+run by turns, and the medians count.
 
 Ours runs at its default tolerance. Each other code gets the loosest tolerance of a ladder, three to a factor of ten,
 with which `measure_violation` finds it as good as ours, or 1e-6 of the rms height if ours is better. CPU time on one
@@ -21,8 +23,9 @@ from __future__ import annotations
 
 import os
 
-os.environ.setdefault("OMP_NUM_THREADS", "1")
-os.environ.setdefault("OPENBLAS_NUM_THREADS", os.environ["OMP_NUM_THREADS"])
+if __name__ == "__main__":
+    os.environ.setdefault("OMP_NUM_THREADS", "1")
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", os.environ["OMP_NUM_THREADS"])
 
 import argparse
 import importlib.util
@@ -36,13 +39,16 @@ from collections.abc import Callable
 
 import attrs
 import numpy as np
+from doc_tables import DocTable, pick, write_tables
 
 import roughcontact as rc
 
 # Rms slope of the rough surfaces; complementarity over the rms height that is enough.
 SLOPE = 0.1
 REQUIRED = 1e-6
-THREADS = int(os.environ["OMP_NUM_THREADS"])
+THREADS = int(os.environ.get("OMP_NUM_THREADS", "1"))
+# Sides of small grids, and how often each code solves a contact on them.
+SMALL, REPEATS = (64, 128, 256), 9
 
 
 @attrs.frozen(eq=False)
@@ -71,16 +77,33 @@ def make_cases(largest: int) -> list[Case]:
     cases = [Case(f"x = 0.05, {n}", make_rough(n), 0.05 * SLOPE) for n in (512, 1024, 2048) if n <= largest]
     if largest >= 1024:
         cases += [Case(f"x = {x}, 1024", make_rough(1024), x * SLOPE) for x in (0.2, 1.0, 1.5, 3.0)]
-        wave = rc.WavySurface(0.5e-6 * 1024 / 250e-6, 12.5e-6 * 1024 / 250e-6)
-        cases.append(Case("bi-sinusoid, 1024", wave.heights(rc.Grid((1024, 1024), 1024.0)), 100e6 / 219.78e9))
-        ball, a = rc.ParaboloidSurface(1e4), 0.15 * 1024
-        force = 4 * a**3 / (3 * 1e4)
-        cases.append(Case("Hertz, free, 1024", ball.heights(rc.Grid((1024, 1024), 1024.0)), force / 1024**2, "free"))
+        cases += [make_wave(1024), make_ball(1024)]
     cases.append(Case("hardness 0.3 slope, x = 0.05, 512", make_rough(512), 0.05 * SLOPE, hardness=0.3 * SLOPE))
     cases.append(Case("mean pressure 0.9 H, 512", make_rough(512), 0.27 * SLOPE, hardness=0.3 * SLOPE))
     # An attraction of four cells of cohesive length, at the mean gap of a small load.
     cases += [make_adhesive(n) for n in (256, 512, 1024) if n <= largest]
     return cases
+
+
+def make_small_cases() -> list[Case]:
+    """Return the contacts of the table of small grids."""
+    rough = [Case(f"x = {x}, {n}", make_rough(n), x * SLOPE) for x in (0.05, 1.0) for n in SMALL]
+    return [*rough, *map(make_ball, SMALL), *map(make_wave, SMALL)]
+
+
+def make_wave(cells: int) -> Case:
+    """Return the paper's wave at 100 MPa."""
+    wave = rc.WavySurface(0.5e-6 * cells / 250e-6, 12.5e-6 * cells / 250e-6)
+    heights = wave.heights(rc.Grid((cells, cells), float(cells)))
+    return Case(f"bi-sinusoid, {cells}", heights, 100e6 / 219.78e9)
+
+
+def make_ball(cells: int) -> Case:
+    """Return a sphere on a free boundary whose contact radius is 0.3 of half the side."""
+    radius, a = 1e4 * cells / 1024, 0.15 * cells
+    force = 4 * a**3 / (3 * radius)
+    heights = rc.ParaboloidSurface(radius).heights(rc.Grid((cells, cells), float(cells)))
+    return Case(f"Hertz, free, {cells}", heights, force / cells**2, "free")
 
 
 def make_adhesive(cells: int) -> Case:
@@ -132,7 +155,7 @@ def measure_adhesive_violation(pressure: np.ndarray, case: Case) -> tuple[float,
     return float(max(opened, below, -gap.min()) / case.heights.std()), 0.0
 
 
-def make_problem(case: Case, tolerance: float | None = None) -> rc.ContactProblem:
+def make_problem(case: Case, convolver: str = "auto") -> rc.ContactProblem:
     material = rc.Elastic(1.0, 0.0)
     if case.hardness is not None:
         material = rc.ElasticPerfectlyPlastic(1.0, 0.0, case.hardness)
@@ -141,14 +164,14 @@ def make_problem(case: Case, tolerance: float | None = None) -> rc.ContactProble
         rc.Body(rc.HeightMap(case.heights, size=size, periodic=True), material),
         boundary=case.boundary,
         kernel="love" if case.boundary == "free" else "fourier",
-        solver="auto" if tolerance is None else rc.ProjectedConjugateGradient(tolerance=tolerance),
+        convolver=convolver,
         adhesion=None if case.adhesion is None else rc.Exponential(*case.adhesion),
         threads=THREADS,
     )
 
 
-def solve_ours(case: Case, tolerance: float | None = None) -> np.ndarray:
-    problem = make_problem(case, tolerance)
+def solve_ours(case: Case, convolver: str = "auto") -> np.ndarray:
+    problem = make_problem(case, convolver)
     if case.adhesion is not None:
         return np.array(problem.solve(approach=float(problem.initial_gap.mean()) - case.mean).pressure)
     return np.array(problem.solve(pressure=case.mean).pressure)
@@ -263,6 +286,12 @@ PEERS = {
     "ASPHER": Peer("aspher", solve_aspher, 1e-6),
     "slippy": Peer("slippy", solve_slippy, 1e-5),
 }
+OURS = ("numpy", "compiled")
+SMALL_COLUMNS = (
+    *(f"ours, {code}, ms" for code in OURS),
+    *(f"{code}, ms" for code in PEERS),
+    *(f"ASPHER / {code}" for code in OURS),
+)
 # Factors between the tolerances of a ladder, and how many are tried.
 STEPS, RUNGS = (1.0, 0.5, 0.2), 10
 LOOSEST_GAP = 1e-3
@@ -326,8 +355,38 @@ def compare(case: Case, tolerances: dict[str, float]) -> dict[str, Run]:
         if found is not None:
             runs[name] = found
             mine.append(measure_run(solve_ours, case))
-    cpu, wall = (statistics.median(getattr(run, kind) for run in mine) for kind in ("cpu", "wall"))
-    return {"ours": attrs.evolve(mine[-1], cpu=cpu, wall=wall), **runs}
+    return {"ours": take_median(mine), **runs}
+
+
+def compare_small(case: Case) -> dict[str, Run]:
+    """Return the median runs of all codes, by turns in this process; ours by numpy and, with the plug-in, compiled."""
+    plain = "dc-fft" if case.boundary == "free" else "circular-fft"
+    names = [name for name in (plain, "compiled") if name in rc.convolvers]
+    solves = {
+        code: (lambda case, name=name: solve_ours(case, name), None) for code, name in zip(OURS, names, strict=False)
+    }
+    for solve, _ in solves.values():
+        measure_run(solve, case)
+    required = max(REQUIRED, *(measure_run(solve, case).violation for solve, _ in solves.values()))
+    for name, peer in PEERS.items():
+        if importlib.util.find_spec(peer.package) is None:
+            continue
+        # Imports and compilation are not counted.
+        measure_run(lambda case, peer=peer: peer.solve(case, peer.loosest), case)
+        found = match_run(peer, case, required)
+        if found is not None:
+            solves[name] = (lambda case, peer=peer, t=found.tolerance: peer.solve(case, t), found.tolerance)
+    runs: dict[str, list[Run]] = {code: [] for code in solves}
+    for _ in range(REPEATS):
+        for code, (solve, tolerance) in solves.items():
+            runs[code].append(measure_run(solve, case, tolerance))
+    return {code: take_median(several) for code, several in runs.items()}
+
+
+def take_median(runs: list[Run]) -> Run:
+    """Return the last of several runs with the medians of their times."""
+    cpu, wall = (statistics.median(getattr(run, kind) for run in runs) for kind in ("cpu", "wall"))
+    return attrs.evolve(runs[-1], cpu=cpu, wall=wall)
 
 
 @attrs.frozen(eq=False)
@@ -430,12 +489,15 @@ def compare_friction(cells: int = 128) -> None:
     )
 
 
-def compare_in_process(name: str, largest: int, threads: int, tolerances: dict[str, float]) -> dict[str, Run]:
+def compare_in_process(name: str, options: list[str], threads: int) -> dict[str, Run]:
     """Return the runs of one case in a process of its own with a number of threads."""
-    options = ["--largest", str(largest), "--case", name, "--tolerances", json.dumps(tolerances)]
     environment = {**os.environ, "OMP_NUM_THREADS": str(threads), "OPENBLAS_NUM_THREADS": str(threads)}
     output = subprocess.run(
-        [sys.executable, __file__, *options], env=environment, stdout=subprocess.PIPE, text=True, check=True
+        [sys.executable, __file__, "--case", name, *options],
+        env=environment,
+        stdout=subprocess.PIPE,
+        text=True,
+        check=True,
     ).stdout
     return {code: Run(**values) for code, values in json.loads(output.splitlines()[-1]).items()}
 
@@ -457,9 +519,11 @@ def main(largest: int, only: str, threads: int) -> None:
     for case in make_cases(largest):
         if only not in case.name:
             continue
-        single = compare_in_process(case.name, largest, 1, {})
+        options = ["--largest", str(largest)]
+        single = compare_in_process(case.name, options, 1)
         tolerances = {code: run.tolerance for code, run in single.items() if run.tolerance is not None}
-        parallel = compare_in_process(case.name, largest, threads, tolerances) if threads > 1 else {}
+        options += ["--tolerances", json.dumps(tolerances)]
+        parallel = compare_in_process(case.name, options, threads) if threads > 1 else {}
         mine = single["ours"]
         required = max(REQUIRED, mine.violation)
         ratios = []
@@ -474,19 +538,55 @@ def main(largest: int, only: str, threads: int) -> None:
         )
 
 
+def make_small_rows() -> list[list[str]]:
+    """Return the table of small grids, each contact in a process of its own on one thread."""
+    rows = [["case", *SMALL_COLUMNS]]
+    for case in make_small_cases():
+        runs = compare_in_process(case.name, ["--small"], 1)
+        required = max(REQUIRED, *(runs[code].violation for code in OURS if code in runs))
+        entries = [format_small(runs.get(code), required) for code in (*OURS, *PEERS)]
+        ratios = [format_ratio(runs.get("ASPHER"), runs.get(code)) for code in OURS]
+        name, cells = case.name.rsplit(", ", 1)
+        rows.append([f"{name}, {cells} x {cells}", *entries, *ratios])
+        print(" | ".join(rows[-1]), flush=True)
+    return rows
+
+
+def format_small(run: Run | None, required: float) -> str:
+    """Return a time in ms, and in brackets a violation above what is required."""
+    if run is None:
+        return "-"
+    missed = "" if run.violation <= required else f" ({run.violation:.0e})"
+    time_ms = 1e3 * run.cpu
+    return f"{time_ms:.0f}{missed}" if time_ms >= 100.0 else f"{time_ms:.3g}{missed}"
+
+
+def format_ratio(other: Run | None, own: Run | None) -> str:
+    return "-" if other is None or own is None else f"{other.cpu / own.cpu:.2g}"
+
+
+SHOWN = [column for column in ("case", *SMALL_COLUMNS) if column != "slippy, ms"]
+TABLES = {"small-codes": DocTable(make_small_rows, seconds=200, timed=SMALL_COLUMNS, shown=pick(SHOWN))}
+
+
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--largest", type=int, default=1024, help="maximum number of cells along a side (1024)")
     parser.add_argument("--only", default="", help="only the cases whose name contains this")
     parser.add_argument("--threads", type=int, default=len(os.sched_getaffinity(0)), help="number of all threads")
     parser.add_argument("--friction", action="store_true", help="the first step of a path with friction instead")
+    parser.add_argument("--small", action="store_true", help="the table of small grids instead, written to its page")
     parser.add_argument("--case", help=argparse.SUPPRESS)
     parser.add_argument("--tolerances", type=json.loads, default={}, help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.friction:
         compare_friction()
+    elif options.case is None and options.small:
+        write_tables(TABLES)
     elif options.case is None:
         main(options.largest, options.only, options.threads)
     else:
-        chosen = next(case for case in make_cases(options.largest) if case.name == options.case)
-        print(json.dumps({code: attrs.asdict(run) for code, run in compare(chosen, options.tolerances).items()}))
+        cases = make_small_cases() if options.small else make_cases(options.largest)
+        chosen = next(case for case in cases if case.name == options.case)
+        found = compare_small(chosen) if options.small else compare(chosen, options.tolerances)
+        print(json.dumps({code: attrs.asdict(run) for code, run in found.items()}))
