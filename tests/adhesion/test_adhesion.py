@@ -608,13 +608,14 @@ class TestLoadsThatAreCarried:
         problem = press_rubber()
         loads = [0.0, -5e3, -12e3, -20e3]
         sweep = problem.sweep(pressure=loads)
-        found = rc.Study(problems={"rubber": problem}, pressure=loads).run(tmp_path)
+        study = rc.Study(problems={"rubber": problem}, pressure=loads, fields=True)
+        found = study.run(tmp_path)
         assert [record.status for record in found] == [state.status.name for state in sweep]
         assert [record.approach for record in found] == pytest.approx([state.approach for state in sweep], rel=1e-6)
         # Continued from the files.
         for record in found[2:]:
             (tmp_path / f"{record.key}.npz").unlink()
-        again = rc.Study(problems={"rubber": problem}, pressure=loads).run(tmp_path)
+        again = study.run(tmp_path)
         assert [one.approach for one in again] == pytest.approx([one.approach for one in found], rel=1e-6)
 
 

@@ -15,7 +15,7 @@ from roughcontact.errors import NotWritten
 from roughcontact.typing import Table
 from scenes import ELASTIC, SMALL_GRID, SMALL_ROUGH, list_unfinished, small_problem, small_study
 from test_faults import full_disk, without_privileges
-from unit_files import write_index
+from unit_files import write_list
 
 # Ways to write a file of each format, by its name.
 FORMATS = {
@@ -25,7 +25,7 @@ FORMATS = {
     "report.csv": lambda path, made: made["report"].to_csv(path),
     **{f"report.{ending}": lambda path, made: made["report"].draw(path) for ending in ("png", "svg", "pdf")},
     "solution.png": lambda path, made: save_figure(made["solution"].plot(), path),
-    "study.json": lambda path, made: write_index(path, made["result"].records),
+    "study.json": lambda path, made: write_list(path, made["result"].records),
     "table.csv": lambda path, made: paper_output().write_results([made["table"]], {}, path.parent),
     "figure.png": lambda path, made: paper_output().write_results([], {"figure": Figure()}, path.parent),
     "maps.npz": lambda path, made: paper_maps()._write(path, "key", (made["maps"], 0.0, True)),
