@@ -155,7 +155,7 @@ def measure_adhesive_violation(pressure: np.ndarray, case: Case) -> tuple[float,
     return float(max(opened, below, -gap.min()) / case.heights.std()), 0.0
 
 
-def make_problem(case: Case, convolver: str = "auto") -> rc.ContactProblem:
+def make_problem(case: Case, tolerance: float | None = None, convolver: str = "auto") -> rc.ContactProblem:
     material = rc.Elastic(1.0, 0.0)
     if case.hardness is not None:
         material = rc.ElasticPerfectlyPlastic(1.0, 0.0, case.hardness)
@@ -165,13 +165,14 @@ def make_problem(case: Case, convolver: str = "auto") -> rc.ContactProblem:
         boundary=case.boundary,
         kernel="love" if case.boundary == "free" else "fourier",
         convolver=convolver,
+        solver="auto" if tolerance is None else rc.ProjectedConjugateGradient(tolerance=tolerance),
         adhesion=None if case.adhesion is None else rc.Exponential(*case.adhesion),
         threads=THREADS,
     )
 
 
-def solve_ours(case: Case, convolver: str = "auto") -> np.ndarray:
-    problem = make_problem(case, convolver)
+def solve_ours(case: Case, tolerance: float | None = None, convolver: str = "auto") -> np.ndarray:
+    problem = make_problem(case, tolerance, convolver)
     if case.adhesion is not None:
         return np.array(problem.solve(approach=float(problem.initial_gap.mean()) - case.mean).pressure)
     return np.array(problem.solve(pressure=case.mean).pressure)
@@ -363,7 +364,8 @@ def compare_small(case: Case) -> dict[str, Run]:
     plain = "dc-fft" if case.boundary == "free" else "circular-fft"
     names = [name for name in (plain, "compiled") if name in rc.convolvers]
     solves = {
-        code: (lambda case, name=name: solve_ours(case, name), None) for code, name in zip(OURS, names, strict=False)
+        code: (lambda case, name=name: solve_ours(case, convolver=name), None)
+        for code, name in zip(OURS, names, strict=False)
     }
     for solve, _ in solves.values():
         measure_run(solve, case)
