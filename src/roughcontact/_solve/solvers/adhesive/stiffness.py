@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from functools import cached_property
-from weakref import WeakKeyDictionary
 
 import attrs
 import numpy as np
@@ -28,9 +27,6 @@ _SINGULAR = 1e-9
 # stiffness of the longest wave.
 _SUPPORT = 0.5
 _LONGEST = 0.02
-# Cells of a grid up to which the stiffness is kept as long as its convolution: it is as large as a few fields.
-_MAX_KEPT_CELLS = 2**16
-_KEPT: WeakKeyDictionary[PreparedConvolution, dict[tuple[int, int], SurfaceStiffness]] = WeakKeyDictionary()
 
 
 @attrs.frozen(eq=False)
@@ -153,13 +149,7 @@ def surface_stiffness(convolution: PreparedConvolution, extended: tuple[int, int
     setup = convolution.setup
     if extended is None or not setup.boundary.has_free_axis:
         extended = extended_shape(setup.grid.shape, setup.boundary)
-    if setup.grid.cells > _MAX_KEPT_CELLS:
-        return _invert(setup, extended)
-    kept = _KEPT.setdefault(convolution, {})
-    if extended not in kept:
-        kept.clear()
-        kept[extended] = _invert(setup, extended)
-    return kept[extended]
+    return convolution._keep(("stiffness", extended), setup.grid, lambda: _invert(setup, extended))
 
 
 def _invert(setup: ConvolutionSetup, extended: tuple[int, int]) -> SurfaceStiffness:
