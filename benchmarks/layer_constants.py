@@ -55,7 +55,7 @@ def measure() -> dict[str, float]:
         tried = []
         for length in LENGTHS:
             calibration.EDGE_LENGTH, calibration.HERTZ_LENGTH = length, length
-            traced = trace_edges(solution)
+            traced = trace_edges(attrs.evolve(solution))
             tried.append((traced.area.sum() - true) / traced.strip.sum())
             # What was found for a solution is kept, so that this is another one.
             tried.append(hertz_areas(attrs.evolve(solution)).area.sum() / true - 1.0)

@@ -41,8 +41,7 @@ def test_errors_of_balls_in_random_places():
 @pytest.mark.slow
 @pytest.mark.parametrize("name", list(adhesion_classes.CLASSES))
 def test_coverage_of_a_class(name):
-    # Half of the balls that the benchmark judges, and all rough surfaces.
-    errors = judge(name, "held-out", adhesion_classes.CASES // 2)
+    errors = judge(name, "held-out", adhesion_classes.CASES)
     assert np.mean(errors <= 2.0) >= 0.93
     assert 0.15 < np.median(errors) < 1.0
 

@@ -414,7 +414,7 @@ class TestSweep:
         [((0.003, 0.1), None), ((0.6, 1.3), None), ((0.003, 0.1), 0.3 * SLOPE * YOUNG)],
         ids=["light", "nearly full", "limited"],
     )
-    def test_costs_less_than_its_loads(self, loads, hardness):
+    def test_costs_less_than_its_loads(self, loads, hardness, as_on_large_grids):
         problem = rough(128, hardness=hardness, seed=7)
         loads = np.linspace(*loads, 10) * SLOPE * YOUNG
         cold = sum(problem.solve(pressure=load).convolutions for load in loads)

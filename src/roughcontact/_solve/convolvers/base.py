@@ -48,10 +48,11 @@ from roughcontact.errors import InputError, argument
 # the default solver by less than 1 % (docs/studies/solver_constants.py).
 _PADDING_FACTOR = 1.25
 _PADDING_CELLS = 16
-# Maximum cells of a grid on which inverses and coarser grids are kept between solves, and how many of them: preparing
-# them takes a third of a solve on 64 x 64 cells.
-_MAX_KEPT_CELLS = 2**15
-_MAX_KEPT = 8
+# Maximum cells of a grid whose inverses, and of one whose convolution, are kept between solves, and how many of them:
+# preparing them takes a third of a solve on 64 x 64 cells. On a free boundary each part that can touch has its own.
+_MAX_INVERTED_CELLS = 2**15
+_MAX_KEPT_CELLS = 2**13
+_MAX_KEPT = 4
 
 T = TypeVar("T")
 
@@ -241,15 +242,17 @@ class PreparedConvolution(abc.ABC):
     def on(self, grid: Grid) -> PreparedConvolution:
         """Return the convolution of the same kernel and boundary on another grid: a coarser one, or a part."""
         setup = self.setup
-        return self._keep(grid, grid, lambda: setup.convolver.prepare(setup.kernel, grid, setup.boundary))
+        if grid.cells > _MAX_KEPT_CELLS:
+            return setup.convolver.prepare(setup.kernel, grid, setup.boundary)
+        return self._keep(grid, lambda: setup.convolver.prepare(setup.kernel, grid, setup.boundary))
 
     def inverse(self, dtype: type[np.float32] | type[np.float64] = np.float64) -> InverseConvolution:
         """Return the approximate inverse, its stiffness in a precision."""
-        return self._keep(np.dtype(dtype), self.setup.grid, lambda: approximate_inverse(self.setup, dtype))
+        return self._keep(np.dtype(dtype), lambda: approximate_inverse(self.setup, dtype))
 
-    def _keep(self, key: Hashable, grid: Grid, prepare: Callable[[], T]) -> T:
-        """Return what is prepared on a small grid from the last solves, or prepare it."""
-        if grid.cells > _MAX_KEPT_CELLS:
+    def _keep(self, key: Hashable, prepare: Callable[[], T]) -> T:
+        """Return what the last solves have prepared for a small grid, or prepare it."""
+        if self.setup.grid.cells > _MAX_INVERTED_CELLS:
             return prepare()
         kept = self._kept
         found: T | None = kept.get(key)

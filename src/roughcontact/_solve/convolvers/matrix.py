@@ -22,7 +22,7 @@ from roughcontact._solve.convolvers.transforms import (
 )
 
 # Maximum waves of a field that are multiplied as a whole: calls cost more there than passes over memory.
-_MAX_WHOLE_WAVES = 2**16
+_MAX_WHOLE_WAVES = 2**15
 
 
 @attrs.frozen(eq=False)

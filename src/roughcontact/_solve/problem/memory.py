@@ -17,7 +17,7 @@ _CONTACT_FRACTIONS = {False: (0.0, 0.4), True: (0.0, 0.1, 0.4)}
 _ARRAYS_AT_FRACTIONS = {False: (8.0, 11.4), True: (11.5, 12.7, 15.2)}
 # Minimum arrays if vectors hold all cells, as for other solvers and the direct sum; measured by
 # tests/problems/test_memory.py.
-UNRESTRICTED_ARRAYS = 14.0
+UNRESTRICTED_ARRAYS = 14.5
 # Divisor of the sides of the largest proposed grid, so that they can be halved to coarser grids.
 _SIDE_MULTIPLE = 32
 

@@ -29,7 +29,7 @@ _MAX_LOAD = 1e15
 _MAX_PRESSURE_LIMIT = 1e30
 # Most cells of a grid whose convolution is kept for other problems on it, as a study has them, and how many are kept:
 # preparing one takes a tenth of a solve at 128 x 128, and less on larger grids.
-_MAX_KEPT_CELLS = 2**16
+_MAX_KEPT_CELLS = 2**15
 _MAX_KEPT = 4
 
 

@@ -269,6 +269,8 @@ def _find_unevenness(place: Place, window: _Window, waves: Waves, measured: Mask
     surface, and a contact smaller than its.
     """
     heights, slopes, compared = _sample_slopes(place, window, measured)
+    if not compared.any():
+        return None
     # The contact knows only the upper half.
     upper = compared & (heights < heights.mean(where=compared))
     if not slopes[upper].any():

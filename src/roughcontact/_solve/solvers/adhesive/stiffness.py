@@ -149,7 +149,7 @@ def surface_stiffness(convolution: PreparedConvolution, extended: tuple[int, int
     setup = convolution.setup
     if extended is None or not setup.boundary.has_free_axis:
         extended = extended_shape(setup.grid.shape, setup.boundary)
-    return convolution._keep(("stiffness", extended), setup.grid, lambda: _invert(setup, extended))
+    return convolution._keep(("stiffness", extended), lambda: _invert(setup, extended))
 
 
 def _invert(setup: ConvolutionSetup, extended: tuple[int, int]) -> SurfaceStiffness:

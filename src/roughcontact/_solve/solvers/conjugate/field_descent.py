@@ -294,7 +294,8 @@ class NumpyPasses(FieldPasses):
                 bounds = bound if limit is None else limits_at(limit, active)
                 carried = float(np.add.reduce(pressure[active]))
                 trial[active] = shift_to_load(trial[active], carried, np.asarray(bounds), error)
-        return trial, (trial - pressure).astype(np.float32), clipped
+        step = np.subtract(trial, pressure, out=np.empty(trial.shape, dtype=np.float32), casting="same_kind")
+        return trial, step, clipped
 
     def slopes(self, residual: RealArray, step: RealArray, change: RealArray) -> tuple[float, float]:
         """See `FieldPasses.slopes`."""

@@ -31,7 +31,7 @@ _MIN_LIMIT = 1e-100
 # Distance from the circle that is rounding, over the limit.
 _ON_CIRCLE = 1e-12
 # Values of vectors that are stored at once: one part of them needs no thread of its own.
-_MAX_WHOLE_VALUES = 2**16
+_MAX_WHOLE_VALUES = 2**15
 # Rounding of a displacement in float64, over its terms.
 _ROUNDING = 32.0 * float(np.finfo(np.float64).eps)
 

@@ -23,7 +23,7 @@ _MIN_WEIGHT = 0.02
 # Mean weight, over the same, below which the contact is nearly full and moves as one: from 95 % of the area on.
 _FULL_CONTACT_WEIGHT = 0.008
 # Cells of a grid up to which all cells weigh alike: at 64 and 128 cells a side that takes a tenth more iterations.
-_MAX_SMALL_CELLS = 2**16
+_MAX_SMALL_CELLS = 2**15
 # Minimum mean weight of a cell, far below that of one.
 _MIN_MEAN = 1e-15
 
