@@ -45,6 +45,8 @@ _PASSIVE_ALLOWANCE = 0.02
 _ARRAYS = {False: 19.0, True: 23.6}
 # Maximum cells a side of the grid that the host takes to estimate the approach.
 _MAX_HOST_CELLS = 128
+# Minimum cells of a grid that the core halves to estimate an approach.
+_MIN_HALVED_CELLS = 2**13
 # Verifications in turn that do not halve the error after which the default solver continues.
 _MAX_IDLE_ROUNDS = 3
 _DEFAULT = rc.ProjectedConjugateGradient()
@@ -370,7 +372,7 @@ def _estimate_approach(convolution: PreparedConvolution, task: Task) -> tuple[fl
     shape = grid.shape
     half = halve_shape(shape)
     # The core halves at least once more.
-    while max(shape) > _MAX_HOST_CELLS and halve_shape(half) != half:
+    while max(shape) > _MAX_HOST_CELLS and half[0] * half[1] >= _MIN_HALVED_CELLS and halve_shape(half) != half:
         shape = half
         half = halve_shape(half)
     sizes = (grid.shape[0] // shape[0], grid.shape[1] // shape[1])
