@@ -15,6 +15,7 @@ from roughcontact._base.units import Deferred
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._parts.surfaces import FlatSurface, polynomial
 from roughcontact._solve.solution.fields import ContactFields
+from roughcontact.errors import InputError
 from roughcontact.reference.roughness import Waves, find_lay, transform_waves
 
 # Maximum cells of a contact whose answers hold its fields until their sampling errors are read.
@@ -149,8 +150,12 @@ class Place:
 
     @cached_property
     def statistics(self) -> PlaceStatistics | None:
-        """The statistics of the place; None without roughness."""
-        return find_place_statistics(self)
+        """The statistics of the place; None without roughness, or where too few points were measured to tell it."""
+        try:
+            return find_place_statistics(self)
+        except InputError:
+            # Too few points for a form.
+            return None
 
     def defer(self, find: Callable[[Place, PlaceStatistics], float | None], *, at_once: bool) -> Deferred:
         """Return a sampling error that is found when it is read; of large contacts at once, or it would hold them."""
