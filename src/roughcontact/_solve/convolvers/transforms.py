@@ -30,7 +30,8 @@ def transform_rows(values: RealArray, length: int) -> Waves:
 
 def transform_columns(waves: Waves, length: int) -> Waves:
     """Return the waves of each column of some fields, padded with zeros to `length`; the waves may be overwritten."""
-    found: Waves = scipy.fft.fft(waves, n=length, axis=-2, overwrite_x=True, workers=threads_for(2 * waves.size))
+    threads = threads_for(2 * (waves.size // waves.shape[-2]) * length)
+    found: Waves = scipy.fft.fft(waves, n=length, axis=-2, overwrite_x=True, workers=threads)
     return found
 
 
@@ -108,11 +109,9 @@ def _multiply_columns(waves: Waves, symbol: RealArray, length: int) -> Waves:
         return waves
     # Two one-dimensional transforms are twice as fast as scipy's two-dimensional inverse.
     rows = waves.shape[0]
-    threads = threads_for(2 * symbol.size)
-    waves = scipy.fft.fft(waves, n=length, axis=0, overwrite_x=True, workers=threads)
+    waves = transform_columns(waves, length)
     waves *= symbol
-    back: Waves = scipy.fft.ifft(waves, axis=0, overwrite_x=True, workers=threads)
-    return back[:rows]
+    return transform_columns_back(waves)[:rows]
 
 
 def transform_extended(values: RealArray, length: int, odd: bool, axis: int = 0) -> RealArray:
