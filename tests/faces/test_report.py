@@ -142,7 +142,10 @@ def test_the_advice_of_a_wave_is_not_the_luckiest_grid():
     report = rc.error_vs_time(problem, pressure=1e9, cells=[24, 48, 96], areas=["blend"], repeats=1)
     assert report.rows[0].error("area") < 0.02
     assert report.rows[0].area_uncertainty > 0.02 * report.rows[0].area
-    assert report.advice(area=0.02).startswith("For an area error of 2 %: 48 x 48 cells with blend")
+    # On grids this small the clock does not tell which is cheaper.
+    rows = [attrs.evolve(row, cpu=Timing.of([row.shape[0] / 1e4])) for row in report.rows]
+    advice = attrs.evolve(report, rows=rows).advice(area=0.02)
+    assert advice.startswith("For an area error of 2 %: 48 x 48 cells with blend")
 
 
 def test_advice_states_what_is_not_resolved():
