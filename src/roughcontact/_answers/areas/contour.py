@@ -15,6 +15,7 @@ from roughcontact._answers.areas.dual_cells import (
     CORNER_COUNTS,
     CORNERS_INSIDE,
     CellOwners,
+    DualCells,
     find_dual_cells,
     find_kinds,
 )
@@ -48,6 +49,9 @@ _KEY_OFFSET = 0.382
 # Difference of the distances of two corners from a straight edge along the grid, over the side of a dual cell: rounding
 # and the tolerance of the solution.
 _MAX_UNEVEN_DISTANCE = 1e-3
+# Cells of a grid up to which the edges between neighbouring cells and between those two apart are measured together:
+# then the number of calls decides, on larger ones the memory.
+_MOST_CELLS_AT_ONCE = 2**16
 # Minimum cells across a patch between two straight edges.
 _MIN_STRAIGHT_CELLS = 2
 # Newton steps for y^2 from a start within 9 % (quadratic convergence, rounding after 4), and inside a bracket.
@@ -148,13 +152,26 @@ def trace_contour(solution: ContactSolution, sharp: Mask, stride: int = 1) -> Co
     With a stride it is the mean over all choices of cells. At the cells `sharp` of sharp edges, shape (nx, ny), cells
     are counted instead.
     """
-    dual = find_dual_cells(solution, stride)
+    return _trace(solution, sharp, (stride,))[0]
+
+
+def trace_both(solution: ContactSolution, sharp: Mask) -> tuple[Contour, Contour]:
+    """Return `trace_contour` between neighbouring cells, and between cells two apart."""
+    if solution.grid.cells > _MOST_CELLS_AT_ONCE:
+        return trace_contour(solution, sharp, 1), trace_contour(solution, sharp, 2)
+    one, two = _trace(solution, sharp, (1, 2))
+    return one, two
+
+
+def _trace(solution: ContactSolution, sharp: Mask, strides: tuple[int, ...]) -> list[Contour]:
+    """Return the edges for strides, powers of two in ascending order, whose dual cells are measured together."""
+    duals = [find_dual_cells(solution, stride) for stride in strides]
     patches = solution.patches
-    i, j = dual.find_edge(solution.contact)
-    mine = solution.parts.own_rows(i - dual.before[0])
-    i = i[mine]
-    j = j[mine]
-    k = dual.corners(i, j)
+    edges = [_find_own_edge(solution, dual) for dual in duals]
+    counts = [i.size for i, _ in edges]
+    k = np.concatenate([dual.corners(i, j) for dual, (i, j) in zip(duals, edges, strict=True)], axis=1)
+    weight = np.concatenate([dual.weigh(i, j) for dual, (i, j) in zip(duals, edges, strict=True)])
+    stride = np.repeat(np.array(strides, dtype=np.float64), counts)
     label = patches.labels.ravel().take(k)
     touching = label > 0
     kind = find_kinds(touching)
@@ -162,39 +179,62 @@ def trace_contour(solution: ContactSolution, sharp: Mask, stride: int = 1) -> Co
     beside, meeting = _find_non_measured(solution, k, touching)
     # Beside non-measured points the contact ends with the cells.
     counted = jagged | beside
-    size = (stride * solution.grid.spacing[0], stride * solution.grid.spacing[1])
-    whole = size[0] * size[1]
+    size = solution.grid.spacing
     distance = find_distances(solution, k, touching, stride)
     parts, chords, euler = measure_polygons(distance, touching, kind, size)
+    parts *= stride * stride
+    chords *= stride
     # The corners in contact have a quarter each.
-    quarters = CORNER_COUNTS.take(kind) / 4.0 * whole
+    quarters = CORNER_COUNTS.take(kind) / 4.0 * (size[0] * size[1] * stride * stride)
     parts = np.where(counted, quarters, parts)
-    fine = stride == 1
-    alike = _count_alike(solution.parts, parts / whole, chords / size[0], distance) if fine else None
     straight = np.zeros(patches.count + 1)
-    if fine and _has_known_edge(solution):
-        straight, parts = _place_straight_edges(solution, label, distance, parts, counted)
-    weight = dual.weigh(i, j)
+    # The edges between neighbouring cells are the first.
+    is_fine = strides[0] == 1
+    fine = slice(counts[0] if is_fine else 0)
+    if is_fine and _has_known_edge(solution):
+        straight, parts[fine] = _place_straight_edges(
+            solution, label[:, fine], kind[fine], distance[:, fine], parts[fine], counted[fine]
+        )
+    alike = _count_alike(solution.parts, parts[fine] / (size[0] * size[1]), chords[fine] / size[0], distance[:, fine])
     smooth = weight * ~counted
-    owners = CellOwners.find(label, kind, patches.count)
+    # Each of the strides has its own sums.
+    width = patches.count + 1
+    if len(strides) > 1:
+        label = np.where(touching, label + np.repeat(np.arange(len(strides)) * width, counts), 0)
+    owners = CellOwners.find(label, kind, len(strides) * width - 1)
     # At the edge the area of the polygon replaces the quarters of the corners in contact.
-    sums = [owners.sum(term) for term in ((parts - quarters) * weight, chords * smooth, euler * smooth)]
-    if alike is not None:
-        steps = _measure_steps(kind, size, jagged)
-        sums += [owners.sum(term * weight) for term in (np.ones(kind.size), jagged, steps, alike, meeting)]
-    sums = [*solution.parts.total(np.stack(sums))]
-    replaced, length, euler = sums[:3]
-    total, jagged_part, steps, equal, met = sums[3:] or np.zeros((5, patches.count + 1))
-    return Contour(
-        area=solution.grid.cell_area * dual.cover(solution) + replaced,
-        length=length,
-        euler=euler,
-        sharp=_divide_or(jagged_part, total, 0.0),
-        sharp_length=steps,
-        alike=_divide_or(equal, total, 1.0),
-        meeting=met,
-        straight=straight,
-    )
+    terms = [(parts - quarters) * weight, chords * smooth, euler * smooth]
+    if is_fine:
+        equal = np.zeros(kind.size)
+        equal[fine] = alike
+        terms += [weight, equal * weight]
+        terms += [term * weight for term in (jagged, _measure_steps(kind, size, jagged), meeting)]
+    sums = np.stack([owners.sum(term) for term in terms]).reshape(len(terms), len(strides), width)
+    sums = solution.parts.total(sums)
+    contours = []
+    for number, dual in enumerate(duals):
+        replaced, length, euler_sum = sums[:3, number]
+        total, equal_sum, jagged_part, steps, met = sums[3:, 0] if strides[number] == 1 else np.zeros((5, width))
+        contours.append(
+            Contour(
+                area=solution.grid.cell_area * dual.cover(solution) + replaced,
+                length=length,
+                euler=euler_sum,
+                sharp=_divide_or(jagged_part, total, 0.0),
+                sharp_length=steps,
+                alike=_divide_or(equal_sum, total, 1.0),
+                meeting=met,
+                straight=straight if strides[number] == 1 else np.zeros(width),
+            )
+        )
+    return contours
+
+
+def _find_own_edge(solution: ContactSolution, dual: DualCells) -> tuple[IntArray, IntArray]:
+    """Return rows and columns of the dual cells at the edge that belong to this part of the contact alone."""
+    i, j = dual.find_edge(solution.contact)
+    mine = solution.parts.own_rows(i - dual.before[0])
+    return i[mine], j[mine]
 
 
 def _measure_steps(kind: npt.NDArray[np.uint8], size: Pair, chosen: Mask) -> Array:
@@ -217,7 +257,12 @@ def _has_known_edge(solution: ContactSolution) -> bool:
 
 
 def _place_straight_edges(
-    solution: ContactSolution, label: IntArray, distance: Corners, parts: Array, counted: Mask
+    solution: ContactSolution,
+    label: IntArray,
+    kind: npt.NDArray[np.uint8],
+    distance: Corners,
+    parts: Array,
+    counted: Mask,
 ) -> tuple[Array, Array]:
     """Return the side of a cell across the edges of patches that have only straight ones along the grid, and all areas.
 
@@ -225,15 +270,16 @@ def _place_straight_edges(
     """
     grid = solution.grid
     count = solution.patches.count + 1
+    even = (_TWO_INSIDE & ~_DIAGONAL_INSIDE).take(kind) & ~counted
+    patch = label.max(axis=0)
+    sides, corners = _count_sides(solution, patch, ~even)
+    if (corners[1:] > 0).all():
+        return np.zeros(count), parts
     inside = label > 0
     ordered = np.sort(distance, axis=0)
     uneven = np.maximum(ordered[1] - ordered[0], ordered[3] - ordered[2])
-    even = (inside.sum(axis=0) == 2) & (inside[0] != inside[2]) & ~counted
     even &= uneven <= _MAX_UNEVEN_DISTANCE * (ordered[3] - ordered[0])
-    patch = label.max(axis=0)
-    sides, uneven_sides = solution.parts.total(
-        np.stack([np.bincount(of, minlength=count) for of in (patch, patch[~even])])
-    )
+    _, uneven_sides = _count_sides(solution, patch, ~even)
     # Narrower patches have no edge that is known: one row of sides on either side of their cells.
     cells = np.concatenate(([0], solution.patches.cells))
     straight = (sides > 0) & (2 * cells >= _MIN_STRAIGHT_CELLS * sides)
@@ -251,6 +297,12 @@ def _place_straight_edges(
     across_edges = np.zeros(straight.size)
     across_edges[patch[chosen]] = across
     return solution.parts.highest(across_edges), parts
+
+
+def _count_sides(solution: ContactSolution, patch: IntArray, chosen: Mask) -> IntArray:
+    """Return the numbers of dual cells, and of chosen ones, at the edge of each patch, shape (2, count + 1)."""
+    count = solution.patches.count + 1
+    return solution.parts.total(np.stack([np.bincount(of, minlength=count) for of in (patch, patch[chosen])]))
 
 
 def _find_non_measured(solution: ContactSolution, k: IntArray, touching: Mask) -> tuple[Mask, Mask]:
@@ -287,8 +339,11 @@ def find_modulus_change(solution: ContactSolution) -> float:
     return abs(math.log(longer / shorter))
 
 
-def find_distances(solution: ContactSolution, k: IntArray, contact: Mask, stride: int = 1) -> Corners:
-    """Return the signed distance from the edge at the corners `k`, `stride` apart, of dual cells, shape (4, n), m."""
+def find_distances(solution: ContactSolution, k: IntArray, contact: Mask, stride: float | Array = 1) -> Corners:
+    """Return the signed distance from the edge at the corners `k`, `stride` apart, of dual cells, shape (4, n), m.
+
+    The stride is that of all dual cells, or of each, shape (n,).
+    """
     dx, dy = solution.grid.resolved.spacing
     size = (stride * dx, stride * dy)
     step = np.sqrt(size[0] * size[1])
@@ -317,7 +372,7 @@ def find_distances(solution: ContactSolution, k: IntArray, contact: Mask, stride
     if rootless.any():
         top = inside[:, rootless].max(axis=0), outside[:, rootless].max(axis=0)
         # The square of P y^3 + G y is a cubic in w too.
-        saddle = (_SADDLE_DISTANCE_CELLS * step) ** 2
+        saddle = (_SADDLE_DISTANCE_CELLS * np.broadcast_to(step, rootless.shape)[rootless]) ** 2
         w[rootless] = _find_root(top[0] ** 2, 2 * top[0] * top[1], top[1] ** 2, highest[rootless], saddle)
     y = np.sqrt(w)
     return np.asarray(inside * (w * y) - outside * y)
@@ -331,14 +386,14 @@ def _find_edge_moduli(moduli: tuple[float, ...], inward: tuple[Array, Array], ou
     return np.asarray(np.interp(turns % 1.0, np.arange(len(moduli) + 1) / len(moduli), (*moduli, moduli[0])))
 
 
-def _differentiate(values: Corners, size: tuple[float, float]) -> tuple[Array, Array]:
+def _differentiate(values: Corners, size: tuple[float | Array, float | Array]) -> tuple[Array, Array]:
     low_left, high_left, high_right, low_right = values
     along_x = (high_left + high_right - low_left - low_right) / (2.0 * size[0])
     along_y = (high_right + low_right - low_left - high_left) / (2.0 * size[1])
     return along_x, along_y
 
 
-def _find_root(cubic: Array, square: Array, linear: Array, highest: Array, value: float = 1.0) -> Array:
+def _find_root(cubic: Array, square: Array, linear: Array, highest: Array, value: float | Array = 1.0) -> Array:
     """Return w in [0, highest] where the polynomial reaches a value, by Newton's method."""
     with np.errstate(divide="ignore", invalid="ignore"):
         # Each term alone reaches the value at the inverse of one of these; their sum near the inverse of the norm.
@@ -348,11 +403,13 @@ def _find_root(cubic: Array, square: Array, linear: Array, highest: Array, value
             w = w - excess / ((3.0 * cubic * w + 2.0 * square) * w + linear)
     wild = (square < 0.0) | ~((w >= 0.0) & (w < np.inf))
     if wild.any():
-        w[wild] = _find_bracketed_root(cubic[wild], square[wild], linear[wild], highest[wild], value)
+        w[wild] = _find_bracketed_root(
+            cubic[wild], square[wild], linear[wild], highest[wild], np.broadcast_to(value, wild.shape)[wild]
+        )
     return w
 
 
-def _find_bracketed_root(cubic: Array, square: Array, linear: Array, highest: Array, value: float) -> Array:
+def _find_bracketed_root(cubic: Array, square: Array, linear: Array, highest: Array, value: Array) -> Array:
     low = np.zeros_like(highest)
     high = highest.copy()
     w = 0.5 * highest

@@ -15,7 +15,7 @@ from roughcontact._answers.areas.cells import (
     find_sharp_edges,
     find_straight_rows,
 )
-from roughcontact._answers.areas.contour import Contour, find_modulus_change, trace_contour
+from roughcontact._answers.areas.contour import Contour, find_modulus_change, trace_both
 from roughcontact._answers.areas.initial_gap import curvature_resolution, find_filled, lay_ratio, rim_ratio
 from roughcontact._base.arrays import Array, Mask
 from roughcontact._base.units import WarningText
@@ -179,7 +179,7 @@ def trace_edges(solution: ContactSolution) -> TracedEdges:
 
 def _trace_edges(solution: ContactSolution) -> TracedEdges:
     sharp = find_sharp_edges(solution)
-    one, two = (trace_contour(solution, sharp, stride) for stride in (1, 2))
+    one, two = trace_both(solution, sharp)
     fine = _correct(solution, one, 1)
     coarse = _correct(solution, two, 2)
     cell = solution.grid.cell_area
