@@ -121,7 +121,7 @@ def test_rows_of_sides_across_the_border_are_one():
     assert count_sides(on_periodic) == count_sides(on_free) == 12
     assert count_sides(on_free, np.indices(contact.shape)[1] < 4) == 6
     i, j = np.nonzero(contact & ~np.roll(contact, 1, axis=0))
-    starts, lengths = _find_rows(i, j, None)
+    starts, lengths = _find_rows(i, j, 0)
     assert (starts.tolist(), lengths.tolist()) == ([0, 2], [2, 2])
     starts, lengths = _find_rows(i, j, 8)
     assert (starts.tolist(), lengths.tolist()) == ([2], [4])

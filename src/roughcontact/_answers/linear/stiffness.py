@@ -181,29 +181,42 @@ def _find_areas(solution: ContactSolution, cells_of: Array, acting: Array, area:
 
 def _measure_rows(solution: ContactSolution, answer: Array, cells: Mask) -> tuple[Array, Array, Array, Array]:
     """Return the area loss of each patch, cells; the length of its sides, m; sum and integral of q^2 over them."""
-    count = solution.patches.count
-    labels = solution.patches.labels
-    lost, sides, squares, along = (np.zeros(count + 1) for _ in range(4))
+    width = solution.patches.count + 1
+    spacing = solution.grid.spacing
+    free = solution.boundary.free_axes
+    found: list[tuple[IntArray, IntArray, Array]] = []
+    cells_in_lines = []
     for axis in (0, 1):
         # Rows of sides that face x lie along y, and the other way round.
-        label, field = (solution.parts.lines(values, axis) for values in (labels, answer))
-        across = solution.grid.spacing[axis]
-        side = solution.grid.spacing[1 - axis]
+        label, field = (solution.parts.lines(values, axis).ravel() for values in (solution.patches.labels, answer))
         for step in (-1, 1):
-            open_ = ~_shift(solution.contact, step, axis, free=solution.boundary.free_axes[axis])
+            open_ = ~_shift(solution.contact, step, axis, free=free[axis])
             facing = solution.parts.lines(cells & open_, axis)
-            i, j = np.nonzero(facing)
-            if i.size == 0:
-                continue
-            members = label[i, j]
-            starts, lengths = _find_rows(i, j, None if solution.boundary.free_axes[1 - axis] else facing.shape[1])
-            loss = _find_loss(lengths, facing.shape[1], across / side)
-            lost += np.bincount(members[starts], weights=loss, minlength=count + 1)
-            sides += side * np.bincount(members, minlength=count + 1)
-            square = np.bincount(members, weights=field[i, j] ** 2, minlength=count + 1)
-            squares += square
-            along += side * square
-    lost, sides, squares, along = solution.parts.total(np.stack((lost, sides, squares, along))[:, 1:])
+            at = np.flatnonzero(facing)
+            found.append((at, label.take(at), field.take(at)))
+            cells_in_lines.append(facing.shape[1])
+    at, label, field = (np.concatenate(one) for one in zip(*found, strict=True))
+    group = np.repeat(np.arange(len(found)), [one[0].size for one in found])
+    longest = np.array(cells_in_lines)
+    repeating = np.where(np.repeat(free[::-1], 2), 0, longest)
+    line = at // longest[group]
+    place = at - line * longest[group]
+    # Lines of another group are other ones.
+    starts, lengths = _find_rows(line * len(found) + group, place, repeating[group])
+    of_rows = group[starts]
+    loss = np.empty(starts.size)
+    for axis in (0, 1):
+        rows = of_rows // 2 == axis
+        loss[rows] = _find_loss(lengths[rows], cells_in_lines[2 * axis], spacing[axis] / spacing[1 - axis])
+    owner = group * width + label
+    size = len(found) * width
+    side = np.repeat(spacing[::-1], 2)[:, np.newaxis]
+    lost, count, squares = (
+        np.bincount(of, weights=values, minlength=size).reshape(-1, width)
+        for of, values in ((owner[starts], loss), (owner, None), (owner, field**2))
+    )
+    sums = np.stack([one.sum(axis=0) for one in (lost, side * count, squares, side * squares)])
+    lost, sides, squares, along = solution.parts.total(sums[:, 1:])
     return lost, sides, squares, along
 
 
@@ -215,18 +228,27 @@ def _shift(mask: Mask, step: int, axis: int, *, free: bool) -> Mask:
     return moved
 
 
-def _find_rows(i: IntArray, j: IntArray, period: int | None) -> tuple[IntArray, IntArray]:
-    """Return where rows of adjacent sides at (i, j) begin, and their lengths; rows across the border are joined."""
-    starts = np.flatnonzero(np.concatenate(([True], (np.diff(i) != 0) | (np.diff(j) != 1))))
+def _find_rows(i: IntArray, j: IntArray, periods: IntArray | int) -> tuple[IntArray, IntArray]:
+    """Return where rows of adjacent sides at (i, j) begin, and their lengths.
+
+    Rows across the border are joined in lines that repeat after so many cells; zero for lines that do not.
+    """
+    starts = np.flatnonzero(np.concatenate(([i.size > 0], (np.diff(i) != 0) | (np.diff(j) != 1))))
     lengths = np.diff(np.append(starts, i.size))
-    if period is None:
-        return starts, lengths
-    heads = np.flatnonzero((j[starts] == 0) & (lengths < period))
-    tails = np.flatnonzero((j[starts] + lengths == period) & (lengths < period))
-    _, of_heads, of_tails = np.intersect1d(i[starts[heads]], i[starts[tails]], return_indices=True)
-    lengths[tails[of_tails]] += lengths[heads[of_heads]]
+    period = np.broadcast_to(periods, i.shape)[starts]
+    lines = i[starts]
+    first = j[starts]
+    parted = lengths < period
+    heads = np.flatnonzero(parted & (first == 0))
+    tails = np.flatnonzero(parted & (first + lengths == period))
+    head_of = np.full(int(lines.max(initial=0)) + 1, -1)
+    head_of[lines[heads]] = heads
+    joined = head_of[lines[tails]]
+    tails = tails[joined >= 0]
+    joined = joined[joined >= 0]
+    lengths[tails] += lengths[joined]
     kept = np.ones(starts.size, dtype=bool)
-    kept[heads[of_heads]] = False
+    kept[joined] = False
     return starts[kept], lengths[kept]
 
 
