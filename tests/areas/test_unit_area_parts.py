@@ -62,7 +62,7 @@ def test_the_cells_around_each_cell(boundary):
     for i in range(-2, 3):
         for j in range(-2, 3):
             expected = extended[2 + i : 7 + i, 2 + j : 9 + j]
-            np.testing.assert_array_equal(near.at(i, j), expected.ravel())
+            np.testing.assert_array_equal(near.at(np.array([(i, j)]))[0], expected.ravel())
 
 
 @pytest.mark.parametrize("boundary", ["periodic", "free"])

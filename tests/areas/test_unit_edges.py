@@ -98,7 +98,7 @@ def test_surroundings_are_those_of_a_padded_field(shape, boundary):
     for a in range(-reach, reach + 1):
         for b in range(-reach, reach + 1):
             expected = padded[reach + a : reach + a + shape[0], reach + b : reach + b + shape[1]]
-            np.testing.assert_array_equal(field.ravel()[near.at(a, b)].reshape(shape), expected)
+            np.testing.assert_array_equal(field.ravel()[near.at(np.array([(a, b)]))[0]].reshape(shape), expected)
 
 
 @pytest.mark.parametrize(("shape", "cell"), GRIDS)

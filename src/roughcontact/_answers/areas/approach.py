@@ -36,6 +36,15 @@ _MAX_SUMMIT_OFFSET = 0.75
 _TRIED_OFFSETS = np.linspace(-_MAX_SUMMIT_OFFSET, _MAX_SUMMIT_OFFSET, 13)
 # Cells on each side of a tip through which a hyperboloid is fitted.
 TIP_REACH = 2
+# Quadratic forms at these cells, shape (cells, 6).
+_TIP_FORMS = np.stack(
+    [
+        (x**a * y**b).ravel()
+        for x, y in [np.mgrid[-TIP_REACH : TIP_REACH + 1, -TIP_REACH : TIP_REACH + 1].astype(np.float64)]
+        for a, b in ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
+    ],
+    axis=1,
+)
 # Misfit of a paraboloid to the gap around a summit, over the range of the gap, below which the summit is one.
 _PARABOLOID_MISFIT = 1e-6
 # Smallest ratio of the principal curvatures of a hyperboloid: any ridge has one through five cells across it.
@@ -183,10 +192,7 @@ def fit_hyperboloid(near: Array) -> tuple[float | None, float]:
     if wide == 0.0:
         return None, 0.0
     gap = ((near - lowest) / wide).ravel()
-    x, y = (
-        part.ravel() for part in np.mgrid[-TIP_REACH : TIP_REACH + 1, -TIP_REACH : TIP_REACH + 1].astype(np.float64)
-    )
-    forms = np.stack((np.ones_like(x), x, y, x * x, x * y, y * y), axis=1)
+    forms = _TIP_FORMS
     round_off = float(np.linalg.norm(gap - forms @ np.linalg.lstsq(forms, gap, rcond=None)[0]))
     *form, shift = np.linalg.lstsq(np.column_stack((forms, -2.0 * gap)), gap**2, rcond=None)[0]
     hessian = np.array(((2.0 * form[3], form[4]), (form[4], 2.0 * form[5])))

@@ -78,10 +78,12 @@ class Neighbourhood:
         i, j = (np.clip(k, reach, n - 1 - reach) if free and n > 2 * reach else k for k, n, free in axes)
         return cls.of(i, j, shape, solution.boundary, reach)
 
-    def at(self, i: int, j: int) -> IntArray:
-        """Return the flat indices of the cells that are (i, j) cells away from each cell, shape (n,)."""
-        found = self.cells + (i * self.width + j)
-        found[self.near] = self.rows[self.reach + i] + self.columns[self.reach + j]
+    def at(self, steps: IntArray) -> IntArray:
+        """Return the flat indices of the cells that are such steps (i, j), shape (m, 2), from each cell, shape (m, n)."""
+        found = self.cells + (steps @ (self.width, 1))[:, np.newaxis]
+        if self.near.size:
+            i, j = (steps + self.reach).T
+            found[:, self.near] = self.rows[i] + self.columns[j]
         return np.asarray(found)
 
 
@@ -336,7 +338,7 @@ def _find_crease_std(solution: ContactSolution) -> float:
 def _find_lost_height(solution: ContactSolution, near: Neighbourhood, step: tuple[int, int]) -> Array:
     """Return the mean height of a crease across an axis above the cells, m; zero where there is none."""
     heights = solution.initial_gap.ravel()
-    line = np.stack([heights.take(near.at(k * step[0], k * step[1])) for k in range(-_REACH, _REACH + 1)])
+    line = heights.take(near.at(np.outer(np.arange(-_REACH, _REACH + 1), step)))
     bends = np.diff(line, 2, axis=0)
     lost = np.zeros(line.shape[1])
     for side in (1, -1):
@@ -354,10 +356,8 @@ def _count_run(solution: ContactSolution, near: Neighbourhood, step: tuple[int, 
     contact = solution.contact.ravel()
     count = np.ones(near.cells.shape, dtype=np.intp)
     for side in (1, -1):
-        joined = np.ones(near.cells.shape, dtype=bool)
-        for k in range(1, _REACH + 1):
-            joined &= contact[near.at(side * k * step[0], side * k * step[1])]
-            count += joined
+        beside = contact[near.at(np.outer(side * np.arange(1, _REACH + 1), step))]
+        count += np.logical_and.accumulate(beside).sum(axis=0)
     return count
 
 

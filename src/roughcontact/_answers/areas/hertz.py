@@ -35,6 +35,9 @@ _NEWTON_STEPS = 3
 # Largest gap at the nearest cell of a summit that touches, over curvature times the square of a cell's diagonal:
 # 1/8 for a summit in the corner of a cell; the sharpest summit may be sharper than those in contact.
 _HIDDEN_GAP_FACTOR = 0.25
+# Steps, in cells, to the four neighbours of a cell that come before it, and to those that come after it.
+_CELLS_BEFORE = np.array(((-1, -1), (-1, 0), (-1, 1), (0, -1)))
+_CELLS_AFTER = -_CELLS_BEFORE
 # Pressure limit, Pa, that stands for none in a mean over cells: finite, and above any material's.
 _NO_PRESSURE_LIMIT = 1e150
 
@@ -227,14 +230,11 @@ def _find_low_cells(solution: ContactSolution, sharpest: float) -> IntArray:
     near = Neighbourhood.of(*split(chosen, ny), (nx, ny), solution.boundary, 1)
     gap = solution.gap.ravel()
     contact = solution.contact.ravel()
-    lowest = np.ones(chosen.size, dtype=bool)
     here = gap[chosen]
-    for i in (-1, 0, 1):
-        for j in (-1, 0, 1):
-            beside = near.at(i, j)
-            # Equal neighbours have one summit between them: only the first counts.
-            higher = gap[beside] > here if (i, j) < (0, 0) else gap[beside] >= here
-            lowest &= higher & ~contact[beside]
+    before, after = (near.at(steps) for steps in (_CELLS_BEFORE, _CELLS_AFTER))
+    # Equal neighbours have one summit between them: only the first counts.
+    lowest = (gap[before] > here).all(axis=0) & (gap[after] >= here).all(axis=0)
+    lowest &= ~(contact[before] | contact[after]).any(axis=0)
     return chosen[lowest]
 
 

@@ -39,6 +39,9 @@ _MIN_STEP_CORRELATION = 0.1
 # Largest differences, over their rms, that count as alike, and as equal up to rounding.
 _ALIKE_DIFFERENCE = 1e-3
 _EXACT_DIFFERENCE = 1e-6
+# Steps, in cells, to the neighbours on the four sides, and to the three by three cells around one.
+_SIDES = np.array(((1, 0), (-1, 0), (0, 1), (0, -1)))
+_SURROUNDINGS = np.mgrid[-1:2, -1:2].reshape(2, 9).T
 # Degree of the spline: its second derivatives err by (q h)^4 / 720, 0.02 % at ten cells a wave.
 _DEGREE: Literal[5] = 5
 # Number of centres before and behind a point whose B-splines cover the point.
@@ -176,7 +179,7 @@ def _find_differences(solution: ContactSolution, chosen: IntArray) -> list[tuple
     heights = solution.initial_gap.ravel()
     found = []
     for a, b in ((1, 0), (0, 1)):
-        first, second, third, fourth = (heights.take(near.at(k * a, k * b)) for k in range(-1, 3))
+        first, second, third, fourth = heights.take(near.at(np.outer(range(-1, 3), (a, b))))
         found.append((first - 2.0 * second + third, second - 2.0 * third + fourth))
     return found
 
@@ -260,7 +263,7 @@ def _find_inner(solution: ContactSolution, chosen: IntArray) -> Mask:
     contact = solution.contact.ravel()
     places = split(chosen, shape[1])
     near = Neighbourhood.of(*places, shape, Boundary.PERIODIC, 1)
-    inner = np.logical_and.reduce([contact[near.at(*step)] for step in ((1, 0), (-1, 0), (0, 1), (0, -1))])
+    inner = contact[near.at(_SIDES)].all(axis=0)
     for at, n, free in zip(places, shape, solution.boundary.free_axes, strict=True):
         if free:
             # Beyond a free border nothing touches.
@@ -285,8 +288,7 @@ def _find_neighbours(solution: ContactSolution, chosen: IntArray) -> tuple[IntAr
     """Return the three by three cells around each cell, and the patch that each of them belongs to."""
     shape = solution.contact.shape
     near = Neighbourhood.of(*split(chosen, shape[1]), shape, solution.boundary, 1)
-    around = np.stack([near.at(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1)], axis=1)
-    return around.ravel(), np.repeat(solution.patches.labels.ravel()[chosen], 9)
+    return near.at(_SURROUNDINGS).T.ravel(), np.repeat(solution.patches.labels.ravel()[chosen], 9)
 
 
 def _find_hessian(solution: ContactSolution, chosen: IntArray) -> tuple[Array, Array, Array]:
@@ -310,12 +312,13 @@ def _gather_lines(
     """
     near = Neighbourhood.inside(solution, chosen, reach)
     heights = solution.initial_gap.ravel()
-    here = heights.take(near.at(0, 0))
-    steps = range(1, reach + 1)
-    return [
-        (here, [heights.take(near.at(k * a, k * b)) + heights.take(near.at(-k * a, -k * b)) for k in steps])
-        for a, b in ((1, 0), (0, 1), (1, 1), (1, -1))[:lines]
-    ]
+    here = heights.take(near.cells)
+    steps = np.arange(1, reach + 1)
+    found = []
+    for direction in ((1, 0), (0, 1), (1, 1), (1, -1))[:lines]:
+        ahead, behind = (heights.take(near.at(np.outer(side * steps, direction))) for side in (1, -1))
+        found.append((here, [*(ahead + behind)]))
+    return found
 
 
 @attrs.frozen(eq=False)

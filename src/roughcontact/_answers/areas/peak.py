@@ -82,7 +82,9 @@ class PeakPressure(Quantity):
             return Estimate(0.0, 0.0, "Pa")
         highest = _find_highest(solution)
         limit = np.broadcast_to(solution.pressure_limit, solution.contact.shape)
-        own = float(np.max(limit, where=solution.parts.own(solution.saturated), initial=0.0))
+        own = 0.0
+        if solution.capped:
+            own = float(np.max(limit, where=solution.parts.own(solution.saturated), initial=0.0))
         reached = solution.parts.highest(own)
         if reached > 0.0:
             return Estimate(reached, 0.0, "Pa", area.warnings)
@@ -102,7 +104,7 @@ class PeakPressure(Quantity):
         more = _NON_MEASURED_WARNING if _meets_non_measured(solution) else _SHARP_EDGE_WARNING if sharp else None
         pointed = peak * _find_point_error(solution, highest[top : top + 1], int(patches.cells[top]))
         uncertainty = math.hypot(float(std[top]), pointed, _find_residual_std(solution)) if more is None else peak
-        peak = min(peak, float(limit.max()))
+        peak = min(peak, float(solution.pressure_limit.max()))
         return warn_if_uncertain(peak, uncertainty, "Pa", area.warnings if more is None else (*area.warnings, more))
 
 

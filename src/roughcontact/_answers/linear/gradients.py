@@ -179,7 +179,7 @@ def _find_neighbours(solution: ContactSolution, cells: IntArray, axis: int) -> t
     """Return the neighbours of cells along an axis (the cells themselves where not measured) and their distance, m."""
     shape = solution.grid.shape
     near = Neighbourhood.of(*split(cells, shape[1]), shape, solution.boundary, 1)
-    low, high = (near.at(step, 0) if axis == 0 else near.at(0, step) for step in (-1, 1))
+    low, high = near.at(np.outer((-1, 1), (axis == 0, axis == 1)))
     if solution.non_measured is not None:
         unknown = solution.non_measured.ravel()
         low, high = (np.where(unknown[other], cells, other) for other in (low, high))
