@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
+from roughcontact._solve.problem import scene
 from roughcontact._work.studies import chain, lists
 from scenes import make_study, small_problem, small_study, without_seconds
 from systems import posix
@@ -117,7 +118,8 @@ def test_the_list_is_written_once_and_each_record_once(tmp_path, monkeypatch):
 
 def test_other_versions_are_solved_again(tmp_path, monkeypatch):
     plain_study(seeds=[0]).run(tmp_path)
-    monkeypatch.setattr("roughcontact._solve.solution.origin.versions", lambda: {"roughcontact": "0", "numpy": "0"})
+    numbers = {"roughcontact": "0", "numpy": "0"}
+    monkeypatch.setattr("roughcontact._solve.solution.origin.versions", lambda chosen=(): numbers)
     assert plain_study(seeds=[0]).run(tmp_path).computed == 6
     assert len(read_records(tmp_path)) == 12
 
@@ -234,3 +236,22 @@ def test_a_study_that_is_killed_twice_loses_nothing(tmp_path):
         one.key: one.seconds for one in result
     }.items()
     assert not list_journals(folder)
+
+
+class OtherConvolver(type(rc.convolvers.create("circular-fft"))):
+    """Stands for the convolver of a package that `"auto"` chooses where it is installed."""
+
+
+@pytest.mark.parametrize("seeds", [(), (1, 2)])
+def test_records_name_the_package_that_is_chosen(tmp_path, monkeypatch, seeds):
+    """Two versions of a plug-in round differently: neither may take the records of the other for its own."""
+    study = rc.Study(small_problem(), seeds=seeds, pressure=[1e6], fields=True)
+    first = study.run(tmp_path)
+    monkeypatch.setattr(scene, "choose_convolver", lambda grid, boundary: OtherConvolver())
+    second = rc.Study(small_problem(), seeds=seeds, pressure=[1e6], fields=True).run(tmp_path)
+    assert second.computed == len(second) == len(first)
+    assert {one.key for one in first}.isdisjoint(one.key for one in second)
+    # The file has the same name for it as the list.
+    named = [name for name in second.solution(second[0]).origin.versions if "OtherConvolver" in name]
+    assert len(named) == 1
+    assert rc.Study(small_problem(), seeds=seeds, pressure=[1e6], fields=True).run(tmp_path).computed == 0

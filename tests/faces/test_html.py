@@ -208,7 +208,7 @@ class TestContent:
         solution = solve()
         solution.save(tmp_path / "a.npz")
         later = {**solution.origin.versions, "roughcontact": "9.9.9"}
-        monkeypatch.setattr("roughcontact._solve.solution.origin.versions", lambda: later)
+        monkeypatch.setattr("roughcontact._solve.solution.origin.versions", lambda chosen=(): later)
         monkeypatch.setattr("roughcontact._solve.solution.storage.versions", lambda: later)
         loaded = rc.ContactSolution.load(tmp_path / "a.npz")
         assert loaded.origin.versions == solution.origin.versions

@@ -326,7 +326,7 @@ def make_plan(
 ) -> SolvePlan:
     """Return the plan of a problem; `InputError` unless its parts fit together."""
     kernel = kernels.resolve(kernel)
-    convolver = _choose_convolver(grid, boundary) if convolver == "auto" else convolvers.resolve(convolver)
+    convolver = choose_convolver(grid, boundary) if convolver == "auto" else convolvers.resolve(convolver)
     preferred = _AUTO_SOLVER if adhesion is None else _ADHESIVE_SOLVER
     solver = solvers.resolve(preferred if solver == "auto" else solver)
     convolver.require(kernel, boundary)
@@ -379,7 +379,7 @@ def make_plan(
     return plan
 
 
-def _choose_convolver(grid: Grid, boundary: Boundary) -> Convolver:
+def choose_convolver(grid: Grid, boundary: Boundary) -> Convolver:
     """Return the convolver that is the fastest on a grid: compiled, where one is installed and can be loaded."""
     if grid.cells <= _MAX_COMPILED_CELLS and _COMPILED_CONVOLVER in convolvers:
         with contextlib.suppress(InputError):

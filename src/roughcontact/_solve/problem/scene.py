@@ -17,7 +17,7 @@ from roughcontact._parts.kernels import InfluenceKernel
 from roughcontact._solve.convolvers import Convolver, PreparedConvolution, ShearConvolution
 from roughcontact._solve.problem.body import RIGID_FLAT, Body, InitialGap, find_initial_gap
 from roughcontact._solve.problem.memory import require_memory_of_solve
-from roughcontact._solve.problem.plan import SolvePlan, make_plan
+from roughcontact._solve.problem.plan import SolvePlan, choose_convolver, make_plan
 from roughcontact._solve.problem.task import prepare_convolution, prepare_shear, pressure_unit
 from roughcontact._solve.solution import Law, Process, as_laws
 from roughcontact._solve.solvers import Solver
@@ -118,6 +118,11 @@ class Scene:
         if not self.laws:
             del found["laws"]
         return found
+
+    @property
+    def chosen(self) -> tuple[type, ...]:
+        """The classes of the parts that ``"auto"`` chooses by what is installed, which `parts` does not name."""
+        return (type(choose_convolver(self._grid, self.boundary)),) if self.convolver == "auto" else ()
 
     @property
     def remembers(self) -> bool:

@@ -18,6 +18,7 @@ from roughcontact._base.archive.plain import (
     key_of,
     key_of_description,
     missing_classes,
+    programs,
     programs_of,
     public_class,
     rebuild_fields,
@@ -143,7 +144,11 @@ class Origin:
     load: Mapping[str, float]
     _saved: tuple[Described, Mapping[str, RealArray]] = attrs.field(default=(None, {}), kw_only=True, repr=False)
     source: Any = attrs.field(default=None, kw_only=True, repr=False)
-    versions: Mapping[str, str] = attrs.field(factory=lambda: versions(), kw_only=True)
+    versions: Mapping[str, str] = attrs.field(kw_only=True)
+
+    @versions.default
+    def _find_versions(self) -> dict[str, str]:
+        return versions(() if self.source is None else self.source.chosen)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _restore, (self._problem, self.load, self._saved, self.versions)
@@ -254,10 +259,17 @@ def _restore(
 _version = functools.cache(version)
 
 
-def versions() -> dict[str, str]:
-    """Return the versions that a result depends on."""
+def versions(chosen: tuple[type, ...] = ()) -> dict[str, str]:
+    """Return the versions that a result depends on, also those of the packages of parts that ``"auto"`` has chosen."""
     found = {name: _version(name) for name in ("roughcontact", "numpy", "scipy")}
-    return {**found, "python": platform.python_version()}
+    return {**found, **_find_programs(chosen), "python": platform.python_version()}
+
+
+@functools.cache
+def _find_programs(kinds: tuple[type, ...]) -> dict[str, str]:
+    """Return the versions of the programs that define classes, by name, except this package."""
+    named = (program.rpartition(" ") for program in programs(kinds))
+    return {name: number for name, _, number in named}
 
 
 def solution_key(
@@ -265,12 +277,13 @@ def solution_key(
     load: Mapping[str, float],
     made_by: Mapping[str, str] | None = None,
     earlier: Sequence[Mapping[str, float]] = (),
+    chosen: tuple[type, ...] = (),
 ) -> str:
     """Return the key of a solution, from the key of its problem, its load and the versions, by default today's.
 
-    Where a state depends on those before, `earlier` has their loads.
+    Where a state depends on those before, `earlier` has their loads; `chosen` is as in `versions`.
     """
-    numbers = versions() if made_by is None else made_by
+    numbers = versions(chosen) if made_by is None else made_by
     problem_key = key_of([problem_key, *earlier]) if earlier else problem_key
     return key_of([problem_key, load], *(f"{name} {number}" for name, number in numbers.items() if name != "python"))
 

@@ -186,8 +186,10 @@ class Chain(Point):
         content = key_of({**self.problem.parts, **self.bodies()})
         if self.loading.parts:
             content = key_of([content, *self.loading.parts])
+        chosen = self.problem.chosen
         return tuple(
-            solution_key(content, load.arguments, earlier=self.earlier(index)) for index, load in enumerate(self.loads)
+            solution_key(content, load.arguments, earlier=self.earlier(index), chosen=chosen)
+            for index, load in enumerate(self.loads)
         )
 
     def earlier(self, index: int) -> list[Mapping[str, float]]:

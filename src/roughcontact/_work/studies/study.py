@@ -289,6 +289,11 @@ class Study:
             described = {name: problem.parts for name, problem in self.problems.items()}
         return key_of([described, [load.arguments for load in self.loads], self.seeds, *self.loading.parts])
 
+    def _find_content(self) -> str:
+        """Return the key of its content and of the versions that its records depend on."""
+        chosen = dict.fromkeys(kind for problem in self.problems.values() for kind in problem.chosen)
+        return solution_key(self._long_key, {}, chosen=tuple(chosen))
+
     def chains(self) -> Iterator[Chain]:
         """Yield each problem with each seed, at all loads."""
         for chain in self._points(RecordList(Path(), self.key, None, ""), Known(), None):
@@ -356,7 +361,7 @@ class Study:
         part = None if share is None else Share.of(share)
         target = _make_folder(folder)
         remove_stale(target)
-        content = "" if isinstance(self.problems, BuiltProblems) else solution_key(self._long_key, {})
+        content = "" if isinstance(self.problems, BuiltProblems) else self._find_content()
         listed = RecordList(target, self.key, part, content)
         known = listed.read()
         chains = self._points(listed, known, part)
