@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import attrs
 import numpy as np
 import scipy
@@ -19,7 +21,7 @@ from roughcontact._answers.areas.summits import (
     solve_for_area,
     unwrap,
 )
-from roughcontact._base.arrays import Array, IntArray, Mask
+from roughcontact._base.arrays import Array, IntArray, Mask, Pair, read_only
 from roughcontact._parts.grid import grow
 from roughcontact._parts.kernels import Love
 from roughcontact._solve.solution import ContactSolution
@@ -154,8 +156,9 @@ def _average_cells(solution: ContactSolution, summits: Summits, chosen: Mask) ->
     # A patch across the border is one piece.
     di = np.abs(unwrap(i[one] - i[other], nx, free=free_x)).astype(np.intp)
     dj = np.abs(unwrap(j[one] - j[other], ny, free=free_y)).astype(np.intp)
-    reach = int(di.max(initial=0)) + 1, int(dj.max(initial=0)) + 1
-    love = Love().coefficients(reach, solution.grid.spacing, 1.0 / solution.modulus)
+    # The reach is rounded up, so that many contacts on equal grids have the same coefficients.
+    reach_x, reach_y = (1 << int(steps.max(initial=1)).bit_length() for steps in (di, dj))
+    love = _find_coefficients((reach_x, reach_y), solution.grid.spacing, 1.0 / solution.modulus)
     terms = [(pressure * part, label) for part in (x, y, x * x, x * y, y * y, solution.displacement.ravel()[members])]
     terms += [(love[di, dj] * pressure[one] * pressure[other], label[one]), (pressure, label)]
     # Sums over no cells are whole numbers.
@@ -163,6 +166,11 @@ def _average_cells(solution: ContactSolution, summits: Summits, chosen: Mask) ->
     *moments, displaced, own, total = solution.parts.total(sums)
     total[~chosen] = 1.0
     return np.stack(moments) / total, displaced / total - own / total
+
+
+@lru_cache(maxsize=8)
+def _find_coefficients(reach: tuple[int, int], spacing: Pair, compliance: float) -> Array:
+    return read_only(Love().coefficients(reach, spacing, compliance))
 
 
 def _pair_cells(label: IntArray) -> tuple[IntArray, IntArray]:

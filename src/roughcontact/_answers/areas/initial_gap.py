@@ -39,8 +39,9 @@ _MIN_STEP_CORRELATION = 0.1
 # Largest differences, over their rms, that count as alike, and as equal up to rounding.
 _ALIKE_DIFFERENCE = 1e-3
 _EXACT_DIFFERENCE = 1e-6
-# Steps, in cells, to the neighbours on the four sides, and to the three by three cells around one.
+# Steps, in cells, to the neighbours on the four sides, at the four corners, and to the three by three cells around one.
 _SIDES = np.array(((1, 0), (-1, 0), (0, 1), (0, -1)))
+_CORNERS = np.array(((1, 1), (-1, -1), (1, -1), (-1, 1)))
 _SURROUNDINGS = np.mgrid[-1:2, -1:2].reshape(2, 9).T
 # Degree of the spline: its second derivatives err by (q h)^4 / 720, 0.02 % at ten cells a wave.
 _DEGREE: Literal[5] = 5
@@ -128,7 +129,7 @@ def bend_at_border(solution: ContactSolution, chosen: IntArray) -> Array:
         if free:
             near |= (at < _DIFFERENCE_REACH) | (at >= n - _DIFFERENCE_REACH)
     bends = np.zeros(chosen.shape)
-    bends[near] = 0.5 * sum(pairs[0] - 2.0 * here for here, pairs in _gather_lines(solution, chosen[near], 1, 2))
+    bends[near] = 0.5 * sum(pairs[0] - 2.0 * here for here, pairs in _gather_lines(solution, Neighbourhood.inside(solution, chosen[near], 1), 1, 2))
     return bends
 
 
@@ -225,12 +226,14 @@ def _find_ratios(solution: ContactSolution) -> tuple[float, float, float, float]
     chosen = whole.sample(np.flatnonzero(whole.own(solution.contact)), _SAMPLE_CELLS)
     if whole.total(chosen.size) == 0:
         return 0.0, 0.0, 1.0, 0.0
-    *lines, rising, falling = _gather_lines(solution, chosen, 2, 4)
+    near = Neighbourhood.inside(solution, chosen, 2)
+    lines = _gather_lines(solution, near, 2, 2)
+    corners = solution.initial_gap.ravel().take(near.at(_CORNERS))
     bends = [pairs[0] - 2.0 * here for here, pairs in lines]
     fourth = sum(whole.mean((pairs[1] - 4.0 * pairs[0] + 6.0 * here) ** 2) for here, pairs in lines)
     second = sum(whole.mean(bend**2) for bend in bends)
     dx, dy = solution.grid.spacing
-    mixed = 0.25 * (rising[1][0] - falling[1][0])
+    mixed = 0.25 * ((corners[0] + corners[1]) - (corners[2] + corners[3]))
     xx = bends[0] / dx**2
     xy = mixed / (dx * dy)
     yy = bends[1] / dy**2
@@ -297,20 +300,21 @@ def _find_hessian(solution: ContactSolution, chosen: IntArray) -> tuple[Array, A
     along_x, along_y, rising, falling = (
         _SECOND_DIFFERENCE[0] * here
         + sum(factor * pair for factor, pair in zip(_SECOND_DIFFERENCE[1:], pairs, strict=True))
-        for here, pairs in _gather_lines(solution, chosen, _DIFFERENCE_REACH, 4)
+        for here, pairs in _gather_lines(
+            solution, Neighbourhood.inside(solution, chosen, _DIFFERENCE_REACH), _DIFFERENCE_REACH, 4
+        )
     )
     # Second differences along both diagonals differ by four mixed ones.
     return along_x / dx**2, along_y / dy**2, (rising - falling) / (4.0 * dx * dy)
 
 
 def _gather_lines(
-    solution: ContactSolution, chosen: IntArray, reach: int, lines: int
+    solution: ContactSolution, near: Neighbourhood, reach: int, lines: int
 ) -> list[tuple[Array, list[Array]]]:
     """Return the gap at cells, with the sums of both neighbours at each distance, along x, y and both diagonals.
 
     `lines` is the number of these lines.
     """
-    near = Neighbourhood.inside(solution, chosen, reach)
     heights = solution.initial_gap.ravel()
     here = heights.take(near.cells)
     steps = np.arange(1, reach + 1)

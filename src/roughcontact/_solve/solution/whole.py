@@ -102,8 +102,10 @@ class Whole:
     def count_equal(self, keys: Array) -> IntArray:
         """Return how many keys of a list are equal to each of them."""
         order = np.argsort(keys)
-        ends = np.flatnonzero(np.diff(keys[order], append=np.inf)) + 1
-        counts = np.diff(ends, prepend=0)
+        ordered = keys[order]
+        inner = np.flatnonzero(ordered[1:] - ordered[:-1]) + 1
+        ends = np.concatenate(([0], inner, [keys.size]))
+        counts = ends[1:] - ends[:-1]
         equal = np.empty(keys.size, dtype=np.intp)
         equal[order] = np.repeat(counts, counts)
         return equal
