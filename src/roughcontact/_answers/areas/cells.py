@@ -202,7 +202,8 @@ def _find_straight_rows(solution: ContactSolution) -> IntArray:
         lines = solution.parts.lines(sides, axis)
         if not boundary.free_axes[1 - axis]:
             # A row that crosses the border is one row: rotate its line so that it begins at a gap.
-            crossing = np.flatnonzero(lines[:, 0] & lines[:, -1] & ~lines.all(axis=1))
+            crossing = np.flatnonzero(lines[:, 0] & lines[:, -1])
+            crossing = crossing[~lines[crossing].all(axis=1)]
             first = np.argmin(lines[crossing], axis=1)[:, np.newaxis]
             order = (np.arange(lines.shape[1]) + first) % lines.shape[1]
             lines[crossing] = np.take_along_axis(lines[crossing], order, axis=1)

@@ -77,7 +77,10 @@ def measure_polygons(
     along, across = (np.where(_BEGINS_EVEN, *sides).take(kind) for sides in (size, size[::-1]))
     pair = _TWO_INSIDE.take(kind)
     triangle = 0.5 * rest * middle
-    chord = np.hypot(np.where(pair, 1.0, middle) * along, np.where(pair, end - rest, rest) * across)
+    one = np.where(pair, 1.0, middle) * along
+    other = np.where(pair, end - rest, rest) * across
+    # Much faster than `numpy.hypot`; no side of a cell leaves the range of its square.
+    chord = np.sqrt(one * one + other * other)
     area = np.where(pair, 0.5 * (rest + end), np.where(_THREE_INSIDE.take(kind), 1.0 - triangle, triangle))
     area *= size[0] * size[1]
     diagonal = np.flatnonzero(_DIAGONAL_INSIDE.take(kind))
@@ -351,7 +354,7 @@ def find_distances(solution: ContactSolution, k: IntArray, contact: Mask, stride
     inside = np.square(solution.pressure.ravel().take(k) / modulus)
     outside = np.zeros_like(inside)
     open_ = np.flatnonzero(~contact)
-    outside.ravel()[open_] = np.cbrt(np.square(0.75 * np.maximum(solution.gap.ravel().take(k.ravel()[open_]), 0.0)))
+    outside.ravel()[open_] = _cube_root(np.square(0.75 * np.maximum(solution.gap.ravel().take(k.ravel()[open_]), 0.0)))
     ax, ay = _differentiate(inside, size)
     bx, by = _differentiate(outside, size)
     if solution.directional_moduli is not None:
@@ -363,19 +366,44 @@ def find_distances(solution: ContactSolution, k: IntArray, contact: Mask, stride
     cubic = ax * ax + ay * ay
     square = -2.0 * (ax * bx + ay * by)
     linear = bx * bx + by * by
-    longest = _MAX_DISTANCE_CELLS * step
+    w = _approach_root(cubic, square, linear, 1.0)
+    longest = np.broadcast_to(_MAX_DISTANCE_CELLS * step, w.shape)
+    most = inside.max(axis=0), outside.max(axis=0)
+    with np.errstate(invalid="ignore", over="ignore"):
+        y = np.sqrt(w)
+        usual = (square >= 0.0) & (y < np.inf) & (w * y * most[0] <= longest) & (y * most[1] <= longest)
+    few = np.flatnonzero(~usual)
+    if few.size:
+        terms = cubic[few], square[few], linear[few]
+        found = _find_unusual_root(terms, (most[0][few], most[1][few]), longest[few])
+        w[few] = found
+        y[few] = np.sqrt(found)
+    return np.asarray(inside * (w * y) - outside * y)
+
+
+def _find_unusual_root(terms: tuple[Array, Array, Array], most: tuple[Array, Array], longest: Array) -> Array:
+    """Return w of dual cells where Newton's method does not find it, or finds no edge near them.
+
+    `terms` are those of the cubic, `most` the largest terms inside and outside, and `longest` the largest distance.
+    """
     with np.errstate(divide="ignore"):
-        highest = np.minimum(np.cbrt(longest / inside.max(axis=0)) ** 2, (longest / outside.max(axis=0)) ** 2)
+        highest = np.minimum(_cube_root(longest / most[0]) ** 2, (longest / most[1]) ** 2)
     highest = np.where(np.isfinite(highest), highest, 1.0)
-    w = _find_root(cubic, square, linear, highest)
+    w = _find_root(*terms, highest)
+    cubic, square, linear = terms
     rootless = ((cubic * highest + square) * highest + linear) * highest < 1.0
     if rootless.any():
-        top = inside[:, rootless].max(axis=0), outside[:, rootless].max(axis=0)
+        inside, outside = (part[rootless] for part in most)
         # The square of P y^3 + G y is a cubic in w too.
-        saddle = (_SADDLE_DISTANCE_CELLS * np.broadcast_to(step, rootless.shape)[rootless]) ** 2
-        w[rootless] = _find_root(top[0] ** 2, 2 * top[0] * top[1], top[1] ** 2, highest[rootless], saddle)
-    y = np.sqrt(w)
-    return np.asarray(inside * (w * y) - outside * y)
+        saddle = (_SADDLE_DISTANCE_CELLS / _MAX_DISTANCE_CELLS * longest[rootless]) ** 2
+        w[rootless] = _find_root(inside**2, 2 * inside * outside, outside**2, highest[rootless], saddle)
+    return w
+
+
+def _cube_root(values: Array) -> Array:
+    """Return the cube roots of values that are not negative, up to rounding; a quarter of the time of `numpy.cbrt`."""
+    with np.errstate(divide="ignore"):
+        return np.asarray(np.exp(np.log(values) / 3.0))
 
 
 def _find_edge_moduli(moduli: tuple[float, ...], inward: tuple[Array, Array], outward: tuple[Array, Array]) -> Array:
@@ -395,18 +423,26 @@ def _differentiate(values: Corners, size: tuple[float | Array, float | Array]) -
 
 def _find_root(cubic: Array, square: Array, linear: Array, highest: Array, value: float | Array = 1.0) -> Array:
     """Return w in [0, highest] where the polynomial reaches a value, by Newton's method."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        # Each term alone reaches the value at the inverse of one of these; their sum near the inverse of the norm.
-        w = 1.0 / np.sqrt(np.cbrt(cubic / value) ** 2 + square / value + (linear / value) ** 2)
-        for _ in range(_NEWTON_STEPS):
-            excess = ((cubic * w + square) * w + linear) * w - value
-            w = w - excess / ((3.0 * cubic * w + 2.0 * square) * w + linear)
+    w = _approach_root(cubic, square, linear, value)
     wild = (square < 0.0) | ~((w >= 0.0) & (w < np.inf))
     if wild.any():
         w[wild] = _find_bracketed_root(
             cubic[wild], square[wild], linear[wild], highest[wild], np.broadcast_to(value, wild.shape)[wild]
         )
     return w
+
+
+def _approach_root(cubic: Array, square: Array, linear: Array, value: float | Array) -> Array:
+    """Return the positive w where a polynomial without negative terms reaches a value, by Newton's method."""
+    triple = 3.0 * cubic
+    double = 2.0 * square
+    with np.errstate(divide="ignore", invalid="ignore"):
+        # Each term alone reaches the value at the inverse of one of these; their sum near the inverse of the norm.
+        w = 1.0 / np.sqrt(_cube_root(cubic / value) ** 2 + square / value + (linear / value) ** 2)
+        for _ in range(_NEWTON_STEPS):
+            excess = ((cubic * w + square) * w + linear) * w - value
+            w = w - excess / ((triple * w + double) * w + linear)
+    return np.asarray(w)
 
 
 def _find_bracketed_root(cubic: Array, square: Array, linear: Array, highest: Array, value: Array) -> Array:

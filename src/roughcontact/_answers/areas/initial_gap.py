@@ -12,7 +12,7 @@ import numpy as np
 
 from roughcontact._answers.areas.cells import Neighbourhood, split
 from roughcontact._base.arrays import Array, IntArray, Mask, Pair
-from roughcontact._parts.grid import Boundary, as_boundary
+from roughcontact._parts.grid import Boundary, as_boundary, pad_axes
 from roughcontact._solve.solution import ContactSolution, Whole, heal
 
 # Weights of the central second difference of eighth order at the offsets 0 to 4: 0.7 % too small at four cells a wave.
@@ -247,7 +247,7 @@ def _find_ratios(solution: ContactSolution) -> tuple[float, float, float, float]
     if second > 0.0:
         ratio = math.sqrt(fourth / second)
         # In units of the mean square, so that no height leaves the range of float64.
-        kurtosis = 2.0 * sum(whole.mean((bend / math.sqrt(second)) ** 4) for bend in bends)
+        kurtosis = 2.0 * sum(whole.mean(np.square(bend / math.sqrt(second)) ** 2) for bend in bends)
     return ratio, rim, _find_lay(whole, xx, xy, yy), kurtosis
 
 
@@ -356,7 +356,7 @@ class Spline:
         """Return the spline through values of shape (nx, ny)."""
         ends = (_CENTRES_BEFORE - 1, _CENTRES_BEHIND)
         if not boundary.has_free_axis:
-            return cls(np.pad(_solve_periodic(values), ends, mode="wrap"), spacing, (True, True), (0, 0))
+            return cls(pad_axes(_solve_periodic(values), (ends, ends), (False, False)), spacing, (True, True), (0, 0))
         from scipy import ndimage
 
         free_x, free_y = boundary.free_axes
