@@ -79,7 +79,7 @@ class Neighbourhood:
         return cls.of(i, j, shape, solution.boundary, reach)
 
     def at(self, steps: IntArray) -> IntArray:
-        """Return the flat indices of the cells that are such steps (i, j), shape (m, 2), from each cell, shape (m, n)."""
+        """Return the flat indices of the cells by steps (i, j), shape (m, 2), from each cell, shape (m, n)."""
         found = self.cells + (steps @ (self.width, 1))[:, np.newaxis]
         if self.near.size:
             i, j = (steps + self.reach).T

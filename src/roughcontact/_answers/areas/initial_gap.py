@@ -129,7 +129,8 @@ def bend_at_border(solution: ContactSolution, chosen: IntArray) -> Array:
         if free:
             near |= (at < _DIFFERENCE_REACH) | (at >= n - _DIFFERENCE_REACH)
     bends = np.zeros(chosen.shape)
-    bends[near] = 0.5 * sum(pairs[0] - 2.0 * here for here, pairs in _gather_lines(solution, Neighbourhood.inside(solution, chosen[near], 1), 1, 2))
+    lines = _gather_lines(solution, Neighbourhood.inside(solution, chosen[near], 1), 1, 2)
+    bends[near] = 0.5 * sum(pairs[0] - 2.0 * here for here, pairs in lines)
     return bends
 
 
@@ -297,12 +298,11 @@ def _find_neighbours(solution: ContactSolution, chosen: IntArray) -> tuple[IntAr
 def _find_hessian(solution: ContactSolution, chosen: IntArray) -> tuple[Array, Array, Array]:
     """Return the xx, yy and xy derivatives of the initial gap at cells, 1/m."""
     dx, dy = solution.grid.spacing
+    near = Neighbourhood.inside(solution, chosen, _DIFFERENCE_REACH)
     along_x, along_y, rising, falling = (
         _SECOND_DIFFERENCE[0] * here
         + sum(factor * pair for factor, pair in zip(_SECOND_DIFFERENCE[1:], pairs, strict=True))
-        for here, pairs in _gather_lines(
-            solution, Neighbourhood.inside(solution, chosen, _DIFFERENCE_REACH), _DIFFERENCE_REACH, 4
-        )
+        for here, pairs in _gather_lines(solution, near, _DIFFERENCE_REACH, 4)
     )
     # Second differences along both diagonals differ by four mixed ones.
     return along_x / dx**2, along_y / dy**2, (rising - falling) / (4.0 * dx * dy)
