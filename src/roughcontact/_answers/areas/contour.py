@@ -51,7 +51,7 @@ _KEY_OFFSET = 0.382
 _MAX_UNEVEN_DISTANCE = 1e-3
 # Cells of a grid up to which the edges between neighbouring cells and between those two apart are measured together:
 # then the number of calls decides, on larger ones the memory.
-_MOST_CELLS_AT_ONCE = 2**16
+_MOST_CELLS_AT_ONCE = 2**14
 # Minimum cells across a patch between two straight edges.
 _MIN_STRAIGHT_CELLS = 2
 # Newton steps for y^2 from a start within 9 % (quadratic convergence, rounding after 4), and inside a bracket.
@@ -174,7 +174,7 @@ def _trace(solution: ContactSolution, sharp: Mask, strides: tuple[int, ...]) -> 
     counts = [i.size for i, _ in edges]
     k = np.concatenate([dual.corners(i, j) for dual, (i, j) in zip(duals, edges, strict=True)], axis=1)
     weight = np.concatenate([dual.weigh(i, j) for dual, (i, j) in zip(duals, edges, strict=True)])
-    stride = np.repeat(np.array(strides, dtype=np.float64), counts)
+    stride = np.repeat(np.array(strides, dtype=np.float64), counts) if len(strides) > 1 else float(strides[0])
     label = patches.labels.ravel().take(k)
     touching = label > 0
     kind = find_kinds(touching)
@@ -206,13 +206,13 @@ def _trace(solution: ContactSolution, sharp: Mask, strides: tuple[int, ...]) -> 
         label = np.where(touching, label + np.repeat(np.arange(len(strides)) * width, counts), 0)
     owners = CellOwners.find(label, kind, len(strides) * width - 1)
     # At the edge the area of the polygon replaces the quarters of the corners in contact.
-    terms = [(parts - quarters) * weight, chords * smooth, euler * smooth]
+    found = [owners.sum(term) for term in ((parts - quarters) * weight, chords * smooth, euler * smooth)]
     if is_fine:
         equal = np.zeros(kind.size)
         equal[fine] = alike
-        terms += [weight, equal * weight]
-        terms += [term * weight for term in (jagged, _measure_steps(kind, size, jagged), meeting)]
-    sums = np.stack([owners.sum(term) for term in terms]).reshape(len(terms), len(strides), width)
+        found += [owners.sum(weight), owners.sum(equal * weight)]
+        found += [owners.sum(term * weight) for term in (jagged, _measure_steps(kind, size, jagged), meeting)]
+    sums = np.stack(found).reshape(len(found), len(strides), width)
     sums = solution.parts.total(sums)
     contours = []
     for number, dual in enumerate(duals):

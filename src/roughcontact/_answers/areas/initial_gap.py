@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from typing import Literal
 
@@ -228,7 +228,7 @@ def _find_ratios(solution: ContactSolution) -> tuple[float, float, float, float]
     if whole.total(chosen.size) == 0:
         return 0.0, 0.0, 1.0, 0.0
     near = Neighbourhood.inside(solution, chosen, 2)
-    lines = _gather_lines(solution, near, 2, 2)
+    lines = list(_gather_lines(solution, near, 2, 2))
     corners = solution.initial_gap.ravel().take(near.at(_CORNERS))
     bends = [pairs[0] - 2.0 * here for here, pairs in lines]
     fourth = sum(whole.mean((pairs[1] - 4.0 * pairs[0] + 6.0 * here) ** 2) for here, pairs in lines)
@@ -310,19 +310,18 @@ def _find_hessian(solution: ContactSolution, chosen: IntArray) -> tuple[Array, A
 
 def _gather_lines(
     solution: ContactSolution, near: Neighbourhood, reach: int, lines: int
-) -> list[tuple[Array, list[Array]]]:
-    """Return the gap at cells, with the sums of both neighbours at each distance, along x, y and both diagonals.
+) -> Iterator[tuple[Array, Array]]:
+    """Yield the gap at cells, with the sums of both neighbours at each distance, along x, y and both diagonals.
 
     `lines` is the number of these lines.
     """
     heights = solution.initial_gap.ravel()
     here = heights.take(near.cells)
     steps = np.arange(1, reach + 1)
-    found = []
     for direction in ((1, 0), (0, 1), (1, 1), (1, -1))[:lines]:
-        ahead, behind = (heights.take(near.at(np.outer(side * steps, direction))) for side in (1, -1))
-        found.append((here, [*(ahead + behind)]))
-    return found
+        pairs = heights.take(near.at(np.outer(steps, direction)))
+        pairs += heights.take(near.at(np.outer(-steps, direction)))
+        yield here, pairs
 
 
 @attrs.frozen(eq=False)
