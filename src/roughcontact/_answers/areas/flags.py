@@ -12,10 +12,16 @@ import math
 import attrs
 import numpy as np
 
-from roughcontact._answers.areas.cells import gather_around, split
-from roughcontact._base.arrays import Array, IntArray
-from roughcontact._base.units import percent
-from roughcontact._parts.grid import extend
+from roughcontact._answers.areas.cells import (
+    MIN_SHARP_PATCH_CELLS,
+    Neighbourhood,
+    find_interior,
+    gather_around,
+    split,
+)
+from roughcontact._base.arrays import IntArray
+from roughcontact._base.units import Estimate, ShownAsPrinted, percent
+from roughcontact._parts.grid import pad_axes
 from roughcontact._solve.solution import ContactSolution, Response, responses
 
 # Steps to the cell beyond each side, and to that across a crease: along both axes and both diagonals.
@@ -38,6 +44,8 @@ _REACH = 6
 _MIDDLE = 4
 _BESIDE = np.array((1, 2, 3, 6, 7, 8))
 _MAX_BEND_BESIDE = 0.15
+# Largest change of the heights over two cells inward from a step, over the height of the step.
+_MAX_FLAT_RATIO = 0.25
 # Jump of the slope at a crease, times E*, over the maximum pressure, at least.
 _MIN_JUMP = 0.02
 # Kurtosis of the second differences (3 on Gaussian heights), and mean square of the fourth over that of the second
@@ -47,14 +55,14 @@ _MIN_ROUGHNESS = 1.0
 
 
 @attrs.frozen
-class Flags:
+class Flags(ShownAsPrinted):
     """What the cells show of places that no grid resolves.
 
     Attributes
     ----------
     sharp_edge
         Share of the pressure beside open cells, in contacts of at least four cells across, that stands at sharp edges,
-        where it is unbounded; zero without any.
+        where it is unbounded; one if the maximum is beside a step of the heights; zero without any.
     crease
         Jump of the slope under the maximum pressure, at a crease, times the modulus E* over that pressure: the pressure
         is unbounded there; zero without one.
@@ -68,8 +76,9 @@ class Flags:
     >>> grid = rc.Grid((48, 48), 48e-6)
     >>> inside = np.hypot(grid.x, grid.y) < 10e-6
     >>> punch = rc.Body(rc.HeightMap(np.where(inside, 0.0, -5e-6), size=grid.size), rc.Elastic(210e9, 0.3))
-    >>> print(rc.ContactProblem(punch).solve(force=0.1).response("flags"))
-    sharp edges with 100 % of the pressure beside open cells: it is unbounded
+    >>> flags = rc.ContactProblem(punch).solve(force=0.1).response("flags")
+    >>> flags.unbounded, flags.sharp_edge, flags.crease
+    (True, 1.0, 0.0)
     """
 
     sharp_edge: float
@@ -80,6 +89,12 @@ class Flags:
     def unbounded(self) -> bool:
         """Whether the pressure has no maximum: each finer grid has a higher one."""
         return self.sharp_edge > 0.0 or self.crease > 0.0
+
+    @property
+    def estimates(self) -> dict[str, Estimate]:
+        """The flags as numbers by name; the last is 1 or 0."""
+        names = ("sharp edge", "crease", "rough tail")
+        return {name: Estimate(float(value), 0.0, "") for name, value in zip(names, attrs.astuple(self), strict=True)}
 
     def __bool__(self) -> bool:
         """Return whether there is any flag."""
@@ -110,13 +125,28 @@ class FindFlags(Response[Flags]):
 
 def find_flags(solution: ContactSolution) -> Flags:
     """Return the flags of a solution, which it keeps."""
-    return solution._keep("flags", lambda: _find_flags(solution))
+    return solution._keep("flags", lambda: Flags(*find_unbounded(solution), _is_rough(solution)))
 
 
-def _find_flags(solution: ContactSolution) -> Flags:
-    if solution.patches.count == 0 or solution.contact.all():
-        return Flags(0.0, 0.0, False)
-    return Flags(_find_sharp_share(solution), _find_crease(solution), _is_rough(solution))
+def find_unbounded(solution: ContactSolution) -> tuple[float, float]:
+    """Return `Flags.sharp_edge` and `Flags.crease`, which take a list of cells each; the third needs all heights."""
+    return solution._keep("unbounded", lambda: _find_unbounded(solution))
+
+
+def _find_unbounded(solution: ContactSolution) -> tuple[float, float]:
+    patches = solution.patches
+    if patches.count == 0 or not solution.pressure.any():
+        return 0.0, 0.0
+    highest = solution.parts.highest(float(solution.pressure.max()))
+    # A pressure at its limit is bounded.
+    top = np.flatnonzero(solution.parts.own((solution.pressure >= highest) & ~solution.saturated))[:1]
+    steep = flat = 0.0
+    if top.size:
+        steep = _find_jump(solution, top) * _modulus(solution) / highest
+        wide = patches.cells[patches.labels.ravel()[top] - 1] >= MIN_SHARP_PATCH_CELLS
+        flat = float(wide.all() and _lies_at_step(solution, top))
+    crease, step = (float(solution.parts.highest(value)) for value in (steep, flat))
+    return max(_find_sharp_share(solution), step), crease if crease > _MIN_JUMP else 0.0
 
 
 def _modulus(solution: ContactSolution) -> float:
@@ -126,42 +156,45 @@ def _modulus(solution: ContactSolution) -> float:
 
 def _find_sharp_share(solution: ContactSolution) -> float:
     """Return the share of the pressure beside open cells that stands at sharp edges."""
-    shape = solution.contact.shape
     modulus = _modulus(solution)
-    loaded = np.where(solution.saturated, 0.0, solution.pressure) if solution.capped else solution.pressure
-    pressure = extend(loaded, _ROW, solution.boundary)
-    contact = extend(solution.contact, 1, solution.boundary)
-    at_edge = solution.parts.own(solution.contact) & ~(
-        contact[:-2, 1:-1] & contact[2:, 1:-1] & contact[1:-1, :-2] & contact[1:-1, 2:]
-    )
+    at_edge = solution.parts.own(solution.contact & ~find_interior(solution))
+    if solution.capped:
+        # A limited pressure is flat up to any edge.
+        at_edge &= ~solution.saturated
     cells = np.flatnonzero(at_edge)
-    i, j = split(cells, shape[1])
-    gap = extend(solution.gap, 1, solution.boundary)
-    all_sides = 0.0
-    sharp_sides = 0.0
+    near = Neighbourhood.of(*split(cells, at_edge.shape[1]), at_edge.shape, solution.boundary, _ROW)
+    contact, pressure, gap = (field.ravel() for field in (solution.contact, solution.pressure, solution.gap))
+    beside = 0.0
+    sharp = 0.0
     count = 0
     for (di, dj), step in zip(_SIDES, np.repeat(solution.grid.spacing, 2), strict=True):
-        beyond = ~contact[i + 1 + di, j + 1 + dj]
-        row = np.stack([pressure[i + _ROW - k * di, j + _ROW - k * dj] for k in range(_ROW)])
-        facing = beyond & (row > 0.0).all(axis=0)
+        outer = near.at(di, dj)
+        row = np.stack([pressure.take(near.at(-k * di, -k * dj)) for k in range(_ROW)])
+        facing = ~contact.take(outer) & (row > 0.0).all(axis=0)
         rises = (row[0] > row[1]) & (row[1] > row[2]) & (row[2] > _FLATNESS * row[3])
-        opening = gap[i + 1 + di, j + 1 + dj] * modulus / step
-        sharp = facing & rises & (opening > _MIN_OPENING * row[0])
-        all_sides += float(np.sum(row[0], where=facing))
-        sharp_sides += float(np.sum(row[0], where=sharp))
-        count += int(np.count_nonzero(sharp))
-    all_sides, sharp_sides, found = solution.parts.total(np.array((all_sides, sharp_sides, count)))
-    share = sharp_sides / all_sides if all_sides > 0.0 else 0.0
-    return float(share) if found >= _MIN_SIDES and share > _MIN_SHARE else 0.0
+        found = facing & rises & (gap.take(outer) * modulus > _MIN_OPENING * step * row[0])
+        beside += float(np.sum(row[0], where=facing))
+        sharp += float(np.sum(row[0], where=found))
+        count += int(np.count_nonzero(found))
+    beside, sharp, sides = solution.parts.total(np.array((beside, sharp, count)))
+    return float(sharp / beside) if sides >= _MIN_SIDES and sharp > _MIN_SHARE * beside else 0.0
 
 
-def _find_crease(solution: ContactSolution) -> float:
-    """Return the jump of the slope at a crease under the maximum pressure, times E* over that pressure."""
-    highest = solution.parts.highest(float(solution.pressure.max()))
-    top = np.flatnonzero(solution.parts.own(solution.pressure >= highest))[:1]
-    jump = _find_jump(solution, top) if top.size else 0.0
-    strongest = float(solution.parts.highest(jump)) * _modulus(solution) / highest
-    return strongest if strongest > _MIN_JUMP else 0.0
+def _lies_at_step(solution: ContactSolution, cell: IntArray) -> bool:
+    """Return whether the contact ends at a step of the heights beside this cell, and the heights inward are flat."""
+    contact, gap = (
+        gather_around(field, cell, 2, solution.boundary)[..., 0] for field in (solution.contact, solution.initial_gap)
+    )
+    for touching, rise in ((contact[:, 2], gap[:, 2]), (contact[2], gap[2])):
+        for outward in (1, -1):
+            rises = (rise - rise[2])[::outward]
+            if (
+                touching[::outward][:2].all()
+                and not touching[2 + outward]
+                and np.abs(rises[:2]).max() < _MAX_FLAT_RATIO * rises[3]
+            ):
+                return True
+    return False
 
 
 def _find_jump(solution: ContactSolution, top: IntArray) -> float:
@@ -194,10 +227,9 @@ def _is_rough(solution: ContactSolution) -> bool:
     for axis, (n, free) in enumerate(zip(heights.shape, solution.boundary.free_axes, strict=True)):
         if n < 2 * _ROW:
             continue
-        lines = extend(heights, 2, solution.boundary)
-        lines = lines[:, 2:-2] if axis == 0 else lines[2:-2]
-        if free:
-            lines = np.take(lines, range(2, lines.shape[axis] - 2), axis=axis)
+        width = 0 if free else 2
+        widths = ((width, width), (0, 0)) if axis == 0 else ((0, 0), (width, width))
+        lines = pad_axes(heights, widths, solution.boundary.free_axes)
         bends = np.diff(lines, 2, axis=axis)
         turns = np.diff(bends, 2, axis=axis)
         squares = bends * bends

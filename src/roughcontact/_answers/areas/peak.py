@@ -11,7 +11,7 @@ from roughcontact._answers.areas import calibration
 from roughcontact._answers.areas.approach import TIP_REACH, fit_hyperboloid
 from roughcontact._answers.areas.cells import find_cut_patches, gather_around, split
 from roughcontact._answers.areas.edges import warn_if_uncertain
-from roughcontact._answers.areas.flags import find_flags
+from roughcontact._answers.areas.flags import find_unbounded
 from roughcontact._answers.areas.hertz import find_sharpness, hertz_areas
 from roughcontact._answers.areas.initial_gap import curvature_resolution
 from roughcontact._answers.areas.quantities import Quantity
@@ -89,7 +89,7 @@ class PeakPressure(Quantity):
         peak = float(value[top])
         if _meets_non_measured(solution):
             more: WarningText | None = _NON_MEASURED_WARNING
-        elif find_flags(solution).unbounded:
+        elif any(find_unbounded(solution)):
             more = _UNBOUNDED_WARNING
         else:
             cut = bool(_find_cut(solution, highest[top])) or bool(find_cut_patches(solution).any())
