@@ -1,6 +1,7 @@
 """Answers and flags on machined and on smooth surfaces, beside the same surfaces on finer grids.
 
-    python benchmarks/edged_classes.py [--draw 1] [--count 8] [--answers area,peak-pressure] [--kinds edged] [--worst 3]
+    python benchmarks/edged_classes.py [--draw 1] [--count 8] [--answers area,peak-pressure] [--kinds edged]
+        [--uncertainty "two grids"] [--worst]
 
 Eleven kinds have creases, steps or sharp edges (`EDGED`), eight are smooth (`SMOOTH`); they are judged apart. Each case
 is a surface, a place, an angle, a grid (square, 1 : 2, cells 1 : 3, odd), a boundary and a load, drawn from the number
@@ -374,18 +375,21 @@ class Judged(NamedTuple):
     errors: dict[str, tuple[float, float, bool]]
 
 
-def ask(solution: rc.ContactSolution, answer: str) -> rc.Estimate | rc.Area:
-    return solution.area() if answer == "area" else solution.response(answer)
+def ask(solution: rc.ContactSolution, answer: str, uncertainty: str = "model") -> rc.Estimate | rc.Area:
+    if answer == "area":
+        return solution.area(uncertainty=uncertainty)
+    return solution.response(answer, uncertainty=uncertainty)
 
 
-def judge(case: Case, answers: Sequence[str]) -> Judged:
+def judge(case: Case, answers: Sequence[str], uncertainty: str) -> Judged:
     """Solve a contact on three grids and return what its answers on the first err by."""
     first, half, quarter = (case.problem(refinement).solve(pressure=case.pressure) for refinement in (1, 2, 4))
     tops = [float(solution.pressure.max()) for solution in (first, half, quarter)]
     grows = tops[1] > (1.0 + GROWTH) * tops[0] and tops[2] > (1.0 + GROWTH) * tops[1]
     errors = {}
     for answer in answers:
-        found, finer, finest = (ask(solution, answer) for solution in (first, half, quarter))
+        found = ask(first, answer, uncertainty)
+        finer, finest = (ask(solution, answer) for solution in (half, quarter))
         if finest.value <= 0.0 or abs(finest.value - finer.value) > MAX_CHANGE * finest.value:
             continue
         unsure = 0.5 * max(abs(finest.value - finer.value), finest.uncertainty) / finest.value
@@ -423,6 +427,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--kinds", default="all", help=f"edged, smooth, all, or of {', '.join((*EDGED, *SMOOTH))}")
     parser.add_argument("--answers", default=",".join(ANSWERS))
+    parser.add_argument("--uncertainty", default="model", choices=("model", "two grids"))
     parser.add_argument("--draw", type=int, default=1)
     parser.add_argument("--count", type=int, default=8, help="contacts of each kind")
     parser.add_argument("--worst", action="store_true", help="list what was missed")
@@ -433,7 +438,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     for title, kinds in (("edged", EDGED), ("smooth", SMOOTH)):
         every = []
         for kind in (name for name in kinds if name in wanted):
-            rows = [judge(case, answers) for case in draw_cases(kind, options.draw, options.count)]
+            rows = [judge(case, answers, options.uncertainty) for case in draw_cases(kind, options.draw, options.count)]
             print_kind(kind, rows, answers, options.worst)
             every += rows
         if every:
