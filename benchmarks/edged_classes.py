@@ -98,9 +98,7 @@ def lattice(random: np.random.Generator, side: int) -> list[tuple[float, float]]
     """Return points of a lattice, each moved at random by a tenth of its distance."""
     first = random.random(2)
     moved = random.uniform(-0.1, 0.1, (side, side, 2))
-    return [
-        tuple((first + (np.array((i, j)) + moved[i, j]) / side) % 1.0) for i in range(side) for j in range(side)
-    ]
+    return [tuple((first + (np.array((i, j)) + moved[i, j]) / side) % 1.0) for i in range(side) for j in range(side)]
 
 
 def background(random: np.random.Generator, slope: float = 0.004) -> Surface:
@@ -174,7 +172,7 @@ def additive(random: np.random.Generator) -> Surface:
 
 
 def wear_scar(random: np.random.Generator) -> Surface:
-    """A rough surface whose summits are cut off by a plane."""
+    """Return a rough surface whose summits are cut off by a plane."""
     rough = waves(random, 2.0, random.uniform(8.0, 14.0), 0.1)
     sample = np.linspace(0.0, 1.0, 64, endpoint=False)
     cut = float(np.quantile(rough(*np.meshgrid(sample, sample, indexing="ij")), random.uniform(0.7, 0.95)))
@@ -183,7 +181,7 @@ def wear_scar(random: np.random.Generator) -> Surface:
 
 
 def honed(random: np.random.Generator) -> Surface:
-    """A fine plateau with deep grooves that cross."""
+    """Return a fine plateau with deep grooves that cross."""
     plateau = waves(random, 3.0, random.uniform(8.0, 14.0), 0.05)
     kx, ky = (int(k) for k in random.integers(2, 5, 2))
     phases, depth = random.random(2), random.uniform(0.004, 0.012)
@@ -199,7 +197,7 @@ def honed(random: np.random.Generator) -> Surface:
 
 
 def dimples(random: np.random.Generator) -> Surface:
-    """A land with spherical dimples, smooth or rough."""
+    """Return a land with spherical dimples, smooth or rough."""
     at = lattice(random, int(random.integers(2, 5)))
     radius, depth = random.uniform(0.2, 0.38) / math.sqrt(len(at)), random.uniform(0.003, 0.02)
     land = waves(random, 1.0, 3.0, 0.002) if random.random() < 0.5 else waves(random, 2.0, 10.0, 0.03)
@@ -222,7 +220,7 @@ def steps(random: np.random.Generator) -> Surface:
 
 
 def punches(random: np.random.Generator) -> Surface:
-    """A flat round, square or turned punch, or two of nearly one height."""
+    """Return a flat punch, round, square or turned, or two."""
     at = places(random, int(random.integers(1, 3)))
     angle, square = random.uniform(0.0, np.pi / 2) * random.integers(2), random.random() < 0.6
     radius, lower = random.uniform(0.1, 0.2), random.uniform(0.0, 5e-4)
@@ -325,8 +323,8 @@ def balls(random: np.random.Generator) -> Surface:
 def double_wave(random: np.random.Generator) -> Surface:
     number, phase = random.integers(2, 7, 2), random.uniform(0.0, 2 * np.pi, 2)
     height = 0.1 / (2 * np.pi * float(number.max()))
-    return lambda x, y: height * np.cos(2 * np.pi * number[0] * x + phase[0]) * np.cos(
-        2 * np.pi * number[1] * y + phase[1]
+    return lambda x, y: (
+        height * np.cos(2 * np.pi * number[0] * x + phase[0]) * np.cos(2 * np.pi * number[1] * y + phase[1])
     )
 
 

@@ -13,10 +13,12 @@ from typing import TypeVar
 
 import attrs
 import numpy as np
-from scipy import interpolate
+from scipy.interpolate import Akima1DInterpolator
 
+from roughcontact._answers.areas.edges import judge_uncertainty
 from roughcontact._base.arrays import Array
 from roughcontact._base.units import Estimate
+from roughcontact._parts.grid import Boundary
 from roughcontact._parts.surfaces import FlatSurface, HeightMap
 from roughcontact._solve.problem import Body, ContactProblem
 from roughcontact._solve.solution import Area, ContactSolution, Response, responses
@@ -37,6 +39,8 @@ _EXTRAPOLATED_FACTOR = 0.8
 _EXTRAPOLATION = 1.0 / 3.0
 # Relative standard deviation by the tolerance of the solves, at least, unless that of one grid is less.
 _MIN_STD = 1e-4
+# Warnings that a model of the errors gives where it does not know them.
+_MODEL_RULES = ("resolution", "uncertainty")
 
 
 @attrs.frozen(eq=False)
@@ -89,11 +93,10 @@ class Phases:
         Number
             The same value; where the contact is flagged the variance of one grid is added.
         """
-        others = [ask(state).value for state in self.states]
-        std = self.factor * _root_mean_square(found.value, others)
+        std = self.factor * _root_mean_square(found.value, [ask(state).value for state in self.states])
         if self.flagged:
-            return attrs.evolve(found, uncertainty=math.hypot(found.uncertainty, std))
-        return attrs.evolve(found, uncertainty=max(std, min(found.uncertainty, _MIN_STD * abs(found.value))))
+            return _with_uncertainty(found, math.hypot(found.uncertainty, std))
+        return _with_uncertainty(found, max(std, min(found.uncertainty, _MIN_STD * abs(found.value))))
 
     def extrapolate_area(self, solution: ContactSolution, found: Area) -> Area:
         """Return the area inside the edge, extrapolated over both grids: creases and edges err with the cell."""
@@ -101,7 +104,15 @@ class Phases:
         value = level + _EXTRAPOLATION * (level - sum(others) / len(others))
         value = min(max(value, 0.0), solution.grid.area)
         std = _EXTRAPOLATED_FACTOR * _root_mean_square(level, others)
-        return attrs.evolve(found, value=value, fraction=value / solution.grid.area, uncertainty=std, patches=None)
+        extrapolated = attrs.evolve(found, value=value, fraction=value / solution.grid.area, patches=None)
+        return _with_uncertainty(extrapolated, std)
+
+
+def _with_uncertainty(found: Number, std: float) -> Number:
+    """Return an answer with another standard deviation, and warned by that instead of by the model."""
+    kept = tuple(text for text in found.warnings if getattr(text, "rule", "") not in _MODEL_RULES)
+    what = "the area" if isinstance(found, Area) else "this number"
+    return attrs.evolve(found, uncertainty=std, warnings=judge_uncertainty(what, found.value, std, kept))
 
 
 def _root_mean_square(value: float, others: list[float]) -> float:
@@ -120,7 +131,7 @@ class SolvePhases(Response[Phases]):
         ------
         InputError
             If there are fewer than eight cells along an axis, or the problem of the solution is not known, or it has
-            adhesion, laws or a pressure limit for each cell.
+            laws or a pressure limit for each cell.
         NotConverged
             If a phase is not certified.
         """
@@ -139,10 +150,8 @@ def _require_problem(solution: ContactSolution) -> ContactProblem:
     if solution.origin is None or not solution.parts.is_whole:
         raise InputError("Its problem is not known here, so that it cannot be solved on a coarser grid.")
     problem: ContactProblem = solution.origin.scene
-    if problem.adhesion is not None or problem.laws or np.ndim(solution.pressure_limit):
-        raise InputError(
-            "A contact with adhesion, laws or a pressure limit for each cell is not solved on coarser grids of itself."
-        )
+    if problem.laws or np.ndim(solution.pressure_limit):
+        raise InputError("A contact with laws, or a pressure limit for each cell, is not solved on coarser grids.")
     if any(n < _MIN_CELLS for n in solution.grid.shape):
         raise InputError(f"A grid of {' x '.join(map(str, solution.grid.shape))} cells has no coarser one.")
     return problem
@@ -150,38 +159,40 @@ def _require_problem(solution: ContactSolution) -> ContactProblem:
 
 def _solve_phase(problem: ContactProblem, solution: ContactSolution, offset: int) -> ContactSolution:
     """Return the solution on every second point from an offset on."""
-    gap, pressure, lost = solution.initial_gap, solution.pressure, solution.non_measured
-    size = list(solution.grid.size)
-    for axis, free in enumerate(solution.boundary.free_axes):
-        n = gap.shape[axis]
-        if n % 2 and free:
-            # The last row has no second one.
-            gap, pressure, lost = (_take(field, axis, slice(n - 1)) for field in (gap, pressure, lost))
-            size[axis] *= (n - 1) / n
-        elif n % 2:
-            gap, pressure, lost = _insert_row(gap, axis), _repeat_row(pressure, axis), _repeat_row(lost, axis)
-        every = slice(offset, None, 2)
-        gap, pressure, lost = (_take(field, axis, every) for field in (gap, pressure, lost))
-    periodic = not any(solution.boundary.free_axes)
-    heights = HeightMap(-gap, size=tuple(size), periodic=periodic, non_measured=lost)
+    boundary = solution.boundary
+    gap = _coarsen(solution.initial_gap, boundary, offset, _insert_row)
+    start = _coarsen(solution.pressure, boundary, offset, _repeat_row)
+    lost = None
+    if solution.non_measured is not None:
+        lost = _coarsen(solution.non_measured.astype(np.float64), boundary, offset, _repeat_row) > 0.0
+    sides = zip(solution.grid.size, solution.grid.shape, boundary.free_axes, strict=True)
+    # Along a free axis the last row of an odd number has no second one.
+    size = tuple(side * (n - n % 2) / n if free else side for side, n, free in sides)
+    heights = HeightMap(-gap, size=size, periodic=boundary is Boundary.PERIODIC, non_measured=lost)
     coarse = attrs.evolve(
         problem,
         body=Body(heights, problem.body.material),
         counterbody=Body(FlatSurface(), problem.counterbody.material),
         grid=None,
     )
-    load = {"force": solution.force}
-    if "approach" in solution.origin.load:
-        # Its highest point may be lower, and is then touched later.
-        measured = gap if lost is None else gap[~lost]
-        load = {"approach": solution.approach - float(measured.min())}
-    if min(load.values()) <= 0.0:
-        raise InputError("Nothing touches on a coarser grid.")
-    return coarse.solve(**load, tolerance=max(_TOLERANCE, problem.plan.solver.tolerance), start=pressure)
+    tolerance = max(_TOLERANCE, problem.plan.solver.tolerance)
+    if solution.origin is None or "approach" not in solution.origin.load:
+        return coarse.solve(force=solution.force, tolerance=tolerance, start=start)
+    # Its highest point may be lower, and is then touched later.
+    approach = solution.approach - float(np.min(gap if lost is None else gap[~lost]))
+    if approach <= 0.0:
+        raise InputError("On a coarser grid nothing touches.")
+    return coarse.solve(approach=approach, tolerance=tolerance, start=start)
 
 
-def _take(field: Array | None, axis: int, part: slice) -> Array | None:
-    return None if field is None else field[part] if axis == 0 else field[:, part]
+def _coarsen(field: Array, boundary: Boundary, offset: int, insert: Callable[[Array, int], Array]) -> Array:
+    """Return every second row and column of a field; an odd number of periodic ones is first made even."""
+    for axis, free in enumerate(boundary.free_axes):
+        n = field.shape[axis]
+        if n % 2 and not free:
+            field = insert(field, axis)
+        field = np.take(field, range(offset, field.shape[axis] - n % 2 * free, 2), axis=axis)
+    return field
 
 
 def _insert_row(field: Array, axis: int) -> Array:
@@ -190,13 +201,12 @@ def _insert_row(field: Array, axis: int) -> Array:
     widths = [(0, 0), (0, 0)]
     widths[axis] = (_SPLINE_CELLS, _SPLINE_CELLS)
     known = np.arange(-_SPLINE_CELLS, n + _SPLINE_CELLS)
-    spline = interpolate.Akima1DInterpolator(known, np.pad(field, widths, mode="wrap"), axis=axis, method="makima")
+    spline = Akima1DInterpolator(known, np.pad(field, widths, mode="wrap"), axis=axis, method="makima")
     return np.asarray(spline((np.arange(n + 1) + 0.5) * n / (n + 1) - 0.5))
 
 
-def _repeat_row(field: Array | None, axis: int) -> Array | None:
+def _repeat_row(field: Array, axis: int) -> Array:
     """Return the nearest periodic values at one more point along an axis."""
-    if field is None:
-        return None
     n = field.shape[axis]
-    return np.take(field, ((np.arange(n + 1) + 0.5) * n / (n + 1)).astype(int), axis=axis)
+    nearest = ((np.arange(n + 1) + 0.5) * n / (n + 1)).astype(int)
+    return np.asarray(np.take(field, nearest, axis=axis))

@@ -182,9 +182,8 @@ def _find_sharp_share(solution: ContactSolution) -> float:
 
 def _lies_at_step(solution: ContactSolution, cell: IntArray) -> bool:
     """Return whether the contact ends at a step of the heights beside this cell, and the heights inward are flat."""
-    contact, gap = (
-        gather_around(field, cell, 2, solution.boundary)[..., 0] for field in (solution.contact, solution.initial_gap)
-    )
+    contact = gather_around(solution.contact.view(np.uint8), cell, 2, solution.boundary)[..., 0]
+    gap = gather_around(solution.initial_gap, cell, 2, solution.boundary)[..., 0]
     for touching, rise in ((contact[:, 2], gap[:, 2]), (contact[2], gap[2])):
         for outward in (1, -1):
             rises = (rise - rise[2])[::outward]
@@ -200,12 +199,13 @@ def _lies_at_step(solution: ContactSolution, cell: IntArray) -> bool:
 def _find_jump(solution: ContactSolution, top: IntArray) -> float:
     """Return the largest jump of the slope within a cell of this one, on lines that are bent nowhere else; or zero."""
     near = gather_around(solution.initial_gap, top, _REACH, solution.boundary)[..., 0]
-    # Beyond a free border there are no heights, and a short domain has no line.
+    # Beyond a free border there are no heights.
     shape = solution.contact.shape
     steps = np.arange(-_REACH, _REACH + 1)
     for axis, (at, n, free) in enumerate(zip(split(top, shape[1]), shape, solution.boundary.free_axes, strict=True)):
-        known = (at + steps >= 0) & (at + steps < n) if free else np.full(steps.shape, n > 2 * _REACH)
-        near = np.where(np.expand_dims(known, 1 - axis), near, np.nan)
+        if free:
+            known = (at + steps >= 0) & (at + steps < n)
+            near = np.where(np.expand_dims(known, 1 - axis), near, np.nan)
     strongest = 0.0
     for di, dj in _LINES:
         # By place on the line, and line through each of the nine cells.
