@@ -1,7 +1,6 @@
 """Answers and flags on machined and on smooth surfaces, beside the same surfaces on finer grids.
 
-    python benchmarks/edged_classes.py [--draw 1] [--count 8] [--answers area,peak-pressure] [--kinds edged]
-        [--uncertainty "two grids"] [--worst]
+    python benchmarks/edged_classes.py [--draw 1] [--count 8] [--answers area,peak-pressure] [--kinds edged] [--worst]
 
 Eleven kinds have creases, steps or sharp edges (`EDGED`), eight are smooth (`SMOOTH`); they are judged apart. Each case
 is a surface, a place, an angle, a grid (square, 1 : 2, cells 1 : 3, odd), a boundary and a load, drawn from the number
@@ -9,7 +8,7 @@ of the draw: constants may see the draws below 100, and a draw that judges is ma
 solved on the grid and on cells a half and a quarter as long; the last is true within half of its last step. A pressure
 grows if the largest of the cells rises by more than 4 % at both refinements: it has no limit.
 
-Prints for each kind how many pressures grow and how many are found unbounded, the share that is flagged, and for each
+Prints for each kind how many pressures grow, how many are found unbounded, the fraction that is flagged, and for each
 answer how many errors lie within two standard deviations, and the median of these over that of the errors.
 """
 
@@ -26,6 +25,7 @@ import numpy as np
 import roughcontact as rc
 
 ELASTIC = rc.Elastic(1.0, 0.0)
+UNCERTAINTIES = ("model", "two grids")
 ANSWERS = ("area", "peak-pressure", "perimeter", "approach", "mean-gap")
 GROWTH = 0.04
 # Of a value that still changes by more than this between the finer grids no true value is known.
@@ -364,68 +364,85 @@ def draw_cases(kind: str, draw: int, count: int) -> Iterator[Case]:
 
 
 class Judged(NamedTuple):
-    """A contact: whether its pressure grows, was found unbounded, was flagged, and errors with their uncertainties."""
+    """A contact: whether its pressure grows, was found unbounded and was flagged.
+
+    Of each answer that has a true value, by its name and the way its uncertainty is found: the relative error, the
+    relative uncertainty, and whether the error is within two of these.
+    """
 
     case: Case
     grows: bool
     unbounded: bool
     flagged: bool
-    errors: dict[str, tuple[float, float, bool]]
+    errors: dict[tuple[str, str], tuple[float, float, bool]]
 
 
-def ask(solution: rc.ContactSolution, answer: str, uncertainty: str = "model") -> rc.Estimate | rc.Area:
+def ask(solution: rc.ContactSolution, answer: str, uncertainty: str) -> rc.Estimate:
     if answer == "area":
         return solution.area(uncertainty=uncertainty)
     return solution.response(answer, uncertainty=uncertainty)
 
 
-def judge(case: Case, answers: Sequence[str], uncertainty: str) -> Judged:
+def judge(case: Case, answers: Sequence[str]) -> Judged:
     """Solve a contact on three grids and return what its answers on the first err by."""
     first, half, quarter = (case.problem(refinement).solve(pressure=case.pressure) for refinement in (1, 2, 4))
     tops = [float(solution.pressure.max()) for solution in (first, half, quarter)]
     grows = tops[1] > (1.0 + GROWTH) * tops[0] and tops[2] > (1.0 + GROWTH) * tops[1]
     errors = {}
     for answer in answers:
-        found = ask(first, answer, uncertainty)
-        finer, finest = (ask(solution, answer) for solution in (half, quarter))
+        finer, finest = (ask(solution, answer, "model") for solution in (half, quarter))
         if finest.value <= 0.0 or abs(finest.value - finer.value) > MAX_CHANGE * finest.value:
             continue
         unsure = 0.5 * max(abs(finest.value - finer.value), finest.uncertainty) / finest.value
-        error = abs(found.value / finest.value - 1.0)
-        excess = max(error - 2.0 * unsure, 0.0)
-        errors[answer] = (error, found.uncertainty / finest.value, excess <= 2.0 * found.uncertainty / finest.value)
+        for uncertainty in UNCERTAINTIES:
+            found = ask(first, answer, uncertainty)
+            error, stated = abs(found.value / finest.value - 1.0), found.uncertainty / finest.value
+            errors[answer, uncertainty] = error, stated, error - 2.0 * unsure <= 2.0 * stated
     flags = first.response("flags")
     return Judged(case, grows, flags.unbounded, bool(flags), errors)
 
 
-def print_kind(kind: str, rows: Sequence[Judged], answers: Sequence[str], worst: int) -> None:
-    grow = [row for row in rows if row.grows]
-    still = [row for row in rows if not row.grows]
-    line = (
-        f"{kind:14}{len(rows):4}   grow {sum(row.unbounded for row in grow):3} of {len(grow):3}"
-        f"   others {sum(row.unbounded for row in still):3} of {len(still):3}"
-        f"   flagged {np.mean([row.flagged for row in rows]):4.0%}"
+def judge_kinds(kinds: Sequence[str], draw: int, count: int, answers: Sequence[str]) -> dict[str, list[Judged]]:
+    return {kind: [judge(case, answers) for case in draw_cases(kind, draw, count)] for kind in kinds}
+
+
+def count_unbounded(rows: Sequence[Judged]) -> tuple[int, int, int, int]:
+    """Return how many pressures grow and are found, and how many others there are and are found by mistake."""
+    grow, still = ([row.unbounded for row in rows if row.grows is grows] for grows in (True, False))
+    return len(grow), sum(grow), len(still), sum(still)
+
+
+def cover(rows: Sequence[Judged], answer: str, uncertainty: str) -> tuple[int, float, float]:
+    """Return the number of errors, the fraction within two, and the median uncertainty over the median error."""
+    found = [row.errors[answer, uncertainty] for row in rows if (answer, uncertainty) in row.errors]
+    if not found:
+        return 0, math.nan, math.nan
+    errors, stated, within = (np.array(column, dtype=float) for column in zip(*found, strict=True))
+    return len(found), float(np.mean(within)), float(np.median(stated)) / max(float(np.median(errors)), 1e-12)
+
+
+def print_rows(title: str, rows: Sequence[Judged], answers: Sequence[str], worst: bool) -> None:
+    grow, found, still, false = count_unbounded(rows)
+    print(
+        f"{title:14}{len(rows):4} contacts, {np.mean([row.flagged for row in rows]):4.0%} flagged; "
+        f"unbounded: {found} of {grow} that grow, {false} of {still} others"
     )
     for answer in answers:
-        found = [row.errors[answer] for row in rows if answer in row.errors]
-        if not found:
-            line += f"   {answer} -"
-            continue
-        errors, stated, within = (np.array(column, dtype=float) for column in zip(*found, strict=True))
-        ratio = float(np.median(stated)) / max(float(np.median(errors)), 1e-12)
-        line += f"   {answer} {np.mean(within):4.0%} {ratio:.1f}"
-    print(line, flush=True)
+        cells = [cover(rows, answer, uncertainty) for uncertainty in UNCERTAINTIES]
+        parts = (
+            f"{name} {within:4.0%} {ratio:4.1f}" for name, (_, within, ratio) in zip(UNCERTAINTIES, cells, strict=True)
+        )
+        print(f"    {answer:14}{cells[0][0]:4}   {'   '.join(parts)}", flush=True)
     for row in rows if worst else ():
-        off = {name: f"{e:.2%} +- {u:.2%}" for name, (e, u, within) in row.errors.items() if not within}
-        if off or row.grows != row.unbounded:
-            print(f"    {row.case.label} {row.case.cells} {row.case.boundary} grows {row.grows} {row.unbounded} {off}")
+        off = [f"{key} {e:.2%} +- {u:.2%}" for key, (e, u, within) in row.errors.items() if not within]
+        if off or row.grows is not row.unbounded:
+            print(f"    {row.case.label} {row.case.cells} {row.case.boundary}: grows {row.grows}, {'; '.join(off)}")
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--kinds", default="all", help=f"edged, smooth, all, or of {', '.join((*EDGED, *SMOOTH))}")
     parser.add_argument("--answers", default=",".join(ANSWERS))
-    parser.add_argument("--uncertainty", default="model", choices=("model", "two grids"))
     parser.add_argument("--draw", type=int, default=1)
     parser.add_argument("--count", type=int, default=8, help="contacts of each kind")
     parser.add_argument("--worst", action="store_true", help="list what was missed")
@@ -434,13 +451,13 @@ def main(arguments: Sequence[str] | None = None) -> None:
     groups = {"edged": list(EDGED), "smooth": list(SMOOTH), "all": [*EDGED, *SMOOTH]}
     wanted = groups.get(options.kinds) or options.kinds.split(",")
     for title, kinds in (("edged", EDGED), ("smooth", SMOOTH)):
-        every = []
+        found: list[Judged] = []
         for kind in (name for name in kinds if name in wanted):
-            rows = [judge(case, answers, options.uncertainty) for case in draw_cases(kind, options.draw, options.count)]
-            print_kind(kind, rows, answers, options.worst)
-            every += rows
-        if every:
-            print_kind(title.upper(), every, answers, 0)
+            rows = judge_kinds([kind], options.draw, options.count, answers)[kind]
+            print_rows(kind, rows, answers, options.worst)
+            found += rows
+        if found:
+            print_rows(title.upper(), found, answers, worst=False)
 
 
 if __name__ == "__main__":

@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 import math
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import roughcontact as rc
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
+
+import edged_classes
 
 ELASTIC = rc.Elastic(1.0, 0.0)
 
@@ -124,3 +130,17 @@ def test_a_reference_omits_an_unbounded_maximum():
     report = rc.error_vs_time(problem, force=1e-3, cells=[12, 24], repeats=1)
     assert "it grows with every grid" in " ".join(str(report).split())
     assert report.reference.p_max is None
+
+
+@pytest.mark.slow
+def test_most_unbounded_pressures_of_machined_surfaces_are_found_and_no_smooth_one():
+    edged, smooth = (
+        [row for rows in edged_classes.judge_kinds(list(kinds), 103, 4, ("area", "approach")).values() for row in rows]
+        for kinds in (edged_classes.EDGED, edged_classes.SMOOTH)
+    )
+    grow, found, _, _ = edged_classes.count_unbounded(edged)
+    assert found > 0.7 * grow
+    assert edged_classes.count_unbounded(smooth)[3] <= 0.03 * len(smooth)
+    for rows in (edged, smooth):
+        for answer in ("area", "approach"):
+            assert edged_classes.cover(rows, answer, "two grids")[1] >= 0.9

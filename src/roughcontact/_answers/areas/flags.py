@@ -33,9 +33,9 @@ _ROW = 4
 _FLATNESS = 0.9
 # Gap beyond a sharp edge, times E* over the cell, over the pressure beside it, at least.
 _MIN_OPENING = 0.5
-# Sides of a sharp edge, and the share of the pressure beside sides that they carry, at least.
+# Sides of a sharp edge, and the fraction of the pressure beside sides that they carry, at least.
 _MIN_SIDES = 3
-_MIN_SHARE = 0.1
+_MIN_FRACTION = 0.1
 # Cells around the highest pressure, shape (2, 1, 9), and places on a line through each of them, shape (11, 1).
 _AROUND = np.stack(np.meshgrid((-1, 0, 1), (-1, 0, 1), indexing="ij")).reshape(2, 1, 9)
 _PLACES = np.arange(-5, 6)[:, np.newaxis]
@@ -61,8 +61,8 @@ class Flags(ShownAsPrinted):
     Attributes
     ----------
     sharp_edge
-        Share of the pressure beside open cells, in contacts of at least four cells across, that stands at sharp edges,
-        where it is unbounded; one if the maximum is beside a step of the heights; zero without any.
+        Fraction of the pressure beside open cells, in contacts of at least four cells across, that stands at sharp
+        edges, where it is unbounded; one if the maximum is beside a step of the heights; zero without any.
     crease
         Jump of the slope under the maximum pressure, at a crease, times the modulus E* over that pressure: the pressure
         is unbounded there; zero without one.
@@ -146,7 +146,7 @@ def _find_unbounded(solution: ContactSolution) -> tuple[float, float]:
         wide = patches.cells[patches.labels.ravel()[top] - 1] >= MIN_SHARP_PATCH_CELLS
         flat = float(wide.all() and _lies_at_step(solution, top))
     crease, step = (float(solution.parts.highest(value)) for value in (steep, flat))
-    return max(_find_sharp_share(solution), step), crease if crease > _MIN_JUMP else 0.0
+    return max(_find_sharp_fraction(solution), step), crease if crease > _MIN_JUMP else 0.0
 
 
 def _modulus(solution: ContactSolution) -> float:
@@ -154,8 +154,8 @@ def _modulus(solution: ContactSolution) -> float:
     return float(solution.effective_modulus(1.0 / math.sqrt(solution.grid.resolved.cell_area)))
 
 
-def _find_sharp_share(solution: ContactSolution) -> float:
-    """Return the share of the pressure beside open cells that stands at sharp edges."""
+def _find_sharp_fraction(solution: ContactSolution) -> float:
+    """Return the fraction of the pressure beside open cells that stands at sharp edges."""
     modulus = _modulus(solution)
     at_edge = solution.parts.own(solution.contact & ~find_interior(solution))
     if solution.capped:
@@ -163,7 +163,9 @@ def _find_sharp_share(solution: ContactSolution) -> float:
         at_edge &= ~solution.saturated
     cells = np.flatnonzero(at_edge)
     near = Neighbourhood.of(*split(cells, at_edge.shape[1]), at_edge.shape, solution.boundary, _ROW)
-    contact, pressure, gap = (field.ravel() for field in (solution.contact, solution.pressure, solution.gap))
+    contact = solution.contact.ravel()
+    pressure = solution.pressure.ravel()
+    gap = solution.gap.ravel()
     beside = 0.0
     sharp = 0.0
     count = 0
@@ -177,7 +179,7 @@ def _find_sharp_share(solution: ContactSolution) -> float:
         sharp += float(np.sum(row[0], where=found))
         count += int(np.count_nonzero(found))
     beside, sharp, sides = solution.parts.total(np.array((beside, sharp, count)))
-    return float(sharp / beside) if sides >= _MIN_SIDES and sharp > _MIN_SHARE * beside else 0.0
+    return float(sharp / beside) if sides >= _MIN_SIDES and sharp > _MIN_FRACTION * beside else 0.0
 
 
 def _lies_at_step(solution: ContactSolution, cell: IntArray) -> bool:
