@@ -23,6 +23,7 @@ from roughcontact._base.arrays import IntArray
 from roughcontact._base.units import Estimate, ShownAsPrinted, percent
 from roughcontact._parts.grid import pad_axes
 from roughcontact._solve.solution import ContactSolution, Response, responses
+from roughcontact.errors import InputError
 
 # Steps to the cell beyond each side, and to that across a crease: along both axes and both diagonals.
 _SIDES = ((1, 0), (-1, 0), (0, 1), (0, -1))
@@ -119,12 +120,20 @@ class FindFlags(Response[Flags]):
     """Sharp edges, creases and rough heights of a contact, which decide how far its numbers depend on the grid."""
 
     def respond(self, solution: ContactSolution) -> Flags:
-        """Return the flags of a solution."""
+        """Return the flags of a solution.
+
+        Raises
+        ------
+        InputError
+            If the fields of the solution are divided among processes.
+        """
+        if not solution.parts.is_whole:
+            raise InputError("The heights here are those of a slab: ask gather() for the whole contact.")
         return find_flags(solution)
 
 
 def find_flags(solution: ContactSolution) -> Flags:
-    """Return the flags of a solution, which it keeps."""
+    """Return the flags of a whole solution, which it keeps."""
     return solution._keep("flags", lambda: Flags(*find_unbounded(solution), _is_rough(solution)))
 
 
@@ -135,7 +144,7 @@ def find_unbounded(solution: ContactSolution) -> tuple[float, float]:
 
 def _find_unbounded(solution: ContactSolution) -> tuple[float, float]:
     patches = solution.patches
-    if patches.count == 0 or not solution.pressure.any():
+    if patches.count == 0:
         return 0.0, 0.0
     highest = solution.parts.highest(float(solution.pressure.max()))
     # A pressure at its limit is bounded.
@@ -239,7 +248,6 @@ def _is_rough(solution: ContactSolution) -> bool:
         quartic += float(np.sum(squares * squares))
         fourth += float(np.sum(turns * turns)) * bends.size / turns.size
         count += bends.size
-    second, fourth, quartic, count = solution.parts.total(np.array((second, fourth, quartic, count)))
     if second == 0.0:
         return False
     return bool(quartic * count > _MIN_KURTOSIS * second**2 and fourth > _MIN_ROUGHNESS * second)
