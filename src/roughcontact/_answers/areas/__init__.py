@@ -6,6 +6,8 @@ from roughcontact._answers.areas.estimators import Hertz as Hertz
 from roughcontact._answers.areas.estimators import LevelSet as LevelSet
 from roughcontact._answers.areas.estimators import LevelSetRichardson as LevelSetRichardson
 from roughcontact._answers.areas.estimators import Perimeter as Perimeter
+from roughcontact._answers.areas.flags import FindFlags as FindFlags
+from roughcontact._answers.areas.flags import Flags as Flags
 from roughcontact._answers.areas.peak import PeakPressure as PeakPressure
 from roughcontact._answers.areas.quantities import EdgeLength as EdgeLength
 from roughcontact._answers.areas.quantities import MeanGap as MeanGap

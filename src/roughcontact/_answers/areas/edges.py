@@ -352,7 +352,7 @@ def total_area(
     values = values * (value / total if total > 0.0 else 1.0)
     uncertainty = math.sqrt(float(np.sum(stds**2)) + common**2 + edges.border**2)
     warnings = list_warnings(solution, edges.curvature_resolution)
-    warnings = _judge_uncertainty("the area", value, uncertainty, warnings)
+    warnings = judge_uncertainty("the area", value, uncertainty, warnings)
     return Area(
         value,
         value / grid.area,
@@ -377,11 +377,11 @@ def _count_hidden_gaps(solution: ContactSolution) -> float:
 def warn_if_uncertain(value: float, std: float, unit: str, warnings: tuple[str, ...]) -> Estimate:
     """Return an estimate, with a warning if it has no other and two of its standard deviations are more than 10 %."""
     if value != 0.0:
-        warnings = _judge_uncertainty("this number", value, std, warnings)
+        warnings = judge_uncertainty("this number", value, std, warnings)
     return Estimate(value, std, unit, warnings)
 
 
-def _judge_uncertainty(what: str, value: float, std: float, warnings: tuple[str, ...]) -> tuple[str, ...]:
+def judge_uncertainty(what: str, value: float, std: float, warnings: tuple[str, ...]) -> tuple[str, ...]:
     """Return the warnings; if there are none and two standard deviations are more than 10 %, a warning about that."""
     if warnings or std <= _MAX_RELATIVE_STD * abs(value):
         return warnings

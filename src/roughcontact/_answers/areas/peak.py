@@ -9,8 +9,9 @@ import numpy as np
 
 from roughcontact._answers.areas import calibration
 from roughcontact._answers.areas.approach import TIP_REACH, fit_hyperboloid
-from roughcontact._answers.areas.cells import MIN_SHARP_PATCH_CELLS, find_cut_patches, gather_around, split
+from roughcontact._answers.areas.cells import find_cut_patches, gather_around, split
 from roughcontact._answers.areas.edges import warn_if_uncertain
+from roughcontact._answers.areas.flags import find_unbounded
 from roughcontact._answers.areas.hertz import find_sharpness, hertz_areas
 from roughcontact._answers.areas.initial_gap import curvature_resolution
 from roughcontact._answers.areas.quantities import Quantity
@@ -31,8 +32,6 @@ from roughcontact._solve.solution import (
 _QUARTIC_FACTOR = -32.0 / 45.0
 # Largest ratio of the bends of p^2 along both axes on a straight strip.
 _MAX_STRIP_BEND_RATIO = 0.002
-# Largest change of the heights over two cells inward from a step, over the height of the step.
-_MAX_FLAT_RATIO = 0.25
 # Distance from a free border, in cells, within which the spline through the heights is less certain.
 _BORDER_CELLS = 3.0
 # Weights of five cells in the third difference.
@@ -41,8 +40,12 @@ _THIRD_DIFFERENCE = np.array((-0.5, 1.0, 0.0, -1.0, 0.5))
 _MAX_QUARTIC_CHANGE = 0.2
 # Distance of the maximum from the centre of the highest cell, in cells along an axis: half the diagonal.
 _MAX_OFFSET_CELLS = 0.71
-_SHARP_EDGE_WARNING = WarningText(
-    "the maximum lies at a sharp edge or at the border, where the pressure is unbounded: its value depends on the grid",
+_UNBOUNDED_WARNING = WarningText(
+    "at a sharp edge or a crease of the contact the pressure is unbounded: its maximum grows with every grid",
+    "sharp edge",
+)
+_BORDER_WARNING = WarningText(
+    "the border cuts the contact, where the pressure is unbounded: its maximum grows with every grid",
     "sharp edge",
 )
 _NON_MEASURED_WARNING = WarningText(
@@ -99,9 +102,13 @@ class PeakPressure(Quantity):
         std = np.hypot(std, value * _find_tip_error(patches.cells, sharpness))
         top = int(np.argmax(value))
         peak = float(value[top])
-        sharp = patches.cells[top] >= MIN_SHARP_PATCH_CELLS and _lies_at_step(solution, highest[top : top + 1])
-        sharp = sharp or bool(_find_cut(solution, highest[top])) or bool(find_cut_patches(solution).any())
-        more = _NON_MEASURED_WARNING if _meets_non_measured(solution) else _SHARP_EDGE_WARNING if sharp else None
+        if _meets_non_measured(solution):
+            more: WarningText | None = _NON_MEASURED_WARNING
+        elif any(find_unbounded(solution)):
+            more = _UNBOUNDED_WARNING
+        else:
+            cut = bool(_find_cut(solution, highest[top])) or bool(find_cut_patches(solution).any())
+            more = _BORDER_WARNING if cut else None
         pointed = peak * _find_point_error(solution, highest[top : top + 1], int(patches.cells[top]))
         uncertainty = math.hypot(float(std[top]), pointed, _find_residual_std(solution)) if more is None else peak
         peak = min(peak, float(solution.pressure_limit.max()))
@@ -207,23 +214,6 @@ def _find_cut(solution: ContactSolution, cells: IntArray) -> Mask:
     i, j = np.divmod(cells, ny)
     free_x, free_y = solution.boundary.free_axes
     return np.asarray(free_x & ((i == 0) | (i == nx - 1)) | free_y & ((j == 0) | (j == ny - 1)))
-
-
-def _lies_at_step(solution: ContactSolution, cell: IntArray) -> bool:
-    """Return whether the contact ends at a step of the heights beside this cell, and the heights inward are flat."""
-    contact, gap = (
-        _gather(solution, field, cell, 2)[..., 0] for field in (solution.contact.view(np.uint8), solution.initial_gap)
-    )
-    for touching, rise in ((contact[:, 2], gap[:, 2]), (contact[2], gap[2])):
-        for outward in (1, -1):
-            rises = (rise - rise[2])[::outward]
-            if (
-                touching[::outward][:2].all()
-                and not touching[2 + outward]
-                and np.abs(rises[:2]).max() < _MAX_FLAT_RATIO * rises[3]
-            ):
-                return True
-    return False
 
 
 def _meets_non_measured(solution: ContactSolution) -> bool:

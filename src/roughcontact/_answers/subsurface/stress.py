@@ -53,7 +53,8 @@ _MAX_LOAD_RATIO = 1e6
 # Largest depth, in sides of the domain, for which the stress is computed.
 _MAX_DEPTH_SIDES = 100.0
 _SHARP_EDGE_WARNING = WarningText(
-    "the contact has a sharp edge or reaches the border, where the stress is unbounded: it depends on the grid",
+    "the contact has a sharp edge or a crease, or reaches the border, where the stress is unbounded: it grows with "
+    "every grid",
     "sharp edge",
 )
 _ALLOWED_TRACTION = "numbers of shape (2, nx, ny), along x and y (Pa)"

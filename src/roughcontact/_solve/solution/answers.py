@@ -10,6 +10,7 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array
+from roughcontact._base.checks import choice
 from roughcontact._base.units import Estimate, Force, Length, Pressure, Quantity
 from roughcontact._parts.materials import Material
 from roughcontact._parts.surfaces import HeightMap
@@ -40,6 +41,8 @@ from roughcontact._solve.solution.theory import Stickiness, TheoryBeside, compar
 from roughcontact.errors import InputError
 
 T = TypeVar("T")
+# What the uncertainty of an answer is found from.
+UNCERTAINTIES = ("model", "two grids")
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -48,22 +51,40 @@ class ContactAnswers(ShearFields):
 
     _public_name: ClassVar[str] = "ContactSolution"
 
-    def area(self, estimator: str | AreaEstimator = DEFAULT_AREA) -> Area:
+    def area(self, estimator: str | AreaEstimator = DEFAULT_AREA, *, uncertainty: str = "model") -> Area:
         """Return the real contact area.
 
         Parameters
         ----------
         estimator
             Registered name or instance of an area estimator.
+        uncertainty
+            ``"model"``: by a model of the errors of the estimator; ``"two grids"``: by what changes on coarser grids of
+            the same heights, `phases`. At sharp edges and creases the default area is then extrapolated over the grids.
 
         Raises
         ------
         InputError
-            If there is no such estimator.
+            If there is no such estimator, or no coarser grid.
         """
+        if choice(uncertainty, "The uncertainty", UNCERTAINTIES) == "two grids":
+            return self._judge_area(estimator)
         # The default area is kept, because every number and response needs it.
         default = isinstance(estimator, str) and estimator == DEFAULT_AREA
         return self._default_area if default else self._estimate_area(areas.resolve(estimator))
+
+    def _judge_area(self, estimator: str | AreaEstimator) -> Area:
+        found = self.area(estimator)
+        phases = self.phases()
+        if phases.flagged and estimator == DEFAULT_AREA:
+            area: Area = phases.extrapolate_area(self, found)
+            return area
+        judged: Area = phases.judge(found, lambda one: one.area(estimator))
+        return judged
+
+    def phases(self) -> Any:
+        """Return the contact on both diagonal phases of its grid, solved once; see `roughcontact.responses.Phases`."""
+        return self.response("phases")
 
     def attractive_area(self, fraction: float = 0.1) -> Area:
         """Return the area outside the contact where the tension exceeds a fraction of its maximum.
@@ -146,12 +167,12 @@ class ContactAnswers(ShearFields):
         return self.response("peak-pressure") if self.tension is None else interpolate_peak(self)
 
     @overload
-    def response(self, response: NameOfNumber) -> Estimate: ...
+    def response(self, response: NameOfNumber, *, uncertainty: str = "model") -> Estimate: ...
     @overload
-    def response(self, response: Response[T]) -> T: ...
+    def response(self, response: Response[T], *, uncertainty: str = "model") -> T: ...
     @overload
-    def response(self, response: str) -> Any: ...
-    def response(self, response: str | Response[Any]) -> Any:
+    def response(self, response: str, *, uncertainty: str = "model") -> Any: ...
+    def response(self, response: str | Response[Any], *, uncertainty: str = "model") -> Any:
         """Return a quantity of the contact, or its response to a small change, a current or a flow.
 
         Parameters
@@ -162,6 +183,8 @@ class ContactAnswers(ShearFields):
             the cells), ``"stiffness"`` and ``"tangential-stiffness"``; ``roughcontact.responses.create`` makes others.
             With friction a response with a field ``traction``, such as the stress, is that under pressure and traction,
             others are those of the normal contact.
+        uncertainty
+            ``"model"`` or, of a number, ``"two grids"``; see `area`.
 
         Raises
         ------
@@ -169,6 +192,8 @@ class ContactAnswers(ShearFields):
             If there is no such response, or it means nothing for this contact or has no value; with friction also if
             it states a traction or a friction of its own.
         """
+        if choice(uncertainty, "The uncertainty", UNCERTAINTIES) == "two grids":
+            return self.phases().judge(self.response(response), lambda one: one.response(response))
         asked: Any = responses.resolve(response)
         chosen = self._add_traction(asked) if self.added else asked
         return self.parts.ask(self, chosen, lambda one: ask(one, chosen))

@@ -132,7 +132,8 @@ def solve_reference(
     and extrapolated where the grids agree on an order. A map that is not smooth is solved on its own grid.
     The error bound of the area is two standard deviations. The error bound of pressure and approach is the step to
     the extrapolated value, or else the largest of the last change between grids, half the change before, and so on. A
-    maximum pressure whose steps do not shrink has no bound, and is omitted: at sharp edges it grows with every grid.
+    maximum pressure whose steps do not shrink, or at a sharp edge or a crease, has no bound, and is omitted: it grows
+    with every grid.
 
     Raises
     ------
@@ -154,7 +155,7 @@ def solve_reference(
     if len(solutions) > 1:
         cells = [solution.grid.shape[0] for solution in solutions]
         for name, series in values.items():
-            if name == "p_max" and _grows(series):
+            if name == "p_max" and (_grows(series) or last.response("flags").unbounded):
                 unbounded = "; the maximum pressure has no limit: it grows with every grid"
                 continue
             known[name], known[f"{name}_error"] = _extrapolate(cells, series, smooth)

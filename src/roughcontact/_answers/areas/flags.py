@@ -1,0 +1,253 @@
+"""Flags of a contact: what its cells show of places where the pressure is unbounded, or that no grid resolves.
+
+At a sharp edge the pressure rises outwards as the inverse root of the distance, at a crease that points at the other
+surface as the logarithm; both have no maximum. Heights as rough at the scale of the cells as at any other have details
+that these cells do not show.
+"""
+
+from __future__ import annotations
+
+import math
+
+import attrs
+import numpy as np
+
+from roughcontact._answers.areas.cells import (
+    MIN_SHARP_PATCH_CELLS,
+    Neighbourhood,
+    find_interior,
+    gather_around,
+    split,
+)
+from roughcontact._base.arrays import IntArray
+from roughcontact._base.units import Estimate, ShownAsPrinted, percent
+from roughcontact._parts.grid import pad_axes
+from roughcontact._solve.solution import ContactSolution, Response, responses
+from roughcontact.errors import InputError
+
+# Steps to the cell beyond each side, and to that across a crease: along both axes and both diagonals.
+_SIDES = ((1, 0), (-1, 0), (0, 1), (0, -1))
+_LINES = ((1, 0), (0, 1), (1, 1), (1, -1))
+# Cells in contact in line inwards from a side, whose pressures tell whether it rises outwards.
+_ROW = 4
+# Pressure of the second cell from a sharp edge at most over that of the innermost of the row.
+_FLATNESS = 0.9
+# Gap beyond a sharp edge, times E* over the cell, over the pressure beside it, at least.
+_MIN_OPENING = 0.5
+# Sides of a sharp edge, and the fraction of the pressure beside sides that they carry, at least.
+_MIN_SIDES = 3
+_MIN_FRACTION = 0.1
+# Cells around the highest pressure, shape (2, 1, 9), and places on a line through each of them, shape (11, 1).
+_AROUND = np.stack(np.meshgrid((-1, 0, 1), (-1, 0, 1), indexing="ij")).reshape(2, 1, 9)
+_PLACES = np.arange(-5, 6)[:, np.newaxis]
+_REACH = 6
+# Second differences on the line: that at the cell, and those beside it and the next one, at most over their sum.
+_MIDDLE = 4
+_BESIDE = np.array((1, 2, 3, 6, 7, 8))
+_MAX_BEND_BESIDE = 0.15
+# Largest change of the heights over two cells inward from a step, over the height of the step.
+_MAX_FLAT_RATIO = 0.25
+# Jump of the slope at a crease, times E*, over the maximum pressure, at least.
+_MIN_JUMP = 0.02
+# Kurtosis of the second differences (3 on Gaussian heights), and mean square of the fourth over that of the second
+# differences, above which heights are rough at the scale of the cells.
+_MIN_KURTOSIS = 6.0
+_MIN_ROUGHNESS = 1.0
+
+
+@attrs.frozen
+class Flags(ShownAsPrinted):
+    """What the cells show of places that no grid resolves.
+
+    Attributes
+    ----------
+    sharp_edge
+        Fraction of the pressure beside open cells, in contacts of at least four cells across, that stands at sharp
+        edges, where it is unbounded; one if the maximum is beside a step of the heights; zero without any.
+    crease
+        Jump of the slope under the maximum pressure, at a crease, times the modulus E* over that pressure: the pressure
+        is unbounded there; zero without one.
+    rough_tail
+        Whether the heights are as rough from cell to cell as over several: their curvature depends on the cell.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import roughcontact as rc
+    >>> grid = rc.Grid((48, 48), 48e-6)
+    >>> inside = np.hypot(grid.x, grid.y) < 10e-6
+    >>> punch = rc.Body(rc.HeightMap(np.where(inside, 0.0, -5e-6), size=grid.size), rc.Elastic(210e9, 0.3))
+    >>> flags = rc.ContactProblem(punch).solve(force=0.1).response("flags")
+    >>> flags.unbounded, flags.sharp_edge, flags.crease
+    (True, 1.0, 0.0)
+    """
+
+    sharp_edge: float
+    crease: float
+    rough_tail: bool
+
+    @property
+    def unbounded(self) -> bool:
+        """Whether the pressure has no maximum: each finer grid has a higher one."""
+        return self.sharp_edge > 0.0 or self.crease > 0.0
+
+    @property
+    def estimates(self) -> dict[str, Estimate]:
+        """The flags as numbers by name; the last is 1 or 0."""
+        names = ("sharp edge", "crease", "rough tail")
+        return {name: Estimate(float(value), 0.0, "") for name, value in zip(names, attrs.astuple(self), strict=True)}
+
+    def __bool__(self) -> bool:
+        """Return whether there is any flag."""
+        return self.unbounded or self.rough_tail
+
+    def __str__(self) -> str:
+        found = []
+        if self.sharp_edge > 0.0:
+            found.append(
+                f"sharp edges with {percent(self.sharp_edge)} of the pressure beside open cells: it is unbounded"
+            )
+        if self.crease > 0.0:
+            found.append("a crease under the maximum pressure, which is unbounded")
+        if self.rough_tail:
+            found.append("heights as rough from cell to cell as over several cells")
+        return "; ".join(found) or "none: no sharp edge, no crease under the maximum pressure, smooth heights"
+
+
+@responses.register("flags")
+@attrs.frozen
+class FindFlags(Response[Flags]):
+    """Sharp edges, creases and rough heights of a contact, which decide how far its numbers depend on the grid."""
+
+    def respond(self, solution: ContactSolution) -> Flags:
+        """Return the flags of a solution.
+
+        Raises
+        ------
+        InputError
+            If the fields of the solution are divided among processes.
+        """
+        if not solution.parts.is_whole:
+            raise InputError("The heights here are those of a slab: ask gather() for the whole contact.")
+        return find_flags(solution)
+
+
+def find_flags(solution: ContactSolution) -> Flags:
+    """Return the flags of a whole solution, which it keeps."""
+    return solution._keep("flags", lambda: Flags(*find_unbounded(solution), _is_rough(solution)))
+
+
+def find_unbounded(solution: ContactSolution) -> tuple[float, float]:
+    """Return `Flags.sharp_edge` and `Flags.crease`, which take a list of cells each; the third needs all heights."""
+    return solution._keep("unbounded", lambda: _find_unbounded(solution))
+
+
+def _find_unbounded(solution: ContactSolution) -> tuple[float, float]:
+    patches = solution.patches
+    if patches.count == 0:
+        return 0.0, 0.0
+    highest = solution.parts.highest(float(solution.pressure.max()))
+    # A pressure at its limit is bounded.
+    top = np.flatnonzero(solution.parts.own((solution.pressure >= highest) & ~solution.saturated))[:1]
+    steep = flat = 0.0
+    if top.size:
+        steep = _find_jump(solution, top) * _modulus(solution) / highest
+        wide = patches.cells[patches.labels.ravel()[top] - 1] >= MIN_SHARP_PATCH_CELLS
+        flat = float(wide.all() and _lies_at_step(solution, top))
+    crease, step = (float(solution.parts.highest(value)) for value in (steep, flat))
+    return max(_find_sharp_fraction(solution), step), crease if crease > _MIN_JUMP else 0.0
+
+
+def _modulus(solution: ContactSolution) -> float:
+    """Return the modulus E* at the scale of the cells, Pa."""
+    return float(solution.effective_modulus(1.0 / math.sqrt(solution.grid.resolved.cell_area)))
+
+
+def _find_sharp_fraction(solution: ContactSolution) -> float:
+    """Return the fraction of the pressure beside open cells that stands at sharp edges."""
+    modulus = _modulus(solution)
+    at_edge = solution.parts.own(solution.contact & ~find_interior(solution))
+    if solution.capped:
+        # A limited pressure is flat up to any edge.
+        at_edge &= ~solution.saturated
+    cells = np.flatnonzero(at_edge)
+    near = Neighbourhood.of(*split(cells, at_edge.shape[1]), at_edge.shape, solution.boundary, _ROW)
+    contact = solution.contact.ravel()
+    pressure = solution.pressure.ravel()
+    gap = solution.gap.ravel()
+    beside = 0.0
+    sharp = 0.0
+    count = 0
+    for (di, dj), step in zip(_SIDES, np.repeat(solution.grid.spacing, 2), strict=True):
+        outer = near.at(di, dj)
+        row = np.stack([pressure.take(near.at(-k * di, -k * dj)) for k in range(_ROW)])
+        facing = ~contact.take(outer) & (row > 0.0).all(axis=0)
+        rises = (row[0] > row[1]) & (row[1] > row[2]) & (row[2] > _FLATNESS * row[3])
+        found = facing & rises & (gap.take(outer) * modulus > _MIN_OPENING * step * row[0])
+        beside += float(np.sum(row[0], where=facing))
+        sharp += float(np.sum(row[0], where=found))
+        count += int(np.count_nonzero(found))
+    beside, sharp, sides = solution.parts.total(np.array((beside, sharp, count)))
+    return float(sharp / beside) if sides >= _MIN_SIDES and sharp > _MIN_FRACTION * beside else 0.0
+
+
+def _lies_at_step(solution: ContactSolution, cell: IntArray) -> bool:
+    """Return whether the contact ends at a step of the heights beside this cell, and the heights inward are flat."""
+    contact = gather_around(solution.contact.view(np.uint8), cell, 2, solution.boundary)[..., 0]
+    gap = gather_around(solution.initial_gap, cell, 2, solution.boundary)[..., 0]
+    for touching, rise in ((contact[:, 2], gap[:, 2]), (contact[2], gap[2])):
+        for outward in (1, -1):
+            rises = (rise - rise[2])[::outward]
+            if (
+                touching[::outward][:2].all()
+                and not touching[2 + outward]
+                and np.abs(rises[:2]).max() < _MAX_FLAT_RATIO * rises[3]
+            ):
+                return True
+    return False
+
+
+def _find_jump(solution: ContactSolution, top: IntArray) -> float:
+    """Return the largest jump of the slope within a cell of this one, on lines that are bent nowhere else; or zero."""
+    near = gather_around(solution.initial_gap, top, _REACH, solution.boundary)[..., 0]
+    # Beyond a free border there are no heights.
+    shape = solution.contact.shape
+    steps = np.arange(-_REACH, _REACH + 1)
+    for axis, (at, n, free) in enumerate(zip(split(top, shape[1]), shape, solution.boundary.free_axes, strict=True)):
+        if free:
+            known = (at + steps >= 0) & (at + steps < n)
+            near = np.where(np.expand_dims(known, 1 - axis), near, np.nan)
+    strongest = 0.0
+    for di, dj in _LINES:
+        # By place on the line, and line through each of the nine cells.
+        rows = _REACH + _AROUND[0] + di * _PLACES
+        columns = _REACH + _AROUND[1] + dj * _PLACES
+        length = math.hypot(di * solution.grid.spacing[0], dj * solution.grid.spacing[1])
+        bends = np.diff(near[rows, columns], 2, axis=0) / length
+        for there in (bends, bends[::-1]):
+            jump = there[_MIDDLE] + there[_MIDDLE + 1]
+            beside = np.abs(there[_BESIDE]).max(axis=0)
+            strongest = max(strongest, float(np.max(jump, where=beside < _MAX_BEND_BESIDE * jump, initial=0.0)))
+    return strongest
+
+
+def _is_rough(solution: ContactSolution) -> bool:
+    """Return whether heights are rough at the scale of the cells, and their curvature far from Gaussian."""
+    heights = solution.initial_gap
+    second = fourth = quartic = count = 0.0
+    for axis, (n, free) in enumerate(zip(heights.shape, solution.boundary.free_axes, strict=True)):
+        if n < 2 * _ROW:
+            continue
+        width = 0 if free else 2
+        widths = ((width, width), (0, 0)) if axis == 0 else ((0, 0), (width, width))
+        lines = pad_axes(heights, widths, solution.boundary.free_axes)
+        bends = np.diff(lines, 2, axis=axis)
+        turns = np.diff(bends, 2, axis=axis)
+        squares = bends * bends
+        second += float(np.sum(squares))
+        quartic += float(np.sum(squares * squares))
+        fourth += float(np.sum(turns * turns)) * bends.size / turns.size
+        count += bends.size
+    if second == 0.0:
+        return False
+    return bool(quartic * count > _MIN_KURTOSIS * second**2 and fourth > _MIN_ROUGHNESS * second)
