@@ -179,8 +179,9 @@ def _find_sharp_fraction(solution: ContactSolution) -> float:
     sharp = 0.0
     count = 0
     for (di, dj), step in zip(_SIDES, np.repeat(solution.grid.spacing, 2), strict=True):
-        outer = near.at(di, dj)
-        row = np.stack([pressure.take(near.at(-k * di, -k * dj)) for k in range(_ROW)])
+        inwards = near.at(np.outer(np.arange(-1, _ROW), (-di, -dj)))
+        outer = inwards[0]
+        row = pressure.take(inwards[1:])
         facing = ~contact.take(outer) & (row > 0.0).all(axis=0)
         rises = (row[0] > row[1]) & (row[1] > row[2]) & (row[2] > _FLATNESS * row[3])
         found = facing & rises & (gap.take(outer) * modulus > _MIN_OPENING * step * row[0])
