@@ -240,15 +240,17 @@ def _add(gap, change, part):  # type: ignore[no-untyped-def]
 class CompiledPasses(FieldPasses):
     """The passes compiled by numba; they let other threads run."""
 
-    def measure(self, pressure: Array, gap: RealArray, limit: Array | None, load: float | None) -> tuple[float, float]:
-        """See `FieldPasses.measure`."""
-        return _measure(pressure, gap, _bound(limit), load is not None)
+    def __init__(self, limit: Array | None, load: float | None) -> None:
+        super().__init__(limit, load)
+        self._given = _NO_LIMIT if limit is None else limit, load is not None
 
-    def release(
-        self, pressure: Array, gap: RealArray, limit: Array | None, load: float | None
-    ) -> tuple[RealArray, Mask, int]:
+    def measure(self, pressure: Array, gap: RealArray) -> tuple[float, float]:
+        """See `FieldPasses.measure`."""
+        return _measure(pressure, gap, *self._given)
+
+    def release(self, pressure: Array, gap: RealArray) -> tuple[RealArray, Mask, int]:
         """See `FieldPasses.release`."""
-        return _release(pressure, gap, _bound(limit), load is not None)
+        return _release(pressure, gap, *self._given)
 
     def conjugate(
         self, image: RealArray, active: Mask, step: RealArray | None, change: RealArray | None, curvature: float
@@ -258,41 +260,25 @@ class CompiledPasses(FieldPasses):
         return _conjugate(image, active, former, _NO_FIELD if change is None else change, curvature)
 
     def admit(
-        self,
-        direction: RealArray,
-        residual: RealArray,
-        active: Mask,
-        pressure: Array,
-        limit: Array | None,
-        load: float | None,
+        self, direction: RealArray, residual: RealArray, active: Mask, pressure: Array
     ) -> tuple[RealArray, float]:
         """See `FieldPasses.admit`."""
-        return _admit(direction, residual, active, pressure, _bound(limit), load is not None)
+        return _admit(direction, residual, active, pressure, *self._given)
 
     def advance(
-        self,
-        pressure: Array,
-        direction: RealArray,
-        length: float,
-        active: Mask,
-        limit: Array | None,
-        load: float | None,
+        self, pressure: Array, direction: RealArray, length: float, active: Mask
     ) -> tuple[Array, RealArray, bool]:
         """See `FieldPasses.advance`."""
-        return _advance(pressure, direction, length, active, _bound(limit), load is not None)
+        return _advance(pressure, direction, length, active, *self._given)
 
     def slopes(self, residual: RealArray, step: RealArray, change: RealArray) -> tuple[float, float]:
         """See `FieldPasses.slopes`."""
         return _slopes(residual, step, change)
 
-    def move(self, pressure: Array, trial: Array, part: float, limit: Array | None) -> tuple[Array, bool]:
+    def move(self, pressure: Array, trial: Array, part: float) -> tuple[Array, bool]:
         """See `FieldPasses.move`."""
-        return _move(pressure, trial, part, _bound(limit))
+        return _move(pressure, trial, part, self._given[0])
 
     def add(self, gap: RealArray, change: RealArray, part: float) -> None:
         """See `FieldPasses.add`."""
         _add(gap, change, part)
-
-
-def _bound(limit: Array | None) -> Array:
-    return _NO_LIMIT if limit is None else limit

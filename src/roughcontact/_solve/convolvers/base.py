@@ -282,7 +282,7 @@ class PreparedConvolution(abc.ABC):
         )
 
     @property
-    def passes(self) -> FieldPasses | None:
+    def passes(self) -> type[FieldPasses] | None:
         """What solvers do to whole fields beside its products, where it brings that compiled; None: numpy does it."""
         return None
 

@@ -50,11 +50,9 @@ class FieldDescent(Method):
     work
         Counts the products of the inverse.
     passes
-        What is done beside the products.
-    limit
-        Pressure limit, flat, of one entry or one for each cell; None without one.
-    load
-        The sum of the pressure; None if the approach is given.
+        What is done beside the products, for the limit and the load.
+    shape
+        Cells of the grid.
     """
 
     patience = _MAX_IDLE_ITERATIONS
@@ -66,16 +64,12 @@ class FieldDescent(Method):
         work: Work,
         passes: FieldPasses,
         shape: tuple[int, int],
-        limit: Array | None,
-        load: float | None,
     ) -> None:
         self._multiply = multiply
         self._inverse = inverse
         self._work = work
         self._passes = passes
         self._shape = shape
-        self._limit = limit
-        self._load = load
         self._length = FIRST_LENGTH
         self._step: RealArray | None = None
         self._change: RealArray | None = None
@@ -97,12 +91,12 @@ class FieldDescent(Method):
 
     def measure(self) -> tuple[float, float]:
         """Return the estimated error, and no rounding."""
-        self._level, error = self._passes.measure(self.pressure, self.gap, self._limit, self._load)
+        self._level, error = self._passes.measure(self.pressure, self.gap)
         return error / self._scale, 0.0
 
     def step(self) -> Status | None:
         """Make one step; see `Method.step`."""
-        residual, active, count = self._passes.release(self.pressure, self.gap, self._limit, self._load)
+        residual, active, count = self._passes.release(self.pressure, self.gap)
         if count == 0:
             return Status.STALLED
         direction = self._find_direction(residual, active)
@@ -115,7 +109,7 @@ class FieldDescent(Method):
         conjugate = self._passes.conjugate(image, active, self._step, self._change, self._curvature)
         steepness = MIN_CONJUGATE_SLOPE * dot(residual, image)
         for direction, minimum in ((conjugate, steepness), (image, 0.0), (residual, 0.0)):
-            admitted, slope = self._passes.admit(direction, residual, active, self.pressure, self._limit, self._load)
+            admitted, slope = self._passes.admit(direction, residual, active, self.pressure)
             if slope > max(minimum, 0.0):
                 return admitted
             self._length = CAREFUL_LENGTH
@@ -124,7 +118,7 @@ class FieldDescent(Method):
     def _precondition(self, residual: RealArray, active: Mask) -> RealArray:
         """Return the preconditioned residual, at a given approach with its rigid part."""
         image = self._work.invert(self._inverse, residual.reshape(self._shape)).ravel()
-        if self._load is None:
+        if self._passes.load is None:
             image += np.float32(self._rigid.part(active, residual, self._displace))
         return image
 
@@ -134,9 +128,7 @@ class FieldDescent(Method):
     def _move(self, residual: RealArray, active: Mask, direction: RealArray) -> bool:
         passes = self._passes
         for _ in range(_MAX_BACKTRACKS):
-            trial, step, clipped = passes.advance(
-                self.pressure, direction, self._length, active, self._limit, self._load
-            )
+            trial, step, clipped = passes.advance(self.pressure, direction, self._length, active)
             if clipped:
                 self._compare_with_limit(np.float32(self._length) * direction)
             change = self._displace(step)
@@ -164,7 +156,7 @@ class FieldDescent(Method):
             self._length = min(MAX_LENGTH, self._length * min(max(part, 0.25), 4.0))
         if part in (0.0, 1.0):
             return part, trial
-        moved, inside = self._passes.move(self.pressure, trial, part, self._limit)
+        moved, inside = self._passes.move(self.pressure, trial, part)
         if inside or part <= 1.0:
             return part, moved
         self._compare_with_limit(part * (trial - self.pressure))
@@ -172,8 +164,9 @@ class FieldDescent(Method):
 
     def _compare_with_limit(self, step: RealArray) -> None:
         """Note whether a step would cross the limit: it is then another one than without, wherever it ends."""
-        if self._limit is not None and not self.met_limit:
-            self.met_limit = bool((self.pressure + step > self._limit).any())
+        limit = self._passes.limit
+        if limit is not None and not self.met_limit:
+            self.met_limit = bool((self.pressure + step > limit).any())
 
 
 class _RigidMotion:
@@ -196,14 +189,15 @@ class _RigidMotion:
 class NumpyPasses(FieldPasses):
     """The passes in numpy, few calls each."""
 
-    def measure(self, pressure: Array, gap: RealArray, limit: Array | None, load: float | None) -> tuple[float, float]:
+    def measure(self, pressure: Array, gap: RealArray) -> tuple[float, float]:
         """See `FieldPasses.measure`."""
+        limit = self.limit
         single = pressure.astype(np.float32)
         elastic = single
         if limit is not None:
             elastic = np.where(pressure < limit, single, np.float32(0.0))
         level = 0.0
-        if load is not None:
+        if self.load is not None:
             carried = total(elastic)
             level = dot(elastic, gap) / carried if carried > 0.0 else 0.0
         rest = gap - np.float32(level)
@@ -214,14 +208,14 @@ class NumpyPasses(FieldPasses):
         opened = dot(single, np.abs(rest, out=rest)) / sum_of_pressure if sum_of_pressure > 0.0 else 0.0
         return level, max(opened, overlap)
 
-    def release(
-        self, pressure: Array, gap: RealArray, limit: Array | None, load: float | None
-    ) -> tuple[RealArray, Mask, int]:
+    def release(self, pressure: Array, gap: RealArray) -> tuple[RealArray, Mask, int]:
         """See `FieldPasses.release`."""
+        limit = self.limit
+        by_load = self.load is not None
         inside = pressure > 0.0
         if limit is not None:
             inside &= pressure < limit
-        level = np.float32(0.0 if load is None else _mean(gap, inside))
+        level = np.float32(_mean(gap, inside) if by_load else 0.0)
         active = gap < level
         if limit is None:
             active |= inside
@@ -231,7 +225,7 @@ class NumpyPasses(FieldPasses):
             active |= inside
             active |= saturated & (gap > level)
         count = int(np.count_nonzero(active))
-        residual = np.float32(0.0 if load is None else _mean(gap, active)) - gap
+        residual = np.float32(_mean(gap, active) if by_load else 0.0) - gap
         residual *= active
         return residual, active, count
 
@@ -251,18 +245,12 @@ class NumpyPasses(FieldPasses):
         return direction
 
     def admit(
-        self,
-        direction: RealArray,
-        residual: RealArray,
-        active: Mask,
-        pressure: Array,
-        limit: Array | None,
-        load: float | None,
+        self, direction: RealArray, residual: RealArray, active: Mask, pressure: Array
     ) -> tuple[RealArray, float]:
         """See `FieldPasses.admit`."""
         low = np.flatnonzero(active & (pressure <= 0.0))
-        high = low[:0] if limit is None else np.flatnonzero(active & (pressure >= limit))
-        if load is None:
+        high = low[:0] if self.limit is None else np.flatnonzero(active & (pressure >= self.limit))
+        if self.load is None:
             admitted = direction.copy()
         else:
             count = int(np.count_nonzero(active))
@@ -274,20 +262,15 @@ class NumpyPasses(FieldPasses):
         return admitted, dot(residual, admitted)
 
     def advance(
-        self,
-        pressure: Array,
-        direction: RealArray,
-        length: float,
-        active: Mask,
-        limit: Array | None,
-        load: float | None,
+        self, pressure: Array, direction: RealArray, length: float, active: Mask
     ) -> tuple[Array, RealArray, bool]:
         """See `FieldPasses.advance`."""
+        limit = self.limit
         trial = pressure + np.float32(length) * direction
         clipped = not _is_within(trial, limit)
         if clipped:
             bound = np.inf if limit is None else limit
-            if load is None:
+            if self.load is None:
                 np.clip(trial, 0.0, bound, out=trial)
             else:
                 error = _STEP_LOAD_ERROR * length * float(np.abs(direction).sum())
@@ -301,14 +284,14 @@ class NumpyPasses(FieldPasses):
         """See `FieldPasses.slopes`."""
         return dot(residual, step), dot(step, change)
 
-    def move(self, pressure: Array, trial: Array, part: float, limit: Array | None) -> tuple[Array, bool]:
+    def move(self, pressure: Array, trial: Array, part: float) -> tuple[Array, bool]:
         """See `FieldPasses.move`."""
         moved = trial - pressure
         moved *= part
         moved += pressure
-        inside = _is_within(moved, limit)
+        inside = _is_within(moved, self.limit)
         if not inside:
-            np.clip(moved, 0.0, np.inf if limit is None else limit, out=moved)
+            np.clip(moved, 0.0, np.inf if self.limit is None else self.limit, out=moved)
         return moved, inside
 
     def add(self, gap: RealArray, change: RealArray, part: float) -> None:

@@ -212,11 +212,10 @@ class PressureRefinement(Refinement):
         inverse = self._convolution.inverse(np.float32)
         self._on_fields = self._on_fields and not is_steep(inverse)
         if self._on_fields:
-            shape = self._task.initial_gap.shape
             limit = self._limit if self._task.capped else None
             load = self._control.load if isinstance(self._control, LoadControl) else None
-            passes = self._convolution.passes or NumpyPasses()
-            return FieldDescent(self._convolve, inverse, self.work, passes, shape, limit, load)
+            passes = (self._convolution.passes or NumpyPasses)(limit, load)
+            return FieldDescent(self._convolve, inverse, self.work, passes, self._task.initial_gap.shape)
         rigid = self._task.mean_pressure is None
         preconditioner = Preconditioner(inverse, self._convolution, self.work, rigid=rigid)
         return Descent(self._convolve, self._task.initial_gap.shape, preconditioner, self._control, self._limit)
