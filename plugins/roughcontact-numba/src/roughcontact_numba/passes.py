@@ -82,10 +82,12 @@ def _release(pressure, gap, limit, by_load):  # type: ignore[no-untyped-def]
 
 
 @_compiled
-def _conjugate(image, active, step, change, curvature):  # type: ignore[no-untyped-def]
+def _conjugate(image, residual, active, step, change, curvature):  # type: ignore[no-untyped-def]
     product = 0.0
+    slope = 0.0
     for i in range(image.size):
         image[i] = image[i] if active[i] else np.float32(0.0)
+        slope += np.float64(residual[i]) * image[i]
     if step.size:
         for i in range(image.size):
             product += np.float64(image[i]) * change[i]
@@ -94,7 +96,7 @@ def _conjugate(image, active, step, change, curvature):  # type: ignore[no-untyp
         factor = np.float32(-product / curvature)
         for i in range(image.size):
             direction[i] += factor * step[i] if active[i] else np.float32(0.0)
-    return direction
+    return direction, slope
 
 
 @_compiled
@@ -108,17 +110,17 @@ def _admit(direction, residual, active, pressure, limit, by_load):  # type: igno
         total += direction[i]
         count += active[i]
     for i in range(cells):
-        if active[i] and (pressure[i] <= 0.0 or pressure[i] >= _at(limit, i)):
-            released[few] = i
-            few += 1
+        # Without a branch: the next cell takes the place of one that is not released.
+        released[few] = i
+        few += active[i] & ((pressure[i] <= 0.0) | (pressure[i] >= _at(limit, i)))
+    released = released[:few]
     mean = total / count if by_load else 0.0
     below = -math.inf
     above = math.inf
     for _ in range(_MAX_RELEASED_ROUNDS if by_load else 0):
         moving = count
         change = 0.0
-        for k in range(few):
-            i = released[k]
+        for i in released:
             if (direction[i] < mean) == (pressure[i] <= 0.0):
                 moving -= 1
                 change += direction[i]
@@ -137,8 +139,7 @@ def _admit(direction, residual, active, pressure, limit, by_load):  # type: igno
     for i in range(cells):
         admitted[i] = direction[i] - shift if active[i] else np.float32(0.0)
         slope += np.float64(residual[i]) * admitted[i]
-    for k in range(few):
-        i = released[k]
+    for i in released:
         if (admitted[i] < 0.0) == (pressure[i] <= 0.0):
             slope -= np.float64(residual[i]) * admitted[i]
             admitted[i] = 0.0
@@ -161,8 +162,14 @@ def _advance(pressure, direction, length, active, limit, by_load):  # type: igno
     if outside:
         shift = 0.0
         if by_load:
+            moving = np.empty(cells, dtype=np.int32)
+            count = 0
+            for i in range(cells):
+                moving[count] = i
+                count += active[i]
+            moving = moving[:count]
             error = max(_STEP_LOAD_ERROR * length * change, _LOAD_EPSILON * load)
-            shift = _find_shift(trial, active, limit, load, error)
+            shift = _find_shift(trial[moving], limit[moving] if limit.size > 1 else limit, load, error)
         for i in range(cells):
             kept = min(max(trial[i] - shift, 0.0), _at(limit, i))
             trial[i] = kept if active[i] else trial[i]
@@ -173,20 +180,19 @@ def _advance(pressure, direction, length, active, limit, by_load):  # type: igno
 
 
 @_compiled
-def _find_shift(values, active, limit, load, error):  # type: ignore[no-untyped-def]
-    """Return the shift for which clip(values - shift, 0, limit) sums to the load over the active cells."""
+def _find_shift(values, limit, load, error):  # type: ignore[no-untyped-def]
+    """Return the shift for which clip(values - shift, 0, limit) sums to the load."""
     lower = -math.inf
     upper = math.inf
     reach = load / max(values.size, 1)
     shift = 0.0
     for _ in range(_MAX_ROUNDS):
         carried = 0.0
-        slope = 0
+        slope = 0.0
         for i in range(values.size):
             value = values[i] - shift
-            moving = active[i] & (value > 0.0)
-            carried += min(value, _at(limit, i)) if moving else 0.0
-            slope += moving & (value < _at(limit, i))
+            carried += min(max(value, 0.0), _at(limit, i))
+            slope += 1.0 if (value > 0.0) & (value < _at(limit, i)) else 0.0
         excess = carried - load
         if abs(excess) <= error:
             break
@@ -253,11 +259,17 @@ class CompiledPasses(FieldPasses):
         return _release(pressure, gap, *self._given)
 
     def conjugate(
-        self, image: RealArray, active: Mask, step: RealArray | None, change: RealArray | None, curvature: float
-    ) -> RealArray:
+        self,
+        image: RealArray,
+        residual: RealArray,
+        active: Mask,
+        step: RealArray | None,
+        change: RealArray | None,
+        curvature: float,
+    ) -> tuple[RealArray, float]:
         """See `FieldPasses.conjugate`."""
         former = _NO_FIELD if step is None else step
-        return _conjugate(image, active, former, _NO_FIELD if change is None else change, curvature)
+        return _conjugate(image, residual, active, former, _NO_FIELD if change is None else change, curvature)
 
     def admit(
         self, direction: RealArray, residual: RealArray, active: Mask, pressure: Array

@@ -41,9 +41,17 @@ class FieldPasses(abc.ABC):
 
     @abc.abstractmethod
     def conjugate(
-        self, image: RealArray, active: Mask, step: RealArray | None, change: RealArray | None, curvature: float
-    ) -> RealArray:
-        """Return the direction conjugate to the last step, from a preconditioned residual, which is masked in place.
+        self,
+        image: RealArray,
+        residual: RealArray,
+        active: Mask,
+        step: RealArray | None,
+        change: RealArray | None,
+        curvature: float,
+    ) -> tuple[RealArray, float]:
+        """Return the direction conjugate to the last step, and the slope along the image of the residual.
+
+        The image, the preconditioned residual, is masked in place.
 
         `change` is the displacement by the last step, and `curvature` their product; None: there was no step.
         """

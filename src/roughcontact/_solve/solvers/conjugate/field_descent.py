@@ -77,8 +77,25 @@ class FieldDescent(Method):
         self._rigid = _RigidMotion()
         self.met_limit = False
 
+    def begin(self, pressure: Array, height: Array) -> Array:
+        """Return the pressure of a given load that is nearest to that which closes all gaps, shape (nx, ny).
+
+        From a uniform pressure, which is left as it is at a given approach; 64 x 64 cells take a fifth less products
+        from there.
+        """
+        load = self._passes.load
+        if load is None:
+            return pressure
+        closing = self._work.invert(self._inverse, -height.astype(np.float32)).ravel()
+        # A limit that is not reached must not change a bit.
+        unlimited = type(self._passes)(None, load)
+        nearest, _, _ = unlimited.advance(pressure.ravel(), closing, 1.0, np.ones(closing.shape, dtype=bool))
+        if self._passes.limit is not None:
+            np.minimum(nearest, self._passes.limit, out=nearest)
+        return nearest.reshape(self._shape)
+
     def start(self, pressure: Array, gap: RealArray, scale: float = 1.0, error: float | None = None) -> None:
-        """Continue from a pressure and its gap, both flat, changed in place; see `Descent.start`."""
+        """Continue from a pressure and its gap, both flat; the gap is changed in place; see `Descent.start`."""
         self._scale = scale
         self._level = 0.0
         self.pressure = pressure
@@ -106,9 +123,8 @@ class FieldDescent(Method):
     def _find_direction(self, residual: RealArray, active: Mask) -> RealArray | None:
         """Return the first of conjugate, preconditioned and plain gradient that lowers the energy; None without one."""
         image = self._precondition(residual, active)
-        conjugate = self._passes.conjugate(image, active, self._step, self._change, self._curvature)
-        steepness = MIN_CONJUGATE_SLOPE * dot(residual, image)
-        for direction, minimum in ((conjugate, steepness), (image, 0.0), (residual, 0.0)):
+        conjugate, slope = self._passes.conjugate(image, residual, active, self._step, self._change, self._curvature)
+        for direction, minimum in ((conjugate, MIN_CONJUGATE_SLOPE * slope), (image, 0.0), (residual, 0.0)):
             admitted, slope = self._passes.admit(direction, residual, active, self.pressure)
             if slope > max(minimum, 0.0):
                 return admitted
@@ -130,7 +146,7 @@ class FieldDescent(Method):
         for _ in range(_MAX_BACKTRACKS):
             trial, step, clipped = passes.advance(self.pressure, direction, self._length, active)
             if clipped:
-                self._compare_with_limit(np.float32(self._length) * direction)
+                self._compare_with_limit(self._length, direction)
             change = self._displace(step)
             slope, curvature = passes.slopes(residual, step, change)
             if not math.isfinite(curvature):
@@ -138,7 +154,7 @@ class FieldDescent(Method):
             part = slope / curvature if curvature > 0.0 else 0.0
             part, pressure = self._take_part(part, trial, clipped=clipped)
             if part > 0.0:
-                self.pressure[:] = pressure
+                self.pressure = pressure
                 passes.add(self.gap, change, part)
                 self._step = step
                 self._change = change
@@ -159,14 +175,14 @@ class FieldDescent(Method):
         moved, inside = self._passes.move(self.pressure, trial, part)
         if inside or part <= 1.0:
             return part, moved
-        self._compare_with_limit(part * (trial - self.pressure))
+        self._compare_with_limit(part, trial - self.pressure)
         return 1.0, trial
 
-    def _compare_with_limit(self, step: RealArray) -> None:
+    def _compare_with_limit(self, length: float, direction: RealArray) -> None:
         """Note whether a step would cross the limit: it is then another one than without, wherever it ends."""
         limit = self._passes.limit
         if limit is not None and not self.met_limit:
-            self.met_limit = bool((self.pressure + step > limit).any())
+            self.met_limit = bool((self.pressure + length * direction > limit).any())
 
 
 class _RigidMotion:
@@ -230,19 +246,24 @@ class NumpyPasses(FieldPasses):
         return residual, active, count
 
     def conjugate(
-        self, image: RealArray, active: Mask, step: RealArray | None, change: RealArray | None, curvature: float
-    ) -> RealArray:
+        self,
+        image: RealArray,
+        residual: RealArray,
+        active: Mask,
+        step: RealArray | None,
+        change: RealArray | None,
+        curvature: float,
+    ) -> tuple[RealArray, float]:
         """See `FieldPasses.conjugate`."""
         image *= active
-        if step is None or change is None:
-            return image
-        factor = -dot(image, change) / curvature
-        if factor <= 0.0:
-            return image
+        slope = dot(residual, image)
+        factor = 0.0 if step is None or change is None else -dot(image, change) / curvature
+        if step is None or factor <= 0.0:
+            return image, slope
         direction = step * active
         direction *= np.float32(factor)
         direction += image
-        return direction
+        return direction, slope
 
     def admit(
         self, direction: RealArray, residual: RealArray, active: Mask, pressure: Array

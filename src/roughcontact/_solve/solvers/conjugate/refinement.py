@@ -225,6 +225,11 @@ class PressureRefinement(Refinement):
         """The work so far."""
         return self.work.level(self._monitor)
 
+    def begin(self, pressure: Array) -> Array:
+        """Return a better start than a uniform pressure, on fields; see `FieldDescent.begin`."""
+        descent = self._descent
+        return descent.begin(pressure, self._task.initial_gap) if isinstance(descent, FieldDescent) else pressure
+
     def approximate(self, pressure: Array) -> tuple[Array, RealArray]:
         """Return an improved pressure, shape (nx, ny), and its gap, from one pass in float32 alone.
 
@@ -295,6 +300,7 @@ class PressureRefinement(Refinement):
         del gap
         status = iterate(self._descent, self._monitor, goal, violation.error)
         self.met_limit = self.met_limit or self._descent.met_limit
+        self._pressure = self._descent.pressure
         gap = self._descent.stop()
         if status is Status.STALLED and self._on_fields:
             # Lists of cells have a better preconditioner.
