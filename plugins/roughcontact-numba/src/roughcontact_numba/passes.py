@@ -27,6 +27,22 @@ def _at(limit, i):  # type: ignore[no-untyped-def]
 
 
 @_compiled
+def _list(cells):  # type: ignore[no-untyped-def]
+    """Return the indices of the cells of a mask."""
+    found = np.empty(cells.size, dtype=np.int32)
+    count = 0
+    words = cells[: cells.size // 8 * 8].view(np.uint64)
+    for k in range(words.size + 1):
+        # Eight cells at a time, most of which are none.
+        if k == words.size or words[k] != 0:
+            for i in range(8 * k, min(8 * k + 8, cells.size)):
+                # Without a branch: the next cell takes the place of one that is not of the mask.
+                found[count] = i
+                count += cells[i]
+    return found[:count]
+
+
+@_compiled
 def _measure(pressure, gap, limit, by_load):  # type: ignore[no-untyped-def]
     total = 0.0
     carried = 0.0
@@ -87,6 +103,7 @@ def _conjugate(image, residual, active, step, change, curvature):  # type: ignor
     slope = 0.0
     for i in range(image.size):
         image[i] = image[i] if active[i] else np.float32(0.0)
+    for i in range(image.size):
         slope += np.float64(residual[i]) * image[i]
     if step.size:
         for i in range(image.size):
@@ -102,18 +119,14 @@ def _conjugate(image, residual, active, step, change, curvature):  # type: ignor
 @_compiled
 def _admit(direction, residual, active, pressure, limit, by_load):  # type: ignore[no-untyped-def]
     cells = direction.size
-    released = np.empty(cells, dtype=np.int32)
-    few = 0
+    at_bound = np.empty(cells, dtype=np.bool_)
     total = 0.0
     count = 0
     for i in range(cells):
         total += direction[i]
         count += active[i]
-    for i in range(cells):
-        # Without a branch: the next cell takes the place of one that is not released.
-        released[few] = i
-        few += active[i] & ((pressure[i] <= 0.0) | (pressure[i] >= _at(limit, i)))
-    released = released[:few]
+        at_bound[i] = active[i] & ((pressure[i] <= 0.0) | (pressure[i] >= _at(limit, i)))
+    released = _list(at_bound)
     mean = total / count if by_load else 0.0
     below = -math.inf
     above = math.inf
@@ -162,12 +175,7 @@ def _advance(pressure, direction, length, active, limit, by_load):  # type: igno
     if outside:
         shift = 0.0
         if by_load:
-            moving = np.empty(cells, dtype=np.int32)
-            count = 0
-            for i in range(cells):
-                moving[count] = i
-                count += active[i]
-            moving = moving[:count]
+            moving = _list(active)
             error = max(_STEP_LOAD_ERROR * length * change, _LOAD_EPSILON * load)
             shift = _find_shift(trial[moving], limit[moving] if limit.size > 1 else limit, load, error)
         for i in range(cells):
