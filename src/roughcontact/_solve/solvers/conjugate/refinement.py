@@ -233,7 +233,10 @@ class PressureRefinement(Refinement):
     def begin(self, pressure: Array) -> Array:
         """Return a better start than a uniform pressure, on fields; see `FieldDescent.begin`."""
         descent = self._descent
-        return descent.begin(pressure, self._task.initial_gap) if isinstance(descent, FieldDescent) else pressure
+        if isinstance(descent, FieldDescent):
+            pressure = descent.begin(pressure, self._task.initial_gap)
+            self.met_limit = descent.met_limit
+        return pressure
 
     def approximate(self, pressure: Array) -> tuple[Array, RealArray]:
         """Return an improved pressure, shape (nx, ny), and its gap, from one pass in float32 alone.
