@@ -215,19 +215,19 @@ class NumpyPasses(FieldPasses):
         """See `FieldPasses.measure`."""
         limit = self.limit
         single = pressure.astype(np.float32)
+        load = total(single)
         elastic = single
         if limit is not None:
             elastic = np.where(pressure < limit, single, np.float32(0.0))
         level = 0.0
         if self.load is not None:
-            carried = total(elastic)
+            carried = load if limit is None else total(elastic)
             level = dot(elastic, gap) / carried if carried > 0.0 else 0.0
         rest = gap - np.float32(level)
         if limit is not None:
             np.maximum(rest, 0.0, out=rest, where=pressure >= limit)
         overlap = -float(rest.min())
-        sum_of_pressure = total(single)
-        opened = dot(single, np.abs(rest, out=rest)) / sum_of_pressure if sum_of_pressure > 0.0 else 0.0
+        opened = dot(single, np.abs(rest, out=rest)) / load if load > 0.0 else 0.0
         return level, max(opened, overlap)
 
     def release(self, pressure: Array, gap: RealArray) -> tuple[RealArray, Mask, int]:
