@@ -86,11 +86,12 @@ class FieldDescent(Method):
         returned at a given approach, and where an approximate inverse has nearly all cells in contact.
         """
         load = self._passes.load
-        if load is None:
+        limit = self._passes.limit
+        # The maximum load has one pressure.
+        if load is None or (limit is not None and bool((pressure.ravel() >= limit).all())):
             return pressure
         closing = self._work.invert(self._inverse, -height.astype(np.float32)).ravel()
         step = pressure.ravel(), closing, 1.0, np.ones(closing.shape, dtype=bool)
-        limit = self._passes.limit
         # A limit that is not reached must not change a bit.
         nearest, _, _ = type(self._passes)(None, load).advance(*step)
         if not self._inverse.exact and np.count_nonzero(nearest) > _MAX_INEXACT_CONTACT * nearest.size:

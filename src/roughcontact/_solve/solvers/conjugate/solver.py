@@ -124,8 +124,10 @@ class ProjectedConjugateGradient(Solver):
         uniform = given is None and not start.levels and not start.closed and descends_on_fields(task)
         if uniform:
             start = attrs.evolve(start, pressure=refinement.begin(start.pressure))
-        # Far from the solution an approximate gap is enough. What is only an argument can be freed by who gets it.
-        improves = uniform or (bool(start.levels) and not start.closed)
+        # Far from the solution an approximate gap is enough, but not where a uniform pressure displaces far more than
+        # the gap. What is only an argument can be freed by who gets it.
+        begins = uniform and not convolution.setup.boundary.has_free_axis
+        improves = begins or (bool(start.levels) and not start.closed)
         pressure, violation, status = refinement.run(
             refinement.approximate(start.pressure)[0] if improves else start.pressure
         )
