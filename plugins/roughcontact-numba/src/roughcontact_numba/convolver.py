@@ -24,8 +24,6 @@ from roughcontact.typing import (
 
 from roughcontact_numba.passes import CompiledPasses
 
-_PASSES = CompiledPasses()
-
 
 # rocket-fft gives compiled code the transforms of scipy.fft, by the same library.
 @njit(cache=True, nogil=True)
@@ -96,9 +94,9 @@ class CompiledConvolution(PreparedConvolution):
     inner: PreparedConvolution
 
     @property
-    def passes(self) -> FieldPasses:
+    def passes(self) -> type[FieldPasses]:
         """The compiled passes."""
-        return _PASSES
+        return CompiledPasses
 
     @cached_property
     def padded(self) -> tuple[int, int]:

@@ -27,6 +27,22 @@ def _at(limit, i):  # type: ignore[no-untyped-def]
 
 
 @_compiled
+def _list(cells):  # type: ignore[no-untyped-def]
+    """Return the indices of the cells of a mask."""
+    found = np.empty(cells.size, dtype=np.int32)
+    count = 0
+    words = cells[: cells.size // 8 * 8].view(np.uint64)
+    for k in range(words.size + 1):
+        # Eight cells at a time, most of which are none.
+        if k == words.size or words[k] != 0:
+            for i in range(8 * k, min(8 * k + 8, cells.size)):
+                # Without a branch: the next cell takes the place of one that is not of the mask.
+                found[count] = i
+                count += cells[i]
+    return found[:count]
+
+
+@_compiled
 def _measure(pressure, gap, limit, by_load):  # type: ignore[no-untyped-def]
     total = 0.0
     carried = 0.0
@@ -82,10 +98,13 @@ def _release(pressure, gap, limit, by_load):  # type: ignore[no-untyped-def]
 
 
 @_compiled
-def _conjugate(image, active, step, change, curvature):  # type: ignore[no-untyped-def]
+def _conjugate(image, residual, active, step, change, curvature):  # type: ignore[no-untyped-def]
     product = 0.0
+    slope = 0.0
     for i in range(image.size):
         image[i] = image[i] if active[i] else np.float32(0.0)
+    for i in range(image.size):
+        slope += np.float64(residual[i]) * image[i]
     if step.size:
         for i in range(image.size):
             product += np.float64(image[i]) * change[i]
@@ -94,31 +113,27 @@ def _conjugate(image, active, step, change, curvature):  # type: ignore[no-untyp
         factor = np.float32(-product / curvature)
         for i in range(image.size):
             direction[i] += factor * step[i] if active[i] else np.float32(0.0)
-    return direction
+    return direction, slope
 
 
 @_compiled
 def _admit(direction, residual, active, pressure, limit, by_load):  # type: ignore[no-untyped-def]
     cells = direction.size
-    released = np.empty(cells, dtype=np.int32)
-    few = 0
+    at_bound = np.empty(cells, dtype=np.bool_)
     total = 0.0
     count = 0
     for i in range(cells):
         total += direction[i]
         count += active[i]
-    for i in range(cells):
-        if active[i] and (pressure[i] <= 0.0 or pressure[i] >= _at(limit, i)):
-            released[few] = i
-            few += 1
+        at_bound[i] = active[i] & ((pressure[i] <= 0.0) | (pressure[i] >= _at(limit, i)))
+    released = _list(at_bound)
     mean = total / count if by_load else 0.0
     below = -math.inf
     above = math.inf
     for _ in range(_MAX_RELEASED_ROUNDS if by_load else 0):
         moving = count
         change = 0.0
-        for k in range(few):
-            i = released[k]
+        for i in released:
             if (direction[i] < mean) == (pressure[i] <= 0.0):
                 moving -= 1
                 change += direction[i]
@@ -137,8 +152,7 @@ def _admit(direction, residual, active, pressure, limit, by_load):  # type: igno
     for i in range(cells):
         admitted[i] = direction[i] - shift if active[i] else np.float32(0.0)
         slope += np.float64(residual[i]) * admitted[i]
-    for k in range(few):
-        i = released[k]
+    for i in released:
         if (admitted[i] < 0.0) == (pressure[i] <= 0.0):
             slope -= np.float64(residual[i]) * admitted[i]
             admitted[i] = 0.0
@@ -161,8 +175,9 @@ def _advance(pressure, direction, length, active, limit, by_load):  # type: igno
     if outside:
         shift = 0.0
         if by_load:
+            moving = _list(active)
             error = max(_STEP_LOAD_ERROR * length * change, _LOAD_EPSILON * load)
-            shift = _find_shift(trial, active, limit, load, error)
+            shift = _find_shift(trial[moving], limit[moving] if limit.size > 1 else limit, load, error)
         for i in range(cells):
             kept = min(max(trial[i] - shift, 0.0), _at(limit, i))
             trial[i] = kept if active[i] else trial[i]
@@ -173,20 +188,19 @@ def _advance(pressure, direction, length, active, limit, by_load):  # type: igno
 
 
 @_compiled
-def _find_shift(values, active, limit, load, error):  # type: ignore[no-untyped-def]
-    """Return the shift for which clip(values - shift, 0, limit) sums to the load over the active cells."""
+def _find_shift(values, limit, load, error):  # type: ignore[no-untyped-def]
+    """Return the shift for which clip(values - shift, 0, limit) sums to the load."""
     lower = -math.inf
     upper = math.inf
     reach = load / max(values.size, 1)
     shift = 0.0
     for _ in range(_MAX_ROUNDS):
         carried = 0.0
-        slope = 0
+        slope = 0.0
         for i in range(values.size):
             value = values[i] - shift
-            moving = active[i] & (value > 0.0)
-            carried += min(value, _at(limit, i)) if moving else 0.0
-            slope += moving & (value < _at(limit, i))
+            carried += min(max(value, 0.0), _at(limit, i))
+            slope += 1.0 if (value > 0.0) & (value < _at(limit, i)) else 0.0
         excess = carried - load
         if abs(excess) <= error:
             break
@@ -240,59 +254,51 @@ def _add(gap, change, part):  # type: ignore[no-untyped-def]
 class CompiledPasses(FieldPasses):
     """The passes compiled by numba; they let other threads run."""
 
-    def measure(self, pressure: Array, gap: RealArray, limit: Array | None, load: float | None) -> tuple[float, float]:
-        """See `FieldPasses.measure`."""
-        return _measure(pressure, gap, _bound(limit), load is not None)
+    def __init__(self, limit: Array | None, load: float | None) -> None:
+        super().__init__(limit, load)
+        self._given = _NO_LIMIT if limit is None else limit, load is not None
 
-    def release(
-        self, pressure: Array, gap: RealArray, limit: Array | None, load: float | None
-    ) -> tuple[RealArray, Mask, int]:
+    def measure(self, pressure: Array, gap: RealArray) -> tuple[float, float]:
+        """See `FieldPasses.measure`."""
+        return _measure(pressure, gap, *self._given)
+
+    def release(self, pressure: Array, gap: RealArray) -> tuple[RealArray, Mask, int]:
         """See `FieldPasses.release`."""
-        return _release(pressure, gap, _bound(limit), load is not None)
+        return _release(pressure, gap, *self._given)
 
     def conjugate(
-        self, image: RealArray, active: Mask, step: RealArray | None, change: RealArray | None, curvature: float
-    ) -> RealArray:
-        """See `FieldPasses.conjugate`."""
-        former = _NO_FIELD if step is None else step
-        return _conjugate(image, active, former, _NO_FIELD if change is None else change, curvature)
-
-    def admit(
         self,
-        direction: RealArray,
+        image: RealArray,
         residual: RealArray,
         active: Mask,
-        pressure: Array,
-        limit: Array | None,
-        load: float | None,
+        step: RealArray | None,
+        change: RealArray | None,
+        curvature: float,
+    ) -> tuple[RealArray, float]:
+        """See `FieldPasses.conjugate`."""
+        former = _NO_FIELD if step is None else step
+        return _conjugate(image, residual, active, former, _NO_FIELD if change is None else change, curvature)
+
+    def admit(
+        self, direction: RealArray, residual: RealArray, active: Mask, pressure: Array
     ) -> tuple[RealArray, float]:
         """See `FieldPasses.admit`."""
-        return _admit(direction, residual, active, pressure, _bound(limit), load is not None)
+        return _admit(direction, residual, active, pressure, *self._given)
 
     def advance(
-        self,
-        pressure: Array,
-        direction: RealArray,
-        length: float,
-        active: Mask,
-        limit: Array | None,
-        load: float | None,
+        self, pressure: Array, direction: RealArray, length: float, active: Mask
     ) -> tuple[Array, RealArray, bool]:
         """See `FieldPasses.advance`."""
-        return _advance(pressure, direction, length, active, _bound(limit), load is not None)
+        return _advance(pressure, direction, length, active, *self._given)
 
     def slopes(self, residual: RealArray, step: RealArray, change: RealArray) -> tuple[float, float]:
         """See `FieldPasses.slopes`."""
         return _slopes(residual, step, change)
 
-    def move(self, pressure: Array, trial: Array, part: float, limit: Array | None) -> tuple[Array, bool]:
+    def move(self, pressure: Array, trial: Array, part: float) -> tuple[Array, bool]:
         """See `FieldPasses.move`."""
-        return _move(pressure, trial, part, _bound(limit))
+        return _move(pressure, trial, part, self._given[0])
 
     def add(self, gap: RealArray, change: RealArray, part: float) -> None:
         """See `FieldPasses.add`."""
         _add(gap, change, part)
-
-
-def _bound(limit: Array | None) -> Array:
-    return _NO_LIMIT if limit is None else limit

@@ -7,6 +7,7 @@ from roughcontact._solve.convolvers.base import ShearConvolution as ShearConvolu
 from roughcontact._solve.convolvers.base import convolvers as convolvers
 from roughcontact._solve.convolvers.base import mixed_spectrum as mixed_spectrum
 from roughcontact._solve.convolvers.base import periodic_spectrum as periodic_spectrum
+from roughcontact._solve.convolvers.base import prepare_once as prepare_once
 from roughcontact._solve.convolvers.base import wrapped_spectrum as wrapped_spectrum
 from roughcontact._solve.convolvers.direct import Direct as Direct
 from roughcontact._solve.convolvers.fft import DCFFT as DCFFT

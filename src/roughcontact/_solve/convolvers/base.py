@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import abc
+import functools
 import math
 from collections.abc import Callable, Hashable
 from contextlib import AbstractContextManager, nullcontext
@@ -48,11 +49,12 @@ from roughcontact.errors import InputError, argument
 # the default solver by less than 1 % (docs/studies/solver_constants.py).
 _PADDING_FACTOR = 1.25
 _PADDING_CELLS = 16
-# Maximum cells of a grid whose inverses, and of one whose convolution, are kept between solves, and how many of them:
-# preparing them takes a third of a solve on 64 x 64 cells. On a free boundary each part that can touch has its own.
-_MAX_INVERTED_CELLS = 2**15
-_MAX_KEPT_CELLS = 2**13
-_MAX_KEPT = 4
+# Maximum cells of a grid whose convolution is kept for other solves, as a study has them, and whose convolution keeps
+# its inverses, and how many convolutions are kept: preparing them takes a third of a solve on 64 x 64 cells. On a free
+# boundary each part that can touch has its own.
+_MAX_KEPT_CELLS = 2**15
+_MAX_INVERTED_CELLS = 2**16
+_MAX_KEPT = 8
 
 T = TypeVar("T")
 
@@ -241,30 +243,24 @@ class PreparedConvolution(abc.ABC):
 
     def on(self, grid: Grid) -> PreparedConvolution:
         """Return the convolution of the same kernel and boundary on another grid: a coarser one, or a part."""
-        setup = self.setup
-        if grid.cells > _MAX_KEPT_CELLS:
-            return setup.convolver.prepare(setup.kernel, grid, setup.boundary)
-        return self._keep(grid, lambda: setup.convolver.prepare(setup.kernel, grid, setup.boundary))
+        return prepare_once(self.setup.convolver, self.setup.kernel, grid, self.setup.boundary)
 
     def inverse(self, dtype: type[np.float32] | type[np.float64] = np.float64) -> InverseConvolution:
         """Return the approximate inverse, its stiffness in a precision."""
         return self._keep(np.dtype(dtype), lambda: approximate_inverse(self.setup, dtype))
 
     def _keep(self, key: Hashable, prepare: Callable[[], T]) -> T:
-        """Return what the last solves have prepared for a small grid, or prepare it."""
+        """Return an inverse, which other solves on a small grid have prepared, or prepare it."""
         if self.setup.grid.cells > _MAX_INVERTED_CELLS:
             return prepare()
-        kept = self._kept
-        found: T | None = kept.get(key)
+        found: T | None = self._kept.get(key)
         if found is None:
-            if len(kept) >= _MAX_KEPT:
-                kept.pop(next(iter(kept), None), None)
-            kept[key] = found = prepare()
+            self._kept[key] = found = prepare()
         return found
 
     @cached_property
     def _kept(self) -> dict[Hashable, Any]:
-        """Inverses, and convolutions on coarser grids and parts, which solves of small grids repeat."""
+        """The inverses found so far."""
         return {}
 
     def shear(self) -> ShearConvolution:
@@ -282,7 +278,7 @@ class PreparedConvolution(abc.ABC):
         )
 
     @property
-    def passes(self) -> FieldPasses | None:
+    def passes(self) -> type[FieldPasses] | None:
         """What solvers do to whole fields beside its products, where it brings that compiled; None: numpy does it."""
         return None
 
@@ -305,6 +301,33 @@ class PreparedConvolution(abc.ABC):
     def dot(self, one: RealArray, other: RealArray) -> float:
         """Return the sum of products over all cells."""
         return sum_of_products(one, other)
+
+
+def prepare_once(convolver: Convolver, kernel: BoundKernel, grid: Grid, boundary: Boundary) -> PreparedConvolution:
+    """Return the convolution of a kernel on a grid, on a small one that of the last solves if they had the same."""
+    content = (convolver, kernel, grid, boundary)
+    return (
+        _kept_convolution(*content) if grid.cells <= _MAX_KEPT_CELLS and _is_hashable(content) else _prepare(*content)
+    )
+
+
+def _prepare(convolver: Convolver, kernel: BoundKernel, grid: Grid, boundary: Boundary) -> PreparedConvolution:
+    prepared = convolver.prepare(kernel, grid, boundary)
+    if not isinstance(prepared, PreparedConvolution):
+        raise InputError(f"The convolver {convolver!r} must return a PreparedConvolution, not {prepared!r}.")
+    return prepared
+
+
+_kept_convolution = functools.lru_cache(_MAX_KEPT)(_prepare)
+
+
+def _is_hashable(content: tuple[object, ...]) -> bool:
+    # A part of the user's may hold lists, or arrays.
+    try:
+        hash(content)
+    except Exception:
+        return False
+    return True
 
 
 class ShearConvolution(abc.ABC):

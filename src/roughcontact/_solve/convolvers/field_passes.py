@@ -8,24 +8,31 @@ from roughcontact._base.arrays import Array, Mask, RealArray
 
 
 class FieldPasses(abc.ABC):
-    """The passes of a descent over all cells of a small grid.
+    """The passes of a descent over all cells of a small grid, for one task.
 
     Fields are flat, shape (n,): the pressure in float64 between zero and its limit, masks, and all others in float32.
-    A limit has one entry, or one for each cell; None: there is none. A load is the sum of the pressure; None: the
-    approach is given, and is the datum of the gap.
+
+    Attributes
+    ----------
+    limit
+        Pressure limit, of one entry or one for each cell; None without one.
+    load
+        The sum of the pressure; None if the approach is given, which is the datum of the gap then.
     """
 
+    def __init__(self, limit: Array | None, load: float | None) -> None:
+        self.limit = limit
+        self.load = load
+
     @abc.abstractmethod
-    def measure(self, pressure: Array, gap: RealArray, limit: Array | None, load: float | None) -> tuple[float, float]:
+    def measure(self, pressure: Array, gap: RealArray) -> tuple[float, float]:
         """Return the level of the gap and the error from it, as in `Violation` but not divided by the scale.
 
         The level is the mean of the gap over the elastic cells, weighted by their pressure; zero at a given approach.
         """
 
     @abc.abstractmethod
-    def release(
-        self, pressure: Array, gap: RealArray, limit: Array | None, load: float | None
-    ) -> tuple[RealArray, Mask, int]:
+    def release(self, pressure: Array, gap: RealArray) -> tuple[RealArray, Mask, int]:
         """Return the residual, the cells that are active, and their number.
 
         Active are cells inside the bounds, open ones below the mean gap of these, and saturated ones above it. The
@@ -34,22 +41,24 @@ class FieldPasses(abc.ABC):
 
     @abc.abstractmethod
     def conjugate(
-        self, image: RealArray, active: Mask, step: RealArray | None, change: RealArray | None, curvature: float
-    ) -> RealArray:
-        """Return the direction conjugate to the last step, from a preconditioned residual, which is masked in place.
+        self,
+        image: RealArray,
+        residual: RealArray,
+        active: Mask,
+        step: RealArray | None,
+        change: RealArray | None,
+        curvature: float,
+    ) -> tuple[RealArray, float]:
+        """Return the direction conjugate to the last step, and the slope along the image of the residual.
+
+        The image, the preconditioned residual, is masked in place.
 
         `change` is the displacement by the last step, and `curvature` their product; None: there was no step.
         """
 
     @abc.abstractmethod
     def admit(
-        self,
-        direction: RealArray,
-        residual: RealArray,
-        active: Mask,
-        pressure: Array,
-        limit: Array | None,
-        load: float | None,
+        self, direction: RealArray, residual: RealArray, active: Mask, pressure: Array
     ) -> tuple[RealArray, float]:
         """Return the nearest direction in which no released cell crosses its bound, and the slope along it.
 
@@ -58,13 +67,7 @@ class FieldPasses(abc.ABC):
 
     @abc.abstractmethod
     def advance(
-        self,
-        pressure: Array,
-        direction: RealArray,
-        length: float,
-        active: Mask,
-        limit: Array | None,
-        load: float | None,
+        self, pressure: Array, direction: RealArray, length: float, active: Mask
     ) -> tuple[Array, RealArray, bool]:
         """Return the pressure after a step within the bounds and with the load, the step, and whether it met bounds."""
 
@@ -73,7 +76,7 @@ class FieldPasses(abc.ABC):
         """Return the products of the step with the residual and with the displacement by it."""
 
     @abc.abstractmethod
-    def move(self, pressure: Array, trial: Array, part: float, limit: Array | None) -> tuple[Array, bool]:
+    def move(self, pressure: Array, trial: Array, part: float) -> tuple[Array, bool]:
         """Return the pressure after a part of a step to a trial pressure, and whether it is within the bounds."""
 
     @abc.abstractmethod

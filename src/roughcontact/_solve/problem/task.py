@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import functools
-
 import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array
 from roughcontact._base.units import si
-from roughcontact._parts.grid import Boundary, Grid, Load
+from roughcontact._parts.grid import Boundary, Load
 from roughcontact._parts.interactions import BoundInteraction, Interaction
 from roughcontact._parts.kernels import BoundKernel
 from roughcontact._parts.materials import pair_constants
-from roughcontact._solve.convolvers import Convolver, PreparedConvolution, ShearConvolution
+from roughcontact._solve.convolvers import PreparedConvolution, ShearConvolution, prepare_once
 from roughcontact._solve.problem.friction_plan import require_memory_of_friction
 from roughcontact._solve.problem.plan import SolvePlan
 from roughcontact._solve.solvers import Task
@@ -27,10 +25,6 @@ LOAD_TOLERANCE = 1e-12
 _MIN_LOAD = 1e-30
 _MAX_LOAD = 1e15
 _MAX_PRESSURE_LIMIT = 1e30
-# Most cells of a grid whose convolution is kept for other problems on it, as a study has them, and how many are kept:
-# preparing one takes a tenth of a solve at 128 x 128, and less on larger grids.
-_MAX_KEPT_CELLS = 2**15
-_MAX_KEPT = 4
 
 
 def pressure_unit(plan: SolvePlan) -> float:
@@ -46,32 +40,11 @@ def bind_kernel(plan: SolvePlan) -> BoundKernel:
     return BoundKernel(plan.kernel, compliance=1.0 / plan.modulus, unit=unit, datum=datum)
 
 
-def _prepare(convolver: Convolver, kernel: BoundKernel, grid: Grid, boundary: Boundary) -> object:
-    return convolver.prepare(kernel, grid, boundary)
-
-
-_prepare_once = functools.lru_cache(_MAX_KEPT)(_prepare)
-
-
-def _is_hashable(content: tuple[object, ...]) -> bool:
-    # A part of the user's may hold lists, or arrays.
-    try:
-        hash(content)
-    except Exception:
-        return False
-    return True
-
-
 def prepare_convolution(plan: SolvePlan) -> PreparedConvolution:
     """Return the prepared convolution of a plan, with the kernel of `bind_kernel`."""
     # The memory is checked again: the first solve may come long after the problem was made.
     plan.require_memory()
-    content = (plan.convolver, bind_kernel(plan), plan.grid, plan.boundary)
-    prepare = _prepare_once if plan.grid.cells <= _MAX_KEPT_CELLS and _is_hashable(content) else _prepare
-    prepared = prepare(*content)
-    if not isinstance(prepared, PreparedConvolution):
-        raise InputError(f"The convolver {plan.convolver!r} must return a PreparedConvolution, not {prepared!r}.")
-    return prepared
+    return prepare_once(plan.convolver, bind_kernel(plan), plan.grid, plan.boundary)
 
 
 def prepare_shear(plan: SolvePlan, convolution: PreparedConvolution) -> ShearConvolution:

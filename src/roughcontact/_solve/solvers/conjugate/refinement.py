@@ -9,6 +9,7 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array, RealArray, sum_of_products
+from roughcontact._parts.grid import Boundary
 from roughcontact._solve.convolvers import InverseConvolution, PreparedConvolution
 from roughcontact._solve.solution import GridLevel, Status, Violation
 from roughcontact._solve.solvers.base import Task
@@ -28,9 +29,11 @@ _FLOAT32_GAIN = 2e-5
 _EARLY_GOAL_FACTOR = 10.0
 # Goal of the estimated error, over the tolerance of the verification.
 _GOAL_FRACTION = 0.7
-# Maximum cells of a grid on which the pressure is found on whole fields: on 256 x 256 cells long waves need the
-# correction of `Preconditioner`.
+# Maximum cells of a grid on which the pressure is found on whole fields, and of a periodic one with compiled passes: on
+# 256 x 256 cells that takes a third more products than with the correction of `Preconditioner` for long waves, which is
+# not compiled.
 _MAX_FIELD_CELLS = 2**15
+_MAX_COMPILED_FIELD_CELLS = 2**16
 # Maximum verifications of a solve that do not halve the error.
 _MAX_IDLE_VERIFICATIONS = 5
 
@@ -204,7 +207,9 @@ class PressureRefinement(Refinement):
         self._convolve = partial(self.work.convolve, convolution)
         self._openings = None if nearly_full is None else Openings(nearly_full, monitor, self.work)
         self.met_limit = False
-        self._on_fields = descends_on_fields(task)
+        compiled = convolution.passes is not None and convolution.setup.boundary is Boundary.PERIODIC
+        small = compiled and task.initial_gap.size <= _MAX_COMPILED_FIELD_CELLS
+        self._on_fields = small or descends_on_fields(task)
 
     @cached_property
     def _descent(self) -> Descent | FieldDescent:
@@ -212,11 +217,10 @@ class PressureRefinement(Refinement):
         inverse = self._convolution.inverse(np.float32)
         self._on_fields = self._on_fields and not is_steep(inverse)
         if self._on_fields:
-            shape = self._task.initial_gap.shape
             limit = self._limit if self._task.capped else None
             load = self._control.load if isinstance(self._control, LoadControl) else None
-            passes = self._convolution.passes or NumpyPasses()
-            return FieldDescent(self._convolve, inverse, self.work, passes, shape, limit, load)
+            passes = (self._convolution.passes or NumpyPasses)(limit, load)
+            return FieldDescent(self._convolve, inverse, self.work, passes, self._task.initial_gap.shape)
         rigid = self._task.mean_pressure is None
         preconditioner = Preconditioner(inverse, self._convolution, self.work, rigid=rigid)
         return Descent(self._convolve, self._task.initial_gap.shape, preconditioner, self._control, self._limit)
@@ -225,6 +229,14 @@ class PressureRefinement(Refinement):
     def level(self) -> GridLevel:
         """The work so far."""
         return self.work.level(self._monitor)
+
+    def begin(self, pressure: Array) -> Array:
+        """Return a better start than a uniform pressure, on fields; see `FieldDescent.begin`."""
+        descent = self._descent
+        if isinstance(descent, FieldDescent):
+            pressure = descent.begin(pressure, self._task.initial_gap)
+            self.met_limit = descent.met_limit
+        return pressure
 
     def approximate(self, pressure: Array) -> tuple[Array, RealArray]:
         """Return an improved pressure, shape (nx, ny), and its gap, from one pass in float32 alone.
@@ -296,6 +308,7 @@ class PressureRefinement(Refinement):
         del gap
         status = iterate(self._descent, self._monitor, goal, violation.error)
         self.met_limit = self.met_limit or self._descent.met_limit
+        self._pressure = self._descent.pressure
         gap = self._descent.stop()
         if status is Status.STALLED and self._on_fields:
             # Lists of cells have a better preconditioner.

@@ -22,7 +22,7 @@ from roughcontact._solve.solvers.base import (
     positive_tolerance,
 )
 from roughcontact._solve.solvers.conjugate.nested_iteration import GridSolution, PressureOnGrid, solve_in_window
-from roughcontact._solve.solvers.conjugate.refinement import PressureRefinement
+from roughcontact._solve.solvers.conjugate.refinement import PressureRefinement, descends_on_fields
 from roughcontact._solve.solvers.driver import Monitor
 from roughcontact._solve.solvers.grids import climb
 from roughcontact._solve.solvers.spectral_gradient import SpectralGradient
@@ -121,8 +121,13 @@ class ProjectedConjugateGradient(Solver):
         monitor = Monitor(task, self.tolerance, patience)
         refinement = PressureRefinement(convolution, task, monitor, start.nearly_full)
         start = attrs.evolve(start, nearly_full=None)
-        # Far from the solution an approximate gap is enough. What is only an argument can be freed by who gets it.
-        improves = bool(start.levels) and not start.closed
+        uniform = given is None and not start.levels and not start.closed and descends_on_fields(task)
+        if uniform:
+            start = attrs.evolve(start, pressure=refinement.begin(start.pressure))
+        # Far from the solution an approximate gap is enough, but not where a uniform pressure displaces far more than
+        # the gap. What is only an argument can be freed by who gets it.
+        begins = uniform and not convolution.setup.boundary.has_free_axis
+        improves = begins or (bool(start.levels) and not start.closed)
         pressure, violation, status = refinement.run(
             refinement.approximate(start.pressure)[0] if improves else start.pressure
         )
