@@ -9,6 +9,7 @@ import pytest
 import roughcontact as rc
 from roughcontact._solve.solution.attraction import AdhesiveConditions
 from roughcontact._solve.solvers.adhesive import LinearisedGap, surface_stiffness
+from roughcontact._solve.solvers.adhesive.gap_descent import GapOnGrid
 from roughcontact.reference import MaugisDugdale
 from roughcontact.typing import BoundInteraction, BoundKernel, Task
 from scenes import each_once
@@ -362,6 +363,18 @@ def test_a_solution_is_found_again_from_itself(solver, boundary, given):
         assert np.mean(contact_of(warm) != contact_of(cold)) < 0.01
         assert np.abs(warm.pressure - cold.pressure).max() < 0.02 * cold.pressure.max()
         assert warm.convolutions < 0.7 * cold.convolutions
+
+
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+def test_a_gap_to_start_from_needs_a_product_only_beyond_the_domain(boundary):
+    grid, gap = make_rough((24, 20))
+    start_gap = np.maximum(gap - 0.5 * gap.mean(), 0.0)
+    task = Task(initial_gap=gap, interaction=make_law(0.1), mean_pressure=0.01, start=np.zeros(gap.shape))
+    problem = GapOnGrid(prepare(grid, boundary), attrs.evolve(task, start_gap=start_gap))
+    guess = problem.start_from_task()
+    assert guess.products == (0.0 if boundary == "periodic" else 1.0)
+    assert np.array_equal(problem.problem.stiffness.inner(guess.gap), start_gap)
+    assert not np.shares_memory(guess.gap, start_gap)
 
 
 def test_what_cannot_be_pressed_is_said():

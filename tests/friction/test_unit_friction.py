@@ -11,7 +11,9 @@ import pytest
 
 import roughcontact as rc
 from roughcontact._parts.interactions import shear_limit
+from roughcontact._solve.problem import coupled
 from roughcontact._solve.problem import increments as module
+from roughcontact._solve.problem.coupled_starts import find_ratio
 from roughcontact._solve.problem.friction_certificate import (
     FoundTractions,
     FrictionalContact,
@@ -30,6 +32,7 @@ from roughcontact._solve.problem.increments import (
     list_targets,
     refine_steps,
 )
+from roughcontact._solve.problem.run import run_solve
 from roughcontact._solve.problem.step_numbers import CellErrors, _find_limit, extrapolate_numbers, numbers_of
 from roughcontact.results import TangentialLoad
 from roughcontact.typing import Load
@@ -237,6 +240,44 @@ def test_a_step_is_the_sum_of_its_increments(exact):
     assert found.dissipated.uncertainty == pytest.approx(0.0 if exact else 1.0)
 
 
+@pytest.mark.parametrize(
+    ("loads", "ratio"),
+    [
+        ([(0, 0, 0), (2, 1, 0), (4, 2, 0)], 1.0),
+        ([(0, 0, 0), (2, 1, 0), (3, 1.5, 0)], 0.5),
+        ([(5, 0, 0), (5, 1, 1), (5, 3, 3)], 2.0),
+        # Units do not matter.
+        ([(1e9, 0, 0), (2e9, 1e-9, 1e-9), (3e9, 2e-9, 2e-9)], 1.0),
+        ([(0, 0, 0), (2, 1, 0), (4, 3, 0)], 0.0),
+        ([(0, 0, 0), (2, 1, 0), (4, 2, 0.5)], 0.0),
+        ([(5, 0, 0), (5, 1, 0), (5, 0, 0)], 0.0),
+        ([(5, 0, 0), (5, 1, 0), (5, 4, 0)], 0.0),
+        ([(5, 1, 0), (5, 1, 0), (5, 2, 0)], 0.0),
+        ([(5, 0, 0), (5, 1, 0), (5, 1, 0)], 0.0),
+    ],
+)
+def test_an_increment_continues_the_one_before_in_its_direction(loads, ratio):
+    """Not after a turn, after a stop, or much farther."""
+    first, last, end = (np.array(one, dtype=float) for one in loads)
+    assert find_ratio((first, last), end) == pytest.approx(ratio)
+
+
+def test_a_contact_of_like_bodies_is_found_once_for_each_load(monkeypatch):
+    """The increments are doubled, and pass the same loads again."""
+    asked = []
+
+    def solve(problem, load, **others):
+        asked.append(load.value)
+        return run_solve(problem, load, **others)
+
+    monkeypatch.setattr(coupled, "run_solve", solve)
+    bodies = rc.Body(ROUGH, rc.Elastic(200e9, 0.3)), rc.Body(rc.FlatSurface(), rc.Elastic(200e9, 0.3))
+    problem = rc.ContactProblem(*bodies, grid=rc.Grid((16, 16), (16 * CELL, 16 * CELL)), boundary="periodic", threads=1)
+    path = problem.path(force=[0.02, 0.03], tangential_force=[(0.002, 0.0), (-0.002, 0.0)], friction=FRICTION)
+    assert path.increments[0] >= 4
+    assert len(asked) == len(set(asked))
+
+
 @pytest.mark.parametrize(("part", "falls", "counts"), [(0.1, 4.0, [1, 2, 4]), (0.3, 1.3, [1, 2, 4, 8, 16])])
 def test_increments_are_doubled_until_the_numbers_hardly_change(part, falls, counts, monkeypatch):
     """Four at least, which show their order, and sixteen at most; then it is said."""
@@ -295,7 +336,8 @@ def test_energy_and_work_of_a_linear_system_are_in_balance():
         tangential = moved[4:].reshape(2, 2, 2)
         displacement = rng.normal(size=2)
         relative = displacement[:, np.newaxis, np.newaxis] - tangential
-        return FrictionalFields(pressure, shear, tangential, moved[:4].reshape(2, 2), relative, displacement, 0.0)
+        normal, lifted = moved[:4].reshape(2, 2), np.zeros((2, 2))
+        return FrictionalFields(pressure, shear, tangential, normal, relative, displacement, 0.0, lifted)
 
     begin, end = state(1.0, 0.0), state(2.0, 0.3)
     assert end.energy == pytest.approx(0.5 * (np.sum(end.pressure * end.normal) + np.sum(end.shear * end.tangential)))

@@ -158,6 +158,30 @@ def test_without_poissons_ratio_it_is_partial_slip(boundary, angle):
     assert np.abs(across).max() < 1e-6 * known.traction.max()
 
 
+@pytest.mark.parametrize(("tolerance", "is_estimated"), [(1e-2, True), (1e-4, True), (1e-9, False)])
+def test_one_descent_finds_what_it_estimates(tolerance, is_estimated):
+    """Without the product that verifies it; where float32 does not reach the tolerance, float64 goes on."""
+    solution = press(ROUGH, 64, "periodic", pressure=0.06 * 0.05 * MODULUS)
+    convolution = convolve(solution.grid, "periodic", GAMMA, 1.0 / MODULUS)
+    limit = rc.Coulomb(FRICTION).limit(solution.pressure)
+    force = 0.5 * float(limit.sum())
+    task = ShearTask(
+        limit=limit, offset=np.zeros((2, *limit.shape)), shear_force=(force, 0.1 * force), tolerance=tolerance
+    )
+    found = ProjectedShearCG().approximate(convolution, task)
+    slip = np.array(found.displacement)[:, np.newaxis, np.newaxis] - convolution.apply(found.shear)
+    residual = natural_residual(found.shear, slip, limit, 0.5 * sum(convolution.own))
+    assert found.status is rc.Status.CONVERGED
+    assert found.residual <= tolerance
+    assert residual <= 1.1 * found.residual + 1e-12
+    assert found.shear.sum(axis=(1, 2)) == pytest.approx([force, 0.1 * force], rel=1e-12)
+    products = ProjectedShearCG().solve(convolution, task).products
+    assert (found.products < products) == is_estimated
+    # It is found again from itself, by the verification of the start alone.
+    again = ProjectedShearCG().approximate(convolution, attrs.evolve(task, start=found.shear, tolerance=2 * tolerance))
+    assert (again.iterations, again.products) == (0, 1)
+
+
 def test_rough_contact_in_few_iterations():
     solution = press(ROUGH, 128, "periodic", pressure=0.06 * 0.05 * MODULUS)
     for gamma in (0.0, GAMMA):

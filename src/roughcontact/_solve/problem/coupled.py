@@ -6,6 +6,7 @@ import logging
 import math
 import time
 from collections.abc import Callable
+from functools import partial
 
 import attrs
 import numpy as np
@@ -15,6 +16,7 @@ from roughcontact._base.units import si
 from roughcontact._parts.grid import Load
 from roughcontact._parts.interactions import shear_limit
 from roughcontact._solve.problem.accuracy import with_tolerance
+from roughcontact._solve.problem.coupled_starts import Increment, Mixing, continue_increment, keep_sliding, list_loads
 from roughcontact._solve.problem.friction_certificate import (
     CAUSED_TRACTIONS,
     CONE_TOLERANCE,
@@ -61,8 +63,8 @@ _INNER_SLIP = 0.1
 _LOOSEST_INNER = 100.0
 _TIGHTEST_INNER = 0.3
 _LOOSEST_SLIP = 0.03
-# Earlier passes that are combined with one (Anderson).
-_MIXED_PASSES = 4
+# Error expected after a pass, over the tolerance, up to which its solves are to be the last ones.
+_LAST_ERROR = 2.0
 # Traction over the mean one of a force that is looked for first.
 _MAX_CONCENTRATION = 1e3
 # Part of a bound of the strength that counts as reached, the growth of a bound that is, and the part of a bound below
@@ -70,10 +72,10 @@ _MAX_CONCENTRATION = 1e3
 _REACHED_BOUND = 1.0 - 1e-6
 _BOUND_GROWTH = 4.0
 _BOUND_SHRINKAGE = 0.5
-# Part of a strength that counts as reached by the traction from which a solve starts.
-_REACHED_STRENGTH = 1.0 - 1e-9
 # Depth of the summit, which touches last, over the peak-to-valley height: rounding of equal heights.
 _SUMMIT_DEPTH = 1e-12
+# Cells of the contacts without friction that are kept: a path is followed several times. Else the last one is.
+_MAX_KEPT_CELLS = 2**19
 # Growth of the pressure at which a law must not give less.
 _PROBED_GROWTH = 1.25
 
@@ -90,13 +92,14 @@ class CoupledSolve(FrictionalContact):
 
     on_step: Callable[[Step], None] | None = None
     _known: dict[Load, ContactSolution] = attrs.field(factory=dict, init=False)
-    _ends: dict[ContactSolution, FrictionalFields] = attrs.field(factory=dict, init=False)
+    _ends: dict[ContactSolution, Increment] = attrs.field(factory=dict, init=False)
 
     def press(self, load: Load) -> ContactSolution:
-        """Return the frictionless contact: that of `ContactProblem.solve`; the last one is kept."""
+        """Return the frictionless contact: that of `ContactProblem.solve`; the last ones are kept."""
         if load not in self._known:
             found = run_solve(self.problem, load, on_step=self.on_step)
-            self._known.clear()
+            if len(self._known) * self.problem.plan.grid.cells >= _MAX_KEPT_CELLS:
+                self._known.clear()
             self._known[load] = found
         return self._known[load]
 
@@ -104,7 +107,7 @@ class CoupledSolve(FrictionalContact):
         """Return the fields at the end of an increment, those of the last one without a product; None: unloaded."""
         if state is None:
             return self.fields_of(FrictionalState.unloaded(self.problem.plan.grid.shape))
-        return self._ends.get(state) or self.fields_of(state.end)
+        return self._ends[state].end if state in self._ends else self.fields_of(state.end)
 
     def step(self, load: Load, tangential: TangentialLoad, last: ContactSolution | None) -> ContactSolution:
         """Return the certified end of one increment.
@@ -119,16 +122,19 @@ class CoupledSolve(FrictionalContact):
         started = time.perf_counter()
         before = FrictionalState.unloaded(self.problem.plan.grid.shape) if last is None else last.end
         start = self.fields_at(last)
+        known = None if last is None else self._ends.get(last)
+        loads = (np.zeros(3) if known is None else known.loads[1], list_loads(load, tangential))
         with computing(self.problem):
             if load.value == 0.0:
                 found = self._unload(load, tangential, start)
+            elif self.shear.coupled:
+                found = self._step_coupled(load, tangential, start, known)
             else:
-                step = self._step_coupled if self.shear.coupled else self._step_like
-                found = step(load, tangential, start)
+                found = self._step_like(load, tangential, start)
             solution, fields = self._certify(load, tangential, found, before, start, started)
         _LOGGER.info("increment to %s, %s: %s, %.3g s", load, tangential, solution.status.name, solution.seconds)
         self._ends.clear()
-        self._ends[_require_success(solution)] = fields
+        self._ends[_require_success(solution)] = Increment(loads, before, start.lifted, fields)
         return solution
 
     def slide(self, load: Load, direction: Pair, on_pass: Callable[[Step], None] | None = None) -> ContactSolution:
@@ -179,34 +185,43 @@ class CoupledSolve(FrictionalContact):
         shear = stack_along(self._find_limit(contact)[0], direction)
         return FoundTractions(contact, shear, np.full(2, math.nan), Status.CONVERGED, 1, 0)
 
-    def _step_coupled(self, load: Load, tangential: TangentialLoad, start: FrictionalFields) -> FoundTractions:
+    def _step_coupled(
+        self, load: Load, tangential: TangentialLoad, start: FrictionalFields, known: Increment | None
+    ) -> FoundTractions:
         """Alternate: the traction changes the initial gap, the pressure changes the limit and the offset."""
         shear = start.shear
-        lifted = self.shear.apply(shear, to="z")[0]
-        pressure: Array | None = start.pressure * self.unit if start.pressure.any() else None
-        mixing = _Mixing()
+        pressure, lifted = continue_increment(known, start, list_loads(load, tangential), self.unit)
+        mixing = Mixing()
         error = math.inf
         iterations = 0
-        passes = 0
         before: Array | None = None
+        coupling = 1.0
+        passes = 0
         while passes < _MAX_PASSES:
             passes += 1
-            contact = self._press_on(lifted, load, pressure, error)
+            ends = coupling * error <= _LAST_ERROR * self.tolerance
+            contact = self._press_on(lifted, load, pressure, 0.0 if ends else error)
             pressure = contact.pressure
             limit, coupling = self._find_limit(contact)
             if before is not None:
-                shear = _keep_sliding(shear, before, limit)
+                shear = keep_sliding(shear, before, limit)
             before = limit
             self._require_coupling(coupling)
             self._require_stick(tangential, limit)
-            dragged = self.shear.apply(contact.pressure[np.newaxis] / self.unit, of="z")
+            offset = -start.relative - self.shear.apply(contact.pressure[np.newaxis] / self.unit, of="z")
             peak = float(contact.pressure.max()) / self.unit
             goal = max(min(_INNER_SLIP * error, _LOOSEST_SLIP), _TIGHTEST_INNER * self.tolerance)
-            outcome = self._shear(tangential, limit, peak, -start.relative - dragged, shear, goal)
+            solve = partial(self._shear, tangential, limit, peak, offset)
+            outcome = solve(shear, self.tolerance) if ends else solve(shear, goal, verifies=False)
             iterations += outcome.iterations
-            shear = outcome.shear
-            found = self.shear.apply(shear, to="z")[0]
+            found = self.lift(outcome.shear)
             error = self._normal_error(contact, load, found)
+            if not ends and max(error, outcome.residual) <= self.tolerance:
+                outcome = solve(outcome.shear, self.tolerance)
+                iterations += outcome.iterations
+                found = self.lift(outcome.shear)
+                error = self._normal_error(contact, load, found)
+            shear = outcome.shear
             if max(error, outcome.residual) <= self.tolerance:
                 break
             damping = 1.0 / (1.0 + coupling**2) if coupling > _RELAXED_COUPLING else 1.0
@@ -223,7 +238,7 @@ class CoupledSolve(FrictionalContact):
         """Alternate as for a step, with combinations of earlier passes: what is left is linear on a fixed contact."""
         contact = self.press(load)
         _, coupling = self._find_limit(contact)
-        mixing = _Mixing()
+        mixing = Mixing()
         if not contact.contact.all():
             self._require_coupling(coupling)
         lifted = np.zeros(self.problem.plan.grid.shape)
@@ -310,6 +325,8 @@ class CoupledSolve(FrictionalContact):
         offset: Array,
         shear: Array,
         tolerance: float,
+        *,
+        verifies: bool = True,
     ) -> ShearOutcome:
         """Return the traction within a shear strength, from another one.
 
@@ -332,9 +349,13 @@ class CoupledSolve(FrictionalContact):
             max_iterations=_MAX_ITERATIONS,
         )
         own = 0.5 * sum(self.shear.own)
-        return self._solve_within_strength(task, StrengthBound(limit, own, peak))
+        solver = ProjectedShearCG()
+        solve = solver.solve if verifies else solver.approximate
+        return self._solve_within_strength(task, StrengthBound(limit, own, peak), partial(solve, self.shear))
 
-    def _solve_within_strength(self, task: ShearTask, counting: StrengthBound) -> ShearOutcome:
+    def _solve_within_strength(
+        self, task: ShearTask, counting: StrengthBound, solve: Callable[[ShearTask], ShearOutcome]
+    ) -> ShearOutcome:
         """Return the traction, found with the strengths that count."""
         start = task.start
         touching = task.limit > 0.0
@@ -346,7 +367,7 @@ class CoupledSolve(FrictionalContact):
         bound = np.minimum(task.limit, max(*known, CAUSED_TRACTIONS * counting.smallest))
         iterations = 0
         while True:
-            outcome = ProjectedShearCG().solve(self.shear, attrs.evolve(task, limit=bound, start=start))
+            outcome = solve(attrs.evolve(task, limit=bound, start=start))
             iterations += outcome.iterations
             outcome = attrs.evolve(outcome, iterations=iterations)
             start = outcome.shear
@@ -380,42 +401,12 @@ class CoupledSolve(FrictionalContact):
         limit = shear_limit(self.law, contact.pressure)
         # The unit may round a traction beyond the cone.
         shear = project_to_discs(shear, limit)
+        lifted = self.lift(shear / self.unit)
         if self.shear.coupled:
-            contact = self.certify_contact(contact, load, shear)
+            contact = self.certify_contact(contact, load, lifted)
         moved = (float(found.displacement[0]) * self.length, float(found.displacement[1]) * self.length)
         state = FrictionalState(pressure=contact.pressure, shear=shear, displacement=moved, approach=contact.approach)
-        return self.judge(contact, state, tangential, before, start, found, time.perf_counter() - started)
-
-
-def _keep_sliding(shear: Array, before: Array, limit: Array) -> Array:
-    """Return a traction to start from, which reaches the strength where it reached the one before.
-
-    Where a strength that was reached grows a little, cells would stick until the first step moves them beyond it.
-    """
-    reached = (before > 0.0) & (magnitude(shear) >= _REACHED_STRENGTH * before)
-    return shear * np.divide(limit, before, out=np.ones_like(limit), where=reached)
-
-
-class _Mixing:
-    """The next field of a fixed-point iteration, from the last ones: Anderson's combination of smallest change."""
-
-    def __init__(self) -> None:
-        self._fields: list[Array] = []
-        self._changes: list[Array] = []
-
-    def combine(self, field: Array, change: Array, damping: float) -> Array:
-        """Return the field from which to go on, after one and its change, of which a part is taken."""
-        self._fields = [*self._fields[-_MIXED_PASSES:], field]
-        self._changes = [*self._changes[-_MIXED_PASSES:], change]
-        best = field
-        left = change
-        if len(self._changes) > 1:
-            steps = np.stack([np.ravel(one - change) for one in self._changes[:-1]], axis=1)
-            weights = np.linalg.lstsq(steps, -np.ravel(change), rcond=1e-10)[0]
-            for weight, one, moved in zip(weights, self._fields, self._changes, strict=False):
-                best = best + weight * (one - field)
-                left = left + weight * (moved - change)
-        return best + damping * left
+        return self.judge(contact, state, tangential, before, start, found, time.perf_counter() - started, lifted)
 
 
 def _require_success(solution: ContactSolution) -> ContactSolution:

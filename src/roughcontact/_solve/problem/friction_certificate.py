@@ -54,6 +54,8 @@ class FrictionalFields:
         Displacement of the counterbody's surface relative to the body's since the first touch, shape (2, nx, ny).
     displacement, approach
         Those of the bodies.
+    lifted
+        The part of `normal` by the shear alone.
     """
 
     pressure: Array
@@ -63,6 +65,7 @@ class FrictionalFields:
     relative: Array
     displacement: Array
     approach: float
+    lifted: Array
 
     @property
     def energy(self) -> float:
@@ -127,30 +130,44 @@ class FrictionalContact:
         """Force that counts as one, N."""
         return self.unit * self.problem.plan.grid.cell_area
 
-    def fields_of(self, state: FrictionalState) -> FrictionalFields:
-        """Return a state in dimensionless variables; products with zero tractions are omitted."""
+    def fields_of(
+        self, state: FrictionalState, contact: ContactSolution | None = None, lifted: Array | None = None
+    ) -> FrictionalFields:
+        """Return a state in dimensionless variables; products with zero tractions are omitted.
+
+        So are those whose results are known: the displacement of the contact of its pressure, and that by the shear
+        across the surface.
+        """
         pressure = state.pressure / self.unit
         shear = state.shear / self.unit
         moved = np.array(state.displacement) / self.length
-        coupled = self.shear.coupled
         loaded = bool(pressure.any())
-        sheared = bool(shear.any())
         tangential = np.zeros_like(shear)
-        normal = self.problem.convolution.apply(pressure) if loaded else np.zeros_like(pressure)
-        if coupled and loaded:
+        if self.shear.coupled and loaded:
             tangential = self.shear.apply(np.concatenate([shear, pressure[np.newaxis]]), of="xyz")
-        elif sheared:
+        elif shear.any():
             tangential = self.shear.apply(shear)
-        if coupled and sheared:
-            normal = normal + self.shear.apply(shear, to="z")[0]
+        if contact is not None:
+            normal = contact.displacement / self.length
+        else:
+            normal = self.problem.convolution.apply(pressure) if loaded else np.zeros_like(pressure)
+        lifted = self.lift(shear) if lifted is None else lifted
+        normal += lifted
         relative = moved[:, np.newaxis, np.newaxis] - tangential
-        return FrictionalFields(pressure, shear, tangential, normal, relative, moved, state.approach / self.length)
+        approach = state.approach / self.length
+        return FrictionalFields(pressure, shear, tangential, normal, relative, moved, approach, lifted)
 
-    def certify_contact(self, contact: ContactSolution, load: Load, shear: Array) -> ContactSolution:
+    def lift(self, shear: Array) -> Array:
+        """Return the displacement across the surface by a dimensionless shear, shape (nx, ny)."""
+        if not self.shear.coupled or not shear.any():
+            # It takes no memory.
+            return np.broadcast_to(0.0, shear.shape[1:])
+        return np.asarray(self.shear.apply(shear, to="z")[0])
+
+    def certify_contact(self, contact: ContactSolution, load: Load, lifted: Array) -> ContactSolution:
         """Return a contact with the certificate of its pressure on the gap changed by the final traction."""
         plan = self.problem.plan
         gap = self.problem._gap
-        lifted = self.shear.apply(shear / self.unit, to="z")[0]
         values = gap.values + lifted * self.length
         if gap.non_measured is not None:
             values = np.where(gap.non_measured, np.maximum(values, contact.initial_gap), values)
@@ -177,15 +194,19 @@ class FrictionalContact:
         start: FrictionalFields,
         found: FoundTractions,
         seconds: float,
+        lifted: Array | None = None,
     ) -> tuple[ContactSolution, FrictionalFields]:
-        """Return the solution with the residuals recomputed from two states, and its fields."""
+        """Return the solution with the residuals recomputed from two states, and its fields.
+
+        The contact is certified, and `lifted` the displacement across the surface by the traction, if it is known.
+        """
         steady = tangential.is_steady
         if steady:
             # The displacement of steady sliding is not determined.
-            fields = self.fields_of(attrs.evolve(state, displacement=(0.0, 0.0)))
+            fields = self.fields_of(attrs.evolve(state, displacement=(0.0, 0.0)), contact, lifted)
             slip = np.broadcast_to(np.array(tangential.values)[:, np.newaxis, np.newaxis], state.shear.shape)
         else:
-            fields = self.fields_of(state)
+            fields = self.fields_of(state, contact, lifted)
             slip = fields.relative - start.relative
         strength = shear_limit(self.law, state.pressure) / self.unit
         own = 0.5 * sum(self.shear.own)
@@ -299,8 +320,9 @@ def _verify_sheared(problem: Scene, solution: ContactSolution, sheared: Sheared)
         raise InputError(f"It is not a solution at a load, on the grid of the problem, {problem.plan.grid}.")
     load = Load.signed(**origin.load)
     contact = solution._normal
+    lifted = run.lift(np.asarray(sheared.traction) / run.unit)
     if run.shear.coupled:
-        contact = run.certify_contact(contact, load, np.asarray(sheared.traction))
+        contact = run.certify_contact(contact, load, lifted)
         if not _are_close(solution.initial_gap, contact.initial_gap, run.length):
             raise InputError("Its initial gap contradicts its traction and its problem.")
         if solution.status.success and not contact.status.success:
@@ -309,7 +331,7 @@ def _verify_sheared(problem: Scene, solution: ContactSolution, sheared: Sheared)
         verify_solution(problem, contact)
     found = FoundTractions(contact, sheared.traction, np.zeros(2), solution.status, sheared.passes, sheared.iterations)
     start = run.fields_of(sheared.before)
-    again, fields = run.judge(contact, solution.end, sheared.given, sheared.before, start, found, 0.0)
+    again, fields = run.judge(contact, solution.end, sheared.given, sheared.before, start, found, 0.0, lifted)
     if solution.status.success and not again.status.success:
         raise InputError(f"Its status is {solution.status.name}, but the recomputed residuals are {again.certificate}.")
     energy = abs(again.elastic_energy)

@@ -141,9 +141,12 @@ class GapOnGrid(GridProblem[GapGuess]):
     def start_from_task(self) -> GapGuess:
         """Return the start that the task gives by its pressure, and by its gap if there is one."""
         task = self.task
+        stiffness = self.problem.stiffness
+        if task.start_gap is not None and stiffness.extended == stiffness.shape:
+            return self._guess(task.start_gap.copy(), products=0.0)
         gap = self._gap_of_pressure(np.zeros_like(task.initial_gap) if task.start is None else task.start)
         if task.start_gap is not None:
-            inside = self.problem.stiffness.inner(gap)
+            inside = stiffness.inner(gap)
             gap += float((task.start_gap - inside).mean())
             inside[:] = task.start_gap
         return self._guess(gap, products=1.0)

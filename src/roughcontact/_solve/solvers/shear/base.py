@@ -182,6 +182,15 @@ class Verified:
         self.floor = _ROUNDING * terms / own / float(system.limit.max())
 
 
+@attrs.frozen(eq=False)
+class Estimated:
+    """A shear whose residual is estimated in float32; see `Verified`."""
+
+    shear: Array
+    displacement: Array
+    residual: float
+
+
 class ShearSystem:
     """A task on the cells that have a limit, in units in which limits and displacements are near one.
 
@@ -296,7 +305,7 @@ class ShearSystem:
         """Return the shear to start from."""
         return np.zeros((2, self.limit.size)) if task.start is None else self.gather(task.start) / self._stress
 
-    def outcome(self, found: Verified, status: Status) -> ShearOutcome:
+    def outcome(self, found: Verified | Estimated, status: Status) -> ShearOutcome:
         """Return the outcome of a solve."""
         x, y = (float(one) for one in found.displacement * self._length)
         return ShearOutcome(
@@ -312,7 +321,7 @@ class ShearSystem:
 def solve_shear(
     convolution: ShearConvolution,
     task: ShearTask,
-    descend: Callable[[ShearSystem, Verified, Log, float], tuple[Verified, Status]],
+    descend: Callable[[ShearSystem, Verified, Log, float], tuple[Verified | Estimated, Status]],
 ) -> ShearOutcome:
     """Return the outcome of a descent to a tolerance on the cells with a limit."""
     if not task.limit.any():

@@ -180,6 +180,11 @@ class ShearDescent(Method):
     its length then corrected. The correction follows the circles, the displacement the straight step: the difference is
     part of the next step, and until then only its effect on its own cell counts. So an iteration needs one product with
     the kernel and one with its inverse, and a further one only while many cells move around their circles.
+
+    Attributes
+    ----------
+    displacement
+        Displacement of the bodies, shape (2,).
     """
 
     patience = _MAX_IDLE_ITERATIONS
@@ -188,10 +193,12 @@ class ShearDescent(Method):
         self._system = system
         self._punch = PunchWeights(system)
         self._length = FIRST_LENGTH
+        self.displacement = system.displacement
 
     def run(self, start: Verified, goal: float, log: Log) -> Array:
         """Return a shear whose residual is estimated to reach a goal, or is as low as float32 allows."""
         self._shear = start.shear
+        self.displacement = start.displacement
         # The slip is that of the shear less what lags behind.
         self._slip = start.slip.copy()
         self._lag: RealArray = np.zeros(self._shear.shape, dtype=np.float32)
@@ -210,6 +217,7 @@ class ShearDescent(Method):
         trial += self._shear
         nearest, shift = system.control.project(trial, system.limit, gain=1.0 / system.own, error=self._error)
         self._slip += shift[:, np.newaxis]
+        self.displacement = self.displacement + shift
         # That is the natural residual, but for its unit.
         nearest -= self._shear
         return math.sqrt(float(dot(nearest, nearest).max())) / float(system.limit.max()), 0.0

@@ -26,6 +26,8 @@ _MIN_STIFFNESS = 1e-14
 _MIN_TRACE = 1e-100
 # Length below which a shear has no direction.
 MIN_SIZE = 1e-200
+# Values of two axes up to which their products are added by two calls.
+_MAX_SHORT_VALUES = 2**12
 # Part of the predicted decrease that a step must reach.
 _MIN_DECREASE = 1e-4
 
@@ -37,7 +39,10 @@ def magnitude(vectors: RealArray) -> RealArray:
 
 def dot(one: RealArray, other: RealArray) -> RealArray:
     """Return the products of vectors, shape (2, ...), of each cell."""
-    # Products of two axes take a fifth longer.
+    if one.size <= _MAX_SHORT_VALUES:
+        # Half of the time of the sum below.
+        x, y = one * other
+        return np.asarray(x + y)
     return np.asarray(np.einsum("a...,a...->...", one, other))
 
 

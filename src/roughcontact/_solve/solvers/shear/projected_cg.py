@@ -8,6 +8,7 @@ from roughcontact._solve.convolvers import ShearConvolution
 from roughcontact._solve.solution import Status
 from roughcontact._solve.solvers.driver import Log, Refinement, iterate
 from roughcontact._solve.solvers.shear.base import (
+    Estimated,
     ShearOutcome,
     ShearSolver,
     ShearSystem,
@@ -42,6 +43,10 @@ class ProjectedShearCG(ShearSolver):
     def solve(self, convolution: ShearConvolution, task: ShearTask) -> ShearOutcome:
         """Return the shear; see `ShearSolver.solve`."""
         return solve_shear(convolution, task, _refine)
+
+    def approximate(self, convolution: ShearConvolution, task: ShearTask) -> ShearOutcome:
+        """Return the shear after one descent, with its estimated residual, if that suffices; else that of `solve`."""
+        return solve_shear(convolution, task, _descend_once)
 
 
 class _ShearRefinement(Refinement):
@@ -79,3 +84,16 @@ def _refine(system: ShearSystem, start: Verified, log: Log, tolerance: float) ->
         return refinement.best, status
     found, status = descend_by_gradients(system, refinement.best, log, tolerance)
     return found, Status.RESCUED if status is Status.CONVERGED else status
+
+
+def _descend_once(
+    system: ShearSystem, start: Verified, log: Log, tolerance: float
+) -> tuple[Verified | Estimated, Status]:
+    """Return the shear after one descent without its verification, and how the solve ended."""
+    if start.residual <= tolerance:
+        return start, Status.CONVERGED
+    descent = ShearDescent(system)
+    shear = descent.run(start, max(_GOAL_FRACTION * tolerance, _FLOAT32_GAIN * start.residual), log)
+    if descent.error <= tolerance:
+        return Estimated(shear, descent.displacement, descent.error), Status.CONVERGED
+    return _refine(system, Verified(system, shear), log, tolerance)
