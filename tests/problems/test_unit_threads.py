@@ -234,6 +234,16 @@ class TestBits:
             np.testing.assert_array_equal(solution.displacement, found[0].displacement)
             assert (solution.errors, solution.residuals) == (found[0].errors, found[0].residuals)
 
+    @pytest.mark.parametrize(("boundary", "pressure"), [("free", 1e6), ("periodic", 1e6), ("periodic", 2e7)])
+    def test_of_a_solution_on_lists_of_cells_are_the_same(self, boundary, pressure, many, monkeypatch):
+        """Few and many active cells, whose vectors are gathered by many tiles."""
+        monkeypatch.setattr(machine, "_VALUES_PER_TILE", 100)
+        monkeypatch.setattr("roughcontact._solve.solvers.conjugate.refinement._MAX_FIELD_CELLS", 0)
+        found = [rough_problem(96, boundary=boundary, threads=count).solve(pressure=pressure) for count in COUNTS]
+        for solution in found[1:]:
+            np.testing.assert_array_equal(solution.pressure, found[0].pressure)
+            assert (solution.errors, solution.residuals) == (found[0].errors, found[0].residuals)
+
     def test_are_found_by_as_many_threads_as_the_problem_says(self, many, monkeypatch):
         import scipy.fft
 

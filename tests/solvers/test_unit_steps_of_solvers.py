@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
+from roughcontact._base import machine
 from roughcontact._solve.convolvers import transforms
 from roughcontact._solve.convolvers.transforms import multiply_waves
 from roughcontact._solve.problem.task import pressure_unit
@@ -65,6 +66,15 @@ def test_vectors_on_the_active_cells_are_the_fields_there(share):
     np.testing.assert_array_equal(
         active.scatter(active.gather(field) * (active.limits(values) > 50)), field * mask * (values > 50)
     )
+
+
+@pytest.mark.parametrize("factors", [(2, 2), (2, 1), (1, 2)])
+@pytest.mark.parametrize("shape", [(13, 10), (4, 33)])
+def test_fields_are_interpolated_by_tiles_as_whole(shape, factors, monkeypatch):
+    values = np.random.default_rng(6).normal(size=shape)
+    whole = interpolate(values, *factors)
+    monkeypatch.setattr(machine, "_VALUES_PER_TILE", 3 * shape[1])
+    np.testing.assert_array_equal(interpolate(values, *factors), whole)
 
 
 @pytest.mark.parametrize("share", [0.02, 0.2, 0.7])

@@ -135,25 +135,46 @@ def interpolate(values: RealArray, fx: int, fy: int) -> RealArray:
     if fy == 2:
         coarse = values
         fine = np.empty((values.shape[0], 2 * values.shape[1]), dtype=values.dtype, like=values)
-        map_tiles(lambda rows: _double(coarse[rows], fine[rows], 1), tiles_of(coarse))
+
+        def double_rows(rows: slice) -> None:
+            own = coarse[rows]
+            target = fine[rows]
+            low, high = _double(own, np.roll(own, 1, axis=1), np.roll(own, -1, axis=1))
+            target[:, 0::2] = low
+            target[:, 1::2] = high
+
+        map_tiles(double_rows, tiles_of(coarse))
         values = fine
     if fx == 2:
         rough = values
         smooth = np.empty((2 * values.shape[0], values.shape[1]), dtype=values.dtype, like=values)
-        map_tiles(lambda columns: _double(rough[:, columns], smooth[:, columns], 0), tiles_of(rough.T))
+
+        def double_columns(rows: slice) -> None:
+            low, high = _double(rough[rows], _move_rows(rough, rows, 1), _move_rows(rough, rows, -1))
+            target = smooth[2 * rows.start : 2 * rows.stop]
+            target[0::2] = low
+            target[1::2] = high
+
+        map_tiles(double_columns, tiles_of(rough))
         values = smooth
     return values
 
 
-def _double(coarse: RealArray, fine: RealArray, axis: int) -> None:
-    """Interpolate along an axis, a quarter of a coarse cell to both sides of its centre."""
-    middle = 0.9375 * coarse
-    near = 0.15625 * coarse
-    far = 0.09375 * coarse
-    for first, step in ((0, 1), (1, -1)):
-        values = middle + np.roll(near, step, axis=axis)
-        values -= np.roll(far, -step, axis=axis)
-        if axis == 0:
-            fine[first::2] = values
-        else:
-            fine[:, first::2] = values
+def _move_rows(values: RealArray, rows: slice, step: int) -> RealArray:
+    """Return a copy of the rows that are some steps before a tile of rows; the first follows the last."""
+    if rows.stop - rows.start == values.shape[0]:
+        return np.roll(values, step, axis=0)
+    return values.take(np.arange(rows.start, rows.stop) - step, axis=0, mode="wrap")
+
+
+def _double(coarse: RealArray, before: RealArray, after: RealArray) -> tuple[RealArray, RealArray]:
+    """Interpolate a quarter of a coarse cell to both sides of its centre, in the place of the values before it."""
+    rise = before - after
+    rise *= 0.125
+    mean = before
+    mean += after
+    mean *= 0.03125
+    mean += 0.9375 * coarse
+    low = mean + rise
+    mean -= rise
+    return low, mean
