@@ -1,13 +1,13 @@
 """Numbers of a contact, and what it does: stiffness, conductance, gradients, stress below, flow, partial slip."""
 
 from roughcontact._answers.areas import EdgeLength, FindFlags, Flags, MeanGap, PatchCount, PeakPressure, SummitApproach
+from roughcontact._answers.areas.phases import Phases, SolvePhases
 from roughcontact._answers.flow.leakage import GapFlow, Leakage, Throat
 from roughcontact._answers.flow.percolation import Percolation, find_percolation
 from roughcontact._answers.linear.conductance import Conductance, ContactConductance
 from roughcontact._answers.linear.gradients import Gradient
 from roughcontact._answers.linear.stiffness import PullOff, StabilityMargin, Stiffness
 from roughcontact._answers.linear.tangential import TangentialStiffness
-from roughcontact._answers.phases import Phases, SolvePhases
 from roughcontact._answers.slip import CiavarellaJaeger, FrettingLoop, PartialSlip
 from roughcontact._answers.subsurface import (
     FirstYield,

@@ -245,7 +245,7 @@ def test_a_traceback_shows_what_was_called_and_not_the_door(monkeypatch):
     def fail(*_, **__):
         return {}["no such key"]
 
-    monkeypatch.setattr("roughcontact._solve.solvers.conjugate.field_descent.FieldDescent.step", fail)
+    monkeypatch.setattr("roughcontact._solve.solvers.conjugate.refinement.PressureRefinement.run", fail)
     with pytest.raises(rc.UnexpectedError) as caught:
         solve()
     frames = frames_of(caught.value.__cause__)

@@ -13,7 +13,7 @@ from typing import TypeVar
 
 import attrs
 import numpy as np
-from scipy.interpolate import Akima1DInterpolator
+import scipy
 
 from roughcontact._answers.areas.edges import judge_uncertainty
 from roughcontact._base.arrays import Array
@@ -201,7 +201,8 @@ def _insert_row(field: Array, axis: int) -> Array:
     widths = [(0, 0), (0, 0)]
     widths[axis] = (_SPLINE_CELLS, _SPLINE_CELLS)
     known = np.arange(-_SPLINE_CELLS, n + _SPLINE_CELLS)
-    spline = Akima1DInterpolator(known, np.pad(field, widths, mode="wrap"), axis=axis, method="makima")
+    values = np.pad(field, widths, mode="wrap")
+    spline = scipy.interpolate.Akima1DInterpolator(known, values, axis=axis, method="makima")
     return np.asarray(spline((np.arange(n + 1) + 0.5) * n / (n + 1) - 0.5))
 
 
