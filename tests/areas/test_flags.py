@@ -107,6 +107,23 @@ def test_a_limited_pressure_is_not_unbounded():
     assert solution.peak_pressure().uncertainty == 0.0
 
 
+def test_lost_points_of_a_smooth_map_are_no_flag():
+    lost = np.zeros((60, 48), dtype=bool)
+    lost[20:24, 30:33] = lost[50, 5] = True
+    body = rc.Body(rc.HeightMap(smooth(), size=(1.0, 0.8), periodic=True, non_measured=lost), ELASTIC)
+    solution = rc.ContactProblem(body, boundary="periodic").solve(pressure=1e-3)
+    assert not solution.response("flags")
+
+
+@pytest.mark.parametrize("scale", [1e-40, 1e40])
+def test_flags_of_extreme_heights(scale):
+    grid = rc.Grid((48, 40), (scale, 0.8 * scale))
+    body = rc.Body(rc.HeightMap(scale * punch(), size=grid.size, periodic=True), ELASTIC)
+    flags = rc.ContactProblem(body, boundary="periodic").solve(pressure=1e-3).response("flags")
+    assert flags.unbounded
+    assert flags.rough_tail == press(punch(), (1.0, 0.8)).response("flags").rough_tail
+
+
 def test_nothing_in_contact_and_full_contact_have_no_flag():
     full = press(1e-4 * smooth(), (1.0, 0.8), pressure=1.0)
     assert full.contact.all()

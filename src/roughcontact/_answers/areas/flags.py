@@ -22,7 +22,7 @@ from roughcontact._answers.areas.cells import (
 from roughcontact._base.arrays import IntArray
 from roughcontact._base.units import Estimate, ShownAsPrinted, percent
 from roughcontact._parts.grid import pad_axes
-from roughcontact._solve.solution import ContactSolution, Response, responses
+from roughcontact._solve.solution import ContactSolution, Response, heal, responses
 from roughcontact.errors import InputError
 
 # Steps to the cell beyond each side, and to that across a crease: along both axes and both diagonals.
@@ -129,7 +129,7 @@ class FindFlags(Response[Flags]):
         """
         if not solution.parts.is_whole:
             raise InputError("The heights here are those of a slab: ask gather() for the whole contact.")
-        return find_flags(solution)
+        return find_flags(heal(solution))
 
 
 def find_flags(solution: ContactSolution) -> Flags:
@@ -234,7 +234,10 @@ def _find_jump(solution: ContactSolution, top: IntArray) -> float:
 
 def _is_rough(solution: ContactSolution) -> bool:
     """Return whether heights are rough at the scale of the cells, and their curvature far from Gaussian."""
-    heights = solution.initial_gap
+    height = float(np.ptp(solution.initial_gap))
+    if height == 0.0:
+        return False
+    heights = solution.initial_gap / height
     second = fourth = quartic = count = 0.0
     for axis, (n, free) in enumerate(zip(heights.shape, solution.boundary.free_axes, strict=True)):
         if n < 2 * _ROW:
@@ -249,6 +252,4 @@ def _is_rough(solution: ContactSolution) -> bool:
         quartic += float(np.sum(squares * squares))
         fourth += float(np.sum(turns * turns)) * bends.size / turns.size
         count += bends.size
-    if second == 0.0:
-        return False
     return bool(quartic * count > _MIN_KURTOSIS * second**2 and fourth > _MIN_ROUGHNESS * second)
