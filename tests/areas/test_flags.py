@@ -115,7 +115,7 @@ def test_lost_points_of_a_smooth_map_are_no_flag():
     assert not solution.response("flags")
 
 
-@pytest.mark.parametrize("scale", [1e-40, 1e40])
+@pytest.mark.parametrize("scale", [1e-30, 1e30])
 def test_flags_of_extreme_heights(scale):
     grid = rc.Grid((48, 40), (scale, 0.8 * scale))
     body = rc.Body(rc.HeightMap(scale * punch(), size=grid.size, periodic=True), ELASTIC)
