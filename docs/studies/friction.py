@@ -191,7 +191,7 @@ def certify_frozen(problem: rc.ContactProblem, force: float, pushed: float) -> r
     raised = rc.HeightMap(-(first.initial_gap + lifted), problem.plan.grid.size, periodic=True)
     answer = with_heights(problem, raised).solve(force=force)
     found = attrs.evolve(first, pressure=answer.pressure)
-    contact = certificate.certify_contact(found, Load.of(force=force), shear)
+    contact = certificate.certify_contact(found, Load.of(force=force), certificate.lift(shear / certificate.unit))
     before = FrictionalState.unloaded(problem.plan.grid.shape)
     state = FrictionalState(
         pressure=contact.pressure, shear=shear, displacement=(moved, 0.0), approach=contact.approach
