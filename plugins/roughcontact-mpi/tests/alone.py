@@ -18,5 +18,6 @@ def solve_alone(case, heights):
     with (
         mock.patch(METHOD.format("refinement"), return_value=False),
         mock.patch(METHOD.format("nested_iteration"), return_value=False),
+        mock.patch(METHOD.format("solver"), return_value=False),
     ):
         return problem.solve(**case["load"], tolerance=case["tolerance"])
