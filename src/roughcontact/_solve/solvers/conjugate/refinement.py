@@ -9,7 +9,6 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array, RealArray, sum_of_products
-from roughcontact._parts.grid import Boundary
 from roughcontact._solve.convolvers import InverseConvolution, PreparedConvolution
 from roughcontact._solve.solution import GridLevel, Status, Violation
 from roughcontact._solve.solvers.base import Task
@@ -29,11 +28,10 @@ _FLOAT32_GAIN = 2e-5
 _EARLY_GOAL_FACTOR = 10.0
 # Goal of the estimated error, over the tolerance of the verification.
 _GOAL_FRACTION = 0.7
-# Maximum cells of a grid on which the pressure is found on whole fields, and of a periodic one with compiled passes: on
-# 256 x 256 cells that takes a third more products than with the correction of `Preconditioner` for long waves, which is
-# not compiled.
+# Maximum cells of a grid on which the pressure is found on whole fields: on 256 x 256 cells long waves need the
+# correction of `Preconditioner`. Compiled passes take two thirds of the time there without it, but half as many
+# products again, and vectors of all cells.
 _MAX_FIELD_CELLS = 2**15
-_MAX_COMPILED_FIELD_CELLS = 2**16
 # Maximum verifications of a solve that do not halve the error.
 _MAX_IDLE_VERIFICATIONS = 5
 
@@ -207,9 +205,7 @@ class PressureRefinement(Refinement):
         self._convolve = partial(self.work.convolve, convolution)
         self._openings = None if nearly_full is None else Openings(nearly_full, monitor, self.work)
         self.met_limit = False
-        compiled = convolution.passes is not None and convolution.setup.boundary is Boundary.PERIODIC
-        small = compiled and task.initial_gap.size <= _MAX_COMPILED_FIELD_CELLS
-        self._on_fields = small or descends_on_fields(task)
+        self._on_fields = descends_on_fields(task)
 
     @cached_property
     def _descent(self) -> Descent | FieldDescent:
