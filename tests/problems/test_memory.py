@@ -544,7 +544,7 @@ def test_a_solve_ends_well_in_the_memory_of_its_plan_and_with_a_sentence_in_less
 @pytest.mark.slow
 @pytest.mark.parametrize("boundary", ["free", "wrapped"])
 def test_the_direct_sum_takes_no_more_than_the_plan_says(boundary):
-    # What a first solve loads is no memory of a solve.
+    # The first solves load modules too.
     for cells in (32, 64, 64):
         peak, stated = measure(cells, 5e6, boundary=boundary, convolver="direct")
     assert peak < stated
