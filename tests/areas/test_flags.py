@@ -15,6 +15,8 @@ sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
 
 import edged_classes
 
+from roughcontact.responses import PeakPressure
+
 ELASTIC = rc.Elastic(1.0, 0.0)
 
 
@@ -103,8 +105,28 @@ def test_a_limited_pressure_is_not_unbounded():
     soft = rc.ElasticPerfectlyPlastic(1.0, 0.0, hardness=2e-3)
     solution = press(ridges(), (1.0, 0.8), pressure=1e-3, material=soft)
     assert solution.saturated.any()
-    assert solution.response("flags").crease == 0.0
+    assert not solution.response("flags").unbounded
     assert solution.peak_pressure().uncertainty == 0.0
+
+
+def test_a_punch_at_its_hardness_is_not_unbounded():
+    soft = rc.ElasticPerfectlyPlastic(1.0, 0.0, hardness=1.2e-3)
+    solution = press(punch(), (1.0, 0.8), pressure=2e-4, material=soft)
+    assert solution.saturated.any()
+    assert not solution.saturated[solution.contact].all()
+    assert not solution.response("flags").unbounded
+
+
+def test_a_response_of_ones_own_is_not_the_kept_maximum():
+    """A maximum pressure is kept by its solution."""
+
+    class Doubled(PeakPressure):
+        def find(self, solution, area):
+            found = super().find(solution, area)
+            return rc.Estimate(2.0 * found.value, found.uncertainty, "Pa")
+
+    solution = press(smooth(), (1.0, 0.8))
+    assert solution.response(Doubled()).value == 2.0 * solution.peak_pressure().value
 
 
 def test_lost_points_of_a_smooth_map_are_no_flag():

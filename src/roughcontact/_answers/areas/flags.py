@@ -147,8 +147,10 @@ def _find_unbounded(solution: ContactSolution) -> tuple[float, float]:
     if patches.count == 0:
         return 0.0, 0.0
     highest = solution.parts.highest(float(solution.pressure.max()))
-    # A pressure at its limit is bounded.
     top = np.flatnonzero(solution.parts.own((solution.pressure >= highest) & ~solution.saturated))[:1]
+    if not solution.parts.highest(float(top.size)):
+        # The maximum is the limit of the pressure.
+        return 0.0, 0.0
     steep = flat = 0.0
     if top.size:
         steep = _find_jump(solution, top) * _modulus(solution) / highest
@@ -167,9 +169,6 @@ def _find_sharp_fraction(solution: ContactSolution) -> float:
     """Return the fraction of the pressure beside open cells that stands at sharp edges."""
     modulus = _modulus(solution)
     at_edge = solution.parts.own(solution.contact & ~find_interior(solution))
-    if solution.capped:
-        # A limited pressure is flat up to any edge.
-        at_edge &= ~solution.saturated
     cells = np.flatnonzero(at_edge)
     near = Neighbourhood.of(*split(cells, at_edge.shape[1]), at_edge.shape, solution.boundary, _ROW)
     contact = solution.contact.ravel()

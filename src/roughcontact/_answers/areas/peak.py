@@ -19,14 +19,7 @@ from roughcontact._answers.areas.summits import Summits
 from roughcontact._base.arrays import Array, IntArray, Mask, RealArray
 from roughcontact._base.units import WarningText
 from roughcontact._parts.grid import grow
-from roughcontact._solve.solution import (
-    DEFAULT_AREA,
-    Area,
-    ContactSolution,
-    Estimate,
-    defer_peak_sampling,
-    responses,
-)
+from roughcontact._solve.solution import Area, ContactSolution, Estimate, defer_peak_sampling, responses
 
 # Change of the maximum pressure over 3 F / 2A of a summit c2 r^2 + c4 r^4, times c4 a^2 / c2: (32/9 - 32/5) / 4.
 _QUARTIC_FACTOR = -32.0 / 45.0
@@ -71,7 +64,7 @@ class PeakPressure(Quantity):
     def respond(self, solution: ContactSolution) -> Estimate:
         """Return the maximum pressure, its uncertainty and its sampling error."""
         # A study asks for it with its responses, its figures and its warnings.
-        if self.estimator == DEFAULT_AREA:
+        if self == PeakPressure():
             return solution._keep("peak pressure", lambda: self._respond(solution))
         return self._respond(solution)
 

@@ -18,7 +18,7 @@ import scipy
 from roughcontact._answers.areas.edges import judge_uncertainty
 from roughcontact._base.arrays import Array
 from roughcontact._base.units import Estimate
-from roughcontact._parts.grid import Boundary
+from roughcontact._parts.grid import Boundary, pad_axes
 from roughcontact._parts.surfaces import FlatSurface, HeightMap
 from roughcontact._solve.problem import Body, ContactProblem
 from roughcontact._solve.solution import Area, ContactSolution, Response, responses
@@ -198,10 +198,9 @@ def _coarsen(field: Array, boundary: Boundary, offset: int, insert: Callable[[Ar
 def _insert_row(field: Array, axis: int) -> Array:
     """Return periodic values at one more point along an axis, by splines that do not overshoot at steps."""
     n = field.shape[axis]
-    widths = [(0, 0), (0, 0)]
-    widths[axis] = (_SPLINE_CELLS, _SPLINE_CELLS)
+    ends = (_SPLINE_CELLS, _SPLINE_CELLS)
+    values = pad_axes(field, (ends, (0, 0)) if axis == 0 else ((0, 0), ends), (False, False))
     known = np.arange(-_SPLINE_CELLS, n + _SPLINE_CELLS)
-    values = np.pad(field, widths, mode="wrap")
     spline = scipy.interpolate.Akima1DInterpolator(known, values, axis=axis, method="makima")
     return np.asarray(spline((np.arange(n + 1) + 0.5) * n / (n + 1) - 0.5))
 

@@ -16,7 +16,13 @@ from roughcontact._base.units import si
 from roughcontact._parts.grid import Load
 from roughcontact._parts.interactions import shear_limit
 from roughcontact._solve.problem.accuracy import with_tolerance
-from roughcontact._solve.problem.coupled_starts import Increment, Mixing, continue_increment, keep_sliding, list_loads
+from roughcontact._solve.problem.coupled_starts import (
+    LastIncrement,
+    Mixing,
+    continue_increment,
+    keep_sliding,
+    list_loads,
+)
 from roughcontact._solve.problem.friction_certificate import (
     CAUSED_TRACTIONS,
     CONE_TOLERANCE,
@@ -92,7 +98,7 @@ class CoupledSolve(FrictionalContact):
 
     on_step: Callable[[Step], None] | None = None
     _known: dict[Load, ContactSolution] = attrs.field(factory=dict, init=False)
-    _ends: dict[ContactSolution, Increment] = attrs.field(factory=dict, init=False)
+    _ends: dict[ContactSolution, LastIncrement] = attrs.field(factory=dict, init=False)
 
     def press(self, load: Load) -> ContactSolution:
         """Return the frictionless contact: that of `ContactProblem.solve`; the last ones are kept."""
@@ -134,7 +140,7 @@ class CoupledSolve(FrictionalContact):
             solution, fields = self._certify(load, tangential, found, before, start, started)
         _LOGGER.info("increment to %s, %s: %s, %.3g s", load, tangential, solution.status.name, solution.seconds)
         self._ends.clear()
-        self._ends[_require_success(solution)] = Increment(loads, before, start.lifted, fields)
+        self._ends[_require_success(solution)] = LastIncrement(loads, before, start.lifted, fields)
         return solution
 
     def slide(self, load: Load, direction: Pair, on_pass: Callable[[Step], None] | None = None) -> ContactSolution:
@@ -186,7 +192,7 @@ class CoupledSolve(FrictionalContact):
         return FoundTractions(contact, shear, np.full(2, math.nan), Status.CONVERGED, 1, 0)
 
     def _step_coupled(
-        self, load: Load, tangential: TangentialLoad, start: FrictionalFields, known: Increment | None
+        self, load: Load, tangential: TangentialLoad, start: FrictionalFields, known: LastIncrement | None
     ) -> FoundTractions:
         """Alternate: the traction changes the initial gap, the pressure changes the limit and the offset."""
         shear = start.shear

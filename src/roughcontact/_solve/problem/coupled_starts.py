@@ -22,7 +22,7 @@ _REACHED_STRENGTH = 1.0 - 1e-9
 
 
 @attrs.frozen(eq=False)
-class Increment:
+class LastIncrement:
     """The last increment: the loads at both ends, its begin with the lift there (`FrictionalFields`), and its end."""
 
     loads: tuple[Array, Array]
@@ -37,7 +37,7 @@ def list_loads(load: Load, tangential: TangentialLoad) -> Array:
 
 
 def continue_increment(
-    known: Increment | None, start: FrictionalFields, loads: Array, unit: float
+    known: LastIncrement | None, start: FrictionalFields, loads: Array, unit: float
 ) -> tuple[Array | None, Array]:
     """Return the pressure from which an increment starts, Pa, and the displacement across the surface by its shear.
 
