@@ -156,16 +156,14 @@ def ask(solution, names):
     found = {}
     for name in names:
         if name == "area":
-            found[name] = solution.area()
-        elif name == "stiffness":
-            found[name] = solution.stiffness()
+            found[name] = solution.area(uncertainty="model")
         elif name == "conductance":
             # Both resistances together are those of bodies of conductivity one.
             found[name] = solution.conductance((0.75, 1.5))
         elif name == "stress":
             found[name] = solution.stress().maximum
         else:
-            found[name] = solution.response(name)
+            found[name] = solution.response(name, uncertainty="model")
     return found
 
 

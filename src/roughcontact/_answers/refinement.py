@@ -109,7 +109,7 @@ class Ladder(TableResult):
     @property
     def eq_28(self) -> Extrapolation:
         """The paper's exponential through the counted areas, m2."""
-        return exponential(self.cells, [solution.area("cell-count").value for solution in self.states])
+        return exponential(self.cells, [solution.area("cell-count", uncertainty="model").value for solution in self.states])
 
     @property
     def area(self) -> Area:
@@ -124,7 +124,7 @@ class Ladder(TableResult):
     def table(self) -> Table:
         """Return a row for each grid, with its counted and estimated area; see `roughcontact.typing.Table`."""
         shapes = np.array([state.grid.shape for state in self.states])
-        counted = np.array([state.area("cell-count").value for state in self.states])
+        counted = np.array([state.area("cell-count", uncertainty="model").value for state in self.states])
         areas = [Estimate(area.value, area.uncertainty, "m2", area.warnings) for area in self.areas]
         return Table({"nx": shapes[:, 0], "ny": shapes[:, 1], "counted": counted, "area": areas}, {"counted": "m2"})
 
@@ -133,7 +133,7 @@ class Ladder(TableResult):
         percent = 100.0 / self.states[-1].grid.area
         columns: dict[str, Any] = {
             "cells": [" x ".join(map(str, state.grid.shape)) for state in self.states],
-            "counted, %": [f"{percent * state.area('cell-count').value:.5g}" for state in self.states],
+            "counted, %": [f"{percent * state.area('cell-count', uncertainty='model').value:.5g}" for state in self.states],
             "estimated, %": [Estimate(percent * area.value, percent * area.uncertainty, "") for area in self.areas],
         }
         return Table(columns)
@@ -351,7 +351,7 @@ def beyond_resolution(
     seed = integer(seed, "The seed", at_least=0)
     finest = Grid(cells_for(problem.plan.grid.size, waves[-1]), problem.plan.grid.size)
     require_memory_of_solve(finest, problem.boundary, problem.memory_limit)
-    measured = problem.solve(**load.arguments).area()
+    measured = problem.solve(**load.arguments).area(uncertainty="model")
     # Deviations of the spectrum at equal probabilities, so that a few realizations have its standard deviation.
     deviations = [NormalDist().inv_cdf((index + 0.5) / count) for index in range(count)]
     areas = []
@@ -361,7 +361,7 @@ def beyond_resolution(
             _extend(problem, Continuation(wave, waves[-1], resolved, (seed, index), deviation)).solve(**load.arguments)
             for index, deviation in enumerate(deviations)
         ]
-        areas.append(tuple(solution.area() for solution in drawn))
+        areas.append(tuple(solution.area(uncertainty="model") for solution in drawn))
         slopes.append(float(np.mean([rms_slope(solution.initial_gap, solution.grid) for solution in drawn])))
     return BeyondResolution(waves, tuple(areas), tuple(slopes), measured, cell)
 

@@ -384,8 +384,8 @@ def _solve_stick(near: list[ContactSolution], contact: ContactSolution, lost: fl
 
 def _compare_areas(contact: ContactSolution, stuck: ContactSolution, unsure: float = 0.0) -> tuple[Estimate, Estimate]:
     """Return the areas that stick and that slip; the first has a further, relative standard deviation."""
-    total = contact.area()
-    stick = total if stuck is contact else stuck.area()
+    total = contact.area(uncertainty="model")
+    stick = total if stuck is contact else stuck.area(uncertainty="model")
     warnings = tuple(dict.fromkeys((*total.warnings, *stick.warnings)))
     further = 0.0 if stuck is contact else unsure * stick.value
     slip = 0.0 if stuck is contact else math.hypot(total.uncertainty, stick.uncertainty, further)

@@ -2,7 +2,8 @@
 
 Every second point of a map, from the first and from the second on along both axes, is a map of the same surface with a
 quarter of the cells: a phase of the grid. How far an answer of these two differs from that of all points contains the
-change by the size of the cells and the scatter by their place.
+change by the size of the cells and the scatter by their place. A contact without sharp edges, creases and rough heights
+is judged by a model of the errors instead, which costs no solve.
 """
 
 from __future__ import annotations
@@ -17,12 +18,12 @@ import scipy
 
 from roughcontact._answers.areas.edges import judge_uncertainty
 from roughcontact._base.arrays import Array
-from roughcontact._base.units import Estimate
+from roughcontact._base.units import Estimate, ShownAsPrinted
 from roughcontact._parts.grid import Boundary, pad_axes
 from roughcontact._parts.surfaces import FlatSurface, HeightMap
 from roughcontact._solve.problem import Body, ContactProblem
 from roughcontact._solve.solution import Area, ContactSolution, Response, responses
-from roughcontact.errors import InputError
+from roughcontact.errors import InputError, RoughContactError
 
 Number = TypeVar("Number", bound=Estimate)
 
@@ -100,11 +101,15 @@ class Phases:
 
     def extrapolate_area(self, solution: ContactSolution, found: Area) -> Area:
         """Return the area inside the edge, extrapolated over both grids: creases and edges err with the cell."""
-        level, *others = (state.area("level-set").value for state in (solution, *self.states))
+        level, *others = (
+            state.area("level-set", uncertainty="model").value for state in (solution, *self.states)
+        )
         value = level + _EXTRAPOLATION * (level - sum(others) / len(others))
         value = min(max(value, 0.0), solution.grid.area)
         std = _EXTRAPOLATED_FACTOR * _root_mean_square(level, others)
-        extrapolated = attrs.evolve(found, value=value, fraction=value / solution.grid.area, patches=None)
+        extrapolated = attrs.evolve(
+            found, value=value, fraction=value / solution.grid.area, estimator="level-set, two grids", patches=None
+        )
         return _with_uncertainty(extrapolated, std)
 
 
@@ -138,10 +143,69 @@ class SolvePhases(Response[Phases]):
         return solution._keep("phases", lambda: _solve_phases(solution))
 
 
+@attrs.frozen(eq=False)
+class Judgement(ShownAsPrinted):
+    """What the uncertainties of a contact are found from where nobody chooses.
+
+    Attributes
+    ----------
+    phases
+        The contact on both diagonal phases of its grid; None if a model of the errors is asked.
+    reason
+        Why, in words.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> wave = rc.Body(rc.WavySurface(amplitude=0.5e-6, wavelength=12.5e-6), rc.Elastic(young=200e9, poisson=0.3))
+    >>> problem = rc.ContactProblem(wave, grid=rc.Grid((64, 64), 50e-6), boundary="periodic")
+    >>> print(problem.solve(pressure=100e6).response("judgement"))
+    uncertainties by a model of the errors: no sharp edge, no crease under the maximum pressure, smooth heights
+    """
+
+    phases: Phases | None
+    reason: str
+
+    def __str__(self) -> str:
+        if self.phases is None:
+            return f"uncertainties by a model of the errors: {self.reason}"
+        return (
+            f"uncertainties by two grids: {self.reason}; {self.phases.convolutions} convolutions on a quarter of the cells"
+        )
+
+
+@responses.register("judgement")
+@attrs.frozen
+class JudgeContact(Response[Judgement]):
+    """What the uncertainties of a contact are found from, and why.
+
+    Sharp edges, creases and rough heights ask for two grids, unless there is no coarser one.
+    """
+
+    holds_with = frozenset({"tension", "shear"})
+
+    def respond(self, solution: ContactSolution) -> Judgement:
+        """Return the judgement of a solution, which it keeps."""
+        return solution._keep("judgement", lambda: _judge(solution))
+
+
+def _judge(solution: ContactSolution) -> Judgement:
+    try:
+        flags = solution.response("flags")
+        if not flags:
+            return Judgement(None, str(flags).removeprefix("none: "))
+        return Judgement(solution.phases(), str(flags))
+    except RoughContactError as error:
+        return Judgement(None, str(error).rstrip("."))
+
+
 def _solve_phases(solution: ContactSolution) -> Phases:
     problem = _require_problem(solution)
     flagged = bool(solution.response("flags"))
-    first, second = (_solve_phase(problem, solution, offset) for offset in (0, 1))
+    # Nothing coarser judges the coarser ones.
+    first, second = (
+        attrs.evolve(_solve_phase(problem, solution, offset), uncertainty="model") for offset in (0, 1)
+    )
     return Phases((first, second), flagged)
 
 

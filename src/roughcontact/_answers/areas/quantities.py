@@ -61,7 +61,7 @@ class Quantity(Response[Estimate]):
 
     def respond(self, solution: ContactSolution) -> Estimate:
         """Return the number and its uncertainty."""
-        return self.find(heal(solution), solution.area(self.estimator))
+        return self.find(heal(solution), solution.area(self.estimator, uncertainty="model"))
 
     @abc.abstractmethod
     def find(self, solution: ContactSolution, area: Area) -> Estimate:

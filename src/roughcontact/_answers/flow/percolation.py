@@ -110,7 +110,7 @@ def find_percolation(problem: ContactProblem, *, axis: int = 0, within: float = 
     value = math.sqrt(low.mean_pressure * high.mean_pressure)
     unresolved = _RESOLUTION_STD * curvature_resolution(low)
     std = math.hypot(_WIDTH_STD * (passed.mean_pressure - narrowed.mean_pressure), unresolved * value)
-    areas = [solution.area() for solution in (narrowed, low, high, passed)]
+    areas = [solution.area(uncertainty="model") for solution in (narrowed, low, high, passed)]
     fraction = 0.5 * (areas[1].fraction + areas[2].fraction)
     own = areas[1].uncertainty / low.grid.area
     spread = math.hypot(_WIDTH_STD * (areas[3].fraction - areas[0].fraction), unresolved * fraction, own)

@@ -151,7 +151,7 @@ class ContactConductance(Response[Conductance]):
         """Return the conductance; see `Response.respond`."""
         require_mean_gap(solution, "conductance")
         conduction = _find_conduction(solution, self.conductivity)
-        area = solution.area()
+        area = solution.area(uncertainty="model")
         warnings = list_warnings(solution, area.warnings)
         analogy = conduction.analogy
         known = _find_areas(solution, area)

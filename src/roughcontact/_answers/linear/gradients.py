@@ -114,7 +114,7 @@ def _of_area(solution: ContactSolution) -> Sensitivity:
             "grow as Hertz's area. Take the difference of two solves."
         )
     patches = solution.patches
-    area = solution.area()
+    area = solution.area(uncertainty="model")
     # Contact everywhere has no edge that could move.
     if patches.count == 0 or solution.contact.all():
         return Sensitivity()

@@ -327,7 +327,7 @@ class NormalAnswer:
 def find_normal_answer(solution: ContactSolution, what: str) -> NormalAnswer:
     """Return the answer of the cells below the pressure limit to a unit approach; messages name the number `what`."""
     require_mean_gap(solution, what)
-    area = solution.area()
+    area = solution.area(uncertainty="model")
     warnings = list_warnings(solution, area.warnings)
     tangent = tangent_of(solution)
     unit = np.ones(solution.contact.shape)

@@ -85,6 +85,7 @@ class Stress(ShownAsPrinted, Answer):
     poisson: float
     traction: Array | None = attrs.field(default=None, converter=attrs.converters.optional(frozen_array), repr=outlined)
     _kernel: SupportsStress = attrs.field(kw_only=True, repr=False)
+    _asked: Response[Any] = attrs.field(kw_only=True, repr=False)
     _threads: int = attrs.field(default=1, repr=False)
 
     @property
@@ -121,12 +122,12 @@ class Stress(ShownAsPrinted, Answer):
     @property
     def maximum(self) -> StressMaximum:
         """The maximum of the von Mises stress, between the points and the depths, with its place and uncertainty."""
-        return self._find_maximum(0, von_mises)
+        return self._judge_by_grids(self._find_maximum(0, von_mises), "von_mises")
 
     @property
     def maximum_shear(self) -> StressMaximum:
         """The maximum shear stress, of all directions, with its place and uncertainty."""
-        return self._find_maximum(1, maximum_shear)
+        return self._judge_by_grids(self._find_maximum(1, maximum_shear), "shear")
 
     @cached_property
     def maximum_principal(self) -> StressMaximum:
@@ -220,6 +221,21 @@ class Stress(ShownAsPrinted, Answer):
         found = max(self._find_in_layers(place).values(), key=lambda one: one.value)
         return self._judge(found, measure, at_surface=True)
 
+    def _judge_by_grids(self, found: StressMaximum, name: str) -> StressMaximum:
+        """Return a maximum with the uncertainty that its solution asks for."""
+        solution = self.solution
+        return solution._judge(found, solution.uncertainty, lambda coarse: self._ask_again(coarse).estimates[name])
+
+    def _ask_again(self, coarse: ContactSolution) -> Stress:
+        """Return the stress of the contact on a coarser grid."""
+        if id(coarse) not in self._on_coarser_grids:
+            self._on_coarser_grids[id(coarse)] = coarse.response(self._asked)
+        return self._on_coarser_grids[id(coarse)]
+
+    @cached_property
+    def _on_coarser_grids(self) -> dict[int, Stress]:
+        return {}
+
     def _find_in_layers(self, place: int) -> dict[int, StressMaximum]:
         peaks = [peak[place] for peak in self._peaks]
         ends = np.append(self._kernel.interfaces, self._kernel.base_depth)
@@ -266,7 +282,7 @@ class Stress(ShownAsPrinted, Answer):
     @cached_property
     def _has_sharp_edge(self) -> bool:
         # The uncertainty of the maximum pressure at a sharp edge is the pressure itself.
-        peak = self.solution.peak_pressure()
+        peak = self.solution.response("peak-pressure", uncertainty="model")
         return peak.uncertainty >= peak.value
 
     @cached_property
@@ -451,7 +467,7 @@ class StressBelow(Response[Stress]):
             allowed = f"at most {si(deepest, 'm')}, {_MAX_DEPTH_SIDES:g} times the side of the domain"
             raise InputError.about("A depth", float(depths.max()), allowed, "Depths are in metres.")
         threads = problem.plan.thread_choice[0]
-        return Stress(solution, depths, float(poisson), traction, threads=threads, kernel=kernel)
+        return Stress(solution, depths, float(poisson), traction, threads=threads, kernel=kernel, asked=self)
 
     def _find_layers(self, solution: ContactSolution, problem: ContactProblem) -> SupportsStress | None:
         """Return the kernel if its layers lie on the chosen body, None if this body is a homogeneous half-space."""

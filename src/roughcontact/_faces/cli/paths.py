@@ -55,9 +55,9 @@ from roughcontact._work.studies import Answers, add_answers, write_report
 # States on each branch.
 _STATES = 41
 # Options of a solve that say nothing of a cycle.
-_OUTSIDE_CYCLES = ("refine", "area", "area_within", "peak_within")
+_OUTSIDE_CYCLES = ("refine", "area", "area_within", "peak_within", "uncertainty")
 # Options of a solve that say nothing of a contact with friction.
-_WITHOUT_FRICTION = ("cycle", "refine", "area", "area_within", "peak_within")
+_WITHOUT_FRICTION = ("cycle", "refine", "area", "area_within", "peak_within", "uncertainty")
 
 
 @attrs.frozen

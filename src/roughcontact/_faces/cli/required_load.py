@@ -20,7 +20,7 @@ from roughcontact._solve.solution import DEFAULT_AREA
 ANSWER = "required-load"
 _OPTION = "--solve-for"
 # Options that are for another kind of load.
-_OF_OTHER_LOADS = ("adhesion", "friction", "refine", "area_within", "peak_within")
+_OF_OTHER_LOADS = ("adhesion", "friction", "refine", "area_within", "peak_within", "uncertainty")
 
 
 def refuse_for_wanted(options: argparse.Namespace) -> None:

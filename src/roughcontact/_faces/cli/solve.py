@@ -7,6 +7,8 @@ import functools
 import sys
 from typing import Any
 
+import attrs
+
 import roughcontact as rc
 from roughcontact._base import checks
 from roughcontact._base.arrays import Array
@@ -41,6 +43,7 @@ from roughcontact._faces.cli.responses import add_responses, ask, refuse_pull_of
 from roughcontact._parts.grid import Load
 from roughcontact._parts.surfaces import find_maps
 from roughcontact._solve.problem import run_solve, sweep_loads, tolerance_within
+from roughcontact._solve.solution import UNCERTAINTIES
 
 
 class Solve(Command):
@@ -80,6 +83,12 @@ examples:
         )
         output = parser.add_argument_group("output")
         output.add_argument("--area", metavar="NAME", help="area estimator to report besides the default")
+        output.add_argument(
+            "--uncertainty",
+            choices=UNCERTAINTIES,
+            help="what the uncertainties are found from: a model of the errors, or two coarser grids (auto: these at "
+            "sharp edges, creases and rough heights)",
+        )
         add_shape(output)
         output.add_argument("--explain", action="store_true", help="print the plan first: cells, memory, threads, ...")
         output.add_argument("--dry-run", action="store_true", help="print the plan, and solve nothing")
@@ -134,7 +143,7 @@ examples:
             return _status(states, doubtful or any(one.warnings for one in numbers), quiet=options.quiet)
         with show_progress("solving", quiet=options.quiet) as change:
             if wanted is None:
-                subject, solutions = _solve(options, problem, loads, change)
+                subject, solutions = _judge_by(options.uncertainty, *_solve(options, problem, loads, change))
                 found: dict[str, Any] = {}
                 inputs = describe_responses(asked)
             else:
@@ -217,6 +226,16 @@ def _solve(
 
     sweep = sweep_loads(problem, solve, loads)
     return sweep, sweep.states
+
+
+def _judge_by(
+    uncertainty: str | None, subject: Any, solutions: tuple[rc.ContactSolution, ...]
+) -> tuple[Any, tuple[rc.ContactSolution, ...]]:
+    """Return what is drawn, and its solutions, whose answers have uncertainties found from this."""
+    if uncertainty is None:
+        return subject, solutions
+    judged = tuple(attrs.evolve(one, uncertainty=uncertainty) for one in solutions)
+    return (judged[0] if subject is solutions[0] else attrs.evolve(subject, states=judged)), judged
 
 
 def _is_measured(problem: rc.ContactProblem) -> bool:

@@ -175,7 +175,7 @@ def extrapolate_numbers(sweeps: Sequence[ContactSolution], error: CellErrors, wa
     moved = [step.tangential_displacement for step in sweeps]
     pushed = [step.tangential_force for step in sweeps]
     stick = [step.stick_area.value for step in sweeps]
-    touching = max(stick[-1], fine.area().value)
+    touching = max(stick[-1], fine.area(uncertainty="model").value)
     return StepNumbers(
         displacement=_pair(moved[-1], 0.0, "m", warnings) if is_moved else extend_pair(moved, "m", error.displacement),
         tangential_force=extend_pair(pushed, "N", error.force) if is_moved else _pair(pushed[-1], 0.0, "N", warnings),

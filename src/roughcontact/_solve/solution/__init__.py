@@ -39,6 +39,7 @@ from roughcontact._solve.solution.plausibility import exceeds_metals as exceeds_
 from roughcontact._solve.solution.plausibility import find_contact as find_contact
 from roughcontact._solve.solution.plausibility import find_scene as find_scene
 from roughcontact._solve.solution.results import DEFAULT_AREA as DEFAULT_AREA
+from roughcontact._solve.solution.results import UNCERTAINTIES as UNCERTAINTIES
 from roughcontact._solve.solution.results import Area as Area
 from roughcontact._solve.solution.results import AreaEstimator as AreaEstimator
 from roughcontact._solve.solution.results import Estimate as Estimate

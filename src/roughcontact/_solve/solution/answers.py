@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import Any, ClassVar, Self, TypeVar, overload
@@ -22,6 +23,7 @@ from roughcontact._solve.solution.plausibility import list_warnings
 from roughcontact._solve.solution.results import (
     DEFAULT_ADHESIVE_AREA,
     DEFAULT_AREA,
+    UNCERTAINTIES,
     Area,
     AreaEstimator,
     NameOfNumber,
@@ -41,8 +43,7 @@ from roughcontact._solve.solution.theory import Stickiness, TheoryBeside, compar
 from roughcontact.errors import InputError
 
 T = TypeVar("T")
-# What the uncertainty of an answer is found from.
-UNCERTAINTIES = ("model", "two grids")
+E = TypeVar("E", bound=Estimate)
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -51,7 +52,7 @@ class ContactAnswers(ShearFields):
 
     _public_name: ClassVar[str] = "ContactSolution"
 
-    def area(self, estimator: str | AreaEstimator = DEFAULT_AREA, *, uncertainty: str = "model") -> Area:
+    def area(self, estimator: str | AreaEstimator = DEFAULT_AREA, *, uncertainty: str | None = None) -> Area:
         """Return the real contact area.
 
         Parameters
@@ -60,27 +61,64 @@ class ContactAnswers(ShearFields):
             Registered name or instance of an area estimator.
         uncertainty
             ``"model"``: by a model of the errors of the estimator; ``"two grids"``: by what changes on coarser grids of
-            the same heights, `phases`. At sharp edges and creases the default area is then extrapolated over the grids.
+            the same heights, `phases`, over which the default area is extrapolated at sharp edges, creases and rough
+            heights; ``"auto"``: by two grids there, if there is a coarser one, else by the model; None: as the solution
+            states, which is ``"auto"`` unless a study says otherwise. `explain` says what it was.
 
         Raises
         ------
         InputError
             If there is no such estimator, or no coarser grid.
         """
-        if choice(uncertainty, "The uncertainty", UNCERTAINTIES) == "two grids":
-            return self._judge_area(estimator)
+        kind = self._choose_uncertainty(uncertainty)
         # The default area is kept, because every number and response needs it.
-        default = isinstance(estimator, str) and estimator == DEFAULT_AREA
-        return self._default_area if default else self._estimate_area(areas.resolve(estimator))
+        if not (isinstance(estimator, str) and estimator == DEFAULT_AREA):
+            return self._judge(self._estimate_area(areas.resolve(estimator)), kind, lambda one: one.area(estimator))
+        if kind == "model":
+            return self._default_area
+        return self._keep(f"area, {kind}", lambda: self._extrapolate_area(kind))
 
-    def _judge_area(self, estimator: str | AreaEstimator) -> Area:
-        found = self.area(estimator)
-        phases = self.phases()
-        if phases.flagged and estimator == DEFAULT_AREA:
+    def _extrapolate_area(self, kind: str) -> Area:
+        found = self._default_area
+        phases = self._find_phases(kind)
+        if phases is None:
+            return found
+        if phases.flagged:
             area: Area = phases.extrapolate_area(self, found)
             return area
-        judged: Area = phases.judge(found, lambda one: one.area(estimator))
+        judged: Area = phases.judge(found, lambda one: one.area())
         return judged
+
+    def _choose_uncertainty(self, uncertainty: str | None) -> str:
+        return self.uncertainty if uncertainty is None else choice(uncertainty, "The uncertainty", UNCERTAINTIES)
+
+    def _find_phases(self, kind: str) -> Any:
+        """Return the phases of the grid by which uncertainties of a kind are found; None if a model is asked."""
+        if kind == "auto":
+            return self.response("judgement").phases
+        return self.phases() if kind == "two grids" else None
+
+    def _judge(self, found: E, kind: str, ask: Callable[[Self], Estimate]) -> E:
+        """Return an answer with the uncertainty of a kind."""
+        # Nothing widens an unbounded value.
+        if kind == "model" or not found.uncertainty < abs(found.value) < math.inf:
+            return found
+        phases = self._find_phases(kind)
+        if phases is None:
+            return found
+        try:
+            judged: E = phases.judge(found, ask)
+        except InputError:
+            if kind == "auto":
+                return found
+            raise
+        return judged
+
+    def explain(self) -> str:
+        """Return what the uncertainties of the answers are found from, and why."""
+        if self.uncertainty == "auto":
+            return str(self.response("judgement"))
+        return f"uncertainties by {'a model of the errors' if self.uncertainty == 'model' else 'two grids'}, as asked"
 
     def phases(self) -> Any:
         """Return the contact on both diagonal phases of its grid, solved once; see `roughcontact.responses.Phases`."""
@@ -167,12 +205,12 @@ class ContactAnswers(ShearFields):
         return self.response("peak-pressure") if self.tension is None else interpolate_peak(self)
 
     @overload
-    def response(self, response: NameOfNumber, *, uncertainty: str = "model") -> Estimate: ...
+    def response(self, response: NameOfNumber, *, uncertainty: str | None = None) -> Estimate: ...
     @overload
-    def response(self, response: Response[T], *, uncertainty: str = "model") -> T: ...
+    def response(self, response: Response[T], *, uncertainty: str | None = None) -> T: ...
     @overload
-    def response(self, response: str, *, uncertainty: str = "model") -> Any: ...
-    def response(self, response: str | Response[Any], *, uncertainty: str = "model") -> Any:
+    def response(self, response: str, *, uncertainty: str | None = None) -> Any: ...
+    def response(self, response: str | Response[Any], *, uncertainty: str | None = None) -> Any:
         """Return a quantity of the contact, or its response to a small change, a current or a flow.
 
         Parameters
@@ -184,7 +222,7 @@ class ContactAnswers(ShearFields):
             With friction a response with a field ``traction``, such as the stress, is that under pressure and traction,
             others are those of the normal contact.
         uncertainty
-            ``"model"`` or, of a number, ``"two grids"``; see `area`.
+            Of a number, ``"auto"``, ``"model"`` or ``"two grids"``; see `area`.
 
         Raises
         ------
@@ -192,11 +230,18 @@ class ContactAnswers(ShearFields):
             If there is no such response, or it means nothing for this contact or has no value; with friction also if
             it states a traction or a friction of its own.
         """
-        if choice(uncertainty, "The uncertainty", UNCERTAINTIES) == "two grids":
-            return self.phases().judge(self.response(response), lambda one: one.response(response))
+        kind = self._choose_uncertainty(uncertainty)
         asked: Any = responses.resolve(response)
         chosen = self._add_traction(asked) if self.added else asked
-        return self.parts.ask(self, chosen, lambda one: ask(one, chosen))
+        found = self.parts.ask(self, chosen, lambda one: ask(one, chosen))
+        if not isinstance(found, Estimate):
+            if uncertainty not in (None, "auto"):
+                raise InputError(f"The response {response!r} is not a number that has one uncertainty: omit uncertainty=.")
+            return found
+        # On the phases there is no traction.
+        if kind == "auto" and chosen is not asked:
+            return found
+        return self._judge(found, kind, lambda one: one.response(asked))
 
     def _add_traction(self, asked: Any) -> Any:
         """Return a response to pressure and traction of a contact with friction."""

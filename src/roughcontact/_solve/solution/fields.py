@@ -242,6 +242,8 @@ class ContactFields(AskedOf):
         What friction adds; empty without.
     parts
         Of a contact that is divided among processes, what holds its parts together.
+    uncertainty
+        What the uncertainties of its answers are found from, unless they state it; see `ContactSolution.area`.
     """
 
     grid: Grid
@@ -268,6 +270,7 @@ class ContactFields(AskedOf):
     tension: Array | None = attrs.field(default=None, converter=attrs.converters.optional(read_only_field))
     added: tuple[Addition, ...] = ()
     parts: Whole = attrs.field(default=Whole(), repr=False)
+    uncertainty: str = attrs.field(default="auto", repr=False)
 
     def _find_added(self, kind: type[A]) -> A | None:
         """Return what a physics has added, by its class; None if it has added nothing."""

@@ -386,6 +386,9 @@ class AreaEstimator(Response[Area]):
         return area
 
 
+# Names of what the uncertainty of an answer is found from.
+UNCERTAINTIES = ("auto", "model", "two grids")
+
 areas = Registry(AreaEstimator, "area estimator", "roughcontact.areas")
 
 
@@ -407,7 +410,7 @@ def estimate_saturated_area(solution: Any, estimator: str | AreaEstimator) -> Ar
         initial_gap=-solution.initial_gap,
         approach=-solution.approach,
     )
-    rest: Area = complement.area(estimator)
+    rest: Area = complement.area(estimator, uncertainty="model")
     # A larger saturated area would carry more than the load.
     admissible = float(np.sum(solution.pressure / solution.pressure_limit)) * solution.grid.cell_area
     value = min(solution.grid.area - rest.value, admissible)

@@ -423,12 +423,12 @@ def _find_stick_area(state: Any) -> Estimate:
     part, correction = _find_stick_of_edge(state)
     value = max(int(np.count_nonzero(state.stick)) * state.grid.cell_area + part * correction, 0.0)
     rings = 0.5 * edges * state.grid.cell_area
-    spread = math.hypot(rings, part * state.area().uncertainty, _find_hidden_slip(state))
+    spread = math.hypot(rings, part * state.area(uncertainty="model").uncertainty, _find_hidden_slip(state))
     return Estimate(value, spread, "m2")
 
 
 def _find_slip_area(state: Any) -> Estimate:
-    area = state.area()
+    area = state.area(uncertainty="model")
     part, correction = _find_stick_of_edge(state)
     value = int(np.count_nonzero(state.slipping)) * state.grid.cell_area + (1.0 - part) * correction
     uncertainty = math.hypot(state.stick_area.uncertainty, area.uncertainty)
@@ -442,14 +442,15 @@ def _find_hidden_slip(state: Any) -> float:
     if strength == 0.0:
         return 0.0
     part = float(np.hypot(*state.shear.sum(axis=(1, 2)))) / strength
-    return min(half_ring, _SLIP_OF_BALL * part * _find_stick_of_edge(state)[0] * float(state.area().value))
+    area = float(state.area(uncertainty="model").value)
+    return min(half_ring, _SLIP_OF_BALL * part * _find_stick_of_edge(state)[0] * area)
 
 
 def _find_stick_of_edge(state: Any) -> Pair:
     """Return the part of the edge of the contact that sticks, and the contact area beyond that of its cells, m2."""
     whole, sticking = find_sides(state)
     cells = int(np.count_nonzero(state.contact)) * state.grid.cell_area
-    return sticking / whole if whole else 0.0, state.area().value - cells
+    return sticking / whole if whole else 0.0, state.area(uncertainty="model").value - cells
 
 
 def find_sides(state: ShearFields) -> Pair:

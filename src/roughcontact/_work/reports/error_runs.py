@@ -324,7 +324,7 @@ def error_vs_time(
 def _try_area(solution: ContactSolution, estimator: str | AreaEstimator) -> Area | str:
     """Return the area, or why the estimator failed."""
     try:
-        return solution.area(estimator)
+        return solution.area(estimator, uncertainty="model")
     except Exception as error:
         return _describe_error(error)
 
@@ -359,7 +359,7 @@ def _measure_peaks(solve: Callable[[], ContactSolution], estimators: Sequence[st
         peaks = []
         for estimator in estimators:
             tracemalloc.reset_peak()
-            attrs.evolve(solution).area(estimator)
+            attrs.evolve(solution).area(estimator, uncertainty="model")
             peaks.append(max(solved, tracemalloc.get_traced_memory()[1] - before))
         return peaks
     finally:

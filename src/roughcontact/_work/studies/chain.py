@@ -197,9 +197,12 @@ class Chain(Point):
         return [load.arguments for load in self.loads[:index]] if self.loading.follows(self.problem) else []
 
     def listed(self, key: str, load: Load) -> Record | None:
-        """Return the earlier record of a load, which another problem or study may have made; None without one."""
+        """Return the earlier record of a load, which another problem or study may have made; None without one.
+
+        One whose uncertainties were found from something else is none.
+        """
         known = self.known.records.get(key)
-        if known is None:
+        if known is None or known.uncertainty != self.loading.uncertainty:
             return None
         place: dict[str, Any] = {"problem": self.name, "seed": self.seed, "parameters": self.parameters}
         return attrs.evolve(known, **place, control=load.kind, load=load.value)
@@ -399,6 +402,7 @@ def _measure_state(chain: Chain, record: Record, solution: ContactSolution) -> R
         saturated=solution.saturated_area().value,
         areas=areas,
         answers=answers,
+        uncertainty=chain.loading.uncertainty,
         iterations=solution.iterations,
         convolutions=solution.convolutions,
         seconds=solution.seconds,

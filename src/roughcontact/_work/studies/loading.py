@@ -52,6 +52,8 @@ class Loading(abc.ABC):
 
     # What determines the states beside the problem and the load.
     parts: Sequence[Any] = ()
+    # What the uncertainties of the answers of a state are found from.
+    uncertainty: str
     # Whether each solve starts from the states at the loads before.
     goes_on = True
 
@@ -119,9 +121,22 @@ class Loading(abc.ABC):
         return {}
 
 
+def judge_by(uncertainty: str, state: ContactSolution) -> ContactSolution:
+    """Return a state whose answers have uncertainties found from this."""
+    return state if state.uncertainty == uncertainty else attrs.evolve(state, uncertainty=uncertainty)
+
+
 @attrs.frozen
 class SingleLoads(Loading):
-    """A state at each load, from the states before."""
+    """A state at each load, from the states before.
+
+    Attributes
+    ----------
+    uncertainty
+        What the uncertainties of its answers are found from.
+    """
+
+    uncertainty: str = "auto"
 
     def require(self, problem: ContactProblem) -> None:
         """Take any problem."""
@@ -132,7 +147,7 @@ class SingleLoads(Loading):
 
     def solve(self, problem: ContactProblem, load: Load, before: Sequence[ContactSolution]) -> ContactSolution:
         """Return the state at a load."""
-        return solve_next(problem, before, load)
+        return judge_by(self.uncertainty, solve_next(problem, before, load))
 
     def follows(self, problem: ContactProblem) -> bool:
         """Return whether a state depends on those before."""
@@ -144,7 +159,7 @@ class SingleLoads(Loading):
 
     def read(self, folder: Path, key: str) -> ContactSolution:
         """Return the state with a key."""
-        return read_solution(folder, key)
+        return judge_by(self.uncertainty, read_solution(folder, key))
 
     def read_figures(self, folder: Path, key: str) -> dict[str, Any]:
         """Return the figures of a state, whose fields are not read."""
@@ -175,11 +190,14 @@ class LoadsAlong(Loading):
         The law by which the surfaces slip.
     substeps
         Increments of each load; ``"auto"``: as many as it needs.
+    uncertainty
+        What the uncertainties of the answers at the end of a path are found from.
     """
 
     loads: tuple[TangentialLoad, ...]
     friction: FrictionLaw
     substeps: int | str
+    uncertainty: str = "auto"
     goes_on = False
 
     @property
@@ -224,8 +242,7 @@ class LoadsAlong(Loading):
 
     def end_of(self, found: Any) -> ContactSolution:
         """Return the state at the end of a path."""
-        state: ContactSolution = found[-1]
-        return state
+        return judge_by(self.uncertainty, found[-1])
 
     def list_figures(self, found: Any) -> dict[str, Any]:
         """Return the figures of a path in its record, beside those of the contact at its end."""
@@ -281,6 +298,7 @@ def read_loading(
     displacement: object,
     friction: object,
     substeps: object,
+    uncertainty: str,
     responses: Sequence[Response[Any]],
 ) -> Loading:
     """Return what the arguments of a study ask for at each load.
@@ -294,10 +312,10 @@ def read_loading(
             raise InputError(
                 "Friction is for loads along the surface: give tangential_force=[(x, y), ...] or displacement= too."
             )
-        return SINGLE_LOADS
+        return SingleLoads(uncertainty)
     for response in responses:
         require_to_hold(response, {"shear"})
     if friction is None:
         raise InputError("Loads along the surface need a law by which it slips: give friction=0.3, for example.")
     count: int | str = "auto" if substeps == "auto" else integer(substeps, "substeps=", at_least=1)
-    return LoadsAlong(tuple(list_targets(given)), resolve_friction(friction), count)
+    return LoadsAlong(tuple(list_targets(given)), resolve_friction(friction), count, uncertainty)

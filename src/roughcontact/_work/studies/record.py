@@ -88,6 +88,8 @@ class Record:
         Area that sticks at the end of the path, m2.
     answers
         The numbers of the responses of the study, by their registered names.
+    uncertainty
+        What the uncertainties were found from; see `Study`.
     """
 
     problem: str = attrs.field(converter=str)
@@ -116,6 +118,7 @@ class Record:
     stick_area: float | None = attrs.field(default=None, converter=_optional_float)
     stick_area_uncertainty: float | None = attrs.field(default=None, converter=_optional_float)
     answers: Mapping[str, Answer] = attrs.field(factory=dict, converter=read_answers)
+    uncertainty: str = attrs.field(default="auto", converter=printable)
 
     def agrees_with(self, figures: Mapping[str, Any]) -> bool:
         """Return whether it states the figures of its file; the areas of other estimators are not in the file."""
@@ -152,7 +155,7 @@ class Record:
         figures = attrs.asdict(self, recurse=False)
         areas = figures.pop("areas")
         parameters = figures.pop("parameters")
-        del figures["answers"]
+        del figures["answers"], figures["uncertainty"]
         figures = {_COLUMN_NAMES.get(name, name): value for name, value in figures.items()}
         figures["warnings"] = " ".join(self.warnings)
         if not self.has_path:

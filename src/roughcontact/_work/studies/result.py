@@ -19,6 +19,7 @@ from roughcontact._parts.grid import FIRST_LOADING, Load
 from roughcontact._solve.problem import FrictionalPath, load_path
 from roughcontact._solve.solution import ContactSolution
 from roughcontact._work.studies.chain import solve_again
+from roughcontact._work.studies.loading import judge_by
 from roughcontact._work.studies.record import COUNT_COLUMNS, PATH_UNITS, Record, read_solution, solution_path
 from roughcontact._work.studies.tasks import Chains
 from roughcontact.errors import InputError
@@ -117,10 +118,8 @@ class StudyResult(TableResult):
         Of a path with friction it is the state at its end. What has no file is solved again together with the other
         loads of its problem and seed, to the same bits.
         """
-        if record.has_path:
-            return self.path(record)[-1]
-        solution: ContactSolution = self._find(record, read_solution)
-        return solution
+        state: ContactSolution = self.path(record)[-1] if record.has_path else self._find(record, read_solution)
+        return judge_by(record.uncertainty, state)
 
     def path(self, record: Record) -> FrictionalPath:
         """Return the path with friction of a record, from its file or solved again; `InputError` if there is none."""

@@ -16,13 +16,13 @@ from roughcontact._base import checks
 from roughcontact._base.archive import remove_stale
 from roughcontact._base.archive.plain import key_of
 from roughcontact._base.arrays import Pair
-from roughcontact._base.checks import callback, flag, integer
+from roughcontact._base.checks import callback, choice, flag, integer
 from roughcontact._base.machine.progress import count_done, show_progress, tell_both
 from roughcontact._base.units import Force, Length, PlainText, Pressure, binary, counted
 from roughcontact._parts.grid import Load
 from roughcontact._parts.interactions import FrictionLaw
 from roughcontact._solve.problem import ContactProblem
-from roughcontact._solve.solution import DEFAULT_AREA, Response, areas, solution_key
+from roughcontact._solve.solution import DEFAULT_AREA, UNCERTAINTIES, Response, areas, solution_key
 from roughcontact._work.studies.answers import Question, read_responses
 from roughcontact._work.studies.axes import BuiltProblems
 from roughcontact._work.studies.chain import Chain, Unbuilt, name_full_disk
@@ -144,6 +144,10 @@ def _seeds(value: Iterable[int]) -> tuple[int, ...]:
     return tuple(integer(seed, "A seed of the study", at_least=0) for seed in _as_list(value, "The seeds of a study"))
 
 
+def _uncertainty(value: str) -> str:
+    return choice(value, "The uncertainty", UNCERTAINTIES)
+
+
 def _fields(value: object) -> bool:
     return flag(value, "fields=")
 
@@ -176,6 +180,9 @@ class Study:
         The law by which the surfaces slip, or a coefficient of friction.
     substeps
         Increments of each step of a path; ``"auto"``: as many as it needs.
+    uncertainty
+        What the uncertainties of its answers are found from, ``"auto"``, ``"model"`` or ``"two grids"``; see
+        `ContactSolution.area`. By the model nothing is solved for them.
     fields
         Whether each solution is kept in a file, with all its fields: 32 bytes a cell. Without, the records are kept
         alone, about a kilobyte each, and `StudyResult.solution` solves again, to the same bits.
@@ -213,13 +220,14 @@ class Study:
     displacement: Sequence[Pair] | None = attrs.field(default=None, kw_only=True, metadata=_METRE)
     friction: float | FrictionLaw | None = attrs.field(default=None, kw_only=True)
     substeps: int | str = attrs.field(default="auto", kw_only=True)
+    uncertainty: str = attrs.field(default="auto", converter=_uncertainty, kw_only=True)
     fields: bool = attrs.field(default=False, converter=_fields, kw_only=True)
     loading: Loading = attrs.field(init=False, repr=False)
 
     @loading.default
     def _find_loading(self) -> Loading:
         along = (self.tangential_force, self.displacement, self.friction, self.substeps)
-        return read_loading(*along, self.responses)
+        return read_loading(*along, self.uncertainty, self.responses)
 
     def __init__(
         self,
@@ -235,6 +243,7 @@ class Study:
         displacement: Sequence[Pair] | None = None,
         friction: float | FrictionLaw | None = None,
         substeps: int | str = "auto",
+        uncertainty: str = "auto",
         fields: bool = False,
         **axes: Iterable[Any],
     ) -> None:
