@@ -118,7 +118,7 @@ def make_step(moved=(1.0, 0.0), lost=1.0, stick=1.0, energy=1.0, kind=PUSH, push
     """Return a step whose numbers are given: what sticks has an uncertainty of 2e-3."""
     grid = SimpleNamespace(cell_area=0.01)
     return SimpleNamespace(
-        contact=np.arange(400) < cells, area=lambda: rc.Area(1.5, 0.1, 0.01, "blend"), saturated=np.zeros(3, bool),
+        contact=np.arange(400) < cells, area=lambda **_: rc.Area(1.5, 0.1, 0.01, "blend"), saturated=np.zeros(3, bool),
         tangential_displacement=moved, tangential_force=pushed, dissipated=rc.Estimate(lost, unsure, "J"), grid=grid,
         stick_area=rc.Estimate(stick, 2e-3, "m2"), elastic_energy=energy, approach=2.0,
         tangential_load=TangentialLoad(kind, (0.0, 0.0)),

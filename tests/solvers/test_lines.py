@@ -327,7 +327,9 @@ def test_rough_roller_beside_far_periodic_images(lay):
     far = rc.ContactProblem(rc.Body(rc.HeightMap(far_heights, (16 * size[0], size[1])), STEEL), boundary="periodic")
     one, other = near.solve(force=load), far.solve(force=load)
     np.testing.assert_allclose(other.pressure[:cells], one.pressure, atol=5e-3 * one.pressure.max())
-    assert other.area().value == pytest.approx(one.area().value, rel=5e-3)
+    # The far domain has a step where the roller ends.
+    areas = [solution.area(uncertainty="model").value for solution in (other, one)]
+    assert areas[0] == pytest.approx(areas[1], rel=5e-3)
 
 
 def test_lines_do_not_depend_on_how_many_cells_lie_along_them():

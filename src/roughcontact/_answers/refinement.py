@@ -109,7 +109,9 @@ class Ladder(TableResult):
     @property
     def eq_28(self) -> Extrapolation:
         """The paper's exponential through the counted areas, m2."""
-        return exponential(self.cells, [solution.area("cell-count", uncertainty="model").value for solution in self.states])
+        return exponential(
+            self.cells, [solution.area("cell-count", uncertainty="model").value for solution in self.states]
+        )
 
     @property
     def area(self) -> Area:
@@ -133,7 +135,9 @@ class Ladder(TableResult):
         percent = 100.0 / self.states[-1].grid.area
         columns: dict[str, Any] = {
             "cells": [" x ".join(map(str, state.grid.shape)) for state in self.states],
-            "counted, %": [f"{percent * state.area('cell-count', uncertainty='model').value:.5g}" for state in self.states],
+            "counted, %": [
+                f"{percent * state.area('cell-count', uncertainty='model').value:.5g}" for state in self.states
+            ],
             "estimated, %": [Estimate(percent * area.value, percent * area.uncertainty, "") for area in self.areas],
         }
         return Table(columns)

@@ -101,9 +101,7 @@ class Phases:
 
     def extrapolate_area(self, solution: ContactSolution, found: Area) -> Area:
         """Return the area inside the edge, extrapolated over both grids: creases and edges err with the cell."""
-        level, *others = (
-            state.area("level-set", uncertainty="model").value for state in (solution, *self.states)
-        )
+        level, *others = (state.area("level-set", uncertainty="model").value for state in (solution, *self.states))
         value = level + _EXTRAPOLATION * (level - sum(others) / len(others))
         value = min(max(value, 0.0), solution.grid.area)
         std = _EXTRAPOLATED_FACTOR * _root_mean_square(level, others)
@@ -169,9 +167,7 @@ class Judgement(ShownAsPrinted):
     def __str__(self) -> str:
         if self.phases is None:
             return f"uncertainties by a model of the errors: {self.reason}"
-        return (
-            f"uncertainties by two grids: {self.reason}; {self.phases.convolutions} convolutions on a quarter of the cells"
-        )
+        return f"uncertainties by two grids: {self.reason}; {self.phases.convolutions} convolutions on a quarter of the cells"
 
 
 @responses.register("judgement")
@@ -190,6 +186,8 @@ class JudgeContact(Response[Judgement]):
 
 
 def _judge(solution: ContactSolution) -> Judgement:
+    if solution.non_measured is not None:
+        return Judgement(None, "points were not measured, whose heights each grid fills in another way")
     try:
         flags = solution.response("flags")
         if not flags:
@@ -203,9 +201,7 @@ def _solve_phases(solution: ContactSolution) -> Phases:
     problem = _require_problem(solution)
     flagged = bool(solution.response("flags"))
     # Nothing coarser judges the coarser ones.
-    first, second = (
-        attrs.evolve(_solve_phase(problem, solution, offset), uncertainty="model") for offset in (0, 1)
-    )
+    first, second = (attrs.evolve(_solve_phase(problem, solution, offset), uncertainty="model") for offset in (0, 1))
     return Phases((first, second), flagged)
 
 

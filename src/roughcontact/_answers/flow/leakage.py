@@ -359,7 +359,11 @@ def _find_gap_std(solution: ContactSolution, network: FlowNetwork, lost: Array) 
     shift = find_lost_std(solution)
     rises = (1.0 + shift / (network.film * network.widest)) ** _GAP_EXPONENT - 1.0
     of_shift = float(np.sum(lost * rises)) / float(np.sum(lost))
-    known = solution.response("mean-gap", uncertainty="model") if solution._laws <= responses["mean-gap"].holds_with else None
+    known = (
+        solution.response("mean-gap", uncertainty="model")
+        if solution._laws <= responses["mean-gap"].holds_with
+        else None
+    )
     if known is None or known.value <= 0.0:
         return of_shift
     rest = math.sqrt(max(known.uncertainty**2 - shift**2, 0.0))

@@ -223,7 +223,7 @@ def judge_depth(found: StressMaximum, solution: ContactSolution) -> StressMaximu
         relative = math.hypot(relative, _STRAIGHT_STD / max(cells, 1.0) ** 1.5)
     warnings = found.warnings
     if cells < MIN_DEPTH_CELLS:
-        peak = solution.response("peak-pressure", uncertainty="model")
+        peak = solution.peak_pressure(uncertainty="model")
         relative = math.hypot(relative, _PEAK_WEIGHT * peak.uncertainty / peak.value)
     if cells < MIN_DEPTH_CELLS and relative > _MAX_RELATIVE_STD:
         place = f"only {cells:.2g} cells below" if cells > 0.0 else "at"

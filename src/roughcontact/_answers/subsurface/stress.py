@@ -224,17 +224,7 @@ class Stress(ShownAsPrinted, Answer):
     def _judge_by_grids(self, found: StressMaximum, name: str) -> StressMaximum:
         """Return a maximum with the uncertainty that its solution asks for."""
         solution = self.solution
-        return solution._judge(found, solution.uncertainty, lambda coarse: self._ask_again(coarse).estimates[name])
-
-    def _ask_again(self, coarse: ContactSolution) -> Stress:
-        """Return the stress of the contact on a coarser grid."""
-        if id(coarse) not in self._on_coarser_grids:
-            self._on_coarser_grids[id(coarse)] = coarse.response(self._asked)
-        return self._on_coarser_grids[id(coarse)]
-
-    @cached_property
-    def _on_coarser_grids(self) -> dict[int, Stress]:
-        return {}
+        return solution._judge(found, solution.uncertainty, lambda one: one.response(self._asked).estimates[name])
 
     def _find_in_layers(self, place: int) -> dict[int, StressMaximum]:
         peaks = [peak[place] for peak in self._peaks]
@@ -282,7 +272,7 @@ class Stress(ShownAsPrinted, Answer):
     @cached_property
     def _has_sharp_edge(self) -> bool:
         # The uncertainty of the maximum pressure at a sharp edge is the pressure itself.
-        peak = self.solution.response("peak-pressure", uncertainty="model")
+        peak = self.solution.peak_pressure(uncertainty="model")
         return peak.uncertainty >= peak.value
 
     @cached_property

@@ -200,9 +200,19 @@ class ContactAnswers(ShearFields):
     def _maps(self) -> tuple[HeightMap, ...]:
         return () if self.origin is None else self.origin.maps
 
-    def peak_pressure(self) -> Estimate:
-        """Return the maximum contact pressure between the cells, Pa; see `roughcontact.responses.PeakPressure`."""
-        return self.response("peak-pressure") if self.tension is None else interpolate_peak(self)
+    def peak_pressure(self, *, uncertainty: str | None = None) -> Estimate:
+        """Return the maximum contact pressure between the cells, Pa; see `roughcontact.responses.PeakPressure`.
+
+        Parameters
+        ----------
+        uncertainty
+            See `area`; of surfaces that attract each other it is that of a model.
+        """
+        return (
+            interpolate_peak(self)
+            if self.tension is not None
+            else self.response("peak-pressure", uncertainty=uncertainty)
+        )
 
     @overload
     def response(self, response: NameOfNumber, *, uncertainty: str | None = None) -> Estimate: ...
@@ -236,7 +246,9 @@ class ContactAnswers(ShearFields):
         found = self.parts.ask(self, chosen, lambda one: ask(one, chosen))
         if not isinstance(found, Estimate):
             if uncertainty not in (None, "auto"):
-                raise InputError(f"The response {response!r} is not a number that has one uncertainty: omit uncertainty=.")
+                raise InputError(
+                    f"The response {response!r} is not a number that has one uncertainty: omit uncertainty=."
+                )
             return found
         # On the phases there is no traction.
         if kind == "auto" and chosen is not asked:
