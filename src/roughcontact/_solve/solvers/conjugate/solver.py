@@ -85,8 +85,7 @@ class ProjectedConjugateGradient(Solver):
     def solve(self, convolution: PreparedConvolution, task: Task) -> Outcome:
         """Return the contact pressure; see `Solver.solve`."""
         # The code below serves any kind of array: new arrays are made like existing ones.
-        outcome = self._solve(convolution, task.convert(convolution.from_numpy))
-        return attrs.evolve(outcome, pressure=convolution.to_numpy(outcome.pressure))
+        return self._solve(convolution, task.convert(convolution.from_numpy)).convert(convolution.to_numpy)
 
     def _solve(self, convolution: PreparedConvolution, task: Task) -> Outcome:
         """Solve; if the limit shortened steps but no cell reaches it in the end, solve again without it.
