@@ -23,7 +23,7 @@ _PART_ROWS = {False: 64, True: 16}
 _PART_INNER = 60
 _PART_NUMBERS = 3840
 # Values of a part of a product of vectors, for which OpenBLAS takes one thread up to 10000; see `sum_of_products`.
-_PART_VALUES = 2**12
+_PART_VALUES = 2**13
 
 
 def frozen_array(values: Array) -> Array:
@@ -59,8 +59,8 @@ def sum_of_products(one: RealArray, other: RealArray) -> float:
         return float(np.einsum("i,i->", first, second))
     if first.size <= _PART_VALUES:
         return float(np.dot(first, second))
-    parts = (slice(start, start + _PART_VALUES) for start in range(0, first.size, _PART_VALUES))
-    return math.fsum(float(np.dot(first[part], second[part])) for part in parts)
+    starts = range(0, first.size, _PART_VALUES)
+    return math.fsum([np.dot(first[i : i + _PART_VALUES], second[i : i + _PART_VALUES]) for i in starts])
 
 
 def matrix_product(one: RealArray, other: RealArray) -> RealArray:

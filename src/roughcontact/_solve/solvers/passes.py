@@ -108,8 +108,7 @@ class ListedCells:
 
     def _count_in_rows(self, length: int) -> IntArray:
         # Cells are ordered by rows: this takes half the time of a division.
-        ends = np.arange(length, self.mask.size + 1, length)
-        return np.diff(np.searchsorted(self.cells, ends), prepend=0)
+        return np.diff(np.searchsorted(self.cells, np.arange(0, self.mask.size + 1, length)))
 
     def blocks(self, partition: Partition) -> _ListedBlocks:
         """Return the active cells by blocks of a partition."""
