@@ -54,7 +54,8 @@ def as_shape(value: Sequence[int]) -> tuple[int, int]:
 
 def sum_of_products(one: RealArray, other: RealArray) -> float:
     """Return the sum of the products of two arrays of one shape, in parts for which a BLAS takes one thread."""
-    first, second = one.ravel(), other.ravel()
+    first = one.ravel()
+    second = other.ravel()
     if not isinstance(first, np.ndarray):
         return float(np.einsum("i,i->", first, second))
     if first.size <= _PART_VALUES:

@@ -34,7 +34,7 @@ def transform_columns(waves: Waves, length: int) -> Waves:
     found: Waves
     if threads == 1:
         # The same transform, wrapped in a third of the time.
-        found = scipy.fftpack.fft(waves, n=length, axis=-2, overwrite_x=True)
+        found = scipy.fftpack.fft(waves, n=length, axis=-2, overwrite_x=True)  # type: ignore[arg-type]
     else:
         found = scipy.fft.fft(waves, n=length, axis=-2, overwrite_x=True, workers=threads)
     return found
