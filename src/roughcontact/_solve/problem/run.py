@@ -74,11 +74,12 @@ class ConfirmedFields:
     residuals: Residuals
 
     def convert(self, convert: Callable[[Array], Array]) -> ConfirmedFields:
-        """Return the same certificate with its fields converted; itself where arrays of numpy stay as they are."""
+        """Return the same certificate with its fields converted; itself where they stay as they are."""
         pressure = convert(self.pressure)
-        if pressure is self.pressure:
+        displacement = convert(self.displacement)
+        if pressure is self.pressure and displacement is self.displacement:
             return self
-        return attrs.evolve(self, pressure=pressure, displacement=convert(self.displacement))
+        return attrs.evolve(self, pressure=pressure, displacement=displacement)
 
 
 def certify(

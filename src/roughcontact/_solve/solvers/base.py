@@ -111,12 +111,12 @@ class Task:
         return standard_deviation(self.initial_gap) if self.rms_gap is None else self.rms_gap
 
     def convert(self, convert: Callable[[Array], Array]) -> Task:
-        """Return the same task with each of its arrays converted; itself where arrays of numpy stay as they are."""
-        gap = convert(self.initial_gap)
-        if gap is self.initial_gap:
-            return self
+        """Return the same task with each of its arrays converted; itself where they stay as they are."""
         start = None if self.start is None else convert(self.start)
+        gap = convert(self.initial_gap)
         limit = convert(self.pressure_limit)
+        if gap is self.initial_gap and limit is self.pressure_limit and start is self.start:
+            return self
         return attrs.evolve(self, initial_gap=gap, pressure_limit=limit, start=start)
 
 
