@@ -136,6 +136,6 @@ def act_as_on_large_grids(patch):
 
     It starts on coarser grids, descends on lists of cells, and near full contact seeks the openings.
     """
-    for module in ("refinement", "nested_iteration", "solver"):
-        patch.setattr(f"roughcontact._solve.solvers.conjugate.{module}.descends_on_fields", lambda *_: False)
+    method = "roughcontact._solve.solvers.conjugate.field_descent.FieldDescent.serves"
+    patch.setattr(method, staticmethod(lambda *_: False))
     patch.setattr("roughcontact._solve.solvers.grids._MIN_HALVED_CELLS", 0)

@@ -9,7 +9,7 @@ arrays       `Array` (float64), `RealArray` (float32 or float64), `IntArray`, `M
 kernels      `SupportsCoefficients`, `SupportsRows`, `SupportsSpectrum`, `SupportsShear`, `SupportsStress`,
              `SupportsConduction`, `SupportsTangential`; `HalfSpaceStress`; `PairConstants`, `pair_constants`
 convolvers   `BoundKernel`, `ConvolutionSetup`, `PreparedConvolution`, `InverseConvolution`, `ShearConvolution`,
-             `StressConvolution`, `FieldPasses`; the function `padded_shape`
+             `StressConvolution`, `FieldPasses`, `LastStep`; the function `padded_shape`
 solvers      `Task`, `Outcome`, `Step`, `Monitor`, `Violation`, `BoundInteraction`; `ShearSolver`, `ShearTask`,
              `ShearOutcome`, `natural_residual`
 physics      `Addition`, what one adds to a state
@@ -46,6 +46,7 @@ from roughcontact._solve.convolvers import (
     ConvolutionSetup,
     FieldPasses,
     InverseConvolution,
+    LastStep,
     PreparedConvolution,
     ShearConvolution,
     StressConvolution,
@@ -75,6 +76,7 @@ __all__ = [
     "HalfSpaceStress",
     "IntArray",
     "InverseConvolution",
+    "LastStep",
     "Length",
     "Load",
     "Mask",

@@ -238,7 +238,7 @@ class TestBits:
     def test_of_a_solution_on_lists_of_cells_are_the_same(self, boundary, pressure, many, monkeypatch):
         """Few and many active cells, whose vectors are gathered by many tiles."""
         monkeypatch.setattr(machine, "_VALUES_PER_TILE", 100)
-        monkeypatch.setattr("roughcontact._solve.solvers.conjugate.refinement._MAX_FIELD_CELLS", 0)
+        monkeypatch.setattr("roughcontact._solve.solvers.conjugate.field_descent._MAX_FIELD_CELLS", 0)
         found = [rough_problem(96, boundary=boundary, threads=count).solve(pressure=pressure) for count in COUNTS]
         for solution in found[1:]:
             np.testing.assert_array_equal(solution.pressure, found[0].pressure)

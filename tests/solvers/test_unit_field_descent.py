@@ -14,6 +14,7 @@ from roughcontact._solve.solvers.conjugate.descent import Descent
 from roughcontact._solve.solvers.conjugate.field_descent import FieldDescent, NumpyPasses
 from roughcontact._solve.solvers.conjugate.preconditioner import ExtendedInverse, is_steep
 from roughcontact._solve.solvers.driver import Work
+from roughcontact.typing import LastStep
 from scenes import act_as_on_large_grids, make_problem
 from strategies import STRICT
 from test_conjugate import SLOPE, YOUNG, rough
@@ -154,10 +155,10 @@ def test_the_other_passes_follow_their_formulas(case, part):
     image, step, change = case.noise(), case.noise(), case.noise()
     residual = case.noise(active)
     factor = max(0.0, -float((image * active).astype(float) @ change) / 2.0)
-    found, slope = case.passes.conjugate(image.copy(), residual, active, step, change, 2.0)
+    found, slope = case.passes.conjugate(image.copy(), residual, active, LastStep(step, change, 2.0))
     assert slope == pytest.approx(float(image.astype(float) @ residual), abs=1e-4)
     np.testing.assert_allclose(found, active * (image + factor * step), atol=1e-4)
-    first, _ = case.passes.conjugate(image.copy(), residual, active, None, None, 1.0)
+    first, _ = case.passes.conjugate(image.copy(), residual, active, None)
     np.testing.assert_array_equal(first, image * active)
     slope, curvature = case.passes.slopes(image, step, change)
     assert slope == pytest.approx(float(image.astype(float) @ step), abs=1e-4)

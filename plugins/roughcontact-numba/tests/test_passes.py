@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from roughcontact.solving import NumpyPasses
+from roughcontact.typing import LastStep
 
 from roughcontact_numba import CompiledPasses
 
@@ -52,13 +53,13 @@ def test_the_same_cells_are_released(given):
 def test_the_direction_is_conjugate(given, curvature):
     images = [given.residual.copy(), given.residual.copy()]
     found, known = (
-        passes.conjugate(image, given.residual, given.active, given.step, given.change, curvature)
+        passes.conjugate(image, given.residual, given.active, LastStep(given.step, given.change, curvature))
         for passes, image in zip((given.compiled, given.numpy), images, strict=True)
     )
     assert found[0] == pytest.approx(known[0], rel=1e-3, abs=1e-4)
     assert found[1] == pytest.approx(known[1], rel=1e-3, abs=1e-4)
     assert not found[0][~given.active].any()
-    first, _ = given.compiled.conjugate(images[0], given.residual, given.active, None, None, 1.0)
+    first, _ = given.compiled.conjugate(images[0], given.residual, given.active, None)
     assert np.array_equal(first, images[0])
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Sequence
 from typing import Any, TypeAlias
 
@@ -21,6 +22,8 @@ Pair: TypeAlias = tuple[float, float]
 _PART_ROWS = {False: 64, True: 16}
 _PART_INNER = 60
 _PART_NUMBERS = 3840
+# Values of a part of a product of vectors, for which OpenBLAS takes one thread up to 10000; see `sum_of_products`.
+_PART_VALUES = 2**13
 
 
 def frozen_array(values: Array) -> Array:
@@ -50,8 +53,15 @@ def as_shape(value: Sequence[int]) -> tuple[int, int]:
 
 
 def sum_of_products(one: RealArray, other: RealArray) -> float:
-    """Return the sum of the products of two arrays of one shape, without the threads of a BLAS."""
-    return float(np.einsum("i,i->", one.ravel(), other.ravel()))
+    """Return the sum of the products of two arrays of one shape, in parts for which a BLAS takes one thread."""
+    first = one.ravel()
+    second = other.ravel()
+    if not isinstance(first, np.ndarray):
+        return float(np.einsum("i,i->", first, second))
+    if first.size <= _PART_VALUES:
+        return float(np.dot(first, second))
+    starts = range(0, first.size, _PART_VALUES)
+    return math.fsum([np.dot(first[i : i + _PART_VALUES], second[i : i + _PART_VALUES]) for i in starts])
 
 
 def matrix_product(one: RealArray, other: RealArray) -> RealArray:

@@ -44,6 +44,23 @@ def _multiply(values, symbol, mx, my):  # type: ignore[no-untyped-def]
     return product if ny == my else product[:, :ny].copy()
 
 
+@njit(cache=True, nogil=True)
+def _add_near(field, cells, amounts, stencil, mx, my):  # type: ignore[no-untyped-def]
+    nx, ny = field.shape
+    # On a small periodic grid a cell is reached once.
+    rows = min(stencil.shape[0] - 1, (mx - 1) // 2)
+    columns = min(stencil.shape[1] - 1, (my - 1) // 2)
+    for k in range(cells.size):
+        row, column = divmod(cells[k], ny)
+        for i in range(-rows, rows + 1):
+            x = (row + i) % mx
+            if x < nx:
+                for j in range(-columns, columns + 1):
+                    y = (column + j) % my
+                    if y < ny:
+                        field[x, y] += stencil[abs(i), abs(j)] * amounts[k]
+
+
 @attrs.frozen
 class CompiledFFT(rc.Convolver):
     """Multiplication in Fourier space, and the passes of a descent on small grids, compiled by numba.
@@ -85,6 +102,12 @@ class CompiledInverse(InverseConvolution):
         """Return a field with each of its waves multiplied by a symbol; see `InverseConvolution.multiply`."""
         return _multiply(values, symbol, *padded)
 
+    def add_near(
+        self, field: RealArray, shape: tuple[int, int], cells: IntArray, amounts: RealArray, stencil: RealArray
+    ) -> None:
+        """Add amounts times a stencil around cells; see `InverseConvolution.add_near`."""
+        _add_near(field.reshape(shape), cells, amounts, stencil, *self.padded)
+
 
 @attrs.frozen(eq=False)
 class CompiledConvolution(PreparedConvolution):
@@ -110,7 +133,7 @@ class CompiledConvolution(PreparedConvolution):
 
     def inverse(self, dtype: type[np.float32] | type[np.float64] = np.float64) -> InverseConvolution:
         """Return the approximate inverse, compiled."""
-        found = super().inverse(dtype)
+        found = self.inner.inverse(dtype)
         return CompiledInverse(found.stiffness, found.padded, found.exact)
 
     def shear(self) -> ShearConvolution:

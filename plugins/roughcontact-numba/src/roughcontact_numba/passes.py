@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 from numba import njit
-from roughcontact.typing import Array, FieldPasses, Mask, RealArray
+from roughcontact.typing import Array, FieldPasses, LastStep, Mask, RealArray
 
 # Maximum rounds of Newton's method for the shift that keeps the load, and for the released cells that stay on a bound.
 _MAX_ROUNDS = 60
@@ -267,17 +267,12 @@ class CompiledPasses(FieldPasses):
         return _release(pressure, gap, *self._given)
 
     def conjugate(
-        self,
-        image: RealArray,
-        residual: RealArray,
-        active: Mask,
-        step: RealArray | None,
-        change: RealArray | None,
-        curvature: float,
+        self, image: RealArray, residual: RealArray, active: Mask, last: LastStep | None
     ) -> tuple[RealArray, float]:
         """See `FieldPasses.conjugate`."""
-        former = _NO_FIELD if step is None else step
-        return _conjugate(image, residual, active, former, _NO_FIELD if change is None else change, curvature)
+        if last is None:
+            return _conjugate(image, residual, active, _NO_FIELD, _NO_FIELD, 1.0)
+        return _conjugate(image, residual, active, last.step, last.change, last.curvature)
 
     def admit(
         self, direction: RealArray, residual: RealArray, active: Mask, pressure: Array

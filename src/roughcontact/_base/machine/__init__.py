@@ -291,6 +291,8 @@ def split(length: int, step: int) -> list[slice]:
 def tiles_of(values: npt.NDArray[Any]) -> list[slice]:
     """Return the tiles of an array along its first axis; one tile if it is not numpy's."""
     length = values.shape[0]
+    if 0 < values.size <= _VALUES_PER_TILE:
+        return [slice(0, length)]
     width = max(1, math.prod(values.shape[1:]))
     return split(length, max(1, _VALUES_PER_TILE // width) if isinstance(values, np.ndarray) else max(1, length))
 

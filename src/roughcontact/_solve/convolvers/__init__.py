@@ -13,6 +13,7 @@ from roughcontact._solve.convolvers.direct import Direct as Direct
 from roughcontact._solve.convolvers.fft import DCFFT as DCFFT
 from roughcontact._solve.convolvers.fft import CircularFFT as CircularFFT
 from roughcontact._solve.convolvers.field_passes import FieldPasses as FieldPasses
+from roughcontact._solve.convolvers.field_passes import LastStep as LastStep
 from roughcontact._solve.convolvers.inverse import InverseConvolution as InverseConvolution
 from roughcontact._solve.convolvers.matrix import WaveMatrix as WaveMatrix
 from roughcontact._solve.convolvers.stress import StressConvolution as StressConvolution

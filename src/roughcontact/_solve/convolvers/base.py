@@ -52,8 +52,7 @@ _PADDING_CELLS = 16
 # Maximum cells of a grid whose convolution is kept for other solves, as a study has them, and whose convolution keeps
 # its inverses, and how many convolutions are kept: preparing them takes a third of a solve on 64 x 64 cells. On a free
 # boundary each part that can touch has its own.
-_MAX_KEPT_CELLS = 2**15
-_MAX_INVERTED_CELLS = 2**16
+_MAX_KEPT_CELLS = 2**16
 _MAX_KEPT = 8
 
 T = TypeVar("T")
@@ -251,7 +250,7 @@ class PreparedConvolution(abc.ABC):
 
     def _keep(self, key: Hashable, prepare: Callable[[], T]) -> T:
         """Return an inverse, which other solves on a small grid have prepared, or prepare it."""
-        if self.setup.grid.cells > _MAX_INVERTED_CELLS:
+        if self.setup.grid.cells > _MAX_KEPT_CELLS:
             return prepare()
         found: T | None = self._kept.get(key)
         if found is None:

@@ -4,7 +4,18 @@ from __future__ import annotations
 
 import abc
 
+import attrs
+
 from roughcontact._base.arrays import Array, Mask, RealArray
+
+
+@attrs.frozen(eq=False)
+class LastStep:
+    """The last step of a descent, flat and in float32, the displacement by it, and their product."""
+
+    step: RealArray
+    change: RealArray
+    curvature: float
 
 
 class FieldPasses(abc.ABC):
@@ -41,19 +52,11 @@ class FieldPasses(abc.ABC):
 
     @abc.abstractmethod
     def conjugate(
-        self,
-        image: RealArray,
-        residual: RealArray,
-        active: Mask,
-        step: RealArray | None,
-        change: RealArray | None,
-        curvature: float,
+        self, image: RealArray, residual: RealArray, active: Mask, last: LastStep | None
     ) -> tuple[RealArray, float]:
-        """Return the direction conjugate to the last step, and the slope along the image of the residual.
+        """Return the direction conjugate to the last step, if any, and the slope along the image of the residual.
 
         The image, the preconditioned residual, is masked in place.
-
-        `change` is the displacement by the last step, and `curvature` their product; None: there was no step.
         """
 
     @abc.abstractmethod

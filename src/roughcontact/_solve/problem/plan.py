@@ -13,7 +13,7 @@ import attrs
 import numpy as np
 import scipy
 
-from roughcontact._base.arrays import Array, Mask
+from roughcontact._base.arrays import Array, Mask, frozen_array
 from roughcontact._base.checks import number
 from roughcontact._base.machine import available_memory, choose_threads
 from roughcontact._base.registry import name_in_words
@@ -91,6 +91,12 @@ def _time_of_transform() -> float:
     return min(times) / (values.size * math.log(values.size))
 
 
+@functools.lru_cache
+def _sample_lengths(shortest: float, longest: float) -> Array:
+    """Return the inverse wave numbers at which moduli are sampled, read-only; the contacts of a study have the same."""
+    return frozen_array(np.geomspace(shortest, longest, _SAMPLED_WAVE_NUMBERS))
+
+
 @attrs.frozen(eq=False, kw_only=True)
 class SolvePlan:
     """The parts of a solve, and the omitted steps with their reasons; its `str` is the text of ``explain()``.
@@ -164,7 +170,7 @@ class SolvePlan:
     def sampled_moduli(self) -> tuple[tuple[float, ...], tuple[float, ...]] | None:
         """Inverse wave numbers, from a tenth of a cell to the domain, m, and the effective modulus at each, Pa."""
         grid = self.grid.resolved
-        lengths = np.geomspace(0.1 * min(grid.spacing), max(grid.size), _SAMPLED_WAVE_NUMBERS)
+        lengths = _sample_lengths(0.1 * min(grid.spacing), max(grid.size))
         return self._require_moduli(lengths, self.kernel.effective_modulus(1.0 / lengths, 1.0 / self.modulus))
 
     @cached_property

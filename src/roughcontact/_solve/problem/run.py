@@ -74,8 +74,12 @@ class ConfirmedFields:
     residuals: Residuals
 
     def convert(self, convert: Callable[[Array], Array]) -> ConfirmedFields:
-        """Return the same certificate with its fields converted."""
-        return attrs.evolve(self, pressure=convert(self.pressure), displacement=convert(self.displacement))
+        """Return the same certificate with its fields converted; itself where they stay as they are."""
+        pressure = convert(self.pressure)
+        displacement = convert(self.displacement)
+        if pressure is self.pressure and displacement is self.displacement:
+            return self
+        return attrs.evolve(self, pressure=pressure, displacement=displacement)
 
 
 def certify(
@@ -105,13 +109,13 @@ def certify(
     """
     if not isinstance(outcome, Outcome) or outcome.pressure.shape != task.initial_gap.shape:
         raise InputError(f"The solver {plan.solver!r} must return an Outcome with a pressure of the grid's shape.")
-    task = attrs.evolve(task, start=None)
+    if task.start is not None:
+        task = attrs.evolve(task, start=None)
     if task.interaction is not None:
         return make_solution(plan, initial_gap, outcome, confirm(plan, convolution, task, outcome), seconds)
     # The fields are measured where the arrays of the convolution are.
     place = convolution.from_numpy
-    placed = attrs.evolve(outcome, pressure=place(outcome.pressure))
-    certificate = confirm(plan, convolution, task.convert(place), placed)
+    certificate = confirm(plan, convolution, task.convert(place), outcome.convert(place))
     return make_solution(plan, initial_gap, outcome, certificate.convert(convolution.to_numpy), seconds)
 
 
@@ -153,7 +157,7 @@ def _measure(
     pressure = outcome.pressure
     carried = convolution.sum(pressure) / pressure.size
     if task.interaction is None or outcome.tension is None:
-        state = ContactConditions(task.initial_gap, task.pressure_limit, task.approach, task.rms_gap).measure(
+        state = ContactConditions(task.initial_gap, task.pressure_limit, task.approach, task.rms).measure(
             pressure, displacement
         )
         within = (pressure <= task.pressure_limit).all() if task.capped else pressure.max() < math.inf
@@ -432,7 +436,9 @@ def _solve(
     plan = problem.plan
     deepened = 0
     while True:
-        task = attrs.evolve(make_task(plan, gap.values, load, start, start_gap), on_step=on_step)
+        task = make_task(plan, gap.values, load, start, start_gap)
+        if on_step is not None:
+            task = attrs.evolve(task, on_step=on_step)
         outcome = plan.solver.solve(problem.convolution, task)
         # A clock may be set back, for instance on a suspended machine.
         seconds = max(0.0, time.perf_counter() - started)

@@ -15,6 +15,7 @@ from roughcontact._solve.solution.attraction import trapping_error as trapping_e
 from roughcontact._solve.solution.attraction import warn_of_border as warn_of_border
 from roughcontact._solve.solution.conditions import ContactConditions as ContactConditions
 from roughcontact._solve.solution.conditions import Violation as Violation
+from roughcontact._solve.solution.conditions import standard_deviation as standard_deviation
 from roughcontact._solve.solution.contact import ContactSolution as ContactSolution
 from roughcontact._solve.solution.fields import ContactFields as ContactFields
 from roughcontact._solve.solution.fields import ContactPatches as ContactPatches

@@ -78,7 +78,7 @@ class ContactConditions:
         self._limit = pressure_limit
         self._approach = approach
         self._capped = bool(np.isfinite(pressure_limit).any())
-        self._rms = _standard_deviation(initial_gap) if rms is None else rms
+        self._rms = standard_deviation(initial_gap) if rms is None else rms
 
     def measure(self, pressure: Array, displacement: Array) -> Violation:
         """Return the violation by a pressure, within its bounds, and the displacement it causes, shape (nx, ny).
@@ -147,7 +147,7 @@ class ContactConditions:
         return min(lower, float(gap[open_cells].min())) if open_cells.any() else lower
 
 
-def _standard_deviation(values: Array) -> float:
+def standard_deviation(values: Array) -> float:
     """Return the standard deviation of a field, by tiles."""
     mean = float(values.mean())
 

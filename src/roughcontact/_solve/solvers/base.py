@@ -17,7 +17,7 @@ from roughcontact._base.registry import Registry
 from roughcontact._parts.grid import Boundary
 from roughcontact._parts.interactions import BoundInteraction
 from roughcontact._solve.convolvers import PreparedConvolution
-from roughcontact._solve.solution import GridLevel, Status
+from roughcontact._solve.solution import GridLevel, Status, standard_deviation
 from roughcontact._solve.solvers.projection import LOAD_ROUNDING, project_to_load, rescale_to_load
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
@@ -105,11 +105,18 @@ class Task:
         """Whether the pressure of any cell is limited."""
         return bool(np.isfinite(self.pressure_limit).any())
 
+    @cached_property
+    def rms(self) -> float:
+        """The standard deviation of the initial gap, `rms_gap` if it is given."""
+        return standard_deviation(self.initial_gap) if self.rms_gap is None else self.rms_gap
+
     def convert(self, convert: Callable[[Array], Array]) -> Task:
-        """Return the same task with each of its arrays converted."""
+        """Return the same task with each of its arrays converted; itself where they stay as they are."""
         start = None if self.start is None else convert(self.start)
         gap = convert(self.initial_gap)
         limit = convert(self.pressure_limit)
+        if gap is self.initial_gap and limit is self.pressure_limit and start is self.start:
+            return self
         return attrs.evolve(self, initial_gap=gap, pressure_limit=limit, start=start)
 
 
@@ -141,6 +148,11 @@ class Outcome:
     errors: tuple[float, ...]
     levels: tuple[GridLevel, ...] = ()
     tension: Array | None = None
+
+    def convert(self, convert: Callable[[Array], Array]) -> Outcome:
+        """Return the same outcome with its pressure converted."""
+        pressure = convert(self.pressure)
+        return self if pressure is self.pressure else attrs.evolve(self, pressure=pressure)
 
 
 class Solver(Part, abc.ABC):

@@ -105,7 +105,7 @@ class Monitor(Log):
 
     def __init__(self, task: Task, tolerance: float, max_iterations: int) -> None:
         super().__init__(task.initial_gap.shape, max_iterations, task.on_step)
-        self._conditions = ContactConditions(task.initial_gap, task.pressure_limit, task.approach, task.rms_gap)
+        self._conditions = ContactConditions(task.initial_gap, task.pressure_limit, task.approach, task.rms)
         self.tolerance = tolerance
 
     def measure(self, pressure: Array, displacement: Array) -> Violation:

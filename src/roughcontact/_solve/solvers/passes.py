@@ -17,7 +17,7 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 
-from roughcontact._base.arrays import Array, IntArray, Mask, RealArray
+from roughcontact._base.arrays import Array, IntArray, Mask, RealArray, sum_of_products
 from roughcontact._base.machine import map_tiles, tiles_of
 
 # Fraction of active cells above which fields with zeros are faster than lists of cells; 0.2 and 0.8 change the
@@ -108,8 +108,7 @@ class ListedCells:
 
     def _count_in_rows(self, length: int) -> IntArray:
         # Cells are ordered by rows: this takes half the time of a division.
-        ends = np.arange(length, self.mask.size + 1, length)
-        return np.diff(np.searchsorted(self.cells, ends), prepend=0)
+        return np.diff(np.searchsorted(self.cells, np.arange(0, self.mask.size + 1, length)))
 
     def blocks(self, partition: Partition) -> _ListedBlocks:
         """Return the active cells by blocks of a partition."""
@@ -244,7 +243,7 @@ def active_cells(field: RealArray, mark: Callable[[slice], Mask]) -> ActiveCells
     return MaskedCells(mask, count) if count > _DENSE_FRACTION * mask.size else ListedCells(mask, np.concatenate(found))
 
 
-def limits_at(limit: Array, index: Mask | slice) -> Array:
+def limits_at(limit: Array, index: Mask | IntArray | slice) -> Array:
     """Return the pressure limits of the indexed cells; a limit of one entry holds for all."""
     return limit if limit.size == 1 else limit[index]
 
@@ -324,8 +323,8 @@ def total(vector: RealArray) -> float:
 
 
 def dot(one: RealArray, other: RealArray) -> float:
-    """Return the product of two vectors, without the threads of a BLAS."""
-    product = float(np.einsum("i,i->", one, other))
+    """Return the product of two vectors; see `sum_of_products`."""
+    product = sum_of_products(one, other)
     if abs(product) < _UNDERFLOW_PRODUCT:
         product = float(np.einsum("i,i->", one, other, dtype=np.float64, casting="same_kind"))
     return product

@@ -119,7 +119,7 @@ def shift_to_load(values: Array, load: float, limit: Array, error: float) -> Arr
     """
     error = max(error, _LOAD_EPSILON * load)
     shift = _find_shift(values, None, load, limit.reshape(-1), (-math.inf, math.inf), error)
-    return np.clip(values - shift, 0.0, limit)
+    return np.minimum(np.maximum(values - shift, 0.0), limit)
 
 
 def _choose_shifted(pressure: Array, load: float, limit: Array) -> Array:
@@ -171,12 +171,15 @@ def _find_shift(
     lower, upper = bracket
     reach = abs(load) / values.size
     shift = min(max(0.0, lower), upper)
+    capped = bool(np.isfinite(limit).any())
     for _ in range(_MAX_ROUNDS):
         carried = values - (shift if weights is None else shift * weights)
-        np.clip(carried, 0.0, limit, out=carried)
+        np.maximum(carried, 0.0, out=carried)
+        if capped:
+            np.minimum(carried, limit, out=carried)
         excess = float(np.add.reduce(carried)) - shift * elsewhere - load
         contact = carried > 0.0
-        moving = contact & (carried < limit)
+        moving = contact & (carried < limit) if capped else contact
         # Without weights, counting is twice as fast as summing ones.
         moved = np.count_nonzero(moving) if weights is None else np.add.reduce(weights, where=moving, dtype=float)
         slope = elsewhere + float(moved)

@@ -13,8 +13,9 @@ from typing import final
 import numpy as np
 
 from roughcontact._base.arrays import Array, IntArray, Mask, RealArray
-from roughcontact._solve.convolvers import FieldPasses, InverseConvolution
+from roughcontact._solve.convolvers import FieldPasses, InverseConvolution, LastStep
 from roughcontact._solve.solution import Status
+from roughcontact._solve.solvers.base import Task
 from roughcontact._solve.solvers.conjugate.descent import (
     CAREFUL_LENGTH,
     FIRST_LENGTH,
@@ -26,6 +27,10 @@ from roughcontact._solve.solvers.driver import Method, Work
 from roughcontact._solve.solvers.passes import dot, limits_at, total
 from roughcontact._solve.solvers.projection import shift_to_load
 
+# Maximum cells of a grid on which the pressure is found on whole fields: on 256 x 256 cells long waves need the
+# correction of `Preconditioner`. Compiled passes take two thirds of the time there without it, but half as many
+# products again, and vectors of all cells.
+_MAX_FIELD_CELLS = 2**15
 # Maximum iterations that do not halve the error; the descent on lists of cells then goes on.
 _MAX_IDLE_ITERATIONS = 12
 # Maximum rejected steps, and rounds that find the released cells that stay on their bounds.
@@ -73,11 +78,15 @@ class FieldDescent(Method):
         self._passes = passes
         self._shape = shape
         self._length = FIRST_LENGTH
-        self._step: RealArray | None = None
-        self._change: RealArray | None = None
-        self._curvature = 1.0
+        self._last: LastStep | None = None
         self._rigid = _RigidMotion()
         self.met_limit = False
+
+    @staticmethod
+    def serves(task: Task) -> bool:
+        """Return whether the pressure is found so: on small grids of numpy's arrays."""
+        gap = task.initial_gap
+        return isinstance(gap, np.ndarray) and gap.size <= _MAX_FIELD_CELLS
 
     def begin(self, pressure: Array, height: Array) -> Array:
         """Return the pressure of a given load that is nearest to that which closes all gaps, shape (nx, ny).
@@ -130,7 +139,7 @@ class FieldDescent(Method):
     def _find_direction(self, residual: RealArray, active: Mask) -> RealArray | None:
         """Return the first of conjugate, preconditioned and plain gradient that lowers the energy; None without one."""
         image = self._precondition(residual, active)
-        conjugate, slope = self._passes.conjugate(image, residual, active, self._step, self._change, self._curvature)
+        conjugate, slope = self._passes.conjugate(image, residual, active, self._last)
         for direction, minimum in ((conjugate, MIN_CONJUGATE_SLOPE * slope), (image, 0.0), (residual, 0.0)):
             admitted, slope = self._passes.admit(direction, residual, active, self.pressure)
             if slope > max(minimum, 0.0):
@@ -163,9 +172,7 @@ class FieldDescent(Method):
             if part > 0.0:
                 self.pressure = pressure
                 passes.add(self.gap, change, part)
-                self._step = step
-                self._change = change
-                self._curvature = part * curvature
+                self._last = LastStep(step, change, part * curvature)
                 return True
             self._length *= CAREFUL_LENGTH
         return False
@@ -217,17 +224,15 @@ class NumpyPasses(FieldPasses):
         limit = self.limit
         single = pressure.astype(np.float32)
         load = total(single)
-        elastic = single
-        if limit is not None:
-            elastic = np.where(pressure < limit, single, np.float32(0.0))
         level = 0.0
         if self.load is not None:
+            elastic = single if limit is None else single * (pressure < limit)
             carried = load if limit is None else total(elastic)
             level = dot(elastic, gap) / carried if carried > 0.0 else 0.0
         rest = gap - np.float32(level)
         if limit is not None:
             np.maximum(rest, 0.0, out=rest, where=pressure >= limit)
-        overlap = -float(rest.min())
+        overlap = -float(np.minimum.reduce(rest))
         opened = dot(single, np.abs(rest, out=rest)) / load if load > 0.0 else 0.0
         return level, max(opened, overlap)
 
@@ -248,26 +253,21 @@ class NumpyPasses(FieldPasses):
             active |= inside
             active |= saturated & (gap > level)
         count = int(np.count_nonzero(active))
-        residual = np.float32(_mean(gap, active) if by_load else 0.0) - gap
-        residual *= active
+        ones = active.astype(np.float32)
+        residual = np.float32(dot(gap, ones) / count if by_load and count else 0.0) - gap
+        residual *= ones
         return residual, active, count
 
     def conjugate(
-        self,
-        image: RealArray,
-        residual: RealArray,
-        active: Mask,
-        step: RealArray | None,
-        change: RealArray | None,
-        curvature: float,
+        self, image: RealArray, residual: RealArray, active: Mask, last: LastStep | None
     ) -> tuple[RealArray, float]:
         """See `FieldPasses.conjugate`."""
         image *= active
         slope = dot(residual, image)
-        factor = 0.0 if step is None or change is None else -dot(image, change) / curvature
-        if step is None or factor <= 0.0:
+        factor = 0.0 if last is None else -dot(image, last.change) / last.curvature
+        if last is None or factor <= 0.0:
             return image, slope
-        direction = step * active
+        direction = last.step * active
         direction *= np.float32(factor)
         direction += image
         return direction, slope
@@ -276,15 +276,16 @@ class NumpyPasses(FieldPasses):
         self, direction: RealArray, residual: RealArray, active: Mask, pressure: Array
     ) -> tuple[RealArray, float]:
         """See `FieldPasses.admit`."""
-        low = np.flatnonzero(active & (pressure <= 0.0))
-        high = low[:0] if self.limit is None else np.flatnonzero(active & (pressure >= self.limit))
+        low = (active & (pressure <= 0.0)).nonzero()[0]
+        high = low[:0] if self.limit is None else (active & (pressure >= self.limit)).nonzero()[0]
         if self.load is None:
             admitted = direction.copy()
         else:
             count = int(np.count_nonzero(active))
             admitted = direction - np.float32(_held_mean(direction, count, low, high))
             admitted *= active
-        admitted[low] = np.maximum(admitted[low], 0.0)
+        if low.size:
+            admitted[low] = np.maximum(admitted[low], 0.0)
         if high.size:
             admitted[high] = np.minimum(admitted[high], 0.0)
         return admitted, dot(residual, admitted)
@@ -302,9 +303,10 @@ class NumpyPasses(FieldPasses):
                 np.clip(trial, 0.0, bound, out=trial)
             else:
                 error = _STEP_LOAD_ERROR * length * float(np.abs(direction).sum())
-                bounds = bound if limit is None else limits_at(limit, active)
-                carried = float(np.add.reduce(pressure[active]))
-                trial[active] = shift_to_load(trial[active], carried, np.asarray(bounds), error)
+                cells = active.nonzero()[0]
+                bounds = bound if limit is None else limits_at(limit, cells)
+                carried = float(np.add.reduce(pressure[cells]))
+                trial[cells] = shift_to_load(trial[cells], carried, np.asarray(bounds), error)
         step = np.subtract(trial, pressure, out=np.empty(trial.shape, dtype=np.float32), casting="same_kind")
         return trial, step, clipped
 
@@ -364,4 +366,4 @@ def _held_mean(direction: RealArray, count: int, low: IntArray, high: IntArray) 
 
 
 def _is_within(pressure: Array, limit: Array | None) -> bool:
-    return not float(pressure.min()) < 0.0 and (limit is None or not bool((pressure > limit).any()))
+    return not float(np.minimum.reduce(pressure)) < 0.0 and (limit is None or not bool((pressure > limit).any()))

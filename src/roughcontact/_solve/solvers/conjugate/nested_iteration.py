@@ -11,8 +11,9 @@ from roughcontact._base.arrays import Array, IntArray, RealArray, sum_of_product
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._solve.convolvers import PreparedConvolution
 from roughcontact._solve.solvers.base import Outcome, Step, Task, starting_pressure
+from roughcontact._solve.solvers.conjugate.field_descent import FieldDescent
 from roughcontact._solve.solvers.conjugate.preconditioner import is_steep
-from roughcontact._solve.solvers.conjugate.refinement import NearlyFull, PressureRefinement, descends_on_fields
+from roughcontact._solve.solvers.conjugate.refinement import NearlyFull, PressureRefinement
 from roughcontact._solve.solvers.driver import Monitor
 from roughcontact._solve.solvers.grids import GridProblem, Guess, coarsen, interpolate, repeat_cells
 from roughcontact.errors.door import guarded
@@ -71,7 +72,7 @@ class PressureOnGrid(GridProblem[InitialGuess]):
         """Whether the gap is sought near full contact, which saves steps on large grids without a pressure limit."""
         if self.task.capped:
             return False
-        return not descends_on_fields(self.task) or is_steep(self.convolution.inverse(np.float32))
+        return not FieldDescent.serves(self.task) or is_steep(self.convolution.inverse(np.float32))
 
     def begin(self) -> InitialGuess:
         """Return the pressure of full contact, or a uniform one, or that of the task."""

@@ -464,6 +464,10 @@ def count_blocks(stiffness: RealArray, count: int, mean: float) -> int:
     axis = numbers(stiffness, "stiffness=", allowed)
     if axis.shape != (count // 2 + 1,) or not np.isfinite(axis).all():
         raise InputError.about("stiffness=", stiffness, allowed)
+    return _count_blocks(axis, count, mean)
+
+
+def _count_blocks(axis: RealArray, count: int, mean: float) -> int:
     size = 1
     while 2 * size <= _MAX_BLOCK_CELLS and count // (2 * size) >= _MIN_BLOCKS:
         if axis[max(count // (4 * size), 1)] < _BLOCK_RESOLUTION * LONG_WAVE_CUT * mean:
@@ -474,7 +478,7 @@ def count_blocks(stiffness: RealArray, count: int, mean: float) -> int:
 
 def partition_for(axes: Iterable[RealArray], mean: float, shape: tuple[int, int], padded: tuple[int, int]) -> Partition:
     """Return the blocks of a coarse correction of cells, from the stiffness along both axes; see `count_blocks`."""
-    bx, by = (count_blocks(axis, count, mean) for axis, count in zip(axes, padded, strict=True))
+    bx, by = (_count_blocks(axis, count, mean) for axis, count in zip(axes, padded, strict=True))
     return divide(shape, padded, (bx, by))
 
 

@@ -28,10 +28,6 @@ _FLOAT32_GAIN = 2e-5
 _EARLY_GOAL_FACTOR = 10.0
 # Goal of the estimated error, over the tolerance of the verification.
 _GOAL_FRACTION = 0.7
-# Maximum cells of a grid on which the pressure is found on whole fields: on 256 x 256 cells long waves need the
-# correction of `Preconditioner`. Compiled passes take two thirds of the time there without it, but half as many
-# products again, and vectors of all cells.
-_MAX_FIELD_CELLS = 2**15
 # Maximum verifications of a solve that do not halve the error.
 _MAX_IDLE_VERIFICATIONS = 5
 
@@ -166,12 +162,6 @@ class OpeningPreconditioner:
         return multiply_active(active, residual, self._inverse, symbol, self._shape)
 
 
-def descends_on_fields(task: Task) -> bool:
-    """Return whether the pressure is found on whole fields, as on small grids of numpy's arrays."""
-    gap = task.initial_gap
-    return isinstance(gap, np.ndarray) and gap.size <= _MAX_FIELD_CELLS
-
-
 class PressureRefinement(Refinement):
     """Solves one task on one grid from a start.
 
@@ -205,7 +195,7 @@ class PressureRefinement(Refinement):
         self._convolve = partial(self.work.convolve, convolution)
         self._openings = None if nearly_full is None else Openings(nearly_full, monitor, self.work)
         self.met_limit = False
-        self._on_fields = descends_on_fields(task)
+        self._on_fields = FieldDescent.serves(task)
 
     @cached_property
     def _descent(self) -> Descent | FieldDescent:

@@ -21,8 +21,9 @@ from roughcontact._solve.solvers.base import (
     iteration_limit,
     positive_tolerance,
 )
+from roughcontact._solve.solvers.conjugate.field_descent import FieldDescent
 from roughcontact._solve.solvers.conjugate.nested_iteration import GridSolution, PressureOnGrid, solve_in_window
-from roughcontact._solve.solvers.conjugate.refinement import PressureRefinement, descends_on_fields
+from roughcontact._solve.solvers.conjugate.refinement import PressureRefinement
 from roughcontact._solve.solvers.driver import Monitor
 from roughcontact._solve.solvers.grids import climb
 from roughcontact._solve.solvers.spectral_gradient import SpectralGradient
@@ -84,8 +85,7 @@ class ProjectedConjugateGradient(Solver):
     def solve(self, convolution: PreparedConvolution, task: Task) -> Outcome:
         """Return the contact pressure; see `Solver.solve`."""
         # The code below serves any kind of array: new arrays are made like existing ones.
-        outcome = self._solve(convolution, task.convert(convolution.from_numpy))
-        return attrs.evolve(outcome, pressure=convolution.to_numpy(outcome.pressure))
+        return self._solve(convolution, task.convert(convolution.from_numpy)).convert(convolution.to_numpy)
 
     def _solve(self, convolution: PreparedConvolution, task: Task) -> Outcome:
         """Solve; if the limit shortened steps but no cell reaches it in the end, solve again without it.
@@ -121,7 +121,7 @@ class ProjectedConjugateGradient(Solver):
         monitor = Monitor(task, self.tolerance, patience)
         refinement = PressureRefinement(convolution, task, monitor, start.nearly_full)
         start = attrs.evolve(start, nearly_full=None)
-        uniform = given is None and not start.levels and not start.closed and descends_on_fields(task)
+        uniform = given is None and not start.levels and not start.closed and FieldDescent.serves(task)
         if uniform:
             start = attrs.evolve(start, pressure=refinement.begin(start.pressure))
         # Far from the solution an approximate gap is enough, but not where a uniform pressure displaces far more than
