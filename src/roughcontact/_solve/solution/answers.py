@@ -42,7 +42,7 @@ from roughcontact.errors import InputError
 
 T = TypeVar("T")
 # What the uncertainty of an answer is found from.
-UNCERTAINTIES = ("model", "two grids")
+UNCERTAINTIES = ("model", "two grids", "noise")
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -61,12 +61,16 @@ class ContactAnswers(ShearFields):
         uncertainty
             ``"model"``: by a model of the errors of the estimator; ``"two grids"``: by what changes on coarser grids of
             the same heights, `phases`. At sharp edges and creases the default area is then extrapolated over the grids.
+            ``"noise"``: by that model and by what as much more noise as the heights have changes, to whose absence the
+            area is extrapolated; see `roughcontact.responses.Noise`.
 
         Raises
         ------
         InputError
             If there is no such estimator, or no coarser grid.
         """
+        if uncertainty == "noise":
+            return self._judge_noise(self.area(estimator), lambda one: one.area(estimator, uncertainty="model"))
         if choice(uncertainty, "The uncertainty", UNCERTAINTIES) == "two grids":
             return self._judge_area(estimator)
         # The default area is kept, because every number and response needs it.
@@ -81,6 +85,9 @@ class ContactAnswers(ShearFields):
             return area
         judged: Area = phases.judge(found, lambda one: one.area(estimator))
         return judged
+
+    def _judge_noise(self, found: Any, ask: Callable[[Any], Estimate]) -> Any:
+        return self.response("noise").judge(self, found, ask)
 
     def phases(self) -> Any:
         """Return the contact on both diagonal phases of its grid, solved once; see `roughcontact.responses.Phases`."""
@@ -184,7 +191,7 @@ class ContactAnswers(ShearFields):
             With friction a response with a field ``traction``, such as the stress, is that under pressure and traction,
             others are those of the normal contact.
         uncertainty
-            ``"model"`` or, of a number, ``"two grids"``; see `area`.
+            ``"model"`` or, of a number, ``"two grids"`` or ``"noise"``; see `area`.
 
         Raises
         ------
@@ -192,6 +199,8 @@ class ContactAnswers(ShearFields):
             If there is no such response, or it means nothing for this contact or has no value; with friction also if
             it states a traction or a friction of its own.
         """
+        if uncertainty == "noise":
+            return self._judge_noise(self.response(response), lambda one: one.response(response, uncertainty="model"))
         if choice(uncertainty, "The uncertainty", UNCERTAINTIES) == "two grids":
             return self.phases().judge(self.response(response), lambda one: one.response(response))
         asked: Any = responses.resolve(response)
