@@ -1,7 +1,7 @@
 """White noise of measured heights: how much there is, and what it does to every answer.
 
 Differences along both axes leave of heights that the cells resolve little beside the noise of each point. What noise
-does is told by the same contact with as much more of it: an answer changes once more by about as much.
+does is found from the same contact with as much more of it: an answer changes once more by about as much.
 
 References
 ----------
@@ -28,7 +28,7 @@ from roughcontact.errors import InputError
 
 Number = TypeVar("Number", bound=Estimate)
 
-# Cells along an axis from which noise is told from heights.
+# Cells along an axis from which noise is known from heights.
 _MIN_CELLS = 16
 # Lower quartile of the magnitude of normal numbers of standard deviation one (exact): creases and steps are above it.
 _NORMAL_QUARTILE = 0.3186393639643752
@@ -120,8 +120,10 @@ class Noise(Estimate):
         return self._widen(found, std)
 
     def _correct_area(self, solution: Any, found: Any, before: float, changes: list[float]) -> Any:
-        mean, scatter = statistics.fmean(changes), statistics.stdev(changes)
-        value, std = before, abs(mean)
+        mean = statistics.fmean(changes)
+        scatter = statistics.stdev(changes)
+        value = before
+        std = abs(mean)
         if std > _AGREEMENT * scatter / math.sqrt(_DRAWS):
             value, std = _extrapolate(before, mean, solution.grid.area)
         if value != before:
@@ -134,7 +136,8 @@ class Noise(Estimate):
         warnings = tuple(text for text in found.warnings if getattr(text, "rule", "") != _RULE)
         if std > _MAX_RELATIVE_STD * abs(found.value):
             relative = std / abs(found.value) if found.value else math.inf
-            text = f"noise of {si(self.value, 'm', 3)} in the heights changes this by about {percent(relative)}: filter it"
+            noise = si(self.value, "m", 3)
+            text = f"noise of {noise} in the heights changes this by about {percent(relative)}: filter it"
             warnings = (*warnings, WarningText(text, _RULE, relative))
         return attrs.evolve(found, uncertainty=math.hypot(found.uncertainty, std), warnings=warnings)
 
@@ -192,8 +195,8 @@ def find_noise(heights: Array, boundary: Boundary, non_measured: Mask | None = N
         stds.append(float(quartile) / (_NORMAL_QUARTILE * norm))
         ratios.append(float(quartile) > _MIN_QUARTILE_RATIO * float(median))
     lower, higher = stds
-    least, most = _NOISE_RATIOS
-    if lower < _ROUNDING or not all(ratios) or not least * lower < higher < most * lower:
+    from_ratio, to_ratio = _NOISE_RATIOS
+    if lower < _ROUNDING or not all(ratios) or not from_ratio * lower < higher < to_ratio * lower:
         return 0.0, 0.0
     std = height * min(stds)
     return std, _QUARTILE_STD / math.sqrt(count) * std

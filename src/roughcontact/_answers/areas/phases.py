@@ -185,8 +185,8 @@ def solve_with(heights: HeightMap, solution: ContactSolution, start: Array) -> C
     if solution.origin is None or "approach" not in solution.origin.load:
         return other.solve(force=solution.force, tolerance=tolerance, start=start)
     # Its highest point may be lower, and is then touched later.
-    gap, lost = -heights.values, heights.non_measured
-    approach = solution.approach - float(np.min(gap if lost is None else gap[~lost]))
+    known = True if heights.non_measured is None else ~heights.non_measured
+    approach = solution.approach + float(np.max(heights.values, where=known, initial=-np.inf))
     if approach <= 0.0:
         raise InputError("With other heights nothing touches.")
     return other.solve(approach=approach, tolerance=tolerance, start=start)
