@@ -1,6 +1,7 @@
 """Numbers of a contact, and what it does: stiffness, conductance, gradients, stress below, flow, partial slip."""
 
 from roughcontact._answers.areas import EdgeLength, FindFlags, Flags, MeanGap, PatchCount, PeakPressure, SummitApproach
+from roughcontact._answers.areas.noise import FindNoise, Noise
 from roughcontact._answers.areas.phases import Phases, SolvePhases
 from roughcontact._answers.flow.leakage import GapFlow, Leakage, Throat
 from roughcontact._answers.flow.percolation import Percolation, find_percolation
@@ -24,6 +25,7 @@ __all__ = [
     "ContactConductance",
     "EdgeLength",
     "FindFlags",
+    "FindNoise",
     "FirstYield",
     "Flags",
     "FrettingLoop",
@@ -31,6 +33,7 @@ __all__ = [
     "Gradient",
     "Leakage",
     "MeanGap",
+    "Noise",
     "PartialSlip",
     "PatchCount",
     "PeakPressure",

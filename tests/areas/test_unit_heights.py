@@ -11,7 +11,7 @@ import pytest
 import roughcontact as rc
 from exact_contacts import distances, with_fields
 from roughcontact._answers.areas import calibration
-from roughcontact._answers.areas.approach import find_rise, fit_hyperboloid
+from roughcontact._answers.areas.approach import _bound_rise, find_rise, fit_hyperboloid
 from roughcontact._answers.areas.hertz import _find_tip_error
 from roughcontact._answers.areas.initial_gap import Spline, average_curvature, curvature_resolution, rim_ratio
 from roughcontact._solve.solution.healing import heal
@@ -265,3 +265,35 @@ def test_the_rise_of_a_wave_is_of_fourth_order():
         rise, error = find_rise(gap - gap.min(), rc.Boundary.PERIODIC)
         assert rise == pytest.approx(gap.min(), rel=30.0 * most)
         assert 0.2 * abs(rise - gap.min()) < error < 0.1 * gap.min()
+
+
+@pytest.mark.parametrize("cells", [(60, 60), (88, 44), (75, 128), (90, 45)])
+@pytest.mark.parametrize("boundary", ["free", "periodic"])
+def test_nothing_rises_above_a_flat_land_with_dimples(cells, boundary):
+    """Polynomials swing beside their edges by thirty times the true rise, which is zero."""
+    x, y = ((np.arange(n) + 0.5) / n * 4 % 1 - 0.5 for n in cells)
+    gap = 5e-6 * np.clip(1.0 - (x[:, np.newaxis] ** 2 + y**2) / 0.32**2, 0.0, None)
+    rise, std = find_rise(gap, rc.Boundary(boundary))
+    # A free border that cuts dimples of eleven cells leaves wedges.
+    assert rise < (1e-8 if boundary == "periodic" or min(cells) > 50 else 3e-7)
+    assert rise <= 2.0 * std + 1e-12
+
+
+@pytest.mark.parametrize("radius", [6.0, 9.3, 14.8])
+def test_nothing_rises_above_a_pillar(radius):
+    x, y = np.arange(40.0)[:, np.newaxis] - 19.3, np.arange(36.0) - 17.6
+    rise, std = find_rise(np.where(np.hypot(x, y) < radius, 0.0, 1.0), rc.Boundary.FREE)
+    assert rise <= 2.0 * std + 1e-12
+
+
+def test_lines_through_two_cells_meet_above_a_summit_between_them():
+    """A wedge of 0.3 counts on both diagonals; a pyramid has it on one axis and 0.2 on the other."""
+    along, across = np.abs(np.arange(-4.0, 5.0) - 0.3), np.abs(np.arange(-4.0, 5.0) + 0.2)
+    wedge = np.broadcast_to(along[:, np.newaxis], (9, 9))
+    for one in (wedge, wedge.T):
+        assert _bound_rise(one[np.newaxis])[0] == pytest.approx(0.6)
+    pyramid = along[:, np.newaxis] + across
+    assert 0.5 <= _bound_rise(pyramid[np.newaxis])[0] <= 1.0
+    x, y = np.arange(-4.0, 5.0)[:, np.newaxis] - 0.4, np.arange(-4.0, 5.0) - 0.2
+    round_summit = 0.1 * (x**2 + 0.5 * x * y + y**2)
+    assert _bound_rise(round_summit[np.newaxis])[0] > round_summit[4, 4]

@@ -56,6 +56,9 @@ _TIP_MISFIT = 0.2
 _MAX_TIP_RADIUS = 0.3
 # The same misfit from which the summit is not pointed.
 _ROUND_MISFIT = 0.3
+# Steps along both axes and both diagonals, and to the two cells on each side.
+_LINES = (((1, 0), (0, 1)), ((1, 1), (1, -1)))
+_BESIDE = np.arange(-2, 3)
 # Second difference where a line has no kink, over the largest beside it.
 _KINK_TOLERANCE = 1e-6
 
@@ -102,7 +105,16 @@ def find_rise(
         return rise, TIP_RISE_ERROR * rise
     near = near[summits]
     rough, fine = (_interpolate(near, reach) for reach in (_POLYNOMIAL_REACH - 1, _POLYNOMIAL_REACH))
+    here = near[:, _POLYNOMIAL_REACH, _POLYNOMIAL_REACH]
+    bounds = _bound_rise(near)
+    beyond = here - fine > bounds
+    fine = np.where(beyond, here - 0.5 * bounds, fine)
     best = int(np.argmin(fine))
+    if beyond.any():
+        # Polynomials swing beside creases and the edges of lands: possibly nothing rises at all.
+        rise = max(highest - float(fine[best]), 0.0)
+        std = 0.5 * float(bounds[best]) if beyond[best] else RISE_ERROR * abs(float(fine[best] - rough[best]))
+        return rise, max(std, 0.5 * rise)
     beside = slice(_POLYNOMIAL_REACH - TIP_REACH, _POLYNOMIAL_REACH + TIP_REACH + 1)
     tip, pointed = fit_hyperboloid(near[best][beside, beside])
     if tip is not None:
@@ -162,6 +174,24 @@ def _interpolate(near: Array, reach: int) -> Array:
     along_y = (xy * x - xx * y) / determinant
     inside = convex & (np.maximum(np.abs(along_x), np.abs(along_y)) <= _TRIED_OFFSETS[1] - _TRIED_OFFSETS[0])
     return derive(0, 0) + np.where(inside, 0.5 * (x * along_x + y * along_y), 0.0)
+
+
+def _bound_rise(near: Array) -> Array:
+    """Return how high heights that are concave along lines rise at most above the cells in the middle, m."""
+    sums = []
+    for pair in _LINES:
+        lines = (near[:, _POLYNOMIAL_REACH + di * _BESIDE, _POLYNOMIAL_REACH + dj * _BESIDE] for di, dj in pair)
+        sums.append(sum(np.maximum(_meet(line), _meet(line[:, ::-1])) for line in lines))
+    return np.asarray(np.maximum(*sums))
+
+
+def _meet(line: Array) -> Array:
+    """Return how far below the middle cell, m, the line from the cell before it meets the one from the two beyond."""
+    before, here, after, beyond = line[:, 1:].T
+    down = before - here
+    up = beyond - after
+    crossing = (up - (after - here)) / np.where(down + up > 0.0, down + up, 1.0)
+    return np.where(down > 0.0, down * np.clip(crossing, 0.0, 1.0), 0.0)
 
 
 def _find_bend(near: Array) -> float:

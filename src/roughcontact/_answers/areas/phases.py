@@ -198,26 +198,26 @@ def _judge(solution: ContactSolution) -> Judgement:
 
 
 def _solve_phases(solution: ContactSolution) -> Phases:
-    problem = _require_problem(solution)
+    _require_problem(solution)
+    if any(n < _MIN_CELLS for n in solution.grid.shape):
+        raise InputError(f"A grid of {' x '.join(map(str, solution.grid.shape))} cells has no coarser one.")
     flagged = bool(solution.response("flags"))
     # Nothing coarser judges the coarser ones.
-    first, second = (attrs.evolve(_solve_phase(problem, solution, offset), uncertainty="model") for offset in (0, 1))
+    first, second = (attrs.evolve(_solve_phase(solution, offset), uncertainty="model") for offset in (0, 1))
     return Phases((first, second), flagged)
 
 
 def _require_problem(solution: ContactSolution) -> ContactProblem:
-    """Return the problem of a solution, or raise `InputError` if it has no phases."""
+    """Return the problem of a solution, or raise `InputError` if it cannot be solved with other heights."""
     if solution.origin is None or not solution.parts.is_whole:
-        raise InputError("Its problem is not known here, so that it cannot be solved on a coarser grid.")
+        raise InputError("Its problem is not known here, so that it cannot be solved with other heights.")
     problem: ContactProblem = solution.origin.scene
     if problem.laws or np.ndim(solution.pressure_limit):
-        raise InputError("A contact with laws, or a pressure limit for each cell, is not solved on coarser grids.")
-    if any(n < _MIN_CELLS for n in solution.grid.shape):
-        raise InputError(f"A grid of {' x '.join(map(str, solution.grid.shape))} cells has no coarser one.")
+        raise InputError("A contact with laws, or a pressure limit for each cell, is not solved with other heights.")
     return problem
 
 
-def _solve_phase(problem: ContactProblem, solution: ContactSolution, offset: int) -> ContactSolution:
+def _solve_phase(solution: ContactSolution, offset: int) -> ContactSolution:
     """Return the solution on every second point from an offset on."""
     boundary = solution.boundary
     gap = _coarsen(solution.initial_gap, boundary, offset, _insert_row)
@@ -229,7 +229,13 @@ def _solve_phase(problem: ContactProblem, solution: ContactSolution, offset: int
     # Along a free axis the last row of an odd number has no second one.
     size = tuple(side * (n - n % 2) / n if free else side for side, n, free in sides)
     heights = HeightMap(-gap, size=size, periodic=boundary is Boundary.PERIODIC, non_measured=lost)
-    coarse = attrs.evolve(
+    return solve_with(heights, solution, start)
+
+
+def solve_with(heights: HeightMap, solution: ContactSolution, start: Array) -> ContactSolution:
+    """Return the solution with other heights of both bodies together, from this pressure on, under the same load."""
+    problem = _require_problem(solution)
+    other = attrs.evolve(
         problem,
         body=Body(heights, problem.body.material),
         counterbody=Body(FlatSurface(), problem.counterbody.material),
@@ -237,12 +243,13 @@ def _solve_phase(problem: ContactProblem, solution: ContactSolution, offset: int
     )
     tolerance = max(_TOLERANCE, problem.plan.solver.tolerance)
     if solution.origin is None or "approach" not in solution.origin.load:
-        return coarse.solve(force=solution.force, tolerance=tolerance, start=start)
+        return other.solve(force=solution.force, tolerance=tolerance, start=start)
     # Its highest point may be lower, and is then touched later.
-    approach = solution.approach - float(np.min(gap if lost is None else gap[~lost]))
+    known = True if heights.non_measured is None else ~heights.non_measured
+    approach = solution.approach + float(np.max(heights.values, where=known, initial=-np.inf))
     if approach <= 0.0:
-        raise InputError("On a coarser grid nothing touches.")
-    return coarse.solve(approach=approach, tolerance=tolerance, start=start)
+        raise InputError("With other heights nothing touches.")
+    return other.solve(approach=approach, tolerance=tolerance, start=start)
 
 
 def _coarsen(field: Array, boundary: Boundary, offset: int, insert: Callable[[Array, int], Array]) -> Array:

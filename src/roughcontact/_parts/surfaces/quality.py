@@ -64,7 +64,7 @@ _MIN_NOISE_FRACTION = 0.05
 _CUT_SLOPE = -13.0
 _NOISE_RULE = "noise"
 _MOSTLY_NOISE = "the shortest waves of the map are mostly noise"
-_FILTER_NOISE = "which makes the area too small: filter it"
+_FILTER_NOISE = 'which makes the area too small: filter it, or ask for uncertainty="noise"'
 # Minimum fraction of points that are the mean of their neighbours in a map with filled points.
 _FILLED_FRACTION = 0.02
 # Minimum amplitude of the periodic part of differences in interpolated maps, over their mean and the median amplitude.

@@ -62,8 +62,10 @@ class ContactAnswers(ShearFields):
         uncertainty
             ``"model"``: by a model of the errors of the estimator; ``"two grids"``: by what changes on coarser grids of
             the same heights, `phases`, over which the default area is extrapolated at sharp edges, creases and rough
-            heights; ``"auto"``: by two grids there, if there is a coarser one, else by the model; None: as the solution
-            states, which is ``"auto"`` unless a study says otherwise. `explain` says what it was.
+            heights; ``"auto"``: by two grids there, if there is a coarser one, else by the model; ``"noise"``: by the
+            model and by what as much more noise as the heights have changes, to whose absence the area is
+            extrapolated, see `roughcontact.responses.Noise`; None: as the solution states, which is ``"auto"`` unless a
+            study says otherwise. `explain` says what it was.
 
         Raises
         ------
@@ -73,7 +75,11 @@ class ContactAnswers(ShearFields):
         kind = self._choose_uncertainty(uncertainty)
         # The default area is kept, because every number and response needs it.
         if not (isinstance(estimator, str) and estimator == DEFAULT_AREA):
-            return self._judge(self._estimate_area(areas.resolve(estimator)), kind, lambda one: one.area(estimator))
+            return self._judge(
+                self._estimate_area(areas.resolve(estimator)),
+                kind,
+                lambda one: one.area(estimator, uncertainty="model"),
+            )
         if kind == "model":
             return self._default_area
         return self._keep(f"area, {kind}", lambda: self._extrapolate_area(kind))
@@ -81,13 +87,10 @@ class ContactAnswers(ShearFields):
     def _extrapolate_area(self, kind: str) -> Area:
         found = self._default_area
         phases = self._find_phases(kind)
-        if phases is None:
-            return found
-        if phases.flagged:
+        if phases is not None and phases.flagged:
             area: Area = phases.extrapolate_area(self, found)
             return area
-        judged: Area = phases.judge(found, lambda one: one.area())
-        return judged
+        return self._judge(found, kind, lambda one: one.area(uncertainty="model"))
 
     def _choose_uncertainty(self, uncertainty: str | None) -> str:
         return self.uncertainty if uncertainty is None else choice(uncertainty, "The uncertainty", UNCERTAINTIES)
@@ -103,6 +106,9 @@ class ContactAnswers(ShearFields):
         # Nothing widens an unbounded value.
         if kind == "model" or not found.uncertainty < abs(found.value) < math.inf:
             return found
+        if kind == "noise":
+            noisy: E = self.response("noise").judge(self, found, ask)
+            return noisy
         phases = self._find_phases(kind)
         if phases is None:
             return found
@@ -118,7 +124,12 @@ class ContactAnswers(ShearFields):
         """Return what the uncertainties of the answers are found from, and why."""
         if self.uncertainty == "auto":
             return str(self.response("judgement"))
-        return f"uncertainties by {'a model of the errors' if self.uncertainty == 'model' else 'two grids'}, as asked"
+        kinds = {
+            "model": "a model of the errors",
+            "two grids": "two grids",
+            "noise": "a model of the errors and by noise",
+        }
+        return f"uncertainties by {kinds[self.uncertainty]}, as asked"
 
     def phases(self) -> Any:
         """Return the contact on both diagonal phases of its grid, solved once; see `roughcontact.responses.Phases`."""
@@ -250,10 +261,13 @@ class ContactAnswers(ShearFields):
                     f"The response {response!r} is not a number that has one uncertainty: omit uncertainty=."
                 )
             return found
-        # On the phases there is no traction.
-        if kind == "auto" and chosen is not asked:
-            return found
-        return self._judge(found, kind, lambda one: one.response(asked))
+        if chosen is not asked:
+            if kind in ("auto", "model"):
+                return found
+            raise InputError(
+                "Solved again the contact has no traction: with friction this answer is that of the model."
+            )
+        return self._judge(found, kind, lambda one: one.response(asked, uncertainty="model"))
 
     def _add_traction(self, asked: Any) -> Any:
         """Return a response to pressure and traction of a contact with friction."""

@@ -387,7 +387,7 @@ class AreaEstimator(Response[Area]):
 
 
 # Names of what the uncertainty of an answer is found from.
-UNCERTAINTIES = ("auto", "model", "two grids")
+UNCERTAINTIES = ("auto", "model", "two grids", "noise")
 
 areas = Registry(AreaEstimator, "area estimator", "roughcontact.areas")
 
