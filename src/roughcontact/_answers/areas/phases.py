@@ -167,7 +167,8 @@ class Judgement(ShownAsPrinted):
     def __str__(self) -> str:
         if self.phases is None:
             return f"uncertainties by a model of the errors: {self.reason}"
-        return f"uncertainties by two grids: {self.reason}; {self.phases.convolutions} convolutions on a quarter of the cells"
+        work = f"{self.phases.convolutions} convolutions on a quarter of the cells"
+        return f"uncertainties by two grids: {self.reason}; {work}"
 
 
 @responses.register("judgement")
