@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from doc_tables import DocTable, pick, write_tables
+from doc_tables import DocTable, pick, some_of, write_tables
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
 
@@ -72,7 +72,7 @@ def make_theory(transition: float) -> MaugisDugdale:
 def make_stiffness_rows() -> list[list[str]]:
     rows = [["λ", "cells", "n_c", "error, %", "stated, %", "within two, %"]]
     random = np.random.default_rng(1)
-    for transition, smoothing, side, _ in BALLS[1:5]:
+    for transition, smoothing, side, _ in some_of(BALLS[1:5], 0, 1):
         theory = make_theory(transition)
         for cells in (32, 48, 64, 96):
             problem = make_ball(rc.Dugdale(WORK, theory.strength, smoothing), 1.25 * side, cells)
@@ -108,7 +108,7 @@ def _find_stiffness(theory: MaugisDugdale, force: float) -> float:
 
 def make_ball_rows() -> list[list[str]]:
     rows = [["λ", "cells", "n_c", "Maugis", "pull-off", "stated, %", "difference, %"]]
-    for transition, smoothing, side, cells in BALLS:
+    for transition, smoothing, side, cells in some_of(BALLS, 0, 1, 2, 3, 4):
         theory = make_theory(transition)
         problem = make_ball(rc.Dugdale(WORK, theory.strength, smoothing), side, cells)
         found = problem.pull_off()
@@ -158,7 +158,7 @@ def make_cost_rows() -> list[list[str]]:
     rows = [
         ["cells", "mean pressure / E*", "without", "work 2", "work 16", "area without, %", "work 2, %", "work 16, %"]
     ]
-    for cells in (512, 1024):
+    for cells in some_of((512, 1024), 0):
         for load in (0.002, 0.01):
             solutions = [_solve_rough(cells, load, work) for work in (0.0, 2.0, 16.0)]
             products = [f"{solution.convolutions}" for solution in solutions]
@@ -195,7 +195,7 @@ def run_elastomer(cells: int, law: rc.Interaction, steps: int = 41) -> rc.result
 
 def make_cycle_rows() -> list[list[str]]:
     rows = [["cells", "n_c", "pull-in, kPa", "pull-off, kPa", "loss, mJ/m2", "stated", "jumps"]]
-    for cells in ELASTOMER_CELLS:
+    for cells in some_of(ELASTOMER_CELLS, 0):
         cycle = run_elastomer(cells, ELASTOMER_LAW)
         area = cycle.loading[0].grid.area
         loss = cycle.dissipated

@@ -9,7 +9,7 @@ import functools
 from pathlib import Path
 
 import numpy as np
-from doc_tables import DocTable, pick, write_tables
+from doc_tables import DocTable, pick, some_of, write_tables
 from matplotlib.figure import Figure
 from scipy.special import ellipe, ellipk
 
@@ -76,7 +76,7 @@ def thornton(force: float) -> tuple[float, float]:
 def measure(cells: int = 512, count: int = 800) -> dict[float, tuple[float, ...]]:
     """Return approach, area and saturated area by the load in units of F_y: ours, and those of the rings."""
     found = {}
-    for factor in TIMES:
+    for factor in some_of(TIMES, 0, 4, 6):
         solution = ball(cells, factor * YIELD, (0.3, -0.2))
         ours = solution.approach, solution.area().value, solution.saturated_area().value
         found[factor] = *ours, *rings(factor * YIELD, count)

@@ -5,7 +5,7 @@ python docs/studies/counts.py
 
 from __future__ import annotations
 
-from doc_tables import DocTable, pick, write_tables
+from doc_tables import DocTable, pick, some_of, write_tables
 
 import roughcontact as rc
 
@@ -31,10 +31,11 @@ def solve(cells: int, boundary: str, shortest: int, load: float) -> rc.ContactSo
 
 
 def make_rows() -> list[list[str]]:
-    rows = [["case", *map(str, GRIDS)]]
+    grids = some_of(GRIDS, 0, 1, 2)
+    rows = [["case", *map(str, grids)]]
     for boundary, shortest, load, largest in CASES:
         row = [f"{boundary}, {shortest} cells, x = {load:g}"]
-        for cells in GRIDS:
+        for cells in grids:
             solution = solve(cells, boundary, shortest, load) if cells <= largest else None
             row.append("" if solution is None else f"{solution.iterations} / {solution.convolutions}")
         rows.append(row)

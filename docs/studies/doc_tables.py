@@ -11,16 +11,21 @@ In a page, or in several, a table stands between two comments:
 Its script has TABLES = {"capped-ball": DocTable(make_rows, seconds=20)}, where make_rows() returns lines of cells,
 the heading first. All of them are kept in docs/tables/capped-ball.csv. A page shows what a reader needs to decide
 something: DocTable(..., shown=pick(columns=["N", "error, %"])) leaves the others to that file, to which the page links.
+
+Where all lines take long, `some_of` names in make_rows() the cases that the tests compute again.
 """
 
 from __future__ import annotations
 
+import contextlib
 import csv
 import importlib
 import re
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextvars import ContextVar
 from pathlib import Path
+from typing import TypeVar
 
 import attrs
 
@@ -33,6 +38,8 @@ MARKED = re.compile(
 NUMBER = re.compile(r"[-+]?\d+(?:\.(?P<decimals>\d+))?(?:e(?P<exponent>[-+]?\d+))?")
 
 Rows = Sequence[Sequence[str]]
+T = TypeVar("T")
+_IS_SOME = ContextVar("is_some", default=False)
 
 
 @attrs.frozen
@@ -44,7 +51,7 @@ class DocTable:
     rows
         Returns the lines, each a list of cells; the first one is the heading.
     seconds
-        CPU time it needs. Computed again by the slow tests up to 60 s, else by hand.
+        CPU time of all lines. Computed again by the slow tests up to 60 s, with the cases of `some_of`, else by hand.
     timed
         Headings of columns that hold times, or depend on the machine: not compared.
     units
@@ -58,6 +65,24 @@ class DocTable:
     timed: tuple[str, ...] = ()
     units: float = 1.0
     shown: Callable[[Rows], Rows] = list
+
+
+def some_of(cases: Sequence[T], *places: int) -> Sequence[T]:
+    """Return the cases of a table; inside `computing_some` only those at the places, at least one of each kind.
+
+    Where draws follow one another, the places are the first ones. Rounds that a time is the median of are cases too.
+    """
+    return [cases[place] for place in places] if _IS_SOME.get() else cases
+
+
+@contextlib.contextmanager
+def computing_some() -> Iterator[None]:
+    """Compute tables with the cases of `some_of` alone inside the context."""
+    token = _IS_SOME.set(True)
+    try:
+        yield
+    finally:
+        _IS_SOME.reset(token)
 
 
 def pick(columns: Sequence[str] = (), lines: Sequence[str] = ()) -> Callable[[Rows], Rows]:
@@ -169,6 +194,27 @@ def compare(rows: Rows, stored: Rows, table: DocTable) -> list[str]:
         for k, (cell, kept) in enumerate(zip(row, old, strict=True))
         if k not in skipped and not _alike(cell, kept, table.units)
     ]
+
+
+def compare_some(rows: Rows, stored: Rows, table: DocTable) -> list[str]:
+    """Return the sentences of `compare` for lines and columns that `computing_some` has left of a table.
+
+    A line stands for the stored one, behind those of the lines before, from which it differs in the fewest cells.
+    """
+    if not rows[1:]:
+        return ["no line was computed"]
+    columns = [k for k, heading in enumerate(stored[0]) if heading in rows[0]]
+    kept = [[row[k] for k in columns] for row in stored]
+    sentences = compare(rows[:1], kept[:1], table)
+    place = 1
+    for row in rows[1:]:
+        found = [compare([rows[0], row], [kept[0], old], table) for old in kept[place:]]
+        if not found:
+            return [*sentences, f"{row} is behind the last stored line"]
+        nearest = min(found, key=len)
+        sentences += nearest
+        place += found.index(nearest) + 1
+    return sentences
 
 
 def _alike(cell: str, kept: str, units: float) -> bool:

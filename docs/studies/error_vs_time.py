@@ -15,7 +15,7 @@ import statistics
 import time
 from pathlib import Path
 
-from doc_tables import DocTable, read, write_tables
+from doc_tables import DocTable, read, some_of, write_tables
 from matplotlib.figure import Figure
 
 import roughcontact as rc
@@ -43,7 +43,7 @@ def problem(cells: int) -> rc.ContactProblem:
 def measure(cells: int, repeats: int = REPEATS) -> dict[str, float]:
     """Return errors and standard deviations in per cent, and the median CPU time in seconds."""
     times = []
-    for _ in range(repeats + 1):
+    for _ in some_of(range(repeats + 1), 0, 1):
         started = time.process_time()
         solution = problem(cells).solve(pressure=100e6)
         solution.area()
@@ -61,7 +61,7 @@ def measure(cells: int, repeats: int = REPEATS) -> dict[str, float]:
 def make_rows(grids: tuple[int, ...] = GRIDS, repeats: int = REPEATS) -> list[list[str]]:
     lines = [["N", "CPU time, s", "iterations", "cell count, %", "perimeter, % (std)", "blend, % (std)"]]
     lines[0].append("maximum pressure, % (std)")
-    for cells in grids:
+    for cells in some_of(grids, 0, 1, 2, 5, 6):
         row = measure(cells, repeats)
         areas = [f"{row[name]:+.{digits}f} (± {row[f'{name} std']:.{digits}f})" for name, digits in DIGITS.items()]
         known = [f"{cells}", f"{row['cpu']:.3f}", f"{row['iterations']}", f"{row['cell-count']:+.1f}"]

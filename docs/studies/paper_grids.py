@@ -8,7 +8,7 @@ Writes a table of docs/trust/paper.md. Needs plugins/roughcontact-paper for the 
 from __future__ import annotations
 
 import numpy as np
-from doc_tables import DocTable, pick, write_tables
+from doc_tables import DocTable, pick, some_of, write_tables
 
 import roughcontact as rc
 from roughcontact_paper import published
@@ -34,7 +34,7 @@ def make_rows() -> list[list[str]]:
     phases = 2 * np.pi * np.random.default_rng(SEED).random((PHASES, 2))
     lines = [["N", "cells a wave", "phase zero: 50, 100, 200 MPa, %", "stated, %", "random phases: rms, %", "worst, %"]]
     lines[0] += ["within two", "maximum cell pressure: rms, %"]
-    for cells in GRIDS:
+    for cells in some_of(GRIDS, 0, 3, 4):
         zero = [measure(cells, load, (0.0, 0.0)) for load in published.LOADS]
         rest = [measure(cells, load, (float(x), float(y))) for x, y in phases for load in published.LOADS]
         errors, peaks, stated = np.array(zero + rest).T

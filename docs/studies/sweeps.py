@@ -13,7 +13,7 @@ from collections.abc import Callable, Sequence
 
 import attrs
 import numpy as np
-from doc_tables import DocTable, pick, write_tables
+from doc_tables import DocTable, pick, some_of, write_tables
 
 import roughcontact as rc
 
@@ -106,7 +106,7 @@ def measure(problem: rc.ContactProblem, kind: str, values: Sequence[float], tole
 def make_rows() -> list[list[str]]:
     """Return the costs of the sweep of each scene."""
     rows = [["20 loads", "products of one solve", "sweep, in solves", "at 1e-8", CPU, *ERRORS]]
-    for name, problem, kind, values in scenes():
+    for name, problem, kind, values in some_of(scenes(), 0, 4, 5, 6, 8, 9):
         coarse, fine = (measure(problem, kind, values, tolerance) for tolerance in TOLERANCES)
         products = [f"{coarse.products:.0f}", f"{coarse.sweep:.1f}", f"{fine.sweep:.1f}", f"{coarse.cpu:.1f}"]
         errors = [f"{coarse.cold:.3f}", f"{coarse.warm:.3f}", f"{coarse.factor:.2f}"]

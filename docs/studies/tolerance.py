@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from doc_tables import DocTable, pick, write_tables
+from doc_tables import DocTable, pick, some_of, write_tables
 
 import roughcontact as rc
 
@@ -48,7 +48,7 @@ def rough(cells: int, shortest: float, seed: int, material: rc.Material) -> rc.C
 def make_rows() -> list[list[str]]:
     """Return the largest changes of area and pressure at each tolerance, and the mean fraction of the convolutions."""
     found = []
-    for problem, load in contacts():
+    for problem, load in some_of(list(contacts()), 0, 6, 24, 33, 39):
         exact = problem.solve(**load, tolerance=1e-8)
         solutions = [problem.solve(**load, tolerance=tolerance) for tolerance in TOLERANCES]
         found.append([_compare(solution, exact) for solution in solutions])

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import attrs
 import numpy as np
-from doc_tables import DocTable, pick, read, write_tables
+from doc_tables import DocTable, pick, read, some_of, write_tables
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -74,13 +74,13 @@ def measure_errors(problems: dict[int, rc.ContactProblem], load: float, true: fl
     rows = {}
     for cells, problem in problems.items():
         solves, row = [], {}
-        for _ in range(repeats):
+        for _ in some_of(range(repeats), 0):
             started = time.process_time()
             solution = attrs.evolve(problem).solve(pressure=load)
             solves.append(time.process_time() - started)
         for name in NAMES:
             times = []
-            for _ in range(repeats):
+            for _ in some_of(range(repeats), 0):
                 fresh = attrs.evolve(solution)
                 started = time.process_time()
                 area = fresh.area(name)
@@ -104,13 +104,14 @@ def make_table(rows: dict[int, dict]) -> list[list[str]]:
 
 @lru_cache
 def measure_wave(grids: tuple[int, ...] = GRIDS, repeats: int = 3) -> dict[int, dict]:
-    return measure_errors({n: wavy(n) for n in grids}, 1e6 * LOAD, published.TRUE_AREA[LOAD] / 100, repeats)
+    problems = {n: wavy(n) for n in some_of(grids, 0, 1, 2, 4, 6)}
+    return measure_errors(problems, 1e6 * LOAD, published.TRUE_AREA[LOAD] / 100, repeats)
 
 
 @lru_cache
 def measure_rough(grids: tuple[int, ...] = ROUGH_GRIDS, finest: int = 1024, repeats: int = 3) -> dict[int, dict]:
     true = rough(finest).solve(pressure=2.5e-3).area().fraction
-    return measure_errors({n: rough(n) for n in grids}, 2.5e-3, true, repeats)
+    return measure_errors({n: rough(n) for n in some_of(grids, 0, 1, 2)}, 2.5e-3, true, repeats)
 
 
 def draw_errors(axes: Axes, lines: list[list[str]], waves: float, title: str) -> None:

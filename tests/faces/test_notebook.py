@@ -7,8 +7,6 @@ import sys
 from collections.abc import Iterator
 
 import html5lib
-import nbclient
-import nbformat
 import numpy as np
 import pytest
 
@@ -69,6 +67,10 @@ INLINE = {"solution.plot()": 1, "fig = sweep.plot()": 1, "fig": 1, "first = swee
 
 def execute(tmp_path):
     """Return the cells of one notebook, executed."""
+    # Imported here: they take longer than all other modules of tests, and each process collects all tests.
+    import nbclient
+    import nbformat
+
     printed = [cell for text in PRINTED for cell in (text, f"print({text})")]
     cells = [SETUP, *CELLS, "%matplotlib inline", *INLINE, *printed, f"[{PRINTED[0]}]", MAP, PATH]
     notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(cell) for cell in cells])

@@ -128,8 +128,10 @@ OURS = [name for name in commands if commands[name].__module__.startswith("rough
 @pytest.mark.parametrize("name", OURS)
 def test_examples_of_the_help_run(name, place):
     """One after the other, in a folder with the files that they mention."""
-    prepare = "roughcontact solve map.npz --force 1N --young 210GPa -o contact.npz"
-    for line in [prepare, *examples_of(name)]:
+    lines = examples_of(name)
+    if any("contact.npz" in line.split(" -o ")[0] for line in lines):
+        lines = ["roughcontact solve map.npz --force 1N --young 210GPa -o contact.npz", *lines]
+    for line in lines:
         done = run(["bash", "-c", line.replace("~/", "").partition(" | ")[0]], place)
         assert done.returncode in (0, 1, 3), line + done.stdout + done.stderr
 
