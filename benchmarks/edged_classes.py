@@ -25,7 +25,7 @@ import numpy as np
 import roughcontact as rc
 
 ELASTIC = rc.Elastic(1.0, 0.0)
-UNCERTAINTIES = ("model", "two grids")
+UNCERTAINTIES = ("model", "auto", "two grids")
 ANSWERS = ("area", "peak-pressure", "perimeter", "approach", "mean-gap")
 GROWTH = 0.04
 # Of a value that still changes by more than this between the finer grids no true value is known.

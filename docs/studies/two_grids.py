@@ -37,8 +37,8 @@ def make_flags() -> list[list[str]]:
 
 
 def make_coverage() -> list[list[str]]:
-    names = ("model", "two grids")
-    heading = ["answer", "surfaces", "errors", *(f"{what}, {name}" for name in names for what in ("within two", "u/e"))]
+    names = {"model": "model", "auto": "default", "two grids": "two grids"}
+    heading = ["answer", "surfaces", "errors", *(f"{what}, {name}" for name in names.values() for what in ("within two", "u/e"))]
     rows = [heading]
     for answer in ANSWERS:
         for group, contacts in judge().items():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import attrs
 import numpy as np
 import pytest
 
@@ -166,3 +167,71 @@ def test_warnings_are_those_of_the_uncertainty_that_is_stated():
     rules = {getattr(text, "rule", "") for text in found.warnings}
     assert "resolution" not in rules
     assert ("uncertainty" in rules) == (found.uncertainty > 0.05 * found.value)
+
+
+def test_flagged_contacts_are_judged_by_two_grids_unless_the_model_is_asked(turned):
+    assert turned.area() == turned.area(uncertainty="two grids")
+    assert turned.area("level-set") == turned.area("level-set", uncertainty="two grids")
+    assert turned.response("approach") == turned.response("approach", uncertainty="two grids")
+    # Nothing widens a maximum that is as uncertain as itself.
+    assert turned.peak_pressure() == turned.peak_pressure(uncertainty="model")
+    assert turned.area().estimator == "level-set, two grids"
+    assert turned.explain().startswith("uncertainties by two grids: ")
+    model = attrs.evolve(turned, uncertainty="model")
+    assert model.area() == turned.area(uncertainty="model") != turned.area()
+    assert model.explain() == "uncertainties by a model of the errors, as asked"
+    assert all(state.uncertainty == "model" for state in turned.phases().states)
+
+
+def test_smooth_contacts_and_lost_points_are_judged_by_the_model():
+    heights = rough((48, 48), (1.0, 1.0))
+    smooth = solve(heights, (1.0, 1.0))
+    assert smooth.area() == smooth.area(uncertainty="model")
+    assert smooth.response("judgement").phases is None
+    assert "smooth heights" in smooth.explain()
+    lost = np.zeros(heights.shape, dtype=bool)
+    lost[10:14, 20:30] = True
+    steps = np.where(np.arange(48)[:, None] < 24, heights, heights - 0.1)
+    body = rc.Body(rc.HeightMap(steps, size=1.0, non_measured=lost, periodic=True), ELASTIC)
+    solution = rc.ContactProblem(body, boundary="periodic").solve(pressure=1e-3)
+    assert "not measured" in solution.explain()
+    assert solution.area() == solution.area(uncertainty="model")
+
+
+def test_what_has_no_single_number_is_refused_an_uncertainty(turned):
+    with pytest.raises(rc.InputError, match="not a number that has one uncertainty"):
+        turned.response("flags", uncertainty="two grids")
+
+
+def test_stress_maxima_have_the_uncertainty_of_their_solution():
+    """Of heights that are rough at the scale of the cells, whose stress is bounded."""
+    rng = np.random.default_rng(4)
+    solution = solve(rough((48, 48), (1.0, 1.0)) + 2e-4 * rng.standard_t(2, (48, 48)), (1.0, 1.0), pressure=1e-2)
+    assert solution.response("flags").rough_tail
+    both, model = solution.stress(), attrs.evolve(solution, uncertainty="model").stress()
+    for name in ("von_mises", "shear"):
+        found, alone = both.estimates[name], model.estimates[name]
+        others = [state.stress().estimates[name].value for state in solution.phases().states]
+        added = math.sqrt(np.mean(np.square(np.array(others) - found.value)))
+        wanted = alone.uncertainty if alone.uncertainty >= alone.value else math.hypot(alone.uncertainty, added)
+        assert found.value == alone.value
+        assert found.uncertainty == pytest.approx(wanted)
+
+
+def test_a_study_can_say_no(tmp_path, turned):
+    problem = turned.origin.source
+    areas = {}
+    for kind in ("auto", "model", "auto"):
+        study = rc.Study(problem, pressure=[2e-3], responses=["approach"], uncertainty=kind, fields=True)
+        result = study.run(tmp_path)
+        (record,) = result
+        expected = attrs.evolve(turned, uncertainty=kind)
+        assert record.areas["blend"] == (expected.area().value, expected.area().uncertainty)
+        assert record.estimates["approach"].uncertainty == expected.response("approach").uncertainty
+        assert result.solution(record).area() == expected.area()
+        areas[kind] = record.areas["blend"]
+        # Only what is asked of the solution changes, not what was solved.
+        assert result.computed == (kind == "auto" and len(areas) == 1)
+    assert areas["auto"] != areas["model"]
+    with pytest.raises(rc.InputError, match="The uncertainty"):
+        rc.Study(problem, pressure=[2e-3], uncertainty="three grids")

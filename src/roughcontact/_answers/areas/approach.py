@@ -181,8 +181,9 @@ def _bound_rise(near: Array) -> Array:
     sums = []
     for pair in _LINES:
         lines = (near[:, _POLYNOMIAL_REACH + di * _BESIDE, _POLYNOMIAL_REACH + dj * _BESIDE] for di, dj in pair)
-        sums.append(sum(np.maximum(_meet(line), _meet(line[:, ::-1])) for line in lines))
-    return np.asarray(np.maximum(*sums))
+        first, second = (np.maximum(_meet(line), _meet(line[:, ::-1])) for line in lines)
+        sums.append(first + second)
+    return np.asarray(np.max(sums, axis=0))
 
 
 def _meet(line: Array) -> Array:

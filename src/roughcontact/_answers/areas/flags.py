@@ -235,7 +235,7 @@ def _find_jump(solution: ContactSolution, top: IntArray) -> float:
 def _is_rough(solution: ContactSolution) -> bool:
     """Return whether heights are rough at the scale of the cells, and their curvature far from Gaussian.
 
-    Differences across the border are left out: there heights that do not repeat have a crease far from their contact.
+    Differences across the border are omitted: there heights that do not repeat have a crease far from their contact.
     """
     gap = solution.initial_gap
     height = float(np.ptp(gap))

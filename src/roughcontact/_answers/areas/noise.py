@@ -115,7 +115,8 @@ class Noise(Estimate):
         before = ask(solution).value
         changes = [ask(other).value - before for other in _solve_noisier(solution, self.value)]
         if isinstance(found, Area):
-            return self._correct_area(solution, found, before, changes)
+            corrected: Number = self._correct_area(solution, found, before, changes)
+            return corrected
         std = _STD_FACTOR * math.sqrt(statistics.fmean(change**2 for change in changes))
         return self._widen(found, std)
 
