@@ -1,4 +1,4 @@
-"""The tables of docs/understand/area.md on machined surfaces: flags, and uncertainties by a model and by two grids."""
+"""The tables of docs/understand/edges.md on machined surfaces: flags, and uncertainties by a model and by two grids."""
 
 from __future__ import annotations
 

@@ -50,6 +50,21 @@ def too_wide(text):
     return [line for line in text.splitlines() if len(line) > 80]
 
 
+def test_uncertainties_are_found_from_what_is_asked(run):
+    heights = np.where(np.hypot(GRID.x, GRID.y) < 1e-5, 0.0, -1e-6)
+    np.savez("punch.npz", heights=heights, size=GRID.size)
+    solution = solve("punch.npz", pressure=50e6)
+    found = {}
+    for kind in ("auto", "model", "two grids"):
+        _, out, _ = run("solve", "punch.npz", "--pressure", "50MPa", *STEEL, "--json", "--uncertainty", kind)
+        found[kind] = json.loads(out)["area"]["uncertainty"]
+        assert found[kind] == solution.area(uncertainty=kind).uncertainty
+    assert found["auto"] == found["two grids"] != found["model"]
+    status, _, err = run("solve", "punch.npz", *STEEL, "--solve-for", "area=10%", "--uncertainty", "model")
+    assert status != 0
+    assert "--uncertainty needs a load that is given" in err
+
+
 class TestJson:
     def test_it_states_the_numbers_of_the_api(self, run):
         status, out, _ = run("solve", "rough.npz", "--pressure", "50MPa", *STEEL, "--json", "--area", "cell-count")

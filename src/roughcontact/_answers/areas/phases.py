@@ -241,16 +241,16 @@ def solve_with(heights: HeightMap, solution: ContactSolution, start: Array) -> C
         body=Body(heights, problem.body.material),
         counterbody=Body(FlatSurface(), problem.counterbody.material),
         grid=None,
+        solver=problem.plan.solver.with_tolerance(max(_TOLERANCE, problem.plan.solver.tolerance)),
     )
-    tolerance = max(_TOLERANCE, problem.plan.solver.tolerance)
     if solution.origin is None or "approach" not in solution.origin.load:
-        return other.solve(force=solution.force, tolerance=tolerance, start=start)
+        return other.solve(force=solution.force, start=start)
     # Its highest point may be lower, and is then touched later.
     known = True if heights.non_measured is None else ~heights.non_measured
     approach = solution.approach + float(np.max(heights.values, where=known, initial=-np.inf))
     if approach <= 0.0:
         raise InputError("With other heights nothing touches.")
-    return other.solve(approach=approach, tolerance=tolerance, start=start)
+    return other.solve(approach=approach, start=start)
 
 
 def _coarsen(field: Array, boundary: Boundary, offset: int, insert: Callable[[Array, int], Array]) -> Array:

@@ -43,7 +43,7 @@ from roughcontact._parts.grid import Boundary, Grid, list_borders
 from roughcontact._parts.kernels import STRESS_COMPONENTS, HalfSpaceStress, Love, SupportsStress
 from roughcontact._solve.convolvers import StressConvolution
 from roughcontact._solve.problem import ContactProblem, problem_of
-from roughcontact._solve.solution import ContactSolution, Response, responses
+from roughcontact._solve.solution import ContactSolution, Response, judge, responses
 from roughcontact.errors import InputError, argument
 from roughcontact.errors.warning import Answer
 
@@ -224,7 +224,7 @@ class Stress(ShownAsPrinted, Answer):
     def _judge_by_grids(self, found: StressMaximum, name: str) -> StressMaximum:
         """Return a maximum with the uncertainty that its solution asks for."""
         solution = self.solution
-        return solution._judge(found, solution.uncertainty, lambda one: one.response(self._asked).estimates[name])
+        return judge(solution, found, solution.uncertainty, lambda one: one.response(self._asked).estimates[name])
 
     def _find_in_layers(self, place: int) -> dict[int, StressMaximum]:
         peaks = [peak[place] for peak in self._peaks]

@@ -81,14 +81,14 @@ examples:
             metavar="N",
             help="solve on N grids, each twice as fine as the last (3); the finest gives the answer",
         )
+        accuracy.add_argument(
+            "--uncertainty",
+            choices=list(UNCERTAINTIES),
+            help="what the uncertainties are found from (auto: a model of the errors, or two coarser grids at sharp "
+            "edges, creases and rough heights)",
+        )
         output = parser.add_argument_group("output")
         output.add_argument("--area", metavar="NAME", help="area estimator to report besides the default")
-        output.add_argument(
-            "--uncertainty",
-            choices=UNCERTAINTIES,
-            help="what the uncertainties are found from: a model of the errors, or two coarser grids (auto: these at "
-            "sharp edges, creases and rough heights)",
-        )
         add_shape(output)
         output.add_argument("--explain", action="store_true", help="print the plan first: cells, memory, threads, ...")
         output.add_argument("--dry-run", action="store_true", help="print the plan, and solve nothing")

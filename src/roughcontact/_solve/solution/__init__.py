@@ -23,6 +23,8 @@ from roughcontact._solve.solution.fields import find_patches as find_patches
 from roughcontact._solve.solution.healing import FilledGap as FilledGap
 from roughcontact._solve.solution.healing import fill_gap as fill_gap
 from roughcontact._solve.solution.healing import heal as heal
+from roughcontact._solve.solution.judgement import UNCERTAINTIES as UNCERTAINTIES
+from roughcontact._solve.solution.judgement import judge as judge
 from roughcontact._solve.solution.laws import Governed as Governed
 from roughcontact._solve.solution.laws import Law as Law
 from roughcontact._solve.solution.laws import Process as Process
@@ -40,7 +42,6 @@ from roughcontact._solve.solution.plausibility import exceeds_metals as exceeds_
 from roughcontact._solve.solution.plausibility import find_contact as find_contact
 from roughcontact._solve.solution.plausibility import find_scene as find_scene
 from roughcontact._solve.solution.results import DEFAULT_AREA as DEFAULT_AREA
-from roughcontact._solve.solution.results import UNCERTAINTIES as UNCERTAINTIES
 from roughcontact._solve.solution.results import Area as Area
 from roughcontact._solve.solution.results import AreaEstimator as AreaEstimator
 from roughcontact._solve.solution.results import Estimate as Estimate

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import Any, ClassVar, Self, TypeVar, overload
@@ -18,12 +17,12 @@ from roughcontact._parts.surfaces import HeightMap
 from roughcontact._solve.solution.additions import Addition
 from roughcontact._solve.solution.attraction import interpolate_peak, warn_of_attraction, widen_area
 from roughcontact._solve.solution.healing import heal
+from roughcontact._solve.solution.judgement import UNCERTAINTIES, explain_uncertainties, judge, judge_area
 from roughcontact._solve.solution.place import Place
 from roughcontact._solve.solution.plausibility import list_warnings
 from roughcontact._solve.solution.results import (
     DEFAULT_ADHESIVE_AREA,
     DEFAULT_AREA,
-    UNCERTAINTIES,
     Area,
     AreaEstimator,
     NameOfNumber,
@@ -43,7 +42,6 @@ from roughcontact._solve.solution.theory import Stickiness, TheoryBeside, compar
 from roughcontact.errors import InputError
 
 T = TypeVar("T")
-E = TypeVar("E", bound=Estimate)
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -74,62 +72,18 @@ class ContactAnswers(ShearFields):
         """
         kind = self._choose_uncertainty(uncertainty)
         # The default area is kept, because every number and response needs it.
-        if not (isinstance(estimator, str) and estimator == DEFAULT_AREA):
-            return self._judge(
-                self._estimate_area(areas.resolve(estimator)),
-                kind,
-                lambda one: one.area(estimator, uncertainty="model"),
-            )
-        if kind == "model":
-            return self._default_area
-        return self._keep(f"area, {kind}", lambda: self._extrapolate_area(kind))
-
-    def _extrapolate_area(self, kind: str) -> Area:
-        found = self._default_area
-        phases = self._find_phases(kind)
-        if phases is not None and phases.flagged:
-            area: Area = phases.extrapolate_area(self, found)
-            return area
-        return self._judge(found, kind, lambda one: one.area(uncertainty="model"))
+        if isinstance(estimator, str) and estimator == DEFAULT_AREA:
+            found = self._default_area
+            return self._keep(f"area, {kind}", lambda: judge_area(self, found, kind))
+        area = self._estimate_area(areas.resolve(estimator))
+        return judge(self, area, kind, lambda one: one.area(estimator, uncertainty="model"))
 
     def _choose_uncertainty(self, uncertainty: str | None) -> str:
-        return self.uncertainty if uncertainty is None else choice(uncertainty, "The uncertainty", UNCERTAINTIES)
-
-    def _find_phases(self, kind: str) -> Any:
-        """Return the phases of the grid by which uncertainties of a kind are found; None if a model is asked."""
-        if kind == "auto":
-            return self.response("judgement").phases
-        return self.phases() if kind == "two grids" else None
-
-    def _judge(self, found: E, kind: str, ask: Callable[[Self], Estimate]) -> E:
-        """Return an answer with the uncertainty of a kind."""
-        # Nothing widens an unbounded value.
-        if kind == "model" or not found.uncertainty < abs(found.value) < math.inf:
-            return found
-        if kind == "noise":
-            noisy: E = self.response("noise").judge(self, found, ask)
-            return noisy
-        phases = self._find_phases(kind)
-        if phases is None:
-            return found
-        try:
-            judged: E = phases.judge(found, ask)
-        except InputError:
-            if kind == "auto":
-                return found
-            raise
-        return judged
+        return self.uncertainty if uncertainty is None else choice(uncertainty, "The uncertainty", list(UNCERTAINTIES))
 
     def explain(self) -> str:
         """Return what the uncertainties of the answers are found from, and why."""
-        if self.uncertainty == "auto":
-            return str(self.response("judgement"))
-        kinds = {
-            "model": "a model of the errors",
-            "two grids": "two grids",
-            "noise": "a model of the errors and by noise",
-        }
-        return f"uncertainties by {kinds[self.uncertainty]}, as asked"
+        return explain_uncertainties(self)
 
     def phases(self) -> Any:
         """Return the contact on both diagonal phases of its grid, solved once; see `roughcontact.responses.Phases`."""
@@ -267,7 +221,7 @@ class ContactAnswers(ShearFields):
             raise InputError(
                 "Solved again the contact has no traction: with friction this answer is that of the model."
             )
-        return self._judge(found, kind, lambda one: one.response(asked, uncertainty="model"))
+        return judge(self, found, kind, lambda one: one.response(asked, uncertainty="model"))
 
     def _add_traction(self, asked: Any) -> Any:
         """Return a response to pressure and traction of a contact with friction."""

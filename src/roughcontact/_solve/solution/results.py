@@ -386,9 +386,6 @@ class AreaEstimator(Response[Area]):
         return area
 
 
-# Names of what the uncertainty of an answer is found from.
-UNCERTAINTIES = ("auto", "model", "two grids", "noise")
-
 areas = Registry(AreaEstimator, "area estimator", "roughcontact.areas")
 
 

@@ -145,7 +145,7 @@ def _seeds(value: Iterable[int]) -> tuple[int, ...]:
 
 
 def _uncertainty(value: str) -> str:
-    return choice(value, "The uncertainty", UNCERTAINTIES)
+    return choice(value, "The uncertainty", list(UNCERTAINTIES))
 
 
 def _fields(value: object) -> bool:
