@@ -38,7 +38,12 @@ def make_flags() -> list[list[str]]:
 
 def make_coverage() -> list[list[str]]:
     names = {"model": "model", "auto": "default", "two grids": "two grids"}
-    heading = ["answer", "surfaces", "errors", *(f"{what}, {name}" for name in names.values() for what in ("within two", "u/e"))]
+    heading = [
+        "answer",
+        "surfaces",
+        "errors",
+        *(f"{what}, {name}" for name in names.values() for what in ("within two", "u/e")),
+    ]
     rows = [heading]
     for answer in ANSWERS:
         for group, contacts in judge().items():
