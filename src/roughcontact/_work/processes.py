@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import abc
 import itertools
+import sys
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -293,7 +294,7 @@ def run_in(
         return found
 
     shakedown = False
-    for solution in march(itertools.islice(itertools.cycle(moves), rounds * len(moves)), follow):
+    for solution in march(itertools.islice(itertools.cycle(moves), min(rounds * len(moves), sys.maxsize)), follow):
         shift = moves[len(cycles) % len(moves)]
         cycles.append(state.flatten(solution, _height_loss(chosen, solution), shift))
         volumes = [cycle.volume for cycle in cycles]

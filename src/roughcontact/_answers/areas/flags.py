@@ -93,6 +93,14 @@ class Flags(ShownAsPrinted):
         return self.sharp_edge > 0.0 or self.crease > 0.0
 
     @property
+    def unresolved(self) -> bool:
+        """Whether edges or heights are sharp at the scale of the cells, so that every answer depends on the grid.
+
+        A crease is known at one place, under the maximum pressure.
+        """
+        return self.sharp_edge > 0.0 or self.rough_tail
+
+    @property
     def estimates(self) -> dict[str, Estimate]:
         """The flags as numbers by name; the last is 1 or 0."""
         names = ("sharp edge", "crease", "rough tail")

@@ -2,8 +2,8 @@
 
 Every second point of a map, from the first and from the second on along both axes, is a map of the same surface with a
 quarter of the cells: a phase of the grid. How far an answer of these two differs from that of all points contains the
-change by the size of the cells and the scatter by their place. A contact without sharp edges, creases and rough heights
-is judged by a model of the errors instead, which costs no solve.
+change by the size of the cells and the scatter by their place. A contact without sharp edges and rough heights is
+judged by a model of the errors instead, which costs no solve.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ class Phases:
     factor
         Standard deviation of an answer over the root mean square of its differences from theirs.
     flagged
-        Whether the contact has flags (`roughcontact.responses.Flags`).
+        Whether edges or heights are sharp at the scale of the cells (`roughcontact.responses.Flags.unresolved`).
 
     Examples
     --------
@@ -176,7 +176,7 @@ class Judgement(ShownAsPrinted):
 class JudgeContact(Response[Judgement]):
     """What the uncertainties of a contact are found from, and why.
 
-    Sharp edges, creases and rough heights ask for two grids, unless there is no coarser one.
+    Sharp edges and rough heights ask for two grids, unless there is no coarser one.
     """
 
     holds_with = frozenset({"tension", "shear"})
@@ -191,7 +191,7 @@ def _judge(solution: ContactSolution) -> Judgement:
         return Judgement(None, "points were not measured, whose heights each grid fills in another way")
     try:
         flags = solution.response("flags")
-        if not flags:
+        if not flags.unresolved:
             return Judgement(None, str(flags).removeprefix("none: "))
         return Judgement(solution.phases(), str(flags))
     except RoughContactError as error:
@@ -202,7 +202,7 @@ def _solve_phases(solution: ContactSolution) -> Phases:
     _require_problem(solution)
     if any(n < _MIN_CELLS for n in solution.grid.shape):
         raise InputError(f"A grid of {' x '.join(map(str, solution.grid.shape))} cells has no coarser one.")
-    flagged = bool(solution.response("flags"))
+    flagged = solution.response("flags").unresolved
     # Nothing coarser judges the coarser ones.
     first, second = (attrs.evolve(_solve_phase(solution, offset), uncertainty="model") for offset in (0, 1))
     return Phases((first, second), flagged)

@@ -85,7 +85,7 @@ examples:
             "--uncertainty",
             choices=list(UNCERTAINTIES),
             help="what the uncertainties are found from (auto: a model of the errors, or two coarser grids at sharp "
-            "edges, creases and rough heights)",
+            "edges and rough heights)",
         )
         output = parser.add_argument_group("output")
         output.add_argument("--area", metavar="NAME", help="area estimator to report besides the default")

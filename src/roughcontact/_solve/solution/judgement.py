@@ -14,7 +14,7 @@ E = TypeVar("E", bound=Estimate)
 
 # Names of what the uncertainty of an answer is found from, and what they say.
 UNCERTAINTIES = {
-    "auto": "a model of the errors, or two grids at sharp edges, creases and rough heights",
+    "auto": "a model of the errors, or two grids at sharp edges and rough heights",
     "model": "a model of the errors",
     "two grids": "two grids",
     "noise": "a model of the errors, and by more noise in the heights",
