@@ -59,10 +59,11 @@ class ContactAnswers(ShearFields):
             Registered name or instance of an area estimator.
         uncertainty
             ``"model"``: by a model of the errors of the estimator; ``"two grids"``: by what changes on coarser grids of
-            the same heights, `phases`, over which the default area is extrapolated at sharp edges and rough heights; ``"auto"``: by two grids there, if there is a coarser one, else by the model; ``"noise"``: by the
-            model and by what as much more noise as the heights have changes, to whose absence the area is
-            extrapolated, see `roughcontact.responses.Noise`; None: as the solution states, which is ``"auto"`` unless a
-            study says otherwise. `explain` says what it was.
+            the same heights, `phases`, over which the default area is extrapolated at sharp edges and rough heights;
+            ``"auto"``: by two grids there, if there is a coarser one, else by the model; ``"noise"``: by the model and
+            by what as much more noise as the heights have changes, to whose absence the area is extrapolated, see
+            `roughcontact.responses.Noise`; None: as the solution states, which is ``"auto"`` unless a study says
+            otherwise. `explain` says what it was.
 
         Raises
         ------
