@@ -32,7 +32,7 @@ class Lubricant(rc.Law):
     def _act(self, initial_gap):
         return np.where(initial_gap > self.wider, self.pressure, 0.0)
 
-    def change_gap(self, problem, load, memory):
+    def change_gap(self, problem, increment, memory):
         return problem.displace(self._act(problem.initial_gap))
 
     def list_numbers(self, state, memory):
@@ -49,10 +49,10 @@ class Wear(rc.Process):
 
     remembered: ClassVar = {"height_loss": ("height lost by wear", "m")}
 
-    def change_gap(self, problem, load, memory):
+    def change_gap(self, problem, increment, memory):
         return memory["height_loss"]
 
-    def remember(self, state, memory):
+    def remember(self, state, increment, memory):
         return {"height_loss": memory["height_loss"] + self.rate * state.contact_pressure}
 
     def list_numbers(self, state, memory):
@@ -278,7 +278,7 @@ class TestRefusals:
     def test_a_field_of_another_shape(self):
         @attrs.frozen
         class Wrong(rc.Law):
-            def change_gap(self, problem, load, memory):
+            def change_gap(self, problem, increment, memory):
                 return np.zeros(3)
 
         with pytest.raises(rc.InputError, match=r"change_gap of Wrong\(\) must be finite numbers of shape \(32, 32\)"):
@@ -290,10 +290,10 @@ class TestRefusals:
         class Wrong(rc.Process):
             remembered: ClassVar = {"height_loss": ("height lost", "m")}
 
-            def change_gap(self, problem, load, memory):
+            def change_gap(self, problem, increment, memory):
                 return memory["height_loss"]
 
-            def remember(self, state, memory):
+            def remember(self, state, increment, memory):
                 return found
 
         with pytest.raises(rc.InputError, match="height_loss"):

@@ -469,14 +469,14 @@ class Forgetful(rc.Process):
 
     remembered: ClassVar = {"lost": ("height lost", "m")}
 
-    def change_gap(self, problem, load, memory):
+    def change_gap(self, problem, increment, memory):
         if self.fault == "writes":
             problem.initial_gap.flags.writeable = True
             problem.initial_gap[...] *= 1.0 + 1e-9
         noise = np.random.default_rng().random() if self.fault == "moody" else 1.0
         return noise * memory["lost"]
 
-    def remember(self, state, memory):
+    def remember(self, state, increment, memory):
         if self.fault == "forgets":
             return memory
         return {"lost": memory["lost"] + 1e-17 * state.pressure}

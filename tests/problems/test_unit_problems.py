@@ -15,8 +15,8 @@ import pytest
 import roughcontact as rc
 from roughcontact._base.archive import _has_ended, _machine, _remove_stale_once
 from roughcontact._solve.problem.accuracy import Target, _coarsest, _is_confirmed, _mean_square_curvature, _refine
+from roughcontact._solve.problem.certificate import _are_close
 from roughcontact._solve.problem.memory import _round_down, memory_of_solve
-from roughcontact._solve.problem.run import _are_close
 from roughcontact._solve.problem.sweep import order_of_solving
 from roughcontact._solve.problem.task import maximum_pressure, pressure_unit
 from roughcontact.results import Trial

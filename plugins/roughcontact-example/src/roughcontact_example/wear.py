@@ -22,11 +22,11 @@ class Wear(rc.Process):
 
     remembered = {"height_loss": ("height lost by wear", "m")}  # noqa: RUF012
 
-    def change_gap(self, problem, load, memory):
+    def change_gap(self, problem, increment, memory):
         """Return the height lost so far: the gap is wider by it."""
         return memory["height_loss"]
 
-    def remember(self, state, memory):
+    def remember(self, state, increment, memory):
         """Return the height lost after a load."""
         return {"height_loss": memory["height_loss"] + self.coefficient * self.distance * state.pressure}
 

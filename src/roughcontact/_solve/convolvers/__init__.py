@@ -16,6 +16,7 @@ from roughcontact._solve.convolvers.field_passes import FieldPasses as FieldPass
 from roughcontact._solve.convolvers.field_passes import LastStep as LastStep
 from roughcontact._solve.convolvers.inverse import InverseConvolution as InverseConvolution
 from roughcontact._solve.convolvers.matrix import WaveMatrix as WaveMatrix
+from roughcontact._solve.convolvers.softened import SoftenedConvolution as SoftenedConvolution
 from roughcontact._solve.convolvers.stress import StressConvolution as StressConvolution
 from roughcontact._solve.convolvers.transforms import list_all_waves as list_all_waves
 from roughcontact._solve.convolvers.transforms import padded_shape as padded_shape

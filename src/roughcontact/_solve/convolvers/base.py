@@ -244,6 +244,17 @@ class PreparedConvolution(abc.ABC):
         """Return the convolution of the same kernel and boundary on another grid: a coarser one, or a part."""
         return prepare_once(self.setup.convolver, self.setup.kernel, grid, self.setup.boundary)
 
+    def within(self, rows: slice, columns: slice) -> PreparedConvolution:
+        """Return the convolution of a rectangle of its cells, on a boundary that is free around it."""
+        nx, ny = (part.stop - part.start for part in (rows, columns))
+        dx, dy = self.setup.grid.spacing
+        return self.on(Grid((nx, ny), (nx * dx, ny * dy)))
+
+    @property
+    def fixes_mean(self) -> bool:
+        """Whether on a periodic boundary the mean displacement is zero whatever the pressure; by default it is."""
+        return True
+
     def inverse(self, dtype: type[np.float32] | type[np.float64] = np.float64) -> InverseConvolution:
         """Return the approximate inverse, its stiffness in a precision."""
         return self._keep(np.dtype(dtype), lambda: approximate_inverse(self.setup, dtype))

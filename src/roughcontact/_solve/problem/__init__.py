@@ -5,6 +5,10 @@ from roughcontact._solve.problem.accuracy import resample_problem as resample_pr
 from roughcontact._solve.problem.accuracy import tolerance_within as tolerance_within
 from roughcontact._solve.problem.body import RIGID_FLAT as RIGID_FLAT
 from roughcontact._solve.problem.body import Body as Body
+from roughcontact._solve.problem.certificate import ConfirmedFields as ConfirmedFields
+from roughcontact._solve.problem.certificate import certify as certify
+from roughcontact._solve.problem.certificate import confirm as confirm
+from roughcontact._solve.problem.certificate import make_solution as make_solution
 from roughcontact._solve.problem.cycle import AdhesionCycle as AdhesionCycle
 from roughcontact._solve.problem.cycle import describe_cycle as describe_cycle
 from roughcontact._solve.problem.cycle import find_stability as find_stability
@@ -52,11 +56,7 @@ from roughcontact._solve.problem.pull_off import OnStateToPullOff as OnStateToPu
 from roughcontact._solve.problem.pull_off import find_pull_off as find_pull_off
 from roughcontact._solve.problem.required_load import RequiredLoad as RequiredLoad
 from roughcontact._solve.problem.required_load import find_required_load as find_required_load
-from roughcontact._solve.problem.run import ConfirmedFields as ConfirmedFields
-from roughcontact._solve.problem.run import certify as certify
 from roughcontact._solve.problem.run import computing as computing
-from roughcontact._solve.problem.run import confirm as confirm
-from roughcontact._solve.problem.run import make_solution as make_solution
 from roughcontact._solve.problem.run import require_certified as require_certified
 from roughcontact._solve.problem.run import run_solve as run_solve
 from roughcontact._solve.problem.saved import find_saved_kind as find_saved_kind

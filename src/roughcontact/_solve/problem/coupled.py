@@ -16,6 +16,7 @@ from roughcontact._base.units import si
 from roughcontact._parts.grid import Load
 from roughcontact._parts.interactions import shear_limit
 from roughcontact._solve.problem.accuracy import with_tolerance
+from roughcontact._solve.problem.certificate import certify
 from roughcontact._solve.problem.coupled_starts import (
     LastIncrement,
     Mixing,
@@ -33,7 +34,7 @@ from roughcontact._solve.problem.friction_certificate import (
     StrengthBound,
     stack_along,
 )
-from roughcontact._solve.problem.run import certify, computing, run_solve
+from roughcontact._solve.problem.run import computing, run_solve
 from roughcontact._solve.problem.task import make_task
 from roughcontact._solve.solution import (
     ContactConditions,

@@ -13,7 +13,7 @@ from roughcontact._parts.grid import Load
 from roughcontact._parts.interactions import FrictionLaw, shear_limit
 from roughcontact._parts.materials import PairConstants
 from roughcontact._solve.convolvers import ShearConvolution
-from roughcontact._solve.problem.run import certify, verify_solution
+from roughcontact._solve.problem.certificate import certify, verify_solution
 from roughcontact._solve.problem.scene import Scene
 from roughcontact._solve.problem.task import make_task, pressure_unit
 from roughcontact._solve.solution import (

@@ -27,6 +27,7 @@ from roughcontact._solve.solution.judgement import UNCERTAINTIES as UNCERTAINTIE
 from roughcontact._solve.solution.judgement import judge as judge
 from roughcontact._solve.solution.laws import Governed as Governed
 from roughcontact._solve.solution.laws import Law as Law
+from roughcontact._solve.solution.laws import LoadIncrement as LoadIncrement
 from roughcontact._solve.solution.laws import Process as Process
 from roughcontact._solve.solution.laws import as_laws as as_laws
 from roughcontact._solve.solution.laws import laws as laws

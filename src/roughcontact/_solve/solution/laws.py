@@ -12,7 +12,7 @@ import numpy as np
 
 from roughcontact._base.archive.plain import Described, describe, missing_classes, rebuild
 from roughcontact._base.arrays import Array, RealArray, frozen_array
-from roughcontact._base.checks import MAX_MAGNITUDE, Part
+from roughcontact._base.checks import MAX_MAGNITUDE, Part, number
 from roughcontact._base.registry import Registry
 from roughcontact._base.units import Estimate
 from roughcontact._parts.grid import Grid, Load
@@ -23,8 +23,28 @@ from roughcontact.errors import InputError
 Memory: TypeAlias = Mapping[str, Array]
 _NOTHING: Memory = MappingProxyType({})
 _PLAIN = ("laws", "remembered")
+_CLOCK = ("time", "sliding", "elapsed", "slid")
 # Difference between machines of what a law gives, over its largest value.
 _MACHINE_DIFFERENCE = 1e-10
+
+
+@attrs.frozen
+class LoadIncrement:
+    """What changes from one state to the next.
+
+    Attributes
+    ----------
+    load
+        The normal load at its end.
+    time
+        Its duration, s; zero: the load changes at once.
+    sliding
+        The distance by which the surfaces slide over each other in it, m.
+    """
+
+    load: Load
+    time: float = 0.0
+    sliding: float = 0.0
 
 
 class Law(Part, abc.ABC):
@@ -42,7 +62,7 @@ class Law(Part, abc.ABC):
     >>> @attrs.frozen
     ... class Lubricant(rc.Law):
     ...     pressure: float = attrs.field(metadata={"unit": "Pa"})
-    ...     def change_gap(self, problem, load, memory):
+    ...     def change_gap(self, problem, increment, memory):
     ...         rest = problem.initial_gap > 1e-7
     ...         return problem.displace(rest * self.pressure)
     ...     def list_numbers(self, state, memory):
@@ -55,18 +75,25 @@ class Law(Part, abc.ABC):
     """
 
     @abc.abstractmethod
-    def change_gap(self, problem: Any, load: Load, memory: Memory) -> Array:
+    def change_gap(self, problem: Any, increment: LoadIncrement, memory: Memory) -> Array:
         """Return what it adds to the gap before deformation, shape (nx, ny), m.
 
         Parameters
         ----------
         problem
             The `ContactProblem`.
-        load
-            The normal load at the end of the increment.
+        increment
+            What changes from the state before to this one.
         memory
             What it remembers of the increments before; empty of a law that does not remember.
         """
+
+    def find_local_compliance(self, problem: Any, increment: LoadIncrement, memory: Memory) -> float | Array:
+        """Return what the pressure on a cell adds to the gap there, m/Pa, at least zero: one number, or (nx, ny).
+
+        By default nothing. A rate law solves an increment implicitly so, as `Archard` does.
+        """
+        return 0.0
 
     def list_numbers(self, state: Any, memory: Memory) -> Mapping[str, Estimate | tuple[float, str]]:
         """Return its numbers of a `ContactSolution` by name: estimates, or a number with its unit."""
@@ -95,9 +122,9 @@ class Process(Law):
     ... class Wear(rc.Process):
     ...     rate: float = attrs.field(metadata={"unit": "m/Pa"})
     ...     remembered = {"height_loss": ("height lost by wear", "m")}
-    ...     def change_gap(self, problem, load, memory):
+    ...     def change_gap(self, problem, increment, memory):
     ...         return memory["height_loss"]
-    ...     def remember(self, state, memory):
+    ...     def remember(self, state, increment, memory):
     ...         return {"height_loss": memory["height_loss"] + self.rate * state.pressure}
     >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Elastic(young=210e9, poisson=0.3))
     >>> problem = rc.ContactProblem(ball, grid=rc.Grid((32, 32), 100e-6), laws=Wear(1e-17))
@@ -109,13 +136,15 @@ class Process(Law):
     remembered: ClassVar[Mapping[str, tuple[str, str]]]
 
     @abc.abstractmethod
-    def remember(self, state: Any, memory: Memory) -> Memory:
+    def remember(self, state: Any, increment: LoadIncrement, memory: Memory) -> Memory:
         """Return what it remembers after an increment, arrays of shape (nx, ny) by name.
 
         Parameters
         ----------
         state
             The `ContactSolution` at its end.
+        increment
+            What has changed in it.
         memory
             What it remembers of those before.
         """
@@ -143,9 +172,15 @@ class Governed(Addition):
     remembered
         Meaning and unit of what each of them remembers, by name.
     offset
-        What they add to the gap before deformation, shape (nx, ny), m.
+        What they add to the gap before deformation, at the end of the increment, shape (nx, ny), m.
     before, memory
         What each of them remembers at the begin and at the end of the increment.
+    time, sliding
+        Duration of the increment, s, and sliding distance in it, m.
+    elapsed, slid
+        Time, s, and sliding distance, m, since the first touch.
+    local_compliance
+        What the pressure on a cell adds to the gap there in the increment, m/Pa, a number or of shape (nx, ny).
     numbers
         Their numbers by name, each with its unit.
     added_conditions
@@ -160,40 +195,83 @@ class Governed(Addition):
     offset: Array
     before: tuple[Memory, ...]
     memory: tuple[Memory, ...]
+    time: float = 0.0
+    sliding: float = 0.0
+    elapsed: float = 0.0
+    slid: float = 0.0
+    local_compliance: float | Array = 0.0
     numbers: Mapping[str, Estimate | tuple[float, str]] = attrs.field(factory=dict)
     added_conditions: tuple[Condition, ...] = ()
 
     @classmethod
-    def begin(cls, problem: Any, load: Load, last: Any) -> Governed:
+    def begin(cls, problem: Any, increment: LoadIncrement, last: Any) -> Governed:
         """Return what the laws of a problem change in an increment that follows a state, or None at the first."""
         known = None if last is None else last._find_added(cls)
-        fresh = tuple(_start_memory(law, problem.plan.grid) for law in problem.laws)
-        return cls._change(problem, load, fresh if known is None else known.memory)
+        if known is not None:
+            return cls._change(problem, increment, known.memory, known.elapsed, known.slid)
+        return cls._change(problem, increment, tuple(_start_memory(law, problem.plan.grid) for law in problem.laws))
 
     @classmethod
-    def _change(cls, problem: Any, load: Load, before: tuple[Memory, ...]) -> Governed:
+    def _change(
+        cls,
+        problem: Any,
+        increment: LoadIncrement,
+        before: tuple[Memory, ...],
+        elapsed: float = 0.0,
+        slid: float = 0.0,
+    ) -> Governed:
         grid = problem.plan.grid
         offset = np.zeros(grid.shape)
+        local: float | Array = 0.0
         for law, memory in zip(problem.laws, before, strict=True):
-            offset += _check_field(law.change_gap(problem, load, memory), grid, f"change_gap of {law!r}")
-        remembered = tuple(map(_list_remembered, problem.laws))
-        return cls(laws=problem.laws, remembered=remembered, offset=frozen_array(offset), before=before, memory=before)
+            offset += _check_field(law.change_gap(problem, increment, memory), grid, f"change_gap of {law!r}")
+            local = local + _check_compliance(law.find_local_compliance(problem, increment, memory), grid, law)
+        return cls(
+            laws=problem.laws,
+            remembered=tuple(map(_list_remembered, problem.laws)),
+            offset=frozen_array(offset),
+            before=before,
+            memory=before,
+            time=increment.time,
+            sliding=increment.sliding,
+            elapsed=elapsed + increment.time,
+            slid=slid + increment.sliding,
+            local_compliance=local,
+        )
+
+    @property
+    def is_implicit(self) -> bool:
+        """Whether the pressure itself adds to the gap in the increment."""
+        return bool(np.any(self.local_compliance))
+
+    def press(self, pressure: Array) -> Governed:
+        """Return it with what a pressure, shape (nx, ny), Pa, adds to the gap in the increment."""
+        if not self.is_implicit:
+            return self
+        return attrs.evolve(self, offset=frozen_array(self.offset + self.local_compliance * pressure))
 
     def repeat(self, problem: Any, state: Any) -> Governed:
         """Return it anew from what the laws remembered before, and a state with its origin."""
-        again = self._change(problem, Load.signed(**state.origin.load), self.before)
+        again = self._change(problem, self._find_increment(state), self.before).press(state.pressure)
+        again = attrs.evolve(again, elapsed=self.elapsed, slid=self.slid)
         return again.finish(state) if state.status.success else again
 
     def finish(self, state: Any) -> Governed:
         """Return what they remember, and their numbers and conditions, at the end of the increment."""
+        increment = self._find_increment(state)
         pairs = list(zip(self.laws, self.before, strict=True))
-        memory = tuple(_remember(law, state, before) for law, before in pairs)
+        memory = tuple(_remember(law, state, increment, before) for law, before in pairs)
         numbers: dict[str, Estimate | tuple[float, str]] = {}
         conditions: list[Condition] = []
         for law, after in zip(self.laws, memory, strict=True):
             numbers |= law.list_numbers(state, after)
             conditions += law.list_conditions(state, after)
-        return attrs.evolve(self, memory=memory, numbers=numbers, added_conditions=tuple(conditions))
+        return attrs.evolve(
+            self, memory=memory, numbers=numbers, added_conditions=tuple(conditions), local_compliance=0.0
+        )
+
+    def _find_increment(self, state: Any) -> LoadIncrement:
+        return LoadIncrement(Load.signed(**state.origin.load), self.time, self.sliding)
 
     def require_same(self, again: Governed) -> None:
         """Raise `InputError` unless it is, up to rounding, what the laws give `again`."""
@@ -238,6 +316,7 @@ class Governed(Addition):
         }
         return {
             **{name: describe(getattr(self, name), arrays) for name in (*_PLAIN, "offset", "before", "memory")},
+            **{name: getattr(self, name) for name in _CLOCK if getattr(self, name)},
             "numbers": describe(named, arrays),
             "conditions": describe([attrs.asdict(one) for one in self.added_conditions], arrays),
         }
@@ -263,6 +342,7 @@ class Governed(Addition):
             offset=_check_field(rebuild(described["offset"], arrays), grid, "change of the gap"),
             before=before,
             memory=memory,
+            **{name: _check_length(described.get(name, 0.0)) for name in _CLOCK},
             numbers={name: _read_number(one) for name, one in rebuild(described["numbers"], arrays).items()},
             added_conditions=tuple(Condition(**one) for one in rebuild(described["conditions"], arrays)),
         )
@@ -296,13 +376,27 @@ def _start_memory(law: Law, grid: Grid) -> Memory:
     return MappingProxyType({name: frozen_array(np.zeros(grid.shape)) for name in names}) if names else _NOTHING
 
 
-def _remember(law: Law, state: Any, before: Memory) -> Memory:
+def _remember(law: Law, state: Any, increment: LoadIncrement, before: Memory) -> Memory:
     if not isinstance(law, Process):
         return before
-    found = law.remember(state, before)
+    found = law.remember(state, increment, before)
     if not isinstance(found, Mapping) or set(found) != set(law.remembered):
         raise InputError.about(f"remember of {law!r}", found, f"a mapping with {', '.join(law.remembered)}")
     return {name: _check_field(found[name], state.grid, f"{name} of {law!r}") for name in law.remembered}
+
+
+def _check_length(value: object) -> float:
+    return number(value, "A time or sliding distance of its laws", at_least=0.0)
+
+
+def _check_compliance(values: object, grid: Grid, law: Law) -> float | Array:
+    found = np.asarray(values)
+    if found.shape == ():
+        return number(values, f"The local compliance of {law!r}", "m/Pa", at_least=0.0)
+    field = _check_field(values, grid, f"find_local_compliance of {law!r}")
+    if field.min() < 0.0:
+        raise InputError.about(f"The local compliance of {law!r}", values, "at least zero (m/Pa)")
+    return field
 
 
 def _check_field(values: object, grid: Grid, what: str) -> Array:

@@ -16,9 +16,10 @@ from roughcontact._parts.materials import Material
 from roughcontact._parts.surfaces import FlatSurface, HeightMap, SelfAffineSurface, SphereSurface, Surface
 from roughcontact._solve.convolvers import Convolver, PreparedConvolution
 from roughcontact._solve.problem.body import RIGID_FLAT, Body
+from roughcontact._solve.problem.certificate import certify, confirm, make_solution
 from roughcontact._solve.problem.plan import SolvePlan
 from roughcontact._solve.problem.problem import ContactProblem
-from roughcontact._solve.problem.run import certify, confirm, make_solution, require_certified
+from roughcontact._solve.problem.run import require_certified
 from roughcontact._solve.problem.slabs.arrays import SlabArray
 from roughcontact._solve.problem.slabs.processes import SlabProcesses
 from roughcontact._solve.problem.slabs.transforms import make_random_rows

@@ -8,7 +8,7 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array, IntArray, RealArray, sum_of_products
-from roughcontact._parts.grid import Boundary, Grid
+from roughcontact._parts.grid import Boundary
 from roughcontact._solve.convolvers import PreparedConvolution
 from roughcontact._solve.solvers.base import Outcome, Step, Task, starting_pressure
 from roughcontact._solve.solvers.conjugate.field_descent import FieldDescent
@@ -240,9 +240,7 @@ class Window:
 
     def convolution(self, convolution: PreparedConvolution) -> PreparedConvolution:
         """Return the convolution of the cells inside."""
-        dx, dy = convolution.setup.grid.spacing
-        nx, ny = (s.stop - s.start for s in (self.rows, self.columns))
-        return convolution.on(Grid((nx, ny), (nx * dx, ny * dy)))
+        return convolution.within(self.rows, self.columns)
 
     def contains_contact(self, initial_gap: Array, approach: float) -> bool:
         """Return whether no cell outside can touch at an approach."""

@@ -209,7 +209,7 @@ def _append(before: Outcome, after: Outcome) -> Outcome:
 
 
 def _can_search_loads(convolution: PreparedConvolution, task: Task) -> bool:
-    if task.approach is None or convolution.setup.boundary is not Boundary.PERIODIC:
+    if task.approach is None or convolution.setup.boundary is not Boundary.PERIODIC or not convolution.fixes_mean:
         return False
     full = float(task.initial_gap.mean())
     limited = bool(np.isfinite(task.pressure_limit).all())
