@@ -61,14 +61,20 @@ from roughcontact._parts.surfaces import (
 from roughcontact._solve.convolvers import DCFFT, CircularFFT, Convolver, Direct, convolvers
 from roughcontact._solve.problem import RIGID_FLAT, Body, ContactProblem, FrictionalPath, load
 from roughcontact._solve.solution import (
+    Archard,
     Area,
     ContactSolution,
     Estimate,
+    Flattening,
+    FlatteningModel,
     Law,
+    Overlap,
     Process,
     Response,
     SolutionWriter,
     Status,
+    UniformRise,
+    flattening_models,
     laws,
     responses,
     writers,
@@ -82,7 +88,7 @@ from roughcontact._solve.solvers import (
     SpectralGradient,
     solvers,
 )
-from roughcontact._work.processes import FlatteningModel, Overlap, UniformRise, flattening_models, run_in
+from roughcontact._work.processes import run_in
 from roughcontact._work.reports import error_vs_time, stability
 from roughcontact._work.studies import Study
 from roughcontact.errors import (
@@ -109,6 +115,7 @@ _MODULES = (
 __all__ = [
     "DCFFT",
     "RIGID_FLAT",
+    "Archard",
     "Area",
     "AreaEstimator",
     "Blend",
@@ -129,6 +136,7 @@ __all__ = [
     "Exponential",
     "FileError",
     "FlatSurface",
+    "Flattening",
     "FlatteningModel",
     "FourierHalfSpace",
     "FrictionLaw",

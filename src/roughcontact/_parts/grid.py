@@ -299,6 +299,15 @@ class Load:
         return cls._of_list(given, None)
 
     @classmethod
+    def resting_sequence(cls, **given: object) -> tuple[Load, ...]:
+        """Return the loads of the one list that is given, as `sequence` does; but for the first they may be zero."""
+        loads = cls._of_list(given, None)
+        for place, load in enumerate(loads):
+            bound = {"above": 0.0} if place == 0 else {"at_least": 0.0}
+            number(load.value, f"A load of {load.kind}=[...]", load.unit, **bound)
+        return loads
+
+    @classmethod
     def unloading_sequence(cls, **given: object) -> tuple[Load, ...]:
         """Return the loads of the one list that is given, as `sequence` does; the last of several may be zero."""
         loads = cls._of_list(given, None)

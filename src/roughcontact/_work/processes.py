@@ -1,8 +1,7 @@
-"""Repeated loading: plastic flattening, and running in until shakedown."""
+"""Repeated loading: running in until shakedown."""
 
 from __future__ import annotations
 
-import abc
 import itertools
 import sys
 from collections.abc import Callable, Sequence
@@ -12,13 +11,19 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array, Mask
-from roughcontact._base.checks import Part, callback, integer, number
-from roughcontact._base.registry import Registry
+from roughcontact._base.checks import callback, integer, number
 from roughcontact._base.tables import Table, TableResult
 from roughcontact._base.units import Estimate, Force, Pressure, si
 from roughcontact._parts.surfaces import HeightMap, repeats
 from roughcontact._solve.problem import Body, ContactProblem, march
-from roughcontact._solve.solution import Area, ContactSolution
+from roughcontact._solve.solution import (
+    Area,
+    ContactSolution,
+    FlatteningModel,
+    find_height_loss,
+    find_softer,
+    flattening_models,
+)
 from roughcontact.errors import InputError, argument
 from roughcontact.errors.door import guarded
 
@@ -26,101 +31,6 @@ from roughcontact.errors.door import guarded
 _MAX_KEPT_PRESSURES = 16
 # Loss of height, over the approach, up to which it is rounding and printed as zero.
 _MIN_PRINTED_LOSS_RATIO = 1e-12
-
-
-class FlatteningModel(Part, abc.ABC):
-    """A model of plastic flattening; a class of your own gives the loss of height.
-
-    Examples
-    --------
-    >>> import roughcontact as rc
-    >>> class HalfOverlap(rc.Overlap):
-    ...     def height_loss(self, solution):
-    ...         return 0.5 * super().height_loss(solution)
-    >>> wave = rc.WavySurface(amplitude=1e-6, wavelength=50e-6)
-    >>> steel = rc.ElasticPerfectlyPlastic(young=210e9, poisson=0.3, hardness=2e9)
-    >>> body = rc.Body(wave, steel)
-    >>> problem = rc.ContactProblem(body, grid=rc.Grid((32, 32), 100e-6), boundary="periodic")
-    >>> print(rc.run_in(problem, pressure=100e6, model=HalfOverlap()).shakedown)
-    True
-    """
-
-    @abc.abstractmethod
-    def height_loss(self, solution: ContactSolution) -> Array:
-        """Return the loss of height of both bodies together after unloading, shape (nx, ny), m.
-
-        Negative where the surfaces rise. The elastic displacement recovers completely.
-        """
-
-
-flattening_models = Registry(FlatteningModel, "flattening model", "roughcontact.flattening_models")
-
-
-@attrs.frozen
-class Overlap(FlatteningModel):
-    """The overlap of the saturated cells remains as flattening; its volume is lost into the bulk.
-
-    Pressure and position of the bodies under load are conserved: loaded again in the same place, the surfaces
-    carry the same pressure elastically, so that one cycle is shakedown. (The approach counts from first touch, which
-    is later by the height that the highest summit lost.) The volume is not conserved. The same rule is used, for
-    instance, by Weber et al., Nat. Commun. 9 (2018) 888, https://doi.org/10.1038/s41467-018-02981-y
-
-    Examples
-    --------
-    >>> import roughcontact as rc
-    >>> wave = rc.WavySurface(amplitude=1e-6, wavelength=50e-6)
-    >>> steel = rc.ElasticPerfectlyPlastic(young=210e9, poisson=0.3, hardness=2e9)
-    >>> body = rc.Body(wave, steel)
-    >>> problem = rc.ContactProblem(body, grid=rc.Grid((32, 32), 100e-6), boundary="periodic")
-    >>> print(rc.run_in(problem, pressure=100e6, model=rc.Overlap()).shakedown)
-    True
-    """
-
-    def height_loss(self, solution: ContactSolution) -> Array:
-        """Return the overlap of the saturated cells, shape (nx, ny), m, zero elsewhere."""
-        return np.where(solution.saturated, np.maximum(-solution.gap, 0.0), 0.0)
-
-
-@attrs.frozen
-class UniformRise(FlatteningModel):
-    """The volume of the overlap comes back as a uniform rise of all cells that are not in contact.
-
-    The volume, and so the mean height, is conserved. Loaded again in the same place, the raised surface carries part of
-    the load. In full contact all cells rise. The rise was observed on confined specimens by Pullen and Williamson,
-    Proc. R. Soc. Lond. A 327 (1972) 159, https://doi.org/10.1098/rspa.1972.0038
-
-    Examples
-    --------
-    >>> import roughcontact as rc
-    >>> wave = rc.WavySurface(amplitude=1e-6, wavelength=50e-6)
-    >>> steel = rc.ElasticPerfectlyPlastic(young=210e9, poisson=0.3, hardness=2e9)
-    >>> body = rc.Body(wave, steel)
-    >>> problem = rc.ContactProblem(body, grid=rc.Grid((32, 32), 100e-6), boundary="periodic")
-    >>> print(rc.run_in(problem, pressure=100e6, model=rc.UniformRise()).shakedown)
-    True
-    """
-
-    def height_loss(self, solution: ContactSolution) -> Array:
-        """Return the overlap less the rise, shape (nx, ny), m; its mean is zero.
-
-        Raises
-        ------
-        InputError
-            If the volume exceeds the volume of the gap.
-        """
-        loss = Overlap().height_loss(solution)
-        open_cells = ~solution.contact
-        count = np.count_nonzero(open_cells)
-        if count == 0:
-            return np.asarray(loss - loss.mean(), dtype=np.float64)
-        displaced = float(loss.sum())
-        if displaced > float(solution.gap[open_cells].sum()):
-            raise InputError(
-                "The open cells cannot take the displaced volume: the gap there is smaller. Choose a smaller load, or "
-                "the model 'overlap'."
-            )
-        loss[open_cells] -= displaced / count
-        return loss
 
 
 @attrs.frozen(kw_only=True)
@@ -296,7 +206,7 @@ def run_in(
     shakedown = False
     for solution in march(itertools.islice(itertools.cycle(moves), min(rounds * len(moves), sys.maxsize)), follow):
         shift = moves[len(cycles) % len(moves)]
-        cycles.append(state.flatten(solution, _height_loss(chosen, solution), shift))
+        cycles.append(state.flatten(solution, find_height_loss(chosen, solution), shift))
         volumes = [cycle.volume for cycle in cycles]
         # Only a complete round counts.
         complete = len(cycles) % len(moves) == 0
@@ -318,7 +228,7 @@ class _State:
         self._fresh = [side.heights(self._grid) for side in self._sides]
         self._heights = [heights.copy() for heights in self._fresh]
         self._masks = [side.non_measured(self._grid) for side in self._sides]
-        self._fraction = _fraction_of_body(problem)
+        self._fraction = find_softer(problem)
 
     def shifted_problem(self, shift: tuple[int, int]) -> ContactProblem:
         """Return the problem with the heights as they are and the counterbody displaced."""
@@ -364,28 +274,6 @@ class _State:
             for z, mask, history, side in zip(heights, masks, histories, self._sides, strict=True)
         )
         return attrs.evolve(self._problem, body=body, counterbody=counterbody, grid=self._grid)
-
-
-def _height_loss(model: FlatteningModel, solution: ContactSolution) -> Array:
-    height_loss = np.asarray(model.height_loss(solution))
-    if height_loss.shape != solution.grid.shape or height_loss.dtype.kind != "f" or not np.isfinite(height_loss).all():
-        raise InputError(
-            f"The flattening model {model!r} must give finite real heights of shape {solution.grid.shape}, but gave an "
-            f"array of shape {height_loss.shape} and type {height_loss.dtype}."
-        )
-    return height_loss
-
-
-def _fraction_of_body(problem: ContactProblem) -> float | Array:
-    """Return the body's fraction of the flattening: all where it is softer, half where both are equal."""
-    one, other = (np.asarray(side.material.pressure_limit) for side in (problem.body, problem.counterbody))
-    if np.isinf(one).all() and np.isinf(other).all():
-        raise InputError(
-            "Neither material has a pressure limit, so nothing is flattened: make one ElasticPerfectlyPlastic(...)."
-        )
-    sign = np.sign(other - one, where=one != other, out=np.zeros(np.broadcast(one, other).shape))
-    fraction = 0.5 * (1.0 + sign)
-    return float(fraction) if fraction.ndim == 0 else fraction
 
 
 def _check_shifts(shifts: Sequence[tuple[int, int]], problem: ContactProblem) -> list[tuple[int, int]]:

@@ -13,8 +13,7 @@ import attrs
 import numpy as np
 
 from roughcontact._parts.grid import Boundary, Grid
-from roughcontact._solve.solution import Area, AreaEstimator, ContactSolution, Estimate, Response
-from roughcontact._work.processes import FlatteningModel
+from roughcontact._solve.solution import Area, AreaEstimator, ContactSolution, Estimate, FlatteningModel, Response
 from roughcontact.errors import InputError
 from roughcontact.testing.claim import (
     DoesNotApply,

@@ -17,7 +17,7 @@ from roughcontact._faces.panels.base import Panel
 from roughcontact._faces.panels.curves import add_key, draw_band, scale_axes
 from roughcontact._faces.panels.figures import loads_of, write_picture
 from roughcontact._faces.panels.theme import apply_theme, require_matplotlib, style, theme_of
-from roughcontact._solve.problem import AdhesionCycle, FrictionalPath, Sweep
+from roughcontact._solve.problem import AdhesionCycle, FrictionalPath, LoadPath, Sweep
 from roughcontact._solve.solution import Estimate
 from roughcontact._work.reports import ErrorReport, ReportRow, find_varying_parts, group_by_setup
 from roughcontact._work.studies import StudyNames
@@ -160,6 +160,28 @@ def draw_loop(path: FrictionalPath, axes: Any, dark: bool = False) -> Any:
         scale_axes(axes, x=f"displacement, {length_unit}", y=f"tangential force, {force_unit}")
         if len(shown) > 1:
             add_key(axes)
+    return axes
+
+
+def draw_load_path(path: LoadPath, axes: Any, dark: bool = False) -> Any:
+    """Draw the force over the approach, or the contact area over the sliding distance or time; see `LoadPath.plot`."""
+    axes = _own_axes(axes, dark)
+    passed = next(((name, values) for name in ("sliding", "time") if (values := getattr(path, name)).any()), None)
+    with style(theme_of(axes).is_dark):
+        if passed is None:
+            force_factor, force_unit = prefixed(float(np.abs(path.force).max()), "N")
+            length_factor, length_unit = prefixed(float(np.abs(path.approach).max()), "m")
+            draw_band(axes, length_factor * path.approach, force_factor * path.force, np.zeros(len(path)))
+            scale_axes(axes, x=f"approach since first touch, {length_unit}", y=f"force, {force_unit}")
+            return axes
+        name, values = passed
+        factor, unit = prefixed(float(values.max()), {"sliding": "m", "time": "s"}[name])
+        percent = 100.0 / path.states[0].grid.area
+        areas = [state.area() for state in path]
+        shown = [np.array([percent * getattr(area, of) for area in areas]) for of in ("value", "uncertainty")]
+        draw_band(axes, factor * values, *shown)
+        words = {"sliding": "sliding distance", "time": "time"}[name]
+        scale_axes(axes, x=f"{words}, {unit}", y="contact area, % of nominal")
     return axes
 
 

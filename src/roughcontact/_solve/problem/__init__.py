@@ -44,6 +44,7 @@ from roughcontact._solve.problem.frictional_path import save_path as save_path
 from roughcontact._solve.problem.increments import Increment as Increment
 from roughcontact._solve.problem.increments import list_loads as list_loads
 from roughcontact._solve.problem.increments import list_targets as list_targets
+from roughcontact._solve.problem.load_path import LoadPath as LoadPath
 from roughcontact._solve.problem.loads import order_loads as order_loads
 from roughcontact._solve.problem.loads import solve_next as solve_next
 from roughcontact._solve.problem.loads import sweep_loads as sweep_loads

@@ -19,7 +19,7 @@ from roughcontact._solve.problem.accuracy import Target, solve_within, with_tole
 from roughcontact._solve.problem.cycle import AdhesionCycle, list_approaches, run_cycle
 from roughcontact._solve.problem.friction_certificate import verify_state
 from roughcontact._solve.problem.frictional_path import FrictionalPath, run_path, run_slide
-from roughcontact._solve.problem.increments import Increment
+from roughcontact._solve.problem.load_path import PATH_ACCURACY, LoadPath, require_omitted, run_load_path
 from roughcontact._solve.problem.loads import solve_loads
 from roughcontact._solve.problem.pull_off import find_pull_off
 from roughcontact._solve.problem.required_load import RequiredLoad, find_load_of_area, find_required_load
@@ -237,47 +237,67 @@ class ContactProblem(Scene):
         approach: Length | Iterable[Length] | None = None,
         tangential_force: Iterable[Sequence[Force]] | Sequence[Force] | None = None,
         displacement: Iterable[Sequence[Length]] | Sequence[Length] | None = None,
-        friction: float | FrictionLaw,
+        friction: float | FrictionLaw | None = None,
         substeps: int | str = "auto",
-        on_increment: Callable[[Increment], None] | None = None,
+        time: Iterable[float | str] | None = None,
+        sliding: Iterable[Length] | None = None,
+        accuracy: float = PATH_ACCURACY,
+        on_increment: Callable[[Any], None] | None = None,
         progress: bool = False,
-    ) -> FrictionalPath:
-        """Follow a contact with friction along a path of normal and tangential loads.
+    ) -> FrictionalPath | LoadPath:
+        """Follow a contact along a path of loads, each state from the one before.
+
+        With friction the loads are normal and tangential ones. Without, the surfaces change: they are flattened where
+        the pressure reaches the hardness, which is remembered (`Flattening`), and as the laws of the problem say, such
+        as by wear (`Archard`) over a sliding distance.
 
         Parameters
         ----------
         force, pressure, approach
             Exactly one of them: a list, a value for each step; or one value for all steps, which is applied before the
-            first. Of a list the first step goes from the first touch to the first of both loads at once.
+            first. Of a list the first step goes from the first touch to the first of both loads at once. Without
+            friction a force or pressure of zero is complete unloading.
         tangential_force, displacement
             Exactly one of them: a list of pairs (x, y), or one pair for all steps. The force by which the counterbody
             is pushed over the body, N; or its displacement since the first touch, m.
         friction
-            A coefficient of friction, or a law such as `Coulomb` or `LimitedCoulomb`.
+            A coefficient of friction, or a law such as `Coulomb` or `LimitedCoulomb`; None: no friction.
+        time, sliding
+            Without friction, time, s, and distance, m, over which the surfaces slide, at each place of the path, from
+            its start; they do not fall.
+        accuracy
+            Without friction, admissible error of one of the increments, as many as that takes, of the change of the
+            surfaces over its maximum.
         substeps
             Increments of each step, in which both loads change in proportion. ``"auto"``: one where that is exact; else
             up to 16, until displacement, energy and stick area hardly change; their limits are extrapolated.
         on_increment
-            Called with an `Increment` after each increment.
+            Called after each increment with an `Increment`, without friction with its state.
         progress
             Whether to show on standard error what runs (extra ``progress``).
 
         Returns
         -------
-        FrictionalPath
+        FrictionalPath or LoadPath
             The states at the given loads, each certified with the one before.
 
         Raises
         ------
         InputError
-            If the loads do not fit together, or the bodies slide; with adhesion, on a wrapped boundary or if the kernel
-            does not know shear; of unlike materials if friction times beta exceeds 1, or the pressure its limit.
+            If the loads do not fit together, or nothing that is given uses them. With friction, if the bodies slide;
+            with adhesion, on a wrapped boundary or if the kernel does not know shear; of unlike materials if friction
+            times beta exceeds 1, or the pressure its limit.
         NotConverged
             If a state is not certified.
         """
         normal = {"force": force, "pressure": pressure, "approach": approach}
         tangential = {"tangential_force": tangential_force, "displacement": displacement}
+        passed = {"time": time, "sliding": sliding}
         with show_progress("path", shown=flag(progress, "progress=")) as change:
+            if friction is None:
+                omitted = tangential | {"substeps": None if substeps == "auto" else substeps}
+                return run_load_path(self, normal, omitted, passed, accuracy, on_increment, change)
+            require_omitted(passed, "without friction")
             return run_path(self, normal, tangential, friction, substeps, on_increment, change)
 
     def slide(

@@ -11,6 +11,7 @@ from roughcontact._base import checks
 from roughcontact._base.archive import HEADER, read_some
 from roughcontact._solve.problem.cycle import AdhesionCycle
 from roughcontact._solve.problem.frictional_path import FrictionalPath
+from roughcontact._solve.problem.load_path import LoadPath
 from roughcontact._solve.problem.path import Path as StatePath
 from roughcontact._solve.problem.problem import ContactProblem
 from roughcontact._solve.problem.sweep import Sweep
@@ -18,7 +19,7 @@ from roughcontact._solve.solution import ContactSolution
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 
-_PATHS = (Sweep, AdhesionCycle, FrictionalPath)
+_PATHS = (Sweep, AdhesionCycle, FrictionalPath, LoadPath)
 
 
 @guarded

@@ -124,15 +124,11 @@ class Sweep(Path):
         Its columns are ``mean_pressure``, ``force``, ``approach``, ``area``, ``area_uncertainty``, ``area_fraction``,
         ``peak_pressure``, ``peak_pressure_uncertainty`` and ``secant_stiffness``, then what friction adds.
         """
-        peaks = [solution.peak_pressure() for solution in self.states]
-        columns = {name: getattr(self, name) for name in _COLUMN_UNITS if hasattr(self, name)}
-        columns |= {
-            "area_fraction": self.area / [solution.grid.area for solution in self.states],
-            "peak_pressure": np.array([peak.value for peak in peaks]),
-            "peak_pressure_uncertainty": np.array([peak.uncertainty for peak in peaks]),
-        }
-        added, units = _tabulate_added(self.states)
-        return Table({name: columns[name] for name in _COLUMN_UNITS} | added, _COLUMN_UNITS | units)
+        found = tabulate_states(self.states)
+        columns: dict[str, Any] = dict(found.columns)
+        columns["secant_stiffness"] = self.secant_stiffness
+        order = [*_COLUMN_UNITS, *(name for name in columns if name not in _COLUMN_UNITS)]
+        return Table({name: columns[name] for name in order}, _COLUMN_UNITS | found.units)
 
     def short_table(self) -> Table:
         """Return a row for each load for people: the area with its uncertainty in percent of nominal."""
@@ -161,6 +157,24 @@ class Sweep(Path):
     def __repr__(self) -> str:
         low, high = (si(float(bound), "Pa") for bound in (self.mean_pressure.min(), self.mean_pressure.max()))
         return f"<Sweep {counted(len(self), 'load')}, mean pressure {low} to {high}, {self.states[0].grid}>"
+
+
+def tabulate_states(states: Sequence[ContactSolution]) -> Table:
+    """Return a row for each state: load, approach, area, peak pressure, and what physics have added."""
+    areas = [state.area() for state in states]
+    peaks = [state.peak_pressure() for state in states]
+    columns: dict[str, Any] = {
+        "mean_pressure": np.array([state.mean_pressure for state in states]),
+        "force": np.array([state.force for state in states]),
+        "approach": np.array([state.approach for state in states]),
+        "area": np.array([area.value for area in areas]),
+        "area_uncertainty": np.array([area.uncertainty for area in areas]),
+        "area_fraction": np.array([area.value / state.grid.area for area, state in zip(areas, states, strict=True)]),
+        "peak_pressure": np.array([peak.value for peak in peaks]),
+        "peak_pressure_uncertainty": np.array([peak.uncertainty for peak in peaks]),
+    }
+    added, units = _tabulate_added(states)
+    return Table(columns | added, {name: _COLUMN_UNITS[name] for name in columns} | units)
 
 
 def _tabulate_added(states: Sequence[ContactSolution]) -> tuple[dict[str, list[Any]], dict[str, str]]:
@@ -233,6 +247,9 @@ def predict_pressure(solutions: Sequence[ContactSolution], load: Load) -> Array 
         return None
     name = {"pressure": "mean_pressure"}.get(load.kind, load.kind)
     values = [float(getattr(solution, name)) for solution in solutions[-2:]]
+    if min(*values, load.value) <= 0.0:
+        # Of bodies that have come apart nothing is known.
+        return None
     if not _MIN_LOAD_RATIO <= load.value / values[-1] <= 1.0 / _MIN_LOAD_RATIO:
         return None
     if len(values) == 1 and last.saturated.any():

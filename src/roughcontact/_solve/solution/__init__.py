@@ -20,6 +20,13 @@ from roughcontact._solve.solution.contact import ContactSolution as ContactSolut
 from roughcontact._solve.solution.fields import ContactFields as ContactFields
 from roughcontact._solve.solution.fields import ContactPatches as ContactPatches
 from roughcontact._solve.solution.fields import find_patches as find_patches
+from roughcontact._solve.solution.flattening import Flattening as Flattening
+from roughcontact._solve.solution.flattening import FlatteningModel as FlatteningModel
+from roughcontact._solve.solution.flattening import Overlap as Overlap
+from roughcontact._solve.solution.flattening import UniformRise as UniformRise
+from roughcontact._solve.solution.flattening import find_height_loss as find_height_loss
+from roughcontact._solve.solution.flattening import find_softer as find_softer
+from roughcontact._solve.solution.flattening import flattening_models as flattening_models
 from roughcontact._solve.solution.healing import FilledGap as FilledGap
 from roughcontact._solve.solution.healing import fill_gap as fill_gap
 from roughcontact._solve.solution.healing import heal as heal
@@ -85,6 +92,7 @@ from roughcontact._solve.solution.summary import name_load as name_load
 from roughcontact._solve.solution.summary import note_loads as note_loads
 from roughcontact._solve.solution.theory import Stickiness as Stickiness
 from roughcontact._solve.solution.theory import TheoryBeside as TheoryBeside
+from roughcontact._solve.solution.wear import Archard as Archard
 from roughcontact._solve.solution.whole import Whole as Whole
 from roughcontact._solve.solution.writers import SolutionWriter as SolutionWriter
 from roughcontact._solve.solution.writers import writers as writers

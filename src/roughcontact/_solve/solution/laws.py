@@ -135,6 +135,13 @@ class Process(Law):
 
     remembered: ClassVar[Mapping[str, tuple[str, str]]]
 
+    def divide(self, problem: Any, memory: Memory) -> tuple[float | Array, float | Array]:
+        """Return what body and counterbody have lost of their heights, numbers or of shape (nx, ny), m.
+
+        By default nothing: a process that changes them says so for `LoadPath.bodies`.
+        """
+        return 0.0, 0.0
+
     @abc.abstractmethod
     def remember(self, state: Any, increment: LoadIncrement, memory: Memory) -> Memory:
         """Return what it remembers after an increment, arrays of shape (nx, ny) by name.

@@ -1,0 +1,413 @@
+"""Paths of normal loads, times and sliding distances along which the surfaces change, each state from the one before.
+
+`ContactProblem.path` calls `follow_path` where no friction is given.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
+from itertools import pairwise
+from typing import Any, TypeVar
+
+import attrs
+import numpy as np
+
+from roughcontact._base import checks
+from roughcontact._base.arrays import Array
+from roughcontact._base.machine.progress import ChangeProgress, count_done
+from roughcontact._base.tables import Table
+from roughcontact._base.units import Estimate, counted, si
+from roughcontact._parts.grid import Load
+from roughcontact._parts.surfaces import HeightMap
+from roughcontact._solve.problem.body import Body
+from roughcontact._solve.problem.increments import is_single
+from roughcontact._solve.problem.path import Path
+from roughcontact._solve.problem.run import run_solve
+from roughcontact._solve.problem.scene import Scene
+from roughcontact._solve.problem.sweep import predict_pressure, tabulate_states
+from roughcontact._solve.problem.task import limit_load
+from roughcontact._solve.solution import ContactSolution, Flattening, Governed, LoadIncrement, Process
+from roughcontact.errors import InputError, argument
+
+S = TypeVar("S", bound=Scene)
+
+# Admissible error of an increment, over the change of the surfaces.
+PATH_ACCURACY = 1e-3
+# First increment of time or sliding after a step of load, over its interval; factors by which the next one follows from
+# the error, at least, at most, and of safety; and the error of an increment over the change from its extrapolation.
+_FIRST_PART = 1e-3
+_MIN_GROWTH = 0.2
+_MAX_GROWTH = 2.0
+_SAFETY = 0.9
+_ERROR_OF_CHANGE = 1.0 / 6.0
+# Increments of one interval after which a path is given up.
+_MAX_INCREMENTS = 10_000
+
+
+@attrs.frozen(kw_only=True)
+class Place:
+    """A place on a path: the normal load, and time, s, and sliding distance, m, since its start."""
+
+    load: Load
+    time: float = 0.0
+    sliding: float = 0.0
+
+
+@attrs.frozen(eq=False, kw_only=True)
+class LoadPath(Path):
+    """The states of a contact along normal loads, times and sliding distances: iterable, with `len` and ``[]``.
+
+    The surfaces change along it: they are flattened where a material has a hardness, and as the laws of the problem
+    say. Each state remembers those before.
+
+    Attributes
+    ----------
+    states
+        The states at the given places, in their order.
+    increments
+        Increments from the place before to each.
+
+    Examples
+    --------
+    A ball that is pressed, unloaded and pressed again carries the second load elastically:
+
+    >>> import roughcontact as rc
+    >>> steel = rc.ElasticPerfectlyPlastic(young=210e9, poisson=0.3, hardness=2e9)
+    >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), steel)
+    >>> path = rc.ContactProblem(ball, grid=rc.Grid((48, 48), 100e-6)).path(force=[4.0, 0.0, 4.0])
+    >>> [f"{work * 1e9:.1f} nJ" for work in path.table().columns["plastic_work"]]
+    ['70.9 nJ', '70.9 nJ', '70.9 nJ']
+    """
+
+    kind = "load path"
+    view = "load-path"
+    curve = "contact along the path"
+
+    states: tuple[ContactSolution, ...]
+    increments: tuple[int, ...]
+
+    @property
+    def time(self) -> Array:
+        """Time since the start of the path, s."""
+        return np.array([_read(state, "elapsed") for state in self.states])
+
+    @property
+    def sliding(self) -> Array:
+        """Sliding distance since the start of the path, m."""
+        return np.array([_read(state, "slid") for state in self.states])
+
+    @property
+    def detailed(self) -> ContactSolution:
+        """The state that a page shows in detail, the last one that carries a load."""
+        return next((state for state in reversed(self.states) if state.force), self.states[-1])
+
+    @property
+    def bodies(self) -> tuple[Body, Body]:
+        """Both bodies with the heights that they have after the path, unloaded, as of another problem.
+
+        What is flattened is taken from the softer body, half of it from each where both are equally hard.
+        """
+        last = self.states[-1]
+        origin = last.origin
+        if origin is None:
+            raise InputError("The path does not say which problem it followed, so that its bodies are not known.")
+        scene: Scene = origin.scene
+        effect = last._find_added(Governed)
+        losses = [np.zeros(last.grid.shape) for _ in range(2)]
+        pairs = () if effect is None else zip(scene.laws, effect.memory, strict=True)
+        for law, memory in pairs:
+            parts = law.divide(scene, memory) if isinstance(law, Process) else (0.0, 0.0)
+            for loss, part in zip(losses, parts, strict=True):
+                loss += part
+        body, counterbody = (
+            _take_heights(side, loss, last) for side, loss in zip((scene.body, scene.counterbody), losses, strict=True)
+        )
+        return body, counterbody
+
+    @classmethod
+    def _restore(cls, states: tuple[ContactSolution, ...], notes: Mapping[str, Any]) -> LoadPath:
+        counts = tuple(int(count) for count in notes["increments"])
+        if len(counts) != len(states):
+            raise InputError("The file is damaged: its increments are not those of its states.")
+        return cls(states=states, increments=counts)
+
+    def _note_rest(self) -> dict[str, Any]:
+        return {"increments": list(self.increments)}
+
+    def list_arguments(self) -> dict[str, Any]:
+        """Return the arguments of `ContactProblem.path`."""
+        passed = {name: values.tolist() for name, values in self._list_passed().items()}
+        return super().list_arguments() | passed
+
+    def _list_passed(self) -> dict[str, Array]:
+        """Return time and sliding distance, as far as they pass."""
+        return {name: values for name in ("time", "sliding") if (values := getattr(self, name)).any()}
+
+    def label_states(self) -> tuple[Table, list[str]]:
+        """Return what passes until each state, or its number, and its name in a sentence."""
+        passed = self._list_passed()
+        units = {"time": "s", "sliding": "m"}
+        heads = Table(passed or {"state": range(1, len(self) + 1)}, {name: units[name] for name in passed})
+        if not passed:
+            return heads, [f"state {number}" for number in range(1, len(self) + 1)]
+        words = {"time": "after", "sliding": "after sliding"}
+        name, values = next(iter(passed.items()))
+        return heads, [f"{words[name]} {si(float(value), units[name], 3)}" for value in values]
+
+    def table(self) -> Table:
+        """Return a row for each state, in SI units; see `roughcontact.typing.Table`.
+
+        Its columns are ``time`` and ``sliding`` where they pass, ``increments``, and those of a sweep without
+        ``secant_stiffness``.
+        """
+        found = tabulate_states(self.states)
+        columns = {name: column for name, column in found.columns.items() if name != "secant_stiffness"}
+        return Table(
+            {**self._list_passed(), "increments": list(self.increments), **columns},
+            {"time": "s", "sliding": "m", **found.units},
+        )
+
+    def short_table(self) -> Table:
+        """Return a row for each state for people: the area with its uncertainty in percent of nominal."""
+        percent = 100.0 / self.states[0].grid.area
+        areas = [state.area() for state in self.states]
+        columns: dict[str, Any] = {
+            **self._list_passed(),
+            "force": self.force,
+            "approach": self.approach,
+            "area, %": [Estimate(percent * area.value, percent * area.uncertainty, "") for area in areas],
+            "peak": [float(state.pressure.max()) for state in self.states],
+        }
+        return Table(columns, {"time": "s", "sliding": "m", "force": "N", "approach": "m", "peak": "Pa"})
+
+    def _list_results(self) -> Mapping[str, str]:
+        last = self.states[-1]
+        return {name: text for one in last.added for name, text in one.list_rows(last).items()}
+
+    def __repr__(self) -> str:
+        low, high = (si(float(bound), "N") for bound in (self.force.min(), self.force.max()))
+        return f"<LoadPath {counted(len(self), 'state')}, force {low} to {high}, {self.states[0].grid}>"
+
+
+def _read(state: ContactSolution, name: str) -> float:
+    effect = state._find_added(Governed)
+    return 0.0 if effect is None else float(getattr(effect, name))
+
+
+def _take_heights(side: Body, loss: Array, last: ContactSolution) -> Body:
+    if not loss.any():
+        return side
+    surface = HeightMap(
+        side.heights(last.grid) - loss,
+        last.grid.size,
+        periodic=not last.boundary.has_free_axis,
+        non_measured=side.non_measured(last.grid),
+        history=(*side.provenance, "changed along a path of loads"),
+    )
+    return Body(surface, side.material)
+
+
+def run_load_path(
+    problem: Scene,
+    normal: Mapping[str, Any],
+    omitted: Mapping[str, Any],
+    passed: Mapping[str, Any],
+    accuracy: float,
+    on_increment: object,
+    change: ChangeProgress,
+) -> LoadPath:
+    """Return the path of a problem without friction; see `ContactProblem.path`."""
+    require_omitted(omitted, f"with {argument('friction', '0.3')}")
+    accuracy = checks.number(accuracy, "The accuracy of a path", above=0.0, at_most=1.0)
+    told = checks.callback(on_increment, "on_increment=", "state")
+    lists = {kind: [value] if is_single({kind: value}) else value for kind, value in normal.items()}
+    loads = (Load.resting_sequence if problem.adhesion is None else Load.signed_sequence)(**lists)
+    scene = remember_flattening(problem)
+    places = list_places(loads, **passed)
+    _require_used(scene, passed)
+    for load in loads:
+        limit_load(problem.plan, problem.initial_gap, load)
+    count = count_done(change, len(places), "place")
+    return follow_path(scene, places, accuracy, told or (lambda state: None), count)
+
+
+def remember_flattening(problem: S) -> S:
+    """Return the problem with a law that remembers how far it is flattened, if its pressure has a limit."""
+    is_known = any(isinstance(law, Flattening) for law in problem.laws)
+    if is_known or not np.isfinite(problem.plan.pressure_limit).any():
+        return problem
+    return attrs.evolve(problem, laws=(*problem.laws, Flattening()))
+
+
+def require_omitted(given: Mapping[str, object], when: str) -> None:
+    """Raise `InputError` if an argument is given that is used otherwise alone, `when`."""
+    for name, value in given.items():
+        if value is not None:
+            raise InputError(f"The argument {name}= of a path is used only {when}: omit it.")
+
+
+def _require_used(problem: Scene, passed: Mapping[str, object]) -> None:
+    """Refuse time and distance if no law of the problem depends on them."""
+    for name, value in passed.items():
+        if value is not None and not problem.processes:
+            raise InputError(
+                f"Nothing changes with {name}=: give the problem a law that does, such as "
+                f"{argument('laws', 'rc.Archard(1e-16)')}."
+            )
+
+
+def list_places(loads: Sequence[Load], time: object, sliding: object) -> tuple[Place, ...]:
+    """Return the places of a path; one load holds at all of them.
+
+    `InputError` if the lists do not have one length, or time or distance fall.
+    """
+    passed = {"time": _list_passed(time, "time", "s"), "sliding": _list_passed(sliding, "sliding", "m")}
+    counts = {name: len(values) for name, values in passed.items() if values is not None}
+    if len(loads) > 1 or not counts:
+        counts[f"{loads[0].kind}"] = len(loads)
+    if len(set(counts.values())) > 1:
+        texts = ", ".join(f"{count} of {name}=" for name, count in counts.items())
+        raise InputError(f"The lists of a path must have one value for each place, but there are {texts}.")
+    count = next(iter(counts.values()))
+    rates = [values if values is not None else (0.0,) * count for values in passed.values()]
+    every = loads if len(loads) > 1 else loads * count
+    return tuple(Place(load=load, time=t, sliding=s) for load, t, s in zip(every, *rates, strict=True))
+
+
+def _list_passed(values: object, name: str, unit: str) -> tuple[float, ...] | None:
+    if values is None:
+        return None
+    allowed = f"a list of numbers of {unit} that do not fall, from zero on"
+    if isinstance(values, (str, bytes)) or not isinstance(values, Iterable):
+        raise InputError.about(f"The {name} along a path", values, allowed)
+    found = tuple(checks.number(value, f"A value of {name}=[...]", unit, at_least=0.0) for value in values)
+    if not found or any(after < before for before, after in pairwise(found)):
+        raise InputError.about(f"The {name} along a path", found, allowed)
+    return found
+
+
+def follow_path(
+    problem: Scene,
+    places: Sequence[Place],
+    accuracy: float,
+    tell: Callable[[ContactSolution], object],
+    count: Callable[[ContactSolution], object],
+) -> LoadPath:
+    """Return the states at the places of a path; each increment is told, each of these states counted."""
+    march = _March(partial(run_solve, problem), accuracy, tell)
+    first = places[0]
+    pressed = Place(load=first.load)
+    march.jump(first.load)
+    counts = [1 if first == pressed else 1 + march.go(pressed, first)]
+    states = [march.last]
+    count(march.last)
+    for begin, end in pairwise(places):
+        counts.append(march.go(begin, end))
+        states.append(march.last)
+        count(march.last)
+    return LoadPath(states=tuple(states), increments=tuple(counts))
+
+
+class _March:
+    """The last two states of a path, and the length of the next increment, over the interval that it is part of."""
+
+    def __init__(
+        self, solve: Callable[..., ContactSolution], accuracy: float, tell: Callable[[ContactSolution], object]
+    ) -> None:
+        self._solve = solve
+        self._accuracy = accuracy
+        self._tell = tell
+        self._states: list[ContactSolution] = []
+        # Lengths of the last increment and of the next one, s or m; zero after a step of load.
+        self._before = 0.0
+        self._next = 0.0
+
+    @property
+    def last(self) -> ContactSolution:
+        """The last state."""
+        return self._states[-1]
+
+    def jump(self, load: Load) -> None:
+        """Go to a load at once."""
+        start = predict_pressure(self._states, load)
+        self._accept(self._solve(load, start, **self._after(LoadIncrement(load))))
+        self._before = self._next = 0.0
+
+    def go(self, begin: Place, end: Place) -> int:
+        """Go from one place to the next; return the number of increments."""
+        time = end.time - begin.time
+        sliding = end.sliding - begin.sliding
+        # Where both pass, their ratio is that of the interval.
+        length = sliding or time
+        if length == 0.0:
+            self.jump(end.load)
+            return 1
+        count = 0
+        passed = 0.0
+        while passed < length:
+            step = self._choose(length, length - passed)
+            is_last = step >= length - passed
+            part = 1.0 if is_last else (passed + step) / length
+            load = _between(begin.load, end.load, part)
+            increment = LoadIncrement(load, time * step / length, sliding * step / length)
+            found = self._solve(load, self._predict(step, load), **self._after(increment))
+            error = self._measure(found, step)
+            growth = _SAFETY / math.sqrt(error) if error > 0.0 else _MAX_GROWTH
+            self._next = step * min(max(growth, _MIN_GROWTH), _MAX_GROWTH)
+            if error > 1.0:
+                continue
+            self._accept(found)
+            self._before = step
+            passed = length if is_last else passed + step
+            count += 1
+            if count > _MAX_INCREMENTS:
+                raise InputError(
+                    f"After {count} increments a path has passed {passed / length:.2g} of an interval: give places "
+                    f"that are nearer to each other, or {argument('accuracy')} that is less strict."
+                )
+        return count
+
+    def _choose(self, length: float, rest: float) -> float:
+        step = self._next or _FIRST_PART * length
+        # Two equal increments instead of a long one and a tiny one.
+        return rest if step >= rest else min(step, 0.5 * rest) if 2.0 * step > rest else step
+
+    def _after(self, increment: LoadIncrement) -> dict[str, Any]:
+        return {"before": self._states[-1] if self._states else None, "increment": increment}
+
+    def _accept(self, state: ContactSolution) -> None:
+        self._states = [*self._states[-1:], state]
+        self._tell(state)
+
+    def _predict(self, step: float, load: Load) -> Array | None:
+        """Return the pressure extrapolated from the last two states, shape (nx, ny), Pa."""
+        if not self._before or len(self._states) < 2:
+            return predict_pressure(self._states[-1:], load)
+        before, last = (state.pressure for state in self._states)
+        found = last + (last - before) * (step / self._before)
+        return np.clip(found, 0.0, self.last.pressure_limit)
+
+    def _measure(self, state: ContactSolution, step: float) -> float:
+        """Return the error of an increment over the admissible one, from what changes the gap and its extrapolation."""
+        if not self._before or len(self._states) < 2:
+            return 0.0
+        before, last, now = (_find_offset(one) for one in (*self._states, state))
+        reach = float(np.ptp(now))
+        if reach == 0.0:
+            return 0.0
+        change = now - last
+        change -= (last - before) * (step / self._before)
+        part = _ERROR_OF_CHANGE * step / (step + self._before)
+        return part * float(np.abs(change).max()) / (self._accuracy * reach)
+
+
+def _find_offset(state: ContactSolution) -> Array:
+    effect = state._find_added(Governed)
+    assert effect is not None
+    return effect.offset
+
+
+def _between(begin: Load, end: Load, part: float) -> Load:
+    return end if part == 1.0 else attrs.evolve(end, value=begin.value + part * (end.value - begin.value))
