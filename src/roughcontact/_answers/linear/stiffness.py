@@ -11,9 +11,10 @@ from roughcontact._answers.areas.calibration import EDGE_LENGTH
 from roughcontact._answers.areas.cells import count_sides, find_sharp_edges
 from roughcontact._answers.areas.edges import warn_if_uncertain
 from roughcontact._answers.areas.initial_gap import curvature_resolution
-from roughcontact._answers.linear.tangent import describe_jump, tangent_of
+from roughcontact._answers.linear.tangent import Tangent, describe_jump, tangent_of
 from roughcontact._base.archive.plain import key_of
 from roughcontact._base.arrays import Array, IntArray, Mask
+from roughcontact._base.checks import flag
 from roughcontact._base.units import WarningText
 from roughcontact._parts.grid import Boundary, Grid, list_borders
 from roughcontact._solve.problem import ContactProblem, OnStateToPullOff, find_pull_off, find_stability, problem_of
@@ -258,6 +259,10 @@ def _find_loss(lengths: IntArray, longest: int, aspect: float) -> Array:
     return np.asarray(_ROW_LOSS * lengths - np.where(lengths < longest, ends, 0.0))
 
 
+def _unloading(value: bool) -> bool:
+    return flag(value, "unloading=")
+
+
 @responses.register("stiffness")
 @attrs.frozen
 class Stiffness(Response[Estimate]):
@@ -272,16 +277,23 @@ class Stiffness(Response[Estimate]):
     ``solution.grid.area`` it is the stiffness of the interface, Pa/m. It is infinite in full contact on a periodic
     boundary, and zero where no cell is in contact below the limit.
 
+    Parameters
+    ----------
+    unloading
+        Whether the load falls. What has flowed is then elastic, and A is all cells in contact.
+
     References
     ----------
     Barber, Proc. R. Soc. A 459 (2003) 53-66, https://doi.org/10.1098/rspa.2002.1038
     """
 
+    unloading: bool = attrs.field(default=False, converter=_unloading)
+
     holds_with = frozenset({"tension", "shear"})
 
     def respond(self, solution: ContactSolution) -> Estimate:
         """Return the stiffness; see `Response.respond`."""
-        normal = find_normal_answer(solution, "stiffness")
+        normal = find_normal_answer(solution, "stiffness", unloading=self.unloading)
         sampling = defer_stiffness_sampling(solution, normal.value)
         return Estimate(normal.value, normal.uncertainty, "N/m", normal.warnings, relative_sampling=sampling)
 
@@ -324,12 +336,15 @@ class NormalAnswer:
     warnings: tuple[str, ...]
 
 
-def find_normal_answer(solution: ContactSolution, what: str) -> NormalAnswer:
-    """Return the answer of the cells below the pressure limit to a unit approach; messages name the number `what`."""
+def find_normal_answer(solution: ContactSolution, what: str, *, unloading: bool = False) -> NormalAnswer:
+    """Return the answer of the contact to a unit approach; messages name the number `what`.
+
+    Cells at the pressure limit yield, but on unloading.
+    """
     require_mean_gap(solution, what)
     area = solution.area(uncertainty="model")
     warnings = list_warnings(solution, area.warnings)
-    tangent = tangent_of(solution)
+    tangent = _find_elastic_tangent(solution) if unloading and solution.capped else tangent_of(solution)
     unit = np.ones(solution.contact.shape)
     if tangent.is_rigid:
         return NormalAnswer(0.0 * unit, math.inf, 0.0, (*warnings, describe_full_contact(what)))
@@ -346,6 +361,13 @@ def find_normal_answer(solution: ContactSolution, what: str) -> NormalAnswer:
     if solution.tension is not None:
         std = math.hypot(std, _find_pull_std(solution, answer.values, value))
     return NormalAnswer(answer.values, value, std, warn_if_uncertain(value, std, "N/m", warnings).warnings)
+
+
+def _find_elastic_tangent(solution: ContactSolution) -> Tangent:
+    """Return the linear answer of all cells in contact; `InputError` where it is not known."""
+    if solution.tension is not None:
+        raise InputError("The stiffness on unloading of surfaces that attract each other is that of two states.")
+    return Tangent(solution, saturated=True)
 
 
 def _find_pull_std(solution: ContactSolution, answer: Array, value: float) -> float:

@@ -21,7 +21,11 @@ from roughcontact._base.arrays import Array, Mask, RealArray, read_only, sum_of_
 from roughcontact._base.units import WarningText
 from roughcontact._parts.grid import Boundary
 from roughcontact._parts.kernels import BoundKernel
-from roughcontact._solve.convolvers import ConvolutionSetup, InverseConvolution, PreparedConvolution
+from roughcontact._solve.convolvers import (
+    InverseConvolution,
+    PreparedConvolution,
+    SoftenedConvolution,
+)
 from roughcontact._solve.problem import computing, linearise, problem_of
 from roughcontact._solve.solution import ContactSolution
 from roughcontact._solve.solvers import (
@@ -242,38 +246,11 @@ class Tangent(LinearAnswer):
         if self._kernel is not None:
             setup = convolution.setup
             convolution = setup.convolver.prepare(self._kernel, setup.grid, setup.boundary)
-        return convolution if self._diagonal == 0.0 else _WithCompliance(convolution, self._diagonal)
+        return convolution if self._diagonal == 0.0 else SoftenedConvolution(convolution, self._diagonal)
 
     @cached_property
     def _inverse(self) -> InverseConvolution:
         return self._operator.inverse(np.float32)
-
-
-@attrs.frozen(eq=False)
-class _WithCompliance(PreparedConvolution):
-    """A convolution plus a compliance of each cell."""
-
-    kernel: PreparedConvolution
-    diagonal: float
-
-    @property
-    def setup(self) -> ConvolutionSetup:
-        return self.kernel.setup
-
-    def apply(self, pressure: RealArray) -> RealArray:
-        return self.kernel.apply(pressure) + self.diagonal * pressure
-
-    def inverse(self, dtype: type[np.float32] | type[np.float64] = np.float64) -> InverseConvolution:
-        # The stiffness of the mean remains zero: the correction for rigid motion supplies it.
-        inverse = self.kernel.inverse(dtype)
-        stiffness = inverse.stiffness / (1.0 + self.diagonal * inverse.stiffness)
-        return attrs.evolve(inverse, stiffness=stiffness, exact=False)
-
-    def from_numpy(self, values: Array) -> Array:
-        return self.kernel.from_numpy(values)
-
-    def to_numpy(self, values: Array) -> Array:
-        return self.kernel.to_numpy(values)
 
 
 @attrs.frozen(eq=False)

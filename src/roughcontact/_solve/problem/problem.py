@@ -19,7 +19,13 @@ from roughcontact._solve.problem.accuracy import Target, solve_within, with_tole
 from roughcontact._solve.problem.cycle import AdhesionCycle, list_approaches, run_cycle
 from roughcontact._solve.problem.friction_certificate import verify_state
 from roughcontact._solve.problem.frictional_path import FrictionalPath, run_path, run_slide
-from roughcontact._solve.problem.load_path import PATH_ACCURACY, LoadPath, require_omitted, run_load_path
+from roughcontact._solve.problem.load_path import (
+    PATH_ACCURACY,
+    LoadPath,
+    remember_flattening,
+    require_omitted,
+    run_load_path,
+)
 from roughcontact._solve.problem.loads import solve_loads
 from roughcontact._solve.problem.pull_off import find_pull_off
 from roughcontact._solve.problem.required_load import RequiredLoad, find_load_of_area, find_required_load
@@ -223,7 +229,8 @@ class ContactProblem(Scene):
             If a state is not certified.
         """
         with show_progress("cycle", shown=flag(progress, "progress=")) as change:
-            return run_cycle(partial(run_solve, self), self.require_cycle(approach=approach), on_state, change)
+            solve = partial(run_solve, remember_flattening(self))
+            return run_cycle(solve, self.require_cycle(approach=approach), on_state, change)
 
     def require_cycle(self, *, approach: Iterable[Length]) -> tuple[Load, ...]:
         """Return the loads of a branch of a cycle; `InputError` if it cannot be followed; see `cycle`."""

@@ -14,6 +14,7 @@ from roughcontact._base.arrays import Array, Mask
 from roughcontact._base.units import Estimate
 from roughcontact._parts.grid import Load, extend
 from roughcontact._parts.interactions import Exponential, ShortRange
+from roughcontact._solve.problem.load_path import remember_flattening
 from roughcontact._solve.problem.loads import Solve, cells_of, follow, open_gap, plan_of, require_resolved
 from roughcontact._solve.problem.path import march
 from roughcontact._solve.problem.plan import SolvePlan
@@ -78,6 +79,7 @@ OnStateToPullOff: TypeAlias = Callable[[ContactSolution, int | None], object]
 def find_pull_off(problem: Scene, on_state: OnStateToPullOff | None = None) -> Estimate:
     """Return the minimum of the force on unloading from zero load; see `ContactProblem.pull_off`."""
     require_resolved(problem.plan)
+    problem = remember_flattening(problem)
     tell: OnStateToPullOff = on_state or (lambda state, left: None)
     is_limit = isinstance(problem.adhesion, ShortRange)
     first = _ToldStates(partial(run_solve, problem), tell, paths=2 if is_limit else 1)

@@ -95,6 +95,11 @@ class Addition(abc.ABC):
         """Its conditions of the certificate."""
 
     @property
+    def default_area(self) -> str:
+        """Registered name of the area estimator of the state, if the usual one does not hold; empty: it does."""
+        return ""
+
+    @property
     def follows(self) -> bool:
         """Whether the state follows from others, so that its load alone does not tell it."""
         return False

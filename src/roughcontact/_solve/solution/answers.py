@@ -128,6 +128,9 @@ class ContactAnswers(ShearFields):
 
     @cached_property
     def _default_area(self) -> Area:
+        names = [one.default_area for one in self.added if one.default_area]
+        if names:
+            return self._normal._estimate_area(areas.resolve(names[0]))
         if self.added:
             return self._normal._default_area
         return self._estimate_area(areas.resolve(DEFAULT_AREA if self.tension is None else DEFAULT_ADHESIVE_AREA))
@@ -233,9 +236,15 @@ class ContactAnswers(ShearFields):
             raise InputError(f"The state has its own traction: omit {own[0]}= of the response.")
         return attrs.evolve(asked, traction=self.shear)
 
-    def stiffness(self) -> Estimate:
-        """Return the normal stiffness dF/d(approach), N/m; `roughcontact.responses.Stiffness` states the equations."""
-        return self.response("stiffness")
+    def stiffness(self, *, unloading: bool = False) -> Estimate:
+        """Return the normal stiffness dF/d(approach), N/m; `roughcontact.responses.Stiffness` states the equations.
+
+        Parameters
+        ----------
+        unloading
+            Whether the load falls: cells at the pressure limit then answer too.
+        """
+        return self.response(responses.create("stiffness", unloading=unloading))
 
     def stability(self) -> Estimate:
         """Return how far surfaces that attract each other are from a jump: 1 far away, 0 at one.

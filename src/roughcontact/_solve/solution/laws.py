@@ -74,6 +74,9 @@ class Law(Part, abc.ABC):
     True
     """
 
+    default_area: ClassVar[str] = ""
+    """Registered name of the area estimator that holds where it has changed the surfaces; empty: the usual one."""
+
     @abc.abstractmethod
     def change_gap(self, problem: Any, increment: LoadIncrement, memory: Memory) -> Array:
         """Return what it adds to the gap before deformation, shape (nx, ny), m.
@@ -296,9 +299,15 @@ class Governed(Addition):
         return self.added_conditions
 
     @property
+    def default_area(self) -> str:
+        """That of the first law that has one and has changed the surfaces."""
+        pairs = zip(self.laws, self.memory, strict=True)
+        return next((law.default_area for law, memory in pairs if law.default_area and _is_any(memory)), "")
+
+    @property
     def follows(self) -> bool:
         """Whether the laws remember anything of states before."""
-        return any(values.any() for memory in self.before for values in memory.values())
+        return any(map(_is_any, self.before))
 
     def list_numbers(self, state: Any) -> dict[str, Estimate | tuple[Any, str]]:
         """Return the numbers of the laws."""
@@ -372,6 +381,10 @@ def _read_number(stored: Any) -> Estimate | tuple[float, str]:
         return Estimate(**{**stored, "warnings": tuple(stored["warnings"])})
     value, unit = stored
     return float(value), str(unit)
+
+
+def _is_any(memory: Memory) -> bool:
+    return any(values.any() for values in memory.values())
 
 
 def _list_remembered(law: Law) -> Mapping[str, tuple[str, str]]:

@@ -65,6 +65,9 @@ class Archard(Process):
         "worn_pressure": ("pressure at the end of the last increment", "Pa"),
     }
 
+    # The pressure of a worn contact ends with a finite value, not as a root: estimators by roots give too little area.
+    default_area: ClassVar[str] = "cell-count"
+
     def change_gap(self, problem: Any, increment: LoadIncrement, memory: Memory) -> Array:
         """Return the height lost before, and by the pressure at the begin of the increment; see `Law.change_gap`."""
         return np.asarray(memory["worn_height"] + self._wear(increment) * memory["worn_pressure"])
