@@ -58,6 +58,7 @@ from roughcontact._parts.surfaces import (
     match,
     surfaces,
 )
+from roughcontact._parts.viscoelastic import Viscoelastic
 from roughcontact._solve.convolvers import DCFFT, CircularFFT, Convolver, Direct, convolvers
 from roughcontact._solve.problem import RIGID_FLAT, Body, ContactProblem, FrictionalPath, load
 from roughcontact._solve.solution import (
@@ -70,6 +71,7 @@ from roughcontact._solve.solution import (
     Law,
     Overlap,
     Process,
+    Relaxation,
     Response,
     SolutionWriter,
     Status,
@@ -166,6 +168,7 @@ __all__ = [
     "PolonskyKeer",
     "Process",
     "ProjectedConjugateGradient",
+    "Relaxation",
     "Response",
     "Rigid",
     "RoughContactError",
@@ -183,6 +186,7 @@ __all__ = [
     "UnexpectedError",
     "UniformRise",
     "VanDerWaals",
+    "Viscoelastic",
     "WavySurface",
     "areas",
     "beyond_resolution",

@@ -179,7 +179,7 @@ class JudgeContact(Response[Judgement]):
     Sharp edges and rough heights ask for two grids, unless there is no coarser one.
     """
 
-    holds_with = frozenset({"tension", "shear"})
+    holds_with = frozenset({"tension", "shear", "relaxation"})
 
     def respond(self, solution: ContactSolution) -> Judgement:
         """Return the judgement of a solution, which it keeps."""

@@ -59,6 +59,8 @@ class Quantity(Response[Estimate]):
 
     estimator: str | AreaEstimator = DEFAULT_AREA
 
+    holds_with = frozenset({"shear", "relaxation"})
+
     def respond(self, solution: ContactSolution) -> Estimate:
         """Return the number and its uncertainty."""
         return self.find(heal(solution), solution.area(self.estimator, uncertainty="model"))
@@ -202,6 +204,9 @@ class SummitApproach(Quantity):
     The attribute `approach` of a solution counts from the highest cell. Added are the height of the summit above that
     cell and the deficit by uniform pressure on each cell: see `MeanGap`.
     """
+
+    # The gap of bodies that relax bends where their contact once ended.
+    holds_with = frozenset({"shear"})
 
     def find(self, solution: ContactSolution, area: Area) -> Estimate:
         """Return the approach; see `Quantity.find`."""

@@ -275,7 +275,7 @@ class GapFlow(Response[Leakage]):
     """
 
     depends_on_place = True
-    holds_with = frozenset({"tension", "shear"})
+    holds_with = frozenset({"tension", "shear", "relaxation"})
     memory_arrays = 168.0  # the matrix of the flow and its multigrid
 
     axis: int = attrs.field(default=0, converter=flow_axis)

@@ -412,7 +412,7 @@ class StressBelow(Response[Stress]):
     Johnson, Contact Mechanics (1985), sec. 3.6, https://doi.org/10.1017/CBO9781139171731
     """
 
-    holds_with = frozenset({"tension", "shear"})
+    holds_with = frozenset({"tension", "shear", "relaxation"})
     memory_arrays = 32.0  # one plane at a time, by pressure and traction on a free boundary
 
     depths: Array | None = attrs.field(default=None, converter=_depths, metadata={"unit": "m"})

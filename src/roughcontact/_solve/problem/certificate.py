@@ -237,7 +237,8 @@ def verify_solution(problem: Scene, solution: ContactSolution) -> None:
     plan = problem.plan
     if solution.origin is None or not solution.grid.matches(plan.grid):
         raise InputError(f"It is not a solution at a load, on the grid of the problem, {plan.grid}.")
-    gap = _verify_laws(problem, solution)
+    gap, stiffening = _verify_laws(problem, solution)
+    plan = stiffen_plan(plan, stiffening)
     if gap.non_measured is not None:
         # The solve may have deepened them.
         gap = gap.with_depth(max(plan.peak_to_valley, float(solution.initial_gap[gap.non_measured].max())))
@@ -270,16 +271,33 @@ def certify_again(
     return certify(plan, convolution, initial_gap, make_task(plan, initial_gap, load), outcome, seconds=0.0)
 
 
-def _verify_laws(problem: Scene, solution: ContactSolution) -> InitialGap:
-    """Return the gap of a problem as its laws have changed it; `InputError` if a solution states another change."""
+def stiffen_plan(plan: SolvePlan, stiffening: float) -> SolvePlan:
+    """Return the plan of bodies whose contact modulus is so many times that of a plan; itself for one.
+
+    `InputError` if the response is not that of one modulus.
+    """
+    if stiffening == 1.0:
+        return plan
+    if plan.sampled_moduli is not None:
+        raise InputError(
+            f"Bodies whose modulus changes are known for one half-space each, but the kernel is {plan.kernel!r}."
+        )
+    return attrs.evolve(plan, modulus=plan.modulus * stiffening)
+
+
+def _verify_laws(problem: Scene, solution: ContactSolution) -> tuple[InitialGap, float]:
+    """Return the gap of a problem as its laws have changed it, and by how much its modulus.
+
+    `InputError` if a solution states another change.
+    """
     effect = solution._find_added(Governed)
     if (effect is None) is bool(problem.laws):
         raise InputError("Its laws are not those of its problem.")
     if effect is None:
-        return problem._gap
+        return problem._gap, 1.0
     again = effect.repeat(problem, solution)
     effect.require_same(again)
-    return attrs.evolve(problem._gap, values=problem._gap.values + again.offset)
+    return attrs.evolve(problem._gap, values=problem._gap.values + again.offset), again.stiffening
 
 
 def _by_transforms(convolution: PreparedConvolution) -> PreparedConvolution:

@@ -21,6 +21,7 @@ from roughcontact._base.tables import Table
 from roughcontact._base.units import Estimate, counted, si
 from roughcontact._parts.grid import Load
 from roughcontact._parts.surfaces import HeightMap
+from roughcontact._parts.viscoelastic import Viscoelastic
 from roughcontact._solve.problem.body import Body
 from roughcontact._solve.problem.increments import is_single
 from roughcontact._solve.problem.path import Path
@@ -28,7 +29,7 @@ from roughcontact._solve.problem.run import run_solve
 from roughcontact._solve.problem.scene import Scene
 from roughcontact._solve.problem.sweep import predict_pressure, tabulate_states
 from roughcontact._solve.problem.task import limit_load
-from roughcontact._solve.solution import ContactSolution, Flattening, Governed, LoadIncrement, Process
+from roughcontact._solve.solution import ContactSolution, Flattening, Governed, LoadIncrement, Process, Relaxation
 from roughcontact.errors import InputError, argument
 
 S = TypeVar("S", bound=Scene)
@@ -42,6 +43,8 @@ _MIN_GROWTH = 0.2
 _MAX_GROWTH = 2.0
 _SAFETY = 0.9
 _ERROR_OF_CHANGE = 1.0 / 6.0
+# Range of what is remembered below which there is nothing, m.
+_SMALLEST = 1e-300
 # Increments of one interval after which a path is given up.
 _MAX_INCREMENTS = 10_000
 
@@ -224,7 +227,7 @@ def run_load_path(
     told = checks.callback(on_increment, "on_increment=", "state")
     lists = {kind: [value] if is_single({kind: value}) else value for kind, value in normal.items()}
     loads = (Load.resting_sequence if problem.adhesion is None else Load.signed_sequence)(**lists)
-    scene = remember_flattening(problem)
+    scene = remember_changes(problem)
     places = list_places(loads, **passed)
     _require_used(scene, passed)
     for load in loads:
@@ -241,6 +244,16 @@ def remember_flattening(problem: S) -> S:
     return attrs.evolve(problem, laws=(*problem.laws, Flattening()))
 
 
+def remember_changes(problem: S) -> S:
+    """Return the problem with the laws that its materials bring: flattening, and relaxation."""
+    sides = (problem.body.material, problem.counterbody.material)
+    relaxing = [material if isinstance(material, Viscoelastic) else None for material in sides]
+    is_known = any(isinstance(law, Relaxation) for law in problem.laws)
+    if any(relaxing) and not is_known:
+        problem = attrs.evolve(problem, laws=(*problem.laws, Relaxation(*relaxing)))
+    return remember_flattening(problem)
+
+
 def require_omitted(given: Mapping[str, object], when: str) -> None:
     """Raise `InputError` if an argument is given that is used otherwise alone, `when`."""
     for name, value in given.items():
@@ -254,7 +267,7 @@ def _require_used(problem: Scene, passed: Mapping[str, object]) -> None:
         if value is not None and not problem.processes:
             raise InputError(
                 f"Nothing changes with {name}=: give the problem a law that does, such as "
-                f"{argument('laws', 'rc.Archard(1e-16)')}."
+                f"{argument('laws', 'rc.Archard(1e-16)')}, or a body that relaxes."
             )
 
 
@@ -393,20 +406,21 @@ class _March:
         """Return the error of an increment over the admissible one, from what changes the gap and its extrapolation."""
         if not self._before or len(self._states) < 2:
             return 0.0
-        before, last, now = (_find_offset(one) for one in (*self._states, state))
-        reach = float(np.ptp(now))
-        if reach == 0.0:
-            return 0.0
-        change = now - last
-        change -= (last - before) * (step / self._before)
         part = _ERROR_OF_CHANGE * step / (step + self._before)
-        return part * float(np.abs(change).max()) / (self._accuracy * reach)
+        error = 0.0
+        for before, last, now in zip(*map(_list_lengths, (*self._states, state)), strict=True):
+            change = now - last
+            change -= (last - before) * (step / self._before)
+            error = max(error, part * float(np.abs(change).max()) / max(float(np.ptp(now)), _SMALLEST))
+        return error / self._accuracy
 
 
-def _find_offset(state: ContactSolution) -> Array:
+def _list_lengths(state: ContactSolution) -> list[Array]:
+    """Return what the laws remember as lengths, such as heights that are lost."""
     effect = state._find_added(Governed)
     assert effect is not None
-    return effect.offset
+    pairs = zip(effect.remembered, effect.memory, strict=True)
+    return [memory[name] for names, memory in pairs for name, (_, unit) in names.items() if unit == "m"]
 
 
 def _between(begin: Load, end: Load, part: float) -> Load:

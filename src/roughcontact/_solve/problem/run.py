@@ -18,7 +18,8 @@ from roughcontact._base.units import si
 from roughcontact._parts.grid import Load
 from roughcontact._solve.convolvers import PreparedConvolution, SoftenedConvolution
 from roughcontact._solve.problem.body import InitialGap
-from roughcontact._solve.problem.certificate import certify, certify_again
+from roughcontact._solve.problem.certificate import certify, certify_again, stiffen_plan
+from roughcontact._solve.problem.plan import SolvePlan
 from roughcontact._solve.problem.scene import Scene
 from roughcontact._solve.problem.task import LOAD_TOLERANCE, make_task, pressure_unit
 from roughcontact._solve.solution import (
@@ -67,13 +68,15 @@ def run_solve(
             f"At an approach of {si(load.value, 'm')} the surfaces do not touch: as the laws of the problem have "
             f"changed them, the first touch is at {si(datum, 'm')}."
         )
+    plan = problem.plan if effect is None else stiffen_plan(problem.plan, effect.stiffening)
     with computing(problem):
+        run = _Run(plan, problem.convolution, on_step, started)
         if effect is not None and effect.is_implicit:
-            solution = _solve_implicitly(problem, gap, effect, inner, start, on_step, started)
+            solution = run.solve_implicitly(gap, inner, start, effect.local_compliance)
         else:
-            solution = _solve(problem, gap, inner, start, on_step, started, start_gap)
+            solution = run.solve(gap, inner, start, start_gap)
         if solution.status is Status.SEPARATED and start_gap is None:
-            solution = _try_other_states(problem, gap, inner, on_step, started) or solution
+            solution = run.try_other_states(gap, inner) or solution
     level = logging.INFO if solution.status.success else logging.WARNING
     _LOGGER.log(
         level,
@@ -109,52 +112,6 @@ def _govern(solution: ContactSolution, effect: Governed, datum: float) -> Contac
     return changed._add(effect.finish(changed) if changed.status.success else effect)
 
 
-def _solve_implicitly(
-    problem: Scene,
-    gap: InitialGap,
-    effect: Governed,
-    load: Load,
-    start: Array | None,
-    on_step: Callable[[Step], None] | None,
-    started: float,
-) -> ContactSolution:
-    """Return the contact on the gap at the end of an increment, to which its own pressure adds.
-
-    It is solved with that compliance and certified without, as a contact of the surfaces that are left.
-    """
-    plan = problem.plan
-    if plan.interaction is not None:
-        raise InputError(
-            "Laws by which the pressure itself changes the gap, such as wear, are not solved with "
-            f"{argument('adhesion')}: omit one of them."
-        )
-    local = effect.local_compliance * (pressure_unit(plan) / plan.peak_to_valley)
-    softened = SoftenedConvolution(problem.convolution, local)
-    found = _solve(problem, gap, load, start, on_step, started, None, softened)
-    left = frozen_array(found.initial_gap + effect.local_compliance * found.pressure)
-    again = certify_again(plan, problem.convolution, found, left, load)
-    kept = ("iterations", "convolutions", "errors", "levels", "seconds")
-    return attrs.evolve(again, **{name: getattr(found, name) for name in kept})
-
-
-def _try_other_states(
-    problem: Scene, gap: InitialGap, load: Load, on_step: Callable[[Step], None] | None, started: float
-) -> ContactSolution | None:
-    """Return a state that carries a load found from that at zero load, or from full contact; None without one.
-
-    Without adhesion nothing touches under a tensile load, so that the first start says little.
-    """
-    rest = _solve(problem, gap, Load(load.kind, 0.0), None, on_step, started, None)
-    starts: list[tuple[Array | None, Array]] = [(None, np.zeros(gap.values.shape))]
-    if rest.status.success:
-        starts.insert(0, (rest.pressure, np.where(rest.contact, 0.0, np.maximum(rest.gap, 0.0))))
-    for pressure, opened in starts:
-        found = _solve(problem, gap, load, pressure, on_step, started, opened)
-        if found.status.success:
-            return found
-    return None
-
-
 @contextlib.contextmanager
 def computing(problem: Scene) -> Iterator[None]:
     """Limit the threads used inside the context to those of a problem."""
@@ -163,44 +120,78 @@ def computing(problem: Scene) -> Iterator[None]:
         yield
 
 
-def _solve(
-    problem: Scene,
-    gap: InitialGap,
-    load: Load,
-    start: Array | None,
-    on_step: Callable[[Step], None] | None,
-    started: float,
-    start_gap: Array | None,
-    convolution: PreparedConvolution | None = None,
-) -> ContactSolution:
-    """Solve until no non-measured point touches; `started` is the time of the clock at the start.
+@attrs.frozen(eq=False)
+class _Run:
+    """The plan, the convolution and the clock of a solve, which may take several attempts."""
 
-    The convolution is by default that of the problem.
-    """
-    plan = problem.plan
-    convolution = problem.convolution if convolution is None else convolution
-    deepened = 0
-    while True:
-        task = make_task(plan, gap.values, load, start, start_gap)
-        if on_step is not None:
-            task = attrs.evolve(task, on_step=on_step)
-        outcome = plan.solver.solve(convolution, task)
-        # A clock may be set back, for instance on a suspended machine.
-        seconds = max(0.0, time.perf_counter() - started)
-        solution = certify(plan, convolution, gap.values, task, outcome, seconds=seconds)
-        pressed = solution.contact_pressure
-        excess = gap.sum_non_measured(pressed)
-        touch = LOAD_TOLERANCE * float(pressed.sum()) < excess < math.inf if excess else False
-        if not touch or deepened == _MAX_DEEPENINGS:
-            break
-        # Non-measured points do not touch, however large the approach.
-        deepened += 1
-        gap = gap.with_depth(_DEPTH_FACTOR**deepened * (float(gap.values.max()) + abs(solution.approach)))
-    if excess > 0.0:
-        # Only measured points carry load: the certificate shows whether more than rounding is missing.
-        outcome = attrs.evolve(outcome, pressure=np.where(np.asarray(gap.non_measured), 0.0, outcome.pressure))
-        solution = certify(plan, convolution, gap.values, task, outcome, seconds=seconds)
-    return solution
+    plan: SolvePlan
+    convolution: PreparedConvolution
+    on_step: Callable[[Step], None] | None
+    started: float
+
+    def solve(
+        self, gap: InitialGap, load: Load, start: Array | None = None, start_gap: Array | None = None
+    ) -> ContactSolution:
+        """Solve until no non-measured point touches."""
+        plan = self.plan
+        deepened = 0
+        while True:
+            task = make_task(plan, gap.values, load, start, start_gap)
+            if self.on_step is not None:
+                task = attrs.evolve(task, on_step=self.on_step)
+            outcome = plan.solver.solve(self.convolution, task)
+            # A clock may be set back, for instance on a suspended machine.
+            seconds = max(0.0, time.perf_counter() - self.started)
+            solution = certify(plan, self.convolution, gap.values, task, outcome, seconds=seconds)
+            pressed = solution.contact_pressure
+            excess = gap.sum_non_measured(pressed)
+            touch = LOAD_TOLERANCE * float(pressed.sum()) < excess < math.inf if excess else False
+            if not touch or deepened == _MAX_DEEPENINGS:
+                break
+            # Non-measured points do not touch, however large the approach.
+            deepened += 1
+            gap = gap.with_depth(_DEPTH_FACTOR**deepened * (float(gap.values.max()) + abs(solution.approach)))
+        if excess > 0.0:
+            # Only measured points carry load: the certificate shows whether more than rounding is missing.
+            outcome = attrs.evolve(outcome, pressure=np.where(np.asarray(gap.non_measured), 0.0, outcome.pressure))
+            solution = certify(plan, self.convolution, gap.values, task, outcome, seconds=seconds)
+        return solution
+
+    def solve_implicitly(
+        self, gap: InitialGap, load: Load, start: Array | None, compliance: float | Array
+    ) -> ContactSolution:
+        """Solve a contact to whose gap its own pressure adds, with a local compliance, m/Pa.
+
+        It is solved with that compliance and certified without, as a contact of the surfaces that are left.
+        """
+        plan = self.plan
+        if plan.interaction is not None:
+            raise InputError(
+                "Laws by which the pressure itself changes the gap, such as wear, are not solved with "
+                f"{argument('adhesion')}: omit one of them."
+            )
+        local = compliance * (pressure_unit(plan) / plan.peak_to_valley)
+        softened = attrs.evolve(self, convolution=SoftenedConvolution(self.convolution, local))
+        found = softened.solve(gap, load, start)
+        left = frozen_array(found.initial_gap + compliance * found.pressure)
+        again = certify_again(plan, self.convolution, found, left, load)
+        kept = ("iterations", "convolutions", "errors", "levels", "seconds")
+        return attrs.evolve(again, **{name: getattr(found, name) for name in kept})
+
+    def try_other_states(self, gap: InitialGap, load: Load) -> ContactSolution | None:
+        """Return a state that carries a load found from that at zero load, or from full contact; None without one.
+
+        Without adhesion nothing touches under a tensile load, so that the first start says little.
+        """
+        rest = self.solve(gap, Load(load.kind, 0.0))
+        starts: list[tuple[Array | None, Array]] = [(None, np.zeros(gap.values.shape))]
+        if rest.status.success:
+            starts.insert(0, (rest.pressure, np.where(rest.contact, 0.0, np.maximum(rest.gap, 0.0))))
+        for pressure, opened in starts:
+            found = self.solve(gap, load, pressure, opened)
+            if found.status.success:
+                return found
+        return None
 
 
 @guarded

@@ -49,6 +49,7 @@ from roughcontact._solve.solution.plausibility import Rule as Rule
 from roughcontact._solve.solution.plausibility import exceeds_metals as exceeds_metals
 from roughcontact._solve.solution.plausibility import find_contact as find_contact
 from roughcontact._solve.solution.plausibility import find_scene as find_scene
+from roughcontact._solve.solution.relaxation import Relaxation as Relaxation
 from roughcontact._solve.solution.results import DEFAULT_AREA as DEFAULT_AREA
 from roughcontact._solve.solution.results import Area as Area
 from roughcontact._solve.solution.results import AreaEstimator as AreaEstimator

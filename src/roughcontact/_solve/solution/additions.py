@@ -95,6 +95,11 @@ class Addition(abc.ABC):
         """Its conditions of the certificate."""
 
     @property
+    def marks(self) -> frozenset[str]:
+        """What answers must hold with, `Response.holds_with`: by default its kind."""
+        return frozenset({self.kind})
+
+    @property
     def default_area(self) -> str:
         """Registered name of the area estimator of the state, if the usual one does not hold; empty: it does."""
         return ""

@@ -117,23 +117,33 @@ class ContactAnswers(ShearFields):
     @property
     def _normal(self) -> Self:
         """The normal contact alone, which area and responses read."""
-        return self._keep("normal", lambda: attrs.evolve(self, added=())) if self.added else self
+        return self._keep("normal", self._find_normal) if self.added else self
+
+    def _find_normal(self) -> Self:
+        normal = attrs.evolve(self, added=())
+        # Answers of the normal contact need the area that holds for its surfaces.
+        normal._found["default area"] = self._name_default_area()
+        return normal
+
+    def _name_default_area(self) -> str:
+        """Return the name of the area estimator that holds for the surfaces."""
+        own: str = self._found.get("default area", "")
+        usual = DEFAULT_AREA if self.tension is None else DEFAULT_ADHESIVE_AREA
+        return own or next((one.default_area for one in self.added if one.default_area), usual)
 
     def _add(self, addition: Addition, **changes: Any) -> Self:
         """Return the state with what a physics adds in place of its former addition; the normal contact is the same."""
         others = tuple(one for one in self.added if one.kind != addition.kind)
         state = attrs.evolve(self, added=(*others, addition), **changes)
-        state._found["normal"] = self._normal
+        if not addition.default_area:
+            state._found["normal"] = self._normal
         return state
 
     @cached_property
     def _default_area(self) -> Area:
-        names = [one.default_area for one in self.added if one.default_area]
-        if names:
-            return self._normal._estimate_area(areas.resolve(names[0]))
         if self.added:
             return self._normal._default_area
-        return self._estimate_area(areas.resolve(DEFAULT_AREA if self.tension is None else DEFAULT_ADHESIVE_AREA))
+        return self._estimate_area(areas.resolve(self._name_default_area()))
 
     def _view(self, response: Response[Any]) -> Self:
         """Return what a response reads of the solution: with adhesion the pressure that it holds for."""

@@ -305,7 +305,7 @@ class ContactFields(AskedOf):
     @property
     def _laws(self) -> frozenset[str]:
         """What laws add to the pressure, by name: ``"tension"``, ``"shear"`` or another; empty for pressure alone."""
-        added = frozenset(one.kind for one in self.added)
+        added = frozenset().union(*(one.marks for one in self.added))
         return added if self.tension is None else added | {"tension"}
 
     @cached_property

@@ -23,7 +23,8 @@ from roughcontact.errors import InputError
 Memory: TypeAlias = Mapping[str, Array]
 _NOTHING: Memory = MappingProxyType({})
 _PLAIN = ("laws", "remembered")
-_CLOCK = ("time", "sliding", "elapsed", "slid")
+# What a file states of an increment, where it is not that of a single load.
+_AT_ONCE = {"time": 0.0, "sliding": 0.0, "elapsed": 0.0, "slid": 0.0, "stiffening": 1.0}
 # Difference between machines of what a law gives, over its largest value.
 _MACHINE_DIFFERENCE = 1e-10
 
@@ -74,6 +75,9 @@ class Law(Part, abc.ABC):
     True
     """
 
+    keeps_modulus: ClassVar[bool] = True
+    """Whether `find_stiffening` is one whatever passes: answers by the modulus of the problem hold then."""
+
     default_area: ClassVar[str] = ""
     """Registered name of the area estimator that holds where it has changed the surfaces; empty: the usual one."""
 
@@ -97,6 +101,10 @@ class Law(Part, abc.ABC):
         By default nothing. A rate law solves an increment implicitly so, as `Archard` does.
         """
         return 0.0
+
+    def find_stiffening(self, problem: Any, increment: LoadIncrement, memory: Memory) -> float:
+        """Return the contact modulus in the increment over that of the problem, above zero; by default one."""
+        return 1.0
 
     def list_numbers(self, state: Any, memory: Memory) -> Mapping[str, Estimate | tuple[float, str]]:
         """Return its numbers of a `ContactSolution` by name: estimates, or a number with its unit."""
@@ -189,6 +197,8 @@ class Governed(Addition):
         Duration of the increment, s, and sliding distance in it, m.
     elapsed, slid
         Time, s, and sliding distance, m, since the first touch.
+    stiffening
+        Contact modulus in the increment over that of the problem.
     local_compliance
         What the pressure on a cell adds to the gap there in the increment, m/Pa, a number or of shape (nx, ny).
     numbers
@@ -209,6 +219,7 @@ class Governed(Addition):
     sliding: float = 0.0
     elapsed: float = 0.0
     slid: float = 0.0
+    stiffening: float = 1.0
     local_compliance: float | Array = 0.0
     numbers: Mapping[str, Estimate | tuple[float, str]] = attrs.field(factory=dict)
     added_conditions: tuple[Condition, ...] = ()
@@ -232,9 +243,13 @@ class Governed(Addition):
     ) -> Governed:
         grid = problem.plan.grid
         offset = np.zeros(grid.shape)
+        stiffening = 1.0
         local: float | Array = 0.0
         for law, memory in zip(problem.laws, before, strict=True):
             offset += _check_field(law.change_gap(problem, increment, memory), grid, f"change_gap of {law!r}")
+            stiffening *= number(
+                law.find_stiffening(problem, increment, memory), f"The stiffening by {law!r}", above=0.0
+            )
             local = local + _check_compliance(law.find_local_compliance(problem, increment, memory), grid, law)
         return cls(
             laws=problem.laws,
@@ -246,6 +261,7 @@ class Governed(Addition):
             sliding=increment.sliding,
             elapsed=elapsed + increment.time,
             slid=slid + increment.sliding,
+            stiffening=stiffening,
             local_compliance=local,
         )
 
@@ -299,6 +315,11 @@ class Governed(Addition):
         return self.added_conditions
 
     @property
+    def marks(self) -> frozenset[str]:
+        """What answers must hold with: where a law changes the modulus, ``"relaxation"`` too."""
+        return frozenset({self.kind} if all(law.keeps_modulus for law in self.laws) else {self.kind, "relaxation"})
+
+    @property
     def default_area(self) -> str:
         """That of the first law that has one and has changed the surfaces."""
         pairs = zip(self.laws, self.memory, strict=True)
@@ -332,7 +353,7 @@ class Governed(Addition):
         }
         return {
             **{name: describe(getattr(self, name), arrays) for name in (*_PLAIN, "offset", "before", "memory")},
-            **{name: getattr(self, name) for name in _CLOCK if getattr(self, name)},
+            **{name: getattr(self, name) for name in _AT_ONCE if getattr(self, name) != _AT_ONCE[name]},
             "numbers": describe(named, arrays),
             "conditions": describe([attrs.asdict(one) for one in self.added_conditions], arrays),
         }
@@ -358,7 +379,7 @@ class Governed(Addition):
             offset=_check_field(rebuild(described["offset"], arrays), grid, "change of the gap"),
             before=before,
             memory=memory,
-            **{name: _check_length(described.get(name, 0.0)) for name in _CLOCK},
+            **{name: _check_length(described.get(name, one)) for name, one in _AT_ONCE.items()},
             numbers={name: _read_number(one) for name, one in rebuild(described["numbers"], arrays).items()},
             added_conditions=tuple(Condition(**one) for one in rebuild(described["conditions"], arrays)),
         )

@@ -57,7 +57,8 @@ class Response(Part, abc.ABC, Generic[T_co]):
     holds_with
         What may act beside the pressure: ``"tension"`` of surfaces that attract each other; ``"shear"``, and what other
         laws add, with which it is that of the normal contact or, if it has a field ``traction``, of pressure and
-        traction. It is refused where one of both acts that is not named.
+        traction; ``"relaxation"`` of viscoelastic bodies, where it reads the fields alone. It is refused where one acts
+        that is not named.
     refusal
         Why it does not hold with shear, in words.
     reads
@@ -116,6 +117,9 @@ def require_to_hold(response: Response[Any], laws: Collection[str]) -> None:
     kind = type(response)
     if "tension" in laws and "tension" not in response.holds_with:
         raise InputError(f"{kind.__name__} does not hold for surfaces that attract each other: it knows no tension.")
+    if "relaxation" in laws and "relaxation" not in response.holds_with:
+        name = responses.name_of(kind) or kind.__name__
+        raise InputError(f"The response {name!r} is not known for bodies that relax: it takes one modulus.")
     if set(laws) - {"tension"} and "shear" not in response.holds_with:
         name = responses.name_of(kind) or kind.__name__
         raise InputError(f"The response {name!r} is not for a contact with friction: {response.refusal}.")
@@ -370,7 +374,7 @@ class AreaEstimator(Response[Area]):
     (742 +- 74) µm2, (7.42 +- 0.74) % of nominal [counted]
     """
 
-    holds_with = frozenset({"tension", "shear"})
+    holds_with = frozenset({"tension", "shear", "relaxation"})
     reads = "contact pressure"
 
     @abc.abstractmethod
