@@ -244,7 +244,7 @@ def verify_solution(problem: Scene, solution: ContactSolution) -> None:
         gap = gap.with_depth(max(plan.peak_to_valley, float(solution.initial_gap[gap.non_measured].max())))
     # A path may end in a load of zero; other loads that are not above zero are refused as a task.
     load = Load.signed(**solution.origin.load)
-    if load.value == 0.0 and plan.interaction is None:
+    if load.value == 0.0 and load.kind != "approach" and plan.interaction is None:
         # The bodies just touch, which changed surfaces do later than fresh ones.
         measured = True if gap.non_measured is None else ~gap.non_measured
         load = Load("approach", float(np.min(gap.values, where=measured, initial=math.inf)))

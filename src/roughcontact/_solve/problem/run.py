@@ -7,7 +7,7 @@ import logging
 import math
 import time
 from collections.abc import Callable, Iterator
-from typing import Any
+from typing import Any, NoReturn
 
 import attrs
 import numpy as np
@@ -63,11 +63,14 @@ def run_solve(
     effect = Governed.begin(problem, increment or LoadIncrement(load), before) if problem.laws else None
     gap, datum = (gap, 0.0) if effect is None else _change_gap(gap, effect.offset)
     inner = load.after(datum)
-    if problem.adhesion is None and inner.kind == "approach" and load.value > 0.0 >= inner.value:
-        raise InputError(
-            f"At an approach of {si(load.value, 'm')} the surfaces do not touch: as the laws of the problem have "
-            f"changed them, the first touch is at {si(datum, 'm')}."
-        )
+    if problem.adhesion is None and inner.kind == "approach" and load.value >= 0.0 > inner.value:
+        if before is not None:
+            # The bodies have come apart: nothing presses at the gap that is left.
+            gap = attrs.evolve(gap, values=frozen_array(gap.values - inner.value))
+            datum = load.value
+            inner = Load("approach", 0.0)
+        else:
+            _raise_no_touch(load, datum)
     plan = problem.plan if effect is None else stiffen_plan(problem.plan, effect.stiffening)
     with computing(problem):
         run = _Run(plan, problem.convolution, on_step, started)
@@ -91,6 +94,13 @@ def run_solve(
     if effect is not None:
         solution = _govern(solution, effect.press(solution.pressure), datum)
     return require_success(solution) if throw else solution
+
+
+def _raise_no_touch(load: Load, datum: float) -> NoReturn:
+    raise InputError(
+        f"At an approach of {si(load.value, 'm')} the surfaces do not touch: as the laws of the problem have "
+        f"changed them, the first touch is at {si(datum, 'm')}."
+    )
 
 
 def _change_gap(gap: InitialGap, offset: Array) -> tuple[InitialGap, float]:
