@@ -29,6 +29,8 @@ HARDNESS = np.linspace(1e8, 1e9, 120).reshape(12, 10)
 CAREFUL_SHEAR = CAREFUL_SHEAR_CLASS.load()()
 # Registered classes that cannot be made without arguments.
 MADE = {
+    "archard": [rc.Archard(1e-17)],
+    "viscoelastic": [rc.Viscoelastic([1e9, 2e9], [1.0], 0.3)],
     "conductance": [rc.responses.create("conductance", (50.0, 20.0)), rc.responses.create("conductance", 1.0, 1e-9)],
     "leakage": [rc.responses.create("leakage", viscosity=1e-3, pressure_drop=1e5)],
     "elastic": [rc.Elastic(200e9, 0.3)],

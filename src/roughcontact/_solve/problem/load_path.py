@@ -311,9 +311,11 @@ def follow_path(
     """Return the states at the places of a path; each increment is told, each of these states counted."""
     march = _March(partial(run_solve, problem), accuracy, tell)
     first = places[0]
-    pressed = Place(load=first.load)
-    march.jump(first.load)
-    counts = [1 if first == pressed else 1 + march.go(pressed, first)]
+    # Of several loads the first rises from zero if time or distance pass until there; one holds from the start on.
+    at_once = len({place.load for place in places}) == 1 or not (first.time or first.sliding)
+    start = Place(load=first.load if at_once else attrs.evolve(first.load, value=0.0))
+    march.jump(start.load)
+    counts = [1 if first == start else 1 + march.go(start, first)]
     states = [march.last]
     count(march.last)
     for begin, end in pairwise(places):

@@ -271,7 +271,7 @@ class ContactProblem(Scene):
             A coefficient of friction, or a law such as `Coulomb` or `LimitedCoulomb`; None: no friction.
         time, sliding
             Without friction, time, s, and distance, m, over which the surfaces slide, at each place of the path, from
-            its start; they do not fall.
+            its start; they do not fall. One load acts from the start on, the first of several rises until there.
         accuracy
             Without friction, admissible error of one of the increments, as many as that takes, of the change of the
             surfaces over its maximum.
