@@ -45,7 +45,7 @@ from roughcontact._parts.interactions import (
     interactions,
 )
 from roughcontact._parts.kernels import FourierHalfSpace, InfluenceKernel, Love, kernels
-from roughcontact._parts.materials import Elastic, ElasticPerfectlyPlastic, Material, Rigid, materials
+from roughcontact._parts.materials import Elastic, ElasticPerfectlyPlastic, Material, Rigid, Viscoelastic, materials
 from roughcontact._parts.surfaces import (
     FlatSurface,
     HeightMap,
@@ -58,7 +58,6 @@ from roughcontact._parts.surfaces import (
     match,
     surfaces,
 )
-from roughcontact._parts.viscoelastic import Viscoelastic
 from roughcontact._solve.convolvers import DCFFT, CircularFFT, Convolver, Direct, convolvers
 from roughcontact._solve.problem import RIGID_FLAT, Body, ContactProblem, FrictionalPath, load
 from roughcontact._solve.solution import (

@@ -138,6 +138,13 @@ def test_wear_of_surfaces_that_attract_each_other_is_remembered_along_a_cycle():
     assert lost[-1] > lost[0]
 
 
+def test_worn_surfaces_that_do_not_reach_each_other_carry_nothing():
+    apart = press(Wear(1e-15)).sweep(approach=[500e-9, 1e-9])[1]
+    assert not apart.pressure.any()
+    assert apart.approach == 1e-9
+    assert apart.gap.min() > 0.0
+
+
 def test_text_certificate_and_data_state_it(worn):
     text = str(worn[1])
     assert "laws              Wear(rate=1e-17)" in text
@@ -248,9 +255,20 @@ def test_a_study_follows_the_loads_and_resumes(worn, tmp_path):
     assert [record.approach for record in again] == approaches
 
 
+@rc.laws.register("test-tender")
+@attrs.frozen
+class Tender(Wear):
+    """Wear that is not known under light loads."""
+
+    def change_gap(self, problem, increment, memory):
+        if increment.load.value < 2e-9:
+            raise rc.InputError("Under so light a load the wear is not known.")
+        return memory["height_loss"]
+
+
 def test_a_study_does_not_forget_a_load_that_failed(tmp_path):
     """What the second load would have worn is not known, so that there is no third state."""
-    study = rc.Study(problems={"ball": press(Wear(1e-15))}, approach=["500nm", "1nm", "500nm"])
+    study = rc.Study(problems={"ball": press(Tender(1e-15))}, approach=["500nm", "1nm", "500nm"])
     found = study.run(tmp_path)
     assert [record.status for record in found] == ["CONVERGED", "REFUSED", "REFUSED"]
     assert "remembers the state at the load before it" in found[2].message
@@ -304,10 +322,10 @@ class TestRefusals:
         with pytest.raises(rc.InputError, match="law"):
             rc.ContactProblem(press().body, grid=GRID, laws=given)
 
-    def test_an_approach_at_which_worn_surfaces_do_not_touch(self):
-        problem = press(Wear(1e-15))
+    def test_an_approach_at_which_changed_surfaces_do_not_touch(self):
+        problem = press(Lubricant("100MPa"))
         with pytest.raises(rc.InputError, match="the surfaces do not touch"):
-            problem.sweep(approach=[500e-9, 1e-9])
+            problem.solve(approach=1e-9)
 
     def test_friction_beside_laws(self):
         flat = rc.Body(rc.FlatSurface(), STEEL)

@@ -24,7 +24,7 @@ SLOW = ("roughcontact paper", "roughcontact report")
 # Waits until it is ended; tests/test_app*.py drive it.
 SERVES = ("roughcontact app",)
 # Pages that show numbers with a warning of contact mechanics; any other warning is a fault.
-WARNED = ("maps", "tutorial_map", "compare")
+WARNED = ("maps", "tutorial_map", "compare", "edges")
 ALLOW = "import warnings\nimport roughcontact\nwarnings.simplefilter('default', roughcontact.ContactWarning)\n"
 
 

@@ -20,8 +20,8 @@ from roughcontact._base.machine.progress import ChangeProgress, count_done
 from roughcontact._base.tables import Table
 from roughcontact._base.units import Estimate, counted, si
 from roughcontact._parts.grid import Load
+from roughcontact._parts.materials import Viscoelastic
 from roughcontact._parts.surfaces import HeightMap
-from roughcontact._parts.viscoelastic import Viscoelastic
 from roughcontact._solve.problem.body import Body
 from roughcontact._solve.problem.increments import is_single
 from roughcontact._solve.problem.path import Path

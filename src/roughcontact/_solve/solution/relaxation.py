@@ -10,7 +10,7 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array
-from roughcontact._parts.viscoelastic import Viscoelastic
+from roughcontact._parts.materials import Viscoelastic
 from roughcontact._solve.solution.contact import ContactSolution
 from roughcontact._solve.solution.laws import LoadIncrement, Memory, Process
 

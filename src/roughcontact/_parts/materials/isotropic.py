@@ -154,7 +154,7 @@ def _poisson_of(material: Material) -> float:
             f"The tangential compliance needs Poisson's ratio: give the class {type(material).__name__} "
             "an attribute `poisson`."
         )
-    return _poisson(poisson)
+    return poisson_ratio(poisson)
 
 
 def combined_pressure_limit(one: Material, other: Material) -> Array:
@@ -176,7 +176,8 @@ def _young(value: Quantity) -> float:
     return number(value, "Young's modulus", "Pa", above=0.0)
 
 
-def _poisson(value: Quantity) -> float:
+def poisson_ratio(value: Quantity) -> float:
+    """Return Poisson's ratio, checked to be above -1 and at most 0.5."""
     return number(value, "Poisson's ratio", above=-1.0, at_most=0.5)
 
 
@@ -190,7 +191,7 @@ class _Isotropic(Material):
     """A material of two elastic constants."""
 
     young: float = attrs.field(converter=_young, metadata={"unit": "Pa"})
-    poisson: float = attrs.field(converter=_poisson, metadata={"unit": ""})
+    poisson: float = attrs.field(converter=poisson_ratio, metadata={"unit": ""})
 
     @property
     def compliance(self) -> float:

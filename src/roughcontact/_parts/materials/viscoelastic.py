@@ -8,12 +8,11 @@ from typing import Any, Self
 
 import attrs
 import numpy as np
-from scipy.optimize import lsq_linear
 
 from roughcontact._base.arrays import Array
 from roughcontact._base.checks import number, numbers
 from roughcontact._base.units import Quantity
-from roughcontact._parts.materials import Material, _poisson
+from roughcontact._parts.materials.isotropic import Material, poisson_ratio
 from roughcontact.errors import InputError
 
 # Terms of a series over a decade of time by `from_master_curve`: two give the moduli of fractional bodies within 0.4 %.
@@ -67,7 +66,7 @@ class Viscoelastic(Material):
 
     moduli: tuple[float, ...] = attrs.field(converter=_moduli, metadata={"unit": "Pa"})
     times: tuple[float, ...] = attrs.field(converter=_times, metadata={"unit": "s"})
-    poisson: float = attrs.field(converter=_poisson, metadata={"unit": ""})
+    poisson: float = attrs.field(converter=poisson_ratio, metadata={"unit": ""})
 
     def __attrs_post_init__(self) -> None:
         if len(self.moduli) != len(self.times) + 1:
@@ -128,6 +127,9 @@ class Viscoelastic(Material):
         >>> print(len(rubber.times), f"{rubber.complex_modulus(1.0).real / 1e6:.2f} MPa")
         14 5.50 MPa
         """
+        # Half a second to import, and nothing else needs it.
+        from scipy.optimize import lsq_linear
+
         given = [
             _positive(values, what, unit)
             for values, what, unit in (
