@@ -12,7 +12,7 @@ convolvers   `BoundKernel`, `ConvolutionSetup`, `PreparedConvolution`, `InverseC
              `StressConvolution`, `FieldPasses`, `LastStep`; the function `padded_shape`
 solvers      `Task`, `Outcome`, `Step`, `Monitor`, `Violation`, `BoundInteraction`; `ShearSolver`, `ShearTask`,
              `ShearOutcome`, `natural_residual`
-physics      `Addition`, what one adds to a state
+physics      `LoadIncrement`, what passes between two states; `Addition`, what one adds to a state
 readers      `RawMap`; the function `read_raw`
 commands     `Command`, `Table`; the functions `quantity`, `si`, `binary`, `replacing`
 ===========  ==========================================================================================================
@@ -52,7 +52,7 @@ from roughcontact._solve.convolvers import (
     StressConvolution,
     padded_shape,
 )
-from roughcontact._solve.solution import Addition, Violation
+from roughcontact._solve.solution import Addition, LoadIncrement, Violation
 from roughcontact._solve.solvers import (
     Monitor,
     Outcome,
@@ -79,6 +79,7 @@ __all__ = [
     "LastStep",
     "Length",
     "Load",
+    "LoadIncrement",
     "Mask",
     "Monitor",
     "Outcome",

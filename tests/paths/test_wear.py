@@ -18,7 +18,7 @@ COEFFICIENT = 1e-16
 
 
 def wear_pin(volume, cells, *, reach, **others):
-    """Return the path of a pin that loses so many times the cap of its fresh contact, with cells in its radius."""
+    """Return the path of a pin that loses so many times the segment above its fresh contact of so many cells."""
     n = 2 * int(reach * cells) + 3
     grid = rc.Grid((n, n), n * PIN_CONTACT / cells)
     body = rc.Body(rc.ParaboloidSurface(radius=PIN_RADIUS), STEEL)

@@ -101,7 +101,7 @@ class Viscoelastic(Material):
 
     @classmethod
     def from_master_curve(cls, frequency: Array, storage: Array, loss: Array, *, poisson: float) -> Self:
-        """Return the series that fits measured storage and loss moduli, two terms a decade, by least relative squares.
+        """Return the series that fits measured moduli, two terms a decade, with the smallest relative squares.
 
         Parameters
         ----------

@@ -308,7 +308,7 @@ def follow_path(
     tell: Callable[[ContactSolution], object],
     count: Callable[[ContactSolution], object],
 ) -> LoadPath:
-    """Return the states at the places of a path; each increment is told, each of these states counted."""
+    """Return the states at the places of a path; each increment is reported, and each of these states counted."""
     march = _March(partial(run_solve, problem), accuracy, tell)
     first = places[0]
     # Of several loads the first rises from zero if time or distance pass until there; one holds from the start on.
