@@ -285,7 +285,7 @@ def list_places(loads: Sequence[Load], time: object, sliding: object) -> tuple[P
         raise InputError(f"The lists of a path must have one value for each place, but there are {texts}.")
     count = next(iter(counts.values()))
     rates = [values if values is not None else (0.0,) * count for values in passed.values()]
-    every = loads if len(loads) > 1 else loads * count
+    every = tuple(loads) if len(loads) > 1 else tuple(loads) * count
     return tuple(Place(load=load, time=t, sliding=s) for load, t, s in zip(every, *rates, strict=True))
 
 
