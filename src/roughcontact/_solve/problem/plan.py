@@ -25,6 +25,7 @@ from roughcontact._parts.materials import (
     MAX_UNCOUPLED_BETA,
     Material,
     Rigid,
+    Viscoelastic,
     combined_pressure_limit,
     contact_modulus,
     pair_constants,
@@ -33,7 +34,16 @@ from roughcontact._parts.surfaces import FlatSurface
 from roughcontact._solve.convolvers import Convolver, Direct, convolvers
 from roughcontact._solve.problem.body import Body, InitialGap
 from roughcontact._solve.problem.memory import UNRESTRICTED_ARRAYS, memory_of_solve, require_arrays
-from roughcontact._solve.solution import RESOLVED_CELLS, Law, Process, areas, describe_range, find_scene, responses
+from roughcontact._solve.solution import (
+    RESOLVED_CELLS,
+    Flattening,
+    Law,
+    Process,
+    areas,
+    describe_range,
+    find_scene,
+    responses,
+)
 from roughcontact._solve.solvers import ProjectedConjugateGradient, Solver, coarser_shape, solvers
 from roughcontact.errors import InputError, argument
 
@@ -59,6 +69,7 @@ _MAX_MAGNITUDE = 1e40
 # What the plan of a contact with friction does not omit: how its text begins.
 OMITTED_FRICTION = "friction"
 _REMEMBERS = ": remembers, so that loads are followed in their order"
+_AT_ONCE = "A single load acts at once, on bodies that have not relaxed; problem.path follows loads over time."
 # Wave numbers at which the effective modulus is sampled: about 24 per decade on a grid of 1000 cells a side.
 _SAMPLED_WAVE_NUMBERS = 96
 # Directions over half a turn at which it is sampled: the mean over them for an ellipse of axes 10 : 1 errs by 1e-8.
@@ -252,7 +263,7 @@ class SolvePlan:
             ("threads", "{}: {}".format(*self.thread_choice)),
             ("memory", self._format_memory()),
             *self._list_heavy_answers(),
-            *([("loads", FIRST_LOADING)] if np.isfinite(self.pressure_limit).any() else []),
+            *self._describe_loads(),
             *(("omitted", text) for text in self.omitted),
             *(("warning", text) for text in self.warnings),
         ]
@@ -260,6 +271,14 @@ class SolvePlan:
 
     def __repr__(self) -> str:
         return str(self)
+
+    def _describe_loads(self) -> list[tuple[str, str]]:
+        relaxing = any(isinstance(material, Viscoelastic) for material in self.materials)
+        forgets = not any(isinstance(law, Flattening) for law in self.laws)
+        return [
+            *([("loads", FIRST_LOADING)] if np.isfinite(self.pressure_limit).any() and forgets else []),
+            *([("loads", _AT_ONCE)] if relaxing else []),
+        ]
 
     def _describe_coarse_grids(self) -> list[tuple[str, str]]:
         if not self.solver.climbs_grids:

@@ -91,6 +91,7 @@ from roughcontact._solve.solution.summary import list_answers as list_answers
 from roughcontact._solve.solution.summary import list_quantities as list_quantities
 from roughcontact._solve.solution.summary import name_load as name_load
 from roughcontact._solve.solution.summary import note_loads as note_loads
+from roughcontact._solve.solution.summary import remembers_flattening as remembers_flattening
 from roughcontact._solve.solution.theory import Stickiness as Stickiness
 from roughcontact._solve.solution.theory import TheoryBeside as TheoryBeside
 from roughcontact._solve.solution.wear import Archard as Archard

@@ -211,9 +211,15 @@ def find_load(solution: ContactAnswers) -> Load | None:
     return Load(kind, value)
 
 
+def remembers_flattening(solution: ContactAnswers) -> bool:
+    """Return whether a state remembers how far its surfaces were flattened, as by `Flattening`."""
+    return any("flattened_height" in one.list_fields() for one in solution.added)
+
+
 def note_loads(solutions: Sequence[ContactAnswers]) -> list[str]:
     """Return a note that each load is a first loading; none without a hardness or for one load."""
-    return [FIRST_LOADING] if len(solutions) > 1 and any(solution.capped for solution in solutions) else []
+    forgets = any(solution.capped and not remembers_flattening(solution) for solution in solutions)
+    return [FIRST_LOADING] if len(solutions) > 1 and forgets else []
 
 
 @guarded
