@@ -189,6 +189,29 @@ def test_a_path_comes_back_from_its_file(tmp_path):
     again.verify()
 
 
+@pytest.mark.parametrize("kind", ["flattening", "wear", "relaxation"])
+def test_a_path_goes_on_from_its_file(kind, tmp_path):
+    """Times and distances count from the start; loads of another kind may follow."""
+    material = {"relaxation": rc.Viscoelastic([2e8, 8e8], [1.0], 0.0)}.get(kind, SOFT)
+    laws = rc.Archard(1e-13) if kind == "wear" else ()
+    problem = press_rough("free", seed=8, material=material, laws=laws, solver="auto")
+    passed = {"wear": "sliding", "relaxation": "time"}.get(kind)
+
+    def along(values):
+        return {} if passed is None else {passed: values}
+
+    whole = problem.path(pressure=[2e6, 3e6, 1e6], **along([0.0, 1.0, 2.0]))
+    problem.path(pressure=[2e6, 3e6], **along([0.0, 1.0])).save(tmp_path / "path.npz")
+    found = rc.load(tmp_path / "path.npz").extend(pressure=1e6, **along([2.0]))
+    np.testing.assert_allclose(found[-1].pressure, whole[-1].pressure, atol=0.01 * whole[-1].pressure.max())
+    assert found[-1].approach == pytest.approx(whole[-1].approach, rel=1e-3)
+    if passed is not None:
+        with pytest.raises(rc.InputError, match="count from its start"):
+            found.extend(pressure=1e6, **along([1.0]))
+    held = found.extend(approach=found[-1].approach, **along([2.0]))
+    assert held[-1].force == pytest.approx(found[-1].force, rel=1e-2)
+
+
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [

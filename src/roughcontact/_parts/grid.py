@@ -299,12 +299,18 @@ class Load:
         return cls._of_list(given, None)
 
     @classmethod
-    def resting_sequence(cls, **given: object) -> tuple[Load, ...]:
-        """Return the loads of the one list that is given, as `sequence` does; but for the first they may be zero."""
+    def unsigned_sequence(cls, **given: object) -> tuple[Load, ...]:
+        """Return the loads of the one list that is given, as `sequence` does; they may be zero."""
         loads = cls._of_list(given, None)
-        for place, load in enumerate(loads):
-            bound = {"above": 0.0} if place == 0 else {"at_least": 0.0}
-            number(load.value, f"A load of {load.kind}=[...]", load.unit, **bound)
+        for load in loads:
+            number(load.value, f"A load of {load.kind}=[...]", load.unit, at_least=0.0)
+        return loads
+
+    @classmethod
+    def resting_sequence(cls, **given: object) -> tuple[Load, ...]:
+        """Return the loads of the one list that is given, as `unsigned_sequence` does; the first is not zero."""
+        loads = cls.unsigned_sequence(**given)
+        number(loads[0].value, f"The first load of {loads[0].kind}=[...]", loads[0].unit, above=0.0)
         return loads
 
     @classmethod

@@ -33,6 +33,9 @@ _THIRD_DIFFERENCE = np.array((-0.5, 1.0, 0.0, -1.0, 0.5))
 _MAX_QUARTIC_CHANGE = 0.2
 # Distance of the maximum from the centre of the highest cell, in cells along an axis: half the diagonal.
 _MAX_OFFSET_CELLS = 0.71
+# Standard deviation of the maximum pressure between the cells of surfaces that loads have changed, over its fall to a
+# cell beside.
+_STEP_STD = 1.0
 _UNBOUNDED_WARNING = WarningText(
     "at a sharp edge or a crease of the contact the pressure is unbounded: its maximum grows with every grid",
     "sharp edge",
@@ -95,14 +98,20 @@ class PeakPressure(Quantity):
         std = np.hypot(std, value * _find_tip_error(patches.cells, sharpness))
         top = int(np.argmax(value))
         peak = float(value[top])
+        # The pressure of a worn contact ends with a finite value, as under a sharp edge, but stays bounded.
+        is_worn = solution._name_default_area() == "cell-count"
         if _meets_non_measured(solution):
             more: WarningText | None = _NON_MEASURED_WARNING
-        elif any(find_unbounded(solution)):
+        elif not is_worn and any(find_unbounded(solution)):
             more = _UNBOUNDED_WARNING
         else:
             cut = bool(_find_cut(solution, highest[top])) or bool(find_cut_patches(solution).any())
             more = _BORDER_WARNING if cut else None
         pointed = peak * _find_point_error(solution, highest[top : top + 1], int(patches.cells[top]))
+        if solution._is_changed:
+            # What loads before have left is not a summit: the pressure may bend where the contact once ended.
+            changed = _find_step(solution, highest[top : top + 1])
+            peak, std[top] = changed[0], math.hypot(float(std[top]), changed[0] - peak, _STEP_STD * changed[1])
         uncertainty = math.hypot(float(std[top]), pointed, _find_residual_std(solution)) if more is None else peak
         peak = min(peak, float(solution.pressure_limit.max()))
         return warn_if_uncertain(peak, uncertainty, "Pa", area.warnings if more is None else (*area.warnings, more))
@@ -199,6 +208,14 @@ def _fit_quadratics(solution: ContactSolution, highest: IntArray, sharpness: Arr
     lacking = compact + ridge * slender * np.where(row, 2.0, 1.0) + single / solution.patches.cells
     error = np.where(inner, error, np.maximum(error, lacking))
     return np.sqrt(np.maximum(top - excess, 0.0)), error
+
+
+def _find_step(solution: ContactSolution, highest: IntArray) -> tuple[float, float]:
+    """Return the pressure of a cell, Pa, and by how much it falls to the second lowest of its four neighbours."""
+    near = _gather(solution, solution.pressure, highest, 1)[..., 0]
+    here = float(near[1, 1])
+    beside = sorted((near[0, 1], near[2, 1], near[1, 0], near[1, 2]))
+    return here, here - float(beside[1])
 
 
 def _find_cut(solution: ContactSolution, cells: IntArray) -> Mask:

@@ -211,7 +211,7 @@ class SummitApproach(Quantity):
     def find(self, solution: ContactSolution, area: Area) -> Estimate:
         """Return the approach; see `Quantity.find`."""
         linear = solution.patches.count > 0 and measure_bend(solution).linear
-        rise, rise_std = find_rise(solution.initial_gap, solution.boundary, solution.non_measured, linear=linear)
+        rise, rise_std = find_rise(solution._fresh_gap, solution.boundary, solution.non_measured, linear=linear)
         shift, shift_std = find_shift(solution)
         hidden = find_hidden_rise(solution)
         warnings = area.warnings if solution.status.success else (str(solution.status),)

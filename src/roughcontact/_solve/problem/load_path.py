@@ -18,7 +18,7 @@ from roughcontact._base import checks
 from roughcontact._base.arrays import Array
 from roughcontact._base.machine.progress import ChangeProgress, count_done
 from roughcontact._base.tables import Table
-from roughcontact._base.units import Estimate, counted, si
+from roughcontact._base.units import Estimate, Force, Length, Pressure, counted, si
 from roughcontact._parts.grid import Load
 from roughcontact._parts.materials import Viscoelastic
 from roughcontact._parts.surfaces import HeightMap
@@ -129,6 +129,54 @@ class LoadPath(Path):
         )
         return body, counterbody
 
+    def extend(
+        self,
+        *,
+        force: Force | Iterable[Force] | None = None,
+        pressure: Pressure | Iterable[Pressure] | None = None,
+        approach: Length | Iterable[Length] | None = None,
+        time: Iterable[float | str] | None = None,
+        sliding: Iterable[Length] | None = None,
+        accuracy: float = PATH_ACCURACY,
+    ) -> LoadPath:
+        """Return the path continued from its last state, such as one from a file; see `ContactProblem.path`.
+
+        Times and distances still count from the start of the path.
+
+        Examples
+        --------
+        >>> import roughcontact as rc
+        >>> steel = rc.ElasticPerfectlyPlastic(young=210e9, poisson=0.3, hardness=2e9)
+        >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), steel)
+        >>> path = rc.ContactProblem(ball, grid=rc.Grid((32, 32), 100e-6)).path(force=[4.0, 0.0])
+        >>> len(path.extend(force=[2.0, 6.0]))
+        4
+        """
+        last = self.states[-1]
+        if last.origin is None:
+            raise InputError("The path does not say which problem it followed, so that it cannot be continued.")
+        scene: Scene = last.origin.scene
+        loads = _list_loads(scene, {"force": force, "pressure": pressure, "approach": approach}, Load.unsigned_sequence)
+        passed = {"time": time, "sliding": sliding}
+        _require_used(scene, passed)
+        here = {"force": last.force, "pressure": last.mean_pressure, "approach": last.approach}
+        begin = Place(
+            load=Load(loads[0].kind, here[loads[0].kind]), time=float(self.time[-1]), sliding=float(self.sliding[-1])
+        )
+        places = [
+            attrs.evolve(place, **{name: getattr(begin, name) for name, given in passed.items() if given is None})
+            for place in list_places(loads, **passed)
+        ]
+        if any(getattr(places[0], name) < getattr(begin, name) for name in passed):
+            raise InputError(
+                f"The path ends after {si(begin.time, 's')} and {si(begin.sliding, 'm')}: times and distances "
+                "count from its start, and do not fall."
+            )
+        march = _March(partial(run_solve, scene), _check_accuracy(accuracy), states=[last])
+        found = [(march.go(one, other), march.last) for one, other in pairwise([begin, *places])]
+        counts, states = zip(*found, strict=True)
+        return LoadPath(states=(*self.states, *states), increments=(*self.increments, *counts))
+
     @classmethod
     def _restore(cls, states: tuple[ContactSolution, ...], notes: Mapping[str, Any]) -> LoadPath:
         counts = tuple(int(count) for count in notes["increments"])
@@ -223,15 +271,12 @@ def run_load_path(
 ) -> LoadPath:
     """Return the path of a problem without friction; see `ContactProblem.path`."""
     require_omitted(omitted, f"with {argument('friction', '0.3')}")
-    accuracy = checks.number(accuracy, "The accuracy of a path", above=0.0, at_most=1.0)
+    accuracy = _check_accuracy(accuracy)
     told = checks.callback(on_increment, "on_increment=", "state")
-    lists = {kind: [value] if is_single({kind: value}) else value for kind, value in normal.items()}
-    loads = (Load.resting_sequence if problem.adhesion is None else Load.signed_sequence)(**lists)
+    loads = _list_loads(problem, normal, Load.resting_sequence)
     scene = remember_changes(problem)
     places = list_places(loads, **passed)
     _require_used(scene, passed)
-    for load in loads:
-        limit_load(problem.plan, problem.initial_gap, load)
     count = count_done(change, len(places), "place")
     return follow_path(scene, places, accuracy, told or (lambda state: None), count)
 
@@ -242,6 +287,19 @@ def remember_flattening(problem: S) -> S:
     if is_known or not np.isfinite(problem.plan.pressure_limit).any():
         return problem
     return attrs.evolve(problem, laws=(*problem.laws, Flattening()))
+
+
+def _check_accuracy(value: float) -> float:
+    return checks.number(value, "The accuracy of a path", above=0.0, at_most=1.0)
+
+
+def _list_loads(problem: Scene, normal: Mapping[str, Any], make: Callable[..., tuple[Load, ...]]) -> tuple[Load, ...]:
+    """Return the loads of a path, which surfaces that attract each other may have of any sign."""
+    lists = {kind: [value] if is_single({kind: value}) else value for kind, value in normal.items()}
+    loads = (make if problem.adhesion is None else Load.signed_sequence)(**lists)
+    for load in loads:
+        limit_load(problem.plan, problem.initial_gap, load)
+    return loads
 
 
 def remember_changes(problem: S) -> S:
@@ -329,12 +387,16 @@ class _March:
     """The last two states of a path, and the length of the next increment, over the interval that it is part of."""
 
     def __init__(
-        self, solve: Callable[..., ContactSolution], accuracy: float, tell: Callable[[ContactSolution], object]
+        self,
+        solve: Callable[..., ContactSolution],
+        accuracy: float,
+        tell: Callable[[ContactSolution], object] = lambda state: None,
+        states: Sequence[ContactSolution] = (),
     ) -> None:
         self._solve = solve
         self._accuracy = accuracy
         self._tell = tell
-        self._states: list[ContactSolution] = []
+        self._states: list[ContactSolution] = list(states)
         # Lengths of the last increment and of the next one, s or m; zero after a step of load.
         self._before = 0.0
         self._next = 0.0

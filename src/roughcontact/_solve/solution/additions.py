@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 import attrs
 
 from roughcontact._base.archive.plain import Described, describe, rebuild
-from roughcontact._base.arrays import RealArray
+from roughcontact._base.arrays import Array, RealArray
 from roughcontact._base.registry import Registry
 from roughcontact._base.units import Estimate, ShownAsPrinted, si
 from roughcontact._parts.grid import Grid
@@ -93,6 +93,9 @@ class Addition(abc.ABC):
     @abc.abstractmethod
     def conditions(self) -> tuple[Condition, ...]:
         """Its conditions of the certificate."""
+
+    # What it has added to the gap before deformation, shape (nx, ny), m; None: nothing.
+    offset: Array | None = None
 
     @property
     def marks(self) -> frozenset[str]:

@@ -123,6 +123,9 @@ class ContactAnswers(ShearFields):
         normal = attrs.evolve(self, added=())
         # Answers of the normal contact need the area that holds for its surfaces.
         normal._found["default area"] = self._name_default_area()
+        offset = next((one.offset for one in self.added if one.offset is not None and one.offset.any()), None)
+        if offset is not None:
+            normal._found["fresh gap"] = self.initial_gap - offset
         return normal
 
     def _name_default_area(self) -> str:
@@ -135,7 +138,7 @@ class ContactAnswers(ShearFields):
         """Return the state with what a physics adds in place of its former addition; the normal contact is the same."""
         others = tuple(one for one in self.added if one.kind != addition.kind)
         state = attrs.evolve(self, added=(*others, addition), **changes)
-        if not addition.default_area:
+        if not addition.default_area and addition.offset is None:
             state._found["normal"] = self._normal
         return state
 

@@ -325,6 +325,17 @@ class ContactFields(AskedOf):
         found: T = self._found[name]
         return found
 
+    @property
+    def _fresh_gap(self) -> Array:
+        """The gap before deformation of the surfaces before any load has changed them, shape `grid.shape`, m."""
+        fresh: Array = self._found.get("fresh gap", self.initial_gap)
+        return fresh
+
+    @property
+    def _is_changed(self) -> bool:
+        """Whether loads before have changed the surfaces."""
+        return "fresh gap" in self._found
+
     @cached_property
     def patches(self) -> ContactPatches:
         """The connected patches of the contact."""

@@ -172,6 +172,9 @@ class Flattening(Process):
         "plastic_work": ("plastic work per area", "J/m2"),
     }
 
+    # Where flattened surfaces are not loaded as far again, summits are no longer those that estimators by Hertz know.
+    default_area: ClassVar[str] = "level-set"
+
     def change_gap(self, problem: Any, increment: LoadIncrement, memory: Memory) -> Array:
         """Return the height lost before, m; see `Law.change_gap`."""
         return memory["flattened_height"]

@@ -321,8 +321,8 @@ class Governed(Addition):
 
     @property
     def default_area(self) -> str:
-        """That of the first law that has one and has changed the surfaces."""
-        pairs = zip(self.laws, self.memory, strict=True)
+        """That of the first law that has one and had changed the surfaces before."""
+        pairs = zip(self.laws, self.before, strict=True)
         return next((law.default_area for law, memory in pairs if law.default_area and _is_any(memory)), "")
 
     @property
