@@ -6,8 +6,8 @@ of                   classes
 a solution           `ContactFields`, `ContactPatches`, `Certificate`, `Condition`, `Residuals`, `Origin`, `Accuracy`,
                      `Trial`, `TheoryBeside`, `Stickiness`, `WarningText`
 a problem            `SolvePlan`, `RequiredLoad`
-several loads        `Path`, of which `Sweep` and `AdhesionCycle` are kinds; `RunIn`, `Cycle`, `InterfaceLaw`,
-                     `LawColumn`, `PowerFit`
+several loads        `Path`, of which `Sweep`, `AdhesionCycle` and `LoadPath` are kinds; `LoadIncrement`, `RunIn`,
+                     `Cycle`, `InterfaceLaw`, `LawColumn`, `PowerFit`
 loads along the      `Sheared`, `FrictionalState`, `FrictionalResiduals`, `TangentialLoad`, `TangentialLoop`,
 surface              `StepNumbers`, `Increment`
 several grids        `Ladder`, `BeyondResolution`
@@ -26,6 +26,7 @@ from roughcontact._parts.surfaces import MatchedPair, Separated
 from roughcontact._solve.problem import (
     AdhesionCycle,
     Increment,
+    LoadPath,
     Path,
     RequiredLoad,
     SolvePlan,
@@ -41,6 +42,7 @@ from roughcontact._solve.solution import (
     ContactPatches,
     FrictionalResiduals,
     FrictionalState,
+    LoadIncrement,
     Origin,
     Residuals,
     Sheared,
@@ -71,6 +73,8 @@ __all__ = [
     "KnownAnswer",
     "Ladder",
     "LawColumn",
+    "LoadIncrement",
+    "LoadPath",
     "MatchedPair",
     "Origin",
     "Path",

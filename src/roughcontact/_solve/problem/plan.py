@@ -33,7 +33,16 @@ from roughcontact._parts.surfaces import FlatSurface
 from roughcontact._solve.convolvers import Convolver, Direct, convolvers
 from roughcontact._solve.problem.body import Body, InitialGap
 from roughcontact._solve.problem.memory import UNRESTRICTED_ARRAYS, memory_of_solve, require_arrays
-from roughcontact._solve.solution import RESOLVED_CELLS, Law, Process, areas, describe_range, find_scene, responses
+from roughcontact._solve.solution import (
+    RESOLVED_CELLS,
+    Flattening,
+    Law,
+    Process,
+    areas,
+    describe_range,
+    find_scene,
+    responses,
+)
 from roughcontact._solve.solvers import ProjectedConjugateGradient, Solver, coarser_shape, solvers
 from roughcontact.errors import InputError, argument
 
@@ -252,7 +261,7 @@ class SolvePlan:
             ("threads", "{}: {}".format(*self.thread_choice)),
             ("memory", self._format_memory()),
             *self._list_heavy_answers(),
-            *([("loads", FIRST_LOADING)] if np.isfinite(self.pressure_limit).any() else []),
+            *self._describe_loads(),
             *(("omitted", text) for text in self.omitted),
             *(("warning", text) for text in self.warnings),
         ]
@@ -278,6 +287,10 @@ class SolvePlan:
             return []
         found = f"{int(np.count_nonzero(self.non_measured))} of {self.grid.cells} points were not measured"
         return [("points", f"{found}: they carry nothing, and answers continue the gap of their neighbours there")]
+
+    def _describe_loads(self) -> list[tuple[str, str]]:
+        remembers = any(isinstance(law, Flattening) for law in self.laws)
+        return [("loads", FIRST_LOADING)] if np.isfinite(self.pressure_limit).any() and not remembers else []
 
     def _describe_adhesion(self) -> list[tuple[str, str]]:
         law = self.interaction

@@ -212,8 +212,9 @@ def find_load(solution: ContactAnswers) -> Load | None:
 
 
 def note_loads(solutions: Sequence[ContactAnswers]) -> list[str]:
-    """Return a note that each load is a first loading; none without a hardness or for one load."""
-    return [FIRST_LOADING] if len(solutions) > 1 and any(solution.capped for solution in solutions) else []
+    """Return a note that each load is a first loading; none without a hardness, for one load, or if they remember."""
+    remember = any("flattened_height" in one.list_fields() for one in solutions[0].added)
+    return [FIRST_LOADING] if len(solutions) > 1 and not remember and any(one.capped for one in solutions) else []
 
 
 @guarded
