@@ -244,7 +244,8 @@ class ContactAnswers(ShearFields):
         unloading
             Whether the load falls: cells at the pressure limit then answer too.
         """
-        return self.response(responses.create("stiffness", unloading=unloading))
+        found: Estimate = self.response(responses.create("stiffness", unloading=unloading))
+        return found
 
     def stability(self) -> Estimate:
         """Return how far surfaces that attract each other are from a jump: 1 far away, 0 at one.

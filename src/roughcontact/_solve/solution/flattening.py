@@ -165,7 +165,7 @@ class Flattening(Process):
     True
     """
 
-    model: FlatteningModel = attrs.field(default="overlap", converter=_find_model)
+    model: FlatteningModel = attrs.field(factory=Overlap, converter=_find_model)
 
     remembered: ClassVar[Mapping[str, tuple[str, str]]] = {
         "flattened_height": ("height lost by plastic flattening", "m"),
