@@ -7,6 +7,7 @@ them; a number that once failed stays in FAILED.
 from __future__ import annotations
 
 import contextlib
+import copy
 import hashlib
 import io
 import signal
@@ -18,16 +19,17 @@ import pytest
 import scipy.io
 
 import roughcontact as rc
-from damage import damage_bytes, forge, write_forged
+from damage import damage_bytes, forge, forge_header, write_forged
 from strategies import STRICT
-from unit_files import SEAL, read_archive, read_index, seal
+from unit_files import SEAL, read_archive, read_index, seal, write_archive
 
 h5py = pytest.importorskip("h5py")
 tifffile = pytest.importorskip("tifffile")
 pytest.importorskip("h5netcdf")
 
-# Files of solutions and lists of records in the long run, and height maps, of which the ordinary run takes the first.
-FILES, MAPS = 2_000, 3_000
+# Files of solutions and lists of records, height maps, and paths in the long run, of which the ordinary run takes the
+# first.
+FILES, MAPS, PATHS = 2_000, 3_000, 1_000
 SHORT = 120
 # Cases of one test of the long run.
 BLOCK = 250
@@ -290,6 +292,51 @@ def try_map(number, folder):
     assert found is None or np.isfinite(found.heights(found.grid)).all()
 
 
+@pytest.fixture(scope="module")
+def paths(tmp_path_factory):
+    """Paths that are flattened and worn, with the bytes and the content of their files."""
+    file = tmp_path_factory.mktemp("paths") / "path.npz"
+    hard, load = PROBLEMS[0]
+    elastic = rc.ContactProblem(rc.Body(rc.SphereSurface(1e-3), rc.Elastic(210e9, 0.3)), grid=rc.Grid((12, 10), 1e-4))
+    followed = [
+        hard.path(force=[load["force"], 0.5, 1.0]),
+        attrs.evolve(elastic, laws=rc.Archard(1e-16)).path(force=[1.0, 0.5], sliding=[0.0, 0.1]),
+    ]
+    made = []
+    for one in followed:
+        one.save(file)
+        made.append((one, file.read_bytes(), read_archive(file)))
+    return made
+
+
+def try_path(number, paths, folder):
+    """Damage or forge the file of a path, and load it: it is refused, or its states are those of the original."""
+    rng = np.random.default_rng([4, number])
+    which = int(rng.integers(len(paths)))
+    original, data, (arrays, header) = paths[which]
+    file = folder / "path.npz"
+    if rng.random() < 0.4:
+        file.write_bytes(damage_bytes(data, rng))
+    elif rng.random() < 0.2:
+        file.write_bytes(damage_bytes(data[: -len(SEAL)], rng) + SEAL)
+        seal(file)
+    else:
+        changed = copy.deepcopy(header)
+        forge_header(arrays, changed, paths[1 - which][2], rng)
+        write_archive(file, arrays, changed)
+    loaded = read_or_refuse(rc.results.LoadPath.load, file)
+    if loaded is not None:
+        np.testing.assert_allclose(loaded.sliding, original.sliding, rtol=SAME)
+        for one, other in zip(loaded, original, strict=True):
+            require_same(one, other)
+            (remembered,), (right,) = one.added, other.added
+            for name, (values, *_) in remembered.list_fields().items():
+                expected = right.list_fields()[name][0]
+                np.testing.assert_allclose(
+                    values, expected, rtol=SAME, atol=SAME * np.abs(expected).max(), err_msg=name
+                )
+
+
 def run_files(numbers, intact, folder):
     for number in numbers:
         try:
@@ -317,6 +364,24 @@ def test_intact_files_are_accepted(intact, tmp_path):
 
 def test_some_damaged_maps(tmp_path):
     run_maps(range(SHORT), tmp_path)
+
+
+def run_paths(numbers, paths, folder):
+    for number in numbers:
+        try:
+            try_path(number, paths, folder)
+        except BaseException as error:
+            raise AssertionError(f"path {number}: {error!r}") from error
+
+
+def test_some_damaged_paths(paths, tmp_path):
+    run_paths(range(SHORT // 2), paths, tmp_path)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("start", range(0, PATHS, BLOCK))
+def test_every_damaged_path(paths, tmp_path, start):
+    run_paths(range(start, start + BLOCK), paths, tmp_path)
 
 
 @pytest.mark.slow

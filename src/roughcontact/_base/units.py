@@ -29,7 +29,7 @@ _SUPERSCRIPTS = {1: "", 2: "²", 3: "³"}
 _NUMBER_WITH_PREFIX = re.compile(r"\d[\d.]*(?:e[+-]?\d+)?(?: [fpnµmkMGT]?(?=Pa|m|N))?")
 # An example of each kind of quantity, by its SI unit; the empty one is that of plain numbers.
 EXAMPLES = {"Pa": "100MPa", "m": "250um", "N": "2.5N", "rad": "30deg", "": "0.3", "J/m2": "50mJ/m2", "Pa s": "1mPa.s"}
-EXAMPLES |= {"m2": "0.1mm2", "N/m": "1GN/m", "m3/s": "2mm3/s", "s": "10ms", "m2/N": "1e-16m2/N"}
+EXAMPLES |= {"m2": "0.1mm2", "N/m": "1GN/m", "m3/s": "2mm3/s", "s": "10s", "m2/N": "1e-16m2/N"}
 # Of heat or of current, which a plain number leaves open.
 EXAMPLES |= {"W/(m K) or S/m": "45W/m/K", "m2 K/W or Ohm m2": "1e-6m2*K/W", "W/K or S": "0.5W/K"}
 # Units without which a number says too little.
@@ -43,7 +43,7 @@ _USUAL_UNITS = {
     "m2": "mm2 or um2",
     "N/m": "N/m or GN/m",
     "m3/s": "m3/s or mm3/s",
-    "s": "s or ms",
+    "s": "s, min or h",
     "m2/N": "m2/N or mm2/N",
 }
 # Characters of a wrong text that are shown.
@@ -115,6 +115,8 @@ _OTHER_UNITS: dict[str, tuple[float, Dimension]] = {
     "atm": (101325.0, _PRESSURE),
     "deg": (math.pi / 180.0, _ANGLE),
     "°": (math.pi / 180.0, _ANGLE),
+    "min": (60.0, _TIME),
+    "h": (3600.0, _TIME),
     "%": (1e-2, _NO_DIMENSION),
 }
 # Width of what is printed, characters: that of a terminal as it opens, and of a page of mail or of a log.

@@ -88,7 +88,7 @@ def whole_number(text: str) -> int:
 
 
 NUMBER = quantity("")
-METRE, _PASCAL, _NEWTON, _ANGLE = (quantity(unit) for unit in ("m", "Pa", "N", "rad"))
+METRE, _PASCAL, _NEWTON, _ANGLE, _SECOND = (quantity(unit) for unit in ("m", "Pa", "N", "rad", "s"))
 
 
 def _unit(text: str) -> float:
@@ -118,7 +118,7 @@ def add_problem(parser: argparse.ArgumentParser, *, study: bool = False) -> None
     load.add_argument("--force", type=_NEWTON, metavar="F", help="normal force, such as 2.5N")
     load.add_argument("--approach", type=METRE, metavar="D", help="approach since first contact, such as 50nm")
     if not study:
-        several = "several loads of one kind, each a first loading: 1N 2N 5N"
+        several = "loads of one kind, each a first loading: 1N 2N 5N"
         load.add_argument("--loads", type=_load, nargs="+", metavar="L", help=several)
         wanted = "the load of an answer: area=0.1mm2, area=10%%, stiffness=1GN/m, leakage=1mm3/s viscosity=1mPa.s ..."
         load.add_argument("--solve-for", nargs="+", metavar=("NAME=VALUE", "FIELD=VALUE"), help=wanted)
@@ -134,14 +134,17 @@ def add_problem(parser: argparse.ArgumentParser, *, study: bool = False) -> None
     )
     if not study:
         adhesion.add_argument("--states", type=whole_number, metavar="N", help="states on each branch of --cycle (41)")
-    parser.add_argument_group("laws of plug-ins").add_argument(
-        "--law",
-        nargs="+",
-        action="append",
-        metavar=("LAW", "FIELD=VALUE"),
-        help="what else changes the contact, such as wear from load to load; may be given several times",
-    )
+    changes = parser.add_argument_group("wear and other laws, and paths on which the surfaces change")
+    law = "what else changes the contact; may be repeated: archard coefficient=1e-16m2/N"
+    changes.add_argument("--law", nargs="+", action="append", metavar=("LAW", "FIELD=VALUE"), help=law)
     if not study:
+        path = "follow --loads as a path: unloading remembers flattening"
+        changes.add_argument("--path", action="store_true", help=path)
+        for name, convert, what in (
+            ("sliding", METRE, "sliding distances of a path: 0m 1m 10m"),
+            ("time", _SECOND, "times of a path: 0s 1s 1e3s"),
+        ):
+            changes.add_argument(f"--{name}", type=convert, nargs="+", metavar=name[0].upper(), help=what)
         _add_friction(parser)
     _add_method(parser)
 
@@ -262,7 +265,7 @@ def _add_materials(parser: argparse.ArgumentParser, study: bool) -> None:
 
 def _add_maps(parser: argparse.ArgumentParser, study: bool) -> argparse._ArgumentGroup:
     other = "; or a study file" if study else ""
-    parser.add_argument("surface", help=f"height map of the body: npz, npy, text or instrument file{other}")
+    parser.add_argument("surface", help=f"height map of the body (npz, npy, text, instrument){other}")
     parser.add_argument("counterbody", nargs="?", help="height map of the counterbody (a flat)")
     maps = _add_treatment(parser, "maps")
     maps.add_argument(

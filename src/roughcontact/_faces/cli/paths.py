@@ -1,4 +1,4 @@
-"""Paths on the command line: cycles of adhesion, loads along the surface, sliding; printed, and written to files."""
+"""Paths on the command line: cycles of adhesion, loads along the surface, wear; printed, and written to files."""
 
 from __future__ import annotations
 
@@ -39,13 +39,18 @@ from roughcontact._faces.panels.figures import save_figure
 from roughcontact._parts.grid import Load
 from roughcontact._parts.materials import pair_constants
 from roughcontact._solve.problem import (
+    PATH_ACCURACY,
     AdhesionCycle,
     Increment,
+    LoadPath,
     describe_estimate,
     explain_with_friction,
     find_path_inputs,
     list_loads,
+    list_places,
+    remember_flattening,
     require_frictional,
+    run_load_path,
     run_slide,
 )
 from roughcontact._solve.problem import Path as StatePath
@@ -56,8 +61,11 @@ from roughcontact._work.studies import Answers, add_answers, write_report
 _STATES = 41
 # Options of a solve that say nothing of a cycle.
 _OUTSIDE_CYCLES = ("refine", "area", "area_within", "peak_within", "uncertainty")
+# Options of a path without friction, and those of a solve that say nothing of it.
+_OF_PATHS = ("path", "sliding", "time")
+_OUTSIDE_PATHS = ("cycle", "solve_for", *_OUTSIDE_CYCLES)
 # Options of a solve that say nothing of a contact with friction.
-_WITHOUT_FRICTION = ("cycle", "refine", "area", "area_within", "peak_within", "uncertainty")
+_WITHOUT_FRICTION = ("cycle", *_OF_PATHS, *_OUTSIDE_CYCLES)
 
 
 @attrs.frozen
@@ -189,6 +197,8 @@ def find_course(options: argparse.Namespace) -> Course | None:
         raise rc.InputError("--states is for --cycle, whose branches have them: give both, or neither.")
     if options.tangential is not None or options.slide is not None:
         return LoadsAlong(options)
+    if any(getattr(options, name) for name in _OF_PATHS):
+        return ChangingSurfaces(options)
     return None if options.cycle is None else Cycle(options)
 
 
@@ -222,6 +232,41 @@ class Cycle(Course):
     def list_doubted(self, found: Any) -> tuple[tuple[rc.ContactSolution, ...], list[rc.Estimate]]:
         """Return all states and all numbers."""
         return found.states, [found.pull_in, found.pull_off, found.dissipated]
+
+
+class ChangingSurfaces(Course):
+    """Loads, sliding distances and times along which the surfaces change: ``--path``, ``--sliding``, ``--time``."""
+
+    def __init__(self, options: argparse.Namespace):
+        given = next(f"--{name}" for name in _OF_PATHS if getattr(options, name))
+        refuse(options, _OUTSIDE_PATHS, f"is not for a path: omit it with {given}, which has many states.")
+        if options.sliding is not None and options.law is None:
+            raise rc.InputError(
+                "--sliding needs a law by which surfaces wear: give --law archard coefficient=1e-16m2/N, for example."
+            )
+        if given == "--path" and options.loads is None:
+            raise rc.InputError("--path is for several loads: give them to --loads, in their order, or omit it.")
+        self._passed = {name: getattr(options, name) for name in ("time", "sliding")}
+        self._quiet = options.quiet
+
+    def explain(self, problem: rc.ContactProblem) -> str:
+        """Return the plan of a state, in words, with the laws that remember."""
+        return remember_flattening(problem).explain()
+
+    def require(self, problem: rc.ContactProblem, loads: Sequence[Load]) -> tuple[Load, ...]:
+        """Return the normal loads, which after the first may be zero."""
+        for load in loads:
+            if load.value:
+                problem.require_load(**load.arguments)
+        list_places(loads, **self._passed)
+        return tuple(loads)
+
+    def solve(self, problem: rc.ContactProblem, loads: Sequence[Load]) -> LoadPath:
+        """Return the path."""
+        values = [load.value for load in loads]
+        normal = {loads[0].kind: values if len(values) > 1 else values[0]}
+        with show_progress("solving", quiet=self._quiet) as change:
+            return run_load_path(problem, normal, {}, self._passed, PATH_ACCURACY, None, change)
 
 
 class LoadsAlong(Course):

@@ -65,7 +65,7 @@ examples:
       --counterbody-young 210GPa --friction 0.3 \\
       --tangential 0.2N -0.2N 0.2N -o loop.npz -o loop.png
   roughcontact solve map.npz --force 1N --young 210GPa \\
-      --friction 0.3 --slide 30deg
+      --law archard coefficient=1e-16m2/N --sliding 0m 1m 10m -o worn.npz
 """
 
     def declare(self, parser: argparse.ArgumentParser) -> None:

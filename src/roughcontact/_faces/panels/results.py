@@ -27,6 +27,8 @@ from roughcontact.errors import InputError
 _MIN_LOAD_RATIO = 1e-4
 # Ratio of the ends of an axis of a study from which it is logarithmic.
 _MIN_LOGARITHMIC_RATIO = 10.0
+# Longest over shortest time or sliding distance of a path from which its axis is logarithmic.
+_MIN_WIDE_RATIO = 100.0
 # A component of the tangential force is drawn if it varies by more than this fraction of both.
 _SHOWN_FRACTION = 1e-3
 Box = tuple[float, float, float, float]  # left, lower, right and upper end, points
@@ -169,20 +171,55 @@ def draw_load_path(path: LoadPath, axes: Any, dark: bool = False) -> Any:
     passed = next(((name, values) for name in ("sliding", "time") if (values := getattr(path, name)).any()), None)
     with style(theme_of(axes).is_dark):
         if passed is None:
-            force_factor, force_unit = prefixed(float(np.abs(path.force).max()), "N")
-            length_factor, length_unit = prefixed(float(np.abs(path.approach).max()), "m")
-            draw_band(axes, length_factor * path.approach, force_factor * path.force, np.zeros(len(path)))
-            scale_axes(axes, x=f"approach since first touch, {length_unit}", y=f"force, {force_unit}")
-            return axes
-        name, values = passed
-        factor, unit = prefixed(float(values.max()), {"sliding": "m", "time": "s"}[name])
-        percent = 100.0 / path.states[0].grid.area
-        areas = [state.area() for state in path]
-        shown = [np.array([percent * getattr(area, of) for area in areas]) for of in ("value", "uncertainty")]
-        draw_band(axes, factor * values, *shown)
-        words = {"sliding": "sliding distance", "time": "time"}[name]
-        scale_axes(axes, x=f"{words}, {unit}", y="contact area, % of nominal")
+            _draw_loads(path, axes)
+        else:
+            _draw_areas(path, *passed, axes)
     return axes
+
+
+def _draw_loads(path: LoadPath, axes: Any) -> None:
+    """Draw the force over the approach, rising and falling loads apart."""
+    states = [(state.approach, state.force) for state in path]
+    # Surfaces that do not attract each other touch first without a force.
+    points = np.array(states if path[0].tension is not None else [(0.0, 0.0), *states])
+    factors, units = zip(
+        *(prefixed(float(np.abs(points[:, place]).max()), "mN"[place]) for place in (0, 1)), strict=True
+    )
+    points = points * factors
+    falls = np.diff(points[:, 1]) < 0.0
+    colors = theme_of(axes).lines
+    for name, chosen, line in (("loading", ~falls, "-"), ("unloading", falls, "--")):
+        label = name
+        for begin, end in _list_runs(chosen):
+            x, y = points[begin : end + 1].T
+            axes.plot(x, y, line, marker="o", color=colors[line == "--"], label=label)
+            label = f"_{name} again"
+    scale_axes(axes, x=f"approach since first touch, {units[0]}", y=f"force, {units[1]}")
+    if falls.any():
+        add_key(axes)
+
+
+def _list_runs(chosen: Array) -> list[tuple[int, int]]:
+    """Return begin and end of each run of true values, shape (n,)."""
+    turns = np.flatnonzero(np.diff(np.concatenate([[False], chosen, [False]]).astype(np.int8)))
+    return [(int(begin), int(end)) for begin, end in turns.reshape(-1, 2)]
+
+
+def _draw_areas(path: LoadPath, name: str, values: Array, axes: Any) -> None:
+    """Draw the contact area over what passes: where that spans decades, on a logarithmic axis beside its start."""
+    factor, unit = prefixed(float(values.max()), {"sliding": "m", "time": "s"}[name])
+    percent = 100.0 / path[0].grid.area
+    areas = [state.area() for state in path]
+    shown, spread = (np.array([percent * getattr(area, of) for area in areas]) for of in ("value", "uncertainty"))
+    later = values > 0.0
+    is_wide = np.count_nonzero(later) > 2 and values.max() > _MIN_WIDE_RATIO * values[later].min()
+    drawn = later if is_wide else np.full(values.shape, True)
+    draw_band(axes, factor * values[drawn], shown[drawn], spread[drawn])
+    if not drawn.all():
+        axes.axhline(shown[~drawn][-1], linestyle="--", color=theme_of(axes).lines[0], label="at the start")
+        add_key(axes)
+    words = {"sliding": "sliding distance", "time": "time"}[name]
+    scale_axes(axes, x=f"{words}, {unit}", y="contact area, % of nominal", logarithmic="x" if is_wide else "")
 
 
 def draw_study(table: Table, names: StudyNames, axes: Any, dark: bool = False) -> Any:

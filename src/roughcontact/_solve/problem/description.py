@@ -35,6 +35,8 @@ E = TypeVar("E", bound=Estimate | Area)
 _METHOD = ("kernel", "convolver", "solver")
 _RESIDUALS = ("complementarity", "penetration", "load", "tension")
 _COST = ("iterations", "convolutions", "seconds")
+# Arguments of a path that its loads do not show.
+_OF_PATHS = ("substeps", "time", "sliding")
 
 
 @final
@@ -220,12 +222,12 @@ def _describe_along(states: Sequence[ContactSolution]) -> dict[str, Any]:
 
 
 def find_path_inputs(path: Path) -> dict[str, Any] | None:
-    """Return the problem of a path, its loads and the law, and increments that were given; None if not known."""
+    """Return the problem of a path, its loads, what passes, the law, and given increments; None if not known."""
     found = find_inputs(path.given)
     if found is None:
         return None
     found |= _describe_along(path)
-    return found | {name: value for name, value in path.list_arguments().items() if name == "substeps"}
+    return found | {name: value for name, value in path.list_arguments().items() if name in _OF_PATHS}
 
 
 def find_versions(solution: ContactSolution) -> Mapping[str, str]:

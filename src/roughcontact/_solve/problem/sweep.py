@@ -128,7 +128,7 @@ class Sweep(Path):
         columns: dict[str, Any] = dict(found.columns)
         columns["secant_stiffness"] = self.secant_stiffness
         order = [*_COLUMN_UNITS, *(name for name in columns if name not in _COLUMN_UNITS)]
-        return Table({name: columns[name] for name in order}, _COLUMN_UNITS | dict(found.units))
+        return Table({name: columns[name] for name in order}, {**_COLUMN_UNITS, **found.units})
 
     def short_table(self) -> Table:
         """Return a row for each load for people: the area with its uncertainty in percent of nominal."""

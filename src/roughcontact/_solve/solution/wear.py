@@ -52,7 +52,7 @@ class Archard(Process):
     >>> problem = rc.ContactProblem(pin, grid=rc.Grid((48, 48), 160e-6), laws=rc.Archard("1e-16m2/N"))
     >>> path = problem.path(force=1.0, sliding=["0m", "2m"])
     >>> [f"{state.pressure.max() / 1e9:.2f} GPa" for state in path]
-    ['2.18 GPa', '0.88 GPa']
+    ['2.16 GPa', '0.67 GPa']
     """
 
     coefficient: float | Array = attrs.field(converter=_coefficient, metadata={"unit": "m2/N"})

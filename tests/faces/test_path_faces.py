@@ -1,0 +1,227 @@
+"""Paths on which the surfaces change, through the doors of those who do not script: command line, files, pages."""
+
+from __future__ import annotations
+
+import csv
+import html
+import io
+import json
+import re
+import runpy
+
+import numpy as np
+import pytest
+
+import roughcontact as rc
+from roughcontact.__main__ import main
+
+STEEL = ["--young", "210GPa"]
+HARD = [*STEEL, "--hardness", "2GPa"]
+LOADS = ["--loads", "2N", "4N", "1N", "0N", "4N", "--path"]
+WEAR = ["--law", "archard", "coefficient=1e-16m2/N"]
+SLIDING = [*WEAR, "--sliding", "0m", "10cm", "1m"]
+
+
+@pytest.fixture(scope="module")
+def ball(tmp_path_factory):
+    """A ball in a domain that is longer than wide, with an odd number of cells."""
+    grid = rc.Grid((33, 24), (110e-6, 80e-6))
+    path = tmp_path_factory.mktemp("maps") / "ball.npz"
+    np.savez(path, heights=rc.ParaboloidSurface(1e-3).heights(grid), size=grid.size)
+    return path
+
+
+@pytest.fixture(scope="module")
+def flattened(ball):
+    steel = rc.ElasticPerfectlyPlastic(210e9, 0.3, 2e9)
+    return rc.ContactProblem(rc.Body(rc.read_surface(ball), steel)).path(force=[2.0, 4.0, 1.0, 0.0, 4.0])
+
+
+@pytest.fixture(scope="module")
+def worn(ball):
+    problem = rc.ContactProblem(rc.Body(rc.read_surface(ball), rc.Elastic(210e9, 0.3)), laws=rc.Archard("1e-16m2/N"))
+    return problem.path(force=1.0, sliding=["0m", "10cm", "1m"])
+
+
+def run(capsys, *arguments):
+    try:
+        status = main([str(argument) for argument in arguments])
+    except SystemExit as ended:
+        status = ended.code
+    return status, capsys.readouterr()
+
+
+def words_of(text):
+    return " ".join(text.split())
+
+
+def script_of(page):
+    """Return the script of a report."""
+    return html.unescape(re.search(r"<h2>Run it again</h2>\s*<pre><code>(.*?)</code>", page, re.DOTALL)[1])
+
+
+class TestCommand:
+    def test_follows_loads_as_a_script_does(self, ball, capsys, flattened):
+        status, printed = run(capsys, "solve", ball, *LOADS, *HARD)
+        assert status == 0
+        assert words_of(str(flattened)) in words_of(printed.out)
+        found = json.loads(run(capsys, "solve", ball, *LOADS, *HARD, "--json")[1].out)
+        assert [state["force"] for state in found["states"]] == pytest.approx([2.0, 4.0, 1.0, 0.0, 4.0], rel=1e-9)
+        assert [state["plastic_work"] for state in found["states"]] == flattened.table().columns["plastic_work"]
+        assert found["states"][2]["approach"] == flattened[2].approach
+        # Reloading is elastic: nothing is flattened beyond the load that was carried before.
+        first, again = (found["states"][place]["flattened_volume"] for place in (1, 4))
+        assert again == pytest.approx(first, rel=1e-6)
+
+    def test_wears_over_a_sliding_distance(self, ball, capsys, worn):
+        rows = list(
+            csv.DictReader(io.StringIO(run(capsys, "solve", ball, "--force", "1N", *STEEL, *SLIDING, "--csv")[1].out))
+        )
+        assert [float(row["sliding [m]"]) for row in rows] == pytest.approx([0.0, 0.1, 1.0], rel=1e-12)
+        # Archard: the volume is k F s.
+        assert [float(row["worn_volume [m3]"]) for row in rows] == pytest.approx([0.0, 1e-17, 1e-16], rel=1e-9)
+        assert [float(row["wear_depth [m]"]) for row in rows] == worn.table().columns["wear_depth"]
+        found = json.loads(run(capsys, "solve", ball, "--force", "1N", *STEEL, *SLIDING, "--json")[1].out)
+        assert found["inputs"]["sliding"] == pytest.approx([0.0, 0.1, 1.0], rel=1e-12)
+        assert found["inputs"]["laws"] == ["rc.Archard(coefficient=100e-18)"]
+
+    def test_loads_may_change_while_it_slides(self, ball, capsys):
+        given = ["--loads", "1N", "0.5N", *WEAR, "--sliding", "0m", "20cm"]
+        rows = list(csv.DictReader(io.StringIO(run(capsys, "solve", ball, *given, *STEEL, "--csv")[1].out)))
+        assert [float(row["force [N]"]) for row in rows] == pytest.approx([1.0, 0.5], rel=1e-9)
+        # The force falls in proportion to the distance: its mean is 0.75 N.
+        assert float(rows[1]["worn_volume [m3]"]) == pytest.approx(1e-16 * 0.75 * 0.2, rel=1e-9)
+
+    def test_writes_files_that_other_commands_read(self, ball, capsys, flattened, tmp_path):
+        saved, picture, page = (tmp_path / f"path.{ending}" for ending in ("npz", "png", "html"))
+        outputs = ("-o", saved, "-o", picture, "--report", page)
+        status, printed = run(capsys, "solve", ball, *LOADS, *HARD, *outputs)
+        assert status == 0
+        assert "Written:" in printed.out
+        assert picture.read_bytes()[:4] == b"\x89PNG"
+        np.testing.assert_array_equal(rc.load(saved)[2].pressure, flattened[2].pressure)
+        status, shown = run(capsys, "info", saved)
+        assert status == 0
+        assert shown.out.strip() in printed.out
+        found = json.loads(run(capsys, "info", saved, "--json")[1].out)
+        assert [state["approach"] for state in found["states"]] == flattened.approach.tolist()
+        assert run(capsys, "plot", saved, "-o", tmp_path / "again.png")[0] == 0
+        assert "Flattened volume" in page.read_text(encoding="utf-8")
+
+    def test_asks_each_state(self, ball, capsys):
+        status, printed = run(capsys, "solve", ball, "--loads", "1N", "0.5N", "--path", *STEEL, "--stiffness", "--csv")
+        assert status == 0
+        first, last = csv.DictReader(io.StringIO(printed.out))
+        assert float(first["stiffness [N/m]"]) > float(last["stiffness [N/m]"]) > 0.0
+
+    def test_its_plan_remembers(self, ball, capsys):
+        plan = words_of(run(capsys, "solve", ball, *LOADS, *HARD, "--dry-run")[1].out)
+        assert "law Flattening(model=Overlap()): remembers" in plan
+        assert "first loading" not in plan
+        several = ("--loads", "2N", "4N", *HARD, "--dry-run")
+        assert "first loading" in words_of(run(capsys, "solve", ball, *several)[1].out)
+
+    @pytest.mark.parametrize(
+        ("arguments", "sentence"),
+        [
+            (("--force", "1N", "--path"), "--path is for several loads: give them to --loads"),
+            (("--force", "1N", "--sliding", "0m", "1m"), "give --law archard coefficient=1e-16m2/N, for example"),
+            (("--force", "1N", "--sliding", "0", "1m", *WEAR), "'0' has no unit (mm, um or nm?)"),
+            (("--force", "1N", "--time", "0m"), "is not a quantity in units of s; write it like 10s"),
+            (("--force", "1N", "--time", "0s", "1h"), "Nothing changes with time"),
+            (("--force", "1N", "--sliding", "1m", "0m", *WEAR), "that do not fall"),
+            (("--loads", "1N", "2N", "--sliding", "0m", "1m", "2m", *WEAR), "one value for each place"),
+            (("--loads", "0N", "1N", "--path"), "above 0 (N), but got 0.0"),
+            (("--loads", "1N", "-2N", "--path"), "above 0 (N), but got -2"),
+            (("--loads", "1N", "2N", "--path", "--area", "cell-count"), "--area is not for a path"),
+            (("--force", "1N", *SLIDING, "--area-within", "1%"), "--area-within is not for a path: omit it"),
+            (("--force", "1N", *SLIDING, "--refine"), "--refine is not for a path"),
+            (("--solve-for", "area=10%", "--path"), "--solve-for is not for a path"),
+            (("--cycle", "0nm", "1nm", "--path"), "--cycle is not for a path"),
+            (
+                ("--loads", "1N", "2N", "--path", "--friction", "0.3", "--tangential", "0.1N"),
+                "--path is for loads without friction: omit it with --tangential",
+            ),
+            (("--force", "1N", *SLIDING, "-o", "path.vti"), "must be a file that ends in .npz"),
+        ],
+    )  # fmt: skip
+    def test_refuses_in_a_sentence(self, ball, capsys, arguments, sentence):
+        status, printed = run(capsys, "solve", ball, *STEEL, *arguments)
+        assert status == 2
+        assert sentence in words_of(printed.err)
+        assert printed.out == ""
+
+
+class TestFile:
+    def test_holds_the_path(self, flattened, worn, tmp_path):
+        for path in (flattened, worn):
+            path.save(tmp_path / "path.npz")
+            loaded = rc.load(tmp_path / "path.npz")
+            assert isinstance(loaded, rc.results.LoadPath)
+            assert loaded.increments == path.increments
+            assert loaded.list_arguments() == path.list_arguments()
+            for one, other in zip(loaded, path, strict=True):
+                np.testing.assert_array_equal(one.pressure, other.pressure)
+            assert list(loaded.table().columns) == list(path.table().columns)
+            with pytest.raises(rc.InputError, match="does not hold"):
+                rc.ContactSolution.load(tmp_path / "path.npz")
+
+    def test_tables_have_what_passes(self, worn):
+        frame = worn.to_pandas()
+        assert list(frame.columns[:2]) == ["sliding", "increments"]
+        assert frame["worn_volume"].to_numpy()[-1] == pytest.approx(1e-16, rel=1e-9)
+
+
+class TestPage:
+    @pytest.fixture(scope="class")
+    @staticmethod
+    def pages(flattened, worn):
+        return {"flattened": flattened.to_html(), "worn": worn.to_html()}
+
+    @pytest.mark.parametrize("name", ["flattened", "worn"])
+    def test_its_script_follows_the_path_again(self, name, pages, request, tmp_path):
+        path = request.getfixturevalue(name)
+        script = script_of(pages[name])
+        assert "path = problem.path(force=[" in script
+        path.save(tmp_path / "path.npz")
+        (tmp_path / "again.py").write_text(script.replace('"path.npz"', repr(str(tmp_path / "path.npz"))))
+        again = runpy.run_path(str(tmp_path / "again.py"))["path"]
+        assert len(again) == len(path)
+        for one, other in zip(again, path, strict=True):
+            np.testing.assert_allclose(one.pressure, other.pressure, rtol=0.0, atol=1e-4 * other.pressure.max())
+            assert one.force == pytest.approx(other.force, rel=1e-5)
+
+    def test_says_what_is_remembered(self, pages):
+        flattened, worn = (re.sub(r"<[^>]*>", " ", page) for page in pages.values())
+        assert all(name in flattened for name in ("Flattened volume", "Plastic work"))
+        assert all(name in worn for name in ("Worn volume", "Wear depth", "sliding"))
+        assert "first loading" not in flattened
+
+
+class TestPicture:
+    def test_marks_unloading(self, flattened):
+        axes = flattened.plot()
+        lines = {line.get_label(): line for line in axes.lines}
+        assert {"loading", "unloading"} <= set(lines)
+        factor = lines["unloading"].get_xdata()[0] / flattened.approach[1]
+        # From the first touch up to 4 N, down to zero, and up again.
+        np.testing.assert_allclose(lines["loading"].get_ydata(), [0.0, 2.0, 4.0], rtol=1e-5)
+        np.testing.assert_allclose(lines["unloading"].get_ydata(), [4.0, 1.0, 0.0], rtol=1e-5, atol=1e-9)
+        np.testing.assert_allclose(lines["unloading"].get_xdata(), factor * flattened.approach[1:4], rtol=1e-9)
+        assert axes.get_legend() is not None
+
+    def test_draws_the_area_over_the_distance(self, worn):
+        axes = worn.plot(dark=True)
+        (line,) = axes.lines
+        assert axes.get_xscale() == "linear"
+        np.testing.assert_allclose(line.get_xdata(), worn.sliding)
+        np.testing.assert_allclose(line.get_ydata(), [100.0 * state.area().fraction for state in worn])
+
+    def test_decades_have_a_logarithmic_axis_beside_the_start(self, ball):
+        body = rc.Body(rc.read_surface(ball), rc.Elastic(210e9, 0.3))
+        path = rc.ContactProblem(body, laws=rc.Archard(1e-16)).path(force=1.0, sliding=[0.0, 1e-4, 1e-3, 0.1])
+        axes = path.plot()
+        assert axes.get_xscale() == "log"
+        curve, start = axes.lines
+        assert len(curve.get_xdata()) == 3
+        assert start.get_ydata()[0] == pytest.approx(100.0 * path[0].area().fraction)
