@@ -18,7 +18,7 @@ from roughcontact._base.archive.plain import key_of as key_of
 from roughcontact._base.archive.plain import key_of_description as key_of_description
 from roughcontact._base.archive.plain import rebuild as rebuild
 from roughcontact._base.registry import registries as registries
-from roughcontact._solve.problem import load_path as load_path
+from roughcontact._solve.problem import read_frictional_path as read_frictional_path
 from roughcontact._solve.problem import save_path as save_path
 from roughcontact._work.studies.lists import RecordList
 from roughcontact._work.studies.lists import read_journal as read_journal

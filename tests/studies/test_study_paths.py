@@ -12,7 +12,7 @@ import pytest
 
 import roughcontact as rc
 from roughcontact.__main__ import main
-from unit_files import key_of, load_path, read_study, save_path
+from unit_files import key_of, read_frictional_path, read_study, save_path
 
 STUDY = """
 [problems.long]
@@ -213,7 +213,7 @@ def test_without_the_list_the_states_are_verified(tmp_path, monkeypatch):
     study = like_pair(force=[0.2])
     (record,) = study.run(tmp_path)
     file = tmp_path / f"{record.key}.npz"
-    path = load_path(file, verify=False)
+    path = read_frictional_path(file, verify=False)
     end = attrs.evolve(path[-1], added=(attrs.evolve(path[-1].sheared, traction=0.9 * path[-1].shear),))
     save_path(file, attrs.evolve(path, states=(path[0], end)), record.key)
     for index in tmp_path.glob("study-*.json"):

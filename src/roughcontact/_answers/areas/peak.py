@@ -109,9 +109,11 @@ class PeakPressure(Quantity):
             more = _BORDER_WARNING if cut else None
         pointed = peak * _find_point_error(solution, highest[top : top + 1], int(patches.cells[top]))
         if solution._is_changed:
+            pointed = 0.0
             # What loads before have left is not a summit: the pressure may bend where the contact once ended.
             changed = _find_step(solution, highest[top : top + 1])
-            peak, std[top] = changed[0], math.hypot(float(std[top]), changed[0] - peak, _STEP_STD * changed[1])
+            std[top] = math.hypot(peak * float(quadratic_std[top]), changed[0] - peak, _STEP_STD * changed[1])
+            peak = changed[0]
         uncertainty = math.hypot(float(std[top]), pointed, _find_residual_std(solution)) if more is None else peak
         peak = min(peak, float(solution.pressure_limit.max()))
         return warn_if_uncertain(peak, uncertainty, "Pa", area.warnings if more is None else (*area.warnings, more))

@@ -37,7 +37,7 @@ from roughcontact._solve.problem.friction_plan import explain_with_friction as e
 from roughcontact._solve.problem.friction_plan import memory_of_friction as memory_of_friction
 from roughcontact._solve.problem.frictional_path import FrictionalPath as FrictionalPath
 from roughcontact._solve.problem.frictional_path import TangentialLoop as TangentialLoop
-from roughcontact._solve.problem.frictional_path import load_path as load_path
+from roughcontact._solve.problem.frictional_path import read_frictional_path as read_frictional_path
 from roughcontact._solve.problem.frictional_path import resolve_friction as resolve_friction
 from roughcontact._solve.problem.frictional_path import run_slide as run_slide
 from roughcontact._solve.problem.frictional_path import save_path as save_path

@@ -317,7 +317,7 @@ def save_path(file: File, path: FrictionalPath, key: str) -> None:
     path._save(file, key=key)
 
 
-def load_path(file: File, *, verify: bool, key: str = "", law: FrictionLaw | None = None) -> FrictionalPath:
+def read_frictional_path(file: File, *, verify: bool, key: str = "", law: FrictionLaw | None = None) -> FrictionalPath:
     """Return the path in a file; see `FrictionalPath.load`.
 
     Parameters

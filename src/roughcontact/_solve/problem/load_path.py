@@ -43,6 +43,7 @@ _MIN_GROWTH = 0.2
 _MAX_GROWTH = 2.0
 _SAFETY = 0.9
 _ERROR_OF_CHANGE = 1.0 / 6.0
+_PASSED = {"time": "time", "sliding": "sliding distance"}
 # Range of what is remembered below which there is nothing, m.
 _SMALLEST = 1e-300
 # Increments of one interval after which a path is given up.
@@ -81,7 +82,7 @@ class LoadPath(Path):
     >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), steel)
     >>> path = rc.ContactProblem(ball, grid=rc.Grid((48, 48), 100e-6)).path(force=[4.0, 0.0, 4.0])
     >>> [f"{work * 1e9:.1f} nJ" for work in path.table().columns["plastic_work"]]
-    ['70.9 nJ', '70.9 nJ', '70.9 nJ']
+    ['267.8 nJ', '267.8 nJ', '267.8 nJ']
     """
 
     kind = "load path"
@@ -180,8 +181,10 @@ class LoadPath(Path):
     @classmethod
     def _restore(cls, states: tuple[ContactSolution, ...], notes: Mapping[str, Any]) -> LoadPath:
         counts = tuple(int(count) for count in notes["increments"])
-        if len(counts) != len(states):
+        if len(counts) != len(states) or min(counts) < 1:
             raise InputError("The file is damaged: its increments are not those of its states.")
+        for before, after, count in zip(states, states[1:], counts[1:], strict=False):
+            _require_following(before, after, count)
         return cls(states=states, increments=counts)
 
     def _note_rest(self) -> dict[str, Any]:
@@ -235,11 +238,27 @@ class LoadPath(Path):
 
     def _list_results(self) -> Mapping[str, str]:
         last = self.states[-1]
-        return {name: text for one in last.added for name, text in one.list_rows(last).items()}
+        rows = {name: text for one in last.added for name, text in one.list_rows(last).items()}
+        # A page begins with the first one.
+        return {name: text for name, text in rows.items() if name != "laws"} | rows
 
     def __repr__(self) -> str:
         low, high = (si(float(bound), "N") for bound in (self.force.min(), self.force.max()))
         return f"<LoadPath {counted(len(self), 'state')}, force {low} to {high}, {self.states[0].grid}>"
+
+
+def _require_following(before: ContactSolution, after: ContactSolution, increments: int) -> None:
+    """Raise `InputError` unless a state may follow another one of a path, and does if it is of one increment."""
+    one, other = (state._find_added(Governed) for state in (before, after))
+    if one is None or other is None:
+        return
+    begins = increments > 1 or all(
+        np.array_equal(known[name], found[name])
+        for known, found in zip(one.memory, other.before, strict=True)
+        for name in known
+    )
+    if not begins or other.elapsed < one.elapsed or other.slid < one.slid:
+        raise InputError("The file is damaged: its states do not follow each other.")
 
 
 def _read(state: ContactSolution, name: str) -> float:
@@ -322,10 +341,10 @@ def require_omitted(given: Mapping[str, object], when: str) -> None:
 def _require_used(problem: Scene, passed: Mapping[str, object]) -> None:
     """Refuse time and distance if no law of the problem depends on them."""
     for name, value in passed.items():
-        if value is not None and not problem.processes:
+        if value is not None and not any(name in law.rates for law in problem.laws):
             raise InputError(
-                f"Nothing changes with {name}=: give the problem a law that does, such as "
-                f"{argument('laws', 'rc.Archard(1e-16)')}, or a body that relaxes."
+                f"Nothing changes with the {_PASSED[name]}: give the problem a law that does, such as Archard's of "
+                f"wear by {argument('laws')}, or a viscoelastic body."
             )
 
 
@@ -435,7 +454,7 @@ class _March:
             self._next = step * min(max(growth, _MIN_GROWTH), _MAX_GROWTH)
             if error > 1.0:
                 continue
-            self._accept(found)
+            self._accept(_set_clock(found, end) if is_last else found)
             self._before = step
             passed = length if is_last else passed + step
             count += 1
@@ -477,6 +496,13 @@ class _March:
             change -= (last - before) * (step / self._before)
             error = max(error, part * float(np.abs(change).max()) / max(float(np.ptp(now)), _SMALLEST))
         return error / self._accuracy
+
+
+def _set_clock(state: ContactSolution, place: Place) -> ContactSolution:
+    """Return a state at a place, whose time and distance are sums of increments, with those of the place."""
+    effect = state._find_added(Governed)
+    assert effect is not None
+    return state._add(attrs.evolve(effect, elapsed=place.time, slid=place.sliding))
 
 
 def _list_lengths(state: ContactSolution) -> list[Array]:

@@ -172,6 +172,8 @@ class Flattening(Process):
         "plastic_work": ("plastic work per area", "J/m2"),
     }
 
+    rates: ClassVar[tuple[str, ...]] = ()
+
     # Where flattened surfaces are not loaded as far again, summits are no longer those that estimators by Hertz know.
     default_area: ClassVar[str] = "level-set"
 

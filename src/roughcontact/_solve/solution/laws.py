@@ -75,6 +75,9 @@ class Law(Part, abc.ABC):
     True
     """
 
+    rates: ClassVar[tuple[str, ...]] = ("time", "sliding")
+    """What passes between two states, and changes something by it: a path refuses what no law of a problem names."""
+
     keeps_modulus: ClassVar[bool] = True
     """Whether `find_stiffening` is one whatever passes: answers by the modulus of the problem hold then."""
 
@@ -304,6 +307,13 @@ class Governed(Addition):
         pairs = [("change of the gap", self.offset, again.offset)]
         for stated, found in zip(self.memory, again.memory, strict=True):
             pairs += [(f"memory {name!r}", stated[name], found[name]) for name in found]
+        stated_numbers, found_numbers = (
+            {name: one.value if isinstance(one, Estimate) else one[0] for name, one in numbers.items()}
+            for numbers in (self.numbers, again.numbers)
+        )
+        if stated_numbers.keys() != found_numbers.keys() or self.elapsed < self.time or self.slid < self.sliding:
+            raise InputError("Its numbers contradict its laws.")
+        pairs += [(name, np.array(stated_numbers[name]), np.array(found)) for name, found in found_numbers.items()]
         for name, stated_field, found_field in pairs:
             scale = float(np.abs(found_field).max())
             if not np.abs(stated_field - found_field).max() <= _MACHINE_DIFFERENCE * scale:
@@ -323,7 +333,7 @@ class Governed(Addition):
     def default_area(self) -> str:
         """That of the first law that has one and had changed the surfaces before."""
         pairs = zip(self.laws, self.before, strict=True)
-        return next((law.default_area for law, memory in pairs if law.default_area and _is_any(memory)), "")
+        return next((law.default_area for law, memory in pairs if law.default_area and _has_lengths(law, memory)), "")
 
     @property
     def follows(self) -> bool:
@@ -406,6 +416,12 @@ def _read_number(stored: Any) -> Estimate | tuple[float, str]:
 
 def _is_any(memory: Memory) -> bool:
     return any(values.any() for values in memory.values())
+
+
+def _has_lengths(law: Law, memory: Memory) -> bool:
+    """Return whether a law remembers any length, such as a height that is lost."""
+    units = _list_remembered(law)
+    return any(values.any() for name, values in memory.items() if units[name][1] == "m")
 
 
 def _list_remembered(law: Law) -> Mapping[str, tuple[str, str]]:

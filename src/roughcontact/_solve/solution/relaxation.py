@@ -51,10 +51,21 @@ class Relaxation(Process):
     References
     ----------
     Simo, Hughes, Computational Inelasticity (1998), chapter 10, https://doi.org/10.1007/b98904
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> rubber = rc.Viscoelastic(moduli=["1MPa", "3MPa"], times=["10ms"], poisson=0.5)
+    >>> body = rc.Body(rc.ParaboloidSurface(radius=10e-3), rubber)
+    >>> path = rc.ContactProblem(body, grid=rc.Grid((32, 32), 3e-3)).path(approach="20um", time=["0s", "1s"])
+    >>> print(path[0].origin.scene.laws[0].body.times, f"{path.force[1] / path.force[0]:.3f}")
+    (0.01,) 0.250
     """
 
     body: Viscoelastic | None = None
     counterbody: Viscoelastic | None = None
+
+    rates: ClassVar[tuple[str, ...]] = ("time",)
 
     # The offset of an increment is not smooth at the last edge of the contact, which estimators by Hertz would read.
     default_area: ClassVar[str] = "level-set"

@@ -65,6 +65,8 @@ class Archard(Process):
         "worn_pressure": ("pressure at the end of the last increment", "Pa"),
     }
 
+    rates: ClassVar[tuple[str, ...]] = ("sliding",)
+
     # The pressure of a worn contact ends with a finite value, not as a root: estimators by roots give too little area.
     default_area: ClassVar[str] = "cell-count"
 

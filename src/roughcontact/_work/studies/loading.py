@@ -22,9 +22,9 @@ from roughcontact._solve.problem import (
     describe_part,
     explain_with_friction,
     list_targets,
-    load_path,
     memory_of_friction,
     order_loads,
+    read_frictional_path,
     require_frictional,
     resolve_friction,
     save_path,
@@ -232,7 +232,7 @@ class LoadsAlong(Loading):
 
     def read(self, folder: Path, key: str) -> FrictionalPath:
         """Return the path with a key."""
-        return load_path(solution_path(folder, key), verify=False, key=key, law=self.friction)
+        return read_frictional_path(solution_path(folder, key), verify=False, key=key, law=self.friction)
 
     def verify(self, problem: ContactProblem, load: Load, found: Any) -> None:
         """Raise `InputError` unless a path has these loads, and its states are solutions of a problem."""

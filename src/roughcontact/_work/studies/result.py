@@ -16,7 +16,7 @@ from roughcontact._base.registry import find_view
 from roughcontact._base.tables import Table, TableResult, make_dataset
 from roughcontact._base.units import Estimate, counted
 from roughcontact._parts.grid import FIRST_LOADING, Load
-from roughcontact._solve.problem import FrictionalPath, load_path
+from roughcontact._solve.problem import FrictionalPath, read_frictional_path
 from roughcontact._solve.solution import ContactSolution
 from roughcontact._work.studies.chain import solve_again
 from roughcontact._work.studies.loading import judge_by
@@ -330,7 +330,7 @@ class StudyResult(TableResult):
 
 
 def _read_path(folder: Path, key: str) -> FrictionalPath:
-    return load_path(solution_path(folder, key), verify=False, key=key)
+    return read_frictional_path(solution_path(folder, key), verify=False, key=key)
 
 
 def _estimate(value: float | None, uncertainty: float | None, unit: str) -> Estimate | None:
