@@ -27,6 +27,8 @@ _SECOND_BESIDE = np.array((3, 2, 1, 0, 2, 3, 2, 3))
 _BESIDE_CREASE = (-2, -1, 2, 3)
 # Cells on each side that the second differences at a cell and beside it need.
 _REACH = 4
+# Cells in a list whose neighbours are in the cache of a core at once.
+_CELLS_AT_ONCE = 2**13
 # Cells in contact across a crease up to which its height counts in full: two lie at it. In a wider contact it is a part
 # of a line, whose sampling is of second order.
 _NARROW_RUN = 2.0
@@ -360,6 +362,15 @@ def _find_crease_std(solution: ContactSolution) -> float:
     if not load.any():
         return 0.0
     lost = np.zeros(chosen.shape)
+    for first in range(0, chosen.size, _CELLS_AT_ONCE):
+        part = slice(first, first + _CELLS_AT_ONCE)
+        lost[part] = _find_lost_heights(solution, chosen[part])
+    return calibration.CREASE_STD * float(np.sum(load * lost) / np.sum(load))
+
+
+def _find_lost_heights(solution: ContactSolution, chosen: IntArray) -> Array:
+    """Return the mean heights of creases across both axes above chosen cells as far as they count, m."""
+    lost = np.zeros(chosen.shape)
     shape = solution.grid.shape
     near = Neighbourhood.inside(solution, chosen, _REACH)
     for step, cells in zip(((1, 0), (0, 1)), shape, strict=True):
@@ -370,21 +381,20 @@ def _find_crease_std(solution: ContactSolution) -> float:
             touching = Neighbourhood.of(*places, shape, solution.boundary, _REACH)
             narrow = np.minimum(_NARROW_RUN / _count_run(solution, touching, step), 1.0)
             lost[creased] += narrow**2 * height[creased]
-    return calibration.CREASE_STD * float(np.sum(load * lost) / np.sum(load))
+    return lost
 
 
 def _find_lost_height(solution: ContactSolution, near: Neighbourhood, step: tuple[int, int]) -> Array:
     """Return the mean height of a crease across an axis above the cells, m; zero where there is none."""
-    heights = solution.initial_gap.ravel()
-    line = heights.take(near.at(np.outer(np.arange(-_REACH, _REACH + 1), step)))
-    bends = np.diff(line, 2, axis=0)
+    line = solution.initial_gap.ravel().take(near.at(np.outer(np.arange(-_REACH, _REACH + 1), step)))
     lost = np.zeros(line.shape[1])
+    bends = np.diff(line, 2, axis=0)
     for there, around in ((line, bends), (line[::-1], bends[::-1])):
         jump = find_jumps(around, _BESIDE_CREASE, calibration.MAX_BEND_BESIDE)
         before, here, after, beyond = there[_REACH - 1 : _REACH + 3]
         slopes = np.maximum(before - here, 0.0) * np.maximum(beyond - after, 0.0)
-        found = jump > 0.0
-        lost = np.where(found, np.maximum(lost, 0.5 * slopes / np.where(found, jump, 1.0)), lost)
+        found = np.flatnonzero(jump)
+        lost[found] = np.maximum(lost[found], 0.5 * slopes[found] / jump[found])
     return lost
 
 
