@@ -107,16 +107,20 @@ def material_of(name):
 
 
 def list_numbers(solution):
-    """Return the answers of a solution, on slabs or whole: value and uncertainty, and the numbers of the patches."""
+    """Return the answers of a solution, on slabs or whole: value and uncertainty, and the numbers of the patches.
+
+    All are judged by the model, as those on slabs are.
+    """
     found = {}
     for name in ESTIMATORS:
-        area = solution.area(name)
+        area = solution.area(name, uncertainty="model")
         found[name] = (area.value, area.uncertainty, area.perimeter)
-    for estimate, name in ((solution.peak_pressure(), "peak"), (solution.stiffness(), "stiffness")):
+    for name in ("peak-pressure", "stiffness"):
+        estimate = solution.response(name, uncertainty="model")
         found[name] = (estimate.value, estimate.uncertainty)
     patches = solution.patches
     found["patches"] = (patches.cells.tolist(), patches.forces.tolist())
-    found["areas of patches"] = solution.area().patches.tolist()
+    found["areas of patches"] = solution.area(uncertainty="model").patches.tolist()
     return found
 
 

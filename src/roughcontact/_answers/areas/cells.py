@@ -27,6 +27,8 @@ _SECOND_BESIDE = np.array((3, 2, 1, 0, 2, 3, 2, 3))
 _BESIDE_CREASE = (-2, -1, 2, 3)
 # Cells on each side that the second differences at a cell and beside it need.
 _REACH = 4
+# Cells in a list whose neighbours are in the cache of a core at once.
+_CELLS_AT_ONCE = 2**13
 # Cells in contact across a crease up to which its height counts in full: two lie at it. In a wider contact it is a part
 # of a line, whose sampling is of second order.
 _NARROW_RUN = 2.0
@@ -240,47 +242,84 @@ def find_sharp_edges(solution: ContactSolution) -> Mask:
 
 
 def _find_sharp_edges(solution: ContactSolution) -> Mask:
-    contact = solution.contact
-    nx, ny = contact.shape
+    shape = solution.contact.shape
     patches = solution.patches
-    sharp = np.zeros(contact.size, dtype=bool)
-    edge = np.flatnonzero(contact & ~find_interior(solution))
-    edge = edge[np.concatenate(([False], patches.cells >= MIN_SHARP_PATCH_CELLS))[patches.labels.ravel()[edge]]]
-    i, j = split(edge, ny)
-    extended = extend(contact, 1, solution.boundary).ravel()
-    width = ny + 2
-    here = (i + 1) * width + (j + 1)
-    beside = extended.take(here + (_NEIGHBOUR_STEPS @ (width, 1))[:, np.newaxis])
-    one = beside[_FIRST_BESIDE]
-    other = beside[_SECOND_BESIDE]
+    sharp = np.zeros(solution.contact.size, dtype=bool)
+    edge = find_edge_cells(solution)
+    one = edge.touching[_FIRST_BESIDE]
+    other = edge.touching[_SECOND_BESIDE]
     sides = np.where(_IS_STRAIGHT, one & other, ~(one | other))
-    # All directions at once.
-    direction, facing = np.nonzero(sides & ~beside)
+    sides &= ~edge.touching
+    sides &= (patches.cells >= MIN_SHARP_PATCH_CELLS)[patches.labels.ravel().take(edge.cells) - 1]
+    direction, facing = np.nonzero(sides)
     if facing.size == 0:
-        return sharp.reshape(contact.shape)
-    steps = _NEIGHBOUR_STEPS[direction].T
-    places = i[facing], j[facing]
-
-    def at(distance: int) -> IntArray:
-        """Return the flat indices of the cells that are so many steps further in the direction of each cell."""
-        axes = zip(places, steps, (nx, ny), solution.boundary.free_axes, strict=True)
-        row, column = (
-            np.clip(k + distance * step, 0, n - 1) if free else (k + distance * step) % n for k, step, n, free in axes
-        )
-        return np.asarray(row * ny + column)
-
+        return sharp.reshape(shape)
     pressure = solution.pressure.ravel()
-    outer = pressure.take(edge[facing])
-    inner, innermost = (pressure.take(at(-k)) for k in (1, 2))
+    outer, inner, innermost = pressure.take(edge.walk(direction, facing, (0, -1, -2)))
     marked = (outer >= inner) & (inner >= innermost) & (innermost > 0.0)
-    saturated = solution.saturated.ravel()[edge[facing]] if solution.capped else np.zeros(facing.size, dtype=bool)
-    if saturated.any():
+    if solution.capped:
+        saturated = solution.saturated.ravel()[edge.cells[facing]]
         gap = solution.initial_gap.ravel()
-        before, level, after, beyond = (gap.take(at(k)) for k in (-1, 0, 1, 2))
+        before, level, after, beyond = gap.take(edge.walk(direction, facing, (-1, 0, 1, 2)))
         stepped = after - level > _MIN_STEP_RATIO * np.maximum(np.abs(beyond - after), np.abs(level - before))
         marked = np.where(saturated, stepped, marked)
-    sharp[edge[facing[marked]]] = True
-    return sharp.reshape(contact.shape)
+    sharp[edge.cells[facing[marked]]] = True
+    return sharp.reshape(shape)
+
+
+@attrs.frozen(eq=False)
+class EdgeCells:
+    """The cells in contact that have an open neighbour; beyond a free border nothing is open.
+
+    Attributes
+    ----------
+    rows, columns, cells
+        Their places, and their flat indices, shape (n,).
+    touching
+        Whether each of the eight neighbours is in contact, those along an axis first, shape (8, n).
+    shape, free_axes
+        Shape of the grid, and along which of its axes it is free.
+    """
+
+    rows: IntArray
+    columns: IntArray
+    cells: IntArray
+    touching: Mask
+    shape: tuple[int, int]
+    free_axes: tuple[bool, bool]
+
+    def walk(self, direction: IntArray, start: IntArray, distances: tuple[int, ...]) -> IntArray:
+        """Return the flat indices of the cells so many steps from cells of these in directions, shape (distances, m).
+
+        Beyond the border these are periodic images, or the outermost cells.
+        """
+        steps = _NEIGHBOUR_STEPS[direction].T
+        apart = np.array(distances)[:, np.newaxis]
+        reach = max(map(abs, distances))
+        places = []
+        for at, step, n, free in zip((self.rows, self.columns), steps, self.shape, self.free_axes, strict=True):
+            around = np.arange(-reach, n + reach)
+            # A table is faster than a remainder of each place.
+            known = np.clip(around, 0, n - 1) if free else around % n
+            places.append(known.take((at[start] + reach) + apart * step))
+        return np.asarray(places[0] * self.shape[1] + places[1])
+
+
+def find_edge_cells(solution: ContactSolution) -> EdgeCells:
+    """Return the cells at the edge of the contact."""
+    return solution._keep("edge cells", lambda: _find_edge_cells(solution))
+
+
+def _find_edge_cells(solution: ContactSolution) -> EdgeCells:
+    contact = solution.contact
+    nx, ny = contact.shape
+    cells = np.flatnonzero(contact & ~find_interior(solution))
+    rows, columns = split(cells, ny)
+    width = ny + 2
+    here = (rows + 1) * width + (columns + 1)
+    extended = extend(contact, 1, solution.boundary).ravel()
+    touching = extended.take(here + (_NEIGHBOUR_STEPS @ (width, 1))[:, np.newaxis])
+    return EdgeCells(rows, columns, cells, touching, (nx, ny), solution.boundary.free_axes)
 
 
 def find_interior(solution: ContactSolution) -> Mask:
@@ -323,6 +362,15 @@ def _find_crease_std(solution: ContactSolution) -> float:
     if not load.any():
         return 0.0
     lost = np.zeros(chosen.shape)
+    for first in range(0, chosen.size, _CELLS_AT_ONCE):
+        part = slice(first, first + _CELLS_AT_ONCE)
+        lost[part] = _find_lost_heights(solution, chosen[part])
+    return calibration.CREASE_STD * float(np.sum(load * lost) / np.sum(load))
+
+
+def _find_lost_heights(solution: ContactSolution, chosen: IntArray) -> Array:
+    """Return the mean heights of creases across both axes above chosen cells as far as they count, m."""
+    lost = np.zeros(chosen.shape)
     shape = solution.grid.shape
     near = Neighbourhood.inside(solution, chosen, _REACH)
     for step, cells in zip(((1, 0), (0, 1)), shape, strict=True):
@@ -333,23 +381,33 @@ def _find_crease_std(solution: ContactSolution) -> float:
             touching = Neighbourhood.of(*places, shape, solution.boundary, _REACH)
             narrow = np.minimum(_NARROW_RUN / _count_run(solution, touching, step), 1.0)
             lost[creased] += narrow**2 * height[creased]
-    return calibration.CREASE_STD * float(np.sum(load * lost) / np.sum(load))
+    return lost
 
 
 def _find_lost_height(solution: ContactSolution, near: Neighbourhood, step: tuple[int, int]) -> Array:
     """Return the mean height of a crease across an axis above the cells, m; zero where there is none."""
-    heights = solution.initial_gap.ravel()
-    line = heights.take(near.at(np.outer(np.arange(-_REACH, _REACH + 1), step)))
-    bends = np.diff(line, 2, axis=0)
+    line = solution.initial_gap.ravel().take(near.at(np.outer(np.arange(-_REACH, _REACH + 1), step)))
     lost = np.zeros(line.shape[1])
-    for side in (1, -1):
-        before, here, after, beyond = (line[_REACH + side * k] for k in (-1, 0, 1, 2))
-        sharp = before - here - after + beyond
-        beside = np.max(np.abs([bends[_REACH - 1 + side * k] for k in _BESIDE_CREASE]), axis=0)
+    bends = np.diff(line, 2, axis=0)
+    for there, around in ((line, bends), (line[::-1], bends[::-1])):
+        jump = find_jumps(around, _BESIDE_CREASE, calibration.MAX_BEND_BESIDE)
+        before, here, after, beyond = there[_REACH - 1 : _REACH + 3]
         slopes = np.maximum(before - here, 0.0) * np.maximum(beyond - after, 0.0)
-        found = (sharp > 0.0) & (beside < calibration.MAX_BEND_BESIDE * sharp)
-        lost = np.where(found, np.maximum(lost, 0.5 * slopes / np.where(found, sharp, 1.0)), lost)
+        found = np.flatnonzero(jump)
+        lost[found] = np.maximum(lost[found], 0.5 * slopes[found] / jump[found])
     return lost
+
+
+def find_jumps(bends: Array, beside: tuple[int, ...], most: float) -> Array:
+    """Return the jumps of the slope between the middle of lines and the next cell; zero where the line bends elsewhere.
+
+    `bends` are the second differences, an odd number along the first axis; those at steps `beside` from the middle must
+    be smaller than a fraction `most` of the jump.
+    """
+    middle = len(bends) // 2
+    jump = bends[middle] + bends[middle + 1]
+    others = np.abs(bends[[middle + step for step in beside]]).max(axis=0)
+    return np.where(others < most * jump, jump, 0.0)
 
 
 def _count_run(solution: ContactSolution, near: Neighbourhood, step: tuple[int, int]) -> IntArray:

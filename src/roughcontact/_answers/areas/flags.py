@@ -14,8 +14,8 @@ import numpy as np
 
 from roughcontact._answers.areas.cells import (
     MIN_SHARP_PATCH_CELLS,
-    Neighbourhood,
-    find_interior,
+    find_edge_cells,
+    find_jumps,
     gather_around,
     split,
 )
@@ -24,11 +24,10 @@ from roughcontact._base.units import Estimate, ShownAsPrinted, percent
 from roughcontact._solve.solution import ContactSolution, Response, heal, responses
 from roughcontact.errors import InputError
 
-# Steps to the cell beyond each side, and to that across a crease: along both axes and both diagonals.
-_SIDES = ((1, 0), (-1, 0), (0, 1), (0, -1))
-_LINES = ((1, 0), (0, 1), (1, 1), (1, -1))
-# Cells in contact in line inwards from a side, whose pressures tell whether it rises outwards.
-_ROW = 4
+# Steps to the cell across a crease: along both axes and both diagonals.
+_LINES = np.array(((1, 0), (0, 1), (1, 1), (1, -1)))
+# Steps to the cells in contact in line inwards from a side, whose pressures tell whether it rises outwards.
+_ROW = (0, -1, -2, -3)
 # Pressure of the second cell from a sharp edge at most over that of the innermost of the row.
 _FLATNESS = 0.9
 # Gap beyond a sharp edge, times E* over the cell, over the pressure beside it, at least.
@@ -36,13 +35,14 @@ _MIN_OPENING = 0.5
 # Sides of a sharp edge, and the fraction of the pressure beside sides that they carry, at least.
 _MIN_SIDES = 3
 _MIN_FRACTION = 0.1
-# Cells around the highest pressure, shape (2, 1, 9), and places on a line through each of them, shape (11, 1).
-_AROUND = np.stack(np.meshgrid((-1, 0, 1), (-1, 0, 1), indexing="ij")).reshape(2, 1, 9)
-_PLACES = np.arange(-5, 6)[:, np.newaxis]
+# Cells on each side of the highest pressure, and the places there of the lines through each of the nine cells around
+# it, shape (2, places on a line, lines, cells).
 _REACH = 6
-# Second differences on the line: that at the cell, and those beside it and the next one, at most over their sum.
-_MIDDLE = 4
-_BESIDE = np.array((1, 2, 3, 6, 7, 8))
+_AROUND = np.stack(np.meshgrid((-1, 0, 1), (-1, 0, 1), indexing="ij")).reshape(2, 1, 1, 9)
+_PLACES = np.arange(-5, 6)[:, np.newaxis, np.newaxis]
+_CELLS_ON_LINES = _REACH + _AROUND + _LINES.T[:, np.newaxis, :, np.newaxis] * _PLACES
+# Second differences beside those at a crease, in cells from the first of both, and at most over their sum.
+_BESIDE = (-3, -2, -1, 2, 3, 4)
 _MAX_BEND_BESIDE = 0.15
 # Largest change of the heights over two cells inward from a step, over the height of the step.
 _MAX_FLAT_RATIO = 0.25
@@ -176,27 +176,19 @@ def _modulus(solution: ContactSolution) -> float:
 
 def _find_sharp_fraction(solution: ContactSolution) -> float:
     """Return the fraction of the pressure beside open cells that stands at sharp edges."""
-    modulus = _modulus(solution)
-    at_edge = solution.parts.own(solution.contact & ~find_interior(solution))
-    cells = np.flatnonzero(at_edge)
-    near = Neighbourhood.of(*split(cells, at_edge.shape[1]), at_edge.shape, solution.boundary, _ROW)
-    contact = solution.contact.ravel()
-    pressure = solution.pressure.ravel()
-    gap = solution.gap.ravel()
-    beside = 0.0
-    sharp = 0.0
-    count = 0
-    for (di, dj), step in zip(_SIDES, np.repeat(solution.grid.spacing, 2), strict=True):
-        inwards = near.at(np.outer(np.arange(-1, _ROW), (-di, -dj)))
-        outer = inwards[0]
-        row = pressure.take(inwards[1:])
-        facing = ~contact.take(outer) & (row > 0.0).all(axis=0)
-        rises = (row[0] > row[1]) & (row[1] > row[2]) & (row[2] > _FLATNESS * row[3])
-        found = facing & rises & (gap.take(outer) * modulus > _MIN_OPENING * step * row[0])
-        beside += float(np.sum(row[0], where=facing))
-        sharp += float(np.sum(row[0], where=found))
-        count += int(np.count_nonzero(found))
-    beside, sharp, sides = solution.parts.total(np.array((beside, sharp, count)))
+    edge = find_edge_cells(solution)
+    # The first four neighbours are those along an axis.
+    direction, facing = np.nonzero(~edge.touching[:4])
+    mine = solution.parts.own_rows(edge.rows[facing])
+    direction = direction[mine]
+    facing = facing[mine]
+    row = solution.pressure.ravel().take(edge.walk(direction, facing, _ROW))
+    outermost = np.where((row > 0.0).all(axis=0), row[0], 0.0)
+    rising = np.flatnonzero((outermost > row[1]) & (row[1] > row[2]) & (row[2] > _FLATNESS * row[3]))
+    opening = solution.gap.ravel().take(edge.walk(direction[rising], facing[rising], (1,))[0]) * _modulus(solution)
+    step = np.repeat(solution.grid.spacing, 2)[direction[rising]]
+    found = outermost[rising][opening > _MIN_OPENING * step * outermost[rising]]
+    beside, sharp, sides = solution.parts.total(np.array((outermost.sum(), found.sum(), found.size)))
     return float(sharp / beside) if sides >= _MIN_SIDES and sharp > _MIN_FRACTION * beside else 0.0
 
 
@@ -226,18 +218,9 @@ def _find_jump(solution: ContactSolution, top: IntArray) -> float:
         if free:
             known = (at + steps >= 0) & (at + steps < n)
             near = np.where(np.expand_dims(known, 1 - axis), near, np.nan)
-    strongest = 0.0
-    for di, dj in _LINES:
-        # By place on the line, and line through each of the nine cells.
-        rows = _REACH + _AROUND[0] + di * _PLACES
-        columns = _REACH + _AROUND[1] + dj * _PLACES
-        length = math.hypot(di * solution.grid.spacing[0], dj * solution.grid.spacing[1])
-        bends = np.diff(near[rows, columns], 2, axis=0) / length
-        for there in (bends, bends[::-1]):
-            jump = there[_MIDDLE] + there[_MIDDLE + 1]
-            beside = np.abs(there[_BESIDE]).max(axis=0)
-            strongest = max(strongest, float(np.max(jump, where=beside < _MAX_BEND_BESIDE * jump, initial=0.0)))
-    return strongest
+    length = np.hypot(*(_LINES * solution.grid.spacing).T)[:, np.newaxis]
+    bends = np.diff(near[_CELLS_ON_LINES[0], _CELLS_ON_LINES[1]], 2, axis=0) / length
+    return max(float(find_jumps(there, _BESIDE, _MAX_BEND_BESIDE).max()) for there in (bends, bends[::-1]))
 
 
 def _is_rough(solution: ContactSolution) -> bool:

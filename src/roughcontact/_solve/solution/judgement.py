@@ -65,11 +65,16 @@ def judge_area(solution: Any, found: Area, kind: str) -> Area:
 
 def _find_phases(solution: Any, kind: str) -> Any:
     """Return the phases of the grid; None if the contact is better judged by the model."""
-    return solution.phases() if kind == "two grids" else solution.response("judgement").phases
+    if kind == "two grids":
+        return solution.phases()
+    # A part of a contact knows neither all heights nor a coarser grid.
+    return solution.response("judgement").phases if solution.parts.is_whole else None
 
 
 def explain_uncertainties(solution: Any) -> str:
     """Return what the uncertainties of the answers are found from, and why."""
     if solution.uncertainty == "auto":
+        if not solution.parts.is_whole:
+            return f"uncertainties by {UNCERTAINTIES['model']}: the contact is divided among processes"
         return str(solution.response("judgement"))
     return f"uncertainties by {UNCERTAINTIES[solution.uncertainty]}, as asked"
