@@ -299,9 +299,9 @@ MEAN_CORRECTION_ERROR = 0.1
 RISE_ERROR = 1.5
 TIP_RISE_ERROR = 0.03
 # Deficit of the height of a tip between a cone and a paraboloid by polynomials, over how pointed it is: the fraction of
-# the second differences that is added to the height, and the relative standard deviation of the deficit. Set on tips
-# r^1.25 to r^1.75.
-TIP_RISE_DEFICIT = (0.06, 0.4)
+# the second differences that is added to the height, set on tips r^1.25 to r^1.75, and the relative standard deviation
+# of the deficit: bumps like a Gaussian may look pointed and have none.
+TIP_RISE_DEFICIT = (0.06, 0.55)
 # Resolution ratios between which the summits between the cells are lost.
 UNRESOLVED_RATIOS = (1.4, 2.0)
 # Standard deviation of the height of the highest summit over h^2 times the curvature under the contact: where they are
