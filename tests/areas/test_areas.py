@@ -144,11 +144,10 @@ def test_sharp_edges_of_small_patches_have_their_length(shape, size, boundary):
         assert perimeter.uncertainty < 0.16 * length
 
 
-@pytest.mark.parametrize(("cells", "half_width"), [(41, 0.012), (80, 0.024)])
-def test_the_edge_of_a_narrow_wall_is_counted(cells, half_width):
-    """One to four cells across, too few cells stand in line inwards to tell that the edge is sharp."""
-    grid = rc.Grid((cells, cells), 1.0)
-    inside = np.abs(np.hypot(grid.x - 0.01, grid.y + 0.013) - 0.3) < half_width
+def test_the_edge_of_a_narrow_wall_is_counted():
+    """One cell across, too few cells stand in line inwards to tell that the edge is sharp."""
+    grid = rc.Grid((41, 41), 1.0)
+    inside = np.abs(np.hypot(grid.x - 0.01, grid.y + 0.013) - 0.3) < 0.012
     wall = rc.HeightMap(np.where(inside, 0.0, -0.1), size=1.0)
     solution = rc.ContactProblem(rc.Body(wall, rc.Elastic(1e9, 0.3))).solve(force=1e3)
     perimeter = solution.response("perimeter", uncertainty="model")

@@ -40,7 +40,7 @@ _STRAIGHT_LENGTH_ERROR = 1e-9
 # Cells of a patch from which its traced length is not corrected.
 _LARGE_PATCH_CELLS = 100
 # Traced length over that of the sides of the cells, below which sharp edges of narrow patches are not traced.
-_MIN_TRACED_LENGTH = 0.7
+_MIN_TRACED_LENGTH = 0.65
 # Numbers of cells below which a patch may be a part of another one, or other patches may be missing beside it.
 _SMALL_PATCH_CELLS = (4, 9)
 # Kurtosis of the second differences of Gaussian heights.
@@ -143,7 +143,7 @@ class EdgeLength(Quantity):
         length += calibration.UNTRACED_CUT_LENGTH[0] * crossings + exact + sharp
         # Sides of the cells count networks of ridges well, whose traced edges are short.
         counted = math.pi / 4.0 * measure_sides(solution)
-        if length < _MIN_TRACED_LENGTH * counted:
+        if length < _MIN_TRACED_LENGTH * counted and np.mean(solution.patches.cells) >= _SMALL_PATCH_CELLS[1]:
             return warn_if_uncertain(counted, calibration.COUNTED_LENGTH_ERROR * counted, "m", area.warnings)
         of_networks = float(np.sum(lobed, where=large)) / length if length > 0.0 and not straight.any() else 0.0
         networks = calibration.COUNTED_DIFFERENCE * abs(counted - length) * of_networks
