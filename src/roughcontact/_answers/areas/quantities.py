@@ -120,10 +120,11 @@ class EdgeLength(Quantity):
         length += float(np.sum(hidden))
         exact = float(np.sum(edges.length[1:], where=straight))
         # Nothing of a sharp edge is traced.
-        sharp = float(np.sum(edges.sharp_length[1:], where=~straight)) * calibration.SHARP_LENGTH
-        corners = math.pi * step * math.sqrt(np.count_nonzero(edges.sharp_length[1:] > 0.0))
         slender = math.log(max(solution.grid.resolved.spacing) / min(solution.grid.resolved.spacing))
-        along_cells = calibration.SHARP_LENGTH_ERROR * (1.0 + calibration.SLENDER_LENGTH_ERROR * slender)
+        excess = calibration.SHARP_LENGTH_EXCESS * (1.0 + slender)
+        sharp = float(np.sum(edges.sharp_length[1:], where=~straight)) * (1.0 - excess)
+        corners = math.pi * step * math.sqrt(np.count_nonzero(edges.sharp_length[1:] > 0.0))
+        along_cells = calibration.SHARP_LENGTH_ERROR * (1.0 + slender)
         sharp_std = math.hypot(along_cells * sharp, corners if sharp > 0.0 else 0.0)
         uneven = calibration.UNEVEN_LENGTH_ERROR * edges.curvature_resolution + calibration.LOBED_LENGTH_ERROR
         uneven = uneven * float(np.sum(lobed)) + 0.5 * lost
