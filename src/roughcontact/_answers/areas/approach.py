@@ -257,8 +257,10 @@ def _is_linear(near: Array) -> bool:
     kinkless = 0
     for line in (near[:, _POLYNOMIAL_REACH], near[_POLYNOMIAL_REACH]):
         bends = np.diff(line, 2)
-        least = _KINK_TOLERANCE * float(np.abs(bends).max())
-        kinkless += int(np.count_nonzero(np.abs(bends) <= least) + np.count_nonzero(np.abs(np.diff(bends)) <= least))
+        smallest = _KINK_TOLERANCE * float(np.abs(bends).max())
+        kinkless += int(
+            np.count_nonzero(np.abs(bends) <= smallest) + np.count_nonzero(np.abs(np.diff(bends)) <= smallest)
+        )
     return kinkless >= _MIN_KINKLESS
 
 

@@ -309,8 +309,8 @@ UNRESOLVED_RATIOS = (1.4, 2.0)
 HIDDEN_RISE_STD = (0.05, 0.014, 0.5)
 # Excess of the length of a sharp edge through the middles of the sides of its cells, half of the 5.5 % that it has on
 # average in all directions and does not have along the grid, and its relative standard deviation. Set on round, square
-# and turned pillars, lands and dimples of 20 to 200 cells a side. Both grow with the logarithm of the ratio of the sides
-# of a cell, as the 5.5 % to 12 % at 1 : 3.
+# and turned pillars, lands and dimples of 20 to 200 cells a side. Both grow with the logarithm of the ratio of the
+# sides of a cell, as the 5.5 % to 12 % at 1 : 3.
 SHARP_LENGTH_EXCESS = 0.026
 SHARP_LENGTH_ERROR = 0.045
 # Standard deviation of the length over the difference from pi/4 of the sides of the cells, which is right for networks

@@ -43,8 +43,8 @@ _EXTRAPOLATED_FACTOR = 0.8
 _EXTRAPOLATION = 1.0 / 3.0
 # Uncertainty over that of a model, at least, of flagged answers and of extrapolated areas: lands along the grid are the
 # same on both.
-_LEAST_PART = 0.75
-_LEAST_AREA_PART = 0.5
+_MIN_PART = 0.75
+_MIN_AREA_PART = 0.5
 # Relative standard deviation by the tolerance of the solves, at least, unless that of one grid is less.
 _MIN_STD = 1e-4
 # Warnings that a model of the errors gives where it does not know them.
@@ -104,7 +104,7 @@ class Phases:
         """
         std = self.factor * _root_mean_square(found.value, [ask(state).value for state in self.states])
         if self.flagged:
-            return _with_uncertainty(found, max(std, _LEAST_PART * found.uncertainty))
+            return _with_uncertainty(found, max(std, _MIN_PART * found.uncertainty))
         return _with_uncertainty(found, max(std, min(found.uncertainty, _MIN_STD * abs(found.value))))
 
     def extrapolate_area(self, solution: ContactSolution, found: Area) -> Area:
@@ -113,7 +113,7 @@ class Phases:
         value = level + _EXTRAPOLATION * (level - sum(others) / len(others))
         value = min(max(value, 0.0), solution.grid.area)
         std = _EXTRAPOLATED_FACTOR * _root_mean_square(level, others)
-        std = max(std, _LEAST_AREA_PART * found.uncertainty)
+        std = max(std, _MIN_AREA_PART * found.uncertainty)
         extrapolated = attrs.evolve(
             found, value=value, fraction=value / solution.grid.area, estimator="level-set, two grids", patches=None
         )
