@@ -41,9 +41,7 @@ _FLAGGED_FACTOR = 1.0
 # The same of a flagged area that is extrapolated, and the part of the difference by which it is.
 _EXTRAPOLATED_FACTOR = 0.8
 _EXTRAPOLATION = 1.0 / 3.0
-# Uncertainty over that of a model, at least, of flagged answers and of extrapolated areas: lands along the grid are the
-# same on both.
-_MIN_PART = 0.75
+# Uncertainty of an extrapolated area over that of a model, at least: lands along the grid are the same on both.
 _MIN_AREA_PART = 0.5
 # Relative standard deviation by the tolerance of the solves, at least, unless that of one grid is less.
 _MIN_STD = 1e-4
@@ -99,12 +97,11 @@ class Phases:
         Returns
         -------
         Number
-            The same value; where the contact is flagged the standard deviation is at least three
-            quarters of that of a model.
+            The same value; where the contact is flagged the standard deviation is at least that of a model.
         """
         std = self.factor * _root_mean_square(found.value, [ask(state).value for state in self.states])
         if self.flagged:
-            return _with_uncertainty(found, max(std, _MIN_PART * found.uncertainty))
+            return _with_uncertainty(found, max(std, found.uncertainty))
         return _with_uncertainty(found, max(std, min(found.uncertainty, _MIN_STD * abs(found.value))))
 
     def extrapolate_area(self, solution: ContactSolution, found: Area) -> Area:
