@@ -1,58 +1,123 @@
-"""Answers and flags on machined and on smooth surfaces, beside the same surfaces on finer grids.
+"""Machined and smooth surfaces, and contacts of unkind geometry; judged by `benchmarks/stated_uncertainties.py`.
 
-    python benchmarks/edged_classes.py [--draw 1] [--count 8] [--answers area,peak-pressure] [--kinds edged] [--worst]
-
-Eleven kinds have creases, steps or sharp edges (`EDGED`), eight are smooth (`SMOOTH`); they are judged apart. Each case
-is a surface, a place, an angle, a grid (square, 1 : 2, cells 1 : 3, odd), a boundary and a load, drawn from the number
-of the draw: constants may see the draws below 100, and a draw that judges is made when they are set. The surface is
-solved on the grid and on cells a half and a quarter as long; the last is true within half of its last step. A pressure
-grows if the largest of the cells rises by more than 4 % at both refinements: it has no limit.
-
-Prints for each kind how many pressures grow, how many are found unbounded, the fraction that is flagged, and for each
-answer how many errors lie within two standard deviations, and the median of these over that of the errors.
+Eleven kinds have creases, steps or sharp edges (`EDGED`), eight are smooth (`SMOOTH`). A contact is a surface, a place,
+an angle, a grid (square, 1 : 2, 8 : 1, cells 1 : 3, odd), a boundary and a load, drawn from the number of the draw:
+constants may see the draws below 100, and a draw that judges is made when they are set. `FEATURES` adds layers, a
+hardness, attraction, lost points and others to them.
 """
 
 from __future__ import annotations
 
-import argparse
 import math
 import zlib
-from collections.abc import Callable, Iterator, Sequence
-from typing import NamedTuple
+from collections.abc import Callable, Iterator
 
+import attrs
 import numpy as np
 
 import roughcontact as rc
 
-ELASTIC = rc.Elastic(1.0, 0.0)
-UNCERTAINTIES = ("model", "auto", "two grids")
-ANSWERS = ("area", "peak-pressure", "perimeter", "approach", "mean-gap")
-GROWTH = 0.04
-# Of a value that still changes by more than this between the finer grids no true value is known.
-MAX_CHANGE = 0.2
+POISSON = 0.3
+# Two like bodies of which E* is 1 Pa.
+ELASTIC = rc.Elastic(2.0 * (1.0 - POISSON**2), POISSON)
 Field = np.ndarray
 Surface = Callable[[Field, Field], Field]
 
 
-class Case(NamedTuple):
-    """A surface of a domain of these sides, m, its cells on the coarsest grid, and a mean pressure, Pa."""
+@attrs.frozen
+class Case:
+    """A contact of a surface on a grid and, to compare, on finer ones.
+
+    Attributes
+    ----------
+    surface
+        Heights over the unit domain, periodic.
+    cells, size
+        Cells of the coarsest grid, and sides of its domain, m.
+    part
+        Fraction of the unit domain, along both axes, that the grid shows.
+    boundary
+        Of the contact.
+    pressure
+        Mean pressure, Pa.
+    label
+        Kind, draw and number.
+    feature
+        A name of `FEATURES`, or empty.
+    amount
+        How much there is of the feature, from 0 to 1.
+    """
 
     surface: Surface
     cells: tuple[int, int]
     size: tuple[float, float]
-    boundary: str
+    part: tuple[float, float]
+    boundary: str | tuple[str, str]
     pressure: float
     label: str
+    feature: str = ""
+    amount: float = 0.0
 
     def problem(self, refinement: int = 1) -> rc.ContactProblem:
         """Return the problem on cells so many times as short."""
-        grid = rc.Grid((self.cells[0] * refinement, self.cells[1] * refinement), self.size)
+        cells = tuple(n if n == 1 else n * refinement for n in self.cells)
+        grid = rc.Grid(cells, self.size)
         # Cells have the heights of their centres: a refined grid has other points of the same surface.
-        x, y = np.broadcast_arrays(grid.x / self.size[0] + 0.5, grid.y / self.size[1] + 0.5)
-        heights = self.surface(x, y)
-        periodic = self.boundary == "periodic"
-        body = rc.Body(rc.HeightMap(heights, size=self.size, periodic=periodic), ELASTIC)
-        return rc.ContactProblem(body, boundary=self.boundary)
+        parts = zip((grid.x, grid.y), self.size, self.part, strict=True)
+        x, y = np.broadcast_arrays(*((along / side + 0.5) * part for along, side, part in parts))
+        lost = self._lose(refinement) if self.feature == "lost" else None
+        height_map = rc.HeightMap(
+            self.surface(x, y), size=self.size, periodic=self.boundary == "periodic", non_measured=lost
+        )
+        body, counterbody = rc.Body(height_map, self._material), rc.Body(rc.FlatSurface(), ELASTIC)
+        return rc.ContactProblem(body, counterbody, boundary=self.boundary, threads=1, **self._more)
+
+    def solve(self, refinement: int = 1) -> rc.ContactSolution:
+        """Return the solution on cells so many times as short, whose answers have the uncertainty of a model."""
+        solution = self.problem(refinement).solve(pressure=self.pressure)
+        return attrs.evolve(solution, uncertainty="model")
+
+    def count_wave_cells(self) -> float:
+        """Return the cells of the grid in the shortest wave, which 1 % of the mean square curvature is beyond."""
+        n = 256
+        x, y = np.meshgrid(np.arange(n) / n, np.arange(n) / n, indexing="ij")
+        power = np.abs(np.fft.fft2(self.surface(x, y))) ** 2
+        found = []
+        for axis in (0, 1):
+            numbers = np.abs(np.fft.fftfreq(n, 1.0 / n))
+            curvature = power.sum(axis=1 - axis) * numbers**4
+            by_number = np.bincount(numbers.astype(int), curvature)
+            shortest = int(np.searchsorted(np.cumsum(by_number), 0.99 * by_number.sum()))
+            found.append(self.cells[axis] / self.part[axis] / max(shortest, 1))
+        return min(found)
+
+    @property
+    def _material(self) -> rc.Elastic | rc.ElasticPerfectlyPlastic:
+        if self.feature != "hardness":
+            return ELASTIC
+        return rc.ElasticPerfectlyPlastic(ELASTIC.young, POISSON, hardness=0.02 * 4.0**self.amount)
+
+    @property
+    def _more(self) -> dict[str, object]:
+        """Return what a feature adds to the problem."""
+        if self.feature == "layer":
+            from roughcontact_layered import Layer, LayeredKernel
+
+            layer = Layer(ELASTIC.young * 0.2 * 25.0**self.amount, POISSON, thickness=0.05 + 0.2 * self.amount)
+            return {"kernel": LayeredKernel(layer, substrate=ELASTIC)}
+        if self.feature == "attraction":
+            work = 1e-6 * 4.0**self.amount
+            # The cohesive length, E* range^2 / work, has four cells of the coarsest grid.
+            length = 4.0 * max(side / n for side, n in zip(self.size, self.cells, strict=True))
+            return {"adhesion": rc.Exponential(work, math.sqrt(work * length))}
+        return {}
+
+    def _lose(self, refinement: int) -> Field:
+        """Return the points that are not measured: groups of 2 x 2 points of the coarsest grid, the same on all."""
+        random = generator(self.label, "lost")
+        groups = random.random([n // 2 + 1 for n in self.cells]) < 0.01 + 0.04 * self.amount
+        first = np.kron(groups, np.ones((2, 2), dtype=bool))[: self.cells[0], : self.cells[1]]
+        return np.kron(first, np.ones((refinement, refinement), dtype=bool))
 
 
 def generator(*words: object) -> np.random.Generator:
@@ -344,121 +409,49 @@ SMOOTH = {
     one.__name__.replace("_", "-"): one
     for one in (rough, lay, ground, skewed, craters, balls, double_wave, smooth_steps)
 }
-GRIDS = (((64, 64), 1.0, 1.0), ((48, 96), 1.0, 2.0), ((63, 75), 1.0, 1.2), ((84, 84), 1.0, 1.0), ((144, 48), 1.0, 1.0))
+# Cells, sides of the domain, and the part of the surface that it shows.
+GRIDS = (
+    ((64, 64), (1.0, 1.0), (1.0, 1.0)),
+    ((48, 96), (1.0, 2.0), (1.0, 1.0)),
+    ((63, 75), (1.0, 1.2), (1.0, 1.0)),
+    ((84, 84), (1.0, 1.0), (1.0, 1.0)),
+    ((144, 48), (1.0, 1.0), (1.0, 1.0)),
+    ((384, 48), (1.0, 0.125), (1.0, 1.0)),
+    ((136, 17), (1.0, 0.125), (1.0, 0.125)),
+)
+# Contacts with layers, a hardness, attraction, lines, cells 1 : 3, 95 to 99.9 % contact, and points that are not
+# measured; of attraction and lines there are no two grids.
+FEATURES = ("layer", "hardness", "attraction", "lines", "long cells", "nearly full", "lost")
+_LONG_CELLS = 4
+_STRIP = 6
+# Of which a strip may show a flat part alone.
+_SPARSE = ("punches", "pillars", "rounded-flats")
+# Kinds that a feature does not have: lines may miss all lands, whose contact has no area between theirs and all.
+_OMITTED = {"lines": _SPARSE, "nearly full": ("steps", *_SPARSE)}
 
 
-def draw_cases(kind: str, draw: int, count: int) -> Iterator[Case]:
-    """Yield contacts of a kind; the number of the draw decides all that is random."""
-    for number in range(count):
-        random = generator(kind, draw, number)
-        surface = {**EDGED, **SMOOTH}[kind](random)
-        cells, wide, long = GRIDS[int(random.integers(len(GRIDS)))]
-        if random.random() < 0.5:
-            cells, wide, long = cells[::-1], long, wide
-        boundary = "periodic" if random.random() < 0.7 else "free"
-        pressure = log_uniform(random, 3e-4, 1e-2)
-        yield Case(surface, cells, (wide, long), boundary, pressure, f"{kind} {draw}/{number}")
+def draw_case(kind: str, draw: int, number: int, feature: str = "") -> Case:
+    """Return a contact of a kind; the number of the draw decides all that is random."""
+    random = generator(kind, draw, number, *([feature] if feature else []))
+    surface = {**EDGED, **SMOOTH}[kind](random)
+    place = int(random.integers(len(GRIDS)))
+    if feature == "long cells" or (place == _STRIP and kind in _SPARSE):
+        place = _LONG_CELLS
+    turn = -1 if random.random() < 0.5 else 1
+    cells, size, part = (pair[::turn] for pair in GRIDS[place])
+    free = ["free" if one < 1.0 else "periodic" for one in part]
+    boundary = "free" if random.random() > 0.7 else "periodic" if free == ["periodic"] * 2 else tuple(free)
+    pressure, amount = log_uniform(random, 3e-4, 1e-2), float(random.random())
+    if feature == "lines":
+        cells, size, part, boundary = (128, 1), (1.0, 1.0 / 128), (1.0, 1e-9), "periodic"
+    case = Case(surface, cells, size, part, boundary, pressure, f"{kind} {draw}/{number} {feature}", feature, amount)
+    if feature != "nearly full":
+        return case
+    found = case.problem().solve_for(area=f"{95.0 + 4.9 * amount}%")
+    return attrs.evolve(case, pressure=found.pressure.value)
 
 
-# --- judgement --------------------------------------------------------------------------------------------------------
-
-
-class Judged(NamedTuple):
-    """A contact: whether its pressure grows, was found unbounded and was flagged.
-
-    Of each answer that has a true value, by its name and the way its uncertainty is found: the relative error, the
-    relative uncertainty, and whether the error is within two of these.
-    """
-
-    case: Case
-    grows: bool
-    unbounded: bool
-    flagged: bool
-    errors: dict[tuple[str, str], tuple[float, float, bool]]
-
-
-def ask(solution: rc.ContactSolution, answer: str, uncertainty: str) -> rc.Estimate:
-    if answer == "area":
-        return solution.area(uncertainty=uncertainty)
-    return solution.response(answer, uncertainty=uncertainty)
-
-
-def judge(case: Case, answers: Sequence[str]) -> Judged:
-    """Solve a contact on three grids and return what its answers on the first err by."""
-    first, half, quarter = (case.problem(refinement).solve(pressure=case.pressure) for refinement in (1, 2, 4))
-    tops = [float(solution.pressure.max()) for solution in (first, half, quarter)]
-    grows = tops[1] > (1.0 + GROWTH) * tops[0] and tops[2] > (1.0 + GROWTH) * tops[1]
-    errors = {}
-    for answer in answers:
-        finer, finest = (ask(solution, answer, "model") for solution in (half, quarter))
-        if finest.value <= 0.0 or abs(finest.value - finer.value) > MAX_CHANGE * finest.value:
-            continue
-        unsure = 0.5 * max(abs(finest.value - finer.value), finest.uncertainty) / finest.value
-        for uncertainty in UNCERTAINTIES:
-            found = ask(first, answer, uncertainty)
-            error, stated = abs(found.value / finest.value - 1.0), found.uncertainty / finest.value
-            errors[answer, uncertainty] = error, stated, error - 2.0 * unsure <= 2.0 * stated
-    flags = first.response("flags")
-    return Judged(case, grows, flags.unbounded, bool(flags), errors)
-
-
-def judge_kinds(kinds: Sequence[str], draw: int, count: int, answers: Sequence[str]) -> dict[str, list[Judged]]:
-    return {kind: [judge(case, answers) for case in draw_cases(kind, draw, count)] for kind in kinds}
-
-
-def count_unbounded(rows: Sequence[Judged]) -> tuple[int, int, int, int]:
-    """Return how many pressures grow and are found, and how many others there are and are found by mistake."""
-    grow, still = ([row.unbounded for row in rows if row.grows is grows] for grows in (True, False))
-    return len(grow), sum(grow), len(still), sum(still)
-
-
-def cover(rows: Sequence[Judged], answer: str, uncertainty: str) -> tuple[int, float, float]:
-    """Return the number of errors, the fraction within two, and the median uncertainty over the median error."""
-    found = [row.errors[answer, uncertainty] for row in rows if (answer, uncertainty) in row.errors]
-    if not found:
-        return 0, math.nan, math.nan
-    errors, stated, within = (np.array(column, dtype=float) for column in zip(*found, strict=True))
-    return len(found), float(np.mean(within)), float(np.median(stated)) / max(float(np.median(errors)), 1e-12)
-
-
-def print_rows(title: str, rows: Sequence[Judged], answers: Sequence[str], worst: bool) -> None:
-    grow, found, still, false = count_unbounded(rows)
-    print(
-        f"{title:14}{len(rows):4} contacts, {np.mean([row.flagged for row in rows]):4.0%} flagged; "
-        f"unbounded: {found} of {grow} that grow, {false} of {still} others"
-    )
-    for answer in answers:
-        cells = [cover(rows, answer, uncertainty) for uncertainty in UNCERTAINTIES]
-        parts = (
-            f"{name} {within:4.0%} {ratio:4.1f}" for name, (_, within, ratio) in zip(UNCERTAINTIES, cells, strict=True)
-        )
-        print(f"    {answer:14}{cells[0][0]:4}   {'   '.join(parts)}", flush=True)
-    for row in rows if worst else ():
-        off = [f"{key} {e:.2%} +- {u:.2%}" for key, (e, u, within) in row.errors.items() if not within]
-        if off or row.grows is not row.unbounded:
-            print(f"    {row.case.label} {row.case.cells} {row.case.boundary}: grows {row.grows}, {'; '.join(off)}")
-
-
-def main(arguments: Sequence[str] | None = None) -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--kinds", default="all", help=f"edged, smooth, all, or of {', '.join((*EDGED, *SMOOTH))}")
-    parser.add_argument("--answers", default=",".join(ANSWERS))
-    parser.add_argument("--draw", type=int, default=1)
-    parser.add_argument("--count", type=int, default=8, help="contacts of each kind")
-    parser.add_argument("--worst", action="store_true", help="list what was missed")
-    options = parser.parse_args(arguments)
-    answers = tuple(name for name in options.answers.split(",") if name)
-    groups = {"edged": list(EDGED), "smooth": list(SMOOTH), "all": [*EDGED, *SMOOTH]}
-    wanted = groups.get(options.kinds) or options.kinds.split(",")
-    for title, kinds in (("edged", EDGED), ("smooth", SMOOTH)):
-        found: list[Judged] = []
-        for kind in (name for name in kinds if name in wanted):
-            rows = judge_kinds([kind], options.draw, options.count, answers)[kind]
-            print_rows(kind, rows, answers, options.worst)
-            found += rows
-        if found:
-            print_rows(title.upper(), found, answers, worst=False)
-
-
-if __name__ == "__main__":
-    main()
+def draw_cases(kind: str, draw: int, count: int, feature: str = "") -> Iterator[Case]:
+    """Yield contacts of a kind, none of a kind that the feature does not have."""
+    for number in range(0 if kind in _OMITTED.get(feature, ()) else count):
+        yield draw_case(kind, draw, number, feature)

@@ -11,45 +11,46 @@ from doc_tables import DocTable, write_tables
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
 
-import edged_classes
+import stated_uncertainties as judged
+from edged_classes import EDGED, SMOOTH
 
 # A draw that no constant has seen, and contacts of each kind.
 DRAW = 102
 COUNT = 12
-ANSWERS = (*edged_classes.ANSWERS, "stiffness")
-GROUPS = {"smooth": edged_classes.SMOOTH, "machined": edged_classes.EDGED}
+ANSWERS = tuple(judged.CHEAP)
+GROUPS = {"smooth": SMOOTH, "machined": EDGED}
+WAYS = {"model": "model", "auto": "default", "two grids": "two grids"}
 
 
 @lru_cache(maxsize=1)
-def judge() -> Mapping[str, list[edged_classes.Judged]]:
+def judge() -> Mapping[str, list[judged.Judged]]:
     """Return all contacts by their group."""
     found = {}
     for name, kinds in GROUPS.items():
-        rows = edged_classes.judge_kinds(list(kinds), DRAW, COUNT, ANSWERS)
+        rows = judged.judge_kinds(list(kinds), DRAW, COUNT, ANSWERS, list(WAYS))
         found[name] = [row for kind in rows.values() for row in kind]
     return found
 
 
 def make_flags() -> list[list[str]]:
     heading = ["surfaces", "contacts", "pressure grows", "of these found", "others", "of these called unbounded"]
-    rows = ((name, len(group), *edged_classes.count_unbounded(group)) for name, group in judge().items())
+    rows = ((name, len(group), *judged.count_unbounded(group)) for name, group in judge().items())
     return [heading, *([str(cell) for cell in row] for row in rows)]
 
 
 def make_coverage() -> list[list[str]]:
-    names = {"model": "model", "auto": "default", "two grids": "two grids"}
     heading = [
         "answer",
         "surfaces",
         "errors",
-        *(f"{what}, {name}" for name in names.values() for what in ("within two", "u/e")),
+        *(f"{what}, {name}" for name in WAYS.values() for what in ("within two", "u/e")),
     ]
     rows = [heading]
     for answer in ANSWERS:
         for group, contacts in judge().items():
-            cells = [edged_classes.cover(contacts, answer, name) for name in names]
-            numbers = [text for _, within, ratio in cells for text in (f"{100 * within:.0f} %", f"{ratio:.1f}")]
-            rows.append([answer.replace("-", " "), group, str(cells[0][0]), *numbers])
+            cells = [judged.cover(contacts, answer, way) for way in WAYS]
+            numbers = [text for one in cells for text in (f"{100 * one.within:.0f} %", f"{one.ratio:.1f}")]
+            rows.append([answer.replace("-", " "), group, str(cells[0].count), *numbers])
     return rows
 
 

@@ -126,6 +126,35 @@ def test_the_uncertainty_of_the_perimeter_holds_a_round_punch():
     assert abs(area.value - np.pi * 9e-8) <= 2 * area.uncertainty
 
 
+@pytest.mark.parametrize("boundary", ["free", "periodic"])
+@pytest.mark.parametrize(("shape", "size"), [((24, 24), (1.0, 1.0)), ((136, 17), (8.0, 1.0)), ((21, 43), (1.0, 2.0))])
+def test_sharp_edges_of_small_patches_have_their_length(shape, size, boundary):
+    """Pillars of 30 to 90 cells, round and turned: nothing of their edge is traced."""
+    grid = rc.Grid(shape, size)
+    x, y = grid.x - 0.031, grid.y + 0.017
+    along, across = 0.8 * x + 0.6 * y, 0.8 * y - 0.6 * x
+    for radius, inside, length in (
+        (0.21, np.hypot(x, y), 2.0 * np.pi * 0.21),
+        (0.17, np.maximum(np.abs(along), np.abs(across)), 8.0 * 0.17),
+    ):
+        tops = rc.HeightMap(np.where(inside < radius, 0.0, -0.1), size=size, periodic=boundary == "periodic")
+        found = rc.ContactProblem(rc.Body(tops, rc.Elastic(1e9, 0.3)), boundary=boundary).solve(pressure=1e3)
+        perimeter = found.response("perimeter", uncertainty="model")
+        assert abs(perimeter.value - length) <= min(2.0 * perimeter.uncertainty, 0.12 * length)
+        assert perimeter.uncertainty < 0.16 * length
+
+
+def test_the_edge_of_a_narrow_wall_is_counted():
+    """One cell across, too few cells stand in line inwards to tell that the edge is sharp."""
+    grid = rc.Grid((41, 41), 1.0)
+    inside = np.abs(np.hypot(grid.x - 0.01, grid.y + 0.013) - 0.3) < 0.012
+    wall = rc.HeightMap(np.where(inside, 0.0, -0.1), size=1.0)
+    solution = rc.ContactProblem(rc.Body(wall, rc.Elastic(1e9, 0.3))).solve(force=1e3)
+    perimeter = solution.response("perimeter", uncertainty="model")
+    assert perimeter.value == pytest.approx(4.0 * np.pi * 0.3, rel=0.03)
+    assert perimeter.uncertainty < 0.12 * perimeter.value
+
+
 def test_the_uncertainty_of_the_perimeter_holds_strips():
     strip = reference.Westergaard(1e-6, 1e-4, 1e11)
     mean = 0.3 * strip.full_contact_pressure

@@ -91,6 +91,22 @@ def test_a_linear_map_touches_first_at_the_highest_of_its_points(factor):
         assert abs(found.value - true) <= 2.0 * found.uncertainty < 0.01 * true
 
 
+@pytest.mark.parametrize(("shape", "size"), [((64, 64), (1.0, 1.0)), ((51, 153), (1.0, 1.0)), ((112, 56), (2.0, 1.0))])
+def test_flat_lands_that_touch_do_not_make_a_smooth_summit_linear(shape, size):
+    """A bump on a land, both in contact: lands are linear between all points, the summit is not."""
+    grid = rc.Grid(shape, size)
+    x, y = grid.x - 0.0371, grid.y + 0.0223
+    heights = 0.01 * np.exp(-0.5 * (x**2 + y**2) / 0.07**2)
+    body = rc.Body(rc.HeightMap(heights, size=size, periodic=True), ELASTIC)
+    solution = rc.ContactProblem(body, boundary="periodic").solve_for(area="85%").solution
+    # Both surfaces have the same mean plane.
+    highest = 0.01 - float(heights.mean())
+    gap, approach = (solution.response(name, uncertainty="model") for name in ("mean-gap", "approach"))
+    error = abs(approach.value + gap.value - highest)
+    assert error < 0.015 * highest
+    assert error <= 2.0 * math.hypot(approach.uncertainty, gap.uncertainty)
+
+
 def test_four_cells_a_wave_show_the_highest_summit():
     """Polynomials of eighth order see the summits of band-limited surfaces at four cells a wave."""
     highest = find_highest(rough_map(480))

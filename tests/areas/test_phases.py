@@ -46,6 +46,19 @@ def test_phases_are_the_contact_on_every_second_point():
         assert state.status.success
 
 
+@pytest.mark.parametrize("shape", [(87, 87), (63, 64), (48, 145)])
+def test_steps_of_odd_periodic_maps_stay_steps(shape):
+    """A height between both sides would be an edge that is not sharp, and one beyond them alone in contact."""
+    grid = rc.Grid(shape, (1.0, 1.0))
+    inside = np.hypot(grid.x - 0.03, grid.y + 0.05) < 0.23
+    solution = solve(np.where(inside, 0.0, -0.05), (1.0, 1.0))
+    for state in solution.phases().states:
+        gaps = np.unique(state.initial_gap)
+        np.testing.assert_allclose(gaps, (0.0, 0.05), atol=1e-15)
+    perimeter = solution.response("perimeter")
+    assert abs(perimeter.value - 0.46 * np.pi) <= 2.0 * perimeter.uncertainty < 0.45 * np.pi * 0.46
+
+
 @pytest.mark.parametrize("boundary", ["free", "periodic", ("free", "periodic")])
 @pytest.mark.parametrize("shape", [(64, 48), (63, 49), (96, 32), (48, 65)])
 def test_grids_of_any_shape_have_phases(shape, boundary):
@@ -81,11 +94,11 @@ def test_the_uncertainty_is_half_the_root_mean_square_of_the_changes():
         assert found.value == solution.response(name).value
 
 
-def test_flagged_answers_have_both_uncertainties(turned):
+def test_flagged_answers_have_the_larger_of_both_uncertainties(turned):
     assert turned.phases().flagged
     found, model = (turned.response("approach", uncertainty=kind) for kind in ("two grids", "model"))
     changes = [state.response("approach").value - found.value for state in turned.phases().states]
-    assert found.uncertainty == pytest.approx(math.hypot(model.uncertainty, math.sqrt(np.mean(np.square(changes)))))
+    assert found.uncertainty == pytest.approx(max(model.uncertainty, math.sqrt(np.mean(np.square(changes)))), rel=1e-9)
 
 
 def test_the_area_of_creases_and_edges_is_extrapolated(turned):
@@ -213,7 +226,7 @@ def test_stress_maxima_have_the_uncertainty_of_their_solution():
         found, alone = both.estimates[name], model.estimates[name]
         others = [state.stress().estimates[name].value for state in solution.phases().states]
         added = math.sqrt(np.mean(np.square(np.array(others) - found.value)))
-        wanted = alone.uncertainty if alone.uncertainty >= alone.value else math.hypot(alone.uncertainty, added)
+        wanted = alone.uncertainty if alone.uncertainty >= alone.value else max(alone.uncertainty, added)
         assert found.value == alone.value
         assert found.uncertainty == pytest.approx(wanted)
 

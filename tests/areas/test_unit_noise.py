@@ -61,8 +61,8 @@ def test_noise_is_found_in_any_geometry(fraction, shape, size, boundary):
 @pytest.mark.parametrize("kind", [*edged_classes.EDGED, *edged_classes.SMOOTH])
 def test_clean_surfaces_have_none(kind):
     for case in edged_classes.draw_cases(kind, 40, 3):
-        boundary = rc.Boundary(case.boundary)
-        assert find_noise(case.problem().body.surface.values, boundary) == (0.0, 0.0), case.label
+        problem = case.problem()
+        assert find_noise(problem.body.surface.values, problem.boundary) == (0.0, 0.0), case.label
 
 
 @pytest.mark.parametrize("cells", [2, 2.5, 3, 4, 8])

@@ -64,6 +64,8 @@ _BESIDE = np.arange(-2, 3)
 _CHANGED_SHIFT_STD = 2.0
 # Second difference where a line has no kink, over the largest beside it.
 _KINK_TOLERANCE = 1e-6
+# Places without a kink on both lines through a summit, from which the map is linear between points there.
+_MIN_KINKLESS = 3
 
 
 def _weigh(reach: int) -> Array:
@@ -103,8 +105,14 @@ def find_rise(
     measured = gap if non_measured is None else np.where(non_measured, np.inf, gap)
     near, summits = _gather_highest(gap, measured, boundary)
     highest = float(measured.min())
-    if linear:
-        rise = max(highest - min(_extend_lines(window) for window in near), 0.0)
+    # Beside a smooth summit there may be lands, whose heights are linear as well.
+    if linear and _is_linear(near[int(np.argmin(near[:, _POLYNOMIAL_REACH, _POLYNOMIAL_REACH]))]):
+        # Beside a step the lines of both sides meet anywhere.
+        rises = np.array(
+            [float(window[_POLYNOMIAL_REACH, _POLYNOMIAL_REACH]) - _extend_lines(window) for window in near]
+        )
+        tops = near[:, _POLYNOMIAL_REACH, _POLYNOMIAL_REACH] - np.minimum(rises, _bound_rise(near))
+        rise = max(highest - float(tops.min()), 0.0)
         return rise, TIP_RISE_ERROR * rise
     near = near[summits]
     rough, fine = (_interpolate(near, reach) for reach in (_POLYNOMIAL_REACH - 1, _POLYNOMIAL_REACH))
@@ -242,6 +250,21 @@ def fit_hyperboloid(near: Array) -> tuple[float | None, float]:
     if misfit < _EXACT_TIP_MISFIT or (misfit < _TIP_MISFIT and radius < _MAX_TIP_RADIUS**2):
         return float(lowest + wide * (math.sqrt(radius) - shift)), 1.0 if radius < _MAX_TIP_RADIUS**2 else 0.0
     return None, max(1.0 - misfit / _ROUND_MISFIT, 0.0)
+
+
+def _is_linear(near: Array) -> bool:
+    """Return whether around a summit there are no kinks at, or between, several cells along x and y.
+
+    A smooth summit in the middle between two cells bends alike at both, along each axis once.
+    """
+    kinkless = 0
+    for line in (near[:, _POLYNOMIAL_REACH], near[_POLYNOMIAL_REACH]):
+        bends = np.diff(line, 2)
+        smallest = _KINK_TOLERANCE * float(np.abs(bends).max())
+        kinkless += int(
+            np.count_nonzero(np.abs(bends) <= smallest) + np.count_nonzero(np.abs(np.diff(bends)) <= smallest)
+        )
+    return kinkless >= _MIN_KINKLESS
 
 
 def _extend_lines(near: Array) -> float:

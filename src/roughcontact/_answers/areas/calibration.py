@@ -299,21 +299,20 @@ MEAN_CORRECTION_ERROR = 0.1
 RISE_ERROR = 1.5
 TIP_RISE_ERROR = 0.03
 # Deficit of the height of a tip between a cone and a paraboloid by polynomials, over how pointed it is: the fraction of
-# the second differences that is added to the height, and the relative standard deviation of the deficit. Set on tips
-# r^1.25 to r^1.75.
-TIP_RISE_DEFICIT = (0.06, 0.4)
+# the second differences that is added to the height, set on tips r^1.25 to r^1.75, and the relative standard deviation
+# of the deficit: bumps like a Gaussian may look pointed and have none.
+TIP_RISE_DEFICIT = (0.06, 0.55)
 # Resolution ratios between which the summits between the cells are lost.
 UNRESOLVED_RATIOS = (1.4, 2.0)
 # Standard deviation of the height of the highest summit over h^2 times the curvature under the contact: where they are
 # lost, at sharp rims as above, and over the root of the fraction of the load on filled cells, no unit.
 HIDDEN_RISE_STD = (0.05, 0.014, 0.5)
-# Length of a sharp edge over that through the middles of the sides of its cells, which eight directions make 5.5 % too
-# long on average and none along the grid, and its relative standard deviation. Set on round, square and turned pillars,
-# lands and dimples of 50 to 200 cells a side.
-SHARP_LENGTH = 0.974
-SHARP_LENGTH_ERROR = 0.03
-# Growth of that with the logarithm of the ratio of the sides of a cell; set on the same with cells of 1:3 and 3:1.
-SLENDER_LENGTH_ERROR = 1.7
+# Excess of the length of a sharp edge through the middles of the sides of its cells, half of the 5.5 % that it has on
+# average in all directions and does not have along the grid, and its relative standard deviation. Set on round, square
+# and turned pillars, lands and dimples of 20 to 200 cells a side. Both grow with the logarithm of the ratio of the
+# sides of a cell, as the 5.5 % to 12 % at 1 : 3.
+SHARP_LENGTH_EXCESS = 0.026
+SHARP_LENGTH_ERROR = 0.045
 # Standard deviation of the length over the difference from pi/4 of the sides of the cells, which is right for networks
 # of ridges. Set on craters, ground and smooth surfaces.
 COUNTED_DIFFERENCE = 0.5

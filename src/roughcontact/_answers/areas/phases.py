@@ -31,13 +31,18 @@ Number = TypeVar("Number", bound=Estimate)
 _TOLERANCE = 1e-3
 # Cells of an axis at least, and those before and behind it for the splines.
 _MIN_CELLS = 8
-_SPLINE_CELLS = 4
+_SPLINE_CELLS = 8
+# Change between two points over the mean of those up to so many points away, from which heights have a step there.
+_MIN_STEP = 4.0
+_STEP_REACH = 4
 # Standard deviation over the differences: of smooth heights, and of flagged ones, whose answers change slowly.
 _SMOOTH_FACTOR = 0.5
 _FLAGGED_FACTOR = 1.0
 # The same of a flagged area that is extrapolated, and the part of the difference by which it is.
 _EXTRAPOLATED_FACTOR = 0.8
 _EXTRAPOLATION = 1.0 / 3.0
+# Uncertainty of an extrapolated area over that of a model, at least: lands along the grid are the same on both.
+_MIN_AREA_PART = 0.5
 # Relative standard deviation by the tolerance of the solves, at least, unless that of one grid is less.
 _MIN_STD = 1e-4
 # Warnings that a model of the errors gives where it does not know them.
@@ -92,11 +97,11 @@ class Phases:
         Returns
         -------
         Number
-            The same value; where the contact is flagged the variance of one grid is added.
+            The same value; where the contact is flagged the standard deviation is at least that of a model.
         """
         std = self.factor * _root_mean_square(found.value, [ask(state).value for state in self.states])
         if self.flagged:
-            return _with_uncertainty(found, math.hypot(found.uncertainty, std))
+            return _with_uncertainty(found, max(std, found.uncertainty))
         return _with_uncertainty(found, max(std, min(found.uncertainty, _MIN_STD * abs(found.value))))
 
     def extrapolate_area(self, solution: ContactSolution, found: Area) -> Area:
@@ -105,6 +110,7 @@ class Phases:
         value = level + _EXTRAPOLATION * (level - sum(others) / len(others))
         value = min(max(value, 0.0), solution.grid.area)
         std = _EXTRAPOLATED_FACTOR * _root_mean_square(level, others)
+        std = max(std, _MIN_AREA_PART * found.uncertainty)
         extrapolated = attrs.evolve(
             found, value=value, fraction=value / solution.grid.area, estimator="level-set, two grids", patches=None
         )
@@ -264,13 +270,24 @@ def _coarsen(field: Array, boundary: Boundary, offset: int, insert: Callable[[Ar
 
 
 def _insert_row(field: Array, axis: int) -> Array:
-    """Return periodic values at one more point along an axis, by splines that do not overshoot at steps."""
+    """Return periodic values at one more point along an axis, by splines that leave steps sharp."""
     n = field.shape[axis]
     ends = (_SPLINE_CELLS, _SPLINE_CELLS)
     values = pad_axes(field, (ends, (0, 0)) if axis == 0 else ((0, 0), ends), (False, False))
     known = np.arange(-_SPLINE_CELLS, n + _SPLINE_CELLS)
     spline = scipy.interpolate.Akima1DInterpolator(known, values, axis=axis, method="makima")
-    return np.asarray(spline((np.arange(n + 1) + 0.5) * n / (n + 1) - 0.5))
+    places = (np.arange(n + 1) + 0.5) * n / (n + 1) - 0.5
+    found = np.moveaxis(np.asarray(spline(places)), axis, 0)
+    # A height between both sides of a step would be an edge that is not sharp, and one beyond them a higher land.
+    rows = np.moveaxis(values, axis, 0)
+    changes = np.abs(np.diff(rows, axis=0))
+    steps = changes > _MIN_STEP * scipy.ndimage.uniform_filter1d(changes, 2 * _STEP_REACH + 1, axis=0)
+    near = scipy.ndimage.maximum_filter1d(steps, 5, axis=0)
+    first = np.floor(places).astype(int) + _SPLINE_CELLS
+    ends = rows[first], rows[first + 1]
+    found = np.where(near[first], np.clip(found, np.minimum(*ends), np.maximum(*ends)), found)
+    found = np.where(steps[first], rows[np.rint(places).astype(int) + _SPLINE_CELLS], found)
+    return np.moveaxis(found, 0, axis)
 
 
 def _repeat_row(field: Array, axis: int) -> Array:

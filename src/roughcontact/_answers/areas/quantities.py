@@ -39,6 +39,8 @@ from roughcontact._solve.solution import (
 _STRAIGHT_LENGTH_ERROR = 1e-9
 # Cells of a patch from which its traced length is not corrected.
 _LARGE_PATCH_CELLS = 100
+# Traced length over that of the sides of the cells, below which sharp edges of narrow patches are not traced.
+_MIN_TRACED_LENGTH = 0.65
 # Numbers of cells below which a patch may be a part of another one, or other patches may be missing beside it.
 _SMALL_PATCH_CELLS = (4, 9)
 # Kurtosis of the second differences of Gaussian heights.
@@ -110,7 +112,8 @@ class EdgeLength(Quantity):
         traced = np.maximum(
             edges.length[1:] ** 2 / (4.0 * np.pi * inside), np.where(large | cut_off | spanning, 0.0, 1.0)
         )
-        around = 2.0 * np.sqrt(np.pi * area.patches)
+        # The circle of a small patch has the sharp part of its edge too.
+        around = 2.0 * np.sqrt(np.pi * area.patches) * np.where(large, 1.0, 1.0 - edges.sharp[1:])
         lobed = np.where(straight, 0.0, (1.0 - single) * np.sqrt(traced) * around)
         # Contacts at summits between the cells have the rest of the area.
         hidden = 2.0 * np.sqrt(np.pi * hertz_areas(solution).correction.hidden)
@@ -118,11 +121,12 @@ class EdgeLength(Quantity):
         length = float(np.sum(single * np.sqrt(_elliptic_quotient(mean, difference)) * around + lobed)) + lost
         length += float(np.sum(hidden))
         exact = float(np.sum(edges.length[1:], where=straight))
-        # Nothing of a sharp edge is traced; the circle of a small patch has it.
-        sharp = float(np.sum(edges.sharp_length[1:], where=large & ~straight)) * calibration.SHARP_LENGTH
-        corners = math.pi * step * math.sqrt(np.count_nonzero(edges.sharp_length[1:] > 0.0))
+        # Nothing of a sharp edge is traced.
         slender = math.log(max(solution.grid.resolved.spacing) / min(solution.grid.resolved.spacing))
-        along_cells = calibration.SHARP_LENGTH_ERROR * (1.0 + calibration.SLENDER_LENGTH_ERROR * slender)
+        excess = calibration.SHARP_LENGTH_EXCESS * (1.0 + slender)
+        sharp = float(np.sum(edges.sharp_length[1:], where=~straight)) * (1.0 - excess)
+        corners = math.pi * step * math.sqrt(np.count_nonzero(edges.sharp_length[1:] > 0.0))
+        along_cells = calibration.SHARP_LENGTH_ERROR * (1.0 + slender)
         sharp_std = math.hypot(along_cells * sharp, corners if sharp > 0.0 else 0.0)
         uneven = calibration.UNEVEN_LENGTH_ERROR * edges.curvature_resolution + calibration.LOBED_LENGTH_ERROR
         uneven = uneven * float(np.sum(lobed)) + 0.5 * lost
@@ -142,6 +146,8 @@ class EdgeLength(Quantity):
         length += calibration.UNTRACED_CUT_LENGTH[0] * crossings + exact + sharp
         # Sides of the cells count networks of ridges well, whose traced edges are short.
         counted = math.pi / 4.0 * measure_sides(solution)
+        if length < _MIN_TRACED_LENGTH * counted and np.mean(solution.patches.cells) >= _SMALL_PATCH_CELLS[1]:
+            return warn_if_uncertain(counted, calibration.COUNTED_LENGTH_ERROR * counted, "m", area.warnings)
         of_networks = float(np.sum(lobed, where=large)) / length if length > 0.0 and not straight.any() else 0.0
         networks = calibration.COUNTED_DIFFERENCE * abs(counted - length) * of_networks
         untraced += calibration.UNTRACED_CUT_LENGTH[1] * crossings
