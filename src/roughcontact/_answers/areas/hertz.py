@@ -50,14 +50,13 @@ class LoadCorrection:
 
     Attributes
     ----------
-    factor, error
-        Factors of the forces on the patches, and the relative standard deviations of the areas by them, shape (count,).
+    factor
+        Factors of the forces on the patches, shape (count,).
     hidden
         Areas of contacts that have no cell, m2.
     """
 
     factor: Array
-    error: Array
     hidden: Array
 
 
@@ -70,9 +69,7 @@ def correct_loads(solution: ContactSolution, summits: Summits, spline: Spline) -
         & (patches.cells <= _MAX_CORRECTED_CELLS)
         & (count_saturated(solution)[1:] == 0)
     )
-    # The load of a single patch is known.
-    unknown = np.asarray(calibration.LOAD_ERROR / patches.cells**1.5 * (patches.count > 1), dtype=np.float64)
-    none = LoadCorrection(np.ones(patches.count), unknown, np.zeros(0))
+    none = LoadCorrection(np.ones(patches.count), np.zeros(0))
     # The displacement of a patch by its own pressure is known for uniform pressure on the cells of a half-space (Love).
     if solution.moduli is not None or solution.edge_shift == 0.0 or not even.any():
         return none
@@ -103,8 +100,7 @@ def correct_loads(solution: ContactSolution, summits: Summits, spline: Spline) -
         far * float(scipy.optimize.brentq(lambda part: surplus(part * far), -1.0, 1.0, xtol=_APPROACH_TOLERANCE))
     )
     factor = np.where(even, carried / forces, 1.0)
-    error = np.where(even, 0.0, unknown)
-    return LoadCorrection(factor, error, unit_area[hidden > 0.0] * hidden[hidden > 0.0] ** (2.0 / 3.0))
+    return LoadCorrection(factor, unit_area[hidden > 0.0] * hidden[hidden > 0.0] ** (2.0 / 3.0))
 
 
 def _raise_to_three_halves(depth: Array) -> Array:
@@ -293,7 +289,7 @@ def _find_areas(solution: ContactSolution) -> HertzAreas:
     # On rough surfaces the spread of the curvature has grown with the other patches when its error was set.
     error = np.maximum(error, summits.crowding)
     unresolved, large = calibration.HERTZ_RESOLUTION_ERROR
-    error = error + correction.error + unresolved * curvature_resolution(solution) ** 4 / (1.0 + patches.cells / large)
+    error = error + unresolved * curvature_resolution(solution) ** 4 / (1.0 + patches.cells / large)
     error = error + np.where(growth > 1.0, calibration.PLASTIC_ERROR, 0.0)
     known = summits.known & np.isfinite(area) & (area > 0.0) & np.isfinite(error)
     hidden = float(correction.hidden.sum())
