@@ -195,4 +195,5 @@ class Conduction:
         product *= waves
         whole: Array = scipy.fft.irfft2(product, self._padded, overwrite_x=True, workers=self._threads)
         nx, ny = self.grid.shape
-        return whole[:nx, :ny]
+        # A view would hold the padded one.
+        return whole[:nx, :ny].copy()

@@ -86,7 +86,7 @@ class FlashTemperature(Estimate):
         Peclet number V a / 2D of each body (body, counterbody), a the radius of a circle as large as the hottest patch.
     temperatures
         Temperature of the surface of the body and of the counterbody, shape (2, nx, ny), K: the same in the contact. A
-        body that does not conduct has nan elsewhere.
+        body that does not conduct is not heated elsewhere.
     warnings
         Why the value must not be trusted, in sentences; empty without a reason.
     """
@@ -108,7 +108,7 @@ class FlashTemperature(Estimate):
         return (
             f"{_write(self)}, mean {_write(self.mean)}; "
             f"{percent(self.fraction.value)} of {si(self.heat, 'W', 3)} into the body; Peclet {numbers}; "
-            f"by Blok {self.blok:.4g} K, {percent(self.blok_fraction)}{self._reasons}"
+            f"by Blok {self.blok:.5g} K, {percent(self.blok_fraction)}{self._reasons}"
         )
 
 
@@ -169,7 +169,7 @@ class SlidingHeat(Response[FlashTemperature]):
 
     holds_with = frozenset({"tension", "shear"})
     reads = "contact pressure"
-    memory_arrays = 64.0  # the waves of both bodies on a padded domain, and the search for the partition
+    memory_arrays = 48.0  # the waves of both bodies on a padded domain, and the search for the partition
 
     friction: float | Array = attrs.field(converter=_friction, repr=outlined, metadata={"unit": ""})
     speed: Pair = attrs.field(converter=_speed, metadata={"unit": "m/s"})
@@ -234,7 +234,7 @@ class SlidingHeat(Response[FlashTemperature]):
         maxima = [float(one[cells].max(initial=0.0)) for one in alone]
         if len(waves) == 1:
             into = 1.0 if self.conductivity[0] > 0.0 else 0.0
-            fields = [alone[0], np.where(cells, alone[0], np.nan)][:: 1 if into else -1]
+            fields = [alone[0], np.where(cells, alone[0], 0.0)][:: 1 if into else -1]
             maximum, blok_fraction = maxima[0], into
         else:
             flow, converged = split_heat(conduction, (waves[0], waves[1]), alone[1], cells)

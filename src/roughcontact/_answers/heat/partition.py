@@ -14,7 +14,7 @@ from roughcontact._base.arrays import Array, Mask, Waves, sum_of_products
 # Norm of the residual of the temperatures over that of the temperature if all heat went into one body.
 _TOLERANCE = 1e-6
 # Vectors after which the search for the partition starts anew, and how often it does.
-_MAX_VECTORS = 24
+_MAX_VECTORS = 16
 _MAX_STARTS = 12
 
 
@@ -68,11 +68,9 @@ def _solve(
         if size <= goal:
             return found, True
         basis = [residual / size]
-        images: list[Array] = []
         columns = np.zeros((_MAX_VECTORS + 1, _MAX_VECTORS))
         for k in range(_MAX_VECTORS):
-            images.append(precondition(basis[k]))
-            vector = multiply(images[k])
+            vector = multiply(precondition(basis[k]))
             for j, one in enumerate(basis):
                 columns[j, k] = sum_of_products(one, vector)
                 vector -= columns[j, k] * one
@@ -83,8 +81,8 @@ def _solve(
             if columns[k + 1, k] == 0.0 or np.linalg.norm(target - columns[: k + 2, : k + 1] @ weights) <= 0.5 * goal:
                 break
             basis.append(vector / columns[k + 1, k])
-        for weight, image in zip(weights, images, strict=True):
-            found += weight * image
+        # No image is kept: the last one is that of them all.
+        found += precondition(sum(weight * one for weight, one in zip(weights, basis, strict=False)))
         residual = right - multiply(found)
     return found, _norm(residual) <= goal
 
