@@ -87,16 +87,21 @@ def sum_periodic_waves(shape: tuple[int, int], sides: Pair, peclet: Pair) -> Wav
             for n, side, speed_along in zip(shape, sides, peclet, strict=True)
         )
         near += matrix_product(x * weights, y.T)
-    nx, ny = shape
-    qx = 2.0 * np.pi / sides[0] * scipy.fft.fftfreq(nx)[:, np.newaxis]
-    qy = 2.0 * np.pi / sides[1] * scipy.fft.rfftfreq(ny)[np.newaxis, :]
-    root = np.sqrt(qx**2 + qy**2 + 1j * (qx * peclet[0] + qy * peclet[1]))
-    root[0, 0] = 1.0
-    of_cell = np.sinc(0.5 * qx * sides[0] / np.pi) * np.sinc(0.5 * qy * sides[1] / np.pi)
     waves: Waves = scipy.fft.rfft2(near, workers=threads_for(near.size))
+    root = _find_roots(shape, sides, peclet)
+    of_cell = np.sinc(scipy.fft.fftfreq(shape[0]))[:, np.newaxis] * np.sinc(scipy.fft.rfftfreq(shape[1]))
     waves += of_cell * scipy.special.erfc(root * last) / root
     waves[0, 0] = 0.0
     return waves
+
+
+def _find_roots(shape: tuple[int, int], sides: Pair, peclet: Pair) -> Waves:
+    """Return the root of z of each wave, 1 over its temperature by a flow of one; that of the mean is half of x's."""
+    qx = 2.0 * np.pi / sides[0] * scipy.fft.fftfreq(shape[0])[:, np.newaxis]
+    qy = 2.0 * np.pi / sides[1] * scipy.fft.rfftfreq(shape[1])[np.newaxis, :]
+    roots: Waves = np.sqrt(qx**2 + qy**2 + 1j * (qx * peclet[0] + qy * peclet[1]))
+    roots[0, 0] = np.pi / (sides[0] * shape[0])
+    return roots
 
 
 def _list_nodes(speed: float, side: float, last: float) -> Iterator[tuple[Array, Array]]:
@@ -187,6 +192,14 @@ class Conduction:
             response = np.roll(response, (1 - nx, 1 - ny), axis=(0, 1))
             waves = scipy.fft.rfft2(response, workers=self._threads)
         waves *= unit / conductivity
+        return waves
+
+    def find_free_waves(self, conductivity: float, diffusivity: float, velocity: Pair) -> Waves:
+        """Return about `find_waves`, of an endless surface: no wave is zero, as may be where the response is cut."""
+        unit = self.grid.spacing[0]
+        sides = (1.0, self.grid.spacing[1] / unit)
+        peclet = (velocity[0] * unit / diffusivity, velocity[1] * unit / diffusivity)
+        waves: Waves = unit / conductivity / _find_roots(self._padded, sides, peclet)
         return waves
 
     def apply(self, waves: Waves, flow: Array) -> Array:

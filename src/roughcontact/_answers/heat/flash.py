@@ -154,7 +154,7 @@ class SlidingHeat(Response[FlashTemperature]):
     References
     ----------
     Jaeger, J. Proc. R. Soc. N.S.W. 76 (1942); Carslaw, Jaeger, Conduction of Heat in Solids (1959), sec. 10.7;
-    Bos, Moes, J. Tribol. 117 (1995) 171-177; Blok, Proc. Inst. Mech. Eng. 2 (1937) 222-235
+    Bos, Moes, J. Tribol. 117 (1995) 171-177; Blok, Proc. Inst. Mech. Eng. Gen. Disc. Lubr. 2 (1937) 222-235
 
     Examples
     --------
@@ -225,11 +225,12 @@ class SlidingHeat(Response[FlashTemperature]):
         angle = math.radians(self.direction)
         # Exactly along an axis, where a direction is.
         along = round(math.cos(angle), 15), round(math.sin(angle), 15)
-        waves = [
-            conduction.find_waves(k, d, (v * along[0], v * along[1]))
+        bodies = [
+            (k, d, (v * along[0], v * along[1]))
             for k, d, v in zip(self.conductivity, self.diffusivity, self.speed, strict=True)
             if k > 0.0
         ]
+        waves = [conduction.find_waves(*one) for one in bodies]
         alone = [conduction.apply(one, heat) for one in waves]
         maxima = [float(one[cells].max(initial=0.0)) for one in alone]
         if len(waves) == 1:
@@ -237,7 +238,8 @@ class SlidingHeat(Response[FlashTemperature]):
             fields = [alone[0], np.where(cells, alone[0], 0.0)][:: 1 if into else -1]
             maximum, blok_fraction = maxima[0], into
         else:
-            flow, converged = split_heat(conduction, (waves[0], waves[1]), alone[1], cells)
+            inverse = 1.0 / (conduction.find_free_waves(*bodies[0]) + conduction.find_free_waves(*bodies[1]))
+            flow, converged = split_heat(conduction, waves[0] + waves[1], inverse, alone[1], cells)
             if not converged:
                 raise NotConverged("The partition of heat between the bodies did not converge.", solution)
             into = float(flow.sum()) / total if (total := float(heat.sum())) > 0.0 else 0.0

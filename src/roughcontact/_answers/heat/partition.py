@@ -19,20 +19,22 @@ _MAX_STARTS = 12
 
 
 def split_heat(
-    conduction: Conduction, waves: tuple[Waves, Waves], temperature: Array, cells: Mask
+    conduction: Conduction, waves: Waves, inverse: Waves, temperature: Array, cells: Mask
 ) -> tuple[Array, bool]:
     r"""Return the flow into the first body, such that both have one temperature in each cell in contact.
 
     .. math:: (H_1 + H_2)\, q_1 = H_2\, q
 
-    on the cells in contact, by GMRES, preconditioned by the inverse of each wave.
+    on the cells in contact, by GMRES.
 
     Parameters
     ----------
     conduction
         The convolution.
     waves
-        The waves of the temperature of each body.
+        The waves of the temperatures of both bodies, added.
+    inverse
+        About their inverse, which preconditions.
     temperature
         That of the second body if all heat q flowed into it, shape (nx, ny), K.
     cells
@@ -43,15 +45,13 @@ def split_heat(
     tuple
         The flow, shape (nx, ny), W/m2, and whether it converged.
     """
-    both = waves[0] + waves[1]
-    inverse = np.divide(1.0, both, out=np.zeros_like(both), where=both != 0.0)
     flow = np.zeros(cells.shape)
 
     def multiply(factor: Waves, values: Array) -> Array:
         flow[cells] = values
         return conduction.apply(factor, flow)[cells]
 
-    found, converged = _solve(partial(multiply, both), partial(multiply, inverse), temperature[cells])
+    found, converged = _solve(partial(multiply, waves), partial(multiply, inverse), temperature[cells])
     flow[cells] = found
     return flow, converged
 
