@@ -129,7 +129,7 @@ class TestSources:
         flow[76:84, 78:82] = 1.0
         free, periodic = (heat(flow, (1.0, 1.0), 2.0, 0.6, one) for one in (rc.Boundary.FREE, rc.Boundary.PERIODIC))
         near = (slice(70, 90), slice(70, 90))
-        # Up to the mean that is left out.
+        # Up to the mean that is omitted.
         difference = (free - periodic)[near]
         assert np.ptp(difference) < 0.02 * free.max()
 

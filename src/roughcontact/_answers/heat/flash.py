@@ -135,7 +135,7 @@ class SlidingHeat(Response[FlashTemperature]):
     .. math:: q_1 + q_2 = q, \qquad T_1[q_1] = T_2[q_2]
 
     On a free boundary the bodies are infinite. On a periodic one the mean temperature of each surface, which is that of
-    the bulk, is left out. Heat passes through the contact alone, and no transient is contained.
+    the bulk, is omitted. Heat passes through the contact alone, and no transient is contained.
 
     Parameters
     ----------
