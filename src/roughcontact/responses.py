@@ -1,10 +1,11 @@
-"""Numbers of a contact, and what it does: stiffness, conductance, gradients, stress below, flow, partial slip."""
+"""Numbers of a contact, and what it does: stiffness, conductance, heat, gradients, stress below, flow, partial slip."""
 
 from roughcontact._answers.areas import EdgeLength, FindFlags, Flags, MeanGap, PatchCount, PeakPressure, SummitApproach
 from roughcontact._answers.areas.noise import FindNoise, Noise
 from roughcontact._answers.areas.phases import Phases, SolvePhases
 from roughcontact._answers.flow.leakage import GapFlow, Leakage, Throat
 from roughcontact._answers.flow.percolation import Percolation, find_percolation
+from roughcontact._answers.heat.flash import FlashTemperature, SlidingHeat
 from roughcontact._answers.linear.conductance import Conductance, ContactConductance
 from roughcontact._answers.linear.gradients import Gradient
 from roughcontact._answers.linear.stiffness import PullOff, StabilityMargin, Stiffness
@@ -28,6 +29,7 @@ __all__ = [
     "FindNoise",
     "FirstYield",
     "Flags",
+    "FlashTemperature",
     "FrettingLoop",
     "GapFlow",
     "Gradient",
@@ -40,6 +42,7 @@ __all__ = [
     "Percolation",
     "Phases",
     "PullOff",
+    "SlidingHeat",
     "SolvePhases",
     "StabilityMargin",
     "Stiffness",

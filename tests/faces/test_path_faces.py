@@ -128,7 +128,7 @@ class TestCommand:
             (("--force", "1N", "--sliding", "0m", "1m"), "give --law archard coefficient=1e-16m2/N, for example"),
             (("--force", "1N", "--sliding", "0", "1m", *WEAR), "'0' has no unit (mm, um or nm?)"),
             (("--force", "1N", "--time", "0m"), "is not a quantity in units of s; write it like 10s"),
-            (("--force", "1N", "--time", "0s", "1h"), "Nothing changes with time"),
+            (("--force", "1N", "--time", "0s", "1h"), "Nothing changes with the time"),
             (("--force", "1N", "--sliding", "1m", "0m", *WEAR), "that do not fall"),
             (("--loads", "1N", "2N", "--sliding", "0m", "1m", "2m", *WEAR), "one value for each place"),
             (("--loads", "0N", "1N", "--path"), "above 0 (N), but got 0.0"),

@@ -39,6 +39,10 @@ MADE = {
     "dugdale": [rc.Dugdale(0.05, 1e7)],
     "exponential": [rc.Exponential(0.05, 2e-9), rc.Exponential(np.linspace(0.02, 0.05, 12).reshape(3, 4), 2e-9)],
     "first-yield": [rc.responses.create("first-yield", 1e9)],
+    "flash-temperature": [
+        rc.responses.create("flash-temperature", 0.2, 1.0, conductivity=k, diffusivity=(1e-5, 1e-6), direction=20.0)
+        for k in (45.0, (0.0, 45.0))
+    ],
     "gradient": [rc.responses.create("gradient", of) for of in ("approach", "mean-gap", "participation")],
     "paraboloid": [rc.ParaboloidSurface((1e-2, 2e-2))],
     "partial-slip": [rc.responses.create("partial-slip", tangential_force=1e-3, friction=0.3)],

@@ -41,7 +41,8 @@ def test_a_ball_creeps_as_lee_and_radok_say():
     np.testing.assert_allclose(path.approach, radius**2, rtol=1e-3)
     for state, right in zip(path, radius, strict=True):
         area = state.area()
-        assert area.estimator == "level-set"
+        # Until a load has acted before, the bodies are elastic ones.
+        assert area.estimator == ("blend" if state is path[0] else "level-set")
         assert abs(area.value - np.pi * right**2) <= 2.0 * area.uncertainty
 
 

@@ -452,6 +452,7 @@ ANSWERS = {
     "partial-slip": rc.responses.create("partial-slip", tangential_force=2e-4, friction=0.5),
     "gradient": rc.responses.create("gradient", "participation"),
     "first-yield": rc.responses.create("first-yield", 1e7),
+    "flash-temperature": rc.responses.create("flash-temperature", 0.2, 9.0, conductivity=45.0, diffusivity=1e-5),
 }
 
 

@@ -235,7 +235,9 @@ claim_repeatable(
 
 def _move(response: Response[Any], solution: ContactSolution) -> tuple[ChangedContact, ...]:
     shifted = () if response.depends_on_place else shifted_copies(solution, (7, 5))
-    return *mirror_images(solution), *shifted
+    # Its mirror image is another contact to what passes it in one direction.
+    mirrored = () if hasattr(response, "direction") else mirror_images(solution)
+    return *mirrored, *shifted
 
 
 def _scale_to_digits(response: Response[Any], solution: ContactSolution) -> Iterator[ChangedContact]:

@@ -5,7 +5,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from itertools import pairwise
@@ -24,39 +23,20 @@ from roughcontact._parts.materials import Viscoelastic
 from roughcontact._parts.surfaces import HeightMap
 from roughcontact._solve.problem.body import Body
 from roughcontact._solve.problem.increments import is_single
+from roughcontact._solve.problem.load_march import LoadMarch, Place, list_places
 from roughcontact._solve.problem.path import Path
 from roughcontact._solve.problem.run import run_solve
 from roughcontact._solve.problem.scene import Scene
-from roughcontact._solve.problem.sweep import predict_pressure, tabulate_states
+from roughcontact._solve.problem.sweep import tabulate_states
 from roughcontact._solve.problem.task import limit_load
-from roughcontact._solve.solution import ContactSolution, Flattening, Governed, LoadIncrement, Process, Relaxation
+from roughcontact._solve.solution import ContactSolution, Flattening, Governed, Process, Relaxation
 from roughcontact.errors import InputError, argument
 
 S = TypeVar("S", bound=Scene)
 
 # Admissible error of an increment, over the change of the surfaces.
 PATH_ACCURACY = 1e-3
-# First increment of time or sliding after a step of load, over its interval; factors by which the next one follows from
-# the error, at least, at most, and of safety; and the error of an increment over the change from its extrapolation.
-_FIRST_PART = 1e-3
-_MIN_GROWTH = 0.2
-_MAX_GROWTH = 2.0
-_SAFETY = 0.9
-_ERROR_OF_CHANGE = 1.0 / 6.0
 _PASSED = {"time": "time", "sliding": "sliding distance"}
-# Range of what is remembered below which there is nothing, m.
-_SMALLEST = 1e-300
-# Increments of one interval after which a path is given up.
-_MAX_INCREMENTS = 10_000
-
-
-@attrs.frozen(kw_only=True)
-class Place:
-    """A place on a path: the normal load, and time, s, and sliding distance, m, since its start."""
-
-    load: Load
-    time: float = 0.0
-    sliding: float = 0.0
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -173,7 +153,7 @@ class LoadPath(Path):
                 f"The path ends after {si(begin.time, 's')} and {si(begin.sliding, 'm')}: times and distances "
                 "count from its start, and do not fall."
             )
-        march = _March(partial(run_solve, scene), _check_accuracy(accuracy), states=[last])
+        march = LoadMarch(partial(run_solve, scene), _check_accuracy(accuracy), states=[last])
         found = [(march.go(one, other), march.last) for one, other in pairwise([begin, *places])]
         counts, states = zip(*found, strict=True)
         return LoadPath(states=(*self.states, *states), increments=(*self.increments, *counts))
@@ -348,36 +328,6 @@ def _require_used(problem: Scene, passed: Mapping[str, object]) -> None:
             )
 
 
-def list_places(loads: Sequence[Load], time: object, sliding: object) -> tuple[Place, ...]:
-    """Return the places of a path; one load holds at all of them.
-
-    `InputError` if the lists do not have one length, or time or distance fall.
-    """
-    passed = {"time": _list_passed(time, "time", "s"), "sliding": _list_passed(sliding, "sliding", "m")}
-    counts = {name: len(values) for name, values in passed.items() if values is not None}
-    if len(loads) > 1 or not counts:
-        counts[f"{loads[0].kind}"] = len(loads)
-    if len(set(counts.values())) > 1:
-        texts = ", ".join(f"{count} of {name}=" for name, count in counts.items())
-        raise InputError(f"The lists of a path must have one value for each place, but there are {texts}.")
-    count = next(iter(counts.values()))
-    rates = [values if values is not None else (0.0,) * count for values in passed.values()]
-    every = tuple(loads) if len(loads) > 1 else tuple(loads) * count
-    return tuple(Place(load=load, time=t, sliding=s) for load, t, s in zip(every, *rates, strict=True))
-
-
-def _list_passed(values: object, name: str, unit: str) -> tuple[float, ...] | None:
-    if values is None:
-        return None
-    allowed = f"a list of numbers of {unit} that do not fall, from zero on"
-    if isinstance(values, (str, bytes)) or not isinstance(values, Iterable):
-        raise InputError.about(f"The {name} along a path", values, allowed)
-    found = tuple(checks.number(value, f"A value of {name}=[...]", unit, at_least=0.0) for value in values)
-    if not found or any(after < before for before, after in pairwise(found)):
-        raise InputError.about(f"The {name} along a path", found, allowed)
-    return found
-
-
 def follow_path(
     problem: Scene,
     places: Sequence[Place],
@@ -386,7 +336,7 @@ def follow_path(
     count: Callable[[ContactSolution], object],
 ) -> LoadPath:
     """Return the states at the places of a path; each increment is reported, and each of these states counted."""
-    march = _March(partial(run_solve, problem), accuracy, tell)
+    march = LoadMarch(partial(run_solve, problem), accuracy, tell)
     first = places[0]
     # Of several loads the first rises from zero if time or distance pass until there; one holds from the start on.
     at_once = len({place.load for place in places}) == 1 or not (first.time or first.sliding)
@@ -400,118 +350,3 @@ def follow_path(
         states.append(march.last)
         count(march.last)
     return LoadPath(states=tuple(states), increments=tuple(counts))
-
-
-class _March:
-    """The last two states of a path, and the length of the next increment, over the interval that it is part of."""
-
-    def __init__(
-        self,
-        solve: Callable[..., ContactSolution],
-        accuracy: float,
-        tell: Callable[[ContactSolution], object] = lambda state: None,
-        states: Sequence[ContactSolution] = (),
-    ) -> None:
-        self._solve = solve
-        self._accuracy = accuracy
-        self._tell = tell
-        self._states: list[ContactSolution] = list(states)
-        # Lengths of the last increment and of the next one, s or m; zero after a step of load.
-        self._before = 0.0
-        self._next = 0.0
-
-    @property
-    def last(self) -> ContactSolution:
-        """The last state."""
-        return self._states[-1]
-
-    def jump(self, load: Load) -> None:
-        """Go to a load at once."""
-        start = predict_pressure(self._states, load)
-        self._accept(self._solve(load, start, **self._after(LoadIncrement(load))))
-        self._before = self._next = 0.0
-
-    def go(self, begin: Place, end: Place) -> int:
-        """Go from one place to the next; return the number of increments."""
-        time = end.time - begin.time
-        sliding = end.sliding - begin.sliding
-        # Where both pass, their ratio is that of the interval.
-        length = sliding or time
-        if length == 0.0:
-            self.jump(end.load)
-            return 1
-        count = 0
-        passed = 0.0
-        while passed < length:
-            step = self._choose(length, length - passed)
-            is_last = step >= length - passed
-            part = 1.0 if is_last else (passed + step) / length
-            load = _between(begin.load, end.load, part)
-            increment = LoadIncrement(load, time * step / length, sliding * step / length)
-            found = self._solve(load, self._predict(step, load), **self._after(increment))
-            error = self._measure(found, step)
-            growth = _SAFETY / math.sqrt(error) if error > 0.0 else _MAX_GROWTH
-            self._next = step * min(max(growth, _MIN_GROWTH), _MAX_GROWTH)
-            if error > 1.0:
-                continue
-            self._accept(_set_clock(found, end) if is_last else found)
-            self._before = step
-            passed = length if is_last else passed + step
-            count += 1
-            if count > _MAX_INCREMENTS:
-                raise InputError(
-                    f"After {count} increments a path has passed {passed / length:.2g} of an interval: give places "
-                    f"that are nearer to each other, or {argument('accuracy')} that is less strict."
-                )
-        return count
-
-    def _choose(self, length: float, rest: float) -> float:
-        step = self._next or _FIRST_PART * length
-        # Two equal increments instead of a long one and a tiny one.
-        return rest if step >= rest else min(step, 0.5 * rest) if 2.0 * step > rest else step
-
-    def _after(self, increment: LoadIncrement) -> dict[str, Any]:
-        return {"before": self._states[-1] if self._states else None, "increment": increment}
-
-    def _accept(self, state: ContactSolution) -> None:
-        self._states = [*self._states[-1:], state]
-        self._tell(state)
-
-    def _predict(self, step: float, load: Load) -> Array | None:
-        """Return the pressure extrapolated from the last two states, shape (nx, ny), Pa."""
-        if not self._before or len(self._states) < 2:
-            return predict_pressure(self._states[-1:], load)
-        before, last = (state.pressure for state in self._states)
-        found = last + (last - before) * (step / self._before)
-        return np.clip(found, 0.0, self.last.pressure_limit)
-
-    def _measure(self, state: ContactSolution, step: float) -> float:
-        """Return the error of an increment over the admissible one, from what changes the gap and its extrapolation."""
-        if not self._before or len(self._states) < 2:
-            return 0.0
-        part = _ERROR_OF_CHANGE * step / (step + self._before)
-        error = 0.0
-        for before, last, now in zip(*map(_list_lengths, (*self._states, state)), strict=True):
-            change = now - last
-            change -= (last - before) * (step / self._before)
-            error = max(error, part * float(np.abs(change).max()) / max(float(np.ptp(now)), _SMALLEST))
-        return error / self._accuracy
-
-
-def _set_clock(state: ContactSolution, place: Place) -> ContactSolution:
-    """Return a state at a place, whose time and distance are sums of increments, with those of the place."""
-    effect = state._find_added(Governed)
-    assert effect is not None
-    return state._add(attrs.evolve(effect, elapsed=place.time, slid=place.sliding))
-
-
-def _list_lengths(state: ContactSolution) -> list[Array]:
-    """Return what the laws remember as lengths, such as heights that are lost."""
-    effect = state._find_added(Governed)
-    assert effect is not None
-    pairs = zip(effect.remembered, effect.memory, strict=True)
-    return [memory[name] for names, memory in pairs for name, (_, unit) in names.items() if unit == "m"]
-
-
-def _between(begin: Load, end: Load, part: float) -> Load:
-    return end if part == 1.0 else attrs.evolve(end, value=begin.value + part * (end.value - begin.value))

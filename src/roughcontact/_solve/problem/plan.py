@@ -273,12 +273,10 @@ class SolvePlan:
         return str(self)
 
     def _describe_loads(self) -> list[tuple[str, str]]:
-        relaxing = any(isinstance(material, Viscoelastic) for material in self.materials)
         forgets = not any(isinstance(law, Flattening) for law in self.laws)
-        return [
-            *([("loads", FIRST_LOADING)] if np.isfinite(self.pressure_limit).any() and forgets else []),
-            *([("loads", _AT_ONCE)] if relaxing else []),
-        ]
+        found = [("loads", FIRST_LOADING)] if np.isfinite(self.pressure_limit).any() and forgets else []
+        relaxing = any(isinstance(material, Viscoelastic) for material in self.materials)
+        return [*found, ("loads", _AT_ONCE)] if relaxing else found
 
     def _describe_coarse_grids(self) -> list[tuple[str, str]]:
         if not self.solver.climbs_grids:

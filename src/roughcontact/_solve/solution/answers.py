@@ -392,6 +392,54 @@ class ContactAnswers(ShearFields):
         asked = responses.create("leakage", axis=axis, viscosity=viscosity, pressure_drop=pressure_drop)
         return self.response(asked)
 
+    def flash_temperature(
+        self,
+        friction: float | Array,
+        speed: Quantity | Sequence[Quantity],
+        *,
+        conductivity: Quantity | Sequence[Quantity],
+        diffusivity: Quantity | Sequence[Quantity],
+        direction: float = 0.0,
+    ) -> Any:
+        """Return how much hotter the contact is than the bodies, K, by the heat of friction in steady sliding.
+
+        `roughcontact.responses.SlidingHeat` states the equations.
+
+        Parameters
+        ----------
+        friction
+            Coefficient of friction, a number or shape (nx, ny).
+        speed
+            Speed at which the surface of the counterbody passes the contact, which stands still on the body, m/s; or of
+            each (body, counterbody) past a contact at rest, as in rolling with slip.
+        conductivity
+            Thermal conductivity of both bodies, or of each (body, counterbody), W/(m K); zero of one that does not
+            conduct.
+        diffusivity
+            Thermal diffusivity of both or of each, m2/s.
+        direction
+            Direction of the speed, degrees from x towards y.
+
+        Returns
+        -------
+        roughcontact.responses.FlashTemperature
+            An `Estimate` of the maximum, with the mean, the partition of the heat and the fields.
+
+        Raises
+        ------
+        InputError
+            If a number is out of its range, nothing slides, or the bodies are not homogeneous half-spaces.
+        """
+        asked = responses.create(
+            "flash-temperature",
+            friction,
+            speed,
+            conductivity=conductivity,
+            diffusivity=diffusivity,
+            direction=direction,
+        )
+        return self.response(asked)
+
     def gradient(self, of: str | Callable[[Array], Array], with_respect_to: str = "heights") -> Array:
         """Return the derivatives of a number of the contact, shape (nx, ny) for heights, else ().
 
