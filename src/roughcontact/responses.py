@@ -3,9 +3,9 @@
 from roughcontact._answers.areas import EdgeLength, FindFlags, Flags, MeanGap, PatchCount, PeakPressure, SummitApproach
 from roughcontact._answers.areas.noise import FindNoise, Noise
 from roughcontact._answers.areas.phases import Phases, SolvePhases
+from roughcontact._answers.flow.flash_temperature import FlashTemperature, SlidingHeat
 from roughcontact._answers.flow.leakage import GapFlow, Leakage, Throat
 from roughcontact._answers.flow.percolation import Percolation, find_percolation
-from roughcontact._answers.heat.flash import FlashTemperature, SlidingHeat
 from roughcontact._answers.linear.conductance import Conductance, ContactConductance
 from roughcontact._answers.linear.gradients import Gradient
 from roughcontact._answers.linear.stiffness import PullOff, StabilityMargin, Stiffness

@@ -1,1 +1,1 @@
-"""Flow through the gap: leakage and percolation."""
+"""Flow through the gap, leakage and percolation, and of the heat of sliding."""

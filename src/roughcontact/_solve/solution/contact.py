@@ -11,14 +11,14 @@ from roughcontact._base import checks
 from roughcontact._base.registry import find_view
 from roughcontact._base.tables import Result
 from roughcontact._solve.solution import storage
-from roughcontact._solve.solution.answers import ContactAnswers
+from roughcontact._solve.solution.named_responses import ContactResponses
 from roughcontact._solve.solution.summary import abbreviate, summarize
 from roughcontact._solve.solution.writers import describe_as_data, to_pyvista, write_solution
 from roughcontact.errors import InputError
 
 
 @attrs.frozen(eq=False, kw_only=True)
-class ContactSolution(Result, ContactAnswers):
+class ContactSolution(Result, ContactResponses):
     """A solved contact: its fields, its certificate, and the answers derived from them.
 
     With friction it is the end of one step of a path, or steady sliding: beside the normal contact it has ``shear``,

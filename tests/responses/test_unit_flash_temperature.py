@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import roughcontact as rc
-from roughcontact._answers.heat.conduction import Conduction, sum_periodic_waves, sum_sources
+from roughcontact._answers.flow.conduction import Conduction, sum_periodic_waves, sum_sources
 from roughcontact.responses import FlashTemperature, SlidingHeat
 from scenes import make_problem
 

@@ -9,8 +9,8 @@ import attrs
 import numpy as np
 
 from roughcontact._answers.areas.edges import warn_if_uncertain
-from roughcontact._answers.heat.conduction import Conduction
-from roughcontact._answers.heat.partition import split_heat
+from roughcontact._answers.flow.conduction import Conduction
+from roughcontact._answers.flow.partition import split_heat
 from roughcontact._answers.linear.stiffness import list_warnings
 from roughcontact._answers.subsurface.stress import degrees
 from roughcontact._base.arrays import Array, Pair, read_only, restore_state
@@ -236,7 +236,8 @@ class SlidingHeat(Response[FlashTemperature]):
         if len(waves) == 1:
             into = 1.0 if self.conductivity[0] > 0.0 else 0.0
             fields = [alone[0], np.where(cells, alone[0], 0.0)][:: 1 if into else -1]
-            maximum, blok_fraction = maxima[0], into
+            maximum = maxima[0]
+            blok_fraction = into
         else:
             inverse = 1.0 / (conduction.find_free_waves(*bodies[0]) + conduction.find_free_waves(*bodies[1]))
             flow, converged = split_heat(conduction, waves[0] + waves[1], inverse, alone[1], cells)

@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from roughcontact._answers.heat.conduction import Conduction
+from roughcontact._answers.flow.conduction import Conduction
 from roughcontact._base.arrays import Array, Mask, Waves, sum_of_products
 
 # Norm of the residual of the temperatures over that of the temperature if all heat went into one body.
