@@ -377,7 +377,7 @@ def find_shift(solution: ContactSolution) -> tuple[float, float]:
     # Uniform pressure is exact where cells are saturated.
     elastic = 1.0 - bend.saturated
     shift = (shift + kinked + filled * bend.filled + rim * bend.rim) * elastic
-    unsure = (
+    unsure: tuple[float, ...] = (
         _find_spread(bend, cells),
         _find_aligned(solution),
         kinked_std,

@@ -44,9 +44,9 @@ from roughcontact._solve.problem.frictional_path import save_path as save_path
 from roughcontact._solve.problem.increments import Increment as Increment
 from roughcontact._solve.problem.increments import list_loads as list_loads
 from roughcontact._solve.problem.increments import list_targets as list_targets
+from roughcontact._solve.problem.load_march import list_places as list_places
 from roughcontact._solve.problem.load_path import PATH_ACCURACY as PATH_ACCURACY
 from roughcontact._solve.problem.load_path import LoadPath as LoadPath
-from roughcontact._solve.problem.load_path import list_places as list_places
 from roughcontact._solve.problem.load_path import remember_flattening as remember_flattening
 from roughcontact._solve.problem.load_path import run_load_path as run_load_path
 from roughcontact._solve.problem.loads import order_loads as order_loads

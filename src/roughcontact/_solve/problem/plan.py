@@ -296,10 +296,6 @@ class SolvePlan:
         found = f"{int(np.count_nonzero(self.non_measured))} of {self.grid.cells} points were not measured"
         return [("points", f"{found}: they carry nothing, and answers continue the gap of their neighbours there")]
 
-    def _describe_loads(self) -> list[tuple[str, str]]:
-        remembers = any(isinstance(law, Flattening) for law in self.laws)
-        return [("loads", FIRST_LOADING)] if np.isfinite(self.pressure_limit).any() and not remembers else []
-
     def _describe_adhesion(self) -> list[tuple[str, str]]:
         law = self.interaction
         if law is None:
