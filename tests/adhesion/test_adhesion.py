@@ -655,8 +655,8 @@ class TestCyclesOfFewStates:
         ball = rc.Body(rc.ParaboloidSurface(1e-6), soft)
         law = rc.Exponential(0.05, 6e-9)
         problem = rc.ContactProblem(ball, grid=rc.Grid((32, 32), 400e-9), adhesion=law)
-        with pytest.raises(rc.InputError, match="each state is a first loading, which forgets"):
-            problem.cycle(approach=[-16e-9, 0.0, 12e-9])
+        cycle = problem.cycle(approach=[-16e-9, 0.0, 12e-9])
+        assert cycle.unloading[-1].added[0].numbers["plastic_work"][0] > 0.0
         with pytest.raises(rc.InputError, match="each state is a first loading"):
             problem.sweep(approach=[12e-9, 6e-9])
 

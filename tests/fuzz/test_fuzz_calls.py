@@ -95,6 +95,8 @@ GOOD = {
     "coefficient": 0.2, "compliance_ratio": 1.2, "beta": 0.3, "friction_over_beta": 0.6,
     "component": "xy", "pair": types_of_rc.PairConstants(0.1, 0.4),
     "table": {"body": rc.Body(WAVE, STEEL), "grid": GRID},
+    "moduli": (1e6, 1e6), "times": (0.1,), "time": 1.0, "frequency": 1.0, "storage": (1.0, 1.1), "loss": (0.1, 0.1),
+    "speed": 1.0, "diffusivity": 1e-5,
     "index": 0, "topography": MAP.to_topography() if HAS_TOPOGRAPHY else None, "young": 1e9,
 }  # fmt: skip
 # ... where the same name means something else.
@@ -105,6 +107,7 @@ GOOD_FOR = {
     "CircularFFT.prepare": {"kernel": BOUND},
     "Direct.prepare": {"kernel": BOUND, "boundary": rc.Boundary.FREE},
     "DCFFT.require": {"boundary": rc.Boundary.FREE},
+    "from_master_curve": {"frequency": (1.0, 10.0)},
     "ContactProblem": {"grid": GRID}, "read_surface": {"path": "map.npz"},
     "read_raw": {"file": "map.npz"},
     "run_in": {"problem": LIMITED, "pressure": 1e7}, "ContactSolution.load": {"path": "solution.npz"},

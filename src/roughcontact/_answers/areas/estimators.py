@@ -140,7 +140,7 @@ class LevelSet(AreaEstimator):
     >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Elastic(young=210e9, poisson=0.3))
     >>> problem = rc.ContactProblem(ball, grid=rc.Grid((32, 32), 100e-6))
     >>> print(problem.solve(force=1.0).area("level-set"))
-    (688 +- 20) µm2, (6.88 +- 0.20) % of nominal [level-set]
+    (688 +- 19) µm2, (6.88 +- 0.19) % of nominal [level-set]
     """
 
     def estimate(self, solution: ContactSolution) -> Area:
@@ -180,7 +180,7 @@ class LevelSetRichardson(AreaEstimator):
     >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Elastic(young=210e9, poisson=0.3))
     >>> problem = rc.ContactProblem(ball, grid=rc.Grid((32, 32), 100e-6))
     >>> print(problem.solve(force=1.0).area("level-set-richardson"))
-    (688 +- 20) µm2, (6.88 +- 0.20) % of nominal [level-set-richardson]
+    (688 +- 19) µm2, (6.88 +- 0.19) % of nominal [level-set-richardson]
     """
 
     def estimate(self, solution: ContactSolution) -> Area:

@@ -48,7 +48,7 @@ from roughcontact._solve.problem import (
     find_path_inputs,
     list_loads,
     list_places,
-    remember_flattening,
+    remember_changes,
     require_frictional,
     run_load_path,
     run_slide,
@@ -251,7 +251,7 @@ class ChangingSurfaces(Course):
 
     def explain(self, problem: rc.ContactProblem) -> str:
         """Return the plan of a state, in words, with the laws that remember."""
-        return remember_flattening(problem).explain()
+        return remember_changes(problem).explain()
 
     def require(self, problem: rc.ContactProblem, loads: Sequence[Load]) -> tuple[Load, ...]:
         """Return the normal loads, which after the first may be zero."""
