@@ -177,6 +177,17 @@ def pair(
     return x, y
 
 
+def list_of(values: object, what: str, allowed: str) -> tuple[Any, ...]:
+    """Return the items of a list, or raise `InputError` if it is something else, such as a text."""
+    try:
+        items = None if isinstance(values, (str, bytes)) else tuple(values)  # type: ignore[arg-type]
+    except Exception:
+        items = None
+    if items is None:
+        raise InputError.about(what, values, allowed)
+    return items
+
+
 def choice(value: object, what: str, allowed: Sequence[str]) -> str:
     """Return `value` if it is one of the words in `allowed`, or raise `InputError`."""
     if not isinstance(value, str) or value not in allowed:

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from typing import Any, Self
 
 import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array
-from roughcontact._base.checks import number, numbers
+from roughcontact._base.checks import list_of, number, numbers
 from roughcontact._base.units import Quantity
 from roughcontact._parts.materials.isotropic import Material, poisson_ratio
 from roughcontact.errors import InputError
@@ -22,9 +21,10 @@ _MARGIN = 0.5
 
 
 def _values(values: object, what: str, unit: str) -> tuple[float, ...]:
-    if isinstance(values, (str, bytes)) or not isinstance(values, Iterable):
-        raise InputError.about(what, values, f"a list of numbers above zero ({unit})")
-    return tuple(number(value, what, unit, above=0.0) for value in values)
+    return tuple(
+        number(value, what, unit, above=0.0)
+        for value in list_of(values, what, f"a list of numbers above zero ({unit})")
+    )
 
 
 def _moduli(values: object) -> tuple[float, ...]:

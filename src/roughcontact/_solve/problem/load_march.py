@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 from typing import Any
 
@@ -61,9 +61,8 @@ def _list_passed(values: object, name: str, unit: str) -> tuple[float, ...] | No
     if values is None:
         return None
     allowed = f"a list of numbers of {unit} that do not fall, from zero on"
-    if isinstance(values, (str, bytes)) or not isinstance(values, Iterable):
-        raise InputError.about(f"The {name} along a path", values, allowed)
-    found = tuple(checks.number(value, f"A value of {name}=[...]", unit, at_least=0.0) for value in values)
+    given = checks.list_of(values, f"The {name} along a path", allowed)
+    found = tuple(checks.number(value, f"A value of {name}=[...]", unit, at_least=0.0) for value in given)
     if not found or any(after < before for before, after in pairwise(found)):
         raise InputError.about(f"The {name} along a path", found, allowed)
     return found
