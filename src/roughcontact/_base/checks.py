@@ -179,6 +179,7 @@ def pair(
 
 def list_of(values: object, what: str, allowed: str) -> tuple[Any, ...]:
     """Return the items of a list, or raise `InputError` if it is something else, such as a text."""
+    items: tuple[Any, ...] | None
     try:
         items = None if isinstance(values, (str, bytes)) else tuple(values)  # type: ignore[arg-type]
     except Exception:
