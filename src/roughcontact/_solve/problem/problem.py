@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
-from typing import Any
+from typing import Any, overload
 
 import attrs
 import numpy as np
@@ -19,6 +19,7 @@ from roughcontact._solve.problem.accuracy import Target, solve_within, with_tole
 from roughcontact._solve.problem.cycle import AdhesionCycle, list_approaches, run_cycle
 from roughcontact._solve.problem.friction_certificate import verify_state
 from roughcontact._solve.problem.frictional_path import FrictionalPath, run_path, run_slide
+from roughcontact._solve.problem.increments import Increment
 from roughcontact._solve.problem.load_path import (
     PATH_ACCURACY,
     LoadPath,
@@ -235,6 +236,36 @@ class ContactProblem(Scene):
     def require_cycle(self, *, approach: Iterable[Length]) -> tuple[Load, ...]:
         """Return the loads of a branch of a cycle; `InputError` if it cannot be followed; see `cycle`."""
         return list_approaches(self.plan, self.initial_gap, approach)
+
+    @overload
+    def path(
+        self,
+        *,
+        force: Force | Iterable[Force] | None = None,
+        pressure: Pressure | Iterable[Pressure] | None = None,
+        approach: Length | Iterable[Length] | None = None,
+        friction: None = None,
+        time: Iterable[float | str] | None = None,
+        sliding: Iterable[Length] | None = None,
+        accuracy: float = PATH_ACCURACY,
+        on_increment: Callable[[Any], None] | None = None,
+        progress: bool = False,
+    ) -> LoadPath: ...
+
+    @overload
+    def path(
+        self,
+        *,
+        force: Force | Iterable[Force] | None = None,
+        pressure: Pressure | Iterable[Pressure] | None = None,
+        approach: Length | Iterable[Length] | None = None,
+        tangential_force: Iterable[Sequence[Force]] | Sequence[Force] | None = None,
+        displacement: Iterable[Sequence[Length]] | Sequence[Length] | None = None,
+        friction: float | FrictionLaw,
+        substeps: int | str = "auto",
+        on_increment: Callable[[Increment], None] | None = None,
+        progress: bool = False,
+    ) -> FrictionalPath: ...
 
     def path(
         self,

@@ -222,9 +222,7 @@ class LoadsAlong(Loading):
     def solve(self, problem: ContactProblem, load: Load, before: Sequence[ContactSolution]) -> FrictionalPath:
         """Return the states at the loads along the surface, under a normal load."""
         along: dict[str, Any] = {self.kind: [one.values for one in self.loads]}
-        found: Any = problem.path(**load.arguments, **along, friction=self.friction, substeps=self.substeps)
-        path: FrictionalPath = found
-        return path
+        return problem.path(**load.arguments, **along, friction=self.friction, substeps=self.substeps)
 
     def write(self, file: Path, found: Any, key: str, earlier: Sequence[Mapping[str, float]]) -> None:
         """Write a path."""
