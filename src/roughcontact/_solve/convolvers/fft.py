@@ -141,7 +141,7 @@ class CircularFFT(Convolver):
     >>> grid = rc.Grid((32, 32), 100e-6)
     >>> problem = rc.ContactProblem(body, grid=grid, boundary="periodic", convolver=rc.CircularFFT())
     >>> print(problem.solve(pressure=100e6).area())
-    (176.341 +- 0.056) µm2, (1.76341 +- 0.00056) % of nominal [blend]
+    (176.343 +- 0.056) µm2, (1.76343 +- 0.00056) % of nominal [blend]
     """
 
     boundaries = frozenset({Boundary.PERIODIC, Boundary.WRAPPED})
