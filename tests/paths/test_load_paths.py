@@ -163,6 +163,19 @@ def test_adhesion_remembers_flattening():
     assert abs(plastic.dissipated.value - lost) < max(2.0 * plastic.dissipated.uncertainty, 0.05 * lost)
 
 
+def test_a_path_with_adhesion_goes_on_from_the_state_before():
+    """Pulled apart, the surfaces stick as on the branch of unloading of a cycle, not as where they are pressed."""
+    body = rc.Body(rc.ParaboloidSurface(20e-6), rc.Elastic(young=7.5e6, poisson=0.5))
+    law = rc.Exponential(work=0.05, range=30e-9)
+    problem = rc.ContactProblem(body, grid=rc.Grid((64, 64), 4.8e-6), adhesion=law)
+    up = np.linspace(-160e-9, 40e-9, 8)
+    cycle = problem.cycle(approach=up)
+    path = problem.path(approach=[*up, *up[-2::-1]])
+    forces = [*cycle.loading.force, *cycle.unloading.force[1:]]
+    assert np.abs(cycle.loading.force - cycle.unloading.force[::-1]).max() > 0.1 * np.abs(forces).max()
+    np.testing.assert_allclose(path.force, forces, atol=1e-3 * np.abs(forces).max())
+
+
 @given(st.lists(st.just(0.0) | st.floats(1e-3, 0.3), min_size=1, max_size=6), st.sampled_from(["free", "periodic"]))
 def test_whatever_the_loads_heights_are_lost_for_good(parts, boundary):
     problem = press_rough(boundary, (16, 12), seed=7, solver="auto")

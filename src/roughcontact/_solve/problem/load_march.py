@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from functools import partial
 from itertools import pairwise
-from typing import Any
 
 import attrs
 import numpy as np
@@ -13,7 +13,7 @@ import numpy as np
 from roughcontact._base import checks
 from roughcontact._base.arrays import Array
 from roughcontact._parts.grid import Load
-from roughcontact._solve.problem.sweep import predict_pressure
+from roughcontact._solve.problem.loads import follow
 from roughcontact._solve.solution import ContactSolution, Governed, LoadIncrement
 from roughcontact.errors import InputError, argument
 
@@ -93,8 +93,7 @@ class LoadMarch:
 
     def jump(self, load: Load) -> None:
         """Go to a load at once."""
-        start = predict_pressure(self._states, load)
-        self._accept(self._solve(load, start, **self._after(LoadIncrement(load))))
+        self._accept(follow(partial(self._solve, increment=LoadIncrement(load)), self._states, load))
         self._before = self._next = 0.0
 
     def go(self, begin: Place, end: Place) -> int:
@@ -114,7 +113,7 @@ class LoadMarch:
             part = 1.0 if is_last else (passed + step) / length
             load = _between(begin.load, end.load, part)
             increment = LoadIncrement(load, time * step / length, sliding * step / length)
-            found = self._solve(load, self._predict(step, load), **self._after(increment))
+            found = self._find(step, increment)
             error = self._measure(found, step)
             growth = _SAFETY / math.sqrt(error) if error > 0.0 else _MAX_GROWTH
             self._next = step * min(max(growth, _MIN_GROWTH), _MAX_GROWTH)
@@ -136,20 +135,18 @@ class LoadMarch:
         # Two equal increments instead of a long one and a tiny one.
         return rest if step >= rest else min(step, 0.5 * rest) if 2.0 * step > rest else step
 
-    def _after(self, increment: LoadIncrement) -> dict[str, Any]:
-        return {"before": self._states[-1] if self._states else None, "increment": increment}
-
     def _accept(self, state: ContactSolution) -> None:
         self._states = [*self._states[-1:], state]
         self._tell(state)
 
-    def _predict(self, step: float, load: Load) -> Array | None:
-        """Return the pressure extrapolated from the last two states, shape (nx, ny), Pa."""
-        if not self._before or len(self._states) < 2:
-            return predict_pressure(self._states[-1:], load)
+    def _find(self, step: float, increment: LoadIncrement) -> ContactSolution:
+        """Return the state after an increment, from the pressure extrapolated from the last two."""
+        solve = partial(self._solve, increment=increment)
+        if not self._before or len(self._states) < 2 or self.last.tension is not None:
+            return follow(solve, self._states[-1:], increment.load)
         before, last = (state.pressure for state in self._states)
-        found = last + (last - before) * (step / self._before)
-        return np.clip(found, 0.0, self.last.pressure_limit)
+        start = np.clip(last + (last - before) * (step / self._before), 0.0, self.last.pressure_limit)
+        return solve(increment.load, start, before=self.last)
 
     def _measure(self, state: ContactSolution, step: float) -> float:
         """Return the error of an increment over the admissible one, from what changes the gap and its extrapolation."""

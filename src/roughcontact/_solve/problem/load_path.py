@@ -197,9 +197,8 @@ class LoadPath(Path):
         ``secant_stiffness``.
         """
         found = tabulate_states(self.states)
-        columns = {name: column for name, column in found.columns.items() if name != "secant_stiffness"}
         return Table(
-            {**self._list_passed(), "increments": list(self.increments), **columns},
+            {**self._list_passed(), "increments": list(self.increments), **found.columns},
             {"time": "s", "sliding": "m", **found.units},
         )
 
