@@ -9,7 +9,7 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array
-from roughcontact._base.checks import list_of, number, numbers
+from roughcontact._base.checks import list_of, number
 from roughcontact._base.units import Quantity
 from roughcontact._parts.materials.isotropic import Material, poisson_ratio
 from roughcontact.errors import InputError
@@ -130,16 +130,11 @@ class Viscoelastic(Material):
         # Half a second to import, and nothing else needs it.
         from scipy.optimize import lsq_linear
 
-        given = [
-            _positive(values, what, unit)
-            for values, what, unit in (
-                (frequency, "The angular frequencies", "rad/s"),
-                (storage, "The storage moduli", "Pa"),
-                (loss, "The loss moduli", "Pa"),
-            )
-        ]
-        omega, real, imaginary = given
-        if len({values.size for values in given}) != 1 or not omega.max() >= 10.0 * omega.min():
+        omega = np.array(_values(frequency, "An angular frequency", "rad/s"))
+        real = np.array(_values(storage, "A storage modulus", "Pa"))
+        imaginary = np.array(_values(loss, "A loss modulus", "Pa"))
+        alike = 0 < omega.size == real.size == imaginary.size
+        if not alike or not omega.max() >= 10.0 * omega.min():
             raise InputError(
                 "A master curve has as many storage and loss moduli as frequencies, over a decade at least: "
                 f"there are {omega.size} frequencies, {real.size} and {imaginary.size} moduli."
@@ -159,11 +154,3 @@ class Viscoelastic(Material):
             moduli[0] = 1e-9 * moduli.max()
         kept = moduli[1:] > 0.0
         return cls((moduli[0], *moduli[1:][kept]), times[kept], poisson)
-
-
-def _positive(values: object, what: str, unit: str) -> Array:
-    allowed = f"a list of numbers above zero ({unit})"
-    found = numbers(values, what, allowed)
-    if found.ndim != 1 or not found.size or not (np.isfinite(found).all() and found.min() > 0.0):
-        raise InputError.about(what, values, allowed)
-    return found
