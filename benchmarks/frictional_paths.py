@@ -1,8 +1,8 @@
 """Random paths with friction on small grids, each state judged on its returned fields by dense matrices.
 
 The judge shares nothing with the package: its matrices are sums over cells and waves, and its conditions are written
-down here. Run ``python benchmarks/frictional_paths.py [paths] [first seed]``; it prints the worst violations, and the
-paths that failed.
+down here. Run ``python benchmarks/frictional_paths.py [paths] [first seed] [1: bodies that yield]``; it prints the
+worst violations, and the paths that failed.
 """
 
 from __future__ import annotations
@@ -96,10 +96,10 @@ def constants(one, other):
 
 
 class Judge:
-    """The conditions of contact with friction, by dense matrices."""
+    """The conditions of contact with friction, by dense matrices; what has flowed stays away from the gap."""
 
-    def __init__(self, matrix, heights, area, strength):
-        self.matrix, self.area, self.strength = matrix, area, strength
+    def __init__(self, matrix, heights, area, strength, hardness=np.inf):
+        self.matrix, self.area, self.strength, self.hardness = matrix, area, strength, hardness
         self.gap = (heights.max() - heights).ravel()
         self.cells = self.gap.size
 
@@ -118,6 +118,9 @@ class Judge:
         d, d0 = np.array(state.tangential_displacement), np.array(before.displacement)
         w = (d[:, None] - along) - (d0[:, None] - along0)
         gap = self.gap + across - state.approach
+        overlap = np.where(p >= self.hardness, np.maximum(-gap, 0.0), 0.0)
+        gap += overlap
+        self.gap = self.gap + overlap
         scale = min(self.gap.std(), np.ptp(across)) or 1.0
         s = self.strength(p)
         own = max(self.matrix[0, 0], self.matrix[self.cells, self.cells])
@@ -142,6 +145,7 @@ class Judge:
             "penetration": max(-gap.min(), 0) / scale,
             "complementarity": (p * np.abs(gap)).sum() / p.sum() / scale,
             "tension": max(-p.min(), 0) / p.max(),
+            "hardness": max(p.max() / self.hardness - 1, 0),
             "cone": max((np.hypot(*q) - s).max(), 0) / s.max(),
             "slip": np.hypot(*(q - nearest)).max() / s.max(),
             "load": abs(carried / value - 1),
@@ -155,6 +159,7 @@ TOLERANCES = {
     "penetration": CONDITIONS,
     "complementarity": CONDITIONS,
     "tension": 0.0,
+    "hardness": 0.0,
     "cone": 1e-11,
     "slip": CONDITIONS,
     "load": ROUNDING,
@@ -167,6 +172,13 @@ TOLERANCES = {
 def draw_material(draws):
     """Return Young's modulus, Pa, and Poisson's ratio."""
     return float(10 ** draws.uniform(9, 11.5)), float(draws.uniform(-0.3, 0.5))
+
+
+def make_material(young, poisson, hardness):
+    """Return an elastic material, or one that yields at a hardness."""
+    if hardness == np.inf:
+        return rc.Elastic(young, poisson)
+    return rc.ElasticPerfectlyPlastic(young, poisson, hardness)
 
 
 def draw_heights(draws, grid):
@@ -182,8 +194,11 @@ def draw_heights(draws, grid):
     }[kind]
 
 
-def run(seed):
-    """Follow one random path; return what happened, and the violations of its worst state."""
+def run(seed, yields=False):
+    """Follow one random path; return what happened, and the violations of its worst state.
+
+    Bodies that yield have a hardness of a few times the nominal pressure.
+    """
     draws = np.random.default_rng(seed)
     shape = tuple(int(n) for n in draws.integers(2, 13, 2))
     cell = 10 ** draws.uniform(-8, -3)
@@ -192,11 +207,15 @@ def run(seed):
     one = draw_material(draws)
     pairing = draws.choice(["like", "unlike", "rigid"])
     other = {"like": one, "unlike": draw_material(draws), "rigid": None}[pairing]
-    bodies = [None if body is None else rc.Elastic(*body) for body in (one, other)]
-    bodies = [rc.Rigid() if body is None else body for body in bodies]
     boundary = str(draws.choice(["free", "periodic"]))
     modulus, beta, gamma = constants(one, other)
     make = free_matrix if boundary == "free" else periodic_matrix
+    mu = float(10 ** draws.uniform(-1.5, 0.3))
+    mu = min(mu, 0.9 / abs(beta)) if beta else mu
+    law = str(draws.choice(["number", "varying", "limited"]))
+    pressure = modulus * np.ptp(heights) / max(grid.size) * 10 ** draws.uniform(-2, 0.3)
+    hardness = pressure * 10 ** np.random.default_rng((seed, 1)).uniform(0.3, 1.5) if yields else np.inf
+    bodies = [rc.Rigid() if body is None else make_material(*body, hardness) for body in (one, other)]
     problem = rc.ContactProblem(
         rc.Body(rc.HeightMap(heights, grid.size), bodies[0]),
         rc.Body(rc.FlatSurface(), bodies[1]),
@@ -205,10 +224,6 @@ def run(seed):
         kernel="love" if boundary == "free" else "fourier",
         threads=1,
     )
-    mu = float(10 ** draws.uniform(-1.5, 0.3))
-    mu = min(mu, 0.9 / abs(beta)) if beta else mu
-    law = str(draws.choice(["number", "varying", "limited"]))
-    pressure = modulus * np.ptp(heights) / max(grid.size) * 10 ** draws.uniform(-2, 0.3)
     varying = mu * draws.uniform(0.2, 1.0, shape)
     top = 2 * mu * pressure
     friction, strength = {
@@ -216,7 +231,7 @@ def run(seed):
         "varying": (rc.Coulomb(varying), lambda p: varying.ravel() * p),
         "limited": (rc.LimitedCoulomb(mu, top), lambda p: np.minimum(mu * p, top)),
     }[law]
-    judge = Judge(make(shape, grid.spacing, modulus, beta, gamma), heights, grid.cell_area, strength)
+    judge = Judge(make(shape, grid.spacing, modulus, beta, gamma), heights, grid.cell_area, strength, hardness)
     steps = int(draws.integers(1, 5))
     constant = draws.random() < 0.5
     kind = str(draws.choice(["force", "pressure", "approach"]))
@@ -234,29 +249,42 @@ def run(seed):
         name, unit = "displacement", mu * pressure * max(grid.size) / modulus
     targets = [tuple(float(value) for value in unit * draws.uniform(-1, 1, 2)) for _ in range(steps)]
     label = f"{pairing}, {boundary}"
+    worst = {}
+
+    def judge_state(state, load, target):
+        found = judge.judge(state, load, target)
+        worst.update({key: max(value, worst.get(key, 0.0)) for key, value in found.items()})
+
+    def judge_increment(done):
+        ((kind, value),) = done.state.origin.load.items()
+        judge_state(done.state, (kind, value), (done.state.tangential_load.kind, done.state.tangential_load.values))
+
     try:
         path = problem.path(
-            **{kind: loads[0] if constant else loads, name: targets}, friction=friction, substeps=substeps
+            **{kind: loads[0] if constant else loads, name: targets},
+            friction=friction,
+            substeps=substeps,
+            # What flows in an increment counts in the next.
+            on_increment=judge_increment if yields else None,
         )
     except rc.InputError as error:
         return label, "refused: " + str(error)[:40], {}
     except rc.NotConverged:
         return label, "not converged", {}
-    worst = {}
-    for state, load, target in zip(path, loads, targets, strict=True):
-        found = judge.judge(state, (kind, load), (name, np.array(target)))
-        worst = {key: max(value, worst.get(key, 0.0)) for key, value in found.items()}
+    if not yields:
+        for state, load, target in zip(path, loads, targets, strict=True):
+            judge_state(state, (kind, load), (name, np.array(target)))
     falsely = [key for key, value in worst.items() if not value <= TOLERANCES[key]]
     return label, "false: " + ", ".join(falsely) if falsely else "verified", worst
 
 
-def main(count=2000, first=0):
+def main(count=2000, first=0, yields=0):
     """Print the outcomes by kind, the worst violations, and the seeds of what was not verified."""
     started = time.process_time()
     outcomes, worst, slowest, others = Counter(), {}, (0.0, -1), []
     for seed in range(first, first + count):
         begin = time.process_time()
-        label, outcome, violations = run(seed)
+        label, outcome, violations = run(seed, yields=bool(yields))
         slowest = max(slowest, (time.process_time() - begin, seed))
         outcomes[label, outcome] += 1
         worst = {key: max(value, worst.get(key, 0.0)) for key, value in {**worst, **violations}.items()}

@@ -286,8 +286,9 @@ def test_the_command_follows_the_loads(worn, tmp_path, monkeypatch, capsys):
     assert main(["solve", "ball.npz", "--force", "1N", *steel, "--law", "test-weer", "rate=1"]) == 2
     assert "There is no law named 'test-weer'. Did you mean 'test-wear'?" in capsys.readouterr().err
     along = ["--friction", "0.3", "--tangential", "0.1N", "--counterbody-young", "210GPa"]
-    assert main(["solve", "ball.npz", "--force", "1N", *steel, *law, *along]) == 2
-    assert "Friction beside other laws is not known: omit --law." in capsys.readouterr().err
+    sliding = ["--law", "archard", "coefficient=1e-16m2/N"]
+    assert main(["solve", "ball.npz", "--force", "1N", *steel, *sliding, *along]) == 2
+    assert "neither time nor a sliding distance passes" in capsys.readouterr().err
 
 
 class TestRefusals:
@@ -329,8 +330,8 @@ class TestRefusals:
 
     def test_friction_beside_laws(self):
         flat = rc.Body(rc.FlatSurface(), STEEL)
-        problem = rc.ContactProblem(press().body, flat, grid=GRID, laws=Wear(1e-17))
-        with pytest.raises(rc.InputError, match="Friction beside other laws"):
+        problem = rc.ContactProblem(press().body, flat, grid=GRID, laws=rc.Archard(1e-17))
+        with pytest.raises(rc.InputError, match="neither time nor a sliding distance"):
             problem.path(force=1.0, tangential_force=[(0.1, 0.0)], friction=0.3)
 
     def test_an_interface_law_of_what_remembers(self):

@@ -237,22 +237,31 @@ def verify_solution(problem: Scene, solution: ContactSolution) -> None:
     plan = problem.plan
     if solution.origin is None or not solution.grid.matches(plan.grid):
         raise InputError(f"It is not a solution at a load, on the grid of the problem, {plan.grid}.")
-    gap, stiffening = _verify_laws(problem, solution)
+    gap, stiffening = verify_laws(problem, solution)
     plan = stiffen_plan(plan, stiffening)
     if gap.non_measured is not None:
         # The solve may have deepened them.
         gap = gap.with_depth(max(plan.peak_to_valley, float(solution.initial_gap[gap.non_measured].max())))
     # A path may end in a load of zero; other loads that are not above zero are refused as a task.
     load = Load.signed(**solution.origin.load)
-    if load.value == 0.0 and load.kind != "approach" and plan.interaction is None:
-        # The bodies just touch, which changed surfaces do later than fresh ones.
-        measured = True if gap.non_measured is None else ~gap.non_measured
-        load = Load("approach", float(np.min(gap.values, where=measured, initial=math.inf)))
+    if plan.interaction is None:
+        load = find_touch(plan, gap.values, load)
     if (solution.tension is None) is not (plan.interaction is None):
         raise InputError("Its tension contradicts the adhesion of its problem.")
     convolution = _by_transforms(problem.convolution)
     again = certify_again(plan, convolution, solution, solution.initial_gap, load)
     _require_confirmed(solution, again, gap.values)
+
+
+def find_touch(plan: SolvePlan, gap: Array, load: Load) -> Load:
+    """Return a load on a gap, shape (nx, ny), m; of bodies that just touch, the approach at which they do.
+
+    Changed surfaces touch later than fresh ones.
+    """
+    if load.value != 0.0 or load.kind == "approach":
+        return load
+    measured = True if plan.non_measured is None else ~plan.non_measured
+    return Load("approach", float(np.min(gap, where=measured, initial=math.inf)))
 
 
 def certify_again(
@@ -285,7 +294,7 @@ def stiffen_plan(plan: SolvePlan, stiffening: float) -> SolvePlan:
     return attrs.evolve(plan, modulus=plan.modulus * stiffening)
 
 
-def _verify_laws(problem: Scene, solution: ContactSolution) -> tuple[InitialGap, float]:
+def verify_laws(problem: Scene, solution: ContactSolution) -> tuple[InitialGap, float]:
     """Return the gap of a problem as its laws have changed it, and by how much its modulus.
 
     `InputError` if a solution states another change.

@@ -16,7 +16,6 @@ from roughcontact._base.units import si
 from roughcontact._parts.grid import Load
 from roughcontact._parts.interactions import shear_limit
 from roughcontact._solve.problem.accuracy import with_tolerance
-from roughcontact._solve.problem.certificate import certify
 from roughcontact._solve.problem.coupled_starts import (
     LastIncrement,
     Mixing,
@@ -34,18 +33,17 @@ from roughcontact._solve.problem.friction_certificate import (
     StrengthBound,
     stack_along,
 )
+from roughcontact._solve.problem.loads import follow
 from roughcontact._solve.problem.run import computing, run_solve
-from roughcontact._solve.problem.task import make_task
 from roughcontact._solve.solution import (
     ContactConditions,
     ContactSolution,
     FrictionalState,
-    Origin,
+    Governed,
     Status,
     TangentialLoad,
 )
 from roughcontact._solve.solvers import (
-    Outcome,
     ProjectedShearCG,
     ShearOutcome,
     ShearTask,
@@ -101,8 +99,13 @@ class CoupledSolve(FrictionalContact):
     _known: dict[Load, ContactSolution] = attrs.field(factory=dict, init=False)
     _ends: dict[ContactSolution, LastIncrement] = attrs.field(factory=dict, init=False)
 
-    def press(self, load: Load) -> ContactSolution:
-        """Return the frictionless contact: that of `ContactProblem.solve`; the last ones are kept."""
+    def press(self, load: Load, last: ContactSolution | None = None) -> ContactSolution:
+        """Return the frictionless contact: that of `ContactProblem.solve`; the last ones are kept.
+
+        Laws of the problem remember the state `last`.
+        """
+        if self.problem.laws:
+            return follow(partial(run_solve, self.problem, on_step=self.on_step), [last] if last else [], load)
         if load not in self._known:
             found = run_solve(self.problem, load, on_step=self.on_step)
             if len(self._known) * self.problem.plan.grid.cells >= _MAX_KEPT_CELLS:
@@ -133,11 +136,11 @@ class CoupledSolve(FrictionalContact):
         loads = (np.zeros(3) if known is None else known.loads[1], list_loads(load, tangential))
         with computing(self.problem):
             if load.value == 0.0:
-                found = self._unload(load, tangential, start)
+                found = self._unload(load, tangential, start, last)
             elif self.shear.coupled:
-                found = self._step_coupled(load, tangential, start, known)
+                found = self._step_coupled(load, tangential, start, known, last)
             else:
-                found = self._step_like(load, tangential, start)
+                found = self._step_like(load, tangential, start, last)
             solution, fields = self._certify(load, tangential, found, before, start, started)
         _LOGGER.info("increment to %s, %s: %s, %.3g s", load, tangential, solution.status.name, solution.seconds)
         self._ends.clear()
@@ -158,14 +161,13 @@ class CoupledSolve(FrictionalContact):
             solution, _ = self._certify(load, tangential, found, before, self.fields_of(before), started)
         return _require_success(solution)
 
-    def _unload(self, load: Load, tangential: TangentialLoad, start: FrictionalFields) -> FoundTractions:
+    def _unload(
+        self, load: Load, tangential: TangentialLoad, start: FrictionalFields, last: ContactSolution | None
+    ) -> FoundTractions:
         """Return bodies that just touch; unless it is given, the displacement is the slip where they touch last."""
-        plan = self.problem.plan
-        shape = plan.grid.shape
-        gap = self.problem._gap.values
-        nothing = Outcome(pressure=np.zeros(shape), status=Status.CONVERGED, iterations=0, convolutions=0, errors=())
-        contact = certify(plan, self.problem.convolution, gap, make_task(plan, gap, load), nothing, seconds=0.0)
-        contact = attrs.evolve(contact, origin=Origin(self.problem.parts, load.arguments, source=self.problem))
+        contact = run_solve(self.problem, load, before=last)
+        gap = contact.initial_gap
+        shape = gap.shape
         self._require_stick(tangential, np.zeros(shape))
         moved = np.array(tangential.values) / self.length
         if tangential.kind == "tangential_force":
@@ -173,9 +175,11 @@ class CoupledSolve(FrictionalContact):
             moved = start.relative[:, gap <= gap.min() + _SUMMIT_DEPTH * self.length].mean(axis=1)
         return FoundTractions(contact, np.zeros((2, *shape)), moved, Status.CONVERGED, 1, 0)
 
-    def _step_like(self, load: Load, tangential: TangentialLoad, start: FrictionalFields) -> FoundTractions:
+    def _step_like(
+        self, load: Load, tangential: TangentialLoad, start: FrictionalFields, last: ContactSolution | None
+    ) -> FoundTractions:
         """Solve once for the pressure, and once for the traction."""
-        contact = self.press(load)
+        contact = self.press(load, last)
         limit, _ = self._find_limit(contact)
         self._require_stick(tangential, limit)
         at_rest = tangential.values == (0.0, 0.0) and not start.shear.any()
@@ -193,7 +197,12 @@ class CoupledSolve(FrictionalContact):
         return FoundTractions(contact, shear, np.full(2, math.nan), Status.CONVERGED, 1, 0)
 
     def _step_coupled(
-        self, load: Load, tangential: TangentialLoad, start: FrictionalFields, known: LastIncrement | None
+        self,
+        load: Load,
+        tangential: TangentialLoad,
+        start: FrictionalFields,
+        known: LastIncrement | None,
+        last: ContactSolution | None,
     ) -> FoundTractions:
         """Alternate: the traction changes the initial gap, the pressure changes the limit and the offset."""
         shear = start.shear
@@ -207,7 +216,7 @@ class CoupledSolve(FrictionalContact):
         while passes < _MAX_PASSES:
             passes += 1
             ends = coupling * error <= _LAST_ERROR * self.tolerance
-            contact = self._press_on(lifted, load, pressure, 0.0 if ends else error)
+            contact = self._press_on(lifted, load, pressure, 0.0 if ends else error, last)
             pressure = contact.pressure
             limit, coupling = self._find_limit(contact)
             if before is not None:
@@ -263,13 +272,15 @@ class CoupledSolve(FrictionalContact):
         status = Status.CONVERGED if error <= self.tolerance else Status.MAXIMUM_ITERATIONS
         return FoundTractions(contact, shear, np.full(2, math.nan), status, passes, 0)
 
-    def _press_on(self, lifted: Array, load: Load, pressure: Array | None, error: float) -> ContactSolution:
+    def _press_on(
+        self, lifted: Array, load: Load, pressure: Array | None, error: float, last: ContactSolution | None = None
+    ) -> ContactSolution:
         """Return the contact on the initial gap changed by the traction, as accurate as a coupled error asks for."""
         gap, datum = self.problem._gap.change(lifted * self.length)
         load = load.after(datum)
         inner = min(max(_INNER_ERROR * error, _TIGHTEST_INNER * self.tolerance), _LOOSEST_INNER * self.tolerance)
         problem = with_tolerance(self.problem, min(inner, 1.0))
-        found = run_solve(problem, load, pressure, throw=False, gap=gap)
+        found = run_solve(problem, load, pressure, throw=False, gap=gap, before=last)
         # It solves the changed gap, which is not that of the problem.
         found = attrs.evolve(found, origin=None)
         return attrs.evolve(found, initial_gap=found.initial_gap + datum, approach=found.approach + datum)
@@ -277,7 +288,7 @@ class CoupledSolve(FrictionalContact):
     def _normal_error(self, contact: ContactSolution, load: Load, lifted: Array) -> float:
         """Return the error of a pressure on the gap changed by the traction."""
         plan = self.problem.plan
-        gap = self.problem._gap.values / self.length + lifted
+        gap = self.find_gap(contact) / self.length + lifted
         if plan.non_measured is not None:
             gap = np.where(plan.non_measured, np.maximum(gap, contact.initial_gap / self.length), gap)
         approach = load.value / self.length if load.kind == "approach" else None
@@ -290,11 +301,6 @@ class CoupledSolve(FrictionalContact):
 
         The second is the largest slope of the strength over the pressure times the magnitude of beta.
         """
-        if self.shear.coupled and contact.saturated.any():
-            raise InputError(
-                "The pressure reaches its limit, and the bodies are of unlike materials: friction is then not known "
-                "where cells yield. Lower the load, or take materials without a hardness."
-            )
         pressure = contact.pressure
         limit = shear_limit(self.law, pressure)
         growth = shear_limit(self.law, pressure * _PROBED_GROWTH) - limit
@@ -413,7 +419,13 @@ class CoupledSolve(FrictionalContact):
             contact = self.certify_contact(contact, load, lifted)
         moved = (float(found.displacement[0]) * self.length, float(found.displacement[1]) * self.length)
         state = FrictionalState(pressure=contact.pressure, shear=shear, displacement=moved, approach=contact.approach)
-        return self.judge(contact, state, tangential, before, start, found, time.perf_counter() - started, lifted)
+        seconds = time.perf_counter() - started
+        solution, fields = self.judge(contact, state, tangential, before, start, found, seconds, lifted)
+        effect = solution._find_added(Governed)
+        if effect is not None and solution.status.success:
+            # What laws remember may depend on traction and slip.
+            solution = solution._add(effect.finish(solution))
+        return solution, fields
 
 
 def _require_success(solution: ContactSolution) -> ContactSolution:

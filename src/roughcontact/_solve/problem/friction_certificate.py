@@ -13,13 +13,14 @@ from roughcontact._parts.grid import Load
 from roughcontact._parts.interactions import FrictionLaw, shear_limit
 from roughcontact._parts.materials import PairConstants
 from roughcontact._solve.convolvers import ShearConvolution
-from roughcontact._solve.problem.certificate import certify, verify_solution
+from roughcontact._solve.problem.certificate import certify, find_touch, verify_laws, verify_solution
 from roughcontact._solve.problem.scene import Scene
 from roughcontact._solve.problem.task import make_task, pressure_unit
 from roughcontact._solve.solution import (
     ContactSolution,
     FrictionalResiduals,
     FrictionalState,
+    Governed,
     Origin,
     Sheared,
     Status,
@@ -164,13 +165,18 @@ class FrictionalContact:
             return np.broadcast_to(0.0, shear.shape[1:])
         return np.asarray(self.shear.apply(shear, to="z")[0])
 
+    def find_gap(self, contact: ContactSolution) -> Array:
+        """Return the gap of the problem as its laws have changed it for a contact, shape (nx, ny), m."""
+        effect = contact._find_added(Governed)
+        values = self.problem._gap.values
+        return values if effect is None else values + effect.offset
+
     def certify_contact(self, contact: ContactSolution, load: Load, lifted: Array) -> ContactSolution:
         """Return a contact with the certificate of its pressure on the gap changed by the final traction."""
         plan = self.problem.plan
-        gap = self.problem._gap
-        values = gap.values + lifted * self.length
-        if gap.non_measured is not None:
-            values = np.where(gap.non_measured, np.maximum(values, contact.initial_gap), values)
+        values = self.find_gap(contact) + lifted * self.length
+        if plan.non_measured is not None:
+            values = np.where(plan.non_measured, np.maximum(values, contact.initial_gap), values)
         outcome = Outcome(
             pressure=contact.pressure / self.unit,
             status=contact.status,
@@ -179,11 +185,11 @@ class FrictionalContact:
             errors=contact.errors,
             levels=contact.levels,
         )
-        task = make_task(plan, values, load)
+        task = make_task(plan, values, find_touch(plan, values, load))
         found = certify(plan, self.problem.convolution, values, task, outcome, seconds=contact.seconds)
         # To the last bit: the unit may round.
         origin = Origin(self.problem.parts, load.arguments, source=self.problem)
-        return attrs.evolve(found, pressure=contact.pressure, origin=origin)
+        return attrs.evolve(found, pressure=contact.pressure, origin=origin, added=contact.added)
 
     def judge(
         self,
@@ -296,11 +302,15 @@ class StrengthBound:
 
 
 def require_frictional(problem: Scene) -> None:
-    """Raise `InputError` unless a problem has a contact with friction; its shear convolution is prepared."""
+    """Raise `InputError` unless a problem may have a contact with friction; its shear convolution is prepared."""
     if problem.adhesion is not None:
         raise InputError(f"Friction with adhesion is not known: omit {argument('adhesion')}.")
-    if problem.laws:
-        raise InputError(f"Friction beside other laws is not known: omit {argument('laws')}.")
+    for law in problem.laws:
+        if not law.keeps_modulus or (law.rates and "slip" not in law.rates):
+            raise InputError(
+                f"Along a path with friction neither time nor a sliding distance passes, on which {law!r} depends: "
+                f"leave it out of {argument('laws')}."
+            )
     _ = problem.shear_convolution
 
 
@@ -319,7 +329,7 @@ def _verify_sheared(problem: Scene, solution: ContactSolution, sheared: Sheared)
     if origin is None or not solution.grid.matches(problem.plan.grid):
         raise InputError(f"It is not a solution at a load, on the grid of the problem, {problem.plan.grid}.")
     load = Load.signed(**origin.load)
-    contact = solution._normal
+    contact = attrs.evolve(solution, added=tuple(one for one in solution.added if one is not sheared))
     lifted = run.lift(np.asarray(sheared.traction) / run.unit)
     if run.shear.coupled:
         contact = run.certify_contact(contact, load, lifted)
@@ -327,13 +337,16 @@ def _verify_sheared(problem: Scene, solution: ContactSolution, sheared: Sheared)
             raise InputError("Its initial gap contradicts its traction and its problem.")
         if solution.status.success and not contact.status.success:
             raise InputError(f"Its contact is not in equilibrium: the recomputed residuals are {contact.residuals}.")
-    else:
-        verify_solution(problem, contact)
     found = FoundTractions(contact, sheared.traction, np.zeros(2), solution.status, sheared.passes, sheared.iterations)
     start = run.fields_of(sheared.before)
     again, fields = run.judge(contact, solution.end, sheared.given, sheared.before, start, found, 0.0, lifted)
     if solution.status.success and not again.status.success:
         raise InputError(f"Its status is {solution.status.name}, but the recomputed residuals are {again.certificate}.")
+    # With the slip of the last increment, by which laws remember.
+    if run.shear.coupled:
+        verify_laws(problem, again)
+    else:
+        verify_solution(problem, again)
     energy = abs(again.elastic_energy)
     moved = float(np.abs(fields.tangential).max()) * run.length
     pairs: dict[str, tuple[float | Array, float | Array, float]] = {

@@ -34,6 +34,7 @@ from roughcontact._solve.problem.increments import (
     list_steps,
     refine_steps,
 )
+from roughcontact._solve.problem.load_path import remember_flattening
 from roughcontact._solve.problem.path import Path
 from roughcontact._solve.problem.plan import SolvePlan
 from roughcontact._solve.problem.scene import Scene
@@ -379,6 +380,7 @@ def run_path(
     count = None if substeps == "auto" else checks.integer(substeps, argument("substeps"), at_least=1)
     told = checks.callback(on_increment, "on_increment=", "increment")
     tell = tell_both(told, lambda done: change(str(done)))
+    problem = remember_flattening(problem)
     require_frictional(problem)
     run = CoupledSolve(problem, law)
     segments = list_steps(run, normal, tangential)

@@ -200,10 +200,7 @@ def follow_steps(
 
     def follow(before: Sequence[ContactSolution], place: tuple[PathStep, int, int]) -> ContactSolution:
         segment, number, total = place
-        last = before[-1] if before else None
-        if number == 1 and last is not None:
-            _require_memory_of_flow(segment, last)
-        return run.step(*segment.at(number, total), last)
+        return run.step(*segment.at(number, total), before[-1] if before else None)
 
     parts = march(places, follow)
     steps: list[ContactSolution] = []
@@ -216,14 +213,6 @@ def follow_steps(
             tell(Increment(segment.number, segments[-1].number, number, total, end))
         steps.append(_join(run, found, begin, run.fields_at(end), is_exact=bool(segment.exact)))
     return [_add_error(step, error.dissipated) for step, error in zip(steps, list_cell_errors(steps), strict=True)]
-
-
-def _require_memory_of_flow(segment: PathStep, last: ContactSolution) -> None:
-    if segment.end.value < segment.start.value and last.saturated.any():
-        raise InputError(
-            "The normal load falls after the pressure has reached its limit: each state would be a first loading. "
-            "Give loads that do not fall, or the problem that run_in(...) returns."
-        )
 
 
 def _add_error(step: ContactSolution, error: float) -> ContactSolution:

@@ -285,9 +285,9 @@ class ContactProblem(Scene):
     ) -> FrictionalPath | LoadPath:
         """Follow a contact along a path of loads, each state from the one before.
 
-        With friction the loads are normal and tangential ones. Without, the surfaces change: they are flattened where
-        the pressure reaches the hardness, which is remembered (`Flattening`), and as the laws of the problem say, such
-        as by wear (`Archard`) over a sliding distance.
+        With friction the loads are normal and tangential ones. The surfaces change: they are flattened where the
+        pressure reaches the hardness, which is remembered (`Flattening`), and as the laws of the problem say, without
+        friction such as by wear (`Archard`) over a sliding distance.
 
         Parameters
         ----------
@@ -324,7 +324,7 @@ class ContactProblem(Scene):
         InputError
             If the loads do not fit together, or nothing that is given uses them. With friction, if the bodies slide;
             with adhesion, on a wrapped boundary or if the kernel does not know shear; of unlike materials if friction
-            times beta exceeds 1, or the pressure its limit.
+            times beta exceeds 1; if a law of the problem depends on time or a sliding distance.
         NotConverged
             If a state is not certified.
         """

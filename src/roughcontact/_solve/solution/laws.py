@@ -75,8 +75,11 @@ class Law(Part, abc.ABC):
     True
     """
 
-    rates: ClassVar[tuple[str, ...]] = ("time", "sliding")
-    """What passes between two states, and changes something by it: a path refuses what no law of a problem names."""
+    rates: ClassVar[tuple[str, ...]] = ("time", "sliding", "slip")
+    """What passes between two states, and changes something by it: a path refuses what no law of a problem names.
+
+    Slip passes along a path with friction: a state has it with its traction.
+    """
 
     keeps_modulus: ClassVar[bool] = True
     """Whether `find_stiffening` is one whatever passes: answers by the modulus of the problem hold then."""
@@ -301,6 +304,11 @@ class Governed(Addition):
 
     def _find_increment(self, state: Any) -> LoadIncrement:
         return LoadIncrement(Load.signed(**state.origin.load), self.time, self.sliding)
+
+    def begins_with(self, memory: tuple[Memory, ...]) -> bool:
+        """Return whether the laws remembered just this at the begin of the increment."""
+        pairs = zip(self.before, memory, strict=True)
+        return all(np.array_equal(one[name], other[name]) for one, other in pairs for name in one)
 
     def require_same(self, again: Governed) -> None:
         """Raise `InputError` unless it is, up to rounding, what the laws give `again`."""
