@@ -123,6 +123,8 @@ class Judge:
         self.gap = self.gap + overlap
         scale = min(self.gap.std(), np.ptp(across)) or 1.0
         s = self.strength(p)
+        # Bodies that have come apart carry nothing.
+        total, peak, strongest = p.sum() or 1.0, p.max() or 1.0, s.max() or 1.0
         own = max(self.matrix[0, 0], self.matrix[self.cells, self.cells])
         trial = q + w / own
         size = np.hypot(*trial)
@@ -131,7 +133,7 @@ class Judge:
         carried = {"force": p.sum() * self.area, "pressure": p.mean(), "approach": state.approach}[kind]
         name, wanted = target
         if name == "tangential_force":
-            error = np.hypot(*(q.sum(axis=1) * self.area - wanted)) / (s.sum() * self.area)
+            error = np.hypot(*(q.sum(axis=1) * self.area - wanted)) / ((s.sum() or 1.0) * self.area)
         else:
             error = np.abs(d - wanted).max() / max(np.abs(d).max(), state.approach)
         energy, energy0 = (
@@ -143,15 +145,15 @@ class Judge:
         terms = (energy, energy0, pressing, driving, losing)
         return {
             "penetration": max(-gap.min(), 0) / scale,
-            "complementarity": (p * np.abs(gap)).sum() / p.sum() / scale,
-            "tension": max(-p.min(), 0) / p.max(),
+            "complementarity": (p * np.abs(gap)).sum() / total / scale,
+            "tension": max(-p.min(), 0) / peak,
             "hardness": max(p.max() / self.hardness - 1, 0),
-            "cone": max((np.hypot(*q) - s).max(), 0) / s.max(),
-            "slip": np.hypot(*(q - nearest)).max() / s.max(),
+            "cone": max((np.hypot(*q) - s).max(), 0) / strongest,
+            "slip": np.hypot(*(q - nearest)).max() / strongest,
             "load": abs(carried / value - 1),
             "tangential load": error,
-            "energy": abs(energy - energy0 - pressing - driving + losing) / max(map(abs, terms)),
-            "loss": max(-(q * w).sum(), 0) / (own * s.max() * s.sum()),
+            "energy": abs(energy - energy0 - pressing - driving + losing) / (max(map(abs, terms)) or 1.0),
+            "loss": max(-(q * w).sum(), 0) / (own * strongest * (s.sum() or 1.0)),
         }
 
 

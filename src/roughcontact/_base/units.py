@@ -29,7 +29,7 @@ _SUPERSCRIPTS = {1: "", 2: "²", 3: "³"}
 _NUMBER_WITH_PREFIX = re.compile(r"\d[\d.]*(?:e[+-]?\d+)?(?: [fpnµmkMGT]?(?=Pa|m|N))?")
 # An example of each kind of quantity, by its SI unit; the empty one is that of plain numbers.
 EXAMPLES = {"Pa": "100MPa", "m": "250um", "N": "2.5N", "rad": "30deg", "": "0.3", "J/m2": "50mJ/m2", "Pa s": "1mPa.s"}
-EXAMPLES |= {"m2": "0.1mm2", "N/m": "1GN/m", "m3/s": "2mm3/s", "s": "10s", "m2/N": "1e-16m2/N"}
+EXAMPLES |= {"m2": "0.1mm2", "N/m": "1GN/m", "m3/s": "2mm3/s", "s": "10s", "m2/N": "1e-16m2/N", "m3/J": "1e-15m3/J"}
 EXAMPLES |= {"m/s": "5m/s", "m2/s": "12mm2/s", "W/(m K)": "45W/m/K"}
 # Of heat or of current, which a plain number leaves open.
 EXAMPLES |= {"W/(m K) or S/m": "45W/m/K", "m2 K/W or Ohm m2": "1e-6m2*K/W", "W/K or S": "0.5W/K"}
@@ -45,10 +45,10 @@ _USUAL_UNITS = {
     "N/m": "N/m or GN/m",
     "m3/s": "m3/s or mm3/s",
     "s": "s, min or h",
-    "m2/N": "m2/N or mm2/N",
     "m/s": "m/s or mm/s",
     "m2/s": "m2/s or mm2/s",
 }
+_USUAL_UNITS |= {"m2/N": "m2/N or mm2/N", "m3/J": "m3/J or mm3/J"}
 # Characters of a wrong text that are shown.
 _MAX_QUOTED_CHARACTERS = 80
 # A number with a decimal point, its exponent of at most three digits (float64 ends at 1e308), and a unit such as N,

@@ -40,6 +40,7 @@ from roughcontact._solve.solution import (
     ContactSolution,
     FrictionalState,
     Governed,
+    LoadIncrement,
     Status,
     TangentialLoad,
 )
@@ -99,13 +100,14 @@ class CoupledSolve(FrictionalContact):
     _known: dict[Load, ContactSolution] = attrs.field(factory=dict, init=False)
     _ends: dict[ContactSolution, LastIncrement] = attrs.field(factory=dict, init=False)
 
-    def press(self, load: Load, last: ContactSolution | None = None) -> ContactSolution:
+    def press(self, load: Load, last: ContactSolution | None = None, cycles: float = 1.0) -> ContactSolution:
         """Return the frictionless contact: that of `ContactProblem.solve`; the last ones are kept.
 
         Laws of the problem remember the state `last`.
         """
         if self.problem.laws:
-            return follow(partial(run_solve, self.problem, on_step=self.on_step), [last] if last else [], load)
+            solve = partial(run_solve, self.problem, on_step=self.on_step, increment=LoadIncrement(load, cycles=cycles))
+            return follow(solve, [last] if last else [], load)
         if load not in self._known:
             found = run_solve(self.problem, load, on_step=self.on_step)
             if len(self._known) * self.problem.plan.grid.cells >= _MAX_KEPT_CELLS:
@@ -119,7 +121,9 @@ class CoupledSolve(FrictionalContact):
             return self.fields_of(FrictionalState.unloaded(self.problem.plan.grid.shape))
         return self._ends[state].end if state in self._ends else self.fields_of(state.end)
 
-    def step(self, load: Load, tangential: TangentialLoad, last: ContactSolution | None) -> ContactSolution:
+    def step(
+        self, load: Load, tangential: TangentialLoad, last: ContactSolution | None, cycles: float = 1.0
+    ) -> ContactSolution:
         """Return the certified end of one increment.
 
         Parameters
@@ -128,6 +132,8 @@ class CoupledSolve(FrictionalContact):
             The normal and the tangential load at the end of the increment.
         last
             The state at its begin; None: of bodies that just touch.
+        cycles
+            The cycles of loads for which it stands.
         """
         started = time.perf_counter()
         before = FrictionalState.unloaded(self.problem.plan.grid.shape) if last is None else last.end
@@ -138,9 +144,9 @@ class CoupledSolve(FrictionalContact):
             if load.value == 0.0:
                 found = self._unload(load, tangential, start, last)
             elif self.shear.coupled:
-                found = self._step_coupled(load, tangential, start, known, last)
+                found = self._step_coupled(load, tangential, start, known, last, cycles)
             else:
-                found = self._step_like(load, tangential, start, last)
+                found = self._step_like(load, tangential, start, last, cycles)
             solution, fields = self._certify(load, tangential, found, before, start, started)
         _LOGGER.info("increment to %s, %s: %s, %.3g s", load, tangential, solution.status.name, solution.seconds)
         self._ends.clear()
@@ -164,7 +170,7 @@ class CoupledSolve(FrictionalContact):
     def _unload(
         self, load: Load, tangential: TangentialLoad, start: FrictionalFields, last: ContactSolution | None
     ) -> FoundTractions:
-        """Return bodies that just touch; unless it is given, the displacement is the slip where they touch last."""
+        """Return bodies that carry nothing; unless it is given, the displacement is the slip where they touch last."""
         contact = run_solve(self.problem, load, before=last)
         gap = contact.initial_gap
         shape = gap.shape
@@ -176,10 +182,17 @@ class CoupledSolve(FrictionalContact):
         return FoundTractions(contact, np.zeros((2, *shape)), moved, Status.CONVERGED, 1, 0)
 
     def _step_like(
-        self, load: Load, tangential: TangentialLoad, start: FrictionalFields, last: ContactSolution | None
+        self,
+        load: Load,
+        tangential: TangentialLoad,
+        start: FrictionalFields,
+        last: ContactSolution | None,
+        cycles: float,
     ) -> FoundTractions:
         """Solve once for the pressure, and once for the traction."""
-        contact = self.press(load, last)
+        contact = self.press(load, last, cycles)
+        if not contact.pressure.any():
+            return self._unload(load, tangential, start, last)
         limit, _ = self._find_limit(contact)
         self._require_stick(tangential, limit)
         at_rest = tangential.values == (0.0, 0.0) and not start.shear.any()
@@ -203,6 +216,7 @@ class CoupledSolve(FrictionalContact):
         start: FrictionalFields,
         known: LastIncrement | None,
         last: ContactSolution | None,
+        cycles: float,
     ) -> FoundTractions:
         """Alternate: the traction changes the initial gap, the pressure changes the limit and the offset."""
         shear = start.shear
@@ -216,8 +230,10 @@ class CoupledSolve(FrictionalContact):
         while passes < _MAX_PASSES:
             passes += 1
             ends = coupling * error <= _LAST_ERROR * self.tolerance
-            contact = self._press_on(lifted, load, pressure, 0.0 if ends else error, last)
+            contact = self._press_on(lifted, load, pressure, 0.0 if ends else error, last, cycles)
             pressure = contact.pressure
+            if not pressure.any():
+                return self._unload(load, tangential, start, last)
             limit, coupling = self._find_limit(contact)
             if before is not None:
                 shear = keep_sliding(shear, before, limit)
@@ -273,14 +289,21 @@ class CoupledSolve(FrictionalContact):
         return FoundTractions(contact, shear, np.full(2, math.nan), status, passes, 0)
 
     def _press_on(
-        self, lifted: Array, load: Load, pressure: Array | None, error: float, last: ContactSolution | None = None
+        self,
+        lifted: Array,
+        load: Load,
+        pressure: Array | None,
+        error: float,
+        last: ContactSolution | None = None,
+        cycles: float = 1.0,
     ) -> ContactSolution:
         """Return the contact on the initial gap changed by the traction, as accurate as a coupled error asks for."""
         gap, datum = self.problem._gap.change(lifted * self.length)
         load = load.after(datum)
+        increment = LoadIncrement(load, cycles=cycles)
         inner = min(max(_INNER_ERROR * error, _TIGHTEST_INNER * self.tolerance), _LOOSEST_INNER * self.tolerance)
         problem = with_tolerance(self.problem, min(inner, 1.0))
-        found = run_solve(problem, load, pressure, throw=False, gap=gap, before=last)
+        found = run_solve(problem, load, pressure, throw=False, gap=gap, before=last, increment=increment)
         # It solves the changed gap, which is not that of the problem.
         found = attrs.evolve(found, origin=None)
         return attrs.evolve(found, initial_gap=found.initial_gap + datum, approach=found.approach + datum)

@@ -19,7 +19,9 @@ from roughcontact._base.tables import Table
 from roughcontact._base.units import Estimate, PlainText, counted, outlined
 from roughcontact._parts.grid import Load
 from roughcontact._parts.interactions import Coulomb, FrictionLaw
+from roughcontact._solve.problem.body import Body
 from roughcontact._solve.problem.coupled import CoupledSolve
+from roughcontact._solve.problem.fretting import follow_cycles, list_cycles
 from roughcontact._solve.problem.friction_certificate import require_frictional
 from roughcontact._solve.problem.friction_plan import (
     include_friction,
@@ -34,13 +36,14 @@ from roughcontact._solve.problem.increments import (
     list_steps,
     refine_steps,
 )
-from roughcontact._solve.problem.load_path import remember_flattening
+from roughcontact._solve.problem.load_path import PATH_ACCURACY, find_bodies, remember_flattening
 from roughcontact._solve.problem.path import Path
 from roughcontact._solve.problem.plan import SolvePlan
 from roughcontact._solve.problem.scene import Scene
 from roughcontact._solve.problem.step_numbers import StepNumbers, list_cell_errors, numbers_of
+from roughcontact._solve.problem.sweep import tabulate_added
 from roughcontact._solve.problem.task import limit_load
-from roughcontact._solve.solution import ContactSolution, find_load, read_estimate, read_states
+from roughcontact._solve.solution import ContactSolution, Governed, find_load, read_estimate, read_states
 from roughcontact._solve.solvers import Step
 from roughcontact.errors import InputError, argument
 from roughcontact.errors.door import guarded
@@ -89,6 +92,8 @@ class FrictionalPath(Path):
         Increments of each step.
     reasons
         Why each step has its increments, in words.
+    accuracy
+        Admissible height that is lost at once in many cycles of loads, over the approach.
 
     Examples
     --------
@@ -112,6 +117,18 @@ class FrictionalPath(Path):
     numbers: tuple[StepNumbers, ...]
     increments: tuple[int, ...]
     reasons: tuple[str, ...]
+    accuracy: float = PATH_ACCURACY
+
+    @property
+    def cycles(self) -> Array:
+        """The cycle of loads of each state; zero of loads that do not return."""
+        effects = (state._find_added(Governed) for state in self.states)
+        return np.array([0.0 if effect is None else effect.cycle for effect in effects])
+
+    @property
+    def bodies(self) -> tuple[Body, Body]:
+        """Both bodies with the heights that they have after the path, unloaded; see `LoadPath.bodies`."""
+        return find_bodies(self.states[-1])
 
     @property
     def detailed(self) -> ContactSolution:
@@ -132,7 +149,7 @@ class FrictionalPath(Path):
 
     @property
     def dissipated(self) -> Estimate:
-        """Energy lost by friction along the path, J, without that of pressing; with its uncertainty."""
+        """Energy lost by friction in the states of the path, J, without that of pressing; with its uncertainty."""
         return _sum_lost(self.numbers)
 
     @property
@@ -157,7 +174,7 @@ class FrictionalPath(Path):
         Where the path has many states, its increments are not exact, or its problem is not known, it is `loop`.
         """
         origin = self.states[0].origin
-        exact = self.pressed is not None and all(count == 1 for count in self.increments)
+        exact = self.pressed is not None and all(count == 1 for count in self.increments) and not self.cycles.any()
         if origin is None or origin.missing or not exact or len(self) > _MAX_REFINED_STATES:
             return self.loop
         parts = np.arange(1, _DRAWN_STATES + 1)[:, np.newaxis] / _DRAWN_STATES
@@ -171,7 +188,9 @@ class FrictionalPath(Path):
 
     def table(self) -> Table:
         """Return a row for each step, in SI units; see `roughcontact.typing.Table`."""
+        remembered, remembered_units = tabulate_added(self.states, Governed)
         columns: dict[str, Any] = {
+            **({"cycle": self.cycles} if self.cycles.any() else {}),
             "force": np.array([state.force for state in self.states]),
             **{f"tangential_{axis}": self._forces(k) for k, axis in enumerate("xy")},
             **{f"displacement_{axis}": self._displacements(k) for k, axis in enumerate("xy")},
@@ -179,9 +198,10 @@ class FrictionalPath(Path):
             "stick_area": [one.stick_area for one in self.numbers],
             "approach": np.array([state.approach for state in self.states]),
             "increments": list(self.increments),
+            **remembered,
         }
         units = {"force": "N", "tangential_x": "N", "tangential_y": "N", "approach": "m"}
-        return Table(columns, units)
+        return Table(columns, units | remembered_units)
 
     def _forces(self, axis: int) -> Any:
         values = _without_rounding(self.loop.force[1:])[:, axis]
@@ -219,7 +239,12 @@ class FrictionalPath(Path):
     @property
     def given(self) -> Sequence[ContactSolution]:
         """The states whose normal loads were given: under one load the bodies are pressed first, and then moved."""
-        return self.states if self.pressed is None else self.states[:1]
+        return self._first_cycle if self.pressed is None else self.states[:1]
+
+    @property
+    def _first_cycle(self) -> tuple[ContactSolution, ...]:
+        """The states of the first cycle of loads; all if the loads do not return."""
+        return self.states[: int(np.count_nonzero(self.cycles == self.cycles[0]))]
 
     @property
     def dissipated_in_loop(self) -> Estimate | None:
@@ -238,13 +263,16 @@ class FrictionalPath(Path):
 
     def list_arguments(self) -> dict[str, Any]:
         """Return the arguments of `ContactProblem.path`."""
-        along = [state.tangential_load for state in self]
+        along = [state.tangential_load for state in self._first_cycle]
         found = super().list_arguments()
         if self.pressed is not None:
             # Under one load the bodies are pressed first, and then moved.
             found = {kind: values[0] for kind, values in found.items()}
         found |= {along[0].kind: [one.values for one in along], "friction": self[0].friction}
         given = self.reasons.index(AS_GIVEN) if AS_GIVEN in self.reasons else None
+        if self.cycles.any():
+            found |= {"cycles": np.unique(self.cycles).tolist(), "accuracy": self.accuracy}
+            given = None if max(self.increments) == 1 else int(np.argmax(self.increments))
         return found if given is None else {**found, "substeps": self.increments[given]}
 
     def list_numbers(self) -> Mapping[str, Estimate | None]:
@@ -275,6 +303,7 @@ class FrictionalPath(Path):
             "increments": list(self.increments),
             "reasons": list(self.reasons),
             "numbers": numbers,
+            "accuracy": self.accuracy,
         }
 
     @classmethod
@@ -289,11 +318,19 @@ class FrictionalPath(Path):
             numbers=tuple(numbers),
             increments=tuple(int(count) for count in notes["increments"]),
             reasons=tuple(str(text) for text in notes["reasons"]),
+            # Former files have no cycles.
+            accuracy=float(notes.get("accuracy", PATH_ACCURACY)),
         )
 
     def _list_results(self) -> Mapping[str, str]:
         found = {"energy lost": self.dissipated, "in the last loop": self.dissipated_in_loop}
         texts = {name: str(attrs.evolve(one, warnings=())) for name, one in found.items() if one is not None}
+        if self.cycles.any():
+            # That of the states is not that of the cycles between them.
+            del texts["energy lost"]
+        last = self.states[-1]
+        effect = last._find_added(Governed)
+        texts |= {} if effect is None else effect.list_rows(last)
         texts["friction"] = repr(self.states[0].friction)
         return texts | {"status": "; ".join(dict.fromkeys(str(state.status) for state in self))}
 
@@ -374,6 +411,8 @@ def run_path(
     substeps: object,
     on_increment: object,
     change: ChangeProgress,
+    cycles: object = None,
+    accuracy: float = PATH_ACCURACY,
 ) -> FrictionalPath:
     """Return the states along a path; see `ContactProblem.path`."""
     law = resolve_friction(friction)
@@ -384,9 +423,20 @@ def run_path(
     require_frictional(problem)
     run = CoupledSolve(problem, law)
     segments = list_steps(run, normal, tangential)
-    require_memory_of_friction(problem.plan, states=len(segments))
     has_pressing = segments[0].number == 0
-    if count is not None or all(segment.exact for segment in segments):
+    places = None if cycles is None else list_cycles(cycles)
+    require_memory_of_friction(problem.plan, states=len(segments) * len(places or (0.0,)))
+    if places is not None:
+        if count is None and not all(segment.exact for segment in segments):
+            raise InputError(
+                "The increments of cycles of loads are not doubled, and one of each step is not exact here: give "
+                f"{argument('substeps')}."
+            )
+        accuracy = checks.number(accuracy, "The accuracy of a path", above=0.0, at_most=1.0)
+        steps, reasons = follow_cycles(run, segments, count or 1, places, accuracy, tell)
+        numbers = [numbers_of(step, error) for step, error in zip(steps, list_cell_errors(steps), strict=True)]
+        reasons = [*([""] if has_pressing else []), *reasons]
+    elif count is not None or all(segment.exact for segment in segments):
         steps = follow_steps(run, segments, count or 1, tell)
         warning = () if all(segment.exact for segment in segments) else (GIVEN_INCREMENTS,)
         numbers = [numbers_of(step, error, warning) for step, error in zip(steps, list_cell_errors(steps), strict=True)]
@@ -400,6 +450,7 @@ def run_path(
         numbers=tuple(numbers[kept]),
         increments=tuple(step.sheared.increments for step in steps[kept]),
         reasons=tuple(reasons[kept]),
+        accuracy=accuracy,
     )
 
 

@@ -188,9 +188,17 @@ def list_targets(tangential: Mapping[str, object]) -> list[TangentialLoad]:
 
 
 def follow_steps(
-    run: CoupledSolve, segments: Sequence[PathStep], count: int, tell: Callable[[Increment], object]
+    run: CoupledSolve,
+    segments: Sequence[PathStep],
+    count: int,
+    tell: Callable[[Increment], object],
+    last: ContactSolution | None = None,
+    cycles: float = 1.0,
 ) -> list[ContactSolution]:
-    """Return the state at the end of each step, with so many increments where one is not exact."""
+    """Return the state at the end of each step, with so many increments where one is not exact.
+
+    They follow a state `last`, and stand for so many cycles of loads.
+    """
     counts = [1 if segment.exact else count for segment in segments]
     places = [
         (segment, number, total)
@@ -200,11 +208,11 @@ def follow_steps(
 
     def follow(before: Sequence[ContactSolution], place: tuple[PathStep, int, int]) -> ContactSolution:
         segment, number, total = place
-        return run.step(*segment.at(number, total), before[-1] if before else None)
+        return run.step(*segment.at(number, total), before[-1] if before else None, cycles)
 
-    parts = march(places, follow)
+    parts = march(places, follow, last)
+    end = None if last is None else next(parts)
     steps: list[ContactSolution] = []
-    end: ContactSolution | None = None
     for segment, total in zip(segments, counts, strict=True):
         begin = run.fields_at(end)
         found: list[ContactSolution] = []

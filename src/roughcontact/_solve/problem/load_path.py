@@ -93,22 +93,7 @@ class LoadPath(Path):
 
         What is flattened is taken from the softer body, half of it from each where both are equally hard.
         """
-        last = self.states[-1]
-        origin = last.origin
-        if origin is None:
-            raise InputError("The path does not say which problem it followed, so that its bodies are not known.")
-        scene: Scene = origin.scene
-        effect = last._find_added(Governed)
-        losses = [np.zeros(last.grid.shape) for _ in range(2)]
-        pairs = () if effect is None else zip(scene.laws, effect.memory, strict=True)
-        for law, memory in pairs:
-            parts = law.divide(scene, memory) if isinstance(law, Process) else (0.0, 0.0)
-            for loss, part in zip(losses, parts, strict=True):
-                loss += part
-        body, counterbody = (
-            _take_heights(side, loss, last) for side, loss in zip((scene.body, scene.counterbody), losses, strict=True)
-        )
-        return body, counterbody
+        return find_bodies(self.states[-1])
 
     def extend(
         self,
@@ -243,6 +228,25 @@ def _require_following(before: ContactSolution, after: ContactSolution, incremen
 def _read(state: ContactSolution, name: str) -> float:
     effect = state._find_added(Governed)
     return 0.0 if effect is None else float(getattr(effect, name))
+
+
+def find_bodies(last: ContactSolution) -> tuple[Body, Body]:
+    """Return both bodies with the heights that they have after a last state, unloaded; see `LoadPath.bodies`."""
+    origin = last.origin
+    if origin is None:
+        raise InputError("The path does not say which problem it followed, so that its bodies are not known.")
+    scene: Scene = origin.scene
+    effect = last._find_added(Governed)
+    losses = [np.zeros(last.grid.shape) for _ in range(2)]
+    pairs = () if effect is None else zip(scene.laws, effect.memory, strict=True)
+    for law, memory in pairs:
+        parts = law.divide(scene, memory) if isinstance(law, Process) else (0.0, 0.0)
+        for loss, part in zip(losses, parts, strict=True):
+            loss += part
+    body, counterbody = (
+        _take_heights(side, loss, last) for side, loss in zip((scene.body, scene.counterbody), losses, strict=True)
+    )
+    return body, counterbody
 
 
 def _take_heights(side: Body, loss: Array, last: ContactSolution) -> Body:

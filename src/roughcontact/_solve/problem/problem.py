@@ -263,6 +263,8 @@ class ContactProblem(Scene):
         displacement: Iterable[Sequence[Length]] | Sequence[Length] | None = None,
         friction: float | FrictionLaw,
         substeps: int | str = "auto",
+        cycles: Iterable[float] | None = None,
+        accuracy: float = PATH_ACCURACY,
         on_increment: Callable[[Increment], None] | None = None,
         progress: bool = False,
     ) -> FrictionalPath: ...
@@ -277,6 +279,7 @@ class ContactProblem(Scene):
         displacement: Iterable[Sequence[Length]] | Sequence[Length] | None = None,
         friction: float | FrictionLaw | None = None,
         substeps: int | str = "auto",
+        cycles: Iterable[float] | None = None,
         time: Iterable[float | str] | None = None,
         sliding: Iterable[Length] | None = None,
         accuracy: float = PATH_ACCURACY,
@@ -300,12 +303,15 @@ class ContactProblem(Scene):
             is pushed over the body, N; or its displacement since the first touch, m.
         friction
             A coefficient of friction, or a law such as `Coulomb` or `LimitedCoulomb`; None: no friction.
+        cycles
+            With friction and a law of wear by slip, `EnergyWear`: the loads are one cycle, and return. The numbers of
+            the cycles whose states are wanted; those between are computed in part, each for many.
         time, sliding
             Without friction, time, s, and distance, m, over which the surfaces slide, at each place of the path, from
             its start; they do not fall. One load acts from the start on, the first of several rises until there.
         accuracy
             Without friction, admissible error of one of the increments, as many as that takes, of the change of the
-            surfaces over its maximum.
+            surfaces over its maximum. Of cycles, admissible height that is lost at once, over the approach.
         substeps
             Increments of each step, in which both loads change in proportion. ``"auto"``: one where that is exact; else
             up to 16, until displacement, energy and stick area hardly change; their limits are extrapolated.
@@ -333,10 +339,10 @@ class ContactProblem(Scene):
         passed = {"time": time, "sliding": sliding}
         with show_progress("path", shown=flag(progress, "progress=")) as change:
             if friction is None:
-                omitted = tangential | {"substeps": None if substeps == "auto" else substeps}
+                omitted = tangential | {"substeps": None if substeps == "auto" else substeps, "cycles": cycles}
                 return run_load_path(self, normal, omitted, passed, accuracy, on_increment, change)
             require_omitted(passed, "without friction")
-            return run_path(self, normal, tangential, friction, substeps, on_increment, change)
+            return run_path(self, normal, tangential, friction, substeps, on_increment, change, cycles, accuracy)
 
     def slide(
         self,

@@ -16,7 +16,7 @@ from roughcontact._base.tables import Table, make_dataset
 from roughcontact._base.units import Estimate, counted, si
 from roughcontact._parts.grid import Load
 from roughcontact._solve.problem.path import Path, march
-from roughcontact._solve.solution import ContactSolution, note_loads
+from roughcontact._solve.solution import Addition, ContactSolution, note_loads
 from roughcontact.errors.door import guarded
 
 # Power of the pressure that is extrapolated, maximum pressure of an elastic cell, over the limit, and power of the
@@ -173,16 +173,18 @@ def tabulate_states(states: Sequence[ContactSolution]) -> Table:
         "peak_pressure": np.array([peak.value for peak in peaks]),
         "peak_pressure_uncertainty": np.array([peak.uncertainty for peak in peaks]),
     }
-    added, units = _tabulate_added(states)
+    added, units = tabulate_added(states)
     return Table(columns | added, {name: _COLUMN_UNITS[name] for name in columns} | units)
 
 
-def _tabulate_added(states: Sequence[ContactSolution]) -> tuple[dict[str, list[Any]], dict[str, str]]:
-    """Return a column for each number that physics have added to states of one kind, and the units."""
+def tabulate_added(
+    states: Sequence[ContactSolution], kind: type[Addition] = Addition
+) -> tuple[dict[str, list[Any]], dict[str, str]]:
+    """Return a column for each number that physics, of a kind, have added to states of one kind, and the units."""
     columns: dict[str, list[Any]] = {}
     units: dict[str, str] = {}
     for state in states:
-        for added in state.added:
+        for added in (one for one in state.added if isinstance(one, kind)):
             for name, one in added.list_columns(state).items():
                 number, unit = (one, "") if isinstance(one, Estimate) else one
                 columns.setdefault(name, []).append(number)

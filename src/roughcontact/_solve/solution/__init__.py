@@ -95,6 +95,7 @@ from roughcontact._solve.solution.summary import remembers_flattening as remembe
 from roughcontact._solve.solution.theory import Stickiness as Stickiness
 from roughcontact._solve.solution.theory import TheoryBeside as TheoryBeside
 from roughcontact._solve.solution.wear import Archard as Archard
+from roughcontact._solve.solution.wear import EnergyWear as EnergyWear
 from roughcontact._solve.solution.whole import Whole as Whole
 from roughcontact._solve.solution.writers import SolutionWriter as SolutionWriter
 from roughcontact._solve.solution.writers import writers as writers

@@ -24,7 +24,7 @@ Memory: TypeAlias = Mapping[str, Array]
 _NOTHING: Memory = MappingProxyType({})
 _PLAIN = ("laws", "remembered")
 # What a file states of an increment, where it is not that of a single load.
-_AT_ONCE = {"time": 0.0, "sliding": 0.0, "elapsed": 0.0, "slid": 0.0, "stiffening": 1.0}
+_AT_ONCE = {"time": 0.0, "sliding": 0.0, "cycles": 1.0, "elapsed": 0.0, "slid": 0.0, "cycle": 0.0, "stiffening": 1.0}
 # Difference between machines of what a law gives, over its largest value.
 _MACHINE_DIFFERENCE = 1e-10
 
@@ -41,11 +41,15 @@ class LoadIncrement:
         Its duration, s; zero: the load changes at once.
     sliding
         The distance by which the surfaces slide over each other in it, m.
+    cycles
+        The cycles for which it stands, of loads that return, along a path with friction: what slip changes in it
+        happens as often.
     """
 
     load: Load
     time: float = 0.0
     sliding: float = 0.0
+    cycles: float = 1.0
 
 
 class Law(Part, abc.ABC):
@@ -203,6 +207,9 @@ class Governed(Addition):
         Duration of the increment, s, and sliding distance in it, m.
     elapsed, slid
         Time, s, and sliding distance, m, since the first touch.
+    cycles, cycle
+        The cycles of loads for which the increment stands, and the last of them since the first touch; zero of loads
+        that do not return.
     stiffening
         Contact modulus in the increment over that of the problem.
     local_compliance
@@ -223,8 +230,10 @@ class Governed(Addition):
     memory: tuple[Memory, ...]
     time: float = 0.0
     sliding: float = 0.0
+    cycles: float = 1.0
     elapsed: float = 0.0
     slid: float = 0.0
+    cycle: float = 0.0
     stiffening: float = 1.0
     local_compliance: float | Array = 0.0
     numbers: Mapping[str, Estimate | tuple[float, str]] = attrs.field(factory=dict)
@@ -265,6 +274,7 @@ class Governed(Addition):
             memory=before,
             time=increment.time,
             sliding=increment.sliding,
+            cycles=increment.cycles,
             elapsed=elapsed + increment.time,
             slid=slid + increment.sliding,
             stiffening=stiffening,
@@ -285,7 +295,7 @@ class Governed(Addition):
     def repeat(self, problem: Any, state: Any) -> Governed:
         """Return it anew from what the laws remembered before, and a state with its origin."""
         again = self._change(problem, self._find_increment(state), self.before).press(state.pressure)
-        again = attrs.evolve(again, elapsed=self.elapsed, slid=self.slid)
+        again = attrs.evolve(again, elapsed=self.elapsed, slid=self.slid, cycle=self.cycle)
         return again.finish(state) if state.status.success else again
 
     def finish(self, state: Any) -> Governed:
@@ -303,7 +313,12 @@ class Governed(Addition):
         )
 
     def _find_increment(self, state: Any) -> LoadIncrement:
-        return LoadIncrement(Load.signed(**state.origin.load), self.time, self.sliding)
+        return LoadIncrement(Load.signed(**state.origin.load), self.time, self.sliding, self.cycles)
+
+    def list_lengths(self) -> list[Array]:
+        """Return what the laws remember as lengths, such as heights that are lost, m."""
+        pairs = zip(self.remembered, self.memory, strict=True)
+        return [memory[name] for names, memory in pairs for name, (_, unit) in names.items() if unit == "m"]
 
     def begins_with(self, memory: tuple[Memory, ...]) -> bool:
         """Return whether the laws remembered just this at the begin of the increment."""
@@ -451,7 +466,7 @@ def _remember(law: Law, state: Any, increment: LoadIncrement, before: Memory) ->
 
 
 def _check_length(value: object) -> float:
-    return number(value, "A time or sliding distance of its laws", at_least=0.0)
+    return number(value, "A time, a distance, or cycles of its laws", at_least=0.0)
 
 
 def _check_compliance(values: object, grid: Grid, law: Law) -> float | Array:
