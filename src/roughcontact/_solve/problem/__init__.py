@@ -55,6 +55,7 @@ from roughcontact._solve.problem.loads import sweep_loads as sweep_loads
 from roughcontact._solve.problem.memory import require_memory_of_solve as require_memory_of_solve
 from roughcontact._solve.problem.path import Path as Path
 from roughcontact._solve.problem.path import march as march
+from roughcontact._solve.problem.path_file import is_unfinished as is_unfinished
 from roughcontact._solve.problem.plan import SolvePlan as SolvePlan
 from roughcontact._solve.problem.problem import ContactProblem as ContactProblem
 from roughcontact._solve.problem.pull_off import OnStateToPullOff as OnStateToPullOff

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from itertools import pairwise
@@ -23,8 +24,17 @@ from roughcontact._parts.materials import Viscoelastic
 from roughcontact._parts.surfaces import HeightMap
 from roughcontact._solve.problem.body import Body
 from roughcontact._solve.problem.increments import is_single
-from roughcontact._solve.problem.load_march import LoadMarch, Place, list_places
+from roughcontact._solve.problem.load_march import LoadMarch, Place, Standing, identify, list_places
 from roughcontact._solve.problem.path import Path
+from roughcontact._solve.problem.path_file import (
+    KIND,
+    OPEN,
+    Leg,
+    PathFile,
+    list_increments,
+    note_path,
+    require_digests,
+)
 from roughcontact._solve.problem.run import run_solve
 from roughcontact._solve.problem.scene import Scene
 from roughcontact._solve.problem.sweep import tabulate_states
@@ -52,6 +62,8 @@ class LoadPath(Path):
         The states at the given places, in their order.
     increments
         Increments from the place before to each.
+    accuracy
+        Admissible error of an increment; see `ContactProblem.path`.
 
     Examples
     --------
@@ -65,12 +77,13 @@ class LoadPath(Path):
     ['267.8 nJ', '267.8 nJ', '267.8 nJ']
     """
 
-    kind = "load path"
+    kind = KIND
     view = "load-path"
     curve = "contact along the path"
 
     states: tuple[ContactSolution, ...]
     increments: tuple[int, ...]
+    accuracy: float = PATH_ACCURACY
 
     @property
     def time(self) -> Array:
@@ -118,11 +131,11 @@ class LoadPath(Path):
         approach: Length | Iterable[Length] | None = None,
         time: Iterable[float | str] | None = None,
         sliding: Iterable[Length] | None = None,
-        accuracy: float = PATH_ACCURACY,
+        accuracy: float | None = None,
     ) -> LoadPath:
         """Return the path continued from its last state, such as one from a file; see `ContactProblem.path`.
 
-        Times and distances still count from the start of the path.
+        Times and distances still count from the start of the path; the accuracy is by default that of the path.
 
         Examples
         --------
@@ -153,27 +166,47 @@ class LoadPath(Path):
                 f"The path ends after {si(begin.time, 's')} and {si(begin.sliding, 'm')}: times and distances "
                 "count from its start, and do not fall."
             )
-        march = LoadMarch(partial(run_solve, scene), _check_accuracy(accuracy), states=[last])
+        strict = self.accuracy if accuracy is None else _check_accuracy(accuracy)
+        standing = Standing(states=(last,), since=identify(last))
+        march = LoadMarch(partial(run_solve, scene), strict, standing=standing)
         found = [(march.go(one, other), march.last) for one, other in pairwise([begin, *places])]
         counts, states = zip(*found, strict=True)
-        return LoadPath(states=(*self.states, *states), increments=(*self.increments, *counts))
+        return LoadPath(states=(*self.states, *states), increments=(*self.increments, *counts), accuracy=strict)
+
+    def verify(self) -> None:
+        """Recompute the certificate of each state; `InputError` if one contradicts itself or the state before."""
+        super().verify()
+        self._require_row()
+
+    def _require_row(self, stated: str = "") -> None:
+        """Raise `InputError` unless the states follow each other, the last one as a file states it."""
+        for before, after, count in zip(self.states, self.states[1:], self.increments[1:], strict=False):
+            _require_following(before, after, count)
+        require_digests(self.states, stated)
 
     @classmethod
     def _restore(cls, states: tuple[ContactSolution, ...], notes: Mapping[str, Any]) -> LoadPath:
         counts = tuple(int(count) for count in notes["increments"])
+        if OPEN in notes:
+            # Behind the places that are reached, the file has states from which the path goes on.
+            states = states[: len(counts)]
+            if not states:
+                raise InputError("The path has not reached its first place: follow it on, with the same file=.")
         if len(counts) != len(states) or min(counts) < 1:
             raise InputError("The file is damaged: its increments are not those of its states.")
-        for before, after, count in zip(states, states[1:], counts[1:], strict=False):
-            _require_following(before, after, count)
-        return cls(states=states, increments=counts)
+        # Former files do not state the accuracy, nor which states follow which.
+        path = cls(states=states, increments=counts, accuracy=_check_accuracy(notes.get("accuracy", PATH_ACCURACY)))
+        path._require_row(str(notes.get("end", "")))
+        return path
 
     def _note_rest(self) -> dict[str, Any]:
-        return {"increments": list(self.increments)}
+        return note_path(self.increments, self.states, self.accuracy)
 
     def list_arguments(self) -> dict[str, Any]:
         """Return the arguments of `ContactProblem.path`."""
         passed = {name: values.tolist() for name, values in self._list_passed().items()}
-        return super().list_arguments() | passed
+        strict = {"accuracy": self.accuracy} if passed else {}
+        return super().list_arguments() | passed | strict
 
     def _list_passed(self) -> dict[str, Array]:
         """Return time and sliding distance, as far as they pass."""
@@ -266,6 +299,7 @@ def run_load_path(
     accuracy: float,
     on_increment: object,
     change: ChangeProgress,
+    file: str | os.PathLike[str] | None = None,
 ) -> LoadPath:
     """Return the path of a problem without friction; see `ContactProblem.path`."""
     require_omitted(omitted, f"with {argument('friction', '0.3')}")
@@ -276,7 +310,8 @@ def run_load_path(
     places = list_places(loads, **passed)
     _require_used(scene, passed)
     count = count_done(change, len(places), "place")
-    return follow_path(scene, places, accuracy, told or (lambda state: None), count)
+    kept = None if file is None else PathFile(file, scene, places, accuracy)
+    return follow_path(scene, places, accuracy, told or (lambda state: None), count, kept)
 
 
 def remember_flattening(problem: S) -> S:
@@ -333,19 +368,39 @@ def follow_path(
     accuracy: float,
     tell: Callable[[ContactSolution], object],
     count: Callable[[ContactSolution], object],
+    file: PathFile | None = None,
 ) -> LoadPath:
-    """Return the states at the places of a path; each increment is reported, and each of these states counted."""
-    march = LoadMarch(partial(run_solve, problem), accuracy, tell)
+    """Return the states at the places of a path; each increment is reported, and each of these states counted.
+
+    From the file of a path that has begun it goes on, and into this it is written.
+    """
     first = places[0]
     # Of several loads the first rises from zero if time or distance pass until there; one holds from the start on.
     at_once = len({place.load for place in places}) == 1 or not (first.time or first.sliding)
     start = Place(load=first.load if at_once else attrs.evolve(first.load, value=0.0))
-    march.jump(start.load)
-    counts = [1 if first == start else 1 + march.go(start, first)]
-    states = [march.last]
-    count(march.last)
-    for begin, end in pairwise(places):
-        counts.append(march.go(begin, end))
-        states.append(march.last)
-        count(march.last)
-    return LoadPath(states=tuple(states), increments=tuple(counts))
+    hidden = int(first != start)
+    stops = (None, *[start] * hidden, *places)
+    legs, standing = ([], Standing()) if file is None else file.read()
+    if standing is None:
+        # The file has the whole path.
+        hidden = 0
+    for leg in legs[hidden:]:
+        count(leg.state)
+    if standing is not None:
+
+        def keep(state: ContactSolution) -> None:
+            tell(state)
+            if file is not None:
+                file.write(legs, march.standing, hidden)
+
+        march = LoadMarch(partial(run_solve, problem), accuracy, keep, standing)
+        for begin, end in pairwise(stops[len(legs) :]):
+            assert end is not None
+            legs.append(Leg(increments=march.go(begin, end), state=march.last))
+            if len(legs) > hidden:
+                count(march.last)
+    states = tuple(leg.state for leg in legs[hidden:])
+    path = LoadPath(states=states, increments=tuple(list_increments(legs, hidden)), accuracy=accuracy)
+    if standing is not None and file is not None:
+        file.finish(path.increments, states)
+    return path
