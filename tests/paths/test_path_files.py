@@ -68,7 +68,7 @@ class Interrupted(Exception):
 
 
 def interrupt_after(increments):
-    """Return a function that is told of increments, and raises after so many."""
+    """Return a function of a state that raises at the last of so many calls."""
     count = itertools.count(1)
 
     def tell(state):

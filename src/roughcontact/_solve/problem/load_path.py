@@ -9,6 +9,7 @@ import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from itertools import pairwise
+from pathlib import Path as File
 from typing import Any, TypeVar
 
 import attrs
@@ -39,7 +40,7 @@ from roughcontact._solve.problem.run import run_solve
 from roughcontact._solve.problem.scene import Scene
 from roughcontact._solve.problem.sweep import tabulate_states
 from roughcontact._solve.problem.task import limit_load
-from roughcontact._solve.solution import ContactSolution, Flattening, Governed, Process, Relaxation
+from roughcontact._solve.solution import ContactSolution, Flattening, Governed, Process, Relaxation, read_states
 from roughcontact.errors import InputError, argument
 
 S = TypeVar("S", bound=Scene)
@@ -152,7 +153,7 @@ class LoadPath(Path):
         scene: Scene = last.origin.scene
         loads = _list_loads(scene, {"force": force, "pressure": pressure, "approach": approach}, Load.unsigned_sequence)
         passed = {"time": time, "sliding": sliding}
-        _require_used(scene, passed)
+        require_used(scene, passed)
         here = {"force": last.force, "pressure": last.mean_pressure, "approach": last.approach}
         begin = Place(
             load=Load(loads[0].kind, here[loads[0].kind]), time=float(self.time[-1]), sliding=float(self.sliding[-1])
@@ -166,7 +167,7 @@ class LoadPath(Path):
                 f"The path ends after {si(begin.time, 's')} and {si(begin.sliding, 'm')}: times and distances "
                 "count from its start, and do not fall."
             )
-        strict = self.accuracy if accuracy is None else _check_accuracy(accuracy)
+        strict = self.accuracy if accuracy is None else check_accuracy(accuracy)
         standing = Standing(states=(last,), since=identify(last))
         march = LoadMarch(partial(run_solve, scene), strict, standing=standing)
         found = [(march.go(one, other), march.last) for one, other in pairwise([begin, *places])]
@@ -195,7 +196,7 @@ class LoadPath(Path):
         if len(counts) != len(states) or min(counts) < 1:
             raise InputError("The file is damaged: its increments are not those of its states.")
         # Former files do not state the accuracy, nor which states follow which.
-        path = cls(states=states, increments=counts, accuracy=_check_accuracy(notes.get("accuracy", PATH_ACCURACY)))
+        path = cls(states=states, increments=counts, accuracy=check_accuracy(notes.get("accuracy", PATH_ACCURACY)))
         path._require_row(str(notes.get("end", "")))
         return path
 
@@ -303,12 +304,12 @@ def run_load_path(
 ) -> LoadPath:
     """Return the path of a problem without friction; see `ContactProblem.path`."""
     require_omitted(omitted, f"with {argument('friction', '0.3')}")
-    accuracy = _check_accuracy(accuracy)
+    accuracy = check_accuracy(accuracy)
     told = checks.callback(on_increment, "on_increment=", "state")
     loads = _list_loads(problem, normal, Load.resting_sequence)
     scene = remember_changes(problem)
     places = list_places(loads, **passed)
-    _require_used(scene, passed)
+    require_used(scene, passed)
     count = count_done(change, len(places), "place")
     kept = None if file is None else PathFile(file, scene, places, accuracy)
     return follow_path(scene, places, accuracy, told or (lambda state: None), count, kept)
@@ -322,7 +323,8 @@ def remember_flattening(problem: S) -> S:
     return attrs.evolve(problem, laws=(*problem.laws, Flattening()))
 
 
-def _check_accuracy(value: float) -> float:
+def check_accuracy(value: object) -> float:
+    """Return the admissible error of an increment; `InputError` if it is none."""
     return checks.number(value, "The accuracy of a path", above=0.0, at_most=1.0)
 
 
@@ -352,7 +354,7 @@ def require_omitted(given: Mapping[str, object], when: str) -> None:
             raise InputError(f"The argument {name}= of a path is used only {when}: omit it.")
 
 
-def _require_used(problem: Scene, passed: Mapping[str, object]) -> None:
+def require_used(problem: Scene, passed: Mapping[str, object]) -> None:
     """Refuse time and distance if no law of the problem depends on them."""
     for name, value in passed.items():
         if value is not None and not any(name in law.rates for law in problem.laws):
@@ -404,3 +406,16 @@ def follow_path(
     if standing is not None and file is not None:
         file.finish(path.increments, states)
     return path
+
+
+def save_load_path(file: str | os.PathLike[str], path: LoadPath, key: str) -> None:
+    """Write a path under the key by which a study finds it; see `LoadPath.save`."""
+    path._save(file, key=key)
+
+
+def read_load_path(file: File, key: str) -> LoadPath:
+    """Return the path in a file, which must have a key; its certificates are not computed again."""
+    states, notes = read_states(file, KIND, verify=False)
+    if notes.get("key") != key:
+        raise InputError(f"The file {file.name} does not hold the path with the key {key}.")
+    return LoadPath._rebuild(file, states, notes)
