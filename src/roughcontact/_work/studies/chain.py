@@ -23,7 +23,7 @@ from roughcontact._solve.solution import ContactSolution, list_all_warnings, sol
 from roughcontact._solve.solvers import Solver
 from roughcontact._work.studies.answers import Question, find_answers, has_answers
 from roughcontact._work.studies.lists import Journal, Known
-from roughcontact._work.studies.loading import SINGLE_LOADS, Loading
+from roughcontact._work.studies.loading import SINGLE_LOADS, Loading, list_law_numbers
 from roughcontact._work.studies.record import Record
 from roughcontact.errors import InputError, NotConverged, NotWritten, RoughContactError
 
@@ -281,7 +281,7 @@ def run_chain(chain: Chain) -> ChainResult:
         try:
             record, state = _find(chain, key, load)
             if record is None:
-                if chain.problem.processes and not is_known:
+                if chain.problem.processes and chain.loading.goes_on and not is_known:
                     raise InputError("A law remembers the state at the load before it, which has no solution.")
                 is_new = True
                 found = chain.loading.solve(chain.seeded, load, states)
@@ -400,6 +400,7 @@ def _measure_state(chain: Chain, record: Record, solution: ContactSolution) -> R
         approach=solution.approach,
         p_max=solution.pressure.max(),
         saturated=solution.saturated_area().value,
+        numbers=list_law_numbers(solution),
         areas=areas,
         answers=answers,
         uncertainty=chain.loading.uncertainty,
