@@ -21,9 +21,11 @@ from roughcontact._faces.cli.answers import (
     describe_rows,
     is_doubtful,
     name_written,
+    plan_path_picture,
     plan_picture,
     plan_report,
     require_place,
+    save_path_picture,
     to_csv,
     to_json,
     to_text,
@@ -84,9 +86,11 @@ _NOTHING = Asked()
 def plan_path_outputs(options: argparse.Namespace, maps: list[Path]) -> list[Path]:
     """Return the files of a path or a state: itself, .npz, its picture, and its report."""
     files = []
+    is_path = options.slide is None or options.tangential is not None
+    plan = plan_path_picture if is_path else plan_picture
     for text in options.output:
         path = checks.path(text, "The output")
-        path = path if path.suffix == ".npz" else plan_picture(text, (".npz",))
+        path = path if path.suffix == ".npz" else plan(text, (".npz",))
         require_place(path, [path], maps)
         files.append(path)
     return files + plan_report(options.report, maps)
@@ -105,7 +109,11 @@ def write_path(
     for file in files:
         if file.suffix == ".npz":
             subject.save(file)
-        elif file not in reports:
+        elif file in reports:
+            continue
+        elif isinstance(subject, StatePath):
+            save_path_picture(subject, file)
+        else:
             save_figure(subject.plot(), file)
     found = Asked(asked)
     try:

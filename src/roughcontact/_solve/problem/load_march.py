@@ -21,7 +21,7 @@ from roughcontact.errors import InputError, argument
 # the error, at least, at most, and of safety; and the error of an increment over the change from its extrapolation.
 _FIRST_PART = 1e-3
 _MIN_GROWTH = 0.2
-_MAX_GROWTH = 2.0
+_MAX_GROWTH = 4.0
 _SAFETY = 0.9
 _ERROR_OF_CHANGE = 1.0 / 6.0
 # Range of what is remembered below which there is nothing, m.
