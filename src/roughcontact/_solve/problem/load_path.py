@@ -304,7 +304,7 @@ def remember_changes(problem: S) -> S:
     """Return the problem with the laws that its materials bring: flattening, and relaxation."""
     sides = (problem.body.material, problem.counterbody.material)
     relaxing = [material if isinstance(material, Viscoelastic) else None for material in sides]
-    is_known = any(isinstance(law, Relaxation) for law in problem.laws)
+    is_known = not all(law.keeps_modulus for law in problem.laws)
     if any(relaxing) and not is_known:
         problem = attrs.evolve(problem, laws=(*problem.laws, Relaxation(*relaxing)))
     return remember_flattening(problem)

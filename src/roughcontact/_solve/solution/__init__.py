@@ -71,6 +71,7 @@ from roughcontact._solve.solution.shear import Sheared as Sheared
 from roughcontact._solve.solution.shear import TangentialLoad as TangentialLoad
 from roughcontact._solve.solution.shear import find_sides as find_sides
 from roughcontact._solve.solution.shear import read_estimate as read_estimate
+from roughcontact._solve.solution.sliding import SteadySliding as SteadySliding
 from roughcontact._solve.solution.states import read_states as read_states
 from roughcontact._solve.solution.states import write_states as write_states
 from roughcontact._solve.solution.storage import read as read

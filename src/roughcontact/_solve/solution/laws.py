@@ -16,6 +16,7 @@ from roughcontact._base.checks import MAX_MAGNITUDE, Part, number
 from roughcontact._base.registry import Registry
 from roughcontact._base.units import Estimate
 from roughcontact._parts.grid import Grid, Load
+from roughcontact._parts.kernels import InfluenceKernel
 from roughcontact._solve.solution.additions import Addition, Condition
 from roughcontact.errors import InputError
 
@@ -108,6 +109,18 @@ class Law(Part, abc.ABC):
     def find_stiffening(self, problem: Any, increment: LoadIncrement, memory: Memory) -> float:
         """Return the contact modulus in the increment over that of the problem, above zero; by default one."""
         return 1.0
+
+    def respond(self, problem: Any, displacement: Array) -> Array:
+        """Return what the displacement by the pressure itself, shape (nx, ny), m, adds to the gap; by default nothing.
+
+        A law that defines it, such as `SteadySliding`, lets contacts be solved by turns with what they add.
+        """
+        return np.zeros(displacement.shape)
+
+    def soften(self, problem: Any) -> InfluenceKernel:
+        """Return the kernel for these contacts, the nearest one to that with `respond`; by default the problem's."""
+        kernel: InfluenceKernel = problem.plan.kernel
+        return kernel
 
     def list_numbers(self, state: Any, memory: Memory) -> Mapping[str, Estimate | tuple[float, str]]:
         """Return its numbers of a `ContactSolution` by name: estimates, or a number with its unit."""
@@ -270,18 +283,31 @@ class Governed(Addition):
 
     @property
     def is_implicit(self) -> bool:
-        """Whether the pressure itself adds to the gap in the increment."""
+        """Whether the pressure itself adds to the gap of its cell in the increment."""
         return bool(np.any(self.local_compliance))
 
-    def press(self, pressure: Array) -> Governed:
+    @property
+    def responding(self) -> Law | None:
+        """The law by which the displacement itself adds to the gap; None without one."""
+        found = [law for law in self.laws if type(law).respond is not Law.respond]
+        if len(found) > 1 or (found and self.is_implicit):
+            raise InputError(f"Pressure itself may change a contact by one law alone: omit all but {found[0]!r}.")
+        return found[0] if found else None
+
+    def press(self, problem: Any, pressure: Array) -> Governed:
         """Return it with what a pressure, shape (nx, ny), Pa, adds to the gap in the increment."""
+        law = self.responding
+        if law is not None:
+            response = law.respond(problem, problem.displace(pressure))
+            added = _check_field(response, problem.plan.grid, f"respond of {law!r}")
+            return attrs.evolve(self, offset=frozen_array(self.offset + added))
         if not self.is_implicit:
             return self
         return attrs.evolve(self, offset=frozen_array(self.offset + self.local_compliance * pressure))
 
     def repeat(self, problem: Any, state: Any) -> Governed:
         """Return it anew from what the laws remembered before, and a state with its origin."""
-        again = self._change(problem, self._find_increment(state), self.before).press(state.pressure)
+        again = self._change(problem, self._find_increment(state), self.before).press(problem, state.pressure)
         again = attrs.evolve(again, elapsed=self.elapsed, slid=self.slid)
         return again.finish(state) if state.status.success else again
 
@@ -331,9 +357,10 @@ class Governed(Addition):
 
     @property
     def default_area(self) -> str:
-        """That of the first law that has one and had changed the surfaces before."""
+        """That of the first law that has one, and if it remembers had changed the surfaces before."""
         pairs = zip(self.laws, self.before, strict=True)
-        return next((law.default_area for law, memory in pairs if law.default_area and _has_lengths(law, memory)), "")
+        known = (law.default_area for law, memory in pairs if not isinstance(law, Process) or _has_lengths(law, memory))
+        return next(filter(None, known), "")
 
     @property
     def follows(self) -> bool:
