@@ -339,6 +339,11 @@ def follow_path(
     first = places[0]
     # Of several loads the first rises from zero if time or distance pass until there; one holds from the start on.
     at_once = len({place.load for place in places}) == 1 or not (first.time or first.sliding)
+    if not at_once and problem.adhesion is not None:
+        raise InputError(
+            "Bodies that attract each other come from far away, and not from a load of zero, at which they may be in "
+            "contact: begin the path at zero time and sliding distance, with the load from which they come."
+        )
     start = Place(load=first.load if at_once else attrs.evolve(first.load, value=0.0))
     march.jump(start.load)
     counts = [1 if first == start else 1 + march.go(start, first)]
