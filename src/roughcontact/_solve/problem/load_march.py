@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from functools import partial
 from itertools import pairwise
+from typing import Any
 
 import attrs
 import numpy as np
@@ -14,7 +15,7 @@ from roughcontact._base import checks
 from roughcontact._base.arrays import Array
 from roughcontact._parts.grid import Load
 from roughcontact._solve.problem.loads import follow
-from roughcontact._solve.solution import ContactSolution, Governed, LoadIncrement
+from roughcontact._solve.solution import MAX_SHIFT, ContactSolution, Governed, LoadIncrement
 from roughcontact.errors import InputError, argument
 
 # First increment of time or sliding after a step of load, over its interval; factors by which the next one follows from
@@ -32,19 +33,24 @@ _MAX_INCREMENTS = 10_000
 
 @attrs.frozen(kw_only=True)
 class Place:
-    """A place on a path: the normal load, and time, s, and sliding distance, m, since its start."""
+    """A place on a path: the normal load, time, s, and sliding distance, m, since its start, and the shift in cells."""
 
     load: Load
     time: float = 0.0
     sliding: float = 0.0
+    shift: tuple[int, int] = (0, 0)
 
 
-def list_places(loads: Sequence[Load], time: object, sliding: object) -> tuple[Place, ...]:
+def list_places(loads: Sequence[Load], time: object, sliding: object, shift: object = None) -> tuple[Place, ...]:
     """Return the places of a path; one load holds at all of them.
 
     `InputError` if the lists do not have one length, or time or distance fall.
     """
-    passed = {"time": _list_passed(time, "time", "s"), "sliding": _list_passed(sliding, "sliding", "m")}
+    passed: dict[str, tuple[Any, ...] | None] = {
+        "time": _list_passed(time, "time", "s"),
+        "sliding": _list_passed(sliding, "sliding", "m"),
+        "shift": None if shift is None else list_shifts(shift),
+    }
     counts = {name: len(values) for name, values in passed.items() if values is not None}
     if len(loads) > 1 or not counts:
         counts[f"{loads[0].kind}"] = len(loads)
@@ -52,9 +58,27 @@ def list_places(loads: Sequence[Load], time: object, sliding: object) -> tuple[P
         texts = ", ".join(f"{count} of {name}=" for name, count in counts.items())
         raise InputError(f"The lists of a path must have one value for each place, but there are {texts}.")
     count = next(iter(counts.values()))
-    rates = [values if values is not None else (0.0,) * count for values in passed.values()]
+    given = {name: values for name, values in passed.items() if values is not None}
     every = tuple(loads) if len(loads) > 1 else tuple(loads) * count
-    return tuple(Place(load=load, time=t, sliding=s) for load, t, s in zip(every, *rates, strict=True))
+    return tuple(
+        Place(load=load, **{name: values[number] for name, values in given.items()})
+        for number, load in enumerate(every)
+    )
+
+
+def list_shifts(shifts: object) -> tuple[tuple[int, int], ...]:
+    """Return the cells by which the counterbody is displaced at each place of a path."""
+    allowed = "a list of pairs (x, y) of whole numbers of cells"
+    found = []
+    for pair in checks.list_of(shifts, "The shifts of the counterbody", allowed):
+        x, y = (
+            checks.integer(cells, "A shift of the counterbody", at_least=-MAX_SHIFT)
+            for cells in checks.list_of(pair, "A shift of the counterbody", "a pair (x, y) of whole numbers of cells")
+        )
+        found.append((x, y))
+    if not found:
+        raise InputError.about("The shifts of the counterbody", shifts, allowed)
+    return tuple(found)
 
 
 def _list_passed(values: object, name: str, unit: str) -> tuple[float, ...] | None:
@@ -91,9 +115,9 @@ class LoadMarch:
         """The last state."""
         return self._states[-1]
 
-    def jump(self, load: Load) -> None:
+    def jump(self, load: Load, shift: tuple[int, int] = (0, 0)) -> None:
         """Go to a load at once."""
-        self._accept(follow(partial(self._solve, increment=LoadIncrement(load)), self._states, load))
+        self._accept(follow(partial(self._solve, increment=LoadIncrement(load, shift=shift)), self._states, load))
         self._before = self._next = 0.0
 
     def go(self, begin: Place, end: Place) -> int:
@@ -103,7 +127,13 @@ class LoadMarch:
         # Where both pass, their ratio is that of the interval.
         length = sliding or time
         if length == 0.0:
-            self.jump(end.load)
+            self.jump(end.load, end.shift)
+            return 1
+        if end.shift != begin.shift:
+            # Other summits touch: nothing continues.
+            self._before = self._next = 0.0
+            increment = LoadIncrement(end.load, time, sliding, end.shift)
+            self._accept(_set_clock(follow(partial(self._solve, increment=increment), self._states, end.load), end))
             return 1
         count = 0
         passed = 0.0
@@ -112,7 +142,7 @@ class LoadMarch:
             is_last = step >= length - passed
             part = 1.0 if is_last else (passed + step) / length
             load = _between(begin.load, end.load, part)
-            increment = LoadIncrement(load, time * step / length, sliding * step / length)
+            increment = LoadIncrement(load, time * step / length, sliding * step / length, end.shift)
             found = self._find(step, increment)
             error = self._measure(found, step)
             growth = _SAFETY / math.sqrt(error) if error > 0.0 else _MAX_GROWTH

@@ -248,6 +248,7 @@ class ContactProblem(Scene):
         friction: None = None,
         time: Iterable[float | str] | None = None,
         sliding: Iterable[Length] | None = None,
+        shift: Iterable[Sequence[int]] | None = None,
         accuracy: float = PATH_ACCURACY,
         on_increment: Callable[[Any], None] | None = None,
         progress: bool = False,
@@ -280,6 +281,7 @@ class ContactProblem(Scene):
         substeps: int | str = "auto",
         time: Iterable[float | str] | None = None,
         sliding: Iterable[Length] | None = None,
+        shift: Iterable[Sequence[int]] | None = None,
         accuracy: float = PATH_ACCURACY,
         on_increment: Callable[[Any], None] | None = None,
         progress: bool = False,
@@ -304,6 +306,10 @@ class ContactProblem(Scene):
         time, sliding
             Without friction, time, s, and distance, m, over which the surfaces slide, at each place of the path, from
             its start; they do not fall. One load acts from the start on, the first of several rises until there.
+        shift
+            Without friction, cells (x, y) by which the counterbody is displaced at each place from its first one, on a
+            periodic boundary. What each body has lost moves with it. The sliding distance is by default that of the
+            counterbody. Steps should be at most half the shortest wave.
         accuracy
             Without friction, admissible error of one of the increments, as many as that takes, of the change of the
             surfaces over its maximum.
@@ -331,7 +337,7 @@ class ContactProblem(Scene):
         """
         normal = {"force": force, "pressure": pressure, "approach": approach}
         tangential = {"tangential_force": tangential_force, "displacement": displacement}
-        passed = {"time": time, "sliding": sliding}
+        passed = {"time": time, "sliding": sliding, "shift": shift}
         with show_progress("path", shown=flag(progress, "progress=")) as change:
             if friction is None:
                 omitted = tangential | {"substeps": None if substeps == "auto" else substeps}

@@ -32,6 +32,7 @@ from roughcontact._solve.solution.healing import fill_gap as fill_gap
 from roughcontact._solve.solution.healing import heal as heal
 from roughcontact._solve.solution.judgement import UNCERTAINTIES as UNCERTAINTIES
 from roughcontact._solve.solution.judgement import judge as judge
+from roughcontact._solve.solution.laws import MAX_SHIFT as MAX_SHIFT
 from roughcontact._solve.solution.laws import Governed as Governed
 from roughcontact._solve.solution.laws import Law as Law
 from roughcontact._solve.solution.laws import LoadIncrement as LoadIncrement

@@ -12,7 +12,7 @@ import numpy as np
 
 from roughcontact._base.archive.plain import Described, describe, missing_classes, rebuild
 from roughcontact._base.arrays import Array, RealArray, frozen_array
-from roughcontact._base.checks import MAX_MAGNITUDE, Part, number
+from roughcontact._base.checks import MAX_MAGNITUDE, Part, integer, number
 from roughcontact._base.registry import Registry
 from roughcontact._base.units import Estimate
 from roughcontact._parts.grid import Grid, Load
@@ -26,6 +26,8 @@ _NOTHING: Memory = MappingProxyType({})
 _PLAIN = ("laws", "remembered")
 # What a file states of an increment, where it is not that of a single load.
 _AT_ONCE = {"time": 0.0, "sliding": 0.0, "elapsed": 0.0, "slid": 0.0, "stiffening": 1.0}
+# Cells by which the counterbody may be displaced to either side.
+MAX_SHIFT = 2**40
 # Difference between machines of what a law gives, over its largest value.
 _MACHINE_DIFFERENCE = 1e-10
 
@@ -42,11 +44,22 @@ class LoadIncrement:
         Its duration, s; zero: the load changes at once.
     sliding
         The distance by which the surfaces slide over each other in it, m.
+    shift
+        Cells (x, y) by which the counterbody is displaced at its end from its first place, periodically.
     """
 
     load: Load
     time: float = 0.0
     sliding: float = 0.0
+    shift: tuple[int, int] = (0, 0)
+
+    def place(self, values: float | Array) -> float | Array:
+        """Return a field of the counterbody, a number or of shape (nx, ny), where it lies over the body."""
+        return np.roll(values, self.shift, axis=(0, 1)) if np.ndim(values) and self.shift != (0, 0) else values
+
+    def place_back(self, values: float | Array) -> float | Array:
+        """Return a field over the body, a number or of shape (nx, ny), on the counterbody."""
+        return attrs.evolve(self, shift=(-self.shift[0], -self.shift[1])).place(values)
 
 
 class Law(Part, abc.ABC):
@@ -84,6 +97,9 @@ class Law(Part, abc.ABC):
 
     default_area: ClassVar[str] = ""
     """Registered name of the area estimator that holds where it has changed the surfaces; empty: the usual one."""
+
+    follows_bodies: ClassVar[bool] = False
+    """Whether it knows `LoadIncrement.shift`: what it remembers of the counterbody moves with it."""
 
     @abc.abstractmethod
     def change_gap(self, problem: Any, increment: LoadIncrement, memory: Memory) -> Array:
@@ -213,6 +229,8 @@ class Governed(Addition):
         Duration of the increment, s, and sliding distance in it, m.
     elapsed, slid
         Time, s, and sliding distance, m, since the first touch.
+    shift
+        Cells (x, y) by which the counterbody is displaced from its first place.
     stiffening
         Contact modulus in the increment over that of the problem.
     local_compliance
@@ -235,6 +253,7 @@ class Governed(Addition):
     sliding: float = 0.0
     elapsed: float = 0.0
     slid: float = 0.0
+    shift: tuple[int, int] = (0, 0)
     stiffening: float = 1.0
     local_compliance: float | Array = 0.0
     numbers: Mapping[str, Estimate | tuple[float, str]] = attrs.field(factory=dict)
@@ -259,6 +278,9 @@ class Governed(Addition):
     ) -> Governed:
         grid = problem.plan.grid
         offset = np.zeros(grid.shape)
+        if increment.shift != (0, 0):
+            heights = problem.counterbody.heights(grid)
+            offset += heights - increment.place(heights)
         stiffening = 1.0
         local: float | Array = 0.0
         for law, memory in zip(problem.laws, before, strict=True):
@@ -275,6 +297,7 @@ class Governed(Addition):
             memory=before,
             time=increment.time,
             sliding=increment.sliding,
+            shift=increment.shift,
             elapsed=elapsed + increment.time,
             slid=slid + increment.sliding,
             stiffening=stiffening,
@@ -326,7 +349,7 @@ class Governed(Addition):
         )
 
     def _find_increment(self, state: Any) -> LoadIncrement:
-        return LoadIncrement(Load.signed(**state.origin.load), self.time, self.sliding)
+        return LoadIncrement(Load.signed(**state.origin.load), self.time, self.sliding, self.shift)
 
     def require_same(self, again: Governed) -> None:
         """Raise `InputError` unless it is, up to rounding, what the laws give `again`."""
@@ -391,6 +414,7 @@ class Governed(Addition):
         return {
             **{name: describe(getattr(self, name), arrays) for name in (*_PLAIN, "offset", "before", "memory")},
             **{name: getattr(self, name) for name in _AT_ONCE if getattr(self, name) != _AT_ONCE[name]},
+            **({"shift": list(self.shift)} if self.shift != (0, 0) else {}),
             "numbers": describe(named, arrays),
             "conditions": describe([attrs.asdict(one) for one in self.added_conditions], arrays),
         }
@@ -417,6 +441,7 @@ class Governed(Addition):
             before=before,
             memory=memory,
             **{name: _check_length(described.get(name, one)) for name, one in _AT_ONCE.items()},
+            shift=_read_shift(described.get("shift", [0, 0])),
             numbers={name: _read_number(one) for name, one in rebuild(described["numbers"], arrays).items()},
             added_conditions=tuple(Condition(**one) for one in rebuild(described["conditions"], arrays)),
         )
@@ -432,6 +457,11 @@ def _restore(fields: dict[str, Any]) -> Governed:
         for name in ("before", "memory")
     }
     return Governed(**fields | memories | {"offset": frozen_array(fields["offset"])})
+
+
+def _read_shift(stored: Any) -> tuple[int, int]:
+    x, y = (integer(cells, "A displacement in cells", at_least=-MAX_SHIFT) for cells in stored)
+    return x, y
 
 
 def _read_number(stored: Any) -> Estimate | tuple[float, str]:
