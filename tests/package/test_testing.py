@@ -31,6 +31,7 @@ CAREFUL_SHEAR = CAREFUL_SHEAR_CLASS.load()()
 MADE = {
     "archard": [rc.Archard(1e-17)],
     "energy-wear": [rc.EnergyWear(1e-14)],
+    "steady-sliding": [rc.SteadySliding(0.1, 30.0)],
     "relaxation": [rc.Relaxation(rc.Viscoelastic([2e11, 1e11], [1.0], 0.3))],
     "viscoelastic": [rc.Viscoelastic([1e9, 2e9], [1.0], 0.3)],
     "conductance": [rc.responses.create("conductance", (50.0, 20.0)), rc.responses.create("conductance", 1.0, 1e-9)],

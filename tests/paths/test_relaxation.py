@@ -145,6 +145,40 @@ def test_a_creeping_path_comes_back_from_its_file(tmp_path):
     np.testing.assert_array_equal(again.time, [0.0, 1.0, 2.0])
 
 
+def make_sticky_ball(rubber, cells=40, law_range=8e-3):
+    """Return a paraboloid of radius 1 m that sticks to a rigid flat, with a contact radius of .3 at zero load."""
+    ball = rc.Body(rc.ParaboloidSurface(radius=1.0), rubber)
+    law = rc.Exponential(2e-3, law_range)
+    return rc.ContactProblem(ball, grid=rc.Grid((cells, cells), 1.1), adhesion=law)
+
+
+def test_a_ball_is_pulled_off_the_harder_the_faster():
+    """From w to w E0 / Einf, 5 here, over 1.5 pi w R."""
+    soft = rc.Viscoelastic([1.0, 4.0], [1.0], 0.0)
+    depth = np.linspace(0.046, -0.14, 25)
+    relaxed = make_sticky_ball(soft).path(approach=[depth[0], depth[0]], time=[0.0, 100.0])
+    forces = []
+    for speed in (1e-5, 1e-3, 10.0):
+        time = 100.0 + (depth[0] - depth[1:]) / speed
+        pulled = relaxed.extend(approach=depth[1:], time=time, accuracy=1e-2)
+        assert pulled.force[-1] == pytest.approx(0.0, abs=1e-6)
+        forces.append(pulled.force.min() / (1.5 * np.pi * 2e-3))
+    elastic = make_sticky_ball(rc.Elastic(1.0, 0.0)).path(approach=depth)
+    assert forces[0] == pytest.approx(elastic.force.min() / (1.5 * np.pi * 2e-3), rel=0.1)
+    assert -2.2 < forces[1] < -1.4
+    assert -5.0 < forces[2] < -3.6
+
+
+def test_bodies_that_stick_come_from_far_away():
+    """A list of loads over time begins at time zero: at a load of zero they would be in contact."""
+    problem = make_sticky_ball(rc.Viscoelastic([1.0, 4.0], [1.0], 0.0), cells=24, law_range=2e-2)
+    with pytest.raises(rc.InputError, match="far away"):
+        problem.path(approach=[0.01, 0.02], time=[1.0, 2.0])
+    path = problem.path(approach=[-0.1, 0.01], time=[0.0, 1.0])
+    assert path[0].contact.sum() == 0
+    assert path[1].contact.any()
+
+
 @pytest.mark.parametrize(
     "given",
     [

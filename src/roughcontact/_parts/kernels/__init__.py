@@ -8,6 +8,7 @@ from roughcontact._parts.kernels.base import SupportsShear as SupportsShear
 from roughcontact._parts.kernels.base import SupportsSpectrum as SupportsSpectrum
 from roughcontact._parts.kernels.base import kernels as kernels
 from roughcontact._parts.kernels.base import knows_own_rows as knows_own_rows
+from roughcontact._parts.kernels.base import missing_form as missing_form
 from roughcontact._parts.kernels.base import odd_axes as odd_axes
 from roughcontact._parts.kernels.base import require_form as require_form
 from roughcontact._parts.kernels.half_space import FourierHalfSpace as FourierHalfSpace

@@ -16,6 +16,8 @@ from roughcontact.errors import InputError
 
 # Maximum rms step of periodic heights across the border, over the step between neighbouring cells.
 _MAX_BORDER_JUMP = 3.0
+# Step between cells over the range of heights that is rounding of transforms.
+_HEIGHT_ROUNDING = 1e-13
 # Relative change of misfit, parameters and gradient at which the fit of a sphere stops, a few times the rounding of
 # float64 (2.2e-16): the fit has four parameters, so that full accuracy costs nothing.
 _SPHERE_FIT_TOLERANCE = 1e-15
@@ -66,7 +68,8 @@ def border_jump(heights: Array, axis: int) -> float:
         return 0.0
     inside = math.sqrt(np.mean(_find_steps(heights, axis) ** 2))
     across = math.sqrt(np.mean((heights.take(0, axis) - heights.take(-1, axis)) ** 2))
-    return across / inside if inside > 0.0 else 0.0
+    # Heights that transforms have made are equal up to rounding.
+    return across / inside if inside > _HEIGHT_ROUNDING * float(np.ptp(heights)) else 0.0
 
 
 def polynomial(values: Array, degree: int, non_measured: Mask | None, shape: tuple[int, int] | None = None) -> Array:

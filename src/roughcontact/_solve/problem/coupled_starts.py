@@ -91,14 +91,15 @@ def keep_sliding(shear: Array, before: Array, limit: Array) -> Array:
 class Mixing:
     """The next field of a fixed-point iteration, from the last ones: Anderson's combination of smallest change."""
 
-    def __init__(self) -> None:
+    def __init__(self, passes: int = _MIXED_PASSES) -> None:
+        self._passes = passes
         self._fields: list[Array] = []
         self._changes: list[Array] = []
 
     def combine(self, field: Array, change: Array, damping: float) -> Array:
         """Return the field from which to go on, after one and its change, of which a part is taken."""
-        self._fields = [*self._fields[-_MIXED_PASSES:], field]
-        self._changes = [*self._changes[-_MIXED_PASSES:], change]
+        self._fields = [*self._fields[-self._passes :], field]
+        self._changes = [*self._changes[-self._passes :], change]
         best = field
         left = change
         if len(self._changes) > 1:

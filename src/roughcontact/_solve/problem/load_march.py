@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from functools import partial
 from itertools import pairwise
+from typing import Any
 
 import attrs
 import numpy as np
@@ -14,7 +15,7 @@ from roughcontact._base import checks
 from roughcontact._base.arrays import Array
 from roughcontact._parts.grid import Load
 from roughcontact._solve.problem.loads import follow
-from roughcontact._solve.solution import ContactSolution, Governed, LoadIncrement
+from roughcontact._solve.solution import MAX_SHIFT, ContactSolution, Governed, LoadIncrement
 from roughcontact.errors import InputError, argument
 
 # First increment of time or sliding after a step of load, over its interval; factors by which the next one follows from
@@ -32,19 +33,24 @@ _MAX_INCREMENTS = 10_000
 
 @attrs.frozen(kw_only=True)
 class Place:
-    """A place on a path: the normal load, and time, s, and sliding distance, m, since its start."""
+    """A place on a path: the normal load, time, s, and sliding distance, m, since its start, and the shift in cells."""
 
     load: Load
     time: float = 0.0
     sliding: float = 0.0
+    shift: tuple[int, int] = (0, 0)
 
 
-def list_places(loads: Sequence[Load], time: object, sliding: object) -> tuple[Place, ...]:
+def list_places(loads: Sequence[Load], time: object, sliding: object, shift: object = None) -> tuple[Place, ...]:
     """Return the places of a path; one load holds at all of them.
 
     `InputError` if the lists do not have one length, or time or distance fall.
     """
-    passed = {"time": _list_passed(time, "time", "s"), "sliding": _list_passed(sliding, "sliding", "m")}
+    passed: dict[str, tuple[Any, ...] | None] = {
+        "time": _list_passed(time, "time", "s"),
+        "sliding": _list_passed(sliding, "sliding", "m"),
+        "shift": None if shift is None else list_shifts(shift),
+    }
     counts = {name: len(values) for name, values in passed.items() if values is not None}
     if len(loads) > 1 or not counts:
         counts[f"{loads[0].kind}"] = len(loads)
@@ -52,9 +58,27 @@ def list_places(loads: Sequence[Load], time: object, sliding: object) -> tuple[P
         texts = ", ".join(f"{count} of {name}=" for name, count in counts.items())
         raise InputError(f"The lists of a path must have one value for each place, but there are {texts}.")
     count = next(iter(counts.values()))
-    rates = [values if values is not None else (0.0,) * count for values in passed.values()]
+    given = {name: values for name, values in passed.items() if values is not None}
     every = tuple(loads) if len(loads) > 1 else tuple(loads) * count
-    return tuple(Place(load=load, time=t, sliding=s) for load, t, s in zip(every, *rates, strict=True))
+    return tuple(
+        Place(load=load, **{name: values[number] for name, values in given.items()})
+        for number, load in enumerate(every)
+    )
+
+
+def list_shifts(shifts: object) -> tuple[tuple[int, int], ...]:
+    """Return the cells by which the counterbody is displaced at each place of a path."""
+    allowed = "a list of pairs (x, y) of whole numbers of cells"
+    found = []
+    for pair in checks.list_of(shifts, "The shifts of the counterbody", allowed):
+        x, y = (
+            checks.integer(cells, "A shift of the counterbody", at_least=-MAX_SHIFT)
+            for cells in checks.list_of(pair, "A shift of the counterbody", "a pair (x, y) of whole numbers of cells")
+        )
+        found.append((x, y))
+    if not found:
+        raise InputError.about("The shifts of the counterbody", shifts, allowed)
+    return tuple(found)
 
 
 def _list_passed(values: object, name: str, unit: str) -> tuple[float, ...] | None:
@@ -118,9 +142,9 @@ class LoadMarch:
         sliding = end.sliding - begin.sliding if begin else 0.0
         # Where both pass, their ratio is that of the interval.
         length = sliding or time
-        if begin is None or length == 0.0:
+        if begin is None or length == 0.0 or end.shift != begin.shift:
             if not self.standing.count:
-                self._jump(end)
+                self._jump(end, time, sliding)
         else:
             while self.standing.passed < length:
                 self._step(begin, end, length, time / length, sliding / length)
@@ -128,10 +152,11 @@ class LoadMarch:
         self.standing = attrs.evolve(self.standing, since=identify(self.last), passed=0.0, count=0)
         return count
 
-    def _jump(self, place: Place) -> None:
-        """Go to a load at once."""
-        solve = partial(self._solve, increment=LoadIncrement(place.load))
-        found = follow(solve, self.standing.states, place.load)
+    def _jump(self, place: Place, time: float, sliding: float) -> None:
+        """Go to a load, or to other summits, at once: nothing continues."""
+        increment = LoadIncrement(place.load, time, sliding, shift=place.shift)
+        found = follow(partial(self._solve, increment=increment), self.standing.states, place.load)
+        found = _set_clock(found, place) if time or sliding else found
         self._accept(found, attrs.evolve(self.standing, count=1, last_length=0.0, next_length=0.0))
 
     def _step(self, begin: Place, end: Place, length: float, time: float, sliding: float) -> None:
@@ -142,7 +167,7 @@ class LoadMarch:
         is_last = step >= rest
         passed = length if is_last else standing.passed + step
         load = _between(begin.load, end.load, passed / length)
-        found = self._find(step, LoadIncrement(load, time * step, sliding * step))
+        found = self._find(step, LoadIncrement(load, time * step, sliding * step, shift=end.shift))
         error = self._measure(found, step)
         growth = _SAFETY / math.sqrt(error) if error > 0.0 else _MAX_GROWTH
         following = step * min(max(growth, _MIN_GROWTH), _MAX_GROWTH)

@@ -5,10 +5,11 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
-from itertools import pairwise
+from itertools import accumulate, pairwise
 from pathlib import Path as File
 from typing import Any, TypeVar
 
@@ -16,7 +17,7 @@ import attrs
 import numpy as np
 
 from roughcontact._base import checks
-from roughcontact._base.arrays import Array
+from roughcontact._base.arrays import Array, IntArray
 from roughcontact._base.machine.progress import ChangeProgress, count_done
 from roughcontact._base.tables import Table
 from roughcontact._base.units import Estimate, Force, Length, Pressure, counted, si
@@ -25,7 +26,7 @@ from roughcontact._parts.materials import Viscoelastic
 from roughcontact._parts.surfaces import HeightMap
 from roughcontact._solve.problem.body import Body
 from roughcontact._solve.problem.increments import is_single
-from roughcontact._solve.problem.load_march import LoadMarch, Place, Standing, identify, list_places
+from roughcontact._solve.problem.load_march import LoadMarch, Place, Standing, identify, list_places, list_shifts
 from roughcontact._solve.problem.path import Path
 from roughcontact._solve.problem.path_file import (
     KIND,
@@ -97,6 +98,12 @@ class LoadPath(Path):
         return np.array([_read(state, "slid") for state in self.states])
 
     @property
+    def shift(self) -> IntArray:
+        """Cells by which the counterbody is displaced from its first place, shape (states, 2)."""
+        effects = (state._find_added(Governed) for state in self.states)
+        return np.array([(0, 0) if effect is None else effect.shift for effect in effects])
+
+    @property
     def detailed(self) -> ContactSolution:
         """The state that a page shows in detail, the last one that carries a load."""
         return next((state for state in reversed(self.states) if state.force), self.states[-1])
@@ -117,6 +124,7 @@ class LoadPath(Path):
         approach: Length | Iterable[Length] | None = None,
         time: Iterable[float | str] | None = None,
         sliding: Iterable[Length] | None = None,
+        shift: Iterable[Sequence[int]] | None = None,
         accuracy: float | None = None,
     ) -> LoadPath:
         """Return the path continued from its last state, such as one from a file; see `ContactProblem.path`.
@@ -137,15 +145,22 @@ class LoadPath(Path):
             raise InputError("The path does not say which problem it followed, so that it cannot be continued.")
         scene: Scene = last.origin.scene
         loads = _list_loads(scene, {"force": force, "pressure": pressure, "approach": approach}, Load.unsigned_sequence)
-        passed = {"time": time, "sliding": sliding}
+        first = (int(self.shift[-1, 0]), int(self.shift[-1, 1]))
+        moved = None if shift is None else list_shifts(shift)
+        passed = {"time": time, "sliding": _measure_sliding(scene, sliding, moved, first, float(self.sliding[-1]))}
         require_used(scene, passed)
+        _require_movable(scene, moved)
         here = {"force": last.force, "pressure": last.mean_pressure, "approach": last.approach}
         begin = Place(
-            load=Load(loads[0].kind, here[loads[0].kind]), time=float(self.time[-1]), sliding=float(self.sliding[-1])
+            load=Load(loads[0].kind, here[loads[0].kind]),
+            time=float(self.time[-1]),
+            sliding=float(self.sliding[-1]),
+            shift=first,
         )
+        kept = passed | {"shift": moved}
         places = [
-            attrs.evolve(place, **{name: getattr(begin, name) for name, given in passed.items() if given is None})
-            for place in list_places(loads, **passed)
+            attrs.evolve(place, **{name: getattr(begin, name) for name, given in kept.items() if given is None})
+            for place in list_places(loads, **kept)
         ]
         if any(getattr(places[0], name) < getattr(begin, name) for name in passed):
             raise InputError(
@@ -191,8 +206,9 @@ class LoadPath(Path):
     def list_arguments(self) -> dict[str, Any]:
         """Return the arguments of `ContactProblem.path`."""
         passed = {name: values.tolist() for name, values in self._list_passed().items()}
+        moved = {"shift": self.shift.tolist()} if self.shift.any() else {}
         strict = {"accuracy": self.accuracy} if passed else {}
-        return super().list_arguments() | passed | strict
+        return super().list_arguments() | passed | moved | strict
 
     def _list_passed(self) -> dict[str, Array]:
         """Return time and sliding distance, as far as they pass."""
@@ -312,8 +328,12 @@ def run_load_path(
     told = checks.callback(on_increment, "on_increment=", "state")
     loads = _list_loads(problem, normal, Load.resting_sequence)
     scene = remember_changes(problem)
-    places = list_places(loads, **passed)
+    moved = None if passed.get("shift") is None else list_shifts(passed["shift"])
+    sliding = _measure_sliding(scene, passed["sliding"], moved, (0, 0), 0.0)
+    passed = {"time": passed["time"], "sliding": sliding}
     require_used(scene, passed)
+    _require_movable(scene, moved)
+    places = list_places(loads, **passed, shift=moved)
     count = count_done(change, len(places), "place")
     kept = None if file is None else PathFile(file, scene, places, accuracy)
     return follow_path(scene, places, accuracy, told or (lambda state: None), count, kept)
@@ -345,7 +365,7 @@ def remember_changes(problem: S) -> S:
     """Return the problem with the laws that its materials bring: flattening, and relaxation."""
     sides = (problem.body.material, problem.counterbody.material)
     relaxing = [material if isinstance(material, Viscoelastic) else None for material in sides]
-    is_known = any(isinstance(law, Relaxation) for law in problem.laws)
+    is_known = not all(law.keeps_modulus for law in problem.laws)
     if any(relaxing) and not is_known:
         problem = attrs.evolve(problem, laws=(*problem.laws, Relaxation(*relaxing)))
     return remember_flattening(problem)
@@ -368,6 +388,43 @@ def require_used(problem: Scene, passed: Mapping[str, object]) -> None:
             )
 
 
+def _measure_sliding(
+    problem: Scene, given: Any, shifts: Sequence[tuple[int, int]] | None, first: tuple[int, int], slid: float
+) -> Any:
+    """Return the sliding distances of a path, by default those of the counterbody where a law depends on them, m."""
+    if given is not None or shifts is None or not any("sliding" in law.rates for law in problem.laws):
+        return given
+    dx, dy = problem.plan.grid.spacing
+    steps = [math.hypot(dx * (x - u), dy * (y - v)) for (u, v), (x, y) in pairwise([first, *shifts])]
+    return [slid + total for total in accumulate(steps)]
+
+
+def _require_movable(problem: Scene, shifts: Sequence[tuple[int, int]] | None) -> None:
+    """Refuse that the counterbody moves where its heights do not repeat, or something would not move with it."""
+    if shifts is None or not np.any(shifts):
+        return
+    plan = problem.plan
+    for axis, repeats in enumerate(plan.boundary.repeats):
+        if np.any(np.array(shifts)[:, axis]) and not repeats:
+            raise InputError(
+                f"A counterbody that moves along {'xy'[axis]} needs a boundary that is periodic there, but it is "
+                f"{plan.boundary!s}."
+            )
+    if plan.interaction is not None or plan.non_measured is not None or np.ndim(plan.pressure_limit):
+        raise InputError(
+            "A counterbody moves without adhesion, points that were not measured and a hardness that varies: fill the "
+            f"map, or omit {argument('shift')}."
+        )
+    if not problem.laws:
+        raise InputError(
+            f"Nothing remembers where the counterbody has been: give the problem a law by {argument('laws')}, or omit "
+            f"{argument('shift')}."
+        )
+    left = [law for law in problem.laws if not law.follows_bodies]
+    if left:
+        raise InputError(f"The law {left[0]!r} does not follow bodies that move: omit {argument('shift')}.")
+
+
 def follow_path(
     problem: Scene,
     places: Sequence[Place],
@@ -383,7 +440,12 @@ def follow_path(
     first = places[0]
     # Of several loads the first rises from zero if time or distance pass until there; one holds from the start on.
     at_once = len({place.load for place in places}) == 1 or not (first.time or first.sliding)
-    start = Place(load=first.load if at_once else attrs.evolve(first.load, value=0.0))
+    if not at_once and problem.adhesion is not None:
+        raise InputError(
+            "Bodies that attract each other come from far away, and not from a load of zero, at which they may be in "
+            "contact: begin the path at zero time and sliding distance, with the load from which they come."
+        )
+    start = Place(load=first.load if at_once else attrs.evolve(first.load, value=0.0), shift=first.shift)
     hidden = int(first != start)
     stops = (None, *[start] * hidden, *places)
     legs, standing = ([], Standing()) if file is None else file.read()

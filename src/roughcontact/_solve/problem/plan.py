@@ -276,6 +276,7 @@ class SolvePlan:
         forgets = not any(isinstance(law, Flattening) for law in self.laws)
         found = [("loads", FIRST_LOADING)] if np.isfinite(self.pressure_limit).any() and forgets else []
         relaxing = any(isinstance(material, Viscoelastic) for material in self.materials)
+        relaxing = relaxing and all(law.keeps_modulus for law in self.laws)
         return [*found, ("loads", _AT_ONCE)] if relaxing else found
 
     def _describe_coarse_grids(self) -> list[tuple[str, str]]:

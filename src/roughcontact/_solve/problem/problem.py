@@ -16,6 +16,7 @@ from roughcontact._base.machine.progress import show_progress
 from roughcontact._base.units import Estimate, Force, Length, Pressure
 from roughcontact._parts.grid import Load
 from roughcontact._parts.interactions import FrictionLaw
+from roughcontact._parts.materials import Viscoelastic
 from roughcontact._solve.problem.accuracy import Target, solve_within, with_tolerance
 from roughcontact._solve.problem.cycle import AdhesionCycle, list_approaches, run_cycle
 from roughcontact._solve.problem.friction_certificate import verify_state
@@ -35,7 +36,7 @@ from roughcontact._solve.problem.run import computing, require_success, run_solv
 from roughcontact._solve.problem.scene import Scene
 from roughcontact._solve.problem.sweep import Sweep
 from roughcontact._solve.problem.task import limit_load
-from roughcontact._solve.solution import DEFAULT_AREA, AreaEstimator, ContactSolution, Response
+from roughcontact._solve.solution import DEFAULT_AREA, AreaEstimator, ContactSolution, Response, SteadySliding
 from roughcontact._solve.solvers import Step
 from roughcontact.errors import InputError, argument
 
@@ -248,6 +249,7 @@ class ContactProblem(Scene):
         friction: None = None,
         time: Iterable[float | str] | None = None,
         sliding: Iterable[Length] | None = None,
+        shift: Iterable[Sequence[int]] | None = None,
         accuracy: float = PATH_ACCURACY,
         on_increment: Callable[[Any], None] | None = None,
         file: str | os.PathLike[str] | None = None,
@@ -284,6 +286,7 @@ class ContactProblem(Scene):
         cycles: Iterable[float] | None = None,
         time: Iterable[float | str] | None = None,
         sliding: Iterable[Length] | None = None,
+        shift: Iterable[Sequence[int]] | None = None,
         accuracy: float = PATH_ACCURACY,
         on_increment: Callable[[Any], None] | None = None,
         file: str | os.PathLike[str] | None = None,
@@ -312,6 +315,10 @@ class ContactProblem(Scene):
         time, sliding
             Without friction, time, s, and distance, m, over which the surfaces slide, at each place of the path, from
             its start; they do not fall. One load acts from the start on, the first of several rises until there.
+        shift
+            Without friction, cells (x, y) by which the counterbody is displaced at each place from its first one, on a
+            periodic boundary. What each body has lost moves with it. The sliding distance is by default that of the
+            counterbody. Steps should be at most half the shortest wave.
         accuracy
             Without friction, admissible error of one of the increments, as many as that takes, of the change of the
             surfaces over its maximum. Of cycles, admissible height that is lost at once, over the approach.
@@ -342,7 +349,7 @@ class ContactProblem(Scene):
         """
         normal = {"force": force, "pressure": pressure, "approach": approach}
         tangential = {"tangential_force": tangential_force, "displacement": displacement}
-        passed = {"time": time, "sliding": sliding}
+        passed = {"time": time, "sliding": sliding, "shift": shift}
         with show_progress("path", shown=flag(progress, "progress=")) as change:
             if friction is None:
                 omitted = tangential | {"substeps": None if substeps == "auto" else substeps, "cycles": cycles}
@@ -356,28 +363,41 @@ class ContactProblem(Scene):
         force: Force | None = None,
         pressure: Pressure | None = None,
         approach: Length | None = None,
-        friction: float | FrictionLaw,
+        friction: float | FrictionLaw | None = None,
+        speed: float | str | None = None,
         direction: float = 0.0,
     ) -> ContactSolution:
-        """Return the contact while the counterbody slides steadily over the body.
+        """Return the contact while the counterbody slides steadily over the body, with friction or viscoelastic losses.
 
         Parameters
         ----------
         force, pressure, approach
             Exactly one: normal force, N; nominal mean pressure, Pa; approach since first touch, m.
         friction
-            A coefficient of friction, or a law.
+            A coefficient of friction, or a law: the traction of each cell is its shear strength.
+        speed
+            Instead of friction, the speed at which viscoelastic bodies slide, m/s: see `SteadySliding`. The state then
+            has a ``friction_coefficient``, by the energy that they lose.
         direction
-            Angle of the traction on the body, of each cell its shear strength, from x towards y, degrees.
+            Angle of the traction on the body, and of the motion of the counterbody, from x towards y, degrees.
 
         Raises
         ------
         InputError
-            As for `path`; friction times beta above one is admitted in full contact alone.
+            As for `path`; friction times beta above one is admitted in full contact alone. With a speed, unless a body
+            is viscoelastic, one of them is flat, and the boundary is periodic along the direction.
         NotConverged
             If the state is not certified.
         """
-        return run_slide(self, {"force": force, "pressure": pressure, "approach": approach}, friction, direction)
+        normal = {"force": force, "pressure": pressure, "approach": approach}
+        if speed is None:
+            return run_slide(self, normal, friction, direction)
+        if friction is not None:
+            raise InputError(f"Bodies slide with {argument('friction')} or at {argument('speed')}: omit one of them.")
+        if not any(isinstance(side.material, Viscoelastic) for side in (self.body, self.counterbody)):
+            raise InputError(f"Nothing changes with the speed: give {argument('friction')}, or a viscoelastic body.")
+        sliding = attrs.evolve(self, laws=(*self.laws, SteadySliding(speed, direction)))
+        return sliding.solve(force=force, pressure=pressure, approach=approach)
 
     def pull_off(self) -> Estimate:
         """Return the force at which surfaces that attract each other come apart, N, negative: the minimum on unloading.

@@ -7,6 +7,7 @@ import logging
 import math
 import time
 from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Any, NoReturn
 
 import attrs
@@ -16,18 +17,22 @@ from roughcontact._base.arrays import Array, frozen_array
 from roughcontact._base.machine import use_threads
 from roughcontact._base.units import si
 from roughcontact._parts.grid import Load
+from roughcontact._parts.kernels import InfluenceKernel
 from roughcontact._solve.convolvers import PreparedConvolution, SoftenedConvolution
 from roughcontact._solve.problem.body import InitialGap
 from roughcontact._solve.problem.certificate import certify, certify_again, stiffen_plan
+from roughcontact._solve.problem.coupled_starts import Mixing
 from roughcontact._solve.problem.plan import SolvePlan
 from roughcontact._solve.problem.scene import Scene
-from roughcontact._solve.problem.task import LOAD_TOLERANCE, make_task, pressure_unit
+from roughcontact._solve.problem.task import LOAD_TOLERANCE, make_task, prepare_convolution, pressure_unit
 from roughcontact._solve.solution import (
+    ContactConditions,
     ContactSolution,
     Governed,
     LoadIncrement,
     Origin,
     Status,
+    Violation,
 )
 from roughcontact._solve.solvers import Step
 from roughcontact.errors import InputError, NotConverged, argument
@@ -38,6 +43,13 @@ _LOGGER = logging.getLogger("roughcontact")
 # round; and maximum rounds: after eight they are 4^36 = 5e21 times deeper.
 _DEPTH_FACTOR = 4.0
 _MAX_DEEPENINGS = 8
+# Turns of contact and response after which a solve is given up; tolerance of a turn over the last error, and its bounds
+# over that of the solution.
+_MAX_TURNS = 80
+_MIXED_TURNS = 8
+_INNER_ERROR = 0.1
+_TIGHTEST_INNER = 0.3
+_LOOSEST_INNER = 1000.0
 
 
 def run_solve(
@@ -74,7 +86,10 @@ def run_solve(
     plan = problem.plan if effect is None else stiffen_plan(problem.plan, effect.stiffening)
     with computing(problem):
         run = _Run(plan, problem.convolution, on_step, started)
-        if effect is not None and effect.is_implicit:
+        law = None if effect is None else effect.responding
+        if law is not None:
+            solution = run.solve_by_turns(gap, inner, start, law.soften(problem), partial(law.respond, problem))
+        elif effect is not None and effect.is_implicit:
             solution = run.solve_implicitly(gap, inner, start, effect.local_compliance)
         else:
             solution = run.solve(gap, inner, start, start_gap)
@@ -92,7 +107,7 @@ def run_solve(
     )
     solution = attrs.evolve(solution, origin=Origin(problem.parts, load.arguments, source=problem))
     if effect is not None:
-        solution = _govern(solution, effect.press(solution.pressure), datum)
+        solution = _govern(solution, effect.press(problem, solution.pressure), datum)
     return require_success(solution) if throw else solution
 
 
@@ -187,6 +202,75 @@ class _Run:
         again = certify_again(plan, self.convolution, found, left, load)
         kept = ("iterations", "convolutions", "errors", "levels", "seconds")
         return attrs.evolve(again, **{name: getattr(found, name) for name in kept})
+
+    def solve_by_turns(
+        self,
+        gap: InitialGap,
+        load: Load,
+        start: Array | None,
+        kernel: InfluenceKernel,
+        respond: Callable[[Array], Array],
+    ) -> ContactSolution:
+        """Solve a contact to whose gap its own displacement adds, with another kernel and the rest as an offset.
+
+        It is certified with the kernel of the plan, as a contact of the gap that is left.
+        """
+        plan = self.plan
+        tolerance = plan.solver.tolerance
+        softened = attrs.evolve(plan, kernel=kernel)
+        convolution = prepare_convolution(softened)
+        mixing = Mixing(_MIXED_TURNS)
+        rest = np.zeros(gap.values.shape)
+        error = math.inf
+        iterations = 0
+        products = 0
+        scale = 1.0
+        for _ in range(_MAX_TURNS):
+            inner = min(max(_INNER_ERROR * error, _TIGHTEST_INNER * tolerance), _LOOSEST_INNER * tolerance) * scale
+            changed, datum = gap.change(rest)
+            run = _Run(
+                attrs.evolve(softened, solver=plan.solver.with_tolerance(min(inner, 1.0))),
+                convolution,
+                self.on_step,
+                self.started,
+            )
+            found = run.solve(changed, load.after(datum), start)
+            iterations += found.iterations
+            products += found.convolutions + 1
+            start = found.pressure
+            moved = self._displace(start)
+            added = respond(moved)
+            left = gap.values + added
+            if gap.non_measured is not None:
+                # The solve may have deepened them.
+                left[gap.non_measured] = datum + float(found.initial_gap[gap.non_measured].max())
+            violation = self._measure(gap, left, load, start, moved)
+            error = violation.error
+            # Errors of the softer contact are over its own displacement.
+            scale = min(1.0, violation.scale * plan.peak_to_valley / found.residuals.scale)
+            if error <= tolerance or not found.status.success:
+                break
+            rest = mixing.combine(rest, moved + added - found.displacement - rest, 1.0)
+        again = certify_again(plan, self.convolution, found, frozen_array(left), load)
+        kept = ("errors", "levels", "seconds")
+        return attrs.evolve(
+            again, iterations=iterations, convolutions=products + 1, **{name: getattr(found, name) for name in kept}
+        )
+
+    def _displace(self, pressure: Array) -> Array:
+        """Return the displacement by a pressure, m."""
+        given = self.convolution.from_numpy(pressure / pressure_unit(self.plan))
+        return self.convolution.to_numpy(self.convolution.apply(given)) * self.plan.peak_to_valley
+
+    def _measure(self, gap: InitialGap, left: Array, load: Load, pressure: Array, displacement: Array) -> Violation:
+        """Return the violation of a pressure as the contact of a changed gap."""
+        length = self.plan.peak_to_valley
+        unit = pressure_unit(self.plan)
+        approach = load.value / length if load.kind == "approach" else None
+        measured = True if gap.non_measured is None else ~gap.non_measured
+        rms = float(left.std(where=measured)) / length
+        conditions = ContactConditions(left / length, self.plan.pressure_limit / unit, approach, rms)
+        return conditions.measure(pressure / unit, displacement / length)
 
     def try_other_states(self, gap: InitialGap, load: Load) -> ContactSolution | None:
         """Return a state that carries a load found from that at zero load, or from full contact; None without one.

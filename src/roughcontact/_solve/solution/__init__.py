@@ -32,6 +32,7 @@ from roughcontact._solve.solution.healing import fill_gap as fill_gap
 from roughcontact._solve.solution.healing import heal as heal
 from roughcontact._solve.solution.judgement import UNCERTAINTIES as UNCERTAINTIES
 from roughcontact._solve.solution.judgement import judge as judge
+from roughcontact._solve.solution.laws import MAX_SHIFT as MAX_SHIFT
 from roughcontact._solve.solution.laws import Governed as Governed
 from roughcontact._solve.solution.laws import Law as Law
 from roughcontact._solve.solution.laws import LoadIncrement as LoadIncrement
@@ -71,6 +72,7 @@ from roughcontact._solve.solution.shear import Sheared as Sheared
 from roughcontact._solve.solution.shear import TangentialLoad as TangentialLoad
 from roughcontact._solve.solution.shear import find_sides as find_sides
 from roughcontact._solve.solution.shear import read_estimate as read_estimate
+from roughcontact._solve.solution.sliding import SteadySliding as SteadySliding
 from roughcontact._solve.solution.states import read_states as read_states
 from roughcontact._solve.solution.states import write_states as write_states
 from roughcontact._solve.solution.storage import read as read

@@ -11,13 +11,13 @@ import numpy as np
 
 from roughcontact._base.arrays import Array, IntArray, Mask, read_only, read_only_field
 from roughcontact._base.checks import numbers
-from roughcontact._base.units import ShownAsPrinted, outlined
+from roughcontact._base.units import Estimate, ShownAsPrinted, outlined
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._solve.solution.additions import Addition, Certificate
 from roughcontact._solve.solution.origin import Accuracy, Origin
 from roughcontact._solve.solution.results import GridLevel, Residuals, Status
 from roughcontact._solve.solution.whole import Whole
-from roughcontact.errors import InputError
+from roughcontact.errors import InputError, NoSuchField
 from roughcontact.errors.door import guarded
 from roughcontact.errors.warning import AskedOf
 
@@ -301,6 +301,15 @@ class ContactFields(AskedOf):
     def certificate(self) -> Certificate:
         """The conditions of contact, and of friction, each with its residual."""
         return Certificate((*self.residuals.conditions, *(one for added in self.added for one in added.conditions)))
+
+    @property
+    def friction_coefficient(self) -> Estimate:
+        """Friction over normal force of viscoelastic bodies that slide at a speed, by the energy that they lose."""
+        for one in self.added:
+            found = one.list_numbers(self).get("friction_coefficient")
+            if isinstance(found, Estimate):
+                return found
+        raise NoSuchField("The contact does not slide at a speed: call problem.slide(..., speed=...).")
 
     @property
     def _laws(self) -> frozenset[str]:

@@ -173,22 +173,40 @@ class Flattening(Process):
     }
 
     rates: ClassVar[tuple[str, ...]] = ()
+    follows_bodies: ClassVar[bool] = True
 
     # Where flattened surfaces are not loaded as far again, summits are no longer those that estimators by Hertz know.
     default_area: ClassVar[str] = "level-set"
 
     def change_gap(self, problem: Any, increment: LoadIncrement, memory: Memory) -> Array:
         """Return the height lost before, m; see `Law.change_gap`."""
-        return memory["flattened_height"]
+        lost = memory["flattened_height"]
+        return np.asarray(increment.place(lost)) if self._is_of_counterbody(problem, increment) else lost
 
     def remember(self, state: ContactSolution, increment: LoadIncrement, memory: Memory) -> Memory:
         """Return the height lost, m, and the plastic work per area, J/m2, after an increment."""
         overlap = Overlap().height_loss(state)
         work = np.where(overlap > 0.0, state.pressure_limit * overlap, 0.0)
+        lost = find_height_loss(self.model, state)
+        assert state.origin is not None
+        if self._is_of_counterbody(state.origin.scene, increment):
+            lost, work = (np.asarray(increment.place_back(values)) for values in (lost, work))
         return {
-            "flattened_height": memory["flattened_height"] + find_height_loss(self.model, state),
+            "flattened_height": memory["flattened_height"] + lost,
             "plastic_work": memory["plastic_work"] + work,
         }
+
+    def _is_of_counterbody(self, problem: Any, increment: LoadIncrement) -> bool:
+        """Return whether the counterbody, which has moved, is the one that is flattened."""
+        if increment.shift == (0, 0):
+            return False
+        part = find_softer(problem)
+        if not isinstance(part, float) or part not in (0.0, 1.0):
+            raise InputError(
+                "Bodies that move over each other are flattened where one of them is the softer one, but they are "
+                "equally hard, or their hardness varies: follow them by run_in."
+            )
+        return part == 0.0
 
     def divide(self, problem: Any, memory: Memory) -> tuple[float | Array, float | Array]:
         """Return the loss of each body: all of the softer one, half of both where they are equally hard."""

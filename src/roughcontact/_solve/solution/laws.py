@@ -13,10 +13,11 @@ import numpy as np
 from roughcontact._base.archive import digest_of, short_digest
 from roughcontact._base.archive.plain import Described, describe, missing_classes, rebuild
 from roughcontact._base.arrays import Array, RealArray, frozen_array
-from roughcontact._base.checks import MAX_MAGNITUDE, Part, number
+from roughcontact._base.checks import MAX_MAGNITUDE, Part, integer, number
 from roughcontact._base.registry import Registry
 from roughcontact._base.units import Estimate
 from roughcontact._parts.grid import Grid, Load
+from roughcontact._parts.kernels import InfluenceKernel
 from roughcontact._solve.solution.additions import Addition, Condition
 from roughcontact.errors import InputError
 
@@ -26,6 +27,8 @@ _NOTHING: Memory = MappingProxyType({})
 _PLAIN = ("laws", "remembered")
 # What a file states of an increment, where it is not that of a single load.
 _AT_ONCE = {"time": 0.0, "sliding": 0.0, "cycles": 1.0, "elapsed": 0.0, "slid": 0.0, "cycle": 0.0, "stiffening": 1.0}
+# Cells by which the counterbody may be displaced to either side.
+MAX_SHIFT = 2**40
 # Difference between machines of what a law gives, over its largest value.
 _MACHINE_DIFFERENCE = 1e-10
 
@@ -45,12 +48,23 @@ class LoadIncrement:
     cycles
         The cycles for which it stands, of loads that return, along a path with friction: what slip changes in it
         happens as often.
+    shift
+        Cells (x, y) by which the counterbody is displaced at its end from its first place, periodically.
     """
 
     load: Load
     time: float = 0.0
     sliding: float = 0.0
     cycles: float = 1.0
+    shift: tuple[int, int] = (0, 0)
+
+    def place(self, values: float | Array) -> float | Array:
+        """Return a field of the counterbody, a number or of shape (nx, ny), where it lies over the body."""
+        return np.roll(values, self.shift, axis=(0, 1)) if np.ndim(values) and self.shift != (0, 0) else values
+
+    def place_back(self, values: float | Array) -> float | Array:
+        """Return a field over the body, a number or of shape (nx, ny), on the counterbody."""
+        return attrs.evolve(self, shift=(-self.shift[0], -self.shift[1])).place(values)
 
 
 class Law(Part, abc.ABC):
@@ -92,6 +106,9 @@ class Law(Part, abc.ABC):
     default_area: ClassVar[str] = ""
     """Registered name of the area estimator that holds where it has changed the surfaces; empty: the usual one."""
 
+    follows_bodies: ClassVar[bool] = False
+    """Whether it knows `LoadIncrement.shift`: what it remembers of the counterbody moves with it."""
+
     @abc.abstractmethod
     def change_gap(self, problem: Any, increment: LoadIncrement, memory: Memory) -> Array:
         """Return what it adds to the gap before deformation, shape (nx, ny), m.
@@ -116,6 +133,18 @@ class Law(Part, abc.ABC):
     def find_stiffening(self, problem: Any, increment: LoadIncrement, memory: Memory) -> float:
         """Return the contact modulus in the increment over that of the problem, above zero; by default one."""
         return 1.0
+
+    def respond(self, problem: Any, displacement: Array) -> Array:
+        """Return what the displacement by the pressure itself, shape (nx, ny), m, adds to the gap; by default nothing.
+
+        A law that defines it, such as `SteadySliding`, lets contacts be solved by turns with what they add.
+        """
+        return np.zeros(displacement.shape)
+
+    def soften(self, problem: Any) -> InfluenceKernel:
+        """Return the kernel for these contacts, the nearest one to that with `respond`; by default the problem's."""
+        kernel: InfluenceKernel = problem.plan.kernel
+        return kernel
 
     def list_numbers(self, state: Any, memory: Memory) -> Mapping[str, Estimate | tuple[float, str]]:
         """Return its numbers of a `ContactSolution` by name: estimates, or a number with its unit."""
@@ -211,6 +240,8 @@ class Governed(Addition):
     cycles, cycle
         The cycles of loads for which the increment stands, and the last of them since the first touch; zero of loads
         that do not return.
+    shift
+        Cells (x, y) by which the counterbody is displaced from its first place.
     stiffening
         Contact modulus in the increment over that of the problem.
     local_compliance
@@ -237,6 +268,7 @@ class Governed(Addition):
     elapsed: float = 0.0
     slid: float = 0.0
     cycle: float = 0.0
+    shift: tuple[int, int] = (0, 0)
     stiffening: float = 1.0
     local_compliance: float | Array = 0.0
     numbers: Mapping[str, Estimate | tuple[float, str]] = attrs.field(factory=dict)
@@ -262,6 +294,9 @@ class Governed(Addition):
     ) -> Governed:
         grid = problem.plan.grid
         offset = np.zeros(grid.shape)
+        if increment.shift != (0, 0):
+            heights = problem.counterbody.heights(grid)
+            offset += heights - increment.place(heights)
         stiffening = 1.0
         local: float | Array = 0.0
         for law, memory in zip(problem.laws, before, strict=True):
@@ -279,6 +314,7 @@ class Governed(Addition):
             time=increment.time,
             sliding=increment.sliding,
             cycles=increment.cycles,
+            shift=increment.shift,
             elapsed=elapsed + increment.time,
             slid=slid + increment.sliding,
             stiffening=stiffening,
@@ -287,18 +323,31 @@ class Governed(Addition):
 
     @property
     def is_implicit(self) -> bool:
-        """Whether the pressure itself adds to the gap in the increment."""
+        """Whether the pressure itself adds to the gap of its cell in the increment."""
         return bool(np.any(self.local_compliance))
 
-    def press(self, pressure: Array) -> Governed:
+    @property
+    def responding(self) -> Law | None:
+        """The law by which the displacement itself adds to the gap; None without one."""
+        found = [law for law in self.laws if type(law).respond is not Law.respond]
+        if len(found) > 1 or (found and self.is_implicit):
+            raise InputError(f"Pressure itself may change a contact by one law alone: omit all but {found[0]!r}.")
+        return found[0] if found else None
+
+    def press(self, problem: Any, pressure: Array) -> Governed:
         """Return it with what a pressure, shape (nx, ny), Pa, adds to the gap in the increment."""
+        law = self.responding
+        if law is not None:
+            response = law.respond(problem, problem.displace(pressure))
+            added = _check_field(response, problem.plan.grid, f"respond of {law!r}")
+            return attrs.evolve(self, offset=frozen_array(self.offset + added))
         if not self.is_implicit:
             return self
         return attrs.evolve(self, offset=frozen_array(self.offset + self.local_compliance * pressure))
 
     def repeat(self, problem: Any, state: Any) -> Governed:
         """Return it anew from what the laws remembered before, and a state with its origin."""
-        again = self._change(problem, self._find_increment(state), self.before).press(state.pressure)
+        again = self._change(problem, self._find_increment(state), self.before).press(problem, state.pressure)
         again = attrs.evolve(again, elapsed=self.elapsed, slid=self.slid, cycle=self.cycle)
         return again.finish(state) if state.status.success else again
 
@@ -317,7 +366,7 @@ class Governed(Addition):
         )
 
     def _find_increment(self, state: Any) -> LoadIncrement:
-        return LoadIncrement(Load.signed(**state.origin.load), self.time, self.sliding, self.cycles)
+        return LoadIncrement(Load.signed(**state.origin.load), self.time, self.sliding, self.cycles, self.shift)
 
     def list_lengths(self) -> list[Array]:
         """Return what the laws remember as lengths, such as heights that are lost, m."""
@@ -348,7 +397,7 @@ class Governed(Addition):
 
     def identify(self, state: Any) -> str:
         """Return digits by which a state, of which it is part, is known to the one that follows it on a path."""
-        numbers = np.array([state.force, state.approach, self.time, self.sliding, self.elapsed, self.slid])
+        numbers = np.array([state.force, state.approach, self.time, self.sliding, self.elapsed, self.slid, *self.shift])
         fields = [one[name] for one in (*self.before, *self.memory) for name in sorted(one)]
         return short_digest(self.previous + "".join(map(digest_of, (numbers, state.pressure, *fields))))
 
@@ -364,9 +413,10 @@ class Governed(Addition):
 
     @property
     def default_area(self) -> str:
-        """That of the first law that has one and had changed the surfaces before."""
+        """That of the first law that has one, and if it remembers had changed the surfaces before."""
         pairs = zip(self.laws, self.before, strict=True)
-        return next((law.default_area for law, memory in pairs if law.default_area and _has_lengths(law, memory)), "")
+        known = (law.default_area for law, memory in pairs if not isinstance(law, Process) or _has_lengths(law, memory))
+        return next(filter(None, known), "")
 
     @property
     def follows(self) -> bool:
@@ -398,6 +448,7 @@ class Governed(Addition):
             **{name: describe(getattr(self, name), arrays) for name in (*_PLAIN, "offset", "before", "memory")},
             **{name: getattr(self, name) for name in _AT_ONCE if getattr(self, name) != _AT_ONCE[name]},
             **({"previous": self.previous} if self.previous else {}),
+            **({"shift": list(self.shift)} if self.shift != (0, 0) else {}),
             "numbers": describe(named, arrays),
             "conditions": describe([attrs.asdict(one) for one in self.added_conditions], arrays),
         }
@@ -425,6 +476,7 @@ class Governed(Addition):
             memory=memory,
             **{name: _check_length(described.get(name, one)) for name, one in _AT_ONCE.items()},
             previous=str(described.get("previous", "")),
+            shift=_read_shift(described.get("shift", [0, 0])),
             numbers={name: _read_number(one) for name, one in rebuild(described["numbers"], arrays).items()},
             added_conditions=tuple(Condition(**one) for one in rebuild(described["conditions"], arrays)),
         )
@@ -440,6 +492,11 @@ def _restore(fields: dict[str, Any]) -> Governed:
         for name in ("before", "memory")
     }
     return Governed(**fields | memories | {"offset": frozen_array(fields["offset"])})
+
+
+def _read_shift(stored: Any) -> tuple[int, int]:
+    x, y = (integer(cells, "A displacement in cells", at_least=-MAX_SHIFT) for cells in stored)
+    return x, y
 
 
 def _read_number(stored: Any) -> Estimate | tuple[float, str]:

@@ -66,6 +66,7 @@ class Relaxation(Process):
     counterbody: Viscoelastic | None = None
 
     rates: ClassVar[tuple[str, ...]] = ("time",)
+    follows_bodies: ClassVar[bool] = True
 
     # The offset of an increment is not smooth at the last edge of the contact, which estimators by Hertz would read.
     default_area: ClassVar[str] = "level-set"
@@ -90,7 +91,8 @@ class Relaxation(Process):
         total = np.zeros(problem.plan.grid.shape)
         for side, material in self._list_sides():
             steps = _divide_time(material, increment.time)
-            total -= _find_rest(side, steps, memory) / steps.effective
+            rest = _find_rest(side, steps, memory) / steps.effective
+            total -= increment.place(rest) if side == "counterbody" else rest
         return total
 
     def find_stiffening(self, problem: Any, increment: LoadIncrement, memory: Memory) -> float:
@@ -109,7 +111,8 @@ class Relaxation(Process):
         for side, material in self._list_sides():
             steps = _divide_time(material, increment.time)
             before = memory[f"displacement_of_{side}"]
-            after = (unit - _find_rest(side, steps, memory)) / steps.effective
+            moved = unit if side == "body" else increment.place_back(unit)
+            after = (moved - _find_rest(side, steps, memory)) / steps.effective
             found[f"displacement_of_{side}"] = after
             for number, (modulus, left, part) in enumerate(
                 zip(steps.moduli[1:], steps.left, steps.part, strict=True), 1

@@ -190,7 +190,7 @@ def _attempt(estimate: Callable[[], T], otherwise: S) -> T | S:
 
 
 def _wrap(label: str, text: str) -> Iterator[str]:
-    indent = f"{label:<{_LABEL_WIDTH}}"
+    indent = f"{label:<{_LABEL_WIDTH - 1}} "
     for line in text.splitlines():
         yield from textwrap.wrap(line, WIDTH, initial_indent=indent, subsequent_indent=_LABEL_WIDTH * " ") or [indent]
         indent = ""

@@ -44,8 +44,9 @@ def _measure_worn(state: ContactSolution, memory: Memory) -> dict[str, Estimate 
 class Archard(Process):
     r"""Wear in proportion to the pressure and the sliding distance: :math:`dw/ds = k p`.
 
-    The height w is lost where the contact is, of a surface that does not move with respect to it, as a pin on a
-    disc, or both bodies in fretting. An increment is solved by the trapezoidal rule,
+    The height w is lost where the contact is. Along a path with ``shift=`` the counterbody moves over the body, and
+    each keeps its wear in its own frame; else the contact does not move over the surface that wears, as on a pin on a
+    disc, or in fretting. An increment is solved by the trapezoidal rule,
     :math:`w = w_0 + \tfrac{1}{2} k \, \Delta s \, (p_0 + p)`, implicitly: the pressure p at its end takes part in
     the contact as a local compliance, so that long increments do not overshoot, as explicit ones do from
     :math:`k \, \Delta s \, E^*` of 1.25 cells on. The volume is :math:`k F s` in each.
@@ -83,21 +84,26 @@ class Archard(Process):
     }
 
     rates: ClassVar[tuple[str, ...]] = ("sliding",)
+    follows_bodies: ClassVar[bool] = True
 
     # The pressure of a worn contact ends with a finite value, not as a root: estimators by roots give too little area.
     default_area: ClassVar[str] = "cell-count"
 
     def change_gap(self, problem: Any, increment: LoadIncrement, memory: Memory) -> Array:
         """Return the height lost before, and by the pressure at the begin of the increment; see `Law.change_gap`."""
-        return np.asarray(memory["worn_height"] + self._wear(increment) * memory["worn_pressure"])
+        lost = memory["worn_height"] + self._wear(increment) * memory["worn_pressure"]
+        return np.asarray(increment.place(lost) if self.of == "counterbody" else lost)
 
     def find_local_compliance(self, problem: Any, increment: LoadIncrement, memory: Memory) -> float | Array:
         """Return the height lost by the pressure at its end, m/Pa; see `Law.find_local_compliance`."""
-        return self._wear(increment)
+        wear = self._wear(increment)
+        return increment.place(wear) if self.of == "counterbody" else wear
 
     def remember(self, state: ContactSolution, increment: LoadIncrement, memory: Memory) -> Memory:
         """Return the height lost, m, and the pressure, Pa, after an increment."""
         pressure = state.contact_pressure
+        if self.of == "counterbody":
+            pressure = np.asarray(increment.place_back(pressure))
         lost = self._wear(increment) * (memory["worn_pressure"] + pressure)
         return {"worn_height": memory["worn_height"] + lost, "worn_pressure": pressure}
 
