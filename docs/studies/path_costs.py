@@ -103,13 +103,17 @@ def make_rows() -> list[list[str]]:
     rows = [["path", "accuracy", "increments", "products", "in solves without a start", "error, %"]]
     for name in some_of(list(CASES), 1, 3):
         course = CASES[name]()
-        for accuracy in some_of(ACCURACIES, 0, 2):
-            products: list[int] = []
-            path = course.follow(accuracy, on_increment=lambda state: products.append(state.convolutions))
-            error = 100.0 * float(np.abs(course.read(path) - course.right).max())
-            cold = sum(products) / course.cold.convolutions
-            rows.append([name, f"{accuracy:g}", f"{len(products)}", f"{sum(products)}", f"{cold:.1f}", f"{error:.2g}"])
+        rows += [[name, f"{accuracy:g}", *measure(course, accuracy)] for accuracy in some_of(ACCURACIES, 0, 2)]
     return rows
+
+
+def measure(course: Course, accuracy: float) -> list[str]:
+    """Return increments, products, these over those of a solve without a start, and the error, %."""
+    products: list[int] = []
+    path = course.follow(accuracy, on_increment=lambda state: products.append(state.convolutions))
+    error = 100.0 * float(np.abs(course.read(path) - course.right).max())
+    cold = sum(products) / course.cold.convolutions
+    return [f"{len(products)}", f"{sum(products)}", f"{cold:.1f}", f"{error:.2g}"]
 
 
 # Refused increments, at most one of 50 here, are not counted. Other machines may differ by an iteration.
