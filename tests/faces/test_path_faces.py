@@ -11,6 +11,7 @@ import runpy
 
 import numpy as np
 import pytest
+from PIL import Image
 
 import roughcontact as rc
 from roughcontact.__main__ import main
@@ -225,3 +226,72 @@ class TestPicture:
         curve, start = axes.lines
         assert len(curve.get_xdata()) == 3
         assert start.get_ydata()[0] == pytest.approx(100.0 * path[0].area().fraction)
+
+
+class TestAnimation:
+    def test_shows_each_state_with_the_same_colours(self, flattened, tmp_path):
+        for dark in (False, True):
+            flattened.animate(tmp_path / "path.gif", dark=dark)
+            with Image.open(tmp_path / "path.gif") as file:
+                assert file.n_frames == len(flattened)
+                shown = []
+                for number in range(file.n_frames):
+                    file.seek(number)
+                    shown.append(np.array(file.convert("RGB"), dtype=np.int16))
+                durations = [_duration_of(file, number) for number in range(file.n_frames)]
+            # The last state is looked at for longer.
+            assert len(set(durations[:-1])) == 1 < durations[-1] / durations[0]
+            assert (shown[0][0, 0].mean() < 128) == dark
+            # Of the state without a load the contact differs and the title, and by a part of a pixel what is beside.
+            height, width = shown[0].shape[:2]
+            moved = (np.abs(shown[1] - shown[3]).max(axis=2) > 64)[int(0.3 * height) :]
+            assert moved.mean() > 0.05
+            assert moved[:, int(0.86 * width) :].mean() < 0.01
+
+    def test_other_paths_have_it_too(self, ball, tmp_path):
+        problem = rc.ContactProblem(rc.Body(rc.read_surface(ball), rc.Elastic(210e9, 0.3)))
+        paths = {
+            "sweep": problem.sweep(force=[1.0, 2.0]),
+            "slip": problem.path(force=1.0, tangential_force=[(0.1, 0.0), (0.0, 0.0)], friction=0.3, substeps=1),
+        }
+        for name, path in paths.items():
+            path.animate(tmp_path / f"{name}.gif")
+            with Image.open(tmp_path / f"{name}.gif") as file:
+                assert file.n_frames == len(path)
+
+    @pytest.mark.parametrize(
+        ("name", "sentence"),
+        [("path.mp4", "a file that ends in .gif, but got"), ("path", "ends in .gif"), (3, "a str or a path")],
+    )
+    def test_refuses_other_files(self, worn, name, sentence):
+        with pytest.raises(rc.InputError, match=re.escape(sentence)):
+            worn.animate(name)
+
+    def test_from_the_command_line(self, ball, capsys, tmp_path):
+        saved, moving, again = tmp_path / "path.npz", tmp_path / "path.gif", tmp_path / "again.gif"
+        outputs = ("-o", saved, "-o", moving)
+        status, printed = run(capsys, "solve", ball, "--force", "1N", *STEEL, *SLIDING, *outputs)
+        assert status == 0
+        assert str(moving) in printed.out.replace("\n", "")
+        assert run(capsys, "plot", saved, "-o", again)[0] == 0
+        assert again.read_bytes() == moving.read_bytes()
+
+    @pytest.mark.parametrize(
+        ("arguments", "sentence"),
+        [
+            (("solve", "--force", "1N", *STEEL), "that ends in"),
+            (("solve", "--force", "1N", *STEEL, "--friction", "0.3", "--slide", "0deg"), "that ends in .npz, .pdf"),
+            (("plot",), ".gif is for paths, which have several states: write a .png, .svg or .pdf."),
+        ],
+    )
+    def test_what_is_not_a_path_is_refused(self, ball, capsys, tmp_path, arguments, sentence):
+        command, *options = arguments
+        status, printed = run(capsys, command, ball, *options, "-o", tmp_path / "contact.gif")
+        assert status == 2
+        assert sentence in words_of(printed.err)
+        assert not (tmp_path / "contact.gif").exists()
+
+
+def _duration_of(file, number):
+    file.seek(number)
+    return file.info["duration"]

@@ -21,7 +21,7 @@ ELSEWHERE = {
     ("__init__.py", "append_line"): "appends lines that have a checksum each, and takes back one that does not fit",
     ("storage.py", "write_netcdf"): "writes to memory first",
     ("figures.py", "write_picture"): "draws in memory first",
-    ("figures.py", "write_png"): "draws in memory",
+    ("figures.py", "draw_png"): "draws in memory",
     ("figure_view.py", "savefig"): "chooses the pixels for the caller's file",
     ("folder.py", "_write_lock"): "a lock, renamed when it is held",
     ("folder.py", "_remove_abandoned"): "opens a lock to try it",

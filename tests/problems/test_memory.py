@@ -444,6 +444,7 @@ def test_adhesion_is_refused_before_it_takes_memory():
 
 ANSWERS = {
     "area": rc.LevelSet(),
+    "flags": "flags",
     "stiffness": "stiffness",
     "conductance": rc.responses.create("conductance", 50.0),
     "tangential-stiffness": "tangential-stiffness",

@@ -128,6 +128,8 @@ class Flags(ShownAsPrinted):
 class FindFlags(Response[Flags]):
     """Sharp edges, creases and rough heights of a contact, which decide how far its numbers depend on the grid."""
 
+    memory_arrays = 6.0  # patches, and the gap
+
     def respond(self, solution: ContactSolution) -> Flags:
         """Return the flags of a solution.
 

@@ -186,6 +186,7 @@ class JudgeContact(Response[Judgement]):
     """
 
     holds_with = frozenset({"tension", "shear", "relaxation"})
+    memory_arrays = 0.0  # those of the answers that it asks for, which are refused themselves
 
     def respond(self, solution: ContactSolution) -> Judgement:
         """Return the judgement of a solution, which it keeps."""

@@ -13,8 +13,10 @@ from roughcontact._base import checks
 from roughcontact._base.archive import replacing
 from roughcontact._base.tables import Table
 from roughcontact._base.units import fit, si, without_reasons
+from roughcontact._faces.panels.animation import ANIMATION
 from roughcontact._faces.panels.figures import save_figure
 from roughcontact._faces.panels.theme import require_matplotlib
+from roughcontact._solve.problem import Path as StatePath
 from roughcontact._solve.problem import (
     RequiredLoad,
     Sweep,
@@ -265,6 +267,23 @@ def plan_picture(text: str, others: Sequence[str] = ()) -> Path:
         raise rc.InputError.about("The output", text, f"a file that ends in {', '.join((*others, *sorted(PICTURES)))}")
     require_matplotlib()
     return path
+
+
+def plan_path_picture(text: str, others: Sequence[str] = ()) -> Path:
+    """Return the file of a picture of a path, still or moving; see `plan_picture`."""
+    path = checks.path(text, "The output")
+    if path.suffix != ANIMATION:
+        return plan_picture(text, (*others, ANIMATION))
+    require_matplotlib()
+    return path
+
+
+def save_path_picture(path: StatePath, file: Path, dark: bool = False) -> None:
+    """Write a picture of a path, still or moving as the ending says."""
+    if file.suffix == ANIMATION:
+        path.animate(file, dark=dark)
+    else:
+        save_figure(path.plot(dark=dark), file)
 
 
 def write_late(

@@ -17,7 +17,14 @@ from roughcontact._base.arrays import Array
 from roughcontact._base.registry import PartField, describe_fields, list_fields, summarize
 from roughcontact._base.units import fit
 from roughcontact._faces.cli import Command
-from roughcontact._faces.cli.answers import plan_picture, to_json, to_text
+from roughcontact._faces.cli.answers import (
+    PICTURES,
+    plan_path_picture,
+    plan_picture,
+    save_path_picture,
+    to_json,
+    to_text,
+)
 from roughcontact._faces.cli.options import METRE, add_reading, converter_of, whole_number
 from roughcontact._faces.cli.paths import path_to_json, path_to_text
 from roughcontact._faces.cli.problem import read_map
@@ -112,19 +119,26 @@ examples:
         add_reading(parser)
         parser.add_argument("--panel", metavar="NAME", help=f"one picture ({', '.join(rc.panels)}) instead of all")
         parser.add_argument("--dark", action="store_true", help="on a dark background")
-        parser.add_argument("-o", "--output", required=True, metavar="FILE", help="picture to write: .png, .svg, .pdf")
+        parser.add_argument(
+            "-o",
+            "--output",
+            required=True,
+            metavar="FILE",
+            help="picture to write: .png, .svg, .pdf; of a path also .gif, its states one after the other",
+        )
 
     def run(self, options: argparse.Namespace) -> int:
         """Draw the map or the solution of the file, and return 0."""
-        path = plan_picture(options.output)
+        path = plan_path_picture(options.output)
         subject = _read(options)
         if isinstance(subject, StatePath):
             if options.panel is not None:
                 raise rc.InputError("--panel is for maps and solutions: omit it for a path, which has one picture.")
-            axes = subject.plot(dark=options.dark)
+            save_path_picture(subject, path, options.dark)
+        elif path.suffix not in PICTURES:
+            raise rc.InputError(f"{path.suffix} is for paths, which have several states: write a .png, .svg or .pdf.")
         else:
-            axes = subject.plot(panel=options.panel, dark=options.dark)
-        save_figure(axes, path)
+            save_figure(subject.plot(panel=options.panel, dark=options.dark), path)
         print(fit(f"Written: {path}"))
         for text in list_warnings(subject) if isinstance(subject, rc.HeightMap) else ():
             print(text)

@@ -145,6 +145,8 @@ def add_problem(parser: argparse.ArgumentParser, *, study: bool = False) -> None
             ("time", _SECOND, "times of a path: 0s 1s 1e3s"),
         ):
             changes.add_argument(f"--{name}", type=convert, nargs="+", metavar=name[0].upper(), help=what)
+        strict = "admissible error of an increment of --sliding or --time, over the change of the surfaces (0.001)"
+        changes.add_argument("--accuracy", type=NUMBER, metavar="D", help=strict)
         _add_friction(parser)
     _add_method(parser)
 

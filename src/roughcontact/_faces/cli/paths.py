@@ -21,9 +21,11 @@ from roughcontact._faces.cli.answers import (
     describe_rows,
     is_doubtful,
     name_written,
+    plan_path_picture,
     plan_picture,
     plan_report,
     require_place,
+    save_path_picture,
     to_csv,
     to_json,
     to_text,
@@ -46,6 +48,7 @@ from roughcontact._solve.problem import (
     describe_estimate,
     explain_with_friction,
     find_path_inputs,
+    is_unfinished,
     list_loads,
     list_places,
     remember_changes,
@@ -65,7 +68,7 @@ _OUTSIDE_CYCLES = ("refine", "area", "area_within", "peak_within", "uncertainty"
 _OF_PATHS = ("path", "sliding", "time")
 _OUTSIDE_PATHS = ("cycle", "solve_for", *_OUTSIDE_CYCLES)
 # Options of a solve that say nothing of a contact with friction.
-_WITHOUT_FRICTION = ("cycle", *_OF_PATHS, *_OUTSIDE_CYCLES)
+_WITHOUT_FRICTION = ("cycle", *_OF_PATHS, "accuracy", *_OUTSIDE_CYCLES)
 
 
 @attrs.frozen
@@ -83,9 +86,11 @@ _NOTHING = Asked()
 def plan_path_outputs(options: argparse.Namespace, maps: list[Path]) -> list[Path]:
     """Return the files of a path or a state: itself, .npz, its picture, and its report."""
     files = []
+    is_path = options.slide is None or options.tangential is not None
+    plan = plan_path_picture if is_path else plan_picture
     for text in options.output:
         path = checks.path(text, "The output")
-        path = path if path.suffix == ".npz" else plan_picture(text, (".npz",))
+        path = path if path.suffix == ".npz" else plan(text, (".npz",))
         require_place(path, [path], maps)
         files.append(path)
     return files + plan_report(options.report, maps)
@@ -104,7 +109,11 @@ def write_path(
     for file in files:
         if file.suffix == ".npz":
             subject.save(file)
-        elif file not in reports:
+        elif file in reports:
+            continue
+        elif isinstance(subject, StatePath):
+            save_path_picture(subject, file)
+        else:
             save_figure(subject.plot(), file)
     found = Asked(asked)
     try:
@@ -197,6 +206,8 @@ def find_course(options: argparse.Namespace) -> Course | None:
         raise rc.InputError("--states is for --cycle, whose branches have them: give both, or neither.")
     if options.tangential is not None or options.slide is not None:
         return LoadsAlong(options)
+    if options.accuracy is not None and options.sliding is None and options.time is None:
+        raise rc.InputError("--accuracy is for increments of --sliding or --time: give one of them, or omit it.")
     if any(getattr(options, name) for name in _OF_PATHS):
         return ChangingSurfaces(options)
     return None if options.cycle is None else Cycle(options)
@@ -247,6 +258,8 @@ class ChangingSurfaces(Course):
         if given == "--path" and options.loads is None:
             raise rc.InputError("--path is for several loads: give them to --loads, in their order, or omit it.")
         self._passed = {name: getattr(options, name) for name in ("time", "sliding")}
+        self._accuracy = PATH_ACCURACY if options.accuracy is None else options.accuracy
+        self._outputs = options.output
         self._quiet = options.quiet
 
     def explain(self, problem: rc.ContactProblem) -> str:
@@ -266,7 +279,12 @@ class ChangingSurfaces(Course):
         values = [load.value for load in loads]
         normal = {loads[0].kind: values if len(values) > 1 else values[0]}
         with show_progress("solving", quiet=self._quiet) as change:
-            return run_load_path(problem, normal, {}, self._passed, PATH_ACCURACY, None, change)
+            return run_load_path(problem, normal, {}, self._passed, self._accuracy, None, change, self._find_file())
+
+    def _find_file(self) -> Path | None:
+        """Return the file that grows with the path: what a killed one has left goes on, anything else is replaced."""
+        files = [path for path in map(Path, self._outputs) if path.suffix == ".npz"]
+        return next((path for path in files if not path.exists() or is_unfinished(path)), None)
 
 
 class LoadsAlong(Course):

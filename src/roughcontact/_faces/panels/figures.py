@@ -7,6 +7,8 @@ import importlib.util
 import io
 import math
 import textwrap
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -173,7 +175,7 @@ def plot(kind: str, subject: Any, panel: str | Panel | None, axes: Any, dark: bo
             if chosen is None:
                 return _fill(figure, kind, subject)
             drawn = _fill_one(figure, chosen, subject)
-            _add_title(figure, title_of(kind, subject))
+            add_title(figure, wrap_title(figure, title_of(kind, subject)))
             return drawn
         except BaseException:
             pyplot.close(figure)
@@ -242,7 +244,7 @@ def _fill(figure: Any, kind: str, subject: Any) -> Any:
                 va="center",
                 transform=axes.transAxes,
             )
-    _add_title(figure, title_of(kind, subject))
+    add_title(figure, wrap_title(figure, title_of(kind, subject)))
     _keep_colors(figure)
     return figure
 
@@ -255,20 +257,28 @@ def _arrange(figure: Any, kind: str, subject: Any, count: int) -> Layout:
     return layout
 
 
-def _add_title(figure: Any, title: str) -> None:
-    """Write a title in lines as wide as the figure at most, and make the figure higher for them."""
+def wrap_title(figure: Any, title: str) -> list[str]:
+    """Return the lines of a title, as wide as the figure at most."""
+    width = int(_TITLE_CHARACTERS_PER_INCH * figure.get_size_inches()[0])
+    return [line for part in title.split("\n") for line in textwrap.wrap(part, width)]
+
+
+def add_title(figure: Any, lines: Sequence[str]) -> None:
+    """Write a title, and make the figure higher for it."""
     width, height = figure.get_size_inches()
-    lines = [
-        line for part in title.split("\n") for line in textwrap.wrap(part, int(_TITLE_CHARACTERS_PER_INCH * width))
-    ]
     figure.set_size_inches(width, height + _TITLE_LINE_INCHES * len(lines))
     figure.suptitle("\n".join(lines))
 
 
 def _fill_one(figure: Any, panel: Panel, subject: Any) -> Any:
-    _arrange(figure, panel.subject, subject, 1)
+    return fill_alone(figure, panel.subject, subject, partial(panel.draw, subject))
+
+
+def fill_alone(figure: Any, kind: str, subject: Any, draw: Callable[[Any], object]) -> Any:
+    """Return the axes of a figure that holds nothing else, as large as a subject of this kind needs, once drawn."""
+    _arrange(figure, kind, subject, 1)
     axes = figure.add_subplot()
-    panel.draw(subject, axes)
+    draw(axes)
     _keep_colors(figure)
     return axes
 
@@ -317,6 +327,11 @@ def draw_panel(kind: str, subject: Any, name: str) -> str:
 
 def write_png(figure: Any) -> str:
     """Return a figure as a PNG file in a data: address."""
+    return f"data:image/png;base64,{base64.b64encode(draw_png(figure, dpi=_PAGE_DPI)).decode()}"
+
+
+def draw_png(figure: Any, **options: Any) -> bytes:
+    """Return the content of a PNG file of a figure; the options are those of `savefig`."""
     content = io.BytesIO()
-    figure.savefig(content, format="png", dpi=_PAGE_DPI)
-    return f"data:image/png;base64,{base64.b64encode(content.getvalue()).decode()}"
+    figure.savefig(content, format="png", **options)
+    return content.getvalue()

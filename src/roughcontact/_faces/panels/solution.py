@@ -109,20 +109,27 @@ class PressurePanel(Panel):
     edge: bool = _true_or_false("edge=")
 
     def draw(self, subject: Any, axes: Any) -> None:
-        theme = theme_of(axes)
-        factor, unit = pressure_scale(subject)
-        axes.set_facecolor(theme.open)
-        shown = np.where(subject.contact, factor * subject.contact_pressure, np.nan)
-        highest = factor * float(subject.contact_pressure.max())
-        draw_map(axes, shown, subject.grid, "pressure", unit, limits=(0.0, highest))
-        named = []
-        if subject.saturated.any():
-            draw_mask(axes, subject.saturated, theme.limit)
-            named.append((theme.limit, "saturated"))
-        named += mark_non_measured(axes, subject.non_measured)
-        name_colors(axes, named)
-        if self.edge:
-            draw_edges(axes, subject, theme.edge)
+        highest = float(subject.contact_pressure.max())
+        draw_pressure(subject, axes, highest, names_saturated=subject.saturated.any(), edge=self.edge)
+
+
+def draw_pressure(
+    solution: ContactSolution, axes: Any, highest: float, *, names_saturated: bool, edge: bool = True
+) -> None:
+    """Draw the contact pressure, its colours from zero to a highest one, Pa, with or without a name for saturation."""
+    theme = theme_of(axes)
+    factor, unit = prefixed(highest, "Pa")
+    axes.set_facecolor(theme.open)
+    shown = np.where(solution.contact, factor * solution.contact_pressure, np.nan)
+    draw_map(axes, shown, solution.grid, "pressure", unit, limits=(0.0, factor * highest))
+    named = []
+    if names_saturated:
+        draw_mask(axes, solution.saturated, theme.limit)
+        named.append((theme.limit, "saturated"))
+    named += mark_non_measured(axes, solution.non_measured)
+    name_colors(axes, named)
+    if edge:
+        draw_edges(axes, solution, theme.edge)
 
 
 @final

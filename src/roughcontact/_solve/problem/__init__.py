@@ -45,8 +45,12 @@ from roughcontact._solve.problem.increments import list_targets as list_targets
 from roughcontact._solve.problem.load_march import list_places as list_places
 from roughcontact._solve.problem.load_path import PATH_ACCURACY as PATH_ACCURACY
 from roughcontact._solve.problem.load_path import LoadPath as LoadPath
+from roughcontact._solve.problem.load_path import check_accuracy as check_accuracy
+from roughcontact._solve.problem.load_path import read_load_path as read_load_path
 from roughcontact._solve.problem.load_path import remember_changes as remember_changes
+from roughcontact._solve.problem.load_path import require_used as require_used
 from roughcontact._solve.problem.load_path import run_load_path as run_load_path
+from roughcontact._solve.problem.load_path import save_load_path as save_load_path
 from roughcontact._solve.problem.loads import order_loads as order_loads
 from roughcontact._solve.problem.loads import solve_next as solve_next
 from roughcontact._solve.problem.loads import sweep_loads as sweep_loads
@@ -55,6 +59,7 @@ from roughcontact._solve.problem.loads_along import run_slide as run_slide
 from roughcontact._solve.problem.memory import require_memory_of_solve as require_memory_of_solve
 from roughcontact._solve.problem.path import Path as Path
 from roughcontact._solve.problem.path import march as march
+from roughcontact._solve.problem.path_file import is_unfinished as is_unfinished
 from roughcontact._solve.problem.plan import SolvePlan as SolvePlan
 from roughcontact._solve.problem.problem import ContactProblem as ContactProblem
 from roughcontact._solve.problem.pull_off import OnStateToPullOff as OnStateToPullOff

@@ -21,7 +21,7 @@ from roughcontact.errors import InputError, argument
 # the error, at least, at most, and of safety; and the error of an increment over the change from its extrapolation.
 _FIRST_PART = 1e-3
 _MIN_GROWTH = 0.2
-_MAX_GROWTH = 2.0
+_MAX_GROWTH = 4.0
 _SAFETY = 0.9
 _ERROR_OF_CHANGE = 1.0 / 6.0
 # Range of what is remembered below which there is nothing, m.
@@ -68,97 +68,139 @@ def _list_passed(values: object, name: str, unit: str) -> tuple[float, ...] | No
     return found
 
 
+@attrs.frozen(eq=False, kw_only=True)
+class Standing:
+    """Where a march stands: all that its next increment depends on.
+
+    Attributes
+    ----------
+    states
+        The last two states.
+    since
+        What identifies the state at the last place.
+    passed, count
+        What has passed of the interval, s or m, and in how many increments.
+    last_length, next_length
+        Lengths of the last increment and of the next one, s or m; zero after a step of load.
+    """
+
+    states: tuple[ContactSolution, ...] = ()
+    since: str = ""
+    passed: float = 0.0
+    count: int = 0
+    last_length: float = 0.0
+    next_length: float = 0.0
+
+
 class LoadMarch:
-    """The last two states of a path, and the length of the next increment, over the interval that it is part of."""
+    """Goes from place to place on a path, in increments as long as their error allows."""
 
     def __init__(
         self,
         solve: Callable[..., ContactSolution],
         accuracy: float,
         tell: Callable[[ContactSolution], object] = lambda state: None,
-        states: Sequence[ContactSolution] = (),
+        standing: Standing | None = None,
     ) -> None:
         self._solve = solve
         self._accuracy = accuracy
         self._tell = tell
-        self._states: list[ContactSolution] = list(states)
-        # Lengths of the last increment and of the next one, s or m; zero after a step of load.
-        self._before = 0.0
-        self._next = 0.0
+        self.standing = standing or Standing()
 
     @property
     def last(self) -> ContactSolution:
         """The last state."""
-        return self._states[-1]
+        return self.standing.states[-1]
 
-    def jump(self, load: Load) -> None:
-        """Go to a load at once."""
-        self._accept(follow(partial(self._solve, increment=LoadIncrement(load)), self._states, load))
-        self._before = self._next = 0.0
-
-    def go(self, begin: Place, end: Place) -> int:
-        """Go from one place to the next; return the number of increments."""
-        time = end.time - begin.time
-        sliding = end.sliding - begin.sliding
+    def go(self, begin: Place | None, end: Place) -> int:
+        """Go from one place, None at the start of a path, to the next; return the number of increments."""
+        time = end.time - begin.time if begin else 0.0
+        sliding = end.sliding - begin.sliding if begin else 0.0
         # Where both pass, their ratio is that of the interval.
         length = sliding or time
-        if length == 0.0:
-            self.jump(end.load)
-            return 1
-        count = 0
-        passed = 0.0
-        while passed < length:
-            step = self._choose(length, length - passed)
-            is_last = step >= length - passed
-            part = 1.0 if is_last else (passed + step) / length
-            load = _between(begin.load, end.load, part)
-            increment = LoadIncrement(load, time * step / length, sliding * step / length)
-            found = self._find(step, increment)
-            error = self._measure(found, step)
-            growth = _SAFETY / math.sqrt(error) if error > 0.0 else _MAX_GROWTH
-            self._next = step * min(max(growth, _MIN_GROWTH), _MAX_GROWTH)
-            if error > 1.0:
-                continue
-            self._accept(_set_clock(found, end) if is_last else found)
-            self._before = step
-            passed = length if is_last else passed + step
-            count += 1
-            if count > _MAX_INCREMENTS:
-                raise InputError(
-                    f"After {count} increments a path has passed {passed / length:.2g} of an interval: give places "
-                    f"that are nearer to each other, or {argument('accuracy')} that is less strict."
-                )
+        if begin is None or length == 0.0:
+            if not self.standing.count:
+                self._jump(end)
+        else:
+            while self.standing.passed < length:
+                self._step(begin, end, length, time / length, sliding / length)
+        count = self.standing.count
+        self.standing = attrs.evolve(self.standing, since=identify(self.last), passed=0.0, count=0)
         return count
 
+    def _jump(self, place: Place) -> None:
+        """Go to a load at once."""
+        solve = partial(self._solve, increment=LoadIncrement(place.load))
+        found = follow(solve, self.standing.states, place.load)
+        self._accept(found, attrs.evolve(self.standing, count=1, last_length=0.0, next_length=0.0))
+
+    def _step(self, begin: Place, end: Place, length: float, time: float, sliding: float) -> None:
+        """Try the next increment of an interval, over whose length time and distance pass at these rates."""
+        standing = self.standing
+        rest = length - standing.passed
+        step = self._choose(length, rest)
+        is_last = step >= rest
+        passed = length if is_last else standing.passed + step
+        load = _between(begin.load, end.load, passed / length)
+        found = self._find(step, LoadIncrement(load, time * step, sliding * step))
+        error = self._measure(found, step)
+        growth = _SAFETY / math.sqrt(error) if error > 0.0 else _MAX_GROWTH
+        following = step * min(max(growth, _MIN_GROWTH), _MAX_GROWTH)
+        if error > 1.0:
+            self.standing = attrs.evolve(standing, next_length=following)
+            return
+        if standing.count == _MAX_INCREMENTS:
+            raise InputError(
+                f"After {standing.count} increments a path has passed {standing.passed / length:.2g} of an interval: "
+                f"give places that are nearer to each other, or {argument('accuracy')} that is less strict."
+            )
+        found = _set_clock(found, end) if is_last else found
+        count = standing.count + 1
+        self._accept(found, attrs.evolve(standing, passed=passed, count=count, last_length=step, next_length=following))
+
     def _choose(self, length: float, rest: float) -> float:
-        step = self._next or _FIRST_PART * length
+        step = self.standing.next_length or _FIRST_PART * length
         # Two equal increments instead of a long one and a tiny one.
         return rest if step >= rest else min(step, 0.5 * rest) if 2.0 * step > rest else step
 
-    def _accept(self, state: ContactSolution) -> None:
-        self._states = [*self._states[-1:], state]
+    def _accept(self, state: ContactSolution, standing: Standing) -> None:
+        """Take a state as the last one, which states the place that it follows."""
+        effect = state._find_added(Governed)
+        if effect is not None:
+            state = state._add(attrs.evolve(effect, previous=standing.since))
+        self.standing = attrs.evolve(standing, states=(*standing.states[-1:], state))
         self._tell(state)
 
     def _find(self, step: float, increment: LoadIncrement) -> ContactSolution:
         """Return the state after an increment, from the pressure extrapolated from the last two."""
+        standing = self.standing
         solve = partial(self._solve, increment=increment)
-        if not self._before or len(self._states) < 2 or self.last.tension is not None:
-            return follow(solve, self._states[-1:], increment.load)
-        before, last = (state.pressure for state in self._states)
-        start = np.clip(last + (last - before) * (step / self._before), 0.0, self.last.pressure_limit)
+        if not standing.last_length or len(standing.states) < 2 or self.last.tension is not None:
+            return follow(solve, standing.states[-1:], increment.load)
+        before, last = (state.pressure for state in standing.states)
+        start = np.clip(last + (last - before) * (step / standing.last_length), 0.0, self.last.pressure_limit)
         return solve(increment.load, start, before=self.last)
 
     def _measure(self, state: ContactSolution, step: float) -> float:
         """Return the error of an increment over the admissible one, from what changes the gap and its extrapolation."""
-        if not self._before or len(self._states) < 2:
+        states = self.standing.states
+        earlier = self.standing.last_length
+        if not earlier or len(states) < 2:
             return 0.0
-        part = _ERROR_OF_CHANGE * step / (step + self._before)
+        part = _ERROR_OF_CHANGE * step / (step + earlier)
         error = 0.0
-        for before, last, now in zip(*map(_list_lengths, (*self._states, state)), strict=True):
+        for before, last, now in zip(*(_list_lengths(one, passing=True) for one in (*states, state)), strict=True):
             change = now - last
-            change -= (last - before) * (step / self._before)
-            error = max(error, part * float(np.abs(change).max()) / max(float(np.ptp(now)), _SMALLEST))
-        return error / self._accuracy
+            change -= (last - before) * (step / earlier)
+            error = max(error, part * float(np.abs(change).max()))
+        scale = max((float(np.ptp(now)) for now in _list_lengths(state)), default=0.0)
+        return error / (self._accuracy * max(scale, _SMALLEST))
+
+
+def identify(state: ContactSolution) -> str:
+    """Return digits that identify a state on a path; empty where no law remembers."""
+    effect = state._find_added(Governed)
+    return "" if effect is None else effect.identify(state)
 
 
 def _set_clock(state: ContactSolution, place: Place) -> ContactSolution:
@@ -168,12 +210,20 @@ def _set_clock(state: ContactSolution, place: Place) -> ContactSolution:
     return state._add(attrs.evolve(effect, elapsed=place.time, slid=place.sliding))
 
 
-def _list_lengths(state: ContactSolution) -> list[Array]:
-    """Return what the laws remember as lengths, such as heights that are lost."""
+def _list_lengths(state: ContactSolution, *, passing: bool = False) -> list[Array]:
+    """Return what the laws remember as lengths, such as heights that are lost; where only what passes changes them.
+
+    What changes with the load alone, as by flattening, has no length of increments on which it depends.
+    """
     effect = state._find_added(Governed)
     assert effect is not None
-    pairs = zip(effect.remembered, effect.memory, strict=True)
-    return [memory[name] for names, memory in pairs for name, (_, unit) in names.items() if unit == "m"]
+    known = zip(effect.laws, effect.remembered, effect.memory, strict=True)
+    return [
+        memory[name]
+        for law, names, memory in known
+        for name, (_, unit) in names.items()
+        if unit == "m" and (law.rates or not passing)
+    ]
 
 
 def _between(begin: Load, end: Load, part: float) -> Load:

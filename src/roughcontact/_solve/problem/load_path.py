@@ -5,9 +5,11 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from itertools import pairwise
+from pathlib import Path as File
 from typing import Any, TypeVar
 
 import attrs
@@ -23,13 +25,22 @@ from roughcontact._parts.materials import Viscoelastic
 from roughcontact._parts.surfaces import HeightMap
 from roughcontact._solve.problem.body import Body
 from roughcontact._solve.problem.increments import is_single
-from roughcontact._solve.problem.load_march import LoadMarch, Place, list_places
+from roughcontact._solve.problem.load_march import LoadMarch, Place, Standing, identify, list_places
 from roughcontact._solve.problem.path import Path
+from roughcontact._solve.problem.path_file import (
+    KIND,
+    OPEN,
+    Leg,
+    PathFile,
+    list_increments,
+    note_path,
+    require_digests,
+)
 from roughcontact._solve.problem.run import run_solve
 from roughcontact._solve.problem.scene import Scene
 from roughcontact._solve.problem.sweep import tabulate_states
 from roughcontact._solve.problem.task import limit_load
-from roughcontact._solve.solution import ContactSolution, Flattening, Governed, Process, Relaxation
+from roughcontact._solve.solution import ContactSolution, Flattening, Governed, Process, Relaxation, read_states
 from roughcontact.errors import InputError, argument
 
 S = TypeVar("S", bound=Scene)
@@ -52,6 +63,8 @@ class LoadPath(Path):
         The states at the given places, in their order.
     increments
         Increments from the place before to each.
+    accuracy
+        Admissible error of an increment; see `ContactProblem.path`.
 
     Examples
     --------
@@ -65,12 +78,13 @@ class LoadPath(Path):
     ['267.8 nJ', '267.8 nJ', '267.8 nJ']
     """
 
-    kind = "load path"
+    kind = KIND
     view = "load-path"
     curve = "contact along the path"
 
     states: tuple[ContactSolution, ...]
     increments: tuple[int, ...]
+    accuracy: float = PATH_ACCURACY
 
     @property
     def time(self) -> Array:
@@ -103,11 +117,11 @@ class LoadPath(Path):
         approach: Length | Iterable[Length] | None = None,
         time: Iterable[float | str] | None = None,
         sliding: Iterable[Length] | None = None,
-        accuracy: float = PATH_ACCURACY,
+        accuracy: float | None = None,
     ) -> LoadPath:
         """Return the path continued from its last state, such as one from a file; see `ContactProblem.path`.
 
-        Times and distances still count from the start of the path.
+        Times and distances still count from the start of the path; the accuracy is by default that of the path.
 
         Examples
         --------
@@ -124,7 +138,7 @@ class LoadPath(Path):
         scene: Scene = last.origin.scene
         loads = _list_loads(scene, {"force": force, "pressure": pressure, "approach": approach}, Load.unsigned_sequence)
         passed = {"time": time, "sliding": sliding}
-        _require_used(scene, passed)
+        require_used(scene, passed)
         here = {"force": last.force, "pressure": last.mean_pressure, "approach": last.approach}
         begin = Place(
             load=Load(loads[0].kind, here[loads[0].kind]), time=float(self.time[-1]), sliding=float(self.sliding[-1])
@@ -138,27 +152,47 @@ class LoadPath(Path):
                 f"The path ends after {si(begin.time, 's')} and {si(begin.sliding, 'm')}: times and distances "
                 "count from its start, and do not fall."
             )
-        march = LoadMarch(partial(run_solve, scene), _check_accuracy(accuracy), states=[last])
+        strict = self.accuracy if accuracy is None else check_accuracy(accuracy)
+        standing = Standing(states=(last,), since=identify(last))
+        march = LoadMarch(partial(run_solve, scene), strict, standing=standing)
         found = [(march.go(one, other), march.last) for one, other in pairwise([begin, *places])]
         counts, states = zip(*found, strict=True)
-        return LoadPath(states=(*self.states, *states), increments=(*self.increments, *counts))
+        return LoadPath(states=(*self.states, *states), increments=(*self.increments, *counts), accuracy=strict)
+
+    def verify(self) -> None:
+        """Recompute the certificate of each state; `InputError` if one contradicts itself or the state before."""
+        super().verify()
+        self._require_row()
+
+    def _require_row(self, stated: str = "") -> None:
+        """Raise `InputError` unless the states follow each other, the last one as a file states it."""
+        for before, after, count in zip(self.states, self.states[1:], self.increments[1:], strict=False):
+            _require_following(before, after, count)
+        require_digests(self.states, stated)
 
     @classmethod
     def _restore(cls, states: tuple[ContactSolution, ...], notes: Mapping[str, Any]) -> LoadPath:
         counts = tuple(int(count) for count in notes["increments"])
+        if OPEN in notes:
+            # Behind the places that are reached, the file has states from which the path goes on.
+            states = states[: len(counts)]
+            if not states:
+                raise InputError("The path has not reached its first place: follow it on, with the same file=.")
         if len(counts) != len(states) or min(counts) < 1:
             raise InputError("The file is damaged: its increments are not those of its states.")
-        for before, after, count in zip(states, states[1:], counts[1:], strict=False):
-            _require_following(before, after, count)
-        return cls(states=states, increments=counts)
+        # Former files do not state the accuracy, nor which states follow which.
+        path = cls(states=states, increments=counts, accuracy=check_accuracy(notes.get("accuracy", PATH_ACCURACY)))
+        path._require_row(str(notes.get("end", "")))
+        return path
 
     def _note_rest(self) -> dict[str, Any]:
-        return {"increments": list(self.increments)}
+        return note_path(self.increments, self.states, self.accuracy)
 
     def list_arguments(self) -> dict[str, Any]:
         """Return the arguments of `ContactProblem.path`."""
         passed = {name: values.tolist() for name, values in self._list_passed().items()}
-        return super().list_arguments() | passed
+        strict = {"accuracy": self.accuracy} if passed else {}
+        return super().list_arguments() | passed | strict
 
     def _list_passed(self) -> dict[str, Array]:
         """Return time and sliding distance, as far as they pass."""
@@ -270,17 +304,19 @@ def run_load_path(
     accuracy: float,
     on_increment: object,
     change: ChangeProgress,
+    file: str | os.PathLike[str] | None = None,
 ) -> LoadPath:
     """Return the path of a problem without friction; see `ContactProblem.path`."""
     require_omitted(omitted, f"with {argument('friction', '0.3')}")
-    accuracy = _check_accuracy(accuracy)
+    accuracy = check_accuracy(accuracy)
     told = checks.callback(on_increment, "on_increment=", "state")
     loads = _list_loads(problem, normal, Load.resting_sequence)
     scene = remember_changes(problem)
     places = list_places(loads, **passed)
-    _require_used(scene, passed)
+    require_used(scene, passed)
     count = count_done(change, len(places), "place")
-    return follow_path(scene, places, accuracy, told or (lambda state: None), count)
+    kept = None if file is None else PathFile(file, scene, places, accuracy)
+    return follow_path(scene, places, accuracy, told or (lambda state: None), count, kept)
 
 
 def remember_flattening(problem: S) -> S:
@@ -291,7 +327,8 @@ def remember_flattening(problem: S) -> S:
     return attrs.evolve(problem, laws=(*problem.laws, Flattening()))
 
 
-def _check_accuracy(value: float) -> float:
+def check_accuracy(value: object) -> float:
+    """Return the admissible error of an increment; `InputError` if it is none."""
     return checks.number(value, "The accuracy of a path", above=0.0, at_most=1.0)
 
 
@@ -321,7 +358,7 @@ def require_omitted(given: Mapping[str, object], when: str) -> None:
             raise InputError(f"The argument {name}= of a path is used only {when}: omit it.")
 
 
-def _require_used(problem: Scene, passed: Mapping[str, object]) -> None:
+def require_used(problem: Scene, passed: Mapping[str, object]) -> None:
     """Refuse time and distance if no law of the problem depends on them."""
     for name, value in passed.items():
         if value is not None and not any(name in law.rates for law in problem.laws):
@@ -337,19 +374,52 @@ def follow_path(
     accuracy: float,
     tell: Callable[[ContactSolution], object],
     count: Callable[[ContactSolution], object],
+    file: PathFile | None = None,
 ) -> LoadPath:
-    """Return the states at the places of a path; each increment is reported, and each of these states counted."""
-    march = LoadMarch(partial(run_solve, problem), accuracy, tell)
+    """Return the states at the places of a path; each increment is reported, and each of these states counted.
+
+    From the file of a path that has begun it goes on, and into this it is written.
+    """
     first = places[0]
     # Of several loads the first rises from zero if time or distance pass until there; one holds from the start on.
     at_once = len({place.load for place in places}) == 1 or not (first.time or first.sliding)
     start = Place(load=first.load if at_once else attrs.evolve(first.load, value=0.0))
-    march.jump(start.load)
-    counts = [1 if first == start else 1 + march.go(start, first)]
-    states = [march.last]
-    count(march.last)
-    for begin, end in pairwise(places):
-        counts.append(march.go(begin, end))
-        states.append(march.last)
-        count(march.last)
-    return LoadPath(states=tuple(states), increments=tuple(counts))
+    hidden = int(first != start)
+    stops = (None, *[start] * hidden, *places)
+    legs, standing = ([], Standing()) if file is None else file.read()
+    if standing is None:
+        # The file has the whole path.
+        hidden = 0
+    for leg in legs[hidden:]:
+        count(leg.state)
+    if standing is not None:
+
+        def keep(state: ContactSolution) -> None:
+            tell(state)
+            if file is not None:
+                file.write(legs, march.standing, hidden)
+
+        march = LoadMarch(partial(run_solve, problem), accuracy, keep, standing)
+        for begin, end in pairwise(stops[len(legs) :]):
+            assert end is not None
+            legs.append(Leg(increments=march.go(begin, end), state=march.last))
+            if len(legs) > hidden:
+                count(march.last)
+    states = tuple(leg.state for leg in legs[hidden:])
+    path = LoadPath(states=states, increments=tuple(list_increments(legs, hidden)), accuracy=accuracy)
+    if standing is not None and file is not None:
+        file.finish(path.increments, states)
+    return path
+
+
+def save_load_path(file: str | os.PathLike[str], path: LoadPath, key: str) -> None:
+    """Write a path under the key by which a study finds it; see `LoadPath.save`."""
+    path._save(file, key=key)
+
+
+def read_load_path(file: File, key: str) -> LoadPath:
+    """Return the path in a file, which must have a key; its certificates are not computed again."""
+    states, notes = read_states(file, KIND, verify=False)
+    if notes.get("key") != key:
+        raise InputError(f"The file {file.name} does not hold the path with the key {key}.")
+    return LoadPath._rebuild(file, states, notes)

@@ -168,6 +168,13 @@ class Path(TableResult, Sequence[ContactSolution]):
         """Draw the curve of the path (extra ``plot``); see `ContactSolution.plot`."""
         return find_view(self.view)(self, axes, dark)
 
+    def animate(self, path: str | os.PathLike[str], *, dark: bool = False) -> None:
+        """Write a moving picture of the pressure, a state after the other, to one file ``.gif`` (extra ``plot``).
+
+        Its colours mean the same pressures in all states. The file is written completely or not at all.
+        """
+        find_view("animation")(self, checks.path(path, "The animation"), checks.flag(dark, "dark="))
+
 
 def march(
     loads: Iterable[T],

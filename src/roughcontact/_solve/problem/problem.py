@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from typing import Any, overload
@@ -250,6 +251,7 @@ class ContactProblem(Scene):
         sliding: Iterable[Length] | None = None,
         accuracy: float = PATH_ACCURACY,
         on_increment: Callable[[Any], None] | None = None,
+        file: str | os.PathLike[str] | None = None,
         progress: bool = False,
     ) -> LoadPath: ...
 
@@ -285,6 +287,7 @@ class ContactProblem(Scene):
         sliding: Iterable[Length] | None = None,
         accuracy: float = PATH_ACCURACY,
         on_increment: Callable[[Any], None] | None = None,
+        file: str | os.PathLike[str] | None = None,
         progress: bool = False,
     ) -> FrictionalPath | LoadPath:
         """Follow a contact along a path of loads, each state from the one before.
@@ -318,6 +321,9 @@ class ContactProblem(Scene):
             up to 16, until displacement, energy and stick area hardly change; their limits are extrapolated.
         on_increment
             Called after each increment with an `Increment`, without friction with its state.
+        file
+            Without friction, a file ``.npz`` into which the path is written while it grows: the same call goes on from
+            there after its process was killed, to the same bits, and reads a path that is finished.
         progress
             Whether to show on standard error what runs (extra ``progress``).
 
@@ -341,8 +347,8 @@ class ContactProblem(Scene):
         with show_progress("path", shown=flag(progress, "progress=")) as change:
             if friction is None:
                 omitted = tangential | {"substeps": None if substeps == "auto" else substeps, "cycles": cycles}
-                return run_load_path(self, normal, omitted, passed, accuracy, on_increment, change)
-            require_omitted(passed, "without friction")
+                return run_load_path(self, normal, omitted, passed, accuracy, on_increment, change, file)
+            require_omitted({**passed, "file": file}, "without friction")
             return run_path(self, normal, tangential, friction, substeps, on_increment, change, cycles, accuracy)
 
     def slide(

@@ -10,6 +10,7 @@ from typing import Any, ClassVar, TypeAlias, final
 import attrs
 import numpy as np
 
+from roughcontact._base.archive import digest_of, short_digest
 from roughcontact._base.archive.plain import Described, describe, missing_classes, rebuild
 from roughcontact._base.arrays import Array, RealArray, frozen_array
 from roughcontact._base.checks import MAX_MAGNITUDE, Part, number
@@ -218,6 +219,8 @@ class Governed(Addition):
         Their numbers by name, each with its unit.
     added_conditions
         Their conditions of the certificate.
+    previous
+        What `identify` gives for the state at the place before on a path; empty at the first, and of other states.
     """
 
     kind = "laws"
@@ -238,6 +241,7 @@ class Governed(Addition):
     local_compliance: float | Array = 0.0
     numbers: Mapping[str, Estimate | tuple[float, str]] = attrs.field(factory=dict)
     added_conditions: tuple[Condition, ...] = ()
+    previous: str = ""
 
     @classmethod
     def begin(cls, problem: Any, increment: LoadIncrement, last: Any) -> Governed:
@@ -342,6 +346,12 @@ class Governed(Addition):
             if not np.abs(stated_field - found_field).max() <= _MACHINE_DIFFERENCE * scale:
                 raise InputError(f"Its {name} contradicts its laws and its fields.")
 
+    def identify(self, state: Any) -> str:
+        """Return digits by which a state, of which it is part, is known to the one that follows it on a path."""
+        numbers = np.array([state.force, state.approach, self.time, self.sliding, self.elapsed, self.slid])
+        fields = [one[name] for one in (*self.before, *self.memory) for name in sorted(one)]
+        return short_digest(self.previous + "".join(map(digest_of, (numbers, state.pressure, *fields))))
+
     @property
     def conditions(self) -> tuple[Condition, ...]:
         """Those that the laws add."""
@@ -387,6 +397,7 @@ class Governed(Addition):
         return {
             **{name: describe(getattr(self, name), arrays) for name in (*_PLAIN, "offset", "before", "memory")},
             **{name: getattr(self, name) for name in _AT_ONCE if getattr(self, name) != _AT_ONCE[name]},
+            **({"previous": self.previous} if self.previous else {}),
             "numbers": describe(named, arrays),
             "conditions": describe([attrs.asdict(one) for one in self.added_conditions], arrays),
         }
@@ -413,6 +424,7 @@ class Governed(Addition):
             before=before,
             memory=memory,
             **{name: _check_length(described.get(name, one)) for name, one in _AT_ONCE.items()},
+            previous=str(described.get("previous", "")),
             numbers={name: _read_number(one) for name, one in rebuild(described["numbers"], arrays).items()},
             added_conditions=tuple(Condition(**one) for one in rebuild(described["conditions"], arrays)),
         )

@@ -23,8 +23,8 @@ from roughcontact._solve.solution import ContactSolution, list_all_warnings, sol
 from roughcontact._solve.solvers import Solver
 from roughcontact._work.studies.answers import Question, find_answers, has_answers
 from roughcontact._work.studies.lists import Journal, Known
-from roughcontact._work.studies.loading import SINGLE_LOADS, Loading
-from roughcontact._work.studies.record import Record
+from roughcontact._work.studies.loading import SINGLE_LOADS, Loading, list_law_numbers
+from roughcontact._work.studies.record import Place, Record
 from roughcontact.errors import InputError, NotConverged, NotWritten, RoughContactError
 
 _KINDS = {Surface: "surface", Material: "material", InfluenceKernel: "kernel", Convolver: "convolver", Solver: "solver"}
@@ -79,6 +79,10 @@ class Point:
     seed: int | None = None
     parameters: Mapping[str, Any] = attrs.Factory(dict)
     loads: tuple[Load, ...]
+
+    def find_place(self, load: Load) -> Place:
+        """Return the place of the record of a load in its study."""
+        return self.name, self.seed, load.kind, load.value
 
     def record(self, key: str, load: Load, status: str = "FAILED", message: str = "") -> Record:
         """Return the record of a load that has no solution."""
@@ -177,7 +181,7 @@ class Chain(Point):
     @cached_property
     def keys(self) -> tuple[str, ...]:
         """The key of each load."""
-        places = [self.record("0" * 32, load).place for load in self.loads]
+        places = list(map(self.find_place, self.loads))
         found = [self.known.keys[place] for place in places if place in self.known.keys]
         return tuple(found) if len(found) == len(places) else self.solution_keys()
 
@@ -204,8 +208,12 @@ class Chain(Point):
         known = self.known.records.get(key)
         if known is None or known.uncertainty != self.loading.uncertainty:
             return None
-        place: dict[str, Any] = {"problem": self.name, "seed": self.seed, "parameters": self.parameters}
-        return attrs.evolve(known, **place, control=load.kind, load=load.value)
+        place = self.find_place(load)
+        # Making a record takes a while, and a run that goes on meets thousands of its own.
+        if known.place == place and known.parameters == self.parameters:
+            return known
+        names = ("problem", "seed", "control", "load")
+        return attrs.evolve(known, **dict(zip(names, place, strict=True)), parameters=self.parameters)
 
     def is_answered(self, record: Record) -> bool:
         """Return whether a record has the areas and answers that are asked for."""
@@ -219,7 +227,7 @@ class Chain(Point):
         for index, (key, load) in enumerate(zip(self.keys, self.loads, strict=True)):
             record = self.listed(key, load)
             if record is not None and record.has_solution and self.is_answered(record):
-                found[index] = attrs.evolve(record, message="")
+                found[index] = attrs.evolve(record, message="") if record.message else record
         return found
 
     def find_listed(self) -> ChainResult | None:
@@ -281,7 +289,7 @@ def run_chain(chain: Chain) -> ChainResult:
         try:
             record, state = _find(chain, key, load)
             if record is None:
-                if chain.problem.processes and not is_known:
+                if chain.problem.processes and chain.loading.goes_on and not is_known:
                     raise InputError("A law remembers the state at the load before it, which has no solution.")
                 is_new = True
                 found = chain.loading.solve(chain.seeded, load, states)
@@ -400,6 +408,7 @@ def _measure_state(chain: Chain, record: Record, solution: ContactSolution) -> R
         approach=solution.approach,
         p_max=solution.pressure.max(),
         saturated=solution.saturated_area().value,
+        numbers=list_law_numbers(solution),
         areas=areas,
         answers=answers,
         uncertainty=chain.loading.uncertainty,

@@ -18,7 +18,7 @@ import attrs
 
 from roughcontact._base.archive import append_line, is_left_over, name_process, replacing, short_digest
 from roughcontact._base.archive.plain import describe, rebuild
-from roughcontact._work.studies.record import PATH_UNITS, Place, Record
+from roughcontact._work.studies.record import PASSED_UNITS, PATH_UNITS, Place, Record
 from roughcontact._work.studies.shares import Share
 
 _FORMAT = "roughcontact study, format 1"
@@ -219,7 +219,8 @@ def _to_text(record: Record) -> str:
 def _stated(record: Record) -> dict[str, Any]:
     """Return the fields of a record, without those that it does not have, as in the lists of older versions."""
     absent = [] if record.parameters else ["parameters"]
-    absent += [] if record.has_path else list(PATH_UNITS)
+    absent += [name for name in (*PATH_UNITS, *PASSED_UNITS) if name not in record.list_path_figures()]
+    absent += [] if record.numbers else ["numbers"]
     absent += [] if record.answers else ["answers"]
     return {name: value for name, value in attrs.asdict(record).items() if name not in absent}
 

@@ -25,6 +25,7 @@ PATH_UNITS = {
     "stick_area": "m2",
     "stick_area_uncertainty": "m2",
 }
+PASSED_UNITS = {"time": "s", "sliding": "m"}
 COUNT_COLUMNS = ("iterations", "convolutions")
 # The place of a record in its study: problem, seed, kind of load, load.
 Place: TypeAlias = tuple[str, int | None, str, float]
@@ -46,6 +47,10 @@ def _warnings(value: Sequence[str]) -> tuple[str, ...]:
 
 def _areas(value: Mapping[str, tuple[float, float]]) -> dict[str, tuple[float, float]]:
     return {name: (float(area), float(uncertainty)) for name, (area, uncertainty) in value.items()}
+
+
+def _numbers(value: Mapping[str, tuple[float, str]]) -> dict[str, tuple[float, str]]:
+    return {printable(name): (float(number), printable(unit)) for name, (number, unit) in value.items()}
 
 
 @attrs.frozen(kw_only=True)
@@ -86,6 +91,11 @@ class Record:
         the contact at the end of the path.
     stick_area, stick_area_uncertainty
         Area that sticks at the end of the path, m2.
+    time, sliding
+        Time, s, and sliding distance, m, at the end of a path on which they pass; else None. The other figures are
+        those of the contact there.
+    numbers
+        What the laws of the problem state of the contact, such as a worn volume: values and units by name.
     answers
         The numbers of the responses of the study, by their registered names.
     uncertainty
@@ -117,13 +127,16 @@ class Record:
     dissipated_uncertainty: float | None = attrs.field(default=None, converter=_optional_float)
     stick_area: float | None = attrs.field(default=None, converter=_optional_float)
     stick_area_uncertainty: float | None = attrs.field(default=None, converter=_optional_float)
+    time: float | None = attrs.field(default=None, converter=_optional_float)
+    sliding: float | None = attrs.field(default=None, converter=_optional_float)
+    numbers: Mapping[str, tuple[float, str]] = attrs.field(factory=dict, converter=_numbers)
     answers: Mapping[str, Answer] = attrs.field(factory=dict, converter=read_answers)
     uncertainty: str = attrs.field(default="auto", converter=printable)
 
     def agrees_with(self, figures: Mapping[str, Any]) -> bool:
         """Return whether it states the figures of its file; the areas of other estimators are not in the file."""
         names = {"p_max": "maximum_pressure", "saturated": "saturated_area"}
-        stated = (*_STATED_FIGURES, *names, *(PATH_UNITS if self.has_path else ()))
+        stated = (*_STATED_FIGURES, *names, *self.list_path_figures())
         blend = self.areas.get(DEFAULT_AREA, (figures["area"], figures["area_uncertainty"]))
         return all(getattr(self, name) == figures[names.get(name, name)] for name in stated) and blend == (
             figures["area"],
@@ -148,7 +161,17 @@ class Record:
     @property
     def has_path(self) -> bool:
         """Whether a path was followed under this load."""
+        return bool(self.list_path_figures())
+
+    @property
+    def has_friction(self) -> bool:
+        """Whether this path was one with friction."""
         return self.dissipated is not None
+
+    def list_path_figures(self) -> tuple[str, ...]:
+        """Return the fields that say what a path led to."""
+        passed = tuple(name for name in PASSED_UNITS if getattr(self, name) is not None)
+        return tuple(PATH_UNITS) if self.has_friction else (*passed, "numbers") if passed else ()
 
     def row(self) -> dict[str, Any]:
         """Return the figures by name, one for each column of a table; the parameters come first."""
@@ -158,8 +181,10 @@ class Record:
         del figures["answers"], figures["uncertainty"]
         figures = {_COLUMN_NAMES.get(name, name): value for name, value in figures.items()}
         figures["warnings"] = " ".join(self.warnings)
-        if not self.has_path:
-            figures = {name: value for name, value in figures.items() if name not in PATH_UNITS}
+        absent = {*PATH_UNITS, *PASSED_UNITS} - {*self.list_path_figures()}
+        numbers = figures.pop("numbers")
+        figures = {name: value for name, value in figures.items() if name not in absent}
+        figures |= {name: value for name, (value, _) in numbers.items()}
         if parameters:
             del figures["seed"]
             figures = {**parameters, **figures}

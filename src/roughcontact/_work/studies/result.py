@@ -16,11 +16,18 @@ from roughcontact._base.registry import find_view
 from roughcontact._base.tables import Table, TableResult, make_dataset
 from roughcontact._base.units import Estimate, counted
 from roughcontact._parts.grid import FIRST_LOADING, Load
-from roughcontact._solve.problem import FrictionalPath, read_frictional_path
+from roughcontact._solve.problem import FrictionalPath, LoadPath, read_frictional_path, read_load_path
 from roughcontact._solve.solution import ContactSolution
 from roughcontact._work.studies.chain import solve_again
 from roughcontact._work.studies.loading import judge_by
-from roughcontact._work.studies.record import COUNT_COLUMNS, PATH_UNITS, Record, read_solution, solution_path
+from roughcontact._work.studies.record import (
+    COUNT_COLUMNS,
+    PASSED_UNITS,
+    PATH_UNITS,
+    Record,
+    read_solution,
+    solution_path,
+)
 from roughcontact._work.studies.tasks import Chains
 from roughcontact.errors import InputError
 
@@ -35,6 +42,9 @@ _UNITS = {
     "peak_pressure_uncertainty": "Pa",
 }
 _NO_AREA = (np.nan, np.nan)
+_NO_NUMBER = (np.nan, "")
+# Number of a contact that remembers how far it was flattened.
+_FLATTENED = "flattened_volume"
 
 
 @attrs.frozen
@@ -115,17 +125,19 @@ class StudyResult(TableResult):
     def solution(self, record: Record) -> ContactSolution:
         """Return the solution of a record, from its file or solved again; `InputError` if there is none.
 
-        Of a path with friction it is the state at its end. What has no file is solved again together with the other
+        Of a path it is the state at its end. What has no file is solved again together with the other
         loads of its problem and seed, to the same bits.
         """
         state: ContactSolution = self.path(record)[-1] if record.has_path else self._find(record, read_solution)
         return judge_by(record.uncertainty, state)
 
-    def path(self, record: Record) -> FrictionalPath:
-        """Return the path with friction of a record, from its file or solved again; `InputError` if there is none."""
+    def path(self, record: Record) -> FrictionalPath | LoadPath:
+        """Return the path of a record, from its file or solved again; `InputError` if there is none."""
         if not record.has_path:
-            raise InputError("This record has no path: a study with friction= and tangential_force= has some.")
-        path: FrictionalPath = self._find(record, _read_path)
+            raise InputError(
+                "This record has no path: a study with friction= and tangential_force=, or time= or sliding=, has some."
+            )
+        path: FrictionalPath | LoadPath = self._find(record, _read_frictional if record.has_friction else _read_passed)
         return path
 
     def _find(self, record: Record, read: Callable[[Path, str], Any]) -> Any:
@@ -200,7 +212,7 @@ class StudyResult(TableResult):
         NaN. ``warnings`` is a text, empty where there are none.
         """
         columns = self._columns
-        known = {**_UNITS, **PATH_UNITS}
+        known = {**_UNITS, **PATH_UNITS, **PASSED_UNITS, **self._law_units}
         units = {name: known[name] for name in columns if name in known}
         units |= {name: "m2" for name in columns if name.startswith(("area ", "uncertainty "))}
         for name, unit in self._answer_units.items():
@@ -232,10 +244,17 @@ class StudyResult(TableResult):
         answers = {
             column: unit for name, unit in self._answer_units.items() for column in (name, f"{name}_uncertainty")
         }
-        of_paths = PATH_UNITS if any(record.has_path for record in self.records) else {}
+        stated = {name for record in self.records for name in record.list_path_figures()}
+        of_paths = {name: unit for name, unit in {**PATH_UNITS, **PASSED_UNITS}.items() if name in stated}
         variables: dict[str, Any] = {
             name: (tuple(places), spread((row.get(name, np.nan) for row in rows), np.nan, float), {"units": unit})
-            for name, unit in {**_UNITS, **of_paths, **answers, **dict.fromkeys(COUNT_COLUMNS, "")}.items()
+            for name, unit in {
+                **_UNITS,
+                **of_paths,
+                **self._law_units,
+                **answers,
+                **dict.fromkeys(COUNT_COLUMNS, ""),
+            }.items()
         }
         for name in ("status", "warnings"):
             variables[name] = (tuple(places), spread((row[name] for row in rows), "", object).astype(str))
@@ -269,6 +288,11 @@ class StudyResult(TableResult):
         """The unit of each number of the responses, by its column."""
         return {name: one.unit for record in self.records for name, one in record.estimates.items()}
 
+    @cached_property
+    def _law_units(self) -> dict[str, str]:
+        """The unit of each number of the laws, by its column."""
+        return {name: unit for record in self.records for name, (_, unit) in record.numbers.items()}
+
     @property
     def _columns(self) -> dict[str, list[Any]]:
         rows = [record.row() for record in self.records]
@@ -290,11 +314,15 @@ class StudyResult(TableResult):
         columns["maximum pressure"] = [
             Estimate(record.peak_pressure, record.peak_pressure_uncertainty, "Pa") for record in rows
         ]
-        if any(record.has_path for record in rows):
+        if any(record.has_friction for record in rows):
             lost = [(one.dissipated, one.dissipated_uncertainty) for one in rows]
             stick = [(one.stick_area, one.stick_area_uncertainty) for one in rows]
             columns["energy lost"] = [_estimate(*pair, "J") for pair in lost]
             columns["area that sticks"] = [_estimate(*pair, "m2") for pair in stick]
+        units = {"load": self._load_unit, "mean pressure": "Pa", "approach": "m"}
+        for name, unit in self._law_units.items():
+            columns[words := name.replace("_", " ")] = [record.numbers.get(name, _NO_NUMBER)[0] for record in rows]
+            units |= {words: unit}
         for name in self._answer_units:
             columns[name.replace("_", " ")] = [record.estimates.get(name) for record in rows]
         given = {record.control for record in rows}
@@ -304,7 +332,7 @@ class StudyResult(TableResult):
             columns["approach"] = [record.approach for record in rows]
         if any(record.doubtful for record in rows):
             columns["doubtful"] = ["yes" if record.doubtful else "" for record in rows]
-        return Table(columns, {"load": self._load_unit, "mean pressure": "Pa", "approach": "m"})
+        return Table(columns, units)
 
     # Hooks of TableResult, as _list_notes.
     def _list_head(self) -> Sequence[str]:
@@ -315,7 +343,8 @@ class StudyResult(TableResult):
         return len(self._places)
 
     def _list_notes(self) -> Sequence[str]:
-        return [FIRST_LOADING] if any(record.saturated > 0.0 for record in self.records) else []
+        forgets = any(record.saturated > 0.0 and _FLATTENED not in record.numbers for record in self.records)
+        return [FIRST_LOADING] if forgets else []
 
     @property
     def _summary(self) -> str:
@@ -329,8 +358,12 @@ class StudyResult(TableResult):
         return f"{counted(len(self), 'solve')}, {self.computed} of them now{bad}, in {self.folder}"
 
 
-def _read_path(folder: Path, key: str) -> FrictionalPath:
+def _read_frictional(folder: Path, key: str) -> FrictionalPath:
     return read_frictional_path(solution_path(folder, key), verify=False, key=key)
+
+
+def _read_passed(folder: Path, key: str) -> LoadPath:
+    return read_load_path(solution_path(folder, key), key)
 
 
 def _estimate(value: float | None, uncertainty: float | None, unit: str) -> Estimate | None:

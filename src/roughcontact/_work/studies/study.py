@@ -21,7 +21,7 @@ from roughcontact._base.machine.progress import count_done, show_progress, tell_
 from roughcontact._base.units import Force, Length, PlainText, Pressure, binary, counted
 from roughcontact._parts.grid import Load
 from roughcontact._parts.interactions import FrictionLaw
-from roughcontact._solve.problem import ContactProblem
+from roughcontact._solve.problem import PATH_ACCURACY, ContactProblem
 from roughcontact._solve.solution import DEFAULT_AREA, UNCERTAINTIES, Response, areas, solution_key
 from roughcontact._work.studies.answers import Question, read_responses
 from roughcontact._work.studies.axes import BuiltProblems
@@ -42,7 +42,7 @@ _MAX_LISTED_VALUES = 8
 # Units of a time, s; each is used from twice its length on.
 _TIME_UNITS = {"hours": 3600.0, "minutes": 60.0, "s": 1.0}
 # Units in which texts of a study file are read.
-_PASCAL, _NEWTON, _METRE = ({"unit": unit} for unit in ("Pa", "N", "m"))
+_PASCAL, _NEWTON, _METRE, _SECOND = ({"unit": unit} for unit in ("Pa", "N", "m", "s"))
 
 
 def describe_study(
@@ -163,8 +163,8 @@ class Study:
         name when its solves begin. A problem that it cannot build is in the records, with the reason.
     pressure, force, approach
         Exactly one list: nominal mean pressures, Pa; normal forces, N; approaches, m. Each solve starts from
-        the solutions at the loads before. With a hardness each load is a first loading; for loads after a larger one
-        give a problem that `run_in` returns.
+        the solutions at the loads before. With a hardness each load is a first loading, unless the problem has the law
+        `Flattening`, with which the loads follow each other in their order.
     areas
         Names of area estimators.
     responses
@@ -180,6 +180,11 @@ class Study:
         The law by which the surfaces slip, or a coefficient of friction.
     substeps
         Increments of each step of a path; ``"auto"``: as many as it needs.
+    time, sliding
+        Times, s, and sliding distances, m, which pass under each normal load, on fresh surfaces, as of
+        `ContactProblem.path`; then a solve is such a path.
+    accuracy
+        Admissible error of an increment of such a path.
     uncertainty
         What the uncertainties of its answers are found from, ``"auto"``, ``"model"`` or ``"two grids"``; see
         `ContactSolution.area`. By the model nothing is solved for them.
@@ -220,14 +225,18 @@ class Study:
     displacement: Sequence[Pair] | None = attrs.field(default=None, kw_only=True, metadata=_METRE)
     friction: float | FrictionLaw | None = attrs.field(default=None, kw_only=True)
     substeps: int | str = attrs.field(default="auto", kw_only=True)
+    time: Sequence[float] | None = attrs.field(default=None, kw_only=True, metadata=_SECOND)
+    sliding: Sequence[float] | None = attrs.field(default=None, kw_only=True, metadata=_METRE)
+    accuracy: float = attrs.field(default=PATH_ACCURACY, kw_only=True)
     uncertainty: str = attrs.field(default="auto", converter=_uncertainty, kw_only=True)
     fields: bool = attrs.field(default=False, converter=_fields, kw_only=True)
     loading: Loading = attrs.field(init=False, repr=False)
 
     @loading.default
     def _find_loading(self) -> Loading:
-        along = (self.tangential_force, self.displacement, self.friction, self.substeps)
-        return read_loading(*along, self.uncertainty, self.responses)
+        along = {name: getattr(self, name) for name in ("tangential_force", "displacement", "friction", "substeps")}
+        passed = {name: getattr(self, name) for name in ("time", "sliding", "accuracy")}
+        return read_loading(along, passed, self.uncertainty, self.responses)
 
     def __init__(
         self,
@@ -243,6 +252,9 @@ class Study:
         displacement: Sequence[Pair] | None = None,
         friction: float | FrictionLaw | None = None,
         substeps: int | str = "auto",
+        time: Iterable[float | str] | None = None,
+        sliding: Iterable[Length] | None = None,
+        accuracy: float = PATH_ACCURACY,
         uncertainty: str = "auto",
         fields: bool = False,
         **axes: Iterable[Any],
