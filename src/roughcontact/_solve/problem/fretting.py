@@ -11,6 +11,7 @@ import numpy as np
 from roughcontact._base import checks
 from roughcontact._solve.problem.coupled import CoupledSolve
 from roughcontact._solve.problem.increments import Increment, PathStep, follow_steps
+from roughcontact._solve.problem.load_march import list_lengths
 from roughcontact._solve.problem.step_numbers import StepNumbers, list_cell_errors, numbers_of
 from roughcontact._solve.solution import ContactSolution, Governed
 from roughcontact.errors import InputError, argument
@@ -105,9 +106,9 @@ def _choose(left: float, most: float) -> float:
 
 
 def _find_deepest(before: ContactSolution | None, after: ContactSolution) -> float:
-    """Return the largest height that is lost from one state to another, m."""
-    lengths = _find_effect(after).list_lengths()
-    earlier = [0.0 * one for one in lengths] if before is None else _find_effect(before).list_lengths()
+    """Return the largest height that is worn from one state to another, m."""
+    lengths = list_lengths(after, passing=True)
+    earlier = [0.0 * one for one in lengths] if before is None else list_lengths(before, passing=True)
     return max((float(np.abs(one - other).max()) for one, other in zip(lengths, earlier, strict=True)), default=0.0)
 
 
