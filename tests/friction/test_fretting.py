@@ -176,6 +176,18 @@ class TestFiles:
         again = press_ball(1e-13).path(**fretted.list_arguments())
         np.testing.assert_array_equal(worn(again[-1])[0], worn(fretted[-1])[0])
 
+    def test_a_path_is_followed_on_from_its_file(self, fretted, tmp_path):
+        fretted.save(tmp_path / "path.npz")
+        longer = rc.load(tmp_path / "path.npz").extend(cycles=[60, 90])
+        whole = fret(press_ball(1e-13), [1, 30, 60, 90])
+        assert longer.cycles.tolist() == whole.cycles.tolist()
+        height = worn(whole[-1])[0]
+        np.testing.assert_allclose(worn(longer[-1])[0], height, atol=5e-3 * height.max())
+        with pytest.raises(rc.InputError, match="ends with cycle 30"):
+            fretted.extend(cycles=[10])
+        with pytest.raises(rc.InputError, match="loads that do not return"):
+            fretted.extend(tangential_force=(0.1, 0.0))
+
     def test_texts_and_tables(self, fretted):
         found = fretted.table()
         assert found.columns["cycle"].tolist() == [1, 1, 30, 30]

@@ -167,3 +167,54 @@ class TestFiles:
         memory = {name: 1.01 * values for name, values in law.memory[0].items()}
         with pytest.raises(rc.InputError, match="contradicts its laws"):
             path[1]._add(attrs.evolve(law, memory=(memory,))).verify()
+
+    def test_a_path_is_followed_on_from_its_file(self, path, tmp_path):
+        path.save(tmp_path / "path.npz")
+        begun = rc.load(tmp_path / "path.npz")
+        whole = follow(press_ball(ALUMINIUM))
+        longer = begun.extend(force=FORCES[4:], tangential_force=PUSHED[4:], substeps=1)
+        assert len(longer) == len(whole)
+        for one, other in zip(longer, whole, strict=True):
+            np.testing.assert_allclose(
+                lost_heights(one), lost_heights(other), atol=1e-4 * lost_heights(whole[-1]).max()
+            )
+            assert np.abs(one.shear - other.shear).max() < 1e-4 * other.shear_strength.max()
+        longer.save(tmp_path / "longer.npz")
+        assert str(rc.load(tmp_path / "longer.npz")) == str(longer)
+
+    @pytest.mark.parametrize(
+        ("options", "said"),
+        [
+            ({"tangential_force": (0.1, 0.0)}, "normal loads by force="),
+            ({"force": [1.0], "displacement": (0.0, 0.0)}, "along tangential_force="),
+            ({"force": [1.0], "tangential_force": (0.1, 0.0), "cycles": [2]}, "for loads that return"),
+            ({"force": [1.0]}, "neither"),
+        ],
+    )
+    def test_what_does_not_continue_it_gets_a_sentence(self, path, options, said):
+        with pytest.raises(rc.InputError, match=said):
+            path.extend(**options)
+
+
+def test_one_load_holds_on():
+    """Of like bodies one increment for each turn is exact, before and after."""
+    problem = press_ball(shape=(24, 24))
+    turns = [(0.3, 0.0), (-0.3, 0.0), (0.3, 0.0)]
+    whole = problem.path(force=2.0, tangential_force=turns, friction=0.3)
+    longer = problem.path(force=2.0, tangential_force=turns[:2], friction=0.3).extend(tangential_force=turns[2])
+    assert longer.increments == whole.increments == (1, 1, 1)
+    assert np.abs(longer[2].shear - whole[2].shear).max() < 1e-4 * whole[2].shear_strength.max()
+    assert longer.numbers[2].dissipated.value == pytest.approx(whole.numbers[2].dissipated.value, rel=1e-3)
+    with pytest.raises(rc.InputError, match="where the normal load changes"):
+        longer.extend(force=[1.0], tangential_force=turns[0])
+
+
+@pytest.mark.parametrize("other", [STEEL, ALUMINIUM])
+def test_bodies_come_apart_at_an_approach(other):
+    """Flattened, they no longer touch where they did."""
+    problem = press_ball(other, shape=(24, 24))
+    path = problem.path(approach=[1e-6, 1e-9], displacement=[(5e-8, 0.0), (0.0, 0.0)], friction=0.3, substeps=1)
+    assert path[0].saturated.any()
+    assert not path[1].pressure.any()
+    assert not path[1].shear.any()
+    path.verify()

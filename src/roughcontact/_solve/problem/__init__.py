@@ -38,8 +38,6 @@ from roughcontact._solve.problem.friction_plan import memory_of_friction as memo
 from roughcontact._solve.problem.frictional_path import FrictionalPath as FrictionalPath
 from roughcontact._solve.problem.frictional_path import TangentialLoop as TangentialLoop
 from roughcontact._solve.problem.frictional_path import read_frictional_path as read_frictional_path
-from roughcontact._solve.problem.frictional_path import resolve_friction as resolve_friction
-from roughcontact._solve.problem.frictional_path import run_slide as run_slide
 from roughcontact._solve.problem.frictional_path import save_path as save_path
 from roughcontact._solve.problem.increments import Increment as Increment
 from roughcontact._solve.problem.increments import list_loads as list_loads
@@ -56,6 +54,8 @@ from roughcontact._solve.problem.load_path import save_load_path as save_load_pa
 from roughcontact._solve.problem.loads import order_loads as order_loads
 from roughcontact._solve.problem.loads import solve_next as solve_next
 from roughcontact._solve.problem.loads import sweep_loads as sweep_loads
+from roughcontact._solve.problem.loads_along import resolve_friction as resolve_friction
+from roughcontact._solve.problem.loads_along import run_slide as run_slide
 from roughcontact._solve.problem.memory import require_memory_of_solve as require_memory_of_solve
 from roughcontact._solve.problem.path import Path as Path
 from roughcontact._solve.problem.path import march as march

@@ -11,6 +11,8 @@ import numpy as np
 from roughcontact._base import checks
 from roughcontact._solve.problem.coupled import CoupledSolve
 from roughcontact._solve.problem.increments import Increment, PathStep, follow_steps
+from roughcontact._solve.problem.load_march import list_lengths
+from roughcontact._solve.problem.step_numbers import StepNumbers, list_cell_errors, numbers_of
 from roughcontact._solve.solution import ContactSolution, Governed
 from roughcontact.errors import InputError, argument
 
@@ -33,12 +35,15 @@ def list_cycles(cycles: object) -> tuple[float, ...]:
 def follow_cycles(
     run: CoupledSolve,
     segments: Sequence[PathStep],
-    substeps: int,
+    count: int | None,
     cycles: Sequence[float],
     accuracy: float,
     tell: Callable[[Increment], object],
-) -> tuple[list[ContactSolution], list[str]]:
-    """Return the states of pressing, if there is any, and of the wanted cycles, with what was computed for each.
+    last: ContactSolution | None = None,
+) -> tuple[list[ContactSolution], list[StepNumbers], list[str]]:
+    """Return the states of the wanted cycles, after that of pressing, their numbers, and for how many they are.
+
+    They follow a state `last` at the end of a cycle, if there is one.
 
     The first cycle is computed as it is. A later one stands for as many as wear the surfaces by a part `accuracy` of
     the approach: a longer jump is unstable in partial slip, where all wear is on a narrow ring. A jump that wears them
@@ -49,15 +54,30 @@ def follow_cycles(
             "Nothing changes with the cycles: give the problem a law that does, such as EnergyWear by "
             f"{argument('laws')}."
         )
-    steps = follow_steps(run, segments, substeps, tell)
+    if count is None and not all(segment.exact for segment in segments):
+        raise InputError(
+            "The increments of cycles of loads are not doubled, and one of each step is not exact here: give "
+            f"{argument('substeps')}."
+        )
+    substeps = count or 1
     first = segments[0].number
-    found = [*steps[: 1 - first]]
-    steps = steps[1 - first :]
     loads = segments[1 - first :]
     again = [attrs.evolve(loads[0], start=loads[-1].end, before=loads[-1].after.values), *loads[1:]]
+    found: list[ContactSolution] = []
     reasons: list[str] = []
-    done = 1.0
-    wear = _find_deepest(found[-1] if found else None, steps[-1])
+    if last is None:
+        steps = follow_steps(run, segments, substeps, tell)
+        found += steps[: 1 - first]
+        steps = steps[1 - first :]
+        done = 1.0
+        wear = _find_deepest(found[-1] if found else None, steps[-1])
+    else:
+        steps = [last]
+        effect = _find_effect(last)
+        done = effect.cycle
+        # About that of the last increment, in each.
+        begin_of_last = last._add(attrs.evolve(effect, memory=effect.before))
+        wear = _find_deepest(begin_of_last, last) * substeps * len(loads) / effect.cycles
     for place in cycles:
         count = 0
         begin = done
@@ -75,7 +95,8 @@ def follow_cycles(
         found += [_set_cycle(step, place) for step in steps]
         told = f", the last of {count} computed for {place - begin:g}" if count else ""
         reasons += [f"of cycle {place:g}{told}"] * len(steps)
-    return found, reasons
+    errors = list_cell_errors(found, last)
+    return found, [numbers_of(step, error) for step, error in zip(found, errors, strict=True)], reasons
 
 
 def _choose(left: float, most: float) -> float:
@@ -85,9 +106,9 @@ def _choose(left: float, most: float) -> float:
 
 
 def _find_deepest(before: ContactSolution | None, after: ContactSolution) -> float:
-    """Return the largest height that is lost from one state to another, m."""
-    lengths = _find_effect(after).list_lengths()
-    earlier = [0.0 * one for one in lengths] if before is None else _find_effect(before).list_lengths()
+    """Return the largest height that is worn from one state to another, m."""
+    lengths = list_lengths(after, passing=True)
+    earlier = [0.0 * one for one in lengths] if before is None else list_lengths(before, passing=True)
     return max((float(np.abs(one - other).max()) for one, other in zip(lengths, earlier, strict=True)), default=0.0)
 
 

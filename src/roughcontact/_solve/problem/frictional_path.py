@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path as File
 from typing import Any
@@ -14,47 +14,39 @@ import numpy as np
 
 from roughcontact._base import checks
 from roughcontact._base.arrays import Array, read_only
-from roughcontact._base.machine.progress import ChangeProgress, tell_both
 from roughcontact._base.tables import Table
-from roughcontact._base.units import Estimate, PlainText, counted, outlined
-from roughcontact._parts.grid import Load
-from roughcontact._parts.interactions import Coulomb, FrictionLaw
+from roughcontact._base.units import Estimate, Force, Length, PlainText, Pressure, counted, outlined
+from roughcontact._parts.interactions import FrictionLaw
 from roughcontact._solve.problem.body import Body
 from roughcontact._solve.problem.coupled import CoupledSolve
 from roughcontact._solve.problem.fretting import follow_cycles, list_cycles
-from roughcontact._solve.problem.friction_certificate import require_frictional
 from roughcontact._solve.problem.friction_plan import (
     include_friction,
     list_omitted_shear,
     list_pair,
-    require_memory_of_friction,
     write_rows,
 )
 from roughcontact._solve.problem.increments import (
-    GIVEN_INCREMENTS,
-    follow_steps,
+    AS_GIVEN,
+    Increment,
+    follow_loads,
+    is_single,
     list_steps,
-    refine_steps,
+    list_targets,
 )
-from roughcontact._solve.problem.load_path import PATH_ACCURACY, find_bodies, remember_flattening
+from roughcontact._solve.problem.load_path import PATH_ACCURACY, find_bodies, require_omitted
 from roughcontact._solve.problem.path import Path
 from roughcontact._solve.problem.plan import SolvePlan
-from roughcontact._solve.problem.scene import Scene
-from roughcontact._solve.problem.step_numbers import StepNumbers, list_cell_errors, numbers_of
+from roughcontact._solve.problem.step_numbers import StepNumbers
 from roughcontact._solve.problem.sweep import tabulate_added
-from roughcontact._solve.problem.task import limit_load
 from roughcontact._solve.solution import ContactSolution, Governed, find_load, read_estimate, read_states
-from roughcontact._solve.solvers import Step
 from roughcontact.errors import InputError, argument
-from roughcontact.errors.door import guarded
 
 # States that a picture draws in each step, and the states of a path of which it draws more.
 _DRAWN_STATES = 10
 _MAX_REFINED_STATES = 12
 # Numbers over the largest of their kind that a table shows as zero.
 _TABLE_ROUNDING = 1e-9
-# Why a step has its increments, if their number was given.
-AS_GIVEN = "as given"
 
 
 @attrs.frozen(eq=False)
@@ -185,6 +177,77 @@ class FrictionalPath(Path):
         along = {self.states[0].tangential_load.kind: targets.tolist()}
         path: FrictionalPath = origin.scene.path(**origin.load, **along, friction=self.states[0].friction, substeps=1)
         return path.loop
+
+    def extend(
+        self,
+        *,
+        force: Iterable[Force] | None = None,
+        pressure: Iterable[Pressure] | None = None,
+        approach: Iterable[Length] | None = None,
+        tangential_force: Iterable[Sequence[Force]] | Sequence[Force] | None = None,
+        displacement: Iterable[Sequence[Length]] | Sequence[Length] | None = None,
+        cycles: Iterable[float] | None = None,
+        substeps: int | str = "auto",
+    ) -> FrictionalPath:
+        """Return the path continued from its last state, such as one from a file; see `ContactProblem.path`.
+
+        Loads are of the kinds of the path. Where one normal load holds for all steps it holds on; a path of cycles is
+        continued by `cycles` alone, which count from its start.
+
+        Examples
+        --------
+        >>> import roughcontact as rc
+        >>> steel = rc.ElasticPerfectlyPlastic(young=210e9, poisson=0.3, hardness=1e9)
+        >>> ball, flat = rc.Body(rc.SphereSurface(radius=1e-3), steel), rc.Body(rc.FlatSurface(), steel)
+        >>> problem = rc.ContactProblem(ball, flat, grid=rc.Grid((32, 32), 100e-6))
+        >>> path = problem.path(force=[2.0, 1.0], tangential_force=[(0.3, 0.0), (0.0, 0.0)], friction=0.3, substeps=2)
+        >>> len(path.extend(force=[2.0], tangential_force=(0.3, 0.0), substeps=2))
+        3
+        """
+        last = self.states[-1]
+        if last.origin is None:
+            raise InputError("The path does not say which problem it followed, so that it cannot be continued.")
+        known = self.list_arguments()
+        count = None if substeps == "auto" else checks.integer(substeps, argument("substeps"), at_least=1)
+        run = CoupledSolve(last.origin.scene, known["friction"])
+        kind = next(name for name in ("force", "pressure", "approach") if name in known)
+        along = last.tangential_load.kind
+        given: dict[str, Any] = {"force": force, "pressure": pressure, "approach": approach}
+        pushed: dict[str, Any] = {"tangential_force": tangential_force, "displacement": displacement}
+        if self.cycles.any():
+            require_omitted(given | pushed, "for loads that do not return")
+            segments = list_steps(run, {kind: known[kind]}, {along: known[along]})
+            places = list_cycles(cycles)
+            if places[0] <= self.cycles[-1]:
+                raise InputError(
+                    f"The path ends with cycle {self.cycles[-1]:g}: cycles count from its start, and rise."
+                )
+            found = follow_cycles(run, segments, count, places, self.accuracy, _tell_nothing, last)
+        else:
+            require_omitted({"cycles": cycles}, "for loads that return")
+            targets = list_targets(pushed)
+            if targets[0].kind != along:
+                raise InputError(f"The path is along {along}=: continue it so.")
+            normal = known[kind]
+            if self.pressed is not None:
+                require_omitted(given, "where the normal load changes")
+            elif given[kind] is None or any(value is not None for name, value in given.items() if name != kind):
+                raise InputError(f"The path has normal loads by {kind}=: continue it so.")
+            else:
+                more = [given[kind]] if is_single({kind: given[kind]}) else list(given[kind])
+                targets = targets * len(more) if len(targets) == 1 else targets
+                normal = [*normal, *more]
+            every = [*known[along], *(target.values for target in targets)]
+            segments = list_steps(run, {kind: normal}, {along: every})[-len(targets) :]
+            found = follow_loads(run, segments, count, _tell_nothing, last)
+        steps, numbers, reasons = found
+        return attrs.evolve(
+            self,
+            states=(*self.states, *steps),
+            numbers=(*self.numbers, *numbers),
+            increments=(*self.increments, *(step.sheared.increments for step in steps)),
+            reasons=(*self.reasons, *reasons),
+        )
 
     def table(self) -> Table:
         """Return a row for each step, in SI units; see `roughcontact.typing.Table`."""
@@ -338,6 +401,10 @@ class FrictionalPath(Path):
         return f"<FrictionalPath {counted(len(self), 'state')}, {self.states[0].grid}, lost {self.dissipated}>"
 
 
+def _tell_nothing(done: Increment) -> None:
+    pass
+
+
 def _sum_lost(steps: Sequence[StepNumbers]) -> Estimate:
     """Return the energy lost in steps together, J."""
     parts = [one.dissipated for one in steps]
@@ -392,87 +459,3 @@ def _read_numbers(stored: Mapping[str, Any], state: ContactSolution) -> StepNumb
 def _without_rounding(values: Array) -> Array:
     """Return values with zeros in place of those that are rounding beside the largest one."""
     return np.where(np.abs(values) < _TABLE_ROUNDING * np.abs(values).max(), 0.0, values)
-
-
-def resolve_friction(friction: object) -> FrictionLaw:
-    """Return a friction law: a number is a coefficient of friction."""
-    if isinstance(friction, FrictionLaw):
-        return friction
-    if isinstance(friction, (bool, str)) or not isinstance(friction, (int, float, np.ndarray, np.number)):
-        raise InputError.about(argument("friction"), friction, "a coefficient or a FrictionLaw such as Coulomb(0.3)")
-    return Coulomb(friction)
-
-
-def run_path(
-    problem: Scene,
-    normal: Mapping[str, object],
-    tangential: Mapping[str, object],
-    friction: object,
-    substeps: object,
-    on_increment: object,
-    change: ChangeProgress,
-    cycles: object = None,
-    accuracy: float = PATH_ACCURACY,
-) -> FrictionalPath:
-    """Return the states along a path; see `ContactProblem.path`."""
-    law = resolve_friction(friction)
-    count = None if substeps == "auto" else checks.integer(substeps, argument("substeps"), at_least=1)
-    told = checks.callback(on_increment, "on_increment=", "increment")
-    tell = tell_both(told, lambda done: change(str(done)))
-    problem = remember_flattening(problem)
-    require_frictional(problem)
-    run = CoupledSolve(problem, law)
-    segments = list_steps(run, normal, tangential)
-    has_pressing = segments[0].number == 0
-    places = None if cycles is None else list_cycles(cycles)
-    require_memory_of_friction(problem.plan, states=len(segments) * len(places or (0.0,)))
-    if places is not None:
-        if count is None and not all(segment.exact for segment in segments):
-            raise InputError(
-                "The increments of cycles of loads are not doubled, and one of each step is not exact here: give "
-                f"{argument('substeps')}."
-            )
-        accuracy = checks.number(accuracy, "The accuracy of a path", above=0.0, at_most=1.0)
-        steps, reasons = follow_cycles(run, segments, count or 1, places, accuracy, tell)
-        numbers = [numbers_of(step, error) for step, error in zip(steps, list_cell_errors(steps), strict=True)]
-        reasons = [*([""] if has_pressing else []), *reasons]
-    elif count is not None or all(segment.exact for segment in segments):
-        steps = follow_steps(run, segments, count or 1, tell)
-        warning = () if all(segment.exact for segment in segments) else (GIVEN_INCREMENTS,)
-        numbers = [numbers_of(step, error, warning) for step, error in zip(steps, list_cell_errors(steps), strict=True)]
-        reasons = [segment.exact or AS_GIVEN for segment in segments]
-    else:
-        steps, numbers, reasons = refine_steps(run, segments, tell)
-    kept = slice(1 if has_pressing else 0, None)
-    return FrictionalPath(
-        states=tuple(steps[kept]),
-        pressed=steps[0] if has_pressing else None,
-        numbers=tuple(numbers[kept]),
-        increments=tuple(step.sheared.increments for step in steps[kept]),
-        reasons=tuple(reasons[kept]),
-        accuracy=accuracy,
-    )
-
-
-@guarded
-def run_slide(
-    problem: Scene,
-    normal: Mapping[str, object],
-    friction: object,
-    direction: object,
-    on_step: Callable[[Step], None] | None = None,
-    on_pass: Callable[[Step], None] | None = None,
-) -> ContactSolution:
-    """Return the contact in steady sliding; see `ContactProblem.slide`.
-
-    `on_step` is called after each iteration of the frictionless contact, from which the bodies slide, and `on_pass`
-    after each alternation of pressure and traction of unlike bodies.
-    """
-    law = resolve_friction(friction)
-    angle = math.radians(checks.number(direction, "The direction of sliding", "degrees"))
-    require_frictional(problem)
-    load = Load.of(**normal)
-    limit_load(problem.plan, problem.initial_gap, load)
-    # Exactly along an axis.
-    x, y = (round(value, 15) for value in (math.cos(angle), math.sin(angle)))
-    return CoupledSolve(problem, law, on_step=on_step).slide(load, (x, y), on_pass)

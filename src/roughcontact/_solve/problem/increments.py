@@ -40,6 +40,8 @@ _MIN_DISPLACEMENT = 1e-2
 _MIN_LOSS = 1e-2
 # Sine of the angle between two changes of load below which they have one direction.
 _ONE_DIRECTION = 1e-9
+# Why a step has its increments, if their number was given.
+AS_GIVEN = "as given"
 GIVEN_INCREMENTS = WarningText(
     "the number of increments was given, so that the error of the increments is not known: leave the number open",
     "increments",
@@ -220,7 +222,9 @@ def follow_steps(
             found.append(end)
             tell(Increment(segment.number, segments[-1].number, number, total, end))
         steps.append(_join(run, found, begin, run.fields_at(end), is_exact=bool(segment.exact)))
-    return [_add_error(step, error.dissipated) for step, error in zip(steps, list_cell_errors(steps), strict=True)]
+    return [
+        _add_error(step, error.dissipated) for step, error in zip(steps, list_cell_errors(steps, last), strict=True)
+    ]
 
 
 def _add_error(step: ContactSolution, error: float) -> ContactSolution:
@@ -251,17 +255,38 @@ def _join(
     return parts[-1]._add(sheared, seconds=math.fsum(part.seconds for part in parts))
 
 
-def refine_steps(
-    run: CoupledSolve, segments: Sequence[PathStep], tell: Callable[[Increment], object]
+def follow_loads(
+    run: CoupledSolve,
+    segments: Sequence[PathStep],
+    count: int | None,
+    tell: Callable[[Increment], object],
+    last: ContactSolution | None = None,
 ) -> tuple[list[ContactSolution], list[StepNumbers], list[str]]:
-    """Double the increments until the numbers hardly change, and extrapolate these."""
+    """Return the states of steps after a state `last`, their numbers, and why they have their increments."""
+    if count is None and not all(segment.exact for segment in segments):
+        return refine_steps(run, segments, tell, last)
+    steps = follow_steps(run, segments, count or 1, tell, last)
+    warning = () if all(segment.exact for segment in segments) else (GIVEN_INCREMENTS,)
+    numbers = [
+        numbers_of(step, error, warning) for step, error in zip(steps, list_cell_errors(steps, last), strict=True)
+    ]
+    return steps, numbers, [segment.exact or AS_GIVEN for segment in segments]
+
+
+def refine_steps(
+    run: CoupledSolve,
+    segments: Sequence[PathStep],
+    tell: Callable[[Increment], object],
+    last: ContactSolution | None = None,
+) -> tuple[list[ContactSolution], list[StepNumbers], list[str]]:
+    """Double the increments after a state `last` until the numbers hardly change, and extrapolate these."""
     count = 1
-    steps = follow_steps(run, segments, count, tell)
+    steps = follow_steps(run, segments, count, tell, last)
     change = math.inf
     sweeps = [steps]
     while count < _MIN_INCREMENTS or (count < _MAX_INCREMENTS and change > 1.0):
         count *= 2
-        steps = follow_steps(run, segments, count, tell)
+        steps = follow_steps(run, segments, count, tell, last)
         change = _compare(sweeps[-1], steps)
         sweeps = [*sweeps[-2:], steps]
     warning: tuple[str, ...] = ()
@@ -275,7 +300,7 @@ def refine_steps(
         numbers_of(steps[place], error)
         if all(one.exact for one in segments[: place + 1])
         else extrapolate_numbers([sweep[place] for sweep in sweeps], error, warning)
-        for place, error in enumerate(list_cell_errors(steps))
+        for place, error in enumerate(list_cell_errors(steps, last))
     ]
     reasons = [
         segment.exact or f"doubled until the numbers change by {change:.2g} of what is admissible"

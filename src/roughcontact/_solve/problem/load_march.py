@@ -214,11 +214,11 @@ class LoadMarch:
             return 0.0
         part = _ERROR_OF_CHANGE * step / (step + earlier)
         error = 0.0
-        for before, last, now in zip(*(_list_lengths(one, passing=True) for one in (*states, state)), strict=True):
+        for before, last, now in zip(*(list_lengths(one, passing=True) for one in (*states, state)), strict=True):
             change = now - last
             change -= (last - before) * (step / earlier)
             error = max(error, part * float(np.abs(change).max()))
-        scale = max((float(np.ptp(now)) for now in _list_lengths(state)), default=0.0)
+        scale = max((float(np.ptp(now)) for now in list_lengths(state)), default=0.0)
         return error / (self._accuracy * max(scale, _SMALLEST))
 
 
@@ -235,7 +235,7 @@ def _set_clock(state: ContactSolution, place: Place) -> ContactSolution:
     return state._add(attrs.evolve(effect, elapsed=place.time, slid=place.sliding))
 
 
-def _list_lengths(state: ContactSolution, *, passing: bool = False) -> list[Array]:
+def list_lengths(state: ContactSolution, *, passing: bool = False) -> list[Array]:
     """Return what the laws remember as lengths, such as heights that are lost; where only what passes changes them.
 
     What changes with the load alone, as by flattening, has no length of increments on which it depends.

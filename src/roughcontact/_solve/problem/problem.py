@@ -20,7 +20,7 @@ from roughcontact._parts.materials import Viscoelastic
 from roughcontact._solve.problem.accuracy import Target, solve_within, with_tolerance
 from roughcontact._solve.problem.cycle import AdhesionCycle, list_approaches, run_cycle
 from roughcontact._solve.problem.friction_certificate import verify_state
-from roughcontact._solve.problem.frictional_path import FrictionalPath, run_path, run_slide
+from roughcontact._solve.problem.frictional_path import FrictionalPath
 from roughcontact._solve.problem.increments import Increment
 from roughcontact._solve.problem.load_path import (
     PATH_ACCURACY,
@@ -30,6 +30,7 @@ from roughcontact._solve.problem.load_path import (
     run_load_path,
 )
 from roughcontact._solve.problem.loads import solve_loads
+from roughcontact._solve.problem.loads_along import run_path, run_slide
 from roughcontact._solve.problem.pull_off import find_pull_off
 from roughcontact._solve.problem.required_load import RequiredLoad, find_load_of_area, find_required_load
 from roughcontact._solve.problem.run import computing, require_success, run_solve

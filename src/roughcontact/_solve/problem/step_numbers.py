@@ -75,13 +75,12 @@ class CellErrors:
     dissipated: float
 
 
-def list_cell_errors(steps: Sequence[ContactSolution]) -> list[CellErrors]:
-    """Return the errors by the size of the cells of each step of a path."""
+def list_cell_errors(steps: Sequence[ContactSolution], before: ContactSolution | None = None) -> list[CellErrors]:
+    """Return the errors by the size of the cells of each step of a path, which follows a state `before`."""
     # Pressure moves the surfaces of unlike bodies along each other by about beta times the approach.
     moved = max(math.hypot(*step.tangential_displacement, step.sheared.pair.beta * step.approach) for step in steps)
     pushed = max(math.hypot(*step.tangential_force) for step in steps)
     found: list[CellErrors] = []
-    before: ContactSolution | None = None
     missed = 0.0
     for step in steps:
         # Bodies that have come apart have no cells in contact.

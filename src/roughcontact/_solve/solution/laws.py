@@ -368,11 +368,6 @@ class Governed(Addition):
     def _find_increment(self, state: Any) -> LoadIncrement:
         return LoadIncrement(Load.signed(**state.origin.load), self.time, self.sliding, self.cycles, self.shift)
 
-    def list_lengths(self) -> list[Array]:
-        """Return what the laws remember as lengths, such as heights that are lost, m."""
-        pairs = zip(self.remembered, self.memory, strict=True)
-        return [memory[name] for names, memory in pairs for name, (_, unit) in names.items() if unit == "m"]
-
     def begins_with(self, memory: tuple[Memory, ...]) -> bool:
         """Return whether the laws remembered just this at the begin of the increment."""
         pairs = zip(self.before, memory, strict=True)
