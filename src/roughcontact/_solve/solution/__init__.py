@@ -27,13 +27,13 @@ from roughcontact._solve.solution.flattening import UniformRise as UniformRise
 from roughcontact._solve.solution.flattening import find_height_loss as find_height_loss
 from roughcontact._solve.solution.flattening import find_softer as find_softer
 from roughcontact._solve.solution.flattening import flattening_models as flattening_models
+from roughcontact._solve.solution.governed import Governed as Governed
 from roughcontact._solve.solution.healing import FilledGap as FilledGap
 from roughcontact._solve.solution.healing import fill_gap as fill_gap
 from roughcontact._solve.solution.healing import heal as heal
 from roughcontact._solve.solution.judgement import UNCERTAINTIES as UNCERTAINTIES
 from roughcontact._solve.solution.judgement import judge as judge
 from roughcontact._solve.solution.laws import MAX_SHIFT as MAX_SHIFT
-from roughcontact._solve.solution.laws import Governed as Governed
 from roughcontact._solve.solution.laws import Law as Law
 from roughcontact._solve.solution.laws import LoadIncrement as LoadIncrement
 from roughcontact._solve.solution.laws import Process as Process

@@ -15,7 +15,7 @@ from roughcontact._base.archive.plain import describe, rebuild
 from roughcontact._base.arrays import RealArray
 from roughcontact._solve.solution import storage
 from roughcontact._solve.solution.contact import ContactSolution
-from roughcontact._solve.solution.laws import Governed
+from roughcontact._solve.solution.governed import Governed
 from roughcontact.errors import InputError
 
 
