@@ -15,6 +15,9 @@ from roughcontact.testing.claim import DoesNotApply, claim, require, require_equ
 
 # Forces on a ball, N, that rise and fall.
 _FORCES = (1.0, 2.0, 0.5)
+# Time, s, and sliding distance, m, at each of them, of a law that depends on what passes; accuracy of its increments.
+_PASSED = (0.0, 0.5, 1.0)
+_ACCURACY = 0.05
 # Largest residual of a condition: that of the contact is 2e-5.
 _MAX_ERROR = 1e-4
 
@@ -25,7 +28,11 @@ def _problem(law: Law) -> rc.ContactProblem:
 
 
 def _follow(law: Law) -> tuple[ContactSolution, ...]:
-    return _problem(law).sweep(force=_FORCES).states
+    problem = _problem(law)
+    if not law.rates:
+        return problem.sweep(force=_FORCES).states
+    passed: Any = dict.fromkeys(law.rates, _PASSED)
+    return problem.path(force=_FORCES, **passed, accuracy=_ACCURACY).states
 
 
 def _memory_of(state: ContactSolution) -> Any:

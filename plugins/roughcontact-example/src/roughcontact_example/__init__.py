@@ -7,13 +7,13 @@ from roughcontact_example.friction import Junctions
 from roughcontact_example.interaction import Capillary
 from roughcontact_example.kernel import Springs
 from roughcontact_example.material import Foam
+from roughcontact_example.oxidation import Oxidation
 from roughcontact_example.panel import PatchForces
 from roughcontact_example.reader import Raw16
 from roughcontact_example.response import Capacitance
 from roughcontact_example.shear_solver import ProjectedGradient
 from roughcontact_example.solver import AcceleratedGradient
 from roughcontact_example.surface import Dimples
-from roughcontact_example.wear import Wear
 
 __all__ = [
     "AcceleratedGradient",
@@ -23,11 +23,11 @@ __all__ = [
     "Dimples",
     "Foam",
     "Junctions",
+    "Oxidation",
     "PatchForces",
     "ProjectedGradient",
     "Raw16",
     "SignalConvolver",
     "Springback",
     "Springs",
-    "Wear",
 ]
