@@ -29,7 +29,7 @@ def test_each_constant_says_how_and_by_which_script_it_was_measured():
     assert all((ROOT / script).is_file() for script in scripts)
     groups = re.findall(r"((?:^#.*\n)+)((?:^[A-Z_]+ = .*\n)+)", "".join(sections), flags=re.MULTILINE)
     rows = [(comment, name) for comment, lines in groups for name in re.findall(r"^[A-Z_]+", lines, flags=re.MULTILINE)]
-    assert len(rows) == len(re.findall(r"^[A-Z_]+ = ", TEXT, flags=re.MULTILINE)) == 116
+    assert len(rows) == len(re.findall(r"^[A-Z_]+ = ", TEXT, flags=re.MULTILINE)) == 107
     # Those of all other numbers were fitted together, as the head of their section says.
     fitted = re.findall(
         r"^[A-Z_]+(?= = )", sections[scripts.index("benchmarks/quantity_classes.py")], flags=re.MULTILINE
@@ -72,10 +72,6 @@ def test_constants_of_the_pressure_limit():
 @pytest.mark.slow
 def test_constants_of_rough_contacts():
     found = load("rough_constants").measure(2)
-    assert found["EXCESS"] == pytest.approx(calibration.EXCESS, rel=0.2)
-    assert found["EXCESS_REFINED"] == pytest.approx(calibration.EXCESS_REFINED, abs=0.005)
-    assert found["UNSEEN_STD (maximum)"] <= calibration.UNSEEN_STD
-    assert found["SMALL_PATCH_STD at 2 cells"] == pytest.approx(calibration.SMALL_PATCH_STD, rel=0.3)
     for name, value in found.items():
         if name.startswith("Hertz error"):
             # Patches of several summits are among them, which the blend hardly weights.

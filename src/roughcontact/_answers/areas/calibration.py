@@ -41,19 +41,8 @@ OVERLOADS = (1.0, 1.05, 1.1, 1.2, 1.3, 1.4, 1.5, 1.7, 1.85, 2.0, 2.2, 2.6, 3.0)
 # Measured on spheres of 40 cells elastic radius: within 0.0015.
 PLASTIC_GROWTH = (1.0, 1.0006, 1.003, 1.0143, 1.034, 1.0625, 1.098, 1.187, 1.267, 1.355, 1.4805, 1.737, 2.0)
 
-# --- benchmarks/rough_constants.py: self-affine surfaces of 2 to 8 cells a shortest wave against 32 cells -------------
+# --- benchmarks/rough_constants.py: self-affine surfaces of 32 cells a shortest wave ----------------------------------
 
-# Excess of the area inside the edge, cells along the edge times the resolution ratio.
-# Measured on 4 surfaces at 3 loads: 0.030, scatter 0.009.
-EXCESS = 0.03
-# The same after extrapolation, cells along the edge times the square of the ratio. Measured: 0.011, scatter 0.005.
-EXCESS_REFINED = 0.009
-# Relative standard deviation of the area for summits between the grid points, for the fraction of the area in patches
-# of fewer than four cells, times the square of the ratio. Measured at 2 cells a shortest wave: maximum 0.115.
-UNSEEN_STD = 0.12
-# Relative standard deviation of the area of a patch of few cells, times the ratio over cells^(3/2).
-# Measured for 1, 2 and 3 cells, by the parts of the fine contact in each: median 0.15, 0.30, 0.37.
-SMALL_PATCH_STD = 0.3
 # Terms a, b, c of Hertz's relative standard deviation a v / (v + v0) + b v^2 + c v^4 where v is the spread of the
 # curvature, no unit; v0 is EVEN_SPREAD.
 # Measured on patches of at least 150 cells: rms 0.009, 0.015, 0.06, 0.16, 0.29 (in use: 0.016, 0.03, 0.06, 0.12, 0.32)
@@ -65,18 +54,9 @@ HERTZ_COMMON_FRACTION = 1.0 / 3.0
 
 # --- benchmarks/area_classes.py: the tuned half of the classes of contacts --------------------------------------------
 
-# Standard deviation of the position of all edges, cells. Set on rough contacts of 6 to 12 cells a shortest wave.
-EDGE_POSITION_STD = 0.0011
-# Its relative increase on ridges of one direction, and the power of the lay ratio in the number of pieces of the edges
-# with independent errors. Set on rough contacts with a lay along the grid.
-LAY_POSITION_FACTOR = 0.7
-LAY_PIECES_EXPONENT = 1.5
 # Standard deviation of the area for each cell in contact at a free border before which the contact ends, cells. Set on
 # balls that nearly touch the border.
 UNCUT_BORDER_STD = 0.4
-# Standard deviation of the area for each point beside the edge whose height was filled in, cells. Set on rough contacts
-# with 1 to 5 % filled points.
-FILLED_POINT_STD = 0.4
 # Patches of width n have 1 + (this / n)^2 times the standard deviation EDGE_AREA_STD, cells. Set on rough contacts: the
 # area inside the edge of patches of 1, 2, 4, 9, 18 cells errs by 0.48, 0.11, 0.06, 0.025, 0.017.
 SMALL_PATCH_WIDTH = 2.0
@@ -97,9 +77,9 @@ SLENDER_POSITION_STD = (0.036, 0.012)
 # Rim ratio (`rim_ratio`) above which an edge has a sharp rim, the largest excess over it that counts, and the standard
 # deviation of the position of such edges over this excess, cells. Set on flats that were run in.
 RIM_POSITION_TERMS = (1.3, 1.5, 0.05)
-# Excess of the mean of the traced and the extrapolated area, cells along the edge times the ratio and its square.
+# Excess of the area inside the edge, cells along it times the resolution ratio and its square.
 # Measured patch by patch: 0.006, 0.016 and 0.05 cells with 8, 4 and 2 cells a shortest wave, with a lay and without.
-EXCESS_HALF = (0.016, 0.004)
+EXCESS = (0.016, 0.004)
 # Standard deviation of the position of an edge where half of the patch or more is saturated, cells.
 # Set on rough contacts with a pressure limit; spheres at an overload of 1.7 to 2.2 measured 0.057.
 SATURATED_POSITION_STD = 0.03
@@ -131,10 +111,9 @@ HERTZ_RESOLUTION_ERROR = (0.011, 10.0)
 TIP_ERROR = (25.0, 0.3)
 MAX_TIP_CELLS = 6
 # Excess of the counted area where the edge meets non-measured points that touch, cells for each such place, and its
-# standard deviations: common to all places, and independent of each. Set on rough contacts with 2 to 10 % non-measured
-# points: 0.31 for single ones, 0.46 for groups.
+# standard deviation, independent of each. Set on rough contacts with 2 to 10 % non-measured points: 0.31 for single
+# ones, 0.46 for groups.
 NON_MEASURED_EXCESS = 0.4
-NON_MEASURED_STD = 0.1
 NON_MEASURED_PLACE_STD = 0.8
 # Length of the edge that is not traced there, cells for each such place, and its standard deviation. Set on the same:
 # 0.45 to 0.55 for single ones, 0.8 to 0.9 for groups.
