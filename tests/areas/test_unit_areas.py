@@ -35,7 +35,6 @@ from roughcontact._answers.areas.estimators import _chain, _extrapolate, _smalle
 from roughcontact._answers.areas.hertz import (
     _find_hidden,
     _find_low_cells,
-    _find_uneven_deficit,
     _raise_to_three_halves,
     hertz_areas,
 )
@@ -265,9 +264,6 @@ def test_rims_count_from_a_third_more_curvature_on():
 
 def test_depths_grow_to_loads_by_three_halves():
     np.testing.assert_allclose(_raise_to_three_halves(np.array([-1.0, 0.0, 4.0, 9.0])), [0.0, 0.0, 8.0, 27.0])
-    spread = np.array([0.0, 0.35, 0.6])
-    a, b, c = calibration.HERTZ_DEFICIT
-    np.testing.assert_allclose(_find_uneven_deficit(spread), a * spread**4 / ((b + spread**2) * (1.0 + c * spread**2)))
 
 
 @pytest.mark.parametrize("cell", [(1.0, 1.0), (1.0, 2.0)])

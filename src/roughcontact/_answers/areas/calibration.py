@@ -49,7 +49,7 @@ PLASTIC_GROWTH = (1.0, 1.0006, 1.003, 1.0143, 1.034, 1.0625, 1.098, 1.187, 1.267
 # at v of 0.15 to 0.3, to 0.4, to 0.6, to 0.8, to 1.2.
 HERTZ_ERROR = (0.0003, 0.2, 0.1)
 # Fraction of that standard deviation that is common to all patches, no unit.
-# Measured: 0.23 at v below 0.3, before HERTZ_DEFICIT corrected most of the common error.
+# Measured: 0.23 at v below 0.3.
 HERTZ_COMMON_FRACTION = 1.0 / 3.0
 
 # --- benchmarks/area_classes.py: the tuned half of the classes of contacts --------------------------------------------
@@ -83,20 +83,13 @@ EXCESS = (0.016, 0.004)
 # Standard deviation of the position of an edge where half of the patch or more is saturated, cells.
 # Set on rough contacts with a pressure limit; spheres at an overload of 1.7 to 2.2 measured 0.057.
 SATURATED_POSITION_STD = 0.03
-# Relative standard deviation of Hertz's area of a patch at its pressure limit: constant, and a part over its
-# cells. Set on spheres of 1 to 12 cells radius.
-PLASTIC_ERROR = (0.0015, 0.05)
+# Relative standard deviation of Hertz's area of a patch at its pressure limit. Set on spheres of 1 to 12 cells radius.
+PLASTIC_ERROR = 0.0015
 # Spread v0 up to which Hertz's error is in proportion to the spread, and its smallest value, no unit.
 # Measured on balls and ellipses in domains of any shape, whose computed curvatures spread by 1e-7 to 1e-3: 0.16 v, and
 # 0.6e-6 where v is less.
 EVEN_SPREAD = 0.0014
 MIN_HERTZ_ERROR = 1e-6
-# Deficit of the approach of the larger patches of a discrete solution, over their curvature times the area of a cell.
-# Measured: 0.04 on spheres of 4 to 40 cells, 0.02 to 0.03 for the loads of the small patches of rough contacts.
-APPROACH_DEFICIT = 0.026
-# Standard deviation of that deficit, times the fraction of the load on patches whose load does not follow from the
-# approach. Set on the small patches of rough contacts.
-APPROACH_DEFICIT_STD = 0.04
 # Relative standard deviation of the area of a patch of n cells by its load, times n^(3/2), where the load does not
 # follow from the approach. Measured on rough contacts: 0.24, 0.19, 0.25, 0.3 with 1, 2, 3 to 4, 5 to 8 cells.
 LOAD_ERROR = 0.25
@@ -119,11 +112,6 @@ NON_MEASURED_PLACE_STD = 0.8
 # 0.45 to 0.55 for single ones, 0.8 to 0.9 for groups.
 NON_MEASURED_LENGTH = 0.65
 NON_MEASURED_LENGTH_STD = 0.35
-# Relative standard deviation of the areas of contacts that have no cell. Set on rough contacts.
-HIDDEN_AREA_ERROR = 0.2
-# Terms a, b, c of the deficit of Hertz's area a v^4 / ((b + v^2) (1 + c v^2)), relative. Measured on rough contacts of
-# 8 cells a shortest wave: 0.013, 0.02, 0.03, 0.04 at a spread v of 0.35, 0.45, 0.6, 0.85.
-HERTZ_DEFICIT = (0.15, 0.02, 2.5)
 
 # --- benchmarks/layer_constants.py: spheres on layers, where E* depends on the wavelength ----------------------------
 
