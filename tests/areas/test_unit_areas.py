@@ -347,7 +347,7 @@ def test_the_maximum_pressure_of_a_summit_of_fourth_order(cell, quartic):
     mean = found.summits.curvature[0] / 2.0
     expected = hertz * (1.0 - 32.0 / 45.0 * c4 * found.area[1] / np.pi / mean)
     assert value[0] == pytest.approx(expected, rel=2e-3)
-    wanted = calibration.MIN_SUMMIT_ERROR + calibration.SUMMIT_ERROR_FACTOR * found.error[1]
+    wanted = calibration.MIN_SUMMIT_ERROR + found.error[1]
     assert error[0] == pytest.approx(wanted, rel=1e-6)
 
 

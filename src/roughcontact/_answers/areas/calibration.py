@@ -171,11 +171,8 @@ TIP_PEAK_ERROR = (0.3, 0.36, 0.45)
 POINTED_PEAK_ERROR = (0.4, 0.4, 6.0)
 # Number that is added to the ratio by which the sharpness is divided, so that rounding does not count.
 MIN_RESOLUTION_RATIO = 0.01
-# Relative standard deviation of a summit's maximum pressure: its smallest value, its ratio to that of the area, and its
-# increase at a free border; no unit.
+# Relative standard deviation of a summit's maximum pressure beside that of its area, no unit.
 MIN_SUMMIT_ERROR = 2e-5
-SUMMIT_ERROR_FACTOR = 0.9
-BORDER_SUMMIT_ERROR = 4e-4
 # Length lost along an edge of several summits, relative, times the resolution ratio to the power 3/2; half of it is
 # uncertain.
 LOST_LENGTH = 0.05
