@@ -179,8 +179,6 @@ LOST_LENGTH = 0.05
 # Relative standard deviation of the length of smooth edges, and of edges of several summits times the ratio, no unit.
 LENGTH_ERROR = 0.003
 UNEVEN_LENGTH_ERROR = 0.025
-# The same of edges of several summits, independent of the ratio, no unit.
-LOBED_LENGTH_ERROR = 0.007
 # Relative standard deviation of the length of narrow patches over the ratio: on ridges of one direction, and on
 # isotropic surfaces, no unit. Set on rough contacts with a lay and without.
 NARROW_LENGTH_ERROR = (0.3, 0.04)
@@ -197,11 +195,6 @@ UNEVEN_SPREAD = 0.3
 # Number of patches, no unit: variance for each of fewer than nine cells; standard deviation for each of fewer than four
 # cells and for each of all, times the resolution ratio.
 MISSING_PATCH_TERMS = (0.15, 0.2, 0.1)
-# The same: variance on ridges of one direction, whose contacts may be narrower than a cell; standard deviation for each
-# contact at a summit between the cells. Relative standard deviation of the length of the edges of these contacts.
-RIDGE_PATCH_VARIANCE = 0.5
-HIDDEN_PATCH_STD = 0.2
-HIDDEN_LENGTH_ERROR = 0.1
 # Standard deviation of the number of patches for each of them on maps that are linear between points. Set on such maps.
 LINEAR_PATCH_STD = 0.06
 # Excess of the mean gap over h^2 times the mean curvature under the contact, over the shift of the edge, 1/cells.

@@ -128,8 +128,7 @@ class EdgeLength(Quantity):
         corners = math.pi * step * math.sqrt(np.count_nonzero(edges.sharp_length[1:] > 0.0))
         along_cells = calibration.SHARP_LENGTH_ERROR * (1.0 + slender)
         sharp_std = math.hypot(along_cells * sharp, corners if sharp > 0.0 else 0.0)
-        uneven = calibration.UNEVEN_LENGTH_ERROR * edges.curvature_resolution + calibration.LOBED_LENGTH_ERROR
-        uneven = uneven * float(np.sum(lobed)) + 0.5 * lost
+        uneven = calibration.UNEVEN_LENGTH_ERROR * edges.curvature_resolution * float(np.sum(lobed)) + 0.5 * lost
         lay = lay_ratio(solution)
         along, all_round = calibration.NARROW_LENGTH_ERROR
         narrow = float(np.sum(lobed / (1.0 + edges.width[1:] / calibration.NARROW_PATCH_WIDTH)))
@@ -151,7 +150,6 @@ class EdgeLength(Quantity):
         of_networks = float(np.sum(lobed, where=large)) / length if length > 0.0 and not straight.any() else 0.0
         networks = calibration.COUNTED_DIFFERENCE * abs(counted - length) * of_networks
         untraced += calibration.UNTRACED_CUT_LENGTH[1] * crossings
-        unseen = calibration.HIDDEN_LENGTH_ERROR * float(np.sum(hidden))
         std = math.hypot(
             relative * (length - exact - sharp),
             _STRAIGHT_LENGTH_ERROR * exact,
@@ -159,7 +157,6 @@ class EdgeLength(Quantity):
             narrow,
             diagonal,
             untraced,
-            unseen,
             sharp_std,
             networks,
         )
@@ -185,20 +182,17 @@ class PatchCount(Quantity):
         patches = solution.patches
         if patches.count == 0:
             return Estimate(0.0, 0.0, "")
-        bend = measure_bend(solution)
         cells = patches.cells
+        bend = measure_bend(solution)
         uneven = bend.spread > calibration.UNEVEN_SPREAD
         small, few = (int(np.count_nonzero(uneven & (cells < limit))) for limit in _SMALL_PATCH_CELLS)
         many = int(np.count_nonzero(uneven))
         ratio = min(curvature_resolution(solution), 2.0)
         hidden = hertz_areas(solution).correction.hidden.size
         each, unresolved, of_all = calibration.MISSING_PATCH_TERMS
-        ridges = calibration.RIDGE_PATCH_VARIANCE * (1.0 - lay_ratio(solution)) * min(many, 1)
-        variance = ridges + each * (few + ratio * many) + 0.5 * trace_edges(solution).topology / solution.grid.cell_area
-        unsure = math.hypot(
-            calibration.HIDDEN_PATCH_STD * hidden, calibration.LINEAR_PATCH_STD * patches.count * bend.linear
-        )
-        std = math.hypot(math.sqrt(variance), unresolved * ratio * small, of_all * ratio * many, unsure)
+        variance = each * (few + ratio * many) + 0.5 * trace_edges(solution).topology / solution.grid.cell_area
+        linear = calibration.LINEAR_PATCH_STD * patches.count * bend.linear
+        std = math.hypot(math.sqrt(variance), unresolved * ratio * small, of_all * ratio * many, linear)
         return Estimate(float(patches.count + hidden), std, "", area.warnings)
 
 
