@@ -416,7 +416,7 @@ def _find_spread(bend: Bend, cells: Array) -> float:
     ratio = min(bend.resolution, 1.0)
     own = (calibration.PATCH_GAP_STD + few * (1.0 + ratio)) / math.sqrt(number)
     edge = calibration.SATURATED_GAP_STD * bend.saturated**2 * bend.width / number
-    return math.hypot(calibration.COMMON_GAP_STD, own, edge, calibration.UNRESOLVED_GAP_STD * ratio)
+    return math.hypot(own, edge)
 
 
 def find_hidden_rise(solution: ContactSolution) -> float:

@@ -201,12 +201,10 @@ LINEAR_PATCH_STD = 0.06
 GAP_EXCESS = 1.7
 # Cells of a patch that has half of that excess.
 HALF_EXCESS_CELLS = 10.0
-# Standard deviation of the mean gap over h^2 times that curvature: common to all patches; of one patch; of one patch,
-# times the root of its cells, where all are equal and where they differ; and over the ratio; no unit.
-COMMON_GAP_STD = 0.002
+# Standard deviation of the mean gap over h^2 times that curvature: of one patch; of one patch, times the root of its
+# cells, where all are equal and where they differ; no unit.
 PATCH_GAP_STD = 0.012
 SMALL_PATCH_GAP_STD = (0.15, 0.1)
-UNRESOLVED_GAP_STD = 0.008
 # The same of one patch over the square of the fraction of the load on saturated cells and over the fourth root of its
 # cells, as the error of an edge between whole cells grows, no unit.
 SATURATED_GAP_STD = 0.08
@@ -214,10 +212,6 @@ SATURATED_GAP_STD = 0.08
 # oblique direction, no unit. Set on strips.
 ALIGNED_GAP_STD = 0.07
 OBLIQUE_GAP_STD = 0.02
-# Resolution ratio from which the standard deviation of the mean gap grows with the root of the kurtosis of the second
-# differences under the contact, and the largest factor. Set on pillars, mesas, dimples, craters and rounded flats.
-MIN_CREASE_RATIO = 1.3
-MAX_CREASE_FACTOR = 3.0
 # Standard deviation of the approach over the mean height of creases above the cells, where the contact across them is
 # narrow, and the largest second difference beside a crease over the sum of the two at it, no unit. Set on turned and
 # shot-peened surfaces; smooth rough ones have no such creases.

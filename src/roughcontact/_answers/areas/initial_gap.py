@@ -211,22 +211,17 @@ def lay_ratio(solution: ContactSolution) -> float:
     return _measure_heights(solution)[2]
 
 
-def bend_kurtosis(solution: ContactSolution) -> float:
-    """Return the kurtosis of the second differences under the contact: 3 of Gaussian heights, large at creases."""
-    return _measure_heights(solution)[3]
-
-
-def _measure_heights(solution: ContactSolution) -> tuple[float, float, float, float]:
-    """Return resolution, rim ratio, lay ratio and kurtosis of the second differences."""
+def _measure_heights(solution: ContactSolution) -> tuple[float, float, float]:
+    """Return resolution, rim ratio and lay ratio."""
     healed = heal(solution)
     return healed._keep("ratios of curvatures", lambda: _find_ratios(healed))
 
 
-def _find_ratios(solution: ContactSolution) -> tuple[float, float, float, float]:
+def _find_ratios(solution: ContactSolution) -> tuple[float, float, float]:
     whole = solution.parts
     chosen = whole.sample(np.flatnonzero(whole.own(solution.contact)), _SAMPLE_CELLS)
     if whole.total(chosen.size) == 0:
-        return 0.0, 0.0, 1.0, 0.0
+        return 0.0, 0.0, 1.0
     near = Neighbourhood.inside(solution, chosen, 2)
     lines = list(_gather_lines(solution, near, 2, 2))
     corners = solution.initial_gap.ravel().take(near.at(_CORNERS))
@@ -243,13 +238,8 @@ def _find_ratios(solution: ContactSolution) -> tuple[float, float, float, float]
     inner, outer = whole.total(np.array([np.count_nonzero(inside), np.count_nonzero(~inside)]))
     middle = abs(whole.mean(laplacian[inside])) if inner else 0.0
     rim = whole.mean(laplacian[~inside]) / middle if middle > 0.0 and outer else 0.0
-    ratio = 0.0
-    kurtosis = 0.0
-    if second > 0.0:
-        ratio = math.sqrt(fourth / second)
-        # In units of the mean square, so that no height leaves the range of float64.
-        kurtosis = 2.0 * sum(whole.mean(np.square(bend / math.sqrt(second)) ** 2) for bend in bends)
-    return ratio, rim, _find_lay(whole, xx, xy, yy), kurtosis
+    ratio = math.sqrt(fourth / second) if second > 0.0 else 0.0
+    return ratio, rim, _find_lay(whole, xx, xy, yy)
 
 
 def _find_lay(whole: Whole, xx: Array, xy: Array, yy: Array) -> float:

@@ -19,7 +19,7 @@ from roughcontact._answers.areas.cells import (
 )
 from roughcontact._answers.areas.edges import CUT_OFF_CELLS, is_diagonal, trace_edges, warn_if_uncertain
 from roughcontact._answers.areas.hertz import hertz_areas
-from roughcontact._answers.areas.initial_gap import average_curvature, bend_kurtosis, curvature_resolution, lay_ratio
+from roughcontact._answers.areas.initial_gap import average_curvature, curvature_resolution, lay_ratio
 from roughcontact._answers.areas.summits import find_axes_ratio, find_beside_non_measured, is_elliptic
 from roughcontact._base.arrays import Array
 from roughcontact._parts.grid import Boundary
@@ -43,8 +43,6 @@ _LARGE_PATCH_CELLS = 100
 _MIN_TRACED_LENGTH = 0.65
 # Numbers of cells below which a patch may be a part of another one, or other patches may be missing beside it.
 _SMALL_PATCH_CELLS = (4, 9)
-# Kurtosis of the second differences of Gaussian heights.
-_GAUSSIAN_KURTOSIS = 3.0
 # Weights of the three outermost centres in the outward slope at the border, to second order.
 _BORDER_SLOPE_WEIGHTS = np.array((2.0, -3.0, 1.0))
 
@@ -233,7 +231,6 @@ class MeanGap(Quantity):
     def find(self, solution: ContactSolution, area: Area) -> Estimate:
         """Return the mean gap; see `Quantity.find`."""
         shift, std = find_shift(solution)
-        std *= _find_crease_factor(solution)
         filled = fill_gap(solution)
         # Where cells are saturated the bodies flow instead of overlapping.
         gap = np.where(solution.saturated, 0.0, filled.values)
@@ -253,14 +250,6 @@ class MeanGap(Quantity):
             # The rest of the gap is the error of the solve.
             return Estimate(max(value, 0.0), math.hypot(uncertainty, float(np.ptp(gap))), "m", area.warnings)
         return warn_if_uncertain(max(value, 0.0), uncertainty, "m", area.warnings)
-
-
-def _find_crease_factor(solution: ContactSolution) -> float:
-    """Return the factor of the standard deviation of the mean gap at creases and steps, which heights of waves lack."""
-    if curvature_resolution(solution) < calibration.MIN_CREASE_RATIO:
-        return 1.0
-    highest = calibration.MAX_CREASE_FACTOR
-    return min(max(math.sqrt(bend_kurtosis(solution) / _GAUSSIAN_KURTOSIS), 1.0), highest)
 
 
 def _correct_mean(gap: Array, boundary: Boundary) -> float:
