@@ -15,6 +15,7 @@ from roughcontact._answers.areas.flags import find_unbounded
 from roughcontact._answers.areas.hertz import find_sharpness, hertz_areas
 from roughcontact._answers.areas.initial_gap import curvature_resolution
 from roughcontact._answers.areas.quantities import Quantity
+from roughcontact._answers.areas.summits import Summits
 from roughcontact._base.arrays import Array, IntArray, Mask, RealArray
 from roughcontact._base.units import WarningText
 from roughcontact._parts.grid import grow
@@ -24,6 +25,8 @@ from roughcontact._solve.solution import Area, ContactSolution, Estimate, defer_
 _QUARTIC_FACTOR = -32.0 / 45.0
 # Largest ratio of the bends of p^2 along both axes on a straight strip.
 _MAX_STRIP_BEND_RATIO = 0.002
+# Distance from a free border, in cells, within which the spline through the heights is less certain.
+_BORDER_CELLS = 3.0
 # Weights of five cells in the third difference.
 _THIRD_DIFFERENCE = np.array((-0.5, 1.0, 0.0, -1.0, 0.5))
 # Largest relative change by the fourth-order term of a summit for which the term is small.
@@ -251,9 +254,22 @@ def _find_summits(solution: ContactSolution, area: Area, highest: IntArray) -> t
     with np.errstate(divide="ignore", invalid="ignore"):
         change = _QUARTIC_FACTOR * bilaplacian * areas / np.pi / (32.0 * mean)
         error = calibration.MIN_SUMMIT_ERROR + found.error[1:]
+        error = error + calibration.BORDER_SUMMIT_ERROR * np.clip(
+            1.0 - _measure_room(solution, found.summits) / _BORDER_CELLS, 0.0, 1.0
+        )
     known = single & (np.abs(change) < _MAX_QUARTIC_CHANGE)
     pressure = 1.5 * patches.forces * factor / areas * (1.0 + np.where(known, change, 0.0))
     return pressure, np.where(known & np.isfinite(pressure), error, np.inf)
+
+
+def _measure_room(solution: ContactSolution, summits: Summits) -> Array:
+    """Return how many cells lie between each ellipse and the next free border, shape (count,)."""
+    room = np.full(summits.row.shape, np.inf)
+    axes = zip((summits.row, summits.column), summits.extents, solution.grid.shape, solution.grid.spacing, strict=True)
+    for free, (at, extent, n, step) in zip(solution.boundary.free_axes, axes, strict=True):
+        if free:
+            room = np.minimum(room, np.minimum(at, n - 1 - at) + 0.5 - extent / step)
+    return room
 
 
 def _gather(solution: ContactSolution, field: RealArray, at: IntArray, reach: int) -> Array:
