@@ -4,6 +4,19 @@ The ratio is the resolution ratio of `curvature_resolution`; the width of a patc
 bend of p^2 is -h^2 times its laplacian over p^2.
 """
 
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from roughcontact._base.arrays import Array, read_only
+
+
+def _read_table(name: str) -> Array:
+    """Return the columns of a table that a script has written beside this module."""
+    return read_only(np.loadtxt(Path(__file__).with_name(name), delimiter=",", unpack=True))
+
 
 # --- benchmarks/edge_constants.py: spheres against closed forms -------------------------------------------------------
 
@@ -22,24 +35,17 @@ CUT_BORDER_STD = 0.15
 # Standard deviation of the place of a straight edge along the grid, cells: constant, and terms over the width of the
 # contact and of the gap beyond, in cells. Measured on cylinders of 6 to 30 cells half width, and on waves.
 STRAIGHT_POSITION_STD = (0.002, 0.1, 0.3)
-# Places of such edges between the centres of the last cell in contact and the next, in cells: the first and the step of
-# the true ones, and those of the traced polygons. Measured on cylinders of 1600 cells half width, the same on waves;
-# beyond the last the next cell is in contact.
-STRAIGHT_EDGE_START = -0.15
-STRAIGHT_EDGE_STEP = 0.025
-STRAIGHT_EDGE_PLACES = (
-    0, 0.0016, 0.0038, 0.0072, 0.0117, 0.0176, 0.0248, 0.0336, 0.0439, 0.0557, 0.0691, 0.0841, 0.1005, 0.1184, 0.1376,
-    0.1581, 0.1797, 0.2024, 0.2261, 0.2507, 0.2762, 0.3023, 0.3292, 0.3568, 0.385, 0.4139, 0.4433, 0.4735, 0.5043,
-    0.5359, 0.5683, 0.6017, 0.6363, 0.6722, 0.71, 0.7501, 0.7935, 0.8418, 0.8995, 0.9944, 1,
-)  # fmt: skip
+# Places of such edges between the centres of the last cell in contact and the next, in cells: the true ones, and those
+# of the traced polygons, shape (2, places). Measured on cylinders of 1600 cells half width, the same on waves; beyond the
+# last the next cell is in contact.
+STRAIGHT_EDGE_PLACES = _read_table("straight_edges.csv")
 
 # --- benchmarks/limit_constants.py: spheres at a pressure limit ------------------------------------------------------
 
-# Overloads of the next table: Hertz's maximum pressure over the pressure limit, no unit.
-OVERLOADS = (1.0, 1.05, 1.1, 1.2, 1.3, 1.4, 1.5, 1.7, 1.85, 2.0, 2.2, 2.6, 3.0)
-# Contact area of a sphere at these overloads over Hertz's area, no unit; beyond, two thirds of the overload.
-# Measured on spheres of 40 cells elastic radius: within 0.0015.
-PLASTIC_GROWTH = (1.0, 1.0006, 1.003, 1.0143, 1.034, 1.0625, 1.098, 1.187, 1.267, 1.355, 1.4805, 1.737, 2.0)
+# Overloads, Hertz's maximum pressure over the pressure limit, and the contact area of a sphere at these over Hertz's area,
+# no unit, shape (2, overloads); beyond, two thirds of the overload. Measured on spheres of 40 cells elastic radius: within
+# 0.0015.
+PLASTIC_GROWTH = _read_table("plastic_growth.csv")
 
 # --- benchmarks/rough_constants.py: self-affine surfaces of 32 cells a shortest wave ----------------------------------
 

@@ -348,6 +348,6 @@ def _plastic_growth(solution: ContactSolution, force: Array, area: Array) -> Arr
         limit = patches.sum(finite) / patches.cells
     with np.errstate(divide="ignore", invalid="ignore"):
         overload = np.where(area > 0.0, 1.5 * force / (area * limit), 0.0)
-    overloads = calibration.OVERLOADS
-    growth = np.interp(overload, overloads, calibration.PLASTIC_GROWTH)
+    overloads, growths = calibration.PLASTIC_GROWTH
+    growth = np.interp(overload, overloads, growths)
     return np.where(overload > overloads[-1], 2.0 * overload / 3.0, growth)
