@@ -9,7 +9,7 @@ import numpy as np
 import scipy
 
 from roughcontact._answers.areas import calibration
-from roughcontact._answers.areas.cells import Neighbourhood, count_saturated, gather_around, split
+from roughcontact._answers.areas.cells import NEIGHBOUR_STEPS, Neighbourhood, count_saturated, gather_around, split
 from roughcontact._answers.areas.initial_gap import Spline, combine_principal, curvature_resolution
 from roughcontact._answers.areas.summits import (
     MIN_CURVATURE_RATIO,
@@ -38,8 +38,8 @@ _NEWTON_STEPS = 3
 # 1/8 for a summit in the corner of a cell; the sharpest summit may be sharper than those in contact.
 _HIDDEN_GAP_FACTOR = 0.25
 # Steps, in cells, to the four neighbours of a cell that come before it, and to those that come after it.
-_CELLS_BEFORE = np.array(((-1, -1), (-1, 0), (-1, 1), (0, -1)))
-_CELLS_AFTER = -_CELLS_BEFORE
+_CELLS_AFTER = NEIGHBOUR_STEPS[::2]
+_CELLS_BEFORE = -_CELLS_AFTER
 # Pressure limit, Pa, that stands for none in a mean over cells: finite, and above any material's.
 _NO_PRESSURE_LIMIT = 1e150
 
