@@ -390,8 +390,7 @@ def find_shift(solution: ContactSolution) -> tuple[float, float]:
     if solution._is_changed:
         # What loads before have left bends elsewhere, too.
         unsure = (*unsure, _CHANGED_SHIFT_STD * shift)
-    std = max(fading, calibration.MIN_FADING) * math.hypot(*unsure)
-    return fading * shift * bend.mean, std * bend.highest
+    return fading * shift * bend.mean, fading * math.hypot(*unsure) * bend.highest
 
 
 def _find_aligned(solution: ContactSolution) -> float:

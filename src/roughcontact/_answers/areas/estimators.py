@@ -140,7 +140,7 @@ class LevelSet(AreaEstimator):
     >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Elastic(young=210e9, poisson=0.3))
     >>> problem = rc.ContactProblem(ball, grid=rc.Grid((32, 32), 100e-6))
     >>> print(problem.solve(force=1.0).area("level-set"))
-    (688 +- 20) µm2, (6.88 +- 0.20) % of nominal [level-set]
+    (688 +- 19) µm2, (6.88 +- 0.19) % of nominal [level-set]
     """
 
     def estimate(self, solution: ContactSolution) -> Area:
@@ -180,7 +180,7 @@ class LevelSetRichardson(AreaEstimator):
     >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Elastic(young=210e9, poisson=0.3))
     >>> problem = rc.ContactProblem(ball, grid=rc.Grid((32, 32), 100e-6))
     >>> print(problem.solve(force=1.0).area("level-set-richardson"))
-    (688 +- 20) µm2, (6.88 +- 0.20) % of nominal [level-set-richardson]
+    (688 +- 19) µm2, (6.88 +- 0.19) % of nominal [level-set-richardson]
     """
 
     def estimate(self, solution: ContactSolution) -> Area:
@@ -213,7 +213,7 @@ class Hertz(AreaEstimator):
     >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Elastic(young=210e9, poisson=0.3))
     >>> problem = rc.ContactProblem(ball, grid=rc.Grid((32, 32), 100e-6))
     >>> print(problem.solve(force=1.0).area("hertz"))
-    (689.255 +- 0.017) µm2, (6.89255 +- 0.00017) % of nominal [hertz]
+    (689.255 +- 0.018) µm2, (6.89255 +- 0.00018) % of nominal [hertz]
     """
 
     holds_with = frozenset({"shear"})
@@ -254,7 +254,7 @@ class Blend(AreaEstimator):
     >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Elastic(young=210e9, poisson=0.3))
     >>> problem = rc.ContactProblem(ball, grid=rc.Grid((32, 32), 100e-6))
     >>> print(problem.solve(force=1.0).area("blend"))
-    (689.255 +- 0.017) µm2, (6.89255 +- 0.00017) % of nominal [blend]
+    (689.255 +- 0.018) µm2, (6.89255 +- 0.00018) % of nominal [blend]
     """
 
     holds_with = frozenset({"shear"})
