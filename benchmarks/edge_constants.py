@@ -1,13 +1,15 @@
 """Constants of the traced edge, measured on contacts with closed forms.
 
-    python benchmarks/edge_constants.py [number of contacts of each kind]
+    python benchmarks/edge_constants.py [--write] [number of contacts of each kind]
 
-Prints each constant of `roughcontact._answers.areas.calibration` beside what is measured again; two minutes.
+Prints each constant of `roughcontact._answers.areas.calibration` beside what is measured again, and writes the table of
+straight edges; two minutes.
 """
 
 from __future__ import annotations
 
 import sys
+from pathlib import Path
 
 import attrs
 import numpy as np
@@ -18,6 +20,7 @@ from roughcontact._answers.areas.contour import Contour, trace_contour
 
 RADIUS = 1e4  # of all spheres, in cells; their modulus is one
 SHIFT = rc.Love.edge_shift
+STEP = 0.025  # between the places of straight edges, cells
 STEEL = rc.Elastic(young=1e11, poisson=0.0)
 
 
@@ -67,7 +70,7 @@ def measure_border(rng: np.random.Generator, count: int) -> dict[str, float]:
 def measure_straight_edges(half_width: int = 1600) -> np.ndarray:
     """Return places of straight edges and those traced, shape (n, 2), of half widths that differ by parts of a cell."""
     rows = []
-    for part in np.arange(0.0, 1.0, calibration.STRAIGHT_EDGE_STEP):
+    for part in np.arange(0.0, 1.0, STEP):
         half = half_width + part
         grid = rc.Grid((2 * int(1.1 * half) + 1, 1), (2.0 * int(1.1 * half) + 1.0, 1.0))
         body = rc.Body(rc.ParaboloidSurface((RADIUS, np.inf)), rc.Elastic(1.0, 0.0))
@@ -82,12 +85,6 @@ def measure_straight_edges(half_width: int = 1600) -> np.ndarray:
     return np.array(sorted(rows))
 
 
-def list_straight_places() -> tuple[np.ndarray, tuple[float, ...]]:
-    """Return the places in use, and where they are traced."""
-    traced = calibration.STRAIGHT_EDGE_PLACES
-    return calibration.STRAIGHT_EDGE_START + calibration.STRAIGHT_EDGE_STEP * np.arange(len(traced)), traced
-
-
 def measure(count: int = 200) -> dict[str, float]:
     """Return what is measured on so many contacts of each kind."""
     rng = np.random.default_rng(1)
@@ -98,9 +95,17 @@ def measure(count: int = 200) -> dict[str, float]:
 
 
 if __name__ == "__main__":
-    for name, value in measure(*map(int, sys.argv[1:])).items():
+    arguments = sys.argv[1:]
+    for name, value in measure(*(int(word) for word in arguments if word != "--write")).items():
         in_use = getattr(calibration, name.split()[0], None)
         print(f"{name:24} {value:8.4f}" + (f"   in use: {in_use:g}" if in_use else ""))
-    places, traced = measure_straight_edges().T
-    error = np.interp(places, *list_straight_places()) - traced
+    table = measure_straight_edges()
+    error = np.interp(table[:, 0], *calibration.STRAIGHT_EDGE_PLACES) - table[:, 1]
     print(f"STRAIGHT_EDGE_PLACES      differ by up to {np.abs(error).max():.4f} cells")
+    if "--write" in arguments:
+        # An edge at a centre is traced there, and that of the next cell behind the last place.
+        table[0, 1] = 0.0
+        table = np.append(table, [[table[-1, 0] + STEP, 1.0]], axis=0)
+        file = Path(calibration.__file__).with_name("straight_edges.csv")
+        header = f"place, traced place; cells from the last centre in contact; by benchmarks/{Path(__file__).name}"
+        np.savetxt(file, table, ("%.3f", "%.4f"), ", ", header=header)

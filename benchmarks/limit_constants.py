@@ -1,14 +1,15 @@
 """Constants of contacts at a pressure limit, measured on spheres.
 
-    python benchmarks/limit_constants.py [number of spheres of each overload]
+    python benchmarks/limit_constants.py [--write] [number of spheres of each overload]
 
 Prints the growth of the contact by the overload (Hertz's maximum pressure over the limit) and the error of the traced
-edge beside `roughcontact._answers.areas.calibration`; half a minute.
+edge beside `roughcontact._answers.areas.calibration`, and writes the table of the former; half a minute.
 """
 
 from __future__ import annotations
 
 import sys
+from pathlib import Path
 
 import numpy as np
 
@@ -32,7 +33,7 @@ def press(radius: float, overload: float, rng: np.random.Generator) -> rc.Contac
 def measure(count: int = 8) -> tuple[np.ndarray, float]:
     """Return the growth at each overload of the table, and the rms error of half-saturated edges, in cells."""
     rng, growth, errors = np.random.default_rng(0), [], []
-    for overload in calibration.OVERLOADS:
+    for overload in calibration.PLASTIC_GROWTH[0]:
         large = press(LARGE, overload, rng)
         growth.append(large.area("level-set").value / (np.pi * LARGE**2))
         for radius in rng.uniform(4.0, 14.0, size=count) if 1.7 <= overload <= 2.2 else ():
@@ -42,7 +43,15 @@ def measure(count: int = 8) -> tuple[np.ndarray, float]:
 
 
 if __name__ == "__main__":
-    growth, error = measure(*map(int, sys.argv[1:]))
-    for overload, stated, value in zip(calibration.OVERLOADS, calibration.PLASTIC_GROWTH, growth, strict=True):
+    arguments = sys.argv[1:]
+    growth, error = measure(*(int(word) for word in arguments if word != "--write"))
+    table = np.stack((calibration.PLASTIC_GROWTH[0], growth), axis=1)
+    for (overload, stated), value in zip(calibration.PLASTIC_GROWTH.T, growth, strict=True):
         print(f"PLASTIC_GROWTH at {overload:4}  {value:.4f}   in use: {stated}")
     print(f"SATURATED_POSITION_STD (rms) {error:.4f}   in use: {calibration.SATURATED_POSITION_STD}")
+    if "--write" in arguments:
+        # Elastic contacts do not grow, and those that flow everywhere grow as the overload.
+        table[[0, -1], 1] = 1.0, 2.0 * table[-1, 0] / 3.0
+        file = Path(calibration.__file__).with_name("plastic_growth.csv")
+        header = f"overload, growth; no unit; by benchmarks/{Path(__file__).name}"
+        np.savetxt(file, table, ("%.2f", "%.4f"), ", ", header=header)

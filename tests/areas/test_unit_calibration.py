@@ -29,14 +29,13 @@ def test_each_constant_says_how_and_by_which_script_it_was_measured():
     assert all((ROOT / script).is_file() for script in scripts)
     groups = re.findall(r"((?:^#.*\n)+)((?:^[A-Z_]+ = .*\n)+)", "".join(sections), flags=re.MULTILINE)
     rows = [(comment, name) for comment, lines in groups for name in re.findall(r"^[A-Z_]+", lines, flags=re.MULTILINE)]
-    assert len(rows) == len(re.findall(r"^[A-Z_]+ = ", TEXT, flags=re.MULTILINE)) == 116
+    assert len(rows) == len(re.findall(r"^[A-Z_]+ = ", TEXT, flags=re.MULTILINE)) == 87
     # Those of all other numbers were fitted together, as the head of their section says.
     fitted = re.findall(
         r"^[A-Z_]+(?= = )", sections[scripts.index("benchmarks/quantity_classes.py")], flags=re.MULTILINE
     )
     unmeasured = {name for comment, name in rows if "Measured" not in comment and "Set on" not in comment}
-    unmeasured -= set(fitted)
-    assert unmeasured == {"OVERLOADS"}  # the places of a table, not measured values
+    assert unmeasured <= set(fitted)
     for section, script in zip(sections, scripts, strict=True):
         if script in ("benchmarks/area_classes.py", "benchmarks/quantity_classes.py"):
             continue  # they judge all of them together
@@ -50,7 +49,7 @@ def test_each_constant_says_how_and_by_which_script_it_was_measured():
 def test_places_of_straight_edges():
     script = load("edge_constants")
     places, traced = script.measure_straight_edges(half_width=60).T
-    assert traced == pytest.approx(np.interp(places, *script.list_straight_places()), abs=0.003)
+    assert traced == pytest.approx(np.interp(places, *calibration.STRAIGHT_EDGE_PLACES), abs=0.003)
 
 
 @pytest.mark.slow
@@ -65,17 +64,13 @@ def test_constants_of_the_edge():
 @pytest.mark.slow
 def test_constants_of_the_pressure_limit():
     growth, error = load("limit_constants").measure(4)
-    assert growth == pytest.approx(calibration.PLASTIC_GROWTH, rel=0.002)
+    assert growth == pytest.approx(calibration.PLASTIC_GROWTH[1], rel=0.002)
     assert calibration.SATURATED_POSITION_STD <= error <= 2.5 * calibration.SATURATED_POSITION_STD
 
 
 @pytest.mark.slow
 def test_constants_of_rough_contacts():
     found = load("rough_constants").measure(2)
-    assert found["EXCESS"] == pytest.approx(calibration.EXCESS, rel=0.2)
-    assert found["EXCESS_REFINED"] == pytest.approx(calibration.EXCESS_REFINED, abs=0.005)
-    assert found["UNSEEN_STD (maximum)"] <= calibration.UNSEEN_STD
-    assert found["SMALL_PATCH_STD at 2 cells"] == pytest.approx(calibration.SMALL_PATCH_STD, rel=0.3)
     for name, value in found.items():
         if name.startswith("Hertz error"):
             # Patches of several summits are among them, which the blend hardly weights.

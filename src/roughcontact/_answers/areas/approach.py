@@ -9,7 +9,7 @@ import numpy as np
 
 from roughcontact._answers.areas import calibration
 from roughcontact._answers.areas.calibration import RISE_ERROR, TIP_RISE_DEFICIT, TIP_RISE_ERROR
-from roughcontact._answers.areas.cells import find_cut_cells, find_straight_rows
+from roughcontact._answers.areas.cells import NEIGHBOUR_STEPS, find_cut_cells, find_straight_rows
 from roughcontact._answers.areas.edges import MAX_RIDGE_LAY, is_diagonal
 from roughcontact._answers.areas.initial_gap import (
     CONTINUED_CELLS,
@@ -56,8 +56,8 @@ _TIP_MISFIT = 0.2
 _MAX_TIP_RADIUS = 0.3
 # The same misfit from which the summit is not pointed.
 _ROUND_MISFIT = 0.3
-# Steps along both axes and both diagonals, and to the two cells on each side.
-_LINES = (((1, 0), (0, 1)), ((1, 1), (1, -1)))
+# Steps along both axes, along both diagonals, and to the two cells on each side.
+_LINES = np.split(NEIGHBOUR_STEPS[::2], 2)
 _BESIDE = np.arange(-2, 3)
 # Standard deviation of the deficit of the approach of surfaces that loads have changed, over that of fresh ones: judged
 # on 50 flattened balls that were unloaded, against cells of a third.
@@ -390,8 +390,7 @@ def find_shift(solution: ContactSolution) -> tuple[float, float]:
     if solution._is_changed:
         # What loads before have left bends elsewhere, too.
         unsure = (*unsure, _CHANGED_SHIFT_STD * shift)
-    std = max(fading, calibration.MIN_FADING) * math.hypot(*unsure)
-    return fading * shift * bend.mean, std * bend.highest
+    return fading * shift * bend.mean, fading * math.hypot(*unsure) * bend.highest
 
 
 def _find_aligned(solution: ContactSolution) -> float:
@@ -416,7 +415,7 @@ def _find_spread(bend: Bend, cells: Array) -> float:
     ratio = min(bend.resolution, 1.0)
     own = (calibration.PATCH_GAP_STD + few * (1.0 + ratio)) / math.sqrt(number)
     edge = calibration.SATURATED_GAP_STD * bend.saturated**2 * bend.width / number
-    return math.hypot(calibration.COMMON_GAP_STD, own, edge, calibration.UNRESOLVED_GAP_STD * ratio)
+    return math.hypot(own, edge)
 
 
 def find_hidden_rise(solution: ContactSolution) -> float:

@@ -4,6 +4,19 @@ The ratio is the resolution ratio of `curvature_resolution`; the width of a patc
 bend of p^2 is -h^2 times its laplacian over p^2.
 """
 
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from roughcontact._base.arrays import Array, read_only
+
+
+def _read_table(name: str) -> Array:
+    """Return the columns of a table that a script has written beside this module."""
+    return read_only(np.loadtxt(Path(__file__).with_name(name), delimiter=",", unpack=True))
+
 
 # --- benchmarks/edge_constants.py: spheres against closed forms -------------------------------------------------------
 
@@ -14,7 +27,7 @@ PIECE_AREA_DEFICIT = 0.16
 # Standard deviation of the area of a patch, cells^2 per root of the number of cell sides along its edge: the
 # discrete solution itself varies. Measured on the same spheres: rms 0.053 about the fit.
 EDGE_AREA_STD = 0.05
-# Standard deviation of the area where a free border cuts a contact, cells^2 for each contact cell on the border.
+# Standard deviation of the area where a contact meets a free border, cells^2 for each contact cell on the border.
 # Measured on 60 spheres against four times finer grids: rms 0.07; more, up to 0.9, where one to five cells are cut,
 # and on rough contacts.
 CUT_BORDER_STD = 0.15
@@ -22,61 +35,31 @@ CUT_BORDER_STD = 0.15
 # Standard deviation of the place of a straight edge along the grid, cells: constant, and terms over the width of the
 # contact and of the gap beyond, in cells. Measured on cylinders of 6 to 30 cells half width, and on waves.
 STRAIGHT_POSITION_STD = (0.002, 0.1, 0.3)
-# Places of such edges between the centres of the last cell in contact and the next, in cells: the first and the step of
-# the true ones, and those of the traced polygons. Measured on cylinders of 1600 cells half width, the same on waves;
-# beyond the last the next cell is in contact.
-STRAIGHT_EDGE_START = -0.15
-STRAIGHT_EDGE_STEP = 0.025
-STRAIGHT_EDGE_PLACES = (
-    0, 0.0016, 0.0038, 0.0072, 0.0117, 0.0176, 0.0248, 0.0336, 0.0439, 0.0557, 0.0691, 0.0841, 0.1005, 0.1184, 0.1376,
-    0.1581, 0.1797, 0.2024, 0.2261, 0.2507, 0.2762, 0.3023, 0.3292, 0.3568, 0.385, 0.4139, 0.4433, 0.4735, 0.5043,
-    0.5359, 0.5683, 0.6017, 0.6363, 0.6722, 0.71, 0.7501, 0.7935, 0.8418, 0.8995, 0.9944, 1,
-)  # fmt: skip
+# Places of such edges between the centres of the last cell in contact and the next, in cells: the true ones, and those
+# of the traced polygons, shape (2, places). Measured on cylinders of 1600 cells half width, the same on waves; beyond
+# the last the next cell is in contact.
+STRAIGHT_EDGE_PLACES = _read_table("straight_edges.csv")
 
 # --- benchmarks/limit_constants.py: spheres at a pressure limit ------------------------------------------------------
 
-# Overloads of the next table: Hertz's maximum pressure over the pressure limit, no unit.
-OVERLOADS = (1.0, 1.05, 1.1, 1.2, 1.3, 1.4, 1.5, 1.7, 1.85, 2.0, 2.2, 2.6, 3.0)
-# Contact area of a sphere at these overloads over Hertz's area, no unit; beyond, two thirds of the overload.
-# Measured on spheres of 40 cells elastic radius: within 0.0015.
-PLASTIC_GROWTH = (1.0, 1.0006, 1.003, 1.0143, 1.034, 1.0625, 1.098, 1.187, 1.267, 1.355, 1.4805, 1.737, 2.0)
+# Overloads, Hertz's maximum pressure over the pressure limit, and the contact area of a sphere at these over Hertz's
+# area, no unit, shape (2, overloads); beyond, two thirds of the overload. Measured on spheres of 40 cells elastic
+# radius: within 0.0015.
+PLASTIC_GROWTH = _read_table("plastic_growth.csv")
 
-# --- benchmarks/rough_constants.py: self-affine surfaces of 2 to 8 cells a shortest wave against 32 cells -------------
+# --- benchmarks/rough_constants.py: self-affine surfaces of 32 cells a shortest wave ----------------------------------
 
-# Excess of the area inside the edge, cells along the edge times the resolution ratio.
-# Measured on 4 surfaces at 3 loads: 0.030, scatter 0.009.
-EXCESS = 0.03
-# The same after extrapolation, cells along the edge times the square of the ratio. Measured: 0.011, scatter 0.005.
-EXCESS_REFINED = 0.009
-# Relative standard deviation of the area for summits between the grid points, for the fraction of the area in patches
-# of fewer than four cells, times the square of the ratio. Measured at 2 cells a shortest wave: maximum 0.115.
-UNSEEN_STD = 0.12
-# Relative standard deviation of the area of a patch of few cells, times the ratio over cells^(3/2).
-# Measured for 1, 2 and 3 cells, by the parts of the fine contact in each: median 0.15, 0.30, 0.37.
-SMALL_PATCH_STD = 0.3
 # Terms a, b, c of Hertz's relative standard deviation a v / (v + v0) + b v^2 + c v^4 where v is the spread of the
 # curvature, no unit; v0 is EVEN_SPREAD.
 # Measured on patches of at least 150 cells: rms 0.009, 0.015, 0.06, 0.16, 0.29 (in use: 0.016, 0.03, 0.06, 0.12, 0.32)
 # at v of 0.15 to 0.3, to 0.4, to 0.6, to 0.8, to 1.2.
 HERTZ_ERROR = (0.0003, 0.2, 0.1)
 # Fraction of that standard deviation that is common to all patches, no unit.
-# Measured: 0.23 at v below 0.3, before HERTZ_DEFICIT corrected most of the common error.
-HERTZ_COMMON_FRACTION = 1.0 / 3.0
+# Measured: 0.53 at v below 0.3.
+HERTZ_COMMON_FRACTION = 0.55
 
 # --- benchmarks/area_classes.py: the tuned half of the classes of contacts --------------------------------------------
 
-# Standard deviation of the position of all edges, cells. Set on rough contacts of 6 to 12 cells a shortest wave.
-EDGE_POSITION_STD = 0.0011
-# Its relative increase on ridges of one direction, and the power of the lay ratio in the number of pieces of the edges
-# with independent errors. Set on rough contacts with a lay along the grid.
-LAY_POSITION_FACTOR = 0.7
-LAY_PIECES_EXPONENT = 1.5
-# Standard deviation of the area for each cell in contact at a free border before which the contact ends, cells. Set on
-# balls that nearly touch the border.
-UNCUT_BORDER_STD = 0.4
-# Standard deviation of the area for each point beside the edge whose height was filled in, cells. Set on rough contacts
-# with 1 to 5 % filled points.
-FILLED_POINT_STD = 0.4
 # Patches of width n have 1 + (this / n)^2 times the standard deviation EDGE_AREA_STD, cells. Set on rough contacts: the
 # area inside the edge of patches of 1, 2, 4, 9, 18 cells errs by 0.48, 0.11, 0.06, 0.025, 0.017.
 SMALL_PATCH_WIDTH = 2.0
@@ -97,26 +80,19 @@ SLENDER_POSITION_STD = (0.036, 0.012)
 # Rim ratio (`rim_ratio`) above which an edge has a sharp rim, the largest excess over it that counts, and the standard
 # deviation of the position of such edges over this excess, cells. Set on flats that were run in.
 RIM_POSITION_TERMS = (1.3, 1.5, 0.05)
-# Excess of the mean of the traced and the extrapolated area, cells along the edge times the ratio and its square.
+# Excess of the area inside the edge, cells along it times the resolution ratio and its square.
 # Measured patch by patch: 0.006, 0.016 and 0.05 cells with 8, 4 and 2 cells a shortest wave, with a lay and without.
-EXCESS_HALF = (0.016, 0.004)
+EXCESS = (0.016, 0.004)
 # Standard deviation of the position of an edge where half of the patch or more is saturated, cells.
 # Set on rough contacts with a pressure limit; spheres at an overload of 1.7 to 2.2 measured 0.057.
 SATURATED_POSITION_STD = 0.03
-# Relative standard deviation of Hertz's area of a patch at its pressure limit: constant, and a part over its
-# cells. Set on spheres of 1 to 12 cells radius.
-PLASTIC_ERROR = (0.0015, 0.05)
+# Relative standard deviation of Hertz's area of a patch at its pressure limit. Set on spheres of 1 to 12 cells radius.
+PLASTIC_ERROR = 0.0015
 # Spread v0 up to which Hertz's error is in proportion to the spread, and its smallest value, no unit.
 # Measured on balls and ellipses in domains of any shape, whose computed curvatures spread by 1e-7 to 1e-3: 0.16 v, and
 # 0.6e-6 where v is less.
 EVEN_SPREAD = 0.0014
 MIN_HERTZ_ERROR = 1e-6
-# Deficit of the approach of the larger patches of a discrete solution, over their curvature times the area of a cell.
-# Measured: 0.04 on spheres of 4 to 40 cells, 0.02 to 0.03 for the loads of the small patches of rough contacts.
-APPROACH_DEFICIT = 0.026
-# Standard deviation of that deficit, times the fraction of the load on patches whose load does not follow from the
-# approach. Set on the small patches of rough contacts.
-APPROACH_DEFICIT_STD = 0.04
 # Relative standard deviation of the area of a patch of n cells by its load, times n^(3/2), where the load does not
 # follow from the approach. Measured on rough contacts: 0.24, 0.19, 0.25, 0.3 with 1, 2, 3 to 4, 5 to 8 cells.
 LOAD_ERROR = 0.25
@@ -131,20 +107,14 @@ HERTZ_RESOLUTION_ERROR = (0.011, 10.0)
 TIP_ERROR = (25.0, 0.3)
 MAX_TIP_CELLS = 6
 # Excess of the counted area where the edge meets non-measured points that touch, cells for each such place, and its
-# standard deviations: common to all places, and independent of each. Set on rough contacts with 2 to 10 % non-measured
-# points: 0.31 for single ones, 0.46 for groups.
+# standard deviation, independent of each. Set on rough contacts with 2 to 10 % non-measured points: 0.31 for single
+# ones, 0.46 for groups.
 NON_MEASURED_EXCESS = 0.4
-NON_MEASURED_STD = 0.1
 NON_MEASURED_PLACE_STD = 0.8
 # Length of the edge that is not traced there, cells for each such place, and its standard deviation. Set on the same:
 # 0.45 to 0.55 for single ones, 0.8 to 0.9 for groups.
 NON_MEASURED_LENGTH = 0.65
 NON_MEASURED_LENGTH_STD = 0.35
-# Relative standard deviation of the areas of contacts that have no cell. Set on rough contacts.
-HIDDEN_AREA_ERROR = 0.2
-# Terms a, b, c of the deficit of Hertz's area a v^4 / ((b + v^2) (1 + c v^2)), relative. Measured on rough contacts of
-# 8 cells a shortest wave: 0.013, 0.02, 0.03, 0.04 at a spread v of 0.35, 0.45, 0.6, 0.85.
-HERTZ_DEFICIT = (0.15, 0.02, 2.5)
 
 # --- benchmarks/layer_constants.py: spheres on layers, where E* depends on the wavelength ----------------------------
 
@@ -178,8 +148,6 @@ KINK_ERROR = 0.4
 # Relative excess of the square of the discrete maximum pressure over its bend and over the shift of the edge, 1/cells.
 # Measured: 0.027 for Love's kernel, whose shift is 0.018, and none for "fourier".
 PEAK_EXCESS = 1.5
-# Largest bend in that product, no unit: beyond it a parabola through the cells has no meaning.
-MAX_PEAK_BEND = 1.0
 # Terms a, b, c, d of the relative standard deviation w (a + b w + c s + d w^3) of a quadratic through p^2 of the larger
 # principal bend w and the third difference s, both over p^2, no unit.
 PEAK_ERROR = (0.005, 0.009, 0.036, 0.006)
@@ -193,9 +161,8 @@ STRIP_PEAK_FACTOR = 3.0
 # the side of a cell. Set on lines on stiff and soft coatings, of 4 to 400 cells.
 STRAIGHT_PEAK_STD = 0.004
 RESIDUAL_PEAK_STD = 0.08
-# Smallest relative standard deviation where a neighbour is open: of compact patches; its increase on ridges (twice on
-# rows of single cells); and its increase times the number of cells; no unit.
-OPEN_NEIGHBOUR_ERROR = (0.1, 0.12, 4.0)
+# Smallest relative standard deviation where a neighbour is open, and its increase times the number of cells; no unit.
+OPEN_NEIGHBOUR_ERROR = (0.1, 4.0)
 # Relative standard deviation for tips: the sharpness from which a part of it is added, the sharpness from which all of
 # it is added, and its size times the fourth root of the number of cells; no unit. Set on r^1.5.
 TIP_PEAK_ERROR = (0.3, 0.36, 0.45)
@@ -204,10 +171,9 @@ TIP_PEAK_ERROR = (0.3, 0.36, 0.45)
 POINTED_PEAK_ERROR = (0.4, 0.4, 6.0)
 # Number that is added to the ratio by which the sharpness is divided, so that rounding does not count.
 MIN_RESOLUTION_RATIO = 0.01
-# Relative standard deviation of a summit's maximum pressure: its smallest value, its ratio to that of the area, and its
-# increase at a free border; no unit.
+# Relative standard deviation of a summit's maximum pressure beside that of its area, and its increase at a free border;
+# no unit.
 MIN_SUMMIT_ERROR = 2e-5
-SUMMIT_ERROR_FACTOR = 0.9
 BORDER_SUMMIT_ERROR = 4e-4
 # Length lost along an edge of several summits, relative, times the resolution ratio to the power 3/2; half of it is
 # uncertain.
@@ -215,8 +181,6 @@ LOST_LENGTH = 0.05
 # Relative standard deviation of the length of smooth edges, and of edges of several summits times the ratio, no unit.
 LENGTH_ERROR = 0.003
 UNEVEN_LENGTH_ERROR = 0.025
-# The same of edges of several summits, independent of the ratio, no unit.
-LOBED_LENGTH_ERROR = 0.007
 # Relative standard deviation of the length of narrow patches over the ratio: on ridges of one direction, and on
 # isotropic surfaces, no unit. Set on rough contacts with a lay and without.
 NARROW_LENGTH_ERROR = (0.3, 0.04)
@@ -233,23 +197,16 @@ UNEVEN_SPREAD = 0.3
 # Number of patches, no unit: variance for each of fewer than nine cells; standard deviation for each of fewer than four
 # cells and for each of all, times the resolution ratio.
 MISSING_PATCH_TERMS = (0.15, 0.2, 0.1)
-# The same: variance on ridges of one direction, whose contacts may be narrower than a cell; standard deviation for each
-# contact at a summit between the cells. Relative standard deviation of the length of the edges of these contacts.
-RIDGE_PATCH_VARIANCE = 0.5
-HIDDEN_PATCH_STD = 0.2
-HIDDEN_LENGTH_ERROR = 0.1
 # Standard deviation of the number of patches for each of them on maps that are linear between points. Set on such maps.
 LINEAR_PATCH_STD = 0.06
 # Excess of the mean gap over h^2 times the mean curvature under the contact, over the shift of the edge, 1/cells.
 GAP_EXCESS = 1.7
 # Cells of a patch that has half of that excess.
 HALF_EXCESS_CELLS = 10.0
-# Standard deviation of the mean gap over h^2 times that curvature: common to all patches; of one patch; of one patch,
-# times the root of its cells, where all are equal and where they differ; and over the ratio; no unit.
-COMMON_GAP_STD = 0.002
+# Standard deviation of the mean gap over h^2 times that curvature: of one patch; of one patch, times the root of its
+# cells, where all are equal and where they differ; no unit.
 PATCH_GAP_STD = 0.012
 SMALL_PATCH_GAP_STD = (0.15, 0.1)
-UNRESOLVED_GAP_STD = 0.008
 # The same of one patch over the square of the fraction of the load on saturated cells and over the fourth root of its
 # cells, as the error of an edge between whole cells grows, no unit.
 SATURATED_GAP_STD = 0.08
@@ -257,10 +214,6 @@ SATURATED_GAP_STD = 0.08
 # oblique direction, no unit. Set on strips.
 ALIGNED_GAP_STD = 0.07
 OBLIQUE_GAP_STD = 0.02
-# Resolution ratio from which the standard deviation of the mean gap grows with the root of the kurtosis of the second
-# differences under the contact, and the largest factor. Set on pillars, mesas, dimples, craters and rounded flats.
-MIN_CREASE_RATIO = 1.3
-MAX_CREASE_FACTOR = 3.0
 # Standard deviation of the approach over the mean height of creases above the cells, where the contact across them is
 # narrow, and the largest second difference beside a crease over the sum of the two at it, no unit. Set on turned and
 # shot-peened surfaces; smooth rough ones have no such creases.
@@ -278,10 +231,9 @@ RIM_GAP_EXCESS = (-0.013, 0.014)
 # deviation over the root of this fraction).
 LINEAR_GAP_EXCESS = (-0.09, 0.015)
 FILLED_GAP_EXCESS = (-1.5, 0.2)
-# Ratio, up to one, of that excess near full contact to the open part of the domain, and the smallest such ratio for its
-# standard deviation, no unit. Set on a wave and a rough surface at 35 to 97 % contact.
+# Ratio, up to one, of that excess and its standard deviation near full contact to the open part of the domain, no unit.
+# Set on a wave and a rough surface at 35 to 97 % contact.
 FADING_FACTOR = 2.2
-MIN_FADING = 0.3
 # Excess of the approach where the contact is cut, by a free border and by points that were not measured, over the sum
 # of p^2 h^2 b / (E* F) over the sides of cells there, h across and b along them, and its standard deviation; no unit.
 # Set on rough contacts: 0.09 to 0.34 at borders, 0.02 to 0.07 at single points, 0.03 to 0.14 at groups of them.
@@ -292,8 +244,6 @@ CUT_NON_MEASURED_EXCESS = (0.06, 0.03)
 UNTRACED_CUT_LENGTH = (0.9, 0.6)
 # Power of the open part of the domain in the change of the mean gap by a cut, no unit.
 CUT_GAP_EXPONENT = 1.5
-# Relative standard deviation of the deficit of the mean over cell centres on a free domain. Set on balls.
-MEAN_CORRECTION_ERROR = 0.1
 # Standard deviation of the height of a summit over the difference of its heights by polynomials of sixth and eighth
 # order, and relative standard deviation of the height of a tip, no unit.
 RISE_ERROR = 1.5

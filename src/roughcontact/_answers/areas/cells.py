@@ -16,13 +16,15 @@ from roughcontact._solve.solution import ContactSolution
 MIN_SHARP_PATCH_CELLS = 9
 # Height of a step over the differences of height before and behind it, from which it is sharp.
 _MIN_STEP_RATIO = 4.0
-# Steps, in cells, from a cell to its eight neighbours.
-_NEIGHBOUR_STEPS = np.array(((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (1, -1), (-1, 1), (-1, -1)))
-# Which of these run along an axis, shape (8, 1), and the two neighbours beside each direction by their places there:
-# across an axis on both sides, and beside a diagonal those along both axes.
-_IS_STRAIGHT = (_NEIGHBOUR_STEPS == 0).any(axis=1)[:, np.newaxis]
-_FIRST_BESIDE = np.array((2, 3, 0, 1, 0, 0, 1, 1))
-_SECOND_BESIDE = np.array((3, 2, 1, 0, 2, 3, 2, 3))
+# Steps, in cells, to the neighbours of a cell at its four sides, at its four corners, and at both. Every second one
+# is opposite to the one before.
+SIDE_STEPS = np.array(((1, 0), (-1, 0), (0, 1), (0, -1)))
+CORNER_STEPS = np.array(((1, 1), (-1, -1), (1, -1), (-1, 1)))
+NEIGHBOUR_STEPS = np.concatenate((SIDE_STEPS, CORNER_STEPS))
+# Which of these run along an axis, shape (8, 1), and the two neighbours beside each direction by their places there,
+# shape (2, 8): across an axis on both sides, and beside a diagonal those along both axes.
+_IS_STRAIGHT = (NEIGHBOUR_STEPS == 0).any(axis=1)[:, np.newaxis]
+_BESIDE = np.where(_IS_STRAIGHT.T, np.arange(8) ^ [[2], [3]], (NEIGHBOUR_STEPS.T < 0) + [[0], [2]])
 # Second differences beside the two at a crease, in cells from the first of both, that must be small.
 _BESIDE_CREASE = (-2, -1, 2, 3)
 # Cells on each side that the second differences at a cell and beside it need.
@@ -246,8 +248,7 @@ def _find_sharp_edges(solution: ContactSolution) -> Mask:
     patches = solution.patches
     sharp = np.zeros(solution.contact.size, dtype=bool)
     edge = find_edge_cells(solution)
-    one = edge.touching[_FIRST_BESIDE]
-    other = edge.touching[_SECOND_BESIDE]
+    one, other = edge.touching[_BESIDE]
     sides = np.where(_IS_STRAIGHT, one & other, ~(one | other))
     sides &= ~edge.touching
     sides &= (patches.cells >= MIN_SHARP_PATCH_CELLS)[patches.labels.ravel().take(edge.cells) - 1]
@@ -293,7 +294,7 @@ class EdgeCells:
 
         Beyond the border these are periodic images, or the outermost cells.
         """
-        steps = _NEIGHBOUR_STEPS[direction].T
+        steps = NEIGHBOUR_STEPS[direction].T
         apart = np.array(distances)[:, np.newaxis]
         reach = max(map(abs, distances))
         places = []
@@ -318,7 +319,7 @@ def _find_edge_cells(solution: ContactSolution) -> EdgeCells:
     width = ny + 2
     here = (rows + 1) * width + (columns + 1)
     extended = extend(contact, 1, solution.boundary).ravel()
-    touching = extended.take(here + (_NEIGHBOUR_STEPS @ (width, 1))[:, np.newaxis])
+    touching = extended.take(here + (NEIGHBOUR_STEPS @ (width, 1))[:, np.newaxis])
     return EdgeCells(rows, columns, cells, touching, (nx, ny), solution.boundary.free_axes)
 
 

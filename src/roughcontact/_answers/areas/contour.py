@@ -290,9 +290,8 @@ def _place_straight_edges(
     straight[count_saturated(solution) > 0] = False
     straight[0] = False
     chosen = np.flatnonzero(straight[patch])
-    places = np.arange(len(calibration.STRAIGHT_EDGE_PLACES)) * calibration.STRAIGHT_EDGE_STEP
-    found = np.interp(parts[chosen] / grid.cell_area, calibration.STRAIGHT_EDGE_PLACES, places)
-    found += calibration.STRAIGHT_EDGE_START
+    places, traced = calibration.STRAIGHT_EDGE_PLACES
+    found = np.interp(parts[chosen] / grid.cell_area, traced, places)
     # The polygons are to be enlarged by the mean shift of edges in all directions.
     across = np.where(inside[0] == inside[3], *grid.spacing)[chosen]
     parts = parts.copy()

@@ -10,16 +10,14 @@ import numpy as np
 from roughcontact._answers.areas import calibration
 from roughcontact._answers.areas.cells import (
     count_saturated,
-    find_cut_cells,
-    find_interior,
     find_sharp_edges,
     find_straight_rows,
 )
 from roughcontact._answers.areas.contour import Contour, find_modulus_change, trace_both
-from roughcontact._answers.areas.initial_gap import curvature_resolution, find_filled, lay_ratio, rim_ratio
+from roughcontact._answers.areas.initial_gap import curvature_resolution, lay_ratio, rim_ratio
 from roughcontact._base.arrays import Array, Mask
 from roughcontact._base.units import WarningText
-from roughcontact._parts.grid import extend, grow, list_borders
+from roughcontact._parts.grid import extend, list_borders
 from roughcontact._solve.solution import Area, ContactSolution, Estimate
 
 # Area that polygons lack inside a smooth convex edge, in cells around each piece: at corners, and beside the chords. A
@@ -36,14 +34,10 @@ _SINGLE_CONTACT_FACTOR = 1.6
 _SHARP_STD_FACTOR = 2.0
 # Ratio of a patch's cells to its width, in cells of a disc, up to which it is compact.
 _MAX_COMPACT_RATIO = 2.0
-# Ratio of the width of a patch, in cells of a disc, to its cells, below which its size is the width.
-_MAX_SLENDER_RATIO = 0.35
 # Width, in cells of a disc, of a slender patch whose edges have half the additional standard deviation.
 _WIDE_PATCH_WIDTH = 50.0
 # Standard deviation of an excess that has been subtracted, over the excess.
 SUBTRACTED_EXCESS_STD = 0.3
-# Number of cells below which no cell of a patch is surrounded by contact.
-_MIN_SURROUNDED_CELLS = 4
 # Maximum excess over the area, above which the linear law of the excess does not hold.
 _MAX_EXCESS_FRACTION = 0.3
 # Mean length of the rows of sides, weighted by their length, below which a long edge is a diagonal of the grid, sides.
@@ -85,20 +79,16 @@ class TracedEdges:
         Area of a strip along the edge, one cell wide, m2.
     curvature_resolution
         Fourth over second differences of the heights under the contact: small if the grid resolves them.
-    excess, excess_refined
-        Excess of either area because the grid hardly resolves the heights, m2.
+    excess
+        Excess of the area because the grid hardly resolves the heights, m2.
     saturated
         Standard deviation where the pressure reaches its limit near the edge, m2.
-    unseen
-        Standard deviation for summits between the grid points beside patches of few cells, m2.
-    meeting
-        Standard deviation where edges meet non-measured points, m2.
     width
         Cells of a disc as wide as each patch.
     roundness
         One for compact patches, less for slender ones.
     border
-        Standard deviation where edges meet a free border or filled points, all patches together, m2.
+        Standard deviation where edges meet a free border, all patches together, m2.
     topology
         One cell for each piece or hole of the larger patches that is found at only one of both strides, m2.
     shift
@@ -107,11 +97,11 @@ class TracedEdges:
         Standard deviation of the position of the edges of slender patches, together, in cells.
     oblong
         Longer side of the cells over their mean side: the error of an edge is a part of the former.
-    straight
-        Which patches have straight edges along the grid alone.
     pieces
         Number of pieces of all edges with independent errors where the grid hardly resolves the heights, at least one:
         each is as long as a wave, and longer in a lay.
+    straight
+        Which patches have straight edges along the grid alone.
     """
 
     area: Array
@@ -125,10 +115,7 @@ class TracedEdges:
     strip: Array
     curvature_resolution: float
     excess: Array
-    excess_refined: Array
     saturated: Array
-    unseen: Array
-    meeting: Array
     width: Array
     roundness: Array
     border: float
@@ -142,22 +129,12 @@ class TracedEdges:
     @property
     def alone_std(self) -> Array:
         """Standard deviation of either area by itself, m2, also for single contacts and parts with the same error."""
-        shift = calibration.EDGE_POSITION_STD * self.strip
-        return np.asarray(_SINGLE_CONTACT_FACTOR * self.oblong * (self.std * np.sqrt(self.alike) + shift))
+        return np.asarray(_SINGLE_CONTACT_FACTOR * self.oblong * self.std * np.sqrt(self.alike))
 
     @property
     def blended_std(self) -> Array:
         """Standard deviation of either area where Hertz's areas take part, m2, also for parts with the same error."""
         return np.asarray(self.oblong * self.std * np.sqrt(calibration.BLENDED_STD_FACTOR**2 - 1.0 + self.alike))
-
-    def find_excess(self, extrapolated: Array) -> Array:
-        """Return the excess of areas that are extrapolated by a fraction, shape (count + 1,), m2."""
-        first, second = calibration.EXCESS_HALF
-        cells = first * self.curvature_resolution + second * self.curvature_resolution**2
-        half = np.minimum(cells * self.strip, _MAX_EXCESS_FRACTION * self.area)
-        below = 2.0 * extrapolated * half + (1.0 - 2.0 * extrapolated) * self.excess
-        above = 2.0 * (1.0 - extrapolated) * half + (2.0 * extrapolated - 1.0) * self.excess_refined
-        return np.where(extrapolated < 0.5, below, above)
 
     def average_excess(self, excess: Array) -> float:
         """Return the standard deviation of the total of the excess of all edges, m2, as it varies from wave to wave."""
@@ -165,10 +142,9 @@ class TracedEdges:
 
     def common_std(self, excess_std: float, fraction: float | Array = 1.0) -> float:
         """Return the standard deviation common to all edges, m2: of excess, position, saturated cells and topology."""
-        alike = (self.shift * self.strip, self.slender * self.strip, self.saturated, self.meeting)
+        alike = (self.shift * self.strip, self.slender * self.strip, self.saturated)
         positions = (float(np.sum(fraction * part)) for part in alike)
-        unseen = float(np.sum(fraction * self.unseen)) / math.sqrt(self.pieces)
-        return self.oblong * math.hypot(self.oblong * excess_std, unseen, self.topology, *positions)
+        return self.oblong * math.hypot(self.oblong * excess_std, self.topology, *positions)
 
 
 def trace_edges(solution: ContactSolution) -> TracedEdges:
@@ -199,48 +175,41 @@ def _trace_edges(solution: ContactSolution) -> TracedEdges:
     lay = lay_ratio(solution)
     strip = step * one.length
     waves = math.sqrt(ratio) / (2.0 * math.pi)
-    position = calibration.EDGE_POSITION_STD * (1.0 + calibration.LAY_POSITION_FACTOR * (1.0 - lay))
-    position += calibration.LAYERED_POSITION_STD * find_modulus_change(solution)
     counted = np.concatenate(([1.0], cells))
     width = _measure_width(fine, one.length, square, counted)
     small = 1.0 + (calibration.SMALL_PATCH_WIDTH / width) ** 2
-    narrow = np.where(width < _MAX_SLENDER_RATIO * counted, width, counted) < _MIN_SURROUNDED_CELLS
-    meeting = cell * one.meeting
+    beside = calibration.NON_MEASURED_EXCESS * cell * one.meeting
     met = step * one.meeting
-    few = calibration.SMALL_PATCH_STD * ratio * fine / counted**1.5
+    places = calibration.NON_MEASURED_PLACE_STD * cell * np.sqrt(one.meeting)
     straight = one.straight > 0.0
     straight_std = _find_straight_std(solution, fine, one) / (step * oblong)
-    places = calibration.NON_MEASURED_PLACE_STD * cell * np.sqrt(one.meeting)
+    first, second = calibration.EXCESS
+    excess = (first * ratio + second * ratio**2) * strip
     return TracedEdges(
-        area=np.maximum(fine - calibration.NON_MEASURED_EXCESS * meeting, 0.0),
-        refined=np.where(straight, fine, (4.0 * fine - coarse) / 3.0 - calibration.NON_MEASURED_EXCESS * meeting),
+        area=np.maximum(fine - beside, 0.0),
+        refined=np.where(straight, fine, (4.0 * fine - coarse) / 3.0 - beside),
         length=one.length + calibration.NON_MEASURED_LENGTH * met,
         untraced_std=calibration.NON_MEASURED_LENGTH_STD * met,
         sharp=one.sharp,
         sharp_length=one.sharp_length,
-        std=np.where(straight, 0.0, np.hypot(np.hypot(std * (small + _SHARP_STD_FACTOR * one.sharp), few), places)),
+        std=np.where(straight, 0.0, np.hypot(std * (small + _SHARP_STD_FACTOR * one.sharp), places)),
         alike=_count_equal_errors(one.alike)
         * (calibration.OBLIQUE_PARTS_FACTOR if lay < MAX_RIDGE_LAY and is_diagonal(solution, lay) else 1.0),
         strip=strip,
         curvature_resolution=ratio,
-        excess=np.minimum(calibration.EXCESS * ratio * strip, _MAX_EXCESS_FRACTION * fine),
-        excess_refined=np.minimum(calibration.EXCESS_REFINED * ratio**2 * strip, _MAX_EXCESS_FRACTION * fine),
+        excess=np.minimum(excess, _MAX_EXCESS_FRACTION * fine),
         saturated=calibration.SATURATED_POSITION_STD * _saturated_weight(solution) * strip,
-        unseen=np.where(narrow, calibration.UNSEEN_STD * ratio**2 * fine, 0.0),
-        meeting=calibration.NON_MEASURED_STD * meeting,
         width=width,
         roundness=_measure_roundness(width, counted),
-        border=math.hypot(oblong * _border_std(solution), _find_filled_std(solution)) * cell,
+        border=oblong * _border_std(solution) * cell,
         topology=abs(float(np.sum((one.euler - two.euler)[1:], where=cells >= _MIN_TOPOLOGY_CELLS))) * cell,
-        shift=np.where(straight, straight_std, position) + _measure_rims(solution),
+        shift=np.where(straight, straight_std, calibration.LAYERED_POSITION_STD * find_modulus_change(solution))
+        + _measure_rims(solution),
         slender=np.where(
             straight, 0.0, _slender_std(lay) * (1.0 - width / counted) ** 6 / (1.0 + width / _WIDE_PATCH_WIDTH)
         ),
         oblong=oblong,
-        pieces=max(
-            1.0,
-            lay**calibration.LAY_PIECES_EXPONENT * float(np.sum(one.length / one.alike)) * square / cell * waves / step,
-        ),
+        pieces=max(1.0, lay * float(np.sum(one.length / one.alike)) * square / cell * waves / step),
         straight=straight,
     )
 
@@ -297,25 +266,12 @@ def _correct(solution: ContactSolution, edge: Contour, stride: int) -> Array:
 
 
 def _border_std(solution: ContactSolution) -> float:
-    """Return the standard deviation where a free border cuts the contact, in cells: saturated pressure is bounded."""
-    contact = solution.contact
+    """Return the standard deviation where the contact meets a free border, in cells: saturated pressure is bounded."""
     if not solution.boundary.has_free_axis or int(solution.patches.cells.sum()) == solution.grid.cells:
         return 0.0
-    contact, saturated, cut = (
-        np.concatenate(list_borders(field, solution.boundary))
-        for field in (solution.parts.own(contact), solution.saturated, find_cut_cells(solution))
-    )
-    counts = np.array([np.count_nonzero(cut), np.count_nonzero(contact & ~saturated & ~cut)])
-    return float(solution.parts.total(counts) @ (calibration.CUT_BORDER_STD, calibration.UNCUT_BORDER_STD))
-
-
-def _find_filled_std(solution: ContactSolution) -> float:
-    """Return the standard deviation at points beside the edge whose heights were filled in, in cells."""
-    # Cells with contact and open cells among themselves and their neighbours.
-    beside = grow(solution.contact, 1, solution.boundary)
-    beside &= ~find_interior(solution)
-    filled = solution.parts.total(np.count_nonzero(find_filled(solution, np.flatnonzero(solution.parts.own(beside)))))
-    return calibration.FILLED_POINT_STD * math.sqrt(filled)
+    elastic = solution.parts.own(solution.contact) & ~solution.saturated
+    cells = sum(int(np.count_nonzero(line)) for line in list_borders(elastic, solution.boundary))
+    return calibration.CUT_BORDER_STD * float(solution.parts.total(cells))
 
 
 def _saturated_weight(solution: ContactSolution) -> Array:

@@ -14,6 +14,7 @@ import numpy as np
 
 from roughcontact._answers.areas.cells import (
     MIN_SHARP_PATCH_CELLS,
+    NEIGHBOUR_STEPS,
     find_edge_cells,
     find_jumps,
     gather_around,
@@ -25,7 +26,7 @@ from roughcontact._solve.solution import ContactSolution, Response, heal, respon
 from roughcontact.errors import InputError
 
 # Steps to the cell across a crease: along both axes and both diagonals.
-_LINES = np.array(((1, 0), (0, 1), (1, 1), (1, -1)))
+_LINES = NEIGHBOUR_STEPS[::2]
 # Steps to the cells in contact in line inwards from a side, whose pressures tell whether it rises outwards.
 _ROW = (0, -1, -2, -3)
 # Pressure of the second cell from a sharp edge at most over that of the innermost of the row.

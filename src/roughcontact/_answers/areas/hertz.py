@@ -9,7 +9,7 @@ import numpy as np
 import scipy
 
 from roughcontact._answers.areas import calibration
-from roughcontact._answers.areas.cells import Neighbourhood, count_saturated, gather_around, split
+from roughcontact._answers.areas.cells import NEIGHBOUR_STEPS, Neighbourhood, count_saturated, gather_around, split
 from roughcontact._answers.areas.initial_gap import Spline, combine_principal, curvature_resolution
 from roughcontact._answers.areas.summits import (
     MIN_CURVATURE_RATIO,
@@ -38,8 +38,8 @@ _NEWTON_STEPS = 3
 # 1/8 for a summit in the corner of a cell; the sharpest summit may be sharper than those in contact.
 _HIDDEN_GAP_FACTOR = 0.25
 # Steps, in cells, to the four neighbours of a cell that come before it, and to those that come after it.
-_CELLS_BEFORE = np.array(((-1, -1), (-1, 0), (-1, 1), (0, -1)))
-_CELLS_AFTER = -_CELLS_BEFORE
+_CELLS_AFTER = NEIGHBOUR_STEPS[::2]
+_CELLS_BEFORE = -_CELLS_AFTER
 # Pressure limit, Pa, that stands for none in a mean over cells: finite, and above any material's.
 _NO_PRESSURE_LIMIT = 1e150
 
@@ -77,10 +77,7 @@ def correct_loads(solution: ContactSolution, summits: Summits, spline: Spline) -
     if solution.moduli is not None or solution.edge_shift == 0.0 or not even.any():
         return none
     flat = find_depth(patches.forces, summits.semi_axis, summits.axes_ratio, solution.modulus)
-    # The approach of the discrete solution is too small, because the gap vanishes at the centres of the cells only.
-    curved = np.where(summits.known, summits.curvature, np.median(summits.curvature[even]))
-    lacking = curved * solution.grid.cell_area * calibration.APPROACH_DEFICIT
-    excess = np.where(even, _find_excess(solution, summits, spline, even) - flat, -lacking)
+    excess = np.where(even, _find_excess(solution, summits, spline, even) - flat, 0.0)
     stiffness = 2.0 * solution.modulus * np.sqrt(np.where(summits.known, summits.area, patches.areas) / np.pi)
     depth, unit_depth, unit_area = _find_hidden(solution, spline, float(summits.curvature[even].max()))
 
@@ -106,9 +103,7 @@ def correct_loads(solution: ContactSolution, summits: Summits, spline: Spline) -
         far * float(scipy.optimize.brentq(lambda part: surplus(part * far), -1.0, 1.0, xtol=_APPROACH_TOLERANCE))
     )
     factor = np.where(even, carried / forces, 1.0)
-    others = float(forces[~even].sum() / total)
-    error = calibration.APPROACH_DEFICIT_STD * np.median(curved) * solution.grid.cell_area * others / paraboloid
-    error = np.where(even, np.minimum(error, unknown), unknown)
+    error = np.where(even, 0.0, unknown)
     return LoadCorrection(factor, error, unit_area[hidden > 0.0] * hidden[hidden > 0.0] ** (2.0 / 3.0))
 
 
@@ -284,7 +279,7 @@ def _find_areas(solution: ContactSolution) -> HertzAreas:
     summits = find_summits(solution, spline)
     correction = correct_loads(solution, summits, spline)
     shared = correction.factor ** (2.0 / 3.0)
-    area = summits.area * shared * (1.0 + _find_uneven_deficit(summits.spread))
+    area = summits.area * shared
     growth = _plastic_growth(solution, patches.forces * correction.factor, area)
     area = area * growth
     constant, square, fourth = calibration.HERTZ_ERROR
@@ -299,29 +294,16 @@ def _find_areas(solution: ContactSolution) -> HertzAreas:
     error = np.maximum(error, summits.crowding)
     unresolved, large = calibration.HERTZ_RESOLUTION_ERROR
     error = error + correction.error + unresolved * curvature_resolution(solution) ** 4 / (1.0 + patches.cells / large)
-    common, single = calibration.PLASTIC_ERROR
-    error = error + np.where(growth > 1.0, common + single / patches.cells, 0.0)
+    error = error + np.where(growth > 1.0, calibration.PLASTIC_ERROR, 0.0)
     known = summits.known & np.isfinite(area) & (area > 0.0) & np.isfinite(error)
     hidden = float(correction.hidden.sum())
     return HertzAreas(
         np.concatenate(([hidden if np.isfinite(hidden) else 0.0], np.where(known, area, 0.0))),
-        np.concatenate(([calibration.HIDDEN_AREA_ERROR], np.where(known, error, np.inf))),
+        np.concatenate(([0.0], np.where(known, error, np.inf))),
         np.concatenate(([0.0], _find_tip_error(solution))),
         summits,
         correction,
     )
-
-
-def _find_uneven_deficit(spread: Array) -> Array:
-    """Return the relative deficit of Hertz's area where the curvature varies over the patch.
-
-    To first order the curvature that counts is its mean weighted with Hertz's pressure. The pressure rises where the
-    curvature does, so that the mean weighted with it is larger and the area from it smaller: for heights r^2 and r^4 by
-    0.30 v^2 of small spreads v, whichever sign the second has.
-    """
-    first, even, large = calibration.HERTZ_DEFICIT
-    square = spread**2
-    return np.asarray(first * square**2 / ((even + square) * (1.0 + large * square)))
 
 
 def _find_tip_error(solution: ContactSolution) -> Array:
@@ -366,6 +348,6 @@ def _plastic_growth(solution: ContactSolution, force: Array, area: Array) -> Arr
         limit = patches.sum(finite) / patches.cells
     with np.errstate(divide="ignore", invalid="ignore"):
         overload = np.where(area > 0.0, 1.5 * force / (area * limit), 0.0)
-    overloads = calibration.OVERLOADS
-    growth = np.interp(overload, overloads, calibration.PLASTIC_GROWTH)
+    overloads, growths = calibration.PLASTIC_GROWTH
+    growth = np.interp(overload, overloads, growths)
     return np.where(overload > overloads[-1], 2.0 * overload / 3.0, growth)

@@ -10,15 +10,13 @@ from typing import Literal
 import attrs
 import numpy as np
 
-from roughcontact._answers.areas.cells import Neighbourhood, split
+from roughcontact._answers.areas.cells import CORNER_STEPS, NEIGHBOUR_STEPS, SIDE_STEPS, Neighbourhood, split
 from roughcontact._base.arrays import Array, IntArray, Mask, Pair
 from roughcontact._parts.grid import Boundary, as_boundary, pad_axes
 from roughcontact._solve.solution import ContactSolution, Whole, heal
 
-# Weights of the central second difference of eighth order at the offsets 0 to 4: 0.7 % too small at four cells a wave.
-_SECOND_DIFFERENCE = (-205.0 / 72.0, 8.0 / 5.0, -1.0 / 5.0, 8.0 / 315.0, -1.0 / 560.0)
-# Offset of the outermost cell of that difference, in cells.
-_DIFFERENCE_REACH = len(_SECOND_DIFFERENCE) - 1
+# Offset of the outermost cell of the second differences, in cells: eighth order, 0.7 % too small at four cells a wave.
+_DIFFERENCE_REACH = 4
 # Number of cells that give the mean squares of differences to about 1 %.
 _SAMPLE_CELLS = 100_000
 # Cells below which a patch does not show how the curvature varies under it, so that the cells around it are used.
@@ -39,9 +37,7 @@ _MIN_STEP_CORRELATION = 0.1
 # Largest differences, over their rms, that count as alike, and as equal up to rounding.
 _ALIKE_DIFFERENCE = 1e-3
 _EXACT_DIFFERENCE = 1e-6
-# Steps, in cells, to the neighbours on the four sides, at the four corners, and to the three by three cells around one.
-_SIDES = np.array(((1, 0), (-1, 0), (0, 1), (0, -1)))
-_CORNERS = np.array(((1, 1), (-1, -1), (1, -1), (-1, 1)))
+# Steps, in cells, to the three by three cells around one.
 _SURROUNDINGS = np.mgrid[-1:2, -1:2].reshape(2, 9).T
 # Degree of the spline: its second derivatives err by (q h)^4 / 720, 0.02 % at ten cells a wave.
 _DEGREE: Literal[5] = 5
@@ -49,24 +45,6 @@ _DEGREE: Literal[5] = 5
 _CENTRES_BEFORE = 3
 _CENTRES_BEHIND = 3
 _CENTRES = np.arange(_CENTRES_BEFORE + _CENTRES_BEHIND)
-# The pieces of the quintic B-spline at these centres, in powers of the fraction of a cell.
-_SPLINE_PIECES = (
-    np.array(
-        (
-            (1.0, -5.0, 10.0, -10.0, 5.0, -1.0),
-            (26.0, -50.0, 20.0, 20.0, -20.0, 5.0),
-            (66.0, 0.0, -60.0, 0.0, 30.0, -10.0),
-            (26.0, 50.0, 20.0, -20.0, -20.0, 10.0),
-            (1.0, 5.0, 10.0, 10.0, 5.0, -5.0),
-            (0.0, 0.0, 0.0, 0.0, 0.0, 1.0),
-        )
-    )
-    / 120.0
-)
-# Their first and second derivatives, and all three together.
-_PIECE_SLOPES = np.pad(_SPLINE_PIECES[:, 1:] * np.arange(1, 6), ((0, 0), (0, 1)))
-_PIECE_BENDS = np.pad(_PIECE_SLOPES[:, 1:] * np.arange(1, 6), ((0, 0), (0, 1)))
-_PIECE_FACTORS = np.concatenate((_SPLINE_PIECES, _PIECE_SLOPES, _PIECE_BENDS))
 # Cells by which values are continued beyond a free border: a mirrored spline bends at the border, and the bend has an
 # effect over as many cells.
 CONTINUED_CELLS = 8
@@ -75,10 +53,44 @@ CONTINUED_CELLS = 8
 _MIN_BORDER_STEP = 4.0
 _BORDER_CELLS = 3
 _COMPARED_LINES = 256
-# Values of the B-spline at 0, 1 and 2 cells from its centre.
-_CENTRE_VALUES = (66.0 / 120.0, 26.0 / 120.0, 1.0 / 120.0)
 # Points at a time: their coefficients stay in a core's cache.
 _POINTS_PER_CHUNK = 1024
+
+
+def _weigh_second_difference(reach: int) -> list[float]:
+    """Return the weights of the central second difference of highest order at the offsets 0 to the reach (exact)."""
+    whole = math.factorial(reach) ** 2
+    weights = [-2 * sum(whole // k**2 for k in range(1, reach + 1)) / whole]
+    for k in range(1, reach + 1):
+        weights.append(-2 * (-1) ** k * whole / (k**2 * math.factorial(reach - k) * math.factorial(reach + k)))
+    return weights
+
+
+def _list_pieces(degree: int) -> Array:
+    """Return the pieces of the B-spline of a degree, the last first, in powers of the fraction of a cell (exact)."""
+    pieces = [
+        [
+            sum((-1) ** k * math.comb(degree + 1, k) * (piece - k) ** (degree - power) for k in range(piece + 1))
+            * math.comb(degree, power)
+            for power in range(degree + 1)
+        ]
+        for piece in range(degree, -1, -1)
+    ]
+    return np.array(pieces, dtype=np.float64) / math.factorial(degree)
+
+
+def _derive_pieces(pieces: Array) -> Array:
+    """Return the derivatives of pieces in powers of a fraction, of the same shape."""
+    powers = np.arange(1, pieces.shape[1])
+    return np.pad(pieces[:, 1:] * powers, ((0, 0), (0, 1)))
+
+
+_SECOND_DIFFERENCE = _weigh_second_difference(_DIFFERENCE_REACH)
+# The pieces of the B-spline at its centres, and with their first and second derivatives.
+_SPLINE_PIECES = _list_pieces(_DEGREE)
+_PIECE_FACTORS = np.concatenate(
+    (_SPLINE_PIECES, _derive_pieces(_SPLINE_PIECES), _derive_pieces(_derive_pieces(_SPLINE_PIECES)))
+)
 
 
 def average_curvature(solution: ContactSolution) -> tuple[Array, Array, Array, Array]:
@@ -211,25 +223,20 @@ def lay_ratio(solution: ContactSolution) -> float:
     return _measure_heights(solution)[2]
 
 
-def bend_kurtosis(solution: ContactSolution) -> float:
-    """Return the kurtosis of the second differences under the contact: 3 of Gaussian heights, large at creases."""
-    return _measure_heights(solution)[3]
-
-
-def _measure_heights(solution: ContactSolution) -> tuple[float, float, float, float]:
-    """Return resolution, rim ratio, lay ratio and kurtosis of the second differences."""
+def _measure_heights(solution: ContactSolution) -> tuple[float, float, float]:
+    """Return resolution, rim ratio and lay ratio."""
     healed = heal(solution)
     return healed._keep("ratios of curvatures", lambda: _find_ratios(healed))
 
 
-def _find_ratios(solution: ContactSolution) -> tuple[float, float, float, float]:
+def _find_ratios(solution: ContactSolution) -> tuple[float, float, float]:
     whole = solution.parts
     chosen = whole.sample(np.flatnonzero(whole.own(solution.contact)), _SAMPLE_CELLS)
     if whole.total(chosen.size) == 0:
-        return 0.0, 0.0, 1.0, 0.0
+        return 0.0, 0.0, 1.0
     near = Neighbourhood.inside(solution, chosen, 2)
     lines = list(_gather_lines(solution, near, 2, 2))
-    corners = solution.initial_gap.ravel().take(near.at(_CORNERS))
+    corners = solution.initial_gap.ravel().take(near.at(CORNER_STEPS))
     bends = [pairs[0] - 2.0 * here for here, pairs in lines]
     fourth = sum(whole.mean((pairs[1] - 4.0 * pairs[0] + 6.0 * here) ** 2) for here, pairs in lines)
     second = sum(whole.mean(bend**2) for bend in bends)
@@ -243,13 +250,8 @@ def _find_ratios(solution: ContactSolution) -> tuple[float, float, float, float]
     inner, outer = whole.total(np.array([np.count_nonzero(inside), np.count_nonzero(~inside)]))
     middle = abs(whole.mean(laplacian[inside])) if inner else 0.0
     rim = whole.mean(laplacian[~inside]) / middle if middle > 0.0 and outer else 0.0
-    ratio = 0.0
-    kurtosis = 0.0
-    if second > 0.0:
-        ratio = math.sqrt(fourth / second)
-        # In units of the mean square, so that no height leaves the range of float64.
-        kurtosis = 2.0 * sum(whole.mean(np.square(bend / math.sqrt(second)) ** 2) for bend in bends)
-    return ratio, rim, _find_lay(whole, xx, xy, yy), kurtosis
+    ratio = math.sqrt(fourth / second) if second > 0.0 else 0.0
+    return ratio, rim, _find_lay(whole, xx, xy, yy)
 
 
 def _find_lay(whole: Whole, xx: Array, xy: Array, yy: Array) -> float:
@@ -267,7 +269,7 @@ def _find_inner(solution: ContactSolution, chosen: IntArray) -> Mask:
     contact = solution.contact.ravel()
     places = split(chosen, shape[1])
     near = Neighbourhood.of(*places, shape, Boundary.PERIODIC, 1)
-    inner = contact[near.at(_SIDES)].all(axis=0)
+    inner = contact[near.at(SIDE_STEPS)].all(axis=0)
     for at, n, free in zip(places, shape, solution.boundary.free_axes, strict=True):
         if free:
             # Beyond a free border nothing touches.
@@ -318,7 +320,7 @@ def _gather_lines(
     heights = solution.initial_gap.ravel()
     here = heights.take(near.cells)
     steps = np.arange(1, reach + 1)
-    for direction in ((1, 0), (0, 1), (1, 1), (1, -1))[:lines]:
+    for direction in NEIGHBOUR_STEPS[: 2 * lines : 2]:
         pairs = heights.take(near.at(np.outer(steps, direction)))
         pairs += heights.take(near.at(np.outer(-steps, direction)))
         yield here, pairs
@@ -432,7 +434,7 @@ def _weigh(fraction: Array, highest: int) -> Array:
 @lru_cache(maxsize=8)
 def _invert_splines(cells: int, count: int) -> Array:
     """Return the inverse of the transform of the B-spline at the first waves of so many cells."""
-    own, first, second = _CENTRE_VALUES
+    own, first, second = _SPLINE_PIECES[_CENTRES_BEFORE - 1 : -1, 0]
     angle = 2.0 * np.pi * np.arange(count) / cells
     return np.asarray(1.0 / (own + 2.0 * first * np.cos(angle) + 2.0 * second * np.cos(2.0 * angle)))
 

@@ -19,7 +19,7 @@ from roughcontact._answers.areas.cells import (
 )
 from roughcontact._answers.areas.edges import CUT_OFF_CELLS, is_diagonal, trace_edges, warn_if_uncertain
 from roughcontact._answers.areas.hertz import hertz_areas
-from roughcontact._answers.areas.initial_gap import average_curvature, bend_kurtosis, curvature_resolution, lay_ratio
+from roughcontact._answers.areas.initial_gap import average_curvature, curvature_resolution, lay_ratio
 from roughcontact._answers.areas.summits import find_axes_ratio, find_beside_non_measured, is_elliptic
 from roughcontact._base.arrays import Array
 from roughcontact._parts.grid import Boundary
@@ -43,8 +43,6 @@ _LARGE_PATCH_CELLS = 100
 _MIN_TRACED_LENGTH = 0.65
 # Numbers of cells below which a patch may be a part of another one, or other patches may be missing beside it.
 _SMALL_PATCH_CELLS = (4, 9)
-# Kurtosis of the second differences of Gaussian heights.
-_GAUSSIAN_KURTOSIS = 3.0
 # Weights of the three outermost centres in the outward slope at the border, to second order.
 _BORDER_SLOPE_WEIGHTS = np.array((2.0, -3.0, 1.0))
 
@@ -128,8 +126,7 @@ class EdgeLength(Quantity):
         corners = math.pi * step * math.sqrt(np.count_nonzero(edges.sharp_length[1:] > 0.0))
         along_cells = calibration.SHARP_LENGTH_ERROR * (1.0 + slender)
         sharp_std = math.hypot(along_cells * sharp, corners if sharp > 0.0 else 0.0)
-        uneven = calibration.UNEVEN_LENGTH_ERROR * edges.curvature_resolution + calibration.LOBED_LENGTH_ERROR
-        uneven = uneven * float(np.sum(lobed)) + 0.5 * lost
+        uneven = calibration.UNEVEN_LENGTH_ERROR * edges.curvature_resolution * float(np.sum(lobed)) + 0.5 * lost
         lay = lay_ratio(solution)
         along, all_round = calibration.NARROW_LENGTH_ERROR
         narrow = float(np.sum(lobed / (1.0 + edges.width[1:] / calibration.NARROW_PATCH_WIDTH)))
@@ -151,7 +148,6 @@ class EdgeLength(Quantity):
         of_networks = float(np.sum(lobed, where=large)) / length if length > 0.0 and not straight.any() else 0.0
         networks = calibration.COUNTED_DIFFERENCE * abs(counted - length) * of_networks
         untraced += calibration.UNTRACED_CUT_LENGTH[1] * crossings
-        unseen = calibration.HIDDEN_LENGTH_ERROR * float(np.sum(hidden))
         std = math.hypot(
             relative * (length - exact - sharp),
             _STRAIGHT_LENGTH_ERROR * exact,
@@ -159,7 +155,6 @@ class EdgeLength(Quantity):
             narrow,
             diagonal,
             untraced,
-            unseen,
             sharp_std,
             networks,
         )
@@ -185,20 +180,17 @@ class PatchCount(Quantity):
         patches = solution.patches
         if patches.count == 0:
             return Estimate(0.0, 0.0, "")
-        bend = measure_bend(solution)
         cells = patches.cells
+        bend = measure_bend(solution)
         uneven = bend.spread > calibration.UNEVEN_SPREAD
         small, few = (int(np.count_nonzero(uneven & (cells < limit))) for limit in _SMALL_PATCH_CELLS)
         many = int(np.count_nonzero(uneven))
         ratio = min(curvature_resolution(solution), 2.0)
         hidden = hertz_areas(solution).correction.hidden.size
         each, unresolved, of_all = calibration.MISSING_PATCH_TERMS
-        ridges = calibration.RIDGE_PATCH_VARIANCE * (1.0 - lay_ratio(solution)) * min(many, 1)
-        variance = ridges + each * (few + ratio * many) + 0.5 * trace_edges(solution).topology / solution.grid.cell_area
-        unsure = math.hypot(
-            calibration.HIDDEN_PATCH_STD * hidden, calibration.LINEAR_PATCH_STD * patches.count * bend.linear
-        )
-        std = math.hypot(math.sqrt(variance), unresolved * ratio * small, of_all * ratio * many, unsure)
+        variance = each * (few + ratio * many) + 0.5 * trace_edges(solution).topology / solution.grid.cell_area
+        linear = calibration.LINEAR_PATCH_STD * patches.count * bend.linear
+        std = math.hypot(math.sqrt(variance), unresolved * ratio * small, of_all * ratio * many, linear)
         return Estimate(float(patches.count + hidden), std, "", area.warnings)
 
 
@@ -239,7 +231,6 @@ class MeanGap(Quantity):
     def find(self, solution: ContactSolution, area: Area) -> Estimate:
         """Return the mean gap; see `Quantity.find`."""
         shift, std = find_shift(solution)
-        std *= _find_crease_factor(solution)
         filled = fill_gap(solution)
         # Where cells are saturated the bodies flow instead of overlapping.
         gap = np.where(solution.saturated, 0.0, filled.values)
@@ -252,21 +243,12 @@ class MeanGap(Quantity):
             std * outside,
             filled.mean_std,
             cut_std * part,
-            calibration.MEAN_CORRECTION_ERROR * beyond,
             find_lost_std(solution),
         )
         if solution.contact.all():
             # The rest of the gap is the error of the solve.
             return Estimate(max(value, 0.0), math.hypot(uncertainty, float(np.ptp(gap))), "m", area.warnings)
         return warn_if_uncertain(max(value, 0.0), uncertainty, "m", area.warnings)
-
-
-def _find_crease_factor(solution: ContactSolution) -> float:
-    """Return the factor of the standard deviation of the mean gap at creases and steps, which heights of waves lack."""
-    if curvature_resolution(solution) < calibration.MIN_CREASE_RATIO:
-        return 1.0
-    highest = calibration.MAX_CREASE_FACTOR
-    return min(max(math.sqrt(bend_kurtosis(solution) / _GAUSSIAN_KURTOSIS), 1.0), highest)
 
 
 def _correct_mean(gap: Array, boundary: Boundary) -> float:

@@ -271,7 +271,7 @@ class Rigid(Material):
     >>> rubber = rc.Body(rc.FlatSurface(), rc.Elastic(young=2e6, poisson=0.5))
     >>> problem = rc.ContactProblem(rigid, rubber, grid=rc.Grid((32, 32), 200e-6))
     >>> print(problem.solve(force=1e-5).area())
-    (625.924 +- 0.014) µm2, (1.564811 +- 0.000035) % of nominal [blend]
+    (625.924 +- 0.015) µm2, (1.564811 +- 0.000037) % of nominal [blend]
     """
 
     @property

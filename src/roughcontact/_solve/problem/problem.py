@@ -81,9 +81,9 @@ class ContactProblem(Scene):
     >>> problem = rc.ContactProblem(ball, grid=rc.Grid((32, 32), 100e-6))
     >>> solution = problem.solve(force=1.0)
     >>> print(solution.area())
-    (689.255 +- 0.017) µm2, (6.89255 +- 0.00017) % of nominal [blend]
+    (689.255 +- 0.018) µm2, (6.89255 +- 0.00018) % of nominal [blend]
     >>> print(solution.peak_pressure())
-    2.1762 GPa +- 0.004 %
+    2.1762 GPa +- 0.0043 %
     """
 
     def solve(
@@ -443,7 +443,7 @@ class ContactProblem(Scene):
         >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Elastic(young=210e9, poisson=0.3))
         >>> problem = rc.ContactProblem(ball, grid=rc.Grid((32, 32), 100e-6))
         >>> print(problem.solve_for(peak_pressure="2GPa").force)
-        776.2... mN +- 0.011 %
+        776.2... mN +- 0.012 %
         """
         return find_required_load(self, partial(run_solve, self), response, value, wanted)
 

@@ -37,7 +37,7 @@ class ContactSolution(Result, ContactResponses):
     >>> print(solution.status)
     converged: the conditions of contact hold within the tolerance
     >>> print(solution.area())
-    (176.343 +- 0.056) µm2, (1.76343 +- 0.00056) % of nominal [blend]
+    (176.341 +- 0.069) µm2, (1.76341 +- 0.00069) % of nominal [blend]
     """
 
     def verify(self) -> None:
