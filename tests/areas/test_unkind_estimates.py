@@ -119,3 +119,10 @@ def test_numbers_that_the_grid_determines_do_not_repeat_that_it_hardly_determine
         found = solution.response(answer)
         assert found.warnings == ()
         assert found.uncertainty < 0.02 * found.value
+
+
+def test_the_stress_of_ridges_one_cell_wide_is_as_uncertain_as_the_pressure_of_their_cells():
+    case = edged_classes.draw_case("double-wave", 303, 7)
+    found, finer = (case.solve(refinement).stress().maximum_shear for refinement in (1, 2))
+    assert 0.1 * found.value < abs(found.value - finer.value) <= 2.0 * found.uncertainty
+    assert any("depends on the grid" in text for text in found.warnings)
