@@ -231,6 +231,17 @@ def test_stress_maxima_have_the_uncertainty_of_their_solution():
         assert found.uncertainty == pytest.approx(wanted)
 
 
+def test_stiffness_at_sharp_edges_has_half_the_change_over_two_grids(turned):
+    for name in ("stiffness", "tangential-stiffness"):
+        found = turned.response(name, uncertainty="auto")
+        alone = turned.response(name, uncertainty="model")
+        others = [state.response(name).value for state in turned.phases().states]
+        change = math.sqrt(np.mean(np.square(np.array(others) - found.value)))
+        assert found.value == alone.value
+        assert found.uncertainty == pytest.approx(max(0.5 * change, 0.1 * alone.uncertainty))
+        assert found.uncertainty < alone.uncertainty
+
+
 def test_a_study_can_say_no(tmp_path, turned):
     problem = turned.origin.source
     areas = {}

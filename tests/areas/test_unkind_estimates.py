@@ -14,6 +14,7 @@ from scenes import rather_slow
 sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
 
 import contact_classes
+import edged_classes
 import quantity_classes
 import unkind_classes
 
@@ -84,3 +85,44 @@ def test_a_ridge_as_wide_as_one_or_two_cells_is_no_sharp_edge(shape):
         assert not any("unbounded" in warning for warning in found.warnings)
         assert abs(found.value - true) <= 2.0 * found.uncertainty
         assert found.uncertainty < 0.5 * true
+
+
+@pytest.mark.parametrize(
+    ("kind", "number", "answer", "smallest", "largest"),
+    [
+        # A ridge two cells wide, whose outer cells hardly touch; bells, that are no tips.
+        ("ground", 1, "peak-pressure", 0.1, 0.4),
+        ("balls", 7, "peak-pressure", 0.01, 0.05),
+        ("balls", 3, "peak-pressure", 0.01, 0.06),
+        # Wide ridges of one direction.
+        ("lay", 2, "perimeter", 0.02, 0.06),
+        ("rough", 6, "perimeter", 0.02, 0.07),
+        # Patches that lie alike on the grid; contacts between the last cells and the border.
+        ("double-wave", 1, "stiffness", 0.012, 0.03),
+        ("double-wave", 9, "stiffness", 0.05, 0.1),
+    ],
+)
+def test_smooth_contacts_are_within_two_standard_deviations_that_are_no_larger_than_it_takes(
+    kind, number, answer, smallest, largest
+):
+    case = edged_classes.draw_case(kind, 301, number)
+    found, finer = (case.solve(refinement).response(answer) for refinement in (1, 2))
+    assert abs(found.value - finer.value) <= 2.0 * found.uncertainty
+    assert smallest * found.value < found.uncertainty < largest * found.value
+    assert bool(found.warnings) == (found.uncertainty > 0.05 * found.value and answer != "perimeter")
+
+
+def test_numbers_that_the_grid_determines_do_not_repeat_that_it_hardly_determines_the_area():
+    solution = edged_classes.draw_case("rough", 301, 4).solve()
+    assert [text.rule for text in solution.area().warnings] == ["uncertainty"]
+    for answer in ("approach", "mean-gap"):
+        found = solution.response(answer)
+        assert found.warnings == ()
+        assert found.uncertainty < 0.02 * found.value
+
+
+def test_the_stress_of_ridges_one_cell_wide_is_as_uncertain_as_the_pressure_of_their_cells():
+    case = edged_classes.draw_case("double-wave", 303, 7)
+    found, finer = (case.solve(refinement).stress().maximum_shear for refinement in (1, 2))
+    assert 0.1 * found.value < abs(found.value - finer.value) <= 2.0 * found.uncertainty
+    assert any("depends on the grid" in text for text in found.warnings)

@@ -301,7 +301,7 @@ def test_ends_and_refusals():
     with pytest.raises(rc.InputError, match="wrapped"):
         wrapped.stiffness()
     free = rc.ContactProblem(body, grid=grid).solve(pressure=2e9)
-    assert any("border" in text for text in free.stiffness().warnings)
+    assert free.stiffness().warnings == ()
     for axis in (2, -1, 0.5, "x"):
         with pytest.raises(rc.InputError, match="axis"):
             TangentialStiffness(axis)

@@ -17,7 +17,13 @@ from roughcontact._answers.areas.cells import (
     find_spanning_patches,
     measure_sides,
 )
-from roughcontact._answers.areas.edges import CUT_OFF_CELLS, is_diagonal, trace_edges, warn_if_uncertain
+from roughcontact._answers.areas.edges import (
+    CUT_OFF_CELLS,
+    is_diagonal,
+    pass_on_warnings,
+    trace_edges,
+    warn_if_uncertain,
+)
 from roughcontact._answers.areas.hertz import hertz_areas
 from roughcontact._answers.areas.initial_gap import average_curvature, curvature_resolution, lay_ratio
 from roughcontact._answers.areas.summits import find_axes_ratio, find_beside_non_measured, is_elliptic
@@ -43,6 +49,8 @@ _LARGE_PATCH_CELLS = 100
 _MIN_TRACED_LENGTH = 0.65
 # Numbers of cells below which a patch may be a part of another one, or other patches may be missing beside it.
 _SMALL_PATCH_CELLS = (4, 9)
+# Relative standard deviation of the length from which it may err by more than 10 %: it is mostly too large.
+_MAX_SILENT_LENGTH_STD = 0.07
 # Weights of the three outermost centres in the outward slope at the border, to second order.
 _BORDER_SLOPE_WEIGHTS = np.array((2.0, -3.0, 1.0))
 
@@ -83,14 +91,14 @@ class EdgeLength(Quantity):
         """Return the length; see `Quantity.find`."""
         count = solution.patches.count
         if count == 0 or solution.contact.all():
-            return Estimate(0.0, 0.0, "m", area.warnings)
+            return Estimate(0.0, 0.0, "m", pass_on_warnings(area))
         # Nothing of an edge is traced around cells that touch at their corners alone.
         if area.patches is None or area.value == 0.0:
             length = measure_sides(solution) * math.pi / 4.0
-            return Estimate(length, calibration.COUNTED_LENGTH_ERROR * length, "m", area.warnings)
+            return Estimate(length, calibration.COUNTED_LENGTH_ERROR * length, "m", pass_on_warnings(area))
         if _is_line(solution):
             length = measure_sides(solution)
-            return Estimate(length, _STRAIGHT_LENGTH_ERROR * length, "m", area.warnings)
+            return Estimate(length, _STRAIGHT_LENGTH_ERROR * length, "m", pass_on_warnings(area))
         edges = trace_edges(solution)
         cell = solution.grid.cell_area
         step = math.sqrt(solution.grid.resolved.cell_area)
@@ -129,7 +137,7 @@ class EdgeLength(Quantity):
         uneven = calibration.UNEVEN_LENGTH_ERROR * edges.curvature_resolution * float(np.sum(lobed)) + 0.5 * lost
         lay = lay_ratio(solution)
         along, all_round = calibration.NARROW_LENGTH_ERROR
-        narrow = float(np.sum(lobed / (1.0 + edges.width[1:] / calibration.NARROW_PATCH_WIDTH)))
+        narrow = float(np.sum(lobed / (1.0 + (edges.width[1:] / calibration.NARROW_PATCH_WIDTH) ** 4)))
         narrow = (along * (1.0 - lay) + all_round * lay) * edges.curvature_resolution * narrow
         relative = math.hypot(calibration.LENGTH_ERROR, 0.5 * area.uncertainty / area.value)
         diagonal = 0.0
@@ -144,9 +152,10 @@ class EdgeLength(Quantity):
         # Sides of the cells count networks of ridges well, whose traced edges are short.
         counted = math.pi / 4.0 * measure_sides(solution)
         if length < _MIN_TRACED_LENGTH * counted and np.mean(solution.patches.cells) >= _SMALL_PATCH_CELLS[1]:
-            return warn_if_uncertain(counted, calibration.COUNTED_LENGTH_ERROR * counted, "m", area.warnings)
+            return warn_if_uncertain(counted, calibration.COUNTED_LENGTH_ERROR * counted, "m", pass_on_warnings(area))
         of_networks = float(np.sum(lobed, where=large)) / length if length > 0.0 and not straight.any() else 0.0
-        networks = calibration.COUNTED_DIFFERENCE * abs(counted - length) * of_networks
+        # In a lay the sides of the cells are not 4/pi times as long as the edge.
+        networks = calibration.COUNTED_DIFFERENCE * abs(counted - length) * of_networks * lay
         untraced += calibration.UNTRACED_CUT_LENGTH[1] * crossings
         std = math.hypot(
             relative * (length - exact - sharp),
@@ -158,7 +167,7 @@ class EdgeLength(Quantity):
             sharp_std,
             networks,
         )
-        return warn_if_uncertain(length, std, "m", area.warnings)
+        return warn_if_uncertain(length, std, "m", pass_on_warnings(area), _MAX_SILENT_LENGTH_STD)
 
 
 def _is_line(solution: ContactSolution) -> bool:
@@ -191,7 +200,7 @@ class PatchCount(Quantity):
         variance = each * (few + ratio * many) + 0.5 * trace_edges(solution).topology / solution.grid.cell_area
         linear = calibration.LINEAR_PATCH_STD * patches.count * bend.linear
         std = math.hypot(math.sqrt(variance), unresolved * ratio * small, of_all * ratio * many, linear)
-        return Estimate(float(patches.count + hidden), std, "", area.warnings)
+        return Estimate(float(patches.count + hidden), std, "", pass_on_warnings(area))
 
 
 @responses.register("approach")
@@ -212,7 +221,7 @@ class SummitApproach(Quantity):
         rise, rise_std = find_rise(solution._fresh_gap, solution.boundary, solution.non_measured, linear=linear)
         shift, shift_std = find_shift(solution)
         hidden = find_hidden_rise(solution)
-        warnings = area.warnings if solution.status.success else (str(solution.status),)
+        warnings = pass_on_warnings(area) if solution.status.success else (str(solution.status),)
         cut, cut_std = find_cut_shift(solution)
         approach = solution.approach + rise + shift - cut
         std = math.hypot(rise_std, hidden, shift_std, cut_std, find_lost_std(solution))
@@ -247,8 +256,8 @@ class MeanGap(Quantity):
         )
         if solution.contact.all():
             # The rest of the gap is the error of the solve.
-            return Estimate(max(value, 0.0), math.hypot(uncertainty, float(np.ptp(gap))), "m", area.warnings)
-        return warn_if_uncertain(max(value, 0.0), uncertainty, "m", area.warnings)
+            return Estimate(max(value, 0.0), math.hypot(uncertainty, float(np.ptp(gap))), "m", pass_on_warnings(area))
+        return warn_if_uncertain(max(value, 0.0), uncertainty, "m", pass_on_warnings(area))
 
 
 def _correct_mean(gap: Array, boundary: Boundary) -> float:

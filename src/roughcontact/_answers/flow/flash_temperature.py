@@ -8,10 +8,9 @@ from collections.abc import Sequence
 import attrs
 import numpy as np
 
-from roughcontact._answers.areas.edges import warn_if_uncertain
+from roughcontact._answers.areas.edges import pass_on_warnings, warn_if_uncertain
 from roughcontact._answers.flow.conduction import Conduction
 from roughcontact._answers.flow.partition import split_heat
-from roughcontact._answers.linear.stiffness import list_warnings
 from roughcontact._answers.subsurface.stress import degrees
 from roughcontact._base.arrays import Array, Pair, read_only, restore_state
 from roughcontact._base.checks import number_or_array, pair
@@ -250,8 +249,7 @@ class SlidingHeat(Response[FlashTemperature]):
         field = fields[0 if self.conductivity[0] > 0.0 else 1]
         found = _find_maximum(solution, field)
         edge = _find_edge_fraction(solution)
-        warnings = list_warnings(solution, area.warnings)
-        estimate = warn_if_uncertain(found.value, found.uncertainty, "K", warnings)
+        estimate = warn_if_uncertain(found.value, found.uncertainty, "K", pass_on_warnings(area))
         return FlashTemperature(
             value=found.value,
             uncertainty=found.uncertainty,

@@ -10,12 +10,11 @@ import attrs
 import numpy as np
 import scipy
 
-from roughcontact._answers.areas.edges import warn_if_uncertain
+from roughcontact._answers.areas.edges import pass_on_warnings, warn_if_uncertain
 from roughcontact._answers.linear.stiffness import (
     correct_edges,
     describe_full_contact,
     edge_length,
-    list_warnings,
     require_mean_gap,
 )
 from roughcontact._answers.linear.tangent import Tangent
@@ -142,6 +141,7 @@ class ContactConductance(Response[Conductance]):
     """
 
     holds_with = frozenset({"tension", "shear"})
+    flagged_factor = 0.5
     reads = "contact pressure"
 
     conductivity: Pair = attrs.field(converter=_conductivity, metadata={"plain_unit": _CONDUCTIVITY_UNIT})
@@ -152,7 +152,7 @@ class ContactConductance(Response[Conductance]):
         require_mean_gap(solution, "conductance")
         conduction = _find_conduction(solution, self.conductivity)
         area = solution.area(uncertainty="model")
-        warnings = list_warnings(solution, area.warnings)
+        warnings = pass_on_warnings(area)
         analogy = conduction.analogy
         known = _find_areas(solution, area)
         constriction = conduction.find_constriction(np.sqrt(known / np.pi))

@@ -235,7 +235,7 @@ class ContactAnswers(ShearFields):
             raise InputError(
                 "Solved again the contact has no traction: with friction this answer is that of the model."
             )
-        return judge(self, found, kind, lambda one: one.response(asked, uncertainty="model"))
+        return judge(self, found, kind, lambda one: one.response(asked, uncertainty="model"), asked.flagged_factor)
 
     def _add_traction(self, asked: Any) -> Any:
         """Return a response to pressure and traction of a contact with friction."""

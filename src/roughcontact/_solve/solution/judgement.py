@@ -21,7 +21,7 @@ UNCERTAINTIES = {
 }
 
 
-def judge(solution: Any, found: E, kind: str, ask: Callable[[Any], Estimate]) -> E:
+def judge(solution: Any, found: E, kind: str, ask: Callable[[Any], Estimate], flagged_factor: float | None = None) -> E:
     """Return an answer of the model with the uncertainty of a kind.
 
     Parameters
@@ -34,6 +34,8 @@ def judge(solution: Any, found: E, kind: str, ask: Callable[[Any], Estimate]) ->
         A name of `UNCERTAINTIES`.
     ask
         Returns the answer of another solution.
+    flagged_factor
+        That of the response (`Response.flagged_factor`).
     """
     if kind == "model":
         return found
@@ -46,7 +48,7 @@ def judge(solution: Any, found: E, kind: str, ask: Callable[[Any], Estimate]) ->
     if phases is None or not is_bounded:
         return found
     try:
-        judged: E = phases.judge(found, ask)
+        judged: E = phases.judge(found, ask, flagged_factor)
     except InputError:
         if kind == "auto":
             return found

@@ -64,6 +64,9 @@ class Response(Part, abc.ABC, Generic[T_co]):
     reads
         What its `pressure` is where there is tension: ``"total pressure"``, the solution as it is, or ``"contact
         pressure"``, the part that presses.
+    flagged_factor
+        Its standard deviation over its change over two grids where sharp edges or rough heights are flagged; None for
+        one, and at least the standard deviation of the model.
     memory_arrays
         Peak memory beyond the solution, in float64 arrays of the grid: what does not fit is refused.
 
@@ -85,6 +88,7 @@ class Response(Part, abc.ABC, Generic[T_co]):
     holds_with: ClassVar[frozenset[str]] = frozenset({"shear"})
     refusal: ClassVar[str] = "it knows no traction"
     reads: ClassVar[str] = "total pressure"
+    flagged_factor: ClassVar[float | None] = None
     memory_arrays: ClassVar[float] = 12.0
 
     @abc.abstractmethod
