@@ -1,5 +1,9 @@
 """Wear by the energy that friction loses: cycles of loads, closed forms, invariance, files."""
 
+import html
+import re
+import runpy
+
 import numpy as np
 import pytest
 
@@ -187,6 +191,13 @@ class TestFiles:
             fretted.extend(cycles=[10])
         with pytest.raises(rc.InputError, match="loads that do not return"):
             fretted.extend(tangential_force=(0.1, 0.0))
+
+    @pytest.mark.slow
+    def test_the_script_of_its_page_follows_it_again(self, fretted, tmp_path):
+        script = re.search(r"<h2>Run it again</h2>\s*<pre><code>(.*?)</code>", fretted.to_html(), re.DOTALL)[1]
+        (tmp_path / "again.py").write_text(html.unescape(script))
+        again = runpy.run_path(str(tmp_path / "again.py"))["path"]
+        np.testing.assert_array_equal(worn(again[-1])[0], worn(fretted[-1])[0])
 
     def test_texts_and_tables(self, fretted):
         found = fretted.table()
