@@ -283,13 +283,13 @@ def test_increments_are_doubled_until_the_numbers_hardly_change(part, falls, cou
     """Four at least, which show their order, and sixteen at most; then it is said."""
     asked = []
 
-    def follow(run, segments, count, tell):
+    def follow(run, segments, count, tell, last):
         asked.append(count)
         return [make_step((1.0 + part * falls ** -math.log2(count), 0.0))]
 
     monkeypatch.setattr(module, "follow_steps", follow)
     error = CellErrors(displacement=0.0, force=0.0, dissipated=0.0)
-    monkeypatch.setattr(module, "list_cell_errors", lambda steps: [error for _ in steps])
+    monkeypatch.setattr(module, "list_cell_errors", lambda steps, last: [error for _ in steps])
     step = PathStep(1, Load("force", 1.0), Load("force", 1.0), (0.0, 0.0), push(1.0, 0.0))
     steps, numbers, reasons = refine_steps(SimpleNamespace(), [step], lambda one: None)
     assert asked == counts
