@@ -18,6 +18,7 @@ from roughcontact._base.units import Estimate
 from roughcontact._parts.grid import Grid, Load
 from roughcontact._parts.kernels import InfluenceKernel
 from roughcontact._solve.solution.additions import Addition, Condition
+from roughcontact._solve.solution.load_increment import MAX_SHIFT, LoadIncrement
 from roughcontact.errors import InputError
 
 # Arrays of shape (nx, ny) by name: what a law remembers.
@@ -26,40 +27,8 @@ _NOTHING: Memory = MappingProxyType({})
 _PLAIN = ("laws", "remembered")
 # What a file states of an increment, where it is not that of a single load.
 _AT_ONCE = {"time": 0.0, "sliding": 0.0, "elapsed": 0.0, "slid": 0.0, "stiffening": 1.0}
-# Cells by which the counterbody may be displaced to either side.
-MAX_SHIFT = 2**40
 # Difference between machines of what a law gives, over its largest value.
 _MACHINE_DIFFERENCE = 1e-10
-
-
-@attrs.frozen
-class LoadIncrement:
-    """What changes from one state to the next.
-
-    Attributes
-    ----------
-    load
-        The normal load at its end.
-    time
-        Its duration, s; zero: the load changes at once.
-    sliding
-        The distance by which the surfaces slide over each other in it, m.
-    shift
-        Cells (x, y) by which the counterbody is displaced at its end from its first place, periodically.
-    """
-
-    load: Load
-    time: float = 0.0
-    sliding: float = 0.0
-    shift: tuple[int, int] = (0, 0)
-
-    def place(self, values: float | Array) -> float | Array:
-        """Return a field of the counterbody, a number or of shape (nx, ny), where it lies over the body."""
-        return np.roll(values, self.shift, axis=(0, 1)) if np.ndim(values) and self.shift != (0, 0) else values
-
-    def place_back(self, values: float | Array) -> float | Array:
-        """Return a field over the body, a number or of shape (nx, ny), on the counterbody."""
-        return attrs.evolve(self, shift=(-self.shift[0], -self.shift[1])).place(values)
 
 
 class Law(Part, abc.ABC):
