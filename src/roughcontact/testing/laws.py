@@ -29,10 +29,12 @@ def _problem(law: Law) -> rc.ContactProblem:
 
 def _follow(law: Law) -> tuple[ContactSolution, ...]:
     problem = _problem(law)
-    if not law.rates:
+    # Slip is found with friction alone.
+    passed: Any = dict.fromkeys([rate for rate in law.rates if rate != "slip"], _PASSED)
+    if not passed:
         return problem.sweep(force=_FORCES).states
-    passed: Any = dict.fromkeys(law.rates, _PASSED)
-    return problem.path(force=_FORCES, **passed, accuracy=_ACCURACY).states
+    path: rc.results.LoadPath = problem.path(force=_FORCES, **passed, accuracy=_ACCURACY)
+    return path.states
 
 
 def _memory_of(state: ContactSolution) -> Any:

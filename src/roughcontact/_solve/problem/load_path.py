@@ -331,9 +331,9 @@ def run_load_path(
     moved = None if passed.get("shift") is None else list_shifts(passed["shift"])
     sliding = _measure_sliding(scene, passed["sliding"], moved, (0, 0), 0.0)
     passed = {"time": passed["time"], "sliding": sliding}
+    places = list_places(loads, **passed, shift=moved)
     require_used(scene, passed)
     _require_movable(scene, moved)
-    places = list_places(loads, **passed, shift=moved)
     count = count_done(change, len(places), "place")
     kept = None if file is None else PathFile(file, scene, places, accuracy)
     return follow_path(scene, places, accuracy, told or (lambda state: None), count, kept)

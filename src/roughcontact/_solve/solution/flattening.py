@@ -14,7 +14,8 @@ from roughcontact._base.checks import Part
 from roughcontact._base.registry import Registry
 from roughcontact._base.units import Estimate
 from roughcontact._solve.solution.contact import ContactSolution
-from roughcontact._solve.solution.laws import LoadIncrement, Memory, Process
+from roughcontact._solve.solution.laws import Memory, Process
+from roughcontact._solve.solution.load_increment import LoadIncrement
 from roughcontact.errors import InputError
 
 

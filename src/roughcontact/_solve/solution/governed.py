@@ -16,7 +16,8 @@ from roughcontact._base.checks import MAX_MAGNITUDE, integer, number
 from roughcontact._base.units import Estimate
 from roughcontact._parts.grid import Grid, Load
 from roughcontact._solve.solution.additions import Addition, Condition
-from roughcontact._solve.solution.laws import MAX_SHIFT, Law, LoadIncrement, Memory, Process
+from roughcontact._solve.solution.laws import Law, Memory, Process
+from roughcontact._solve.solution.load_increment import MAX_SHIFT, LoadIncrement
 from roughcontact.errors import InputError
 
 _NOTHING: Memory = MappingProxyType({})

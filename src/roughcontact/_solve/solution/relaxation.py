@@ -12,7 +12,8 @@ import numpy as np
 from roughcontact._base.arrays import Array
 from roughcontact._parts.materials import Viscoelastic
 from roughcontact._solve.solution.contact import ContactSolution
-from roughcontact._solve.solution.laws import LoadIncrement, Memory, Process
+from roughcontact._solve.solution.laws import Memory, Process
+from roughcontact._solve.solution.load_increment import LoadIncrement
 
 
 @attrs.frozen

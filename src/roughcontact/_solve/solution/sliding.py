@@ -17,7 +17,8 @@ from roughcontact._parts.kernels import InfluenceKernel, SupportsCoefficients, m
 from roughcontact._parts.materials import Material, Viscoelastic
 from roughcontact._parts.surfaces import FlatSurface
 from roughcontact._solve.solution.contact import ContactSolution
-from roughcontact._solve.solution.laws import Law, LoadIncrement, Memory
+from roughcontact._solve.solution.laws import Law, Memory
+from roughcontact._solve.solution.load_increment import LoadIncrement
 from roughcontact.errors import InputError, argument
 
 

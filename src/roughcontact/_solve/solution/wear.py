@@ -12,7 +12,8 @@ from roughcontact._base.arrays import Array, restore_state
 from roughcontact._base.checks import choice, number_or_array
 from roughcontact._base.units import Estimate
 from roughcontact._solve.solution.contact import ContactSolution
-from roughcontact._solve.solution.laws import LoadIncrement, Memory, Process
+from roughcontact._solve.solution.laws import Memory, Process
+from roughcontact._solve.solution.load_increment import LoadIncrement
 
 
 def _coefficient(value: object) -> float | Array:

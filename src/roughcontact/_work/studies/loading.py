@@ -351,7 +351,8 @@ class PassingUnder(Loading):
     def solve(self, problem: ContactProblem, load: Load, before: Sequence[ContactSolution]) -> LoadPath:
         """Return the states under a normal load."""
         given: dict[str, Any] = {**load.arguments, **self.passed}
-        return problem.path(**given, accuracy=self.accuracy)
+        path: LoadPath = problem.path(**given, accuracy=self.accuracy)
+        return path
 
     def write(self, file: Path, found: Any, key: str, earlier: Sequence[Mapping[str, float]]) -> None:
         """Write a path."""
