@@ -63,6 +63,9 @@ HERTZ_COMMON_FRACTION = 0.55
 # Patches of width n have 1 + (this / n)^2 times the standard deviation EDGE_AREA_STD, cells. Set on rough contacts: the
 # area inside the edge of patches of 1, 2, 4, 9, 18 cells errs by 0.48, 0.11, 0.06, 0.025, 0.017.
 SMALL_PATCH_WIDTH = 2.0
+# Relative standard deviation of the area of a patch of few cells, times the ratio over cells^(3/2). Set on rough
+# contacts of two cells a shortest wave, by the parts of the fine contact in each: 0.15, 0.3, 0.37 for 1, 2 and 3 cells.
+SMALL_PATCH_STD = 0.3
 # Number of parts of an edge with the same error over the number of equal parts, both without the part itself. Set on
 # waves of whole cells, whose errors follow no normal distribution, and on strips.
 ALIKE_PARTS_FACTOR = 2.5

@@ -183,6 +183,7 @@ def _trace_edges(solution: ContactSolution) -> TracedEdges:
     beside = calibration.NON_MEASURED_EXCESS * cell * one.meeting
     met = step * one.meeting
     places = calibration.NON_MEASURED_PLACE_STD * cell * np.sqrt(one.meeting)
+    few = calibration.SMALL_PATCH_STD * ratio * fine / counted**1.5
     straight = one.straight > 0.0
     straight_std = _find_straight_std(solution, fine, one) / (step * oblong)
     first, second = calibration.EXCESS
@@ -194,7 +195,7 @@ def _trace_edges(solution: ContactSolution) -> TracedEdges:
         untraced_std=calibration.NON_MEASURED_LENGTH_STD * met,
         sharp=one.sharp,
         sharp_length=one.sharp_length,
-        std=np.where(straight, 0.0, np.hypot(std * (small + _SHARP_STD_FACTOR * one.sharp), places)),
+        std=np.where(straight, 0.0, np.hypot(np.hypot(std * (small + _SHARP_STD_FACTOR * one.sharp), few), places)),
         alike=_count_equal_errors(one.alike)
         * (calibration.OBLIQUE_PARTS_FACTOR if lay < MAX_RIDGE_LAY and is_diagonal(solution, lay) else 1.0),
         strip=strip,
