@@ -212,8 +212,8 @@ class Chain(Point):
         # Making a record takes a while, and a run that goes on meets thousands of its own.
         if known.place == place and known.parameters == self.parameters:
             return known
-        problem, seed, control, load = place
-        return attrs.evolve(known, problem=problem, seed=seed, control=control, load=load, parameters=self.parameters)
+        problem, seed, control, value = place
+        return attrs.evolve(known, problem=problem, seed=seed, control=control, load=value, parameters=self.parameters)
 
     def is_answered(self, record: Record) -> bool:
         """Return whether a record has the areas and answers that are asked for."""
