@@ -57,7 +57,7 @@ class SteadySliding(Law):
 
     References
     ----------
-    Hunter, J. Appl. Mech. 28 (1961) 611-617, https://doi.org/10.1115/1.3641792
+    Hunter, J. Appl. Mech. 28 (1961) 611-617
 
     Examples
     --------
