@@ -384,7 +384,7 @@ class TestShow:
     def test_plot_of_a_map_and_its_refusals(self, run):
         assert run("plot", "rough.npz", "--panel", "map", "-o", "m.png")[0] == 0
         for arguments, words in (
-            (["rough.npz", "-o", "m.txt"], "a file that ends in .pdf, .png, .svg"),
+            (["rough.npz", "-o", "m.txt"], "a file that ends in .gif, .pdf, .png, .svg"),
             (["rough.npz", "--panel", "pressure", "-o", "m.png"], "draws a solution, not a surface"),
             (["none.npz", "-o", "m.png"], "There is no file 'none.npz'"),
         ):

@@ -79,11 +79,15 @@ def examples(tmp_path_factory):
     """A folder of what the pages mention: the maps that the package makes, and the study file of the pages."""
     folder = tmp_path_factory.mktemp("examples")
     rc.examples.write(folder)
-    study, paths = blocks_of(ROOT / "docs" / "use" / "studies.md", "toml")
+    study, friction, wear = blocks_of(ROOT / "docs" / "use" / "studies.md", "toml")
     for name in ("study.toml", "scenes.toml"):
         (folder / name).write_text(study, encoding="utf-8")
     problems = study.partition("[study]")[0]
-    (folder / "paths.toml").write_text(problems + paths, encoding="utf-8")
+    (folder / "friction.toml").write_text(problems + friction, encoding="utf-8")
+    ball = problems.replace("problems.ball", "problems.pin")
+    laws = wear.partition("laws =")[2].partition("\n")[0]
+    worn = ball.replace("[problems.pin]", f"[problems.pin]\nlaws ={laws}", 1) + "[study]" + wear.partition("[study]")[2]
+    (folder / "wear.toml").write_text(worn, encoding="utf-8")
     return folder
 
 
@@ -316,8 +320,9 @@ def test_links_of_the_pages_lead_somewhere():
             assert (page.parent / target).exists(), f"{page.name}: {target}"
 
 
-def test_the_study_of_paths_is_read(place):
+def test_the_studies_of_paths_are_read(place):
     """Its counterbody is rigid, and its map has the non-measured points filled."""
-    done = run(["roughcontact", "run", "paths.toml", "--dry-run"], place)
-    assert done.returncode == 0, done.stderr
-    assert "tangential force (100 mN, 0 N)" in " ".join(done.stdout.split())
+    for name, said in (("friction", "tangential force (100 mN, 0 N)"), ("wear", "sliding")):
+        done = run(["roughcontact", "run", f"{name}.toml", "--dry-run"], place)
+        assert done.returncode == 0, done.stderr
+        assert said in " ".join(done.stdout.split())

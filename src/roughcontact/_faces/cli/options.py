@@ -138,14 +138,14 @@ def add_problem(parser: argparse.ArgumentParser, *, study: bool = False) -> None
     law = "what else changes the contact; may be repeated: archard coefficient=1e-16m2/N"
     changes.add_argument("--law", nargs="+", action="append", metavar=("LAW", "FIELD=VALUE"), help=law)
     if not study:
-        path = "follow --loads as a path: unloading remembers flattening"
+        path = "follow --loads in their order, and remember"
         changes.add_argument("--path", action="store_true", help=path)
         for name, convert, what in (
             ("sliding", METRE, "sliding distances of a path: 0m 1m 10m"),
             ("time", _SECOND, "times of a path: 0s 1s 1e3s"),
         ):
             changes.add_argument(f"--{name}", type=convert, nargs="+", metavar=name[0].upper(), help=what)
-        strict = "admissible error of an increment of --sliding or --time, over the change of the surfaces (0.001)"
+        strict = "relative error of each increment (0.001)"
         changes.add_argument("--accuracy", type=NUMBER, metavar="D", help=strict)
         _add_friction(parser)
     _add_method(parser)

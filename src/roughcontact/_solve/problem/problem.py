@@ -391,10 +391,13 @@ class ContactProblem(Scene):
             If the state is not certified.
         """
         normal = {"force": force, "pressure": pressure, "approach": approach}
+        if (speed is None) is (friction is None):
+            raise InputError(
+                f"Bodies slide with {argument('friction')} or, if they are viscoelastic, at {argument('speed')}: give "
+                "one of them."
+            )
         if speed is None:
             return run_slide(self, normal, friction, direction)
-        if friction is not None:
-            raise InputError(f"Bodies slide with {argument('friction')} or at {argument('speed')}: omit one of them.")
         if not any(isinstance(side.material, Viscoelastic) for side in (self.body, self.counterbody)):
             raise InputError(f"Nothing changes with the speed: give {argument('friction')}, or a viscoelastic body.")
         sliding = attrs.evolve(self, laws=(*self.laws, SteadySliding(speed, direction)))

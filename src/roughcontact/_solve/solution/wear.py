@@ -150,7 +150,7 @@ class EnergyWear(Process):
     >>> problem = rc.ContactProblem(ball, flat, grid=rc.Grid((24, 24), 100e-6), laws=rc.EnergyWear("5e-14m3/J"))
     >>> path = problem.path(force=1.0, displacement=[(1e-6, 0.0), (-1e-6, 0.0)], friction=0.5, cycles=[1, 1000])
     >>> [f"{state.pressure.max() / 1e9:.2f} GPa" for state in path]
-    ['1.36 GPa', '1.36 GPa', '0.9 GPa', '0.9 GPa']
+    ['1.36 GPa', '1.36 GPa', '1.04 GPa', '1.04 GPa']
     """
 
     coefficient: float | Array = attrs.field(converter=_energy_coefficient, metadata={"unit": "m3/J"})
