@@ -390,7 +390,8 @@ def find_shift(solution: ContactSolution) -> tuple[float, float]:
     if solution._is_changed:
         # What loads before have left bends elsewhere, too.
         unsure = (*unsure, _CHANGED_SHIFT_STD * shift)
-    return fading * shift * bend.mean, fading * math.hypot(*unsure) * bend.highest
+    std = max(fading, calibration.MIN_FADING) * math.hypot(*unsure)
+    return fading * shift * bend.mean, std * bend.highest
 
 
 def _find_aligned(solution: ContactSolution) -> float:

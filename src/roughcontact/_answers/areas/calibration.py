@@ -27,7 +27,7 @@ PIECE_AREA_DEFICIT = 0.16
 # Standard deviation of the area of a patch, cells^2 per root of the number of cell sides along its edge: the
 # discrete solution itself varies. Measured on the same spheres: rms 0.053 about the fit.
 EDGE_AREA_STD = 0.05
-# Standard deviation of the area where a contact meets a free border, cells^2 for each contact cell on the border.
+# Standard deviation of the area where a free border cuts a contact, cells^2 for each contact cell on the border.
 # Measured on 60 spheres against four times finer grids: rms 0.07; more, up to 0.9, where one to five cells are cut,
 # and on rough contacts.
 CUT_BORDER_STD = 0.15
@@ -36,15 +36,15 @@ CUT_BORDER_STD = 0.15
 # contact and of the gap beyond, in cells. Measured on cylinders of 6 to 30 cells half width, and on waves.
 STRAIGHT_POSITION_STD = (0.002, 0.1, 0.3)
 # Places of such edges between the centres of the last cell in contact and the next, in cells: the true ones, and those
-# of the traced polygons, shape (2, places). Measured on cylinders of 1600 cells half width, the same on waves; beyond
-# the last the next cell is in contact.
+# of the traced polygons, shape (2, places). Measured on cylinders of 1600 cells half width, the same on waves; beyond the
+# last the next cell is in contact.
 STRAIGHT_EDGE_PLACES = _read_table("straight_edges.csv")
 
 # --- benchmarks/limit_constants.py: spheres at a pressure limit ------------------------------------------------------
 
-# Overloads, Hertz's maximum pressure over the pressure limit, and the contact area of a sphere at these over Hertz's
-# area, no unit, shape (2, overloads); beyond, two thirds of the overload. Measured on spheres of 40 cells elastic
-# radius: within 0.0015.
+# Overloads, Hertz's maximum pressure over the pressure limit, and the contact area of a sphere at these over Hertz's area,
+# no unit, shape (2, overloads); beyond, two thirds of the overload. Measured on spheres of 40 cells elastic radius: within
+# 0.0015.
 PLASTIC_GROWTH = _read_table("plastic_growth.csv")
 
 # --- benchmarks/rough_constants.py: self-affine surfaces of 32 cells a shortest wave ----------------------------------
@@ -60,6 +60,9 @@ HERTZ_COMMON_FRACTION = 0.55
 
 # --- benchmarks/area_classes.py: the tuned half of the classes of contacts --------------------------------------------
 
+# Standard deviation of the area for each cell in contact at a free border before which the contact ends, cells. Set on
+# balls that nearly touch the border.
+UNCUT_BORDER_STD = 0.4
 # Patches of width n have 1 + (this / n)^2 times the standard deviation EDGE_AREA_STD, cells. Set on rough contacts: the
 # area inside the edge of patches of 1, 2, 4, 9, 18 cells errs by 0.48, 0.11, 0.06, 0.025, 0.017.
 SMALL_PATCH_WIDTH = 2.0
@@ -151,6 +154,8 @@ KINK_ERROR = 0.4
 # Relative excess of the square of the discrete maximum pressure over its bend and over the shift of the edge, 1/cells.
 # Measured: 0.027 for Love's kernel, whose shift is 0.018, and none for "fourier".
 PEAK_EXCESS = 1.5
+# Largest bend in that product, no unit: beyond it a parabola through the cells has no meaning.
+MAX_PEAK_BEND = 1.0
 # Terms a, b, c, d of the relative standard deviation w (a + b w + c s + d w^3) of a quadratic through p^2 of the larger
 # principal bend w and the third difference s, both over p^2, no unit.
 PEAK_ERROR = (0.005, 0.009, 0.036, 0.006)
@@ -164,8 +169,9 @@ STRIP_PEAK_FACTOR = 3.0
 # the side of a cell. Set on lines on stiff and soft coatings, of 4 to 400 cells.
 STRAIGHT_PEAK_STD = 0.004
 RESIDUAL_PEAK_STD = 0.08
-# Smallest relative standard deviation where a neighbour is open, and its increase times the number of cells; no unit.
-OPEN_NEIGHBOUR_ERROR = (0.1, 4.0)
+# Smallest relative standard deviation where a neighbour is open: of compact patches; its increase on ridges (twice on
+# rows of single cells); and its increase times the number of cells; no unit.
+OPEN_NEIGHBOUR_ERROR = (0.1, 0.12, 4.0)
 # Relative standard deviation for tips: the sharpness from which a part of it is added, the sharpness from which all of
 # it is added, and its size times the fourth root of the number of cells; no unit. Set on r^1.5.
 TIP_PEAK_ERROR = (0.3, 0.36, 0.45)
@@ -234,9 +240,10 @@ RIM_GAP_EXCESS = (-0.013, 0.014)
 # deviation over the root of this fraction).
 LINEAR_GAP_EXCESS = (-0.09, 0.015)
 FILLED_GAP_EXCESS = (-1.5, 0.2)
-# Ratio, up to one, of that excess and its standard deviation near full contact to the open part of the domain, no unit.
-# Set on a wave and a rough surface at 35 to 97 % contact.
+# Ratio, up to one, of that excess near full contact to the open part of the domain, and the smallest such ratio for its
+# standard deviation, no unit. Set on a wave and a rough surface at 35 to 97 % contact.
 FADING_FACTOR = 2.2
+MIN_FADING = 0.3
 # Excess of the approach where the contact is cut, by a free border and by points that were not measured, over the sum
 # of p^2 h^2 b / (E* F) over the sides of cells there, h across and b along them, and its standard deviation; no unit.
 # Set on rough contacts: 0.09 to 0.34 at borders, 0.02 to 0.07 at single points, 0.03 to 0.14 at groups of them.
@@ -247,6 +254,8 @@ CUT_NON_MEASURED_EXCESS = (0.06, 0.03)
 UNTRACED_CUT_LENGTH = (0.9, 0.6)
 # Power of the open part of the domain in the change of the mean gap by a cut, no unit.
 CUT_GAP_EXPONENT = 1.5
+# Relative standard deviation of the deficit of the mean over cell centres on a free domain. Set on balls.
+MEAN_CORRECTION_ERROR = 0.1
 # Standard deviation of the height of a summit over the difference of its heights by polynomials of sixth and eighth
 # order, and relative standard deviation of the height of a tip, no unit.
 RISE_ERROR = 1.5

@@ -10,6 +10,7 @@ import numpy as np
 from roughcontact._answers.areas import calibration
 from roughcontact._answers.areas.cells import (
     count_saturated,
+    find_cut_cells,
     find_sharp_edges,
     find_straight_rows,
 )
@@ -269,12 +270,16 @@ def _correct(solution: ContactSolution, edge: Contour, stride: int) -> Array:
 
 
 def _border_std(solution: ContactSolution) -> float:
-    """Return the standard deviation where the contact meets a free border, in cells: saturated pressure is bounded."""
+    """Return the standard deviation where a free border cuts the contact, in cells: saturated pressure is bounded."""
+    contact = solution.contact
     if not solution.boundary.has_free_axis or int(solution.patches.cells.sum()) == solution.grid.cells:
         return 0.0
-    elastic = solution.parts.own(solution.contact) & ~solution.saturated
-    cells = sum(int(np.count_nonzero(line)) for line in list_borders(elastic, solution.boundary))
-    return calibration.CUT_BORDER_STD * float(solution.parts.total(cells))
+    contact, saturated, cut = (
+        np.concatenate(list_borders(field, solution.boundary))
+        for field in (solution.parts.own(contact), solution.saturated, find_cut_cells(solution))
+    )
+    counts = np.array([np.count_nonzero(cut), np.count_nonzero(contact & ~saturated & ~cut)])
+    return float(solution.parts.total(counts) @ (calibration.CUT_BORDER_STD, calibration.UNCUT_BORDER_STD))
 
 
 def _saturated_weight(solution: ContactSolution) -> Array:

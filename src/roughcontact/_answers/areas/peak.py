@@ -208,7 +208,8 @@ def _fit_quadratics(solution: ContactSolution, highest: IntArray, sharpness: Arr
     y = np.clip(np.where(peaked, (fxy * fx - fxx * fy) / safe, y), -_MAX_OFFSET_CELLS, _MAX_OFFSET_CELLS)
     top = here + 0.5 * (fx * x + fy * y)
     # Uniform pressure on each cell makes the discrete pressure too peaked, as it moves the edge.
-    excess = -calibration.PEAK_EXCESS * solution.edge_shift * (fxx + fyy)
+    bend = np.minimum(-(fxx + fyy) / here, calibration.MAX_PEAK_BEND)
+    excess = calibration.PEAK_EXCESS * solution.edge_shift * bend * here
     # The error of the fit is largest across a ridge. The third difference tells how far p^2 is from even.
     mean = -0.5 * (fxx + fyy) / here
     difference = np.hypot(0.5 * (fxx - fyy), fxy) / here
@@ -225,8 +226,10 @@ def _fit_quadratics(solution: ContactSolution, highest: IntArray, sharpness: Arr
     inner = np.minimum.reduce([along_x[1], along_x[3], along_y[1], along_y[3]]) > _MIN_INNER_PRESSURE * here
     inner &= ~_find_cut(solution, highest)
     # A parabola through an open cell is too low.
-    all_sizes, single = calibration.OPEN_NEIGHBOUR_ERROR
-    lacking = all_sizes + single / solution.patches.cells
+    compact, ridge, single = calibration.OPEN_NEIGHBOUR_ERROR
+    slender = 1.0 - np.clip((mean - difference) / np.where(across > 0.0, across, 1.0), 0.0, 1.0)
+    row = (np.maximum(along_x[1], along_x[3]) == 0.0) | (np.maximum(along_y[1], along_y[3]) == 0.0)
+    lacking = compact + ridge * slender * np.where(row, 2.0, 1.0) + single / solution.patches.cells
     error = np.where(inner, error, np.maximum(error, lacking))
     return np.sqrt(np.maximum(top - excess, 0.0)), error
 

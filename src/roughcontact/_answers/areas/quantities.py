@@ -252,6 +252,7 @@ class MeanGap(Quantity):
             std * outside,
             filled.mean_std,
             cut_std * part,
+            calibration.MEAN_CORRECTION_ERROR * beyond,
             find_lost_std(solution),
         )
         if solution.contact.all():
