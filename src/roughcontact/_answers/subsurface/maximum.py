@@ -36,9 +36,9 @@ _STRAIGHT_STD = 0.015
 MIN_DEPTH_CELLS = 2.0
 # Weight of the relative uncertainty of that pressure. Set on rough surfaces of two to four cells a shortest wave.
 _PEAK_WEIGHT = 0.7
-# Weight of the relative difference of that pressure from the highest of the cells. Set on 106 smooth contacts:
+# Weight of the difference of that pressure from the highest of the cells, over the latter. Set on 106 smooth contacts:
 # ridges one to two cells wide lack 37 to 57 % of the pressure and 32 to 47 % of the stress.
-_CELL_WEIGHT = 0.5
+_CELL_WEIGHT = 0.49
 # Relative standard deviation of the maximum from which it may err by more than 10 %.
 _MAX_RELATIVE_STD = 0.05
 # Relative error of a maximum at the surface inside a contact, where cells may smooth a larger one at its edge.
@@ -229,7 +229,7 @@ def judge_depth(found: StressMaximum, solution: ContactSolution) -> StressMaximu
         peak = solution.peak_pressure(uncertainty="model")
         # The stress is that of the pressure of the cells, whose highest may be far from the maximum between them.
         highest = solution.parts.highest(float(np.max(solution.pressure)))
-        lacking = _CELL_WEIGHT * (1.0 - highest / peak.value)
+        lacking = _CELL_WEIGHT * (peak.value / highest - 1.0)
         relative = math.hypot(relative, _PEAK_WEIGHT * peak.uncertainty / peak.value, lacking)
     if cells < MIN_DEPTH_CELLS and relative > _MAX_RELATIVE_STD:
         place = f"only {cells:.2g} cells below" if cells > 0.0 else "at"
