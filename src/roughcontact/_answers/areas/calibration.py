@@ -36,15 +36,15 @@ CUT_BORDER_STD = 0.15
 # contact and of the gap beyond, in cells. Measured on cylinders of 6 to 30 cells half width, and on waves.
 STRAIGHT_POSITION_STD = (0.002, 0.1, 0.3)
 # Places of such edges between the centres of the last cell in contact and the next, in cells: the true ones, and those
-# of the traced polygons, shape (2, places). Measured on cylinders of 1600 cells half width, the same on waves; beyond the
-# last the next cell is in contact.
+# of the traced polygons, shape (2, places). Measured on cylinders of 1600 cells half width, the same on waves; beyond
+# the last the next cell is in contact.
 STRAIGHT_EDGE_PLACES = _read_table("straight_edges.csv")
 
 # --- benchmarks/limit_constants.py: spheres at a pressure limit ------------------------------------------------------
 
-# Overloads, Hertz's maximum pressure over the pressure limit, and the contact area of a sphere at these over Hertz's area,
-# no unit, shape (2, overloads); beyond, two thirds of the overload. Measured on spheres of 40 cells elastic radius: within
-# 0.0015.
+# Overloads, Hertz's maximum pressure over the pressure limit, and the contact area of a sphere at these over Hertz's
+# area, no unit, shape (2, overloads); beyond, two thirds of the overload. Measured on spheres of 40 cells elastic radius:
+# within 0.0015.
 PLASTIC_GROWTH = _read_table("plastic_growth.csv")
 
 # --- benchmarks/rough_constants.py: self-affine surfaces of 32 cells a shortest wave ----------------------------------

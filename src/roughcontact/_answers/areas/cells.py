@@ -16,8 +16,8 @@ from roughcontact._solve.solution import ContactSolution
 MIN_SHARP_PATCH_CELLS = 9
 # Height of a step over the differences of height before and behind it, from which it is sharp.
 _MIN_STEP_RATIO = 4.0
-# Steps, in cells, to the neighbours of a cell at its four sides, at its four corners, and at both. Every second of them,
-# from the first on, is opposite to the next.
+# Steps, in cells, to the neighbours of a cell at its four sides, at its four corners, and at both. Every second of
+# them, from the first on, is opposite to the next.
 SIDE_STEPS = np.array(((1, 0), (-1, 0), (0, 1), (0, -1)))
 CORNER_STEPS = np.array(((1, 1), (-1, -1), (1, -1), (-1, 1)))
 NEIGHBOUR_STEPS = np.concatenate((SIDE_STEPS, CORNER_STEPS))

@@ -15,7 +15,8 @@ from roughcontact._base.arrays import Array, IntArray, Mask, Pair
 from roughcontact._parts.grid import Boundary, as_boundary, pad_axes
 from roughcontact._solve.solution import ContactSolution, Whole, heal
 
-# Offset of the outermost cell of the second differences, in cells: of eighth order, 0.7 % too small at four cells a wave.
+# Offset of the outermost cell of the second differences, in cells: of eighth order, 0.7 % too small at four cells a
+# wave.
 _DIFFERENCE_REACH = 4
 # Number of cells that give the mean squares of differences to about 1 %.
 _SAMPLE_CELLS = 100_000
