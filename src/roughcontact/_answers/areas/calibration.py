@@ -43,8 +43,8 @@ STRAIGHT_EDGE_PLACES = _read_table("straight_edges.csv")
 # --- benchmarks/limit_constants.py: spheres at a pressure limit ------------------------------------------------------
 
 # Overloads, Hertz's maximum pressure over the pressure limit, and the contact area of a sphere at these over Hertz's
-# area, no unit, shape (2, overloads); beyond, two thirds of the overload. Measured on spheres of 40 cells elastic radius:
-# within 0.0015.
+# area, no unit, shape (2, overloads); beyond, two thirds of the overload. Measured on spheres of 40 cells elastic
+# radius: within 0.0015.
 PLASTIC_GROWTH = _read_table("plastic_growth.csv")
 
 # --- benchmarks/rough_constants.py: self-affine surfaces of 32 cells a shortest wave ----------------------------------
