@@ -9,12 +9,15 @@ from typing import Any
 import numpy as np
 
 import roughcontact as rc
-from roughcontact._solve.solution import ContactSolution, Law, Process, laws
+from roughcontact._solve.solution import ContactSolution, Governed, Law, Process, laws
 from roughcontact.errors import InputError, NotConverged
 from roughcontact.testing.claim import DoesNotApply, claim, require, require_equal
 
 # Forces on a ball, N, that rise and fall.
 _FORCES = (1.0, 2.0, 0.5)
+# Tangential forces beside them, N, and a coefficient of friction, of a law that depends on slip alone.
+_PUSHES = ((0.1, 0.0), (-0.1, 0.0), (0.05, 0.0))
+_FRICTION = 0.3
 # Time, s, and sliding distance, m, at each of them, of a law that depends on what passes; accuracy of its increments.
 _PASSED = (0.0, 0.5, 1.0)
 _ACCURACY = 0.05
@@ -29,16 +32,19 @@ def _problem(law: Law) -> rc.ContactProblem:
 
 def _follow(law: Law) -> tuple[ContactSolution, ...]:
     problem = _problem(law)
-    # Slip is found with friction alone.
     passed: Any = dict.fromkeys([rate for rate in law.rates if rate != "slip"], _PASSED)
-    if not passed:
+    if not law.rates:
         return problem.sweep(force=_FORCES).states
+    if not passed:
+        return problem.path(force=_FORCES, tangential_force=_PUSHES, friction=_FRICTION).states
     path: rc.results.LoadPath = problem.path(force=_FORCES, **passed, accuracy=_ACCURACY)
     return path.states
 
 
 def _memory_of(state: ContactSolution) -> Any:
-    return state.added[0].memory[0]  # type: ignore[attr-defined]
+    effect = state._find_added(Governed)
+    assert effect is not None
+    return effect.memory[0]
 
 
 @claim("law", "certified states")

@@ -137,7 +137,7 @@ class EdgeLength(Quantity):
         uneven = calibration.UNEVEN_LENGTH_ERROR * edges.curvature_resolution * float(np.sum(lobed)) + 0.5 * lost
         lay = lay_ratio(solution)
         along, all_round = calibration.NARROW_LENGTH_ERROR
-        narrow = float(np.sum(lobed / (1.0 + (edges.width[1:] / calibration.NARROW_PATCH_WIDTH) ** 4)))
+        narrow = float(np.sum(lobed / (1.0 + (edges.width[1:] / calibration.NARROW_PATCH_WIDTH) ** 2)))
         narrow = (along * (1.0 - lay) + all_round * lay) * edges.curvature_resolution * narrow
         relative = math.hypot(calibration.LENGTH_ERROR, 0.5 * area.uncertainty / area.value)
         diagonal = 0.0
