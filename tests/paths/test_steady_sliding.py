@@ -230,7 +230,7 @@ def test_a_sweep_of_loads_at_a_speed():
     ("made", "asked", "words"),
     [
         ({}, {"speed": -1.0}, "speed"),
-        ({}, {"speed": 1.0, "friction": 0.3}, "omit one"),
+        ({}, {"speed": 1.0, "friction": 0.3}, "give one of them"),
         ({"rubber": rc.Elastic(1e6, 0.5)}, {"speed": 1.0}, "viscoelastic"),
         ({"boundary": "free"}, {"speed": 1.0}, "periodic along its direction"),
         ({"boundary": ("periodic", "free")}, {"speed": 1.0, "direction": 90.0}, "along y"),
