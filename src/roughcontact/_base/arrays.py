@@ -26,6 +26,12 @@ _PART_NUMBERS = 3840
 _PART_VALUES = 2**13
 
 
+def unit_vector(direction: float) -> Pair:
+    """Return the unit vector along a direction from x towards y, degrees: along an axis exactly."""
+    angle = math.radians(direction)
+    return round(math.cos(angle), 15), round(math.sin(angle), 15)
+
+
 def frozen_array(values: Array) -> Array:
     """Return `values` as a C-ordered, read-only float64 array."""
     array = np.ascontiguousarray(values, dtype=np.float64)

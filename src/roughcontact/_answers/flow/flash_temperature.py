@@ -12,7 +12,7 @@ from roughcontact._answers.areas.edges import pass_on_warnings, warn_if_uncertai
 from roughcontact._answers.flow.conduction import Conduction
 from roughcontact._answers.flow.partition import split_heat
 from roughcontact._answers.subsurface.stress import degrees
-from roughcontact._base.arrays import Array, Pair, read_only, restore_state
+from roughcontact._base.arrays import Array, Pair, read_only, restore_state, unit_vector
 from roughcontact._base.checks import number_or_array, pair
 from roughcontact._base.units import Estimate, Quantity, outlined, percent, si
 from roughcontact._parts.grid import Boundary, extend, grow, list_borders
@@ -221,11 +221,9 @@ class SlidingHeat(Response[FlashTemperature]):
         """Return the temperatures by some heat."""
         cells = solution.contact
         conduction = Conduction(solution.grid, solution.boundary)
-        angle = math.radians(self.direction)
-        # Exactly along an axis, where a direction is.
-        along = round(math.cos(angle), 15), round(math.sin(angle), 15)
+        x, y = unit_vector(self.direction)
         bodies = [
-            (k, d, (v * along[0], v * along[1]))
+            (k, d, (v * x, v * y))
             for k, d, v in zip(self.conductivity, self.diffusivity, self.speed, strict=True)
             if k > 0.0
         ]

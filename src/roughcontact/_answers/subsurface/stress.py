@@ -35,7 +35,7 @@ from roughcontact._answers.subsurface.maximum import (
     with_interfaces,
 )
 from roughcontact._base import checks
-from roughcontact._base.arrays import Array, RealArray, Waves, frozen_array, read_only
+from roughcontact._base.arrays import Array, RealArray, Waves, frozen_array, read_only, unit_vector
 from roughcontact._base.checks import choice, number, numbers
 from roughcontact._base.machine import require_memory, use_threads
 from roughcontact._base.units import ShownAsPrinted, WarningText, outlined, si
@@ -372,9 +372,7 @@ def sliding_traction(solution: ContactSolution, friction: Array, direction: floa
     if friction.ndim and friction.shape != shape:
         raise InputError.about("The shape of the coefficient of friction", friction.shape, f"() or {shape}")
     limit = friction * solution.contact_pressure
-    # Exactly along an axis, where a direction is.
-    along = np.round([math.cos(math.radians(direction)), math.sin(math.radians(direction))], 15)
-    return along[:, np.newaxis, np.newaxis] * limit
+    return np.array(unit_vector(direction))[:, np.newaxis, np.newaxis] * limit
 
 
 def body_name(value: str) -> str:

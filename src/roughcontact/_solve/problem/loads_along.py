@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 
 import numpy as np
 
 from roughcontact._base import checks
+from roughcontact._base.arrays import unit_vector
 from roughcontact._base.machine.progress import ChangeProgress, tell_both
 from roughcontact._parts.grid import Load
 from roughcontact._parts.interactions import Coulomb, FrictionLaw
@@ -90,10 +90,8 @@ def run_slide(
     after each alternation of pressure and traction of unlike bodies.
     """
     law = resolve_friction(friction)
-    angle = math.radians(checks.number(direction, "The direction of sliding", "degrees"))
+    along = unit_vector(checks.number(direction, "The direction of sliding", "degrees"))
     require_frictional(problem)
     load = Load.of(**normal)
     limit_load(problem.plan, problem.initial_gap, load)
-    # Exactly along an axis.
-    x, y = (round(value, 15) for value in (math.cos(angle), math.sin(angle)))
-    return CoupledSolve(problem, law, on_step=on_step).slide(load, (x, y), on_pass)
+    return CoupledSolve(problem, law, on_step=on_step).slide(load, along, on_pass)

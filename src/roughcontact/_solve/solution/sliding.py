@@ -10,7 +10,7 @@ import attrs
 import numpy as np
 import scipy
 
-from roughcontact._base.arrays import Array, Pair, Waves
+from roughcontact._base.arrays import Array, Pair, Waves, unit_vector
 from roughcontact._base.checks import number
 from roughcontact._base.units import Estimate
 from roughcontact._parts.kernels import InfluenceKernel, SupportsCoefficients, missing_form
@@ -135,9 +135,7 @@ class SteadySliding(Law):
             )
         if plan.interaction is not None:
             raise InputError(f"Viscoelastic bodies slide without {argument('adhesion')}: omit it.")
-        angle = math.radians(self.direction)
-        # Exactly along an axis.
-        x, y = (round(value, 15) for value in (math.cos(angle), math.sin(angle)))
+        x, y = unit_vector(self.direction)
         for name, component, repeats in zip("xy", (x, y), plan.boundary.repeats, strict=True):
             if component != 0.0 and not repeats:
                 raise InputError(
