@@ -112,6 +112,20 @@ def test_the_area_of_creases_and_edges_is_extrapolated(turned):
     assert abs(found.value - math.pi * 0.21**2) < 2.0 * found.uncertainty
 
 
+@pytest.mark.parametrize("radius", [8.26, 10.1, 21.5])
+def test_where_both_grids_agree_the_model_judges_the_area(radius):
+    """The symmetry of a disc gives both grids the same cells, which err by the same."""
+    grid = rc.Grid((72, 72), 72.0)
+    heights = np.where(np.hypot(grid.x, grid.y) < radius, 0.0, -1.0)
+    body = rc.Body(rc.HeightMap(heights, size=72.0), rc.ElasticPerfectlyPlastic(1.0, 0.0, 0.01))
+    true = math.pi * radius**2
+    solution = rc.ContactProblem(body).solve(force=0.8 * 0.01 * true)
+    assert solution.phases().flagged
+    area = solution.area()
+    assert area.uncertainty == pytest.approx(solution.area(uncertainty="model").uncertainty, rel=1e-9)
+    assert abs(area.value - true) <= 2.0 * area.uncertainty < 0.2 * true
+
+
 def test_errors_lie_within_the_uncertainties_of_creases():
     """Beside the same surface on cells a quarter as long: the model alone knows nothing of the creases."""
 

@@ -118,8 +118,10 @@ class Phases:
         level, *others = (state.area("level-set", uncertainty="model").value for state in (solution, *self.states))
         value = level + _EXTRAPOLATION * (level - sum(others) / len(others))
         value = min(max(value, 0.0), solution.grid.area)
-        std = _EXTRAPOLATED_FACTOR * _root_mean_square(level, others)
-        std = max(std, _MIN_AREA_PART * found.uncertainty)
+        change = _root_mean_square(level, others)
+        # Areas that agree as well as the solves, such as those of punches that yield, say nothing of the grid.
+        part = _MIN_AREA_PART if change > _TOLERANCE * level else 1.0
+        std = max(_EXTRAPOLATED_FACTOR * change, part * found.uncertainty)
         extrapolated = attrs.evolve(
             found, value=value, fraction=value / solution.grid.area, estimator="level-set, two grids", patches=None
         )
