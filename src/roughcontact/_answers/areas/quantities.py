@@ -123,7 +123,9 @@ class EdgeLength(Quantity):
         lobed = np.where(straight, 0.0, (1.0 - single) * np.sqrt(traced) * around)
         # Contacts at summits between the cells have the rest of the area.
         hidden = 2.0 * np.sqrt(np.pi * hertz_areas(solution).correction.hidden)
-        lost = calibration.LOST_LENGTH * edges.curvature_resolution**1.5 * float(np.sum(lobed))
+        lay = lay_ratio(solution)
+        # Ridges of one direction end between the cells.
+        lost = calibration.LOST_LENGTH * (2.0 - lay) * edges.curvature_resolution**1.5 * float(np.sum(lobed))
         length = float(np.sum(single * np.sqrt(_elliptic_quotient(mean, difference)) * around + lobed)) + lost
         length += float(np.sum(hidden))
         exact = float(np.sum(edges.length[1:], where=straight))
@@ -135,7 +137,6 @@ class EdgeLength(Quantity):
         along_cells = calibration.SHARP_LENGTH_ERROR * (1.0 + slender)
         sharp_std = math.hypot(along_cells * sharp, corners if sharp > 0.0 else 0.0)
         uneven = calibration.UNEVEN_LENGTH_ERROR * edges.curvature_resolution * float(np.sum(lobed)) + 0.5 * lost
-        lay = lay_ratio(solution)
         along, all_round = calibration.NARROW_LENGTH_ERROR
         narrow = float(np.sum(lobed / (1.0 + (edges.width[1:] / calibration.NARROW_PATCH_WIDTH) ** 2)))
         narrow = (along * (1.0 - lay) + all_round * lay) * edges.curvature_resolution * narrow
