@@ -69,16 +69,13 @@ def list_places(loads: Sequence[Load], time: object, sliding: object, shift: obj
 def list_shifts(shifts: object) -> tuple[tuple[int, int], ...]:
     """Return the cells by which the counterbody is displaced at each place of a path."""
     allowed = "a list of pairs (x, y) of whole numbers of cells"
-    found = []
-    for pair in checks.list_of(shifts, "The shifts of the counterbody", allowed):
-        x, y = (
-            checks.integer(cells, "A shift of the counterbody", at_least=-MAX_SHIFT)
-            for cells in checks.list_of(pair, "A shift of the counterbody", "a pair (x, y) of whole numbers of cells")
-        )
-        found.append((x, y))
-    if not found:
-        raise InputError.about("The shifts of the counterbody", shifts, allowed)
-    return tuple(found)
+    what = "The shifts of the counterbody"
+    pairs = [checks.list_of(pair, what, allowed) for pair in checks.list_of(shifts, what, allowed)]
+    if not pairs or any(len(pair) != 2 for pair in pairs):
+        raise InputError.about(what, shifts, allowed)
+    each = "Each of the shifts of the counterbody"
+    x, y = ([checks.integer(cells, each, at_least=-MAX_SHIFT) for cells in one] for one in zip(*pairs, strict=True))
+    return tuple(zip(x, y, strict=True))
 
 
 def _list_passed(values: object, name: str, unit: str) -> tuple[float, ...] | None:
