@@ -239,7 +239,7 @@ def verify_solution(problem: Scene, solution: ContactSolution) -> None:
     gap, plan = verify_laws(problem, solution)
     if gap.non_measured is not None:
         # The solve may have deepened them.
-        gap = gap.with_depth(max(plan.peak_to_valley, float(solution.initial_gap[gap.non_measured].max())))
+        gap = gap.with_depth(max(float(one[gap.non_measured].max()) for one in (gap.values, solution.initial_gap)))
     # A path may end in a load of zero; other loads that are not above zero are refused as a task.
     load = Load.signed(**solution.origin.load)
     if plan.interaction is None:

@@ -251,7 +251,8 @@ class _Run:
             left = gap.values + added
             if gap.non_measured is not None:
                 # The solve may have deepened them.
-                left[gap.non_measured] = datum + float(found.initial_gap[gap.non_measured].max())
+                deepest = datum + float(found.initial_gap[gap.non_measured].max())
+                left[gap.non_measured] = max(deepest, float(left[gap.non_measured].max()))
             violation = self._measure(gap, left, load, start, moved)
             error = violation.error
             # Errors of the softer contact are over its own displacement.

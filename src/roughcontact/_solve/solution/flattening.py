@@ -201,7 +201,8 @@ class Flattening(Process):
     def remember(self, state: ContactSolution, increment: LoadIncrement, memory: Memory) -> Memory:
         """Return the height lost, m, and the plastic work per area, J/m2, after an increment."""
         overlap = Overlap().height_loss(state)
-        work = np.where(overlap > 0.0, state.pressure_limit * overlap, 0.0)
+        # Without a limit, which is infinite, nothing overlaps.
+        work = np.multiply(state.pressure_limit, overlap, where=overlap > 0.0, out=np.zeros(overlap.shape))
         lost = find_height_loss(self.model, state)
         assert state.origin is not None
         scene = state.origin.scene

@@ -17,6 +17,7 @@ from roughcontact._parts.kernels import InfluenceKernel, SupportsCoefficients, m
 from roughcontact._parts.materials import Material, Viscoelastic
 from roughcontact._parts.surfaces import FlatSurface
 from roughcontact._solve.solution.contact import ContactSolution
+from roughcontact._solve.solution.flattening import find_softer
 from roughcontact._solve.solution.laws import Law, Memory
 from roughcontact._solve.solution.load_increment import LoadIncrement
 from roughcontact.errors import InputError, argument
@@ -105,6 +106,8 @@ class SteadySliding(Law):
         load = float(state.pressure.sum())
         if passage is None or load == 0.0:
             return {}
+        if state.saturated.any():
+            self._require_hard_flat(problem)
         added = passage.lag(problem.plan, state.displacement)
         lost, along_heights = (
             -float(np.sum(state.pressure * passage.find_slope(problem.plan, moved)))
@@ -117,6 +120,15 @@ class SteadySliding(Law):
             "dissipated_power": Estimate(lost * rate, error * rate, "W"),
         }
 
+    def _require_hard_flat(self, problem: Any) -> None:
+        """Refuse that the flat body is flattened, whose surface passes: it would be another one each time."""
+        part = find_softer(problem)
+        if np.any(part if isinstance(problem.body.surface, FlatSurface) else np.subtract(1.0, part)):
+            raise InputError(
+                "The pressure reaches the hardness of the flat body, which passes below the heights and is flattened "
+                "all along: this is not steady. Choose a smaller load, or a harder flat body."
+            )
+
     def _find_passage(self, problem: Any) -> _Passage | None:
         """Return how the bodies pass; None if none of them relaxes. `InputError` unless sliding can be steady."""
         sides = (problem.body, problem.counterbody)
@@ -127,6 +139,11 @@ class SteadySliding(Law):
             raise InputError(
                 "Sliding is steady where one of the bodies is flat, but both have heights, which pass over each other: "
                 f"give one of them {argument('surface', 'rc.FlatSurface()')}, or follow a path over time."
+            )
+        other = next((law for law in problem.laws if not law.keeps_modulus and law != self), None)
+        if other is not None:
+            raise InputError(
+                f"Bodies that slide steadily have relaxed as their speed allows: omit {other!r} beside {self!r}."
             )
         plan = problem.plan
         if plan.sampled_moduli is not None:
