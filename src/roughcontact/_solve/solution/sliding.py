@@ -148,7 +148,7 @@ class SteadySliding(Law):
         plan = problem.plan
         if plan.sampled_moduli is not None:
             raise InputError(
-                f"Viscoelastic bodies slide as half-spaces, without layers, but the kernel is {plan.kernel!r}."
+                f"Viscoelastic bodies slide at a speed as isotropic half-spaces, but the kernel is {plan.kernel!r}."
             )
         if plan.interaction is not None:
             raise InputError(f"Viscoelastic bodies slide without {argument('adhesion')}: omit it.")
