@@ -45,7 +45,7 @@ _DEPTH_FACTOR = 4.0
 _MAX_DEEPENINGS = 8
 # Turns of contact and response after which a solve is given up; tolerance of a turn over the last error, and its bounds
 # over that of the solution.
-_MAX_TURNS = 80
+_MAX_TURNS = 250
 _MIXED_TURNS = 8
 _INNER_ERROR = 0.1
 _TIGHTEST_INNER = 0.3
