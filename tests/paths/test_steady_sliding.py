@@ -258,3 +258,17 @@ def test_answers_by_one_modulus_are_refused():
         state.stiffness()
     with pytest.raises(rc.InputError, match="does not slide"):
         _ = slide_over(make_rough()).solve(pressure=2e4).friction_coefficient
+
+
+@pytest.mark.parametrize(
+    ("fall", "speed", "pressure", "ratio"),
+    [(100.0, 5e-3, 2e4, 4.9), (1000.0, 1.6e-3, 2e4, 15.0), (1e3, 2e-4, 2e5, 8.0)],
+)
+def test_bodies_that_lose_more_than_they_store_slide_too(fall, speed, pressure, ratio):
+    """With a loss modulus of up to 15 times the storage modulus, in small contacts and nearly full ones."""
+    rubber = rc.Viscoelastic([1e6, (fall - 1.0) * 1e6], [1e-3], 0.5)
+    moduli = map(rubber.complex_modulus, 2e3 * np.pi * speed * np.arange(1, 9))
+    assert max(one.imag / one.real for one in moduli) > ratio
+    state = slide_over(make_rough(), rubber=rubber, solver="auto").slide(pressure=pressure, speed=speed)
+    state.verify()
+    assert state.friction_coefficient.value > 0.01

@@ -165,3 +165,8 @@ def test_wear_beside_adhesion_is_refused():
 def test_a_wrong_law_gets_a_sentence(given):
     with pytest.raises(rc.InputError):
         rc.Archard(**given)
+
+
+def test_the_depth_of_a_pin_is_known_on_twelve_cells():
+    depths = [wear_pin(3.0, cells, reach=1.7).table().columns["wear_depth"][-1] for cells in (12, 24)]
+    assert depths[0] == pytest.approx(depths[1], rel=1e-3)

@@ -10,16 +10,28 @@ from typing import Any
 import attrs
 import numpy as np
 
-from roughcontact._base.arrays import Array, Mask
+from roughcontact._base.arrays import Array
 from roughcontact._base.checks import callback, integer, number
 from roughcontact._base.tables import Table, TableResult
 from roughcontact._base.units import Estimate, Force, Pressure, si
-from roughcontact._parts.surfaces import HeightMap, repeats
-from roughcontact._solve.problem import Body, ContactProblem, march
+from roughcontact._parts.grid import Load
+from roughcontact._parts.surfaces import repeats
+from roughcontact._solve.problem import (
+    PATH_ACCURACY,
+    ContactProblem,
+    LoadMarch,
+    Place,
+    find_bodies,
+    list_shifts,
+    run_solve,
+)
 from roughcontact._solve.solution import (
     Area,
     ContactSolution,
+    Flattening,
     FlatteningModel,
+    LoadIncrement,
+    Process,
     find_height_loss,
     find_softer,
     flattening_models,
@@ -31,6 +43,8 @@ from roughcontact.errors.door import guarded
 _MAX_KEPT_PRESSURES = 16
 # Loss of height, over the approach, up to which it is rounding and printed as zero.
 _MIN_PRINTED_LOSS_RATIO = 1e-12
+# Range of the heights, over the depth to which they are lost, up to which a load has flattened everything.
+_MIN_LEFT_HEIGHT = 1e-12
 
 
 @attrs.frozen(kw_only=True)
@@ -74,7 +88,7 @@ class RunIn(TableResult):
     height_loss
         Loss of height of the body and of the counterbody, each of shape (nx, ny), m.
     solution
-        The last contact under load.
+        The last contact under load; its approach counts from the first touch of the fresh bodies.
     """
 
     problem: ContactProblem
@@ -192,98 +206,81 @@ def run_in(
     rounds = integer(rounds, "The number of rounds", at_least=1)
     tolerance = number(tolerance, "The tolerance of shakedown", at_least=0.0, at_most=1.0)
     on_cycle = callback(on_cycle, "on_cycle=", "result")
-    problem.require_load(pressure=pressure, force=force)
-    state = _State(problem)
-    cycles: list[Cycle] = []
+    load = problem.require_load(pressure=pressure, force=force)
+    find_softer(problem)
+    # Other processes have nothing to remember: nothing passes from cycle to cycle.
+    others = (law for law in problem.laws if not isinstance(law, Process))
+    scene = attrs.evolve(problem, laws=(*others, Flattening(chosen, both=True)))
     pressures: dict[tuple[int, int], Array] = {}
 
-    def follow(_: Sequence[ContactSolution], shift: tuple[int, int]) -> ContactSolution:
-        found = state.shifted_problem(shift).solve(pressure=pressure, force=force, start=pressures.get(shift))
+    def solve(
+        load: Load,
+        start: Array | None = None,
+        *,
+        increment: LoadIncrement,
+        before: ContactSolution | None = None,
+    ) -> ContactSolution:
+        """Solve from the last pressure in the same position: that of another one says little."""
+        shift = increment.shift
+        found = run_solve(scene, load, pressures.get(shift), before=before, increment=increment)
         if len(pressures) < _MAX_KEPT_PRESSURES or shift in pressures:
             pressures[shift] = found.pressure
         return found
 
+    march = LoadMarch(solve, PATH_ACCURACY)
+    cycles: list[Cycle] = []
     shakedown = False
-    for solution in march(itertools.islice(itertools.cycle(moves), min(rounds * len(moves), sys.maxsize)), follow):
-        shift = moves[len(cycles) % len(moves)]
-        cycles.append(state.flatten(solution, find_height_loss(chosen, solution), shift))
+    for shift in itertools.islice(itertools.cycle(moves), min(rounds * len(moves), sys.maxsize)):
+        march.go(None, Place(load=load, shift=shift))
+        cycles.append(_record_cycle(march.last, shift, find_height_loss(chosen, march.last)))
         volumes = [cycle.volume for cycle in cycles]
         # Only a complete round counts.
         complete = len(cycles) % len(moves) == 0
         shakedown = complete and sum(volumes[-len(moves) :]) <= tolerance * sum(volumes)
         if on_cycle is not None:
-            on_cycle(state.result(cycles, shakedown, solution))
+            on_cycle(_make_result(problem, cycles, shakedown, march.last))
         if shakedown:
             break
-    return state.result(cycles, shakedown, solution)
+    return _make_result(problem, cycles, shakedown, march.last)
 
 
-class _State:
-    """The heights of both bodies, changed from cycle to cycle."""
-
-    def __init__(self, problem: ContactProblem) -> None:
-        self._problem = problem
-        self._grid = problem.plan.grid
-        self._sides = (problem.body, problem.counterbody)
-        self._fresh = [side.heights(self._grid) for side in self._sides]
-        self._heights = [heights.copy() for heights in self._fresh]
-        self._masks = [side.non_measured(self._grid) for side in self._sides]
-        self._fraction = find_softer(problem)
-
-    def shifted_problem(self, shift: tuple[int, int]) -> ContactProblem:
-        """Return the problem with the heights as they are and the counterbody displaced."""
-        one, other = self._masks
-        moved = None if other is None else np.roll(other, shift, axis=(0, 1))
-        heights = [self._heights[0], np.roll(self._heights[1], shift, axis=(0, 1))]
-        return self._problem_of(heights, [one, moved], [(), ()])
-
-    def flatten(self, solution: ContactSolution, height_loss: Array, shift: tuple[int, int]) -> Cycle:
-        """Take the loss of height from both bodies and return the record of the cycle."""
-        self._heights[0] -= self._fraction * height_loss
-        back = (-shift[0], -shift[1])
-        self._heights[1] -= np.roll((1.0 - self._fraction) * height_loss, back, axis=(0, 1))
-        return Cycle(
-            shift=shift,
-            volume=float(np.maximum(height_loss, 0.0).sum()) * self._grid.cell_area,
-            deepest=max(float(height_loss.max()), 0.0),
-            area=solution.area(),
-            saturated=solution.saturated_area(),
-            approach=solution.approach,
-        )
-
-    def result(self, cycles: Sequence[Cycle], shakedown: bool, solution: ContactSolution) -> RunIn:
-        """Return the result so far."""
-        histories = [(*side.provenance, f"run in by {len(cycles)} cycles") for side in self._sides]
-        body, counterbody = (fresh - now for fresh, now in zip(self._fresh, self._heights, strict=True))
-        return RunIn(
-            problem=self._problem_of(self._heights, self._masks, histories),
-            cycles=tuple(cycles),
-            shakedown=shakedown,
-            height_loss=(body, counterbody),
-            solution=solution,
-        )
-
-    def _problem_of(
-        self, heights: list[Array], masks: list[Mask | None], histories: list[tuple[str, ...]]
-    ) -> ContactProblem:
-        if np.ptp(heights[0] + heights[1]) == 0.0:
-            raise InputError("The load has flattened everything, and nothing is left to run in: choose a smaller one.")
-        periodic = not self._problem.boundary.has_free_axis
-        body, counterbody = (
-            Body(HeightMap(z, self._grid.size, periodic=periodic, non_measured=mask, history=history), side.material)
-            for z, mask, history, side in zip(heights, masks, histories, self._sides, strict=True)
-        )
-        return attrs.evolve(self._problem, body=body, counterbody=counterbody, grid=self._grid)
+def _record_cycle(state: ContactSolution, shift: tuple[int, int], height_loss: Array) -> Cycle:
+    """Return the record of a cycle; `InputError` if it leaves no heights."""
+    measured = True if state.non_measured is None else ~state.non_measured
+    touch = float(np.min(state.initial_gap, where=measured, initial=np.inf))
+    left = (state.initial_gap + height_loss)[np.broadcast_to(measured, height_loss.shape)]
+    if np.ptp(left) <= _MIN_LEFT_HEIGHT * np.abs(left).max():
+        raise InputError("The load has flattened everything, and nothing is left to run in: choose a smaller one.")
+    return Cycle(
+        shift=shift,
+        volume=float(np.maximum(height_loss, 0.0).sum()) * state.grid.cell_area,
+        deepest=max(float(height_loss.max()), 0.0),
+        area=state.area(),
+        saturated=state.saturated_area(),
+        # From the first touch of the surfaces as they are.
+        approach=state.approach - touch,
+    )
 
 
-def _check_shifts(shifts: Sequence[tuple[int, int]], problem: ContactProblem) -> list[tuple[int, int]]:
-    try:
-        array = np.asarray(shifts)
-    except ValueError:
-        array = np.empty(0)
-    if array.ndim != 2 or array.shape[0] < 1 or array.shape[1] != 2 or array.dtype.kind not in "iu":
-        allowed = "a list of pairs (x, y) of integer numbers of cells"
-        raise InputError.about("The shifts of the counterbody", shifts, allowed)
+def _make_result(problem: ContactProblem, cycles: Sequence[Cycle], shakedown: bool, last: ContactSolution) -> RunIn:
+    """Return the result so far, of bodies with the heights after a last state."""
+    grid = problem.plan.grid
+    body, counterbody = find_bodies(last, f"run in by {len(cycles)} cycles")
+    pairs = ((problem.body, body), (problem.counterbody, counterbody))
+    loss, other = (fresh.heights(grid) - now.heights(grid) for fresh, now in pairs)
+    return RunIn(
+        problem=attrs.evolve(problem, body=body, counterbody=counterbody, grid=grid),
+        cycles=tuple(cycles),
+        shakedown=shakedown,
+        height_loss=(loss, other),
+        solution=last,
+    )
+
+
+def _check_shifts(shifts: Sequence[tuple[int, int]], problem: ContactProblem) -> tuple[tuple[int, int], ...]:
+    """Return the shifts; `InputError` if something would not move with the counterbody."""
+    moves = list_shifts(shifts)
+    array = np.array(moves)
     if array.any():
         if any(np.ndim(side.material.pressure_limit) for side in (problem.body, problem.counterbody)):
             raise InputError("The pressure limit is an array, so the counterbody cannot be shifted: leave shifts= out.")
@@ -294,4 +291,4 @@ def _check_shifts(shifts: Sequence[tuple[int, int]], problem: ContactProblem) ->
                     f"The counterbody's heights do not repeat along {name}, so that shifting it puts a step into the "
                     f"contact: use a map that repeats, or shifts of zero along {name}."
                 )
-    return [(int(x), int(y)) for x, y in array]
+    return moves

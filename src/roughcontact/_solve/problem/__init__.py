@@ -5,6 +5,7 @@ from roughcontact._solve.problem.accuracy import resample_problem as resample_pr
 from roughcontact._solve.problem.accuracy import tolerance_within as tolerance_within
 from roughcontact._solve.problem.body import RIGID_FLAT as RIGID_FLAT
 from roughcontact._solve.problem.body import Body as Body
+from roughcontact._solve.problem.brought_laws import remember_changes as remember_changes
 from roughcontact._solve.problem.certificate import ConfirmedFields as ConfirmedFields
 from roughcontact._solve.problem.certificate import certify as certify
 from roughcontact._solve.problem.certificate import confirm as confirm
@@ -42,12 +43,15 @@ from roughcontact._solve.problem.frictional_path import save_path as save_path
 from roughcontact._solve.problem.increments import Increment as Increment
 from roughcontact._solve.problem.increments import list_loads as list_loads
 from roughcontact._solve.problem.increments import list_targets as list_targets
+from roughcontact._solve.problem.load_march import LoadMarch as LoadMarch
+from roughcontact._solve.problem.load_march import Place as Place
 from roughcontact._solve.problem.load_march import list_places as list_places
+from roughcontact._solve.problem.load_march import list_shifts as list_shifts
 from roughcontact._solve.problem.load_path import PATH_ACCURACY as PATH_ACCURACY
 from roughcontact._solve.problem.load_path import LoadPath as LoadPath
 from roughcontact._solve.problem.load_path import check_accuracy as check_accuracy
+from roughcontact._solve.problem.load_path import find_bodies as find_bodies
 from roughcontact._solve.problem.load_path import read_load_path as read_load_path
-from roughcontact._solve.problem.load_path import remember_changes as remember_changes
 from roughcontact._solve.problem.load_path import require_used as require_used
 from roughcontact._solve.problem.load_path import run_load_path as run_load_path
 from roughcontact._solve.problem.load_path import save_load_path as save_load_path

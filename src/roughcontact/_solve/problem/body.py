@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import attrs
 import numpy as np
 
@@ -128,10 +130,17 @@ def _check_heights(surface: Surface, grid: Grid, values: Array) -> Array:
     return heights
 
 
-def find_initial_gap(body: Body, counterbody: Body, grid: Grid, convolver: str | Convolver = "auto") -> InitialGap:
+def find_initial_gap(
+    body: Body,
+    counterbody: Body,
+    grid: Grid,
+    convolver: str | Convolver = "auto",
+    shift: tuple[int, int] = (0, 0),
+) -> InitialGap:
     """Return the initial gap between two bodies on a grid, whose heights the convolver makes if it is given.
 
-    `InputError` if a surface does not give heights on the grid, or no point was measured on both.
+    The counterbody is displaced by cells (x, y), periodically. `InputError` if a surface does not give heights on the
+    grid, or no point was measured on both.
     """
     maker = None if convolver == "auto" else convolvers.resolve(convolver)
 
@@ -139,8 +148,12 @@ def find_initial_gap(body: Body, counterbody: Body, grid: Grid, convolver: str |
         heights = surface.heights(grid) if maker is None else maker.heights(surface, grid)
         return _check_heights(surface, grid, heights)
 
-    total = make(body.surface) + make(counterbody.surface)
-    masks = [mask for mask in (body.non_measured(grid), counterbody.non_measured(grid)) if mask is not None]
+    def place(field: Any) -> Any:
+        return field if field is None or shift == (0, 0) else np.roll(field, shift, axis=(0, 1))
+
+    total = make(body.surface) + place(make(counterbody.surface))
+    sides = (body.non_measured(grid), place(counterbody.non_measured(grid)))
+    masks = [mask for mask in sides if mask is not None]
     if not masks:
         summit = float(total.max())
         return InitialGap(frozen_array(np.subtract(summit, total, out=total)), summit, None)

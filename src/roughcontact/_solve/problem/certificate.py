@@ -234,14 +234,12 @@ def verify_solution(problem: Scene, solution: ContactSolution) -> None:
 
     What laws have changed and remember is recomputed too; what friction adds is not.
     """
-    plan = problem.plan
-    if solution.origin is None or not solution.grid.matches(plan.grid):
-        raise InputError(f"It is not a solution at a load, on the grid of the problem, {plan.grid}.")
-    gap, stiffening = verify_laws(problem, solution)
-    plan = stiffen_plan(plan, stiffening)
+    if solution.origin is None or not solution.grid.matches(problem.plan.grid):
+        raise InputError(f"It is not a solution at a load, on the grid of the problem, {problem.plan.grid}.")
+    gap, plan = verify_laws(problem, solution)
     if gap.non_measured is not None:
         # The solve may have deepened them.
-        gap = gap.with_depth(max(plan.peak_to_valley, float(solution.initial_gap[gap.non_measured].max())))
+        gap = gap.with_depth(max(float(one[gap.non_measured].max()) for one in (gap.values, solution.initial_gap)))
     # A path may end in a load of zero; other loads that are not above zero are refused as a task.
     load = Load.signed(**solution.origin.load)
     if plan.interaction is None:
@@ -294,8 +292,17 @@ def stiffen_plan(plan: SolvePlan, stiffening: float) -> SolvePlan:
     return attrs.evolve(plan, modulus=plan.modulus * stiffening)
 
 
-def verify_laws(problem: Scene, solution: ContactSolution) -> tuple[InitialGap, float]:
-    """Return the gap of a problem as its laws have changed it, and by how much its modulus.
+def displace_plan(plan: SolvePlan, gap: InitialGap) -> SolvePlan:
+    """Return the plan of a contact on the gap of a displaced counterbody; itself where none is displaced."""
+    if gap.values is plan.initial_gap:
+        return plan
+    # The heights of the bodies may add up to a plane.
+    height = float(gap.values.max()) or plan.peak_to_valley
+    return attrs.evolve(plan, initial_gap=gap.values, peak_to_valley=height, non_measured=gap.non_measured)
+
+
+def verify_laws(problem: Scene, solution: ContactSolution) -> tuple[InitialGap, SolvePlan]:
+    """Return the gap of a problem as its laws have changed it, from the first touch of the fresh bodies, and its plan.
 
     `InputError` if a solution states another change.
     """
@@ -303,10 +310,13 @@ def verify_laws(problem: Scene, solution: ContactSolution) -> tuple[InitialGap, 
     if (effect is None) is bool(problem.laws):
         raise InputError("Its laws are not those of its problem.")
     if effect is None:
-        return problem._gap, 1.0
+        return problem._gap, problem.plan
     again = effect.repeat(problem, solution)
     effect.require_same(again)
-    return attrs.evolve(problem._gap, values=problem._gap.values + again.offset), again.stiffening
+    gap = problem._find_gap(effect.shift)
+    plan = stiffen_plan(displace_plan(problem.plan, gap), again.stiffening)
+    datum = problem.summit - gap.summit
+    return attrs.evolve(gap, values=gap.values + datum + again.offset), plan
 
 
 def _by_transforms(convolution: PreparedConvolution) -> PreparedConvolution:

@@ -25,6 +25,8 @@ _MIN_GROWTH = 0.2
 _MAX_GROWTH = 4.0
 _SAFETY = 0.9
 _ERROR_OF_CHANGE = 1.0 / 6.0
+# Power of a force with which displacements grow at least, below an approach in proportion to it: that of a ball.
+_POWER_OF_FORCE = 2.0 / 3.0
 # Range of what is remembered below which there is nothing, m.
 _SMALLEST = 1e-300
 # Increments of one interval after which a path is given up.
@@ -69,16 +71,13 @@ def list_places(loads: Sequence[Load], time: object, sliding: object, shift: obj
 def list_shifts(shifts: object) -> tuple[tuple[int, int], ...]:
     """Return the cells by which the counterbody is displaced at each place of a path."""
     allowed = "a list of pairs (x, y) of whole numbers of cells"
-    found = []
-    for pair in checks.list_of(shifts, "The shifts of the counterbody", allowed):
-        x, y = (
-            checks.integer(cells, "A shift of the counterbody", at_least=-MAX_SHIFT)
-            for cells in checks.list_of(pair, "A shift of the counterbody", "a pair (x, y) of whole numbers of cells")
-        )
-        found.append((x, y))
-    if not found:
-        raise InputError.about("The shifts of the counterbody", shifts, allowed)
-    return tuple(found)
+    what = "The shifts of the counterbody"
+    pairs = [checks.list_of(pair, what, allowed) for pair in checks.list_of(shifts, what, allowed)]
+    if not pairs or any(len(pair) != 2 for pair in pairs):
+        raise InputError.about(what, shifts, allowed)
+    each = "Each of the shifts of the counterbody"
+    x, y = ([checks.integer(cells, each, at_least=-MAX_SHIFT) for cells in one] for one in zip(*pairs, strict=True))
+    return tuple(zip(x, y, strict=True))
 
 
 def _list_passed(values: object, name: str, unit: str) -> tuple[float, ...] | None:
@@ -168,7 +167,7 @@ class LoadMarch:
         passed = length if is_last else standing.passed + step
         load = _between(begin.load, end.load, passed / length)
         found = self._find(step, LoadIncrement(load, time * step, sliding * step, shift=end.shift))
-        error = self._measure(found, step)
+        error = self._measure(found, step) / _find_rise(load, end.load)
         growth = _SAFETY / math.sqrt(error) if error > 0.0 else _MAX_GROWTH
         following = step * min(max(growth, _MIN_GROWTH), _MAX_GROWTH)
         if error > 1.0:
@@ -249,6 +248,13 @@ def list_lengths(state: ContactSolution, *, passing: bool = False) -> list[Array
         for name, (_, unit) in names.items()
         if unit == "m" and (law.rates or not passing)
     ]
+
+
+def _find_rise(load: Load, end: Load) -> float:
+    """Return about by how much the surfaces will have changed more under a load that rises than under one before."""
+    if not 0.0 < load.value < end.value:
+        return 1.0
+    return float((end.value / load.value) ** (1.0 if load.kind == "approach" else _POWER_OF_FORCE))
 
 
 def _between(begin: Load, end: Load, part: float) -> Load:

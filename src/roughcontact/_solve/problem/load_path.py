@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from itertools import accumulate, pairwise
 from pathlib import Path as File
-from typing import Any, TypeVar
+from typing import Any
 
 import attrs
 import numpy as np
@@ -22,9 +22,9 @@ from roughcontact._base.machine.progress import ChangeProgress, count_done
 from roughcontact._base.tables import Table
 from roughcontact._base.units import Estimate, Force, Length, Pressure, counted, si
 from roughcontact._parts.grid import Load
-from roughcontact._parts.materials import Viscoelastic
 from roughcontact._parts.surfaces import HeightMap
 from roughcontact._solve.problem.body import Body
+from roughcontact._solve.problem.brought_laws import remember_both, remember_changes
 from roughcontact._solve.problem.increments import is_single
 from roughcontact._solve.problem.load_march import LoadMarch, Place, Standing, identify, list_places, list_shifts
 from roughcontact._solve.problem.path import Path
@@ -41,10 +41,8 @@ from roughcontact._solve.problem.run import run_solve
 from roughcontact._solve.problem.scene import Scene
 from roughcontact._solve.problem.sweep import tabulate_states
 from roughcontact._solve.problem.task import limit_load
-from roughcontact._solve.solution import ContactSolution, Flattening, Governed, Process, Relaxation, read_states
+from roughcontact._solve.solution import ContactSolution, Governed, Process, read_states
 from roughcontact.errors import InputError, argument
-
-S = TypeVar("S", bound=Scene)
 
 # Admissible error of an increment, over the change of the surfaces.
 PATH_ACCURACY = 1e-3
@@ -280,7 +278,7 @@ def _read(state: ContactSolution, name: str) -> float:
     return 0.0 if effect is None else float(getattr(effect, name))
 
 
-def find_bodies(last: ContactSolution) -> tuple[Body, Body]:
+def find_bodies(last: ContactSolution, history: str = "changed along a path of loads") -> tuple[Body, Body]:
     """Return both bodies with the heights that they have after a last state, unloaded; see `LoadPath.bodies`."""
     origin = last.origin
     if origin is None:
@@ -294,12 +292,13 @@ def find_bodies(last: ContactSolution) -> tuple[Body, Body]:
         for loss, part in zip(losses, parts, strict=True):
             loss += part
     body, counterbody = (
-        _take_heights(side, loss, last) for side, loss in zip((scene.body, scene.counterbody), losses, strict=True)
+        _take_heights(side, loss, last, history)
+        for side, loss in zip((scene.body, scene.counterbody), losses, strict=True)
     )
     return body, counterbody
 
 
-def _take_heights(side: Body, loss: Array, last: ContactSolution) -> Body:
+def _take_heights(side: Body, loss: Array, last: ContactSolution, history: str) -> Body:
     if not loss.any():
         return side
     surface = HeightMap(
@@ -307,7 +306,7 @@ def _take_heights(side: Body, loss: Array, last: ContactSolution) -> Body:
         last.grid.size,
         periodic=not last.boundary.has_free_axis,
         non_measured=side.non_measured(last.grid),
-        history=(*side.provenance, "changed along a path of loads"),
+        history=(*side.provenance, history),
     )
     return Body(surface, side.material)
 
@@ -327,24 +326,18 @@ def run_load_path(
     accuracy = check_accuracy(accuracy)
     told = checks.callback(on_increment, "on_increment=", "state")
     loads = _list_loads(problem, normal, Load.resting_sequence)
-    scene = remember_changes(problem)
     moved = None if passed.get("shift") is None else list_shifts(passed["shift"])
+    scene = remember_changes(problem)
     sliding = _measure_sliding(scene, passed["sliding"], moved, (0, 0), 0.0)
     passed = {"time": passed["time"], "sliding": sliding}
     places = list_places(loads, **passed, shift=moved)
     require_used(scene, passed)
     _require_movable(scene, moved)
+    if np.any(moved or 0):
+        scene = remember_both(scene)
     count = count_done(change, len(places), "place")
     kept = None if file is None else PathFile(file, scene, places, accuracy)
     return follow_path(scene, places, accuracy, told or (lambda state: None), count, kept)
-
-
-def remember_flattening(problem: S) -> S:
-    """Return the problem with a law that remembers how far it is flattened, if its pressure has a limit."""
-    is_known = any(isinstance(law, Flattening) for law in problem.laws)
-    if is_known or not np.isfinite(problem.plan.pressure_limit).any():
-        return problem
-    return attrs.evolve(problem, laws=(*problem.laws, Flattening()))
 
 
 def check_accuracy(value: object) -> float:
@@ -359,16 +352,6 @@ def _list_loads(problem: Scene, normal: Mapping[str, Any], make: Callable[..., t
     for load in loads:
         limit_load(problem.plan, problem.initial_gap, load)
     return loads
-
-
-def remember_changes(problem: S) -> S:
-    """Return the problem with the laws that its materials bring: flattening, and relaxation."""
-    sides = (problem.body.material, problem.counterbody.material)
-    relaxing = [material if isinstance(material, Viscoelastic) else None for material in sides]
-    is_known = not all(law.keeps_modulus for law in problem.laws)
-    if any(relaxing) and not is_known:
-        problem = attrs.evolve(problem, laws=(*problem.laws, Relaxation(*relaxing)))
-    return remember_flattening(problem)
 
 
 def require_omitted(given: Mapping[str, object], when: str) -> None:
@@ -410,11 +393,8 @@ def _require_movable(problem: Scene, shifts: Sequence[tuple[int, int]] | None) -
                 f"A counterbody that moves along {'xy'[axis]} needs a boundary that is periodic there, but it is "
                 f"{plan.boundary!s}."
             )
-    if plan.interaction is not None or plan.non_measured is not None or np.ndim(plan.pressure_limit):
-        raise InputError(
-            "A counterbody moves without adhesion, points that were not measured and a hardness that varies: fill the "
-            f"map, or omit {argument('shift')}."
-        )
+    if plan.interaction is not None or np.ndim(plan.pressure_limit):
+        raise InputError(f"A counterbody moves without adhesion and a hardness that varies: omit {argument('shift')}.")
     if not problem.laws:
         raise InputError(
             f"Nothing remembers where the counterbody has been: give the problem a law by {argument('laws')}, or omit "

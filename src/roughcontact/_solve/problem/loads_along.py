@@ -11,13 +11,14 @@ from roughcontact._base.arrays import unit_vector
 from roughcontact._base.machine.progress import ChangeProgress, tell_both
 from roughcontact._parts.grid import Load
 from roughcontact._parts.interactions import Coulomb, FrictionLaw
+from roughcontact._solve.problem.brought_laws import remember_flattening
 from roughcontact._solve.problem.coupled import CoupledSolve
 from roughcontact._solve.problem.fretting import follow_cycles, list_cycles
 from roughcontact._solve.problem.friction_certificate import require_frictional
 from roughcontact._solve.problem.friction_plan import require_memory_of_friction
 from roughcontact._solve.problem.frictional_path import FrictionalPath
 from roughcontact._solve.problem.increments import follow_loads, list_steps
-from roughcontact._solve.problem.load_path import PATH_ACCURACY, remember_flattening
+from roughcontact._solve.problem.load_path import PATH_ACCURACY
 from roughcontact._solve.problem.scene import Scene
 from roughcontact._solve.problem.task import limit_load
 from roughcontact._solve.solution import ContactSolution

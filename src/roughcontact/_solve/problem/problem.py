@@ -18,6 +18,7 @@ from roughcontact._parts.grid import Load
 from roughcontact._parts.interactions import FrictionLaw
 from roughcontact._parts.materials import Viscoelastic
 from roughcontact._solve.problem.accuracy import Target, solve_within, with_tolerance
+from roughcontact._solve.problem.brought_laws import remember_flattening
 from roughcontact._solve.problem.cycle import AdhesionCycle, list_approaches, run_cycle
 from roughcontact._solve.problem.friction_certificate import verify_state
 from roughcontact._solve.problem.frictional_path import FrictionalPath
@@ -25,7 +26,6 @@ from roughcontact._solve.problem.increments import Increment
 from roughcontact._solve.problem.load_path import (
     PATH_ACCURACY,
     LoadPath,
-    remember_flattening,
     require_omitted,
     run_load_path,
 )

@@ -14,7 +14,7 @@ from roughcontact._base.arrays import Array, Mask
 from roughcontact._base.units import Estimate
 from roughcontact._parts.grid import Load, extend
 from roughcontact._parts.interactions import Exponential, ShortRange
-from roughcontact._solve.problem.load_path import remember_flattening
+from roughcontact._solve.problem.brought_laws import remember_flattening
 from roughcontact._solve.problem.loads import Solve, cells_of, follow, open_gap, plan_of, require_resolved
 from roughcontact._solve.problem.path import march
 from roughcontact._solve.problem.plan import SolvePlan

@@ -20,7 +20,7 @@ from roughcontact._parts.grid import Load
 from roughcontact._parts.kernels import InfluenceKernel
 from roughcontact._solve.convolvers import PreparedConvolution, SoftenedConvolution
 from roughcontact._solve.problem.body import InitialGap
-from roughcontact._solve.problem.certificate import certify, certify_again, stiffen_plan
+from roughcontact._solve.problem.certificate import certify, certify_again, displace_plan, stiffen_plan
 from roughcontact._solve.problem.coupled_starts import Mixing
 from roughcontact._solve.problem.plan import SolvePlan
 from roughcontact._solve.problem.scene import Scene
@@ -45,7 +45,7 @@ _DEPTH_FACTOR = 4.0
 _MAX_DEEPENINGS = 8
 # Turns of contact and response after which a solve is given up; tolerance of a turn over the last error, and its bounds
 # over that of the solution.
-_MAX_TURNS = 80
+_MAX_TURNS = 250
 _MIXED_TURNS = 8
 _INNER_ERROR = 0.1
 _TIGHTEST_INNER = 0.3
@@ -71,9 +71,18 @@ def run_solve(
     the load alone.
     """
     started = time.perf_counter()
-    gap = problem._gap if gap is None else gap
-    effect = Governed.begin(problem, increment or LoadIncrement(load), before) if problem.laws else None
-    gap, datum = (gap, 0.0) if effect is None else _change_gap(gap, effect.offset)
+    increment = increment or LoadIncrement(load)
+    plan = problem.plan
+    if gap is None:
+        gap = problem._find_gap(increment.shift)
+        plan = displace_plan(plan, gap)
+    effect = Governed.begin(problem, increment, before) if problem.laws else None
+    datum = 0.0
+    if effect is not None:
+        displaced = gap.summit
+        gap, datum = _change_gap(gap, effect.offset)
+        datum += problem.summit - displaced
+        plan = stiffen_plan(plan, effect.stiffening)
     inner = load.after(datum)
     if problem.adhesion is None and inner.kind == "approach" and load.value >= 0.0 > inner.value:
         if before is not None:
@@ -83,7 +92,6 @@ def run_solve(
             inner = Load("approach", 0.0)
         else:
             _raise_no_touch(load, datum)
-    plan = problem.plan if effect is None else stiffen_plan(problem.plan, effect.stiffening)
     with computing(problem):
         run = _Run(plan, problem.convolution, on_step, started)
         law = None if effect is None else effect.responding
@@ -243,7 +251,8 @@ class _Run:
             left = gap.values + added
             if gap.non_measured is not None:
                 # The solve may have deepened them.
-                left[gap.non_measured] = datum + float(found.initial_gap[gap.non_measured].max())
+                deepest = datum + float(found.initial_gap[gap.non_measured].max())
+                left[gap.non_measured] = max(deepest, float(left[gap.non_measured].max()))
             violation = self._measure(gap, left, load, start, moved)
             error = violation.error
             # Errors of the softer contact are over its own displacement.

@@ -100,6 +100,12 @@ class Scene:
         require_memory_of_solve(self._grid, self.boundary, self.memory_limit)
         return find_initial_gap(self.body, self.counterbody, self._grid, self.convolver)
 
+    def _find_gap(self, shift: tuple[int, int]) -> InitialGap:
+        """Return the gap with the counterbody displaced by cells (x, y), from the first touch there."""
+        if shift == (0, 0):
+            return self._gap
+        return find_initial_gap(self.body, self.counterbody, self._grid, self.convolver, shift)
+
     @cached_property
     def _grid(self) -> Grid:
         own = (body.own_grid for body in (self.body, self.counterbody))

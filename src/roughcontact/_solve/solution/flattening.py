@@ -10,13 +10,13 @@ import attrs
 import numpy as np
 
 from roughcontact._base.arrays import Array
-from roughcontact._base.checks import Part
+from roughcontact._base.checks import Part, flag
 from roughcontact._base.registry import Registry
 from roughcontact._base.units import Estimate
 from roughcontact._solve.solution.contact import ContactSolution
 from roughcontact._solve.solution.laws import Memory, Process
 from roughcontact._solve.solution.load_increment import LoadIncrement
-from roughcontact.errors import InputError
+from roughcontact.errors import InputError, argument
 
 
 class FlatteningModel(Part, abc.ABC):
@@ -141,6 +141,10 @@ def _find_model(choice: str | FlatteningModel) -> FlatteningModel:
     return flattening_models.resolve(choice)
 
 
+def _both(value: object) -> bool:
+    return flag(value, "both=")
+
+
 @attrs.frozen
 class Flattening(Process):
     """The flattening of a contact whose pressure is limited, remembered: unloading and reloading are elastic.
@@ -152,6 +156,8 @@ class Flattening(Process):
     ----------
     model
         Registered name or instance of a `FlatteningModel`: ``"overlap"``, by which the overlap remains, or another.
+    both
+        Whether each body remembers its own loss: a path with ``shift=`` brings it for bodies that are equally hard.
 
     Examples
     --------
@@ -167,11 +173,7 @@ class Flattening(Process):
     """
 
     model: FlatteningModel = attrs.field(factory=Overlap, converter=_find_model)
-
-    remembered: ClassVar[Mapping[str, tuple[str, str]]] = {
-        "flattened_height": ("height lost by plastic flattening", "m"),
-        "plastic_work": ("plastic work per area", "J/m2"),
-    }
+    both: bool = attrs.field(default=False, converter=_both, repr=False)
 
     rates: ClassVar[tuple[str, ...]] = ()
     follows_bodies: ClassVar[bool] = True
@@ -179,20 +181,40 @@ class Flattening(Process):
     # Where flattened surfaces are not loaded as far again, summits are no longer those that estimators by Hertz know.
     default_area: ClassVar[str] = "level-set"
 
+    @property
+    def remembered(self) -> Mapping[str, tuple[str, str]]:  # type: ignore[override]
+        """Heights that are lost and the work: what the counterbody has lost for itself, where both are flattened."""
+        other = {"flattened_counterbody": ("height lost by the counterbody", "m")} if self.both else {}
+        return {
+            "flattened_height": ("height lost by plastic flattening", "m"),
+            **other,
+            "plastic_work": ("plastic work per area", "J/m2"),
+        }
+
     def change_gap(self, problem: Any, increment: LoadIncrement, memory: Memory) -> Array:
         """Return the height lost before, m; see `Law.change_gap`."""
         lost = memory["flattened_height"]
+        if self.both:
+            return np.asarray(lost + increment.place(memory["flattened_counterbody"]))
         return np.asarray(increment.place(lost)) if self._is_of_counterbody(problem, increment) else lost
 
     def remember(self, state: ContactSolution, increment: LoadIncrement, memory: Memory) -> Memory:
         """Return the height lost, m, and the plastic work per area, J/m2, after an increment."""
         overlap = Overlap().height_loss(state)
-        work = np.where(overlap > 0.0, state.pressure_limit * overlap, 0.0)
+        # Without a limit, which is infinite, nothing overlaps.
+        work = np.multiply(state.pressure_limit, overlap, where=overlap > 0.0, out=np.zeros(overlap.shape))
         lost = find_height_loss(self.model, state)
         assert state.origin is not None
-        if self._is_of_counterbody(state.origin.scene, increment):
+        scene = state.origin.scene
+        found = {}
+        if self.both:
+            part = find_softer(scene)
+            moved = increment.place_back((1.0 - part) * lost)
+            found["flattened_counterbody"] = memory["flattened_counterbody"] + moved
+            lost = part * lost
+        elif self._is_of_counterbody(scene, increment):
             lost, work = (np.asarray(increment.place_back(values)) for values in (lost, work))
-        return {
+        return found | {
             "flattened_height": memory["flattened_height"] + lost,
             "plastic_work": memory["plastic_work"] + work,
         }
@@ -204,20 +226,23 @@ class Flattening(Process):
         part = find_softer(problem)
         if not isinstance(part, float) or part not in (0.0, 1.0):
             raise InputError(
-                "Bodies that move over each other are flattened where one of them is the softer one, but they are "
-                "equally hard, or their hardness varies: follow them by run_in."
+                "Bodies that move over each other and are equally hard are both flattened, each in its own place: give "
+                f"{argument('laws', 'rc.Flattening(both=True)')}, or begin the path with {argument('shift')}."
             )
         return part == 0.0
 
     def divide(self, problem: Any, memory: Memory) -> tuple[float | Array, float | Array]:
         """Return the loss of each body: all of the softer one, half of both where they are equally hard."""
-        part = find_softer(problem)
         lost = memory["flattened_height"]
+        if self.both:
+            return lost, memory["flattened_counterbody"]
+        part = find_softer(problem)
         return part * lost, (1.0 - part) * lost
 
     def list_numbers(self, state: ContactSolution, memory: Memory) -> Mapping[str, Estimate | tuple[float, str]]:
         """Return the volume flattened, m3, and the plastic work, J, since the first touch."""
-        flattened = float(np.maximum(memory["flattened_height"], 0.0).sum())
+        names = (name for name in memory if name.startswith("flattened"))
+        flattened = sum(float(np.maximum(memory[name], 0.0).sum()) for name in names)
         cell = state.grid.cell_area
         return {
             "flattened_volume": (flattened * cell, "m3"),

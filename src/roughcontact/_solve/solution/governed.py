@@ -104,9 +104,6 @@ class Governed(Addition):
     ) -> Governed:
         grid = problem.plan.grid
         offset = np.zeros(grid.shape)
-        if increment.shift != (0, 0):
-            heights = problem.counterbody.heights(grid)
-            offset += heights - increment.place(heights)
         stiffening = 1.0
         local: float | Array = 0.0
         for law, memory in zip(problem.laws, before, strict=True):
