@@ -2,10 +2,10 @@
 
     python benchmarks/memory_classes.py [--kinds light-wear,flattened] [--draw 1] [--count 16] [--references FILE]
 
-A contact is one of the smooth surfaces of `edged_classes.py` on a grid, with a boundary and a load, drawn from the number
-of the draw, and a history: it creeps, is loaded and unloaded in steps while it creeps, wears, is flattened and unloaded,
-or moves over another surface. True values are those of the same surfaces and history on cells a quarter as long. The
-table is that of `stated_uncertainties.py`; constants may see the draws below 100.
+A contact is one of the smooth surfaces of `edged_classes.py` on a grid, with a boundary and a load, drawn from the
+number of the draw, and a history: it creeps, is loaded and unloaded in steps while it creeps, wears, is flattened and
+unloaded, or moves over another surface. True values are those of the same surfaces and history on cells a quarter as
+long. The table is that of `stated_uncertainties.py`; constants may see the draws below 100.
 """
 
 from __future__ import annotations
@@ -40,10 +40,12 @@ class ChangedCase:
 
     @property
     def cells(self) -> tuple[int, int]:
+        """Return the cells of the coarsest grid."""
         return self.case.cells
 
     @property
     def boundary(self) -> str | tuple[str, str]:
+        """Return what lies beyond the border."""
         return self.case.boundary
 
     def count_wave_cells(self) -> float:
@@ -74,13 +76,13 @@ def yielding(random: np.random.Generator, fresh: rc.ContactSolution) -> rc.Elast
 
 
 def creep(random: np.random.Generator, case: Case, refinement: int) -> LoadPath:
-    """A load that acts over up to five decades of time."""
+    """Follow a load that acts for one of five decades of time."""
     problem = change(case, refinement, relaxing(random))
     return problem.path(pressure=case.pressure, time=[0.0, log_uniform(random, 0.03, 300.0)])
 
 
 def step(random: np.random.Generator, case: Case, refinement: int) -> LoadPath:
-    """A load that rises or falls at once after it has acted for a time, and acts for another time or not."""
+    """Follow a load that acts for a time, rises or falls at once, and acts for another time or not."""
     problem = change(case, refinement, relaxing(random))
     factor, time = log_uniform(random, 1.5, 4.0), log_uniform(random, 0.3, 30.0)
     first, last = (1.0, factor) if random.random() < 0.5 else (factor, 1.0)
@@ -102,7 +104,7 @@ def wear(kind: str) -> Callable[[np.random.Generator, Case, int], LoadPath]:
 
 
 def flatten(random: np.random.Generator, case: Case, refinement: int) -> LoadPath:
-    """A load that flattens, and falls, or is taken off and comes back in part."""
+    """Follow a load that flattens, and falls, or is taken off and comes back in part."""
     problem = change(case, refinement, yielding(random, case.solve()))
     part = random.uniform(0.1, 0.95)
     loads = ([1.0, part], [1.0, 0.0, part], [0.6, 1.0, 0.5 * part, part])[int(random.integers(3))]
@@ -110,7 +112,7 @@ def flatten(random: np.random.Generator, case: Case, refinement: int) -> LoadPat
 
 
 def move(random: np.random.Generator, case: Case, refinement: int) -> LoadPath:
-    """A surface that moves over another one, which wear, yield or relax."""
+    """Follow a surface that moves over another one; one of them wears, yields or relaxes."""
     other = attrs.evolve(case, surface=SMOOTH[case.label.split()[0]](random))
     counterbody = rc.Body(other.problem(refinement).body.surface, ELASTIC)
     both = attrs.evolve(case.problem(), counterbody=rc.Body(other.problem().body.surface, ELASTIC))

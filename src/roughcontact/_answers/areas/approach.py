@@ -59,8 +59,8 @@ _ROUND_MISFIT = 0.3
 # Steps along both axes, along both diagonals, and to the two cells on each side.
 _LINES = np.split(NEIGHBOUR_STEPS[::2], 2)
 _BESIDE = np.arange(-2, 3)
-# Standard deviation of the deficit of the approach of surfaces that loads have changed, over that deficit. Set on draw 1
-# of benchmarks/memory_classes.py.
+# Standard deviation of the deficit of the approach of surfaces that loads have changed, over that deficit. Set on draw
+# 1 of benchmarks/memory_classes.py.
 _CHANGED_SHIFT_STD = 1.0
 # Second difference where a line has no kink, over the largest beside it.
 _KINK_TOLERANCE = 1e-6

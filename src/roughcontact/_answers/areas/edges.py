@@ -315,7 +315,7 @@ def total_area(
     value = min(total, grid.area)
     values = values * (value / total if total > 0.0 else 1.0)
     uncertainty = math.sqrt(float(np.sum(stds**2)) + common**2 + edges.border**2)
-    warnings = list_warnings(solution)
+    warnings = list_warnings(solution, find_fresh_resolution(solution))
     warnings = judge_uncertainty("the area", value, uncertainty, warnings)
     return Area(
         value,
@@ -367,11 +367,10 @@ def ends_as_root(solution: ContactSolution) -> bool:
     return "roots" in areas[solution._name_default_area()].expects
 
 
-def list_warnings(solution: ContactSolution) -> tuple[str, ...]:
+def list_warnings(solution: ContactSolution, curvature_resolution: float) -> tuple[str, ...]:
     """Return why an area from this solution must not be trusted, in sentences."""
     warnings = []
-    ratio = _find_resolution(solution)
-    waves = 2.0 * math.pi / math.sqrt(ratio) if ratio > 0.0 else math.inf
+    waves = 2.0 * math.pi / math.sqrt(curvature_resolution) if curvature_resolution > 0.0 else math.inf
     if waves < _MIN_WAVE_CELLS:
         text = (
             f"the shortest waves have about {waves:.2g} cells; the area needs about 8 "
@@ -379,7 +378,7 @@ def list_warnings(solution: ContactSolution) -> tuple[str, ...]:
         )
         warnings.append(WarningText(text, "resolution", waves))
     small = solution.patches.small_fraction
-    if small > _MAX_SMALL_FRACTION and ratio > _MAX_SMOOTH_RATIO:
+    if small > _MAX_SMALL_FRACTION and curvature_resolution > _MAX_SMOOTH_RATIO:
         text = f"{100 * small:.3g} % of the counted area is in patches of fewer than four cells"
         warnings.append(WarningText(text, "small patches", small))
     change = find_modulus_change(solution)
@@ -394,7 +393,7 @@ def list_warnings(solution: ContactSolution) -> tuple[str, ...]:
     return tuple(warnings)
 
 
-def _find_resolution(solution: ContactSolution) -> float:
+def find_fresh_resolution(solution: ContactSolution) -> float:
     """Return the resolution ratio of the fresh heights: what loads have changed ends at rims, which are not waves."""
     if not solution._is_changed:
         return curvature_resolution(solution)

@@ -19,7 +19,14 @@ from roughcontact._answers.areas.contour import (
     measure_polygons,
 )
 from roughcontact._answers.areas.dual_cells import DualCells, find_dual_cells, find_kinds
-from roughcontact._answers.areas.edges import SUBTRACTED_EXCESS_STD, TracedEdges, list_warnings, total_area, trace_edges
+from roughcontact._answers.areas.edges import (
+    SUBTRACTED_EXCESS_STD,
+    TracedEdges,
+    find_fresh_resolution,
+    list_warnings,
+    total_area,
+    trace_edges,
+)
 from roughcontact._answers.areas.hertz import hertz_areas
 from roughcontact._base.arrays import Array, IntArray, Mask
 from roughcontact._solve.solution import Area, AreaEstimator, ContactSolution, heal
@@ -115,7 +122,7 @@ def _count_cells(solution: ContactSolution) -> int:
 
 def _counted_area(solution: ContactSolution, value: float, fraction: float, uncertainty: float, name: str) -> Area:
     perimeter = measure_sides(solution)
-    warnings = list_warnings(solution)
+    warnings = list_warnings(solution, find_fresh_resolution(solution))
     return Area(value, fraction, uncertainty, name, perimeter=perimeter, warnings=warnings)
 
 

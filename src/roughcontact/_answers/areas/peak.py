@@ -41,8 +41,8 @@ _MAX_TIP_BEND = 0.84
 _MAX_OFFSET_CELLS = 0.71
 # Standard deviation of the maximum pressure of surfaces that loads have changed, over that of the quadratic, over the
 # fall to a cell beside, and where the pressure ends with a finite value relative over that of the area. Set on draw 1
-# of benchmarks/memory_classes.py.
-_CHANGED_STD = (0.5, 0.3, 0.15)
+# of benchmarks/memory_classes.py, the last on a ball worn flat, whose pressure errs as its area.
+_CHANGED_STD = (0.5, 0.3, 0.35)
 # Height lost at an edge, times E* over the cell, over the pressure there, from which wear has rounded what would be an
 # unbounded pressure.
 _MIN_ROUNDING = 0.1

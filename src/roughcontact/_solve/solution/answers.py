@@ -55,7 +55,8 @@ class ContactAnswers(ShearFields):
         Parameters
         ----------
         estimator
-            Registered name or instance of an area estimator.
+            Registered name or instance of an area estimator; ``"blend"``, the default, stands for the one that holds
+            where loads have changed the surfaces.
         uncertainty
             ``"model"``: by a model of the errors of the estimator; ``"two grids"``: by what changes on coarser grids of
             the same heights, `phases`, over which the default area is extrapolated at sharp edges and rough heights;
@@ -157,9 +158,7 @@ class ContactAnswers(ShearFields):
         if self.tension is None:
             return self._normal
         nothing = np.zeros(self.grid.shape)
-        return self._keep(
-            "pressed", lambda: self._normal._evolve(pressure=self.contact_pressure, tension=nothing)
-        )
+        return self._keep("pressed", lambda: self._normal._evolve(pressure=self.contact_pressure, tension=nothing))
 
     def _estimate_area(self, chosen: AreaEstimator) -> Area:
         area = self.parts.ask(self, chosen, lambda one: chosen.estimate(heal(one._view(chosen))))

@@ -219,7 +219,7 @@ class Governed(Addition):
 
     @property
     def default_area(self) -> str:
-        """That which expects least of those of the laws that, if they remember, had changed the surfaces before."""
+        """That with the fewest expectations, of the laws that, if they remember, had changed the surfaces before."""
         pairs = zip(self.laws, self.before, strict=True)
         known = (law.default_area for law, memory in pairs if not isinstance(law, Process) or _has_lengths(law, memory))
         return min(filter(None, known), key=lambda name: len(areas[name].expects), default="")

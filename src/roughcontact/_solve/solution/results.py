@@ -368,9 +368,9 @@ class AreaEstimator(Response[Area]):
     Attributes
     ----------
     expects
-        What it expects of a contact, nothing by default: ``"summits"``, whose curvature tells the area, and ``"roots"``,
-        that the pressure ends as the root of the distance from the edge. Its area is warned of on surfaces that loads
-        have changed otherwise.
+        What it expects of a contact, nothing by default: ``"summits"``, whose curvature tells the area, and
+        ``"roots"``, that the pressure ends as the root of the distance from the edge. Its area is warned of on surfaces
+        that loads have changed otherwise.
 
     Examples
     --------
@@ -411,8 +411,8 @@ def warn_of_changes(area: Area, estimator: AreaEstimator, holding: str) -> Area:
         return area
     name = areas.name_of(type(estimator)) or type(estimator).__name__
     text = (
-        f"loads before have changed the surfaces: an area by {name!r} may err by more than it states, one by {holding!r} "
-        "holds"
+        f"loads before have changed the surfaces: an area by {name!r} may err by more than it states, one by "
+        f"{holding!r} holds"
     )
     return attrs.evolve(area, warnings=(*area.warnings, WarningText(text, "changed surfaces")))
 
