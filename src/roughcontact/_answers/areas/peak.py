@@ -124,7 +124,9 @@ class PeakPressure(Quantity):
             peak, fall = _find_step(solution, highest[top : top + 1])
             by_fit, by_fall, by_area = _CHANGED_STD
             worn = 0.0 if ends_as_root(solution) else by_area * area.uncertainty / area.value
-            std[top] = math.hypot(peak * by_fit * float(quadratic_std[top]), by_fall * fall, peak * worn)
+            # The maximum may lie between two cells; a quadratic exceeds a top that a limit has cut off.
+            between = 0.0 if solution.capped else float(quadratic[top]) - peak
+            std[top] = math.hypot(peak * by_fit * float(quadratic_std[top]), between, by_fall * fall, peak * worn)
         uncertainty = math.hypot(float(std[top]), pointed, _find_residual_std(solution)) if more is None else peak
         peak = min(peak, float(solution.pressure_limit.max()))
         warnings = pass_on_warnings(area)
