@@ -19,7 +19,7 @@ from roughcontact._answers.areas.initial_gap import curvature_resolution, lay_ra
 from roughcontact._base.arrays import Array, Mask
 from roughcontact._base.units import WarningText
 from roughcontact._parts.grid import extend, list_borders
-from roughcontact._solve.solution import Area, ContactSolution, Estimate
+from roughcontact._solve.solution import Area, ContactSolution, Estimate, areas
 
 # Area that polygons lack inside a smooth convex edge, in cells around each piece: at corners, and beside the chords. A
 # chord of length l cuts off curvature * l^3 / 12, and the mean chords of the unit square are <l> = pi / 4 and
@@ -315,7 +315,7 @@ def total_area(
     value = min(total, grid.area)
     values = values * (value / total if total > 0.0 else 1.0)
     uncertainty = math.sqrt(float(np.sum(stds**2)) + common**2 + edges.border**2)
-    warnings = list_warnings(solution, edges.curvature_resolution)
+    warnings = list_warnings(solution, find_fresh_resolution(solution))
     warnings = judge_uncertainty("the area", value, uncertainty, warnings)
     return Area(
         value,
@@ -362,6 +362,11 @@ def judge_uncertainty(
     return (WarningText(text, "uncertainty", std / abs(value) if value else math.inf),)
 
 
+def ends_as_root(solution: ContactSolution) -> bool:
+    """Return whether the pressure ends as the root of the distance from the edge, which wear takes away."""
+    return "roots" in areas[solution._name_default_area()].expects
+
+
 def list_warnings(solution: ContactSolution, curvature_resolution: float) -> tuple[str, ...]:
     """Return why an area from this solution must not be trusted, in sentences."""
     warnings = []
@@ -386,3 +391,12 @@ def list_warnings(solution: ContactSolution, curvature_resolution: float) -> tup
     if not solution.status.success:
         warnings.append(WarningText("the solution is not converged", "convergence"))
     return tuple(warnings)
+
+
+def find_fresh_resolution(solution: ContactSolution) -> float:
+    """Return the resolution ratio of the fresh heights: what loads have changed ends at rims, which are not waves."""
+    if not solution._is_changed:
+        return curvature_resolution(solution)
+    return solution._keep(
+        "fresh resolution", lambda: curvature_resolution(attrs.evolve(solution, initial_gap=solution._fresh_gap))
+    )

@@ -19,9 +19,15 @@ from roughcontact._answers.areas.contour import (
     measure_polygons,
 )
 from roughcontact._answers.areas.dual_cells import DualCells, find_dual_cells, find_kinds
-from roughcontact._answers.areas.edges import SUBTRACTED_EXCESS_STD, TracedEdges, list_warnings, total_area, trace_edges
+from roughcontact._answers.areas.edges import (
+    SUBTRACTED_EXCESS_STD,
+    TracedEdges,
+    find_fresh_resolution,
+    list_warnings,
+    total_area,
+    trace_edges,
+)
 from roughcontact._answers.areas.hertz import hertz_areas
-from roughcontact._answers.areas.initial_gap import curvature_resolution
 from roughcontact._base.arrays import Array, IntArray, Mask
 from roughcontact._solve.solution import Area, AreaEstimator, ContactSolution, heal
 
@@ -116,7 +122,7 @@ def _count_cells(solution: ContactSolution) -> int:
 
 def _counted_area(solution: ContactSolution, value: float, fraction: float, uncertainty: float, name: str) -> Area:
     perimeter = measure_sides(solution)
-    warnings = list_warnings(solution, curvature_resolution(solution))
+    warnings = list_warnings(solution, find_fresh_resolution(solution))
     return Area(value, fraction, uncertainty, name, perimeter=perimeter, warnings=warnings)
 
 
@@ -142,6 +148,8 @@ class LevelSet(AreaEstimator):
     >>> print(problem.solve(force=1.0).area("level-set"))
     (688 +- 19) µm2, (6.88 +- 0.19) % of nominal [level-set]
     """
+
+    expects = frozenset({"roots"})
 
     def estimate(self, solution: ContactSolution) -> Area:
         """Return the area inside the traced edge; see `AreaEstimator.estimate`."""
@@ -183,6 +191,8 @@ class LevelSetRichardson(AreaEstimator):
     (688 +- 19) µm2, (6.88 +- 0.19) % of nominal [level-set-richardson]
     """
 
+    expects = frozenset({"roots"})
+
     def estimate(self, solution: ContactSolution) -> Area:
         """Return the extrapolated area; see `AreaEstimator.estimate`."""
         edges = trace_edges(solution)
@@ -216,6 +226,7 @@ class Hertz(AreaEstimator):
     (689.255 +- 0.018) µm2, (6.89255 +- 0.00018) % of nominal [hertz]
     """
 
+    expects = frozenset({"summits", "roots"})
     holds_with = frozenset({"shear"})
 
     def estimate(self, solution: ContactSolution) -> Area:
@@ -257,6 +268,7 @@ class Blend(AreaEstimator):
     (689.255 +- 0.018) µm2, (6.89255 +- 0.00018) % of nominal [blend]
     """
 
+    expects = frozenset({"summits", "roots"})
     holds_with = frozenset({"shear"})
 
     def estimate(self, solution: ContactSolution) -> Area:

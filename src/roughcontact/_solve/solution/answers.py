@@ -33,6 +33,7 @@ from roughcontact._solve.solution.results import (
     list_fields,
     require_to_hold,
     responses,
+    warn_of_changes,
 )
 from roughcontact._solve.solution.sampling import defer_area_sampling
 from roughcontact._solve.solution.shear import ShearFields
@@ -54,7 +55,8 @@ class ContactAnswers(ShearFields):
         Parameters
         ----------
         estimator
-            Registered name or instance of an area estimator.
+            Registered name or instance of an area estimator; ``"blend"``, the default, stands for the one that holds
+            where loads have changed the surfaces.
         uncertainty
             ``"model"``: by a model of the errors of the estimator; ``"two grids"``: by what changes on coarser grids of
             the same heights, `phases`, over which the default area is extrapolated at sharp edges and rough heights;
@@ -121,9 +123,8 @@ class ContactAnswers(ShearFields):
         normal = attrs.evolve(self, added=())
         # Answers of the normal contact need the area that holds for its surfaces.
         normal._found["default area"] = self._name_default_area()
-        offset = next((one.offset for one in self.added if one.offset is not None and one.offset.any()), None)
-        if offset is not None:
-            normal._found["fresh gap"] = self.initial_gap - offset
+        if self._is_changed:
+            normal._found["offset"] = self._offset
         return normal
 
     def _name_default_area(self) -> str:
@@ -157,9 +158,7 @@ class ContactAnswers(ShearFields):
         if self.tension is None:
             return self._normal
         nothing = np.zeros(self.grid.shape)
-        return self._keep(
-            "pressed", lambda: attrs.evolve(self._normal, pressure=self.contact_pressure, tension=nothing)
-        )
+        return self._keep("pressed", lambda: self._normal._evolve(pressure=self.contact_pressure, tension=nothing))
 
     def _estimate_area(self, chosen: AreaEstimator) -> Area:
         area = self.parts.ask(self, chosen, lambda one: chosen.estimate(heal(one._view(chosen))))
@@ -168,6 +167,7 @@ class ContactAnswers(ShearFields):
                 f"The area estimator {chosen!r} returned {area!r}, which is not an Area of finite numbers."
             )
         area = judge_maps(area, self._maps, self.grid.resolved.cell_area)
+        area = warn_of_changes(area, chosen, self._name_default_area())
         area = area if self.origin is None else widen_area(area, self, self.origin)
         return attrs.evolve(area, relative_sampling=defer_area_sampling(self))
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cached_property
-from typing import Any, TypeVar
+from typing import Any, Self, TypeVar
 
 import attrs
 import numpy as np
@@ -25,6 +25,8 @@ T = TypeVar("T")
 A = TypeVar("A", bound=Addition)
 # Minimum cells of a patch with a point that is surrounded by contact; the area of smaller ones is hardly known.
 _SMALL_PATCH_CELLS = 4
+# Names in `ContactFields._found` of what loads before have done to the surfaces.
+_OF_SURFACES = ("default area", "offset")
 
 
 @attrs.frozen(eq=False)
@@ -335,15 +337,28 @@ class ContactFields(AskedOf):
         return found
 
     @property
+    def _offset(self) -> Array | None:
+        """What loads before have added to the gap before deformation, shape `grid.shape`, m; None: nothing."""
+        added = (one.offset for one in self.added)
+        known: Array | None = self._found.get("offset")
+        return known if known is not None else next((one for one in added if one is not None and one.any()), None)
+
+    @property
     def _fresh_gap(self) -> Array:
         """The gap before deformation of the surfaces before any load has changed them, shape `grid.shape`, m."""
-        fresh: Array = self._found.get("fresh gap", self.initial_gap)
-        return fresh
+        offset = self._offset
+        return self.initial_gap if offset is None else self.initial_gap - offset
 
     @property
     def _is_changed(self) -> bool:
         """Whether loads before have changed the surfaces."""
-        return "fresh gap" in self._found
+        return self._offset is not None
+
+    def _evolve(self, **changes: Any) -> Self:
+        """Return the solution with changes, which still knows how loads before have changed its surfaces."""
+        evolved = attrs.evolve(self, **changes)
+        evolved._found.update((name, self._found[name]) for name in _OF_SURFACES if name in self._found)
+        return evolved
 
     @cached_property
     def patches(self) -> ContactPatches:

@@ -18,6 +18,7 @@ from roughcontact._parts.grid import Grid, Load
 from roughcontact._solve.solution.additions import Addition, Condition
 from roughcontact._solve.solution.laws import Law, Memory, Process
 from roughcontact._solve.solution.load_increment import MAX_SHIFT, LoadIncrement
+from roughcontact._solve.solution.results import areas
 from roughcontact.errors import InputError
 
 _NOTHING: Memory = MappingProxyType({})
@@ -215,10 +216,10 @@ class Governed(Addition):
 
     @property
     def default_area(self) -> str:
-        """That of the first law that has one, and if it remembers had changed the surfaces before."""
+        """That with the fewest expectations, of the laws that, if they remember, had changed the surfaces before."""
         pairs = zip(self.laws, self.before, strict=True)
         known = (law.default_area for law, memory in pairs if not isinstance(law, Process) or _has_lengths(law, memory))
-        return next(filter(None, known), "")
+        return min(filter(None, known), key=lambda name: len(areas[name].expects), default="")
 
     @property
     def follows(self) -> bool:

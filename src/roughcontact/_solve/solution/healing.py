@@ -71,7 +71,7 @@ def _heal(solution: S, missing: Mask) -> S:
     gap = _bend_near(harmonic, missing, solution.contact, solution)
     touching = missing & solution.contact
     touching[missing] |= _overlaps(gap, solution, missing)
-    healed = attrs.evolve(solution, initial_gap=gap, non_measured=touching if touching.any() else None)
+    healed = solution._evolve(initial_gap=gap, non_measured=touching if touching.any() else None)
     healed._found[_NON_MEASURED] = missing
     return healed
 

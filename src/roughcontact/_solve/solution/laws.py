@@ -57,7 +57,10 @@ class Law(Part, abc.ABC):
     """Whether `find_stiffening` is one whatever passes: answers by the modulus of the problem hold then."""
 
     default_area: ClassVar[str] = ""
-    """Registered name of the area estimator that holds where it has changed the surfaces; empty: the usual one."""
+    """Registered name of the area estimator that holds where it has changed the surfaces; empty: the usual one.
+
+    Of a `Process` it is ``"level-set"``, unless it says otherwise.
+    """
 
     follows_bodies: ClassVar[bool] = False
     """Whether it knows `LoadIncrement.shift`: what it remembers of the counterbody moves with it."""
@@ -138,6 +141,9 @@ class Process(Law):
     """
 
     remembered: ClassVar[Mapping[str, tuple[str, str]]]
+
+    # What loads leave is not a summit, whose curvature tells the area.
+    default_area: ClassVar[str] = "level-set"
 
     def divide(self, problem: Any, memory: Memory) -> tuple[float | Array, float | Array]:
         """Return what body and counterbody have lost of their heights, numbers or of shape (nx, ny), m.

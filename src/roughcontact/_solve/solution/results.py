@@ -365,6 +365,13 @@ def judge_maps(area: Area, maps: Iterable[HeightMap], cell_area: float) -> Area:
 class AreaEstimator(Response[Area]):
     """A rule for the real contact area. Subclass it and define `estimate`.
 
+    Attributes
+    ----------
+    expects
+        What it expects of a contact, nothing by default: ``"summits"``, whose curvature tells the area, and
+        ``"roots"``, that the pressure ends as the root of the distance from the edge. Its area is warned of on surfaces
+        that loads have changed otherwise.
+
     Examples
     --------
     >>> import roughcontact as rc
@@ -378,6 +385,7 @@ class AreaEstimator(Response[Area]):
     (742 +- 74) µm2, (7.42 +- 0.74) % of nominal [counted]
     """
 
+    expects: ClassVar[frozenset[str]] = frozenset()
     holds_with = frozenset({"tension", "shear", "relaxation"})
     reads = "contact pressure"
 
@@ -395,6 +403,18 @@ class AreaEstimator(Response[Area]):
 
 
 areas = Registry(AreaEstimator, "area estimator", "roughcontact.areas")
+
+
+def warn_of_changes(area: Area, estimator: AreaEstimator, holding: str) -> Area:
+    """Return an area with a warning if its estimator expects more than the one that holds for the surfaces, by name."""
+    if estimator.expects <= areas[holding].expects:
+        return area
+    name = areas.name_of(type(estimator)) or type(estimator).__name__
+    text = (
+        f"loads before have changed the surfaces: an area by {name!r} may err by more than it states, one by "
+        f"{holding!r} holds"
+    )
+    return attrs.evolve(area, warnings=(*area.warnings, WarningText(text, "changed surfaces")))
 
 
 def estimate_saturated_area(solution: Any, estimator: str | AreaEstimator) -> Area:

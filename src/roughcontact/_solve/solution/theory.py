@@ -116,8 +116,9 @@ def _compare_areas(solution: Any) -> AreaBeside | None:
 
 
 def _is_alone(solution: Any) -> bool:
-    """Return whether nothing acts beside the pressure, on fields that are whole."""
-    return solution.tension is None and not solution.added and bool(solution.parts.is_whole)
+    """Return whether nothing acts beside the pressure, on whole fields, and no load before has changed the surfaces."""
+    alone = solution.tension is None and not solution.added and not solution._is_changed
+    return alone and bool(solution.parts.is_whole)
 
 
 @attrs.frozen(eq=False)
@@ -128,7 +129,8 @@ class Stickiness(ShownAsPrinted):
     ----------
     criterion
         The criterion of Pastewka and Robbins; None where the surface is not isotropic, Gaussian roughness of many waves
-        that the grid resolves, or the range exceeds the heights around a contact patch.
+        that the grid resolves, where loads before have changed it, or the range exceeds the heights around a contact
+        patch.
     full_contact
         The energies of full contact by Persson and Tosatti.
     work
@@ -163,7 +165,7 @@ def find_stickiness(solution: ContactFields) -> Stickiness | None:
 
 
 def _find_criterion(solution: ContactFields, waves: Waves, work: float, reach: float) -> PastewkaRobbins | None:
-    if not (_is_gaussian(solution.initial_gap) and _is_resolved(waves, solution.grid)):
+    if solution._is_changed or not (_is_gaussian(solution.initial_gap) and _is_resolved(waves, solution.grid)):
         return None
     slope = math.sqrt(waves.sum(waves.square)) * waves.height / waves.cell
     curvature = math.sqrt(waves.sum(waves.square**2)) * waves.height / waves.cell**2

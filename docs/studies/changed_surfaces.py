@@ -1,0 +1,49 @@
+"""Whether the uncertainties hold on surfaces that loads have changed, a table of docs/understand/memory.md.
+
+python docs/studies/changed_surfaces.py [FILE]   # where the true values are kept
+"""
+
+from __future__ import annotations
+
+import sys
+from functools import partial
+from pathlib import Path
+
+from doc_tables import DocTable, write_tables
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
+
+import memory_classes
+import stated_uncertainties as judged
+
+# A draw that no constant has seen, and contacts of each kind.
+DRAW = 87263
+COUNT = 16
+NAMES = {"peak-pressure": "maximum pressure", "mean-gap": "mean gap"}
+
+
+def make_rows(references: Path | None = None) -> list[list[str]]:
+    """Return a line for each history: of each answer the contacts, those within two, and u/e."""
+    rows = [["history", *(NAMES.get(answer, answer) for answer in memory_classes.ANSWERS)]]
+    found = memory_classes.judge_kinds(list(memory_classes.HISTORIES), DRAW, COUNT, references)
+    for kind, contacts in found.items():
+        cells = [judged.cover(contacts, answer, "model") for answer in memory_classes.ANSWERS]
+        rows.append([kind.replace("-", " "), *(describe(cell) for cell in cells)])
+    return rows
+
+
+def describe(found: judged.Coverage) -> str:
+    if not found.count:
+        return ""
+    within = round(found.within * found.count)
+    return f"{within} of {found.count}; {found.ratio:.1f}"
+
+
+def make_tables(references: Path | None = None) -> dict[str, DocTable]:
+    return {"changed-surfaces": DocTable(partial(make_rows, references), seconds=250)}
+
+
+TABLES = make_tables()
+
+if __name__ == "__main__":
+    write_tables(make_tables(Path(sys.argv[1]) if len(sys.argv) > 1 else None))
