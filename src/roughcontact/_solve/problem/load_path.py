@@ -43,6 +43,7 @@ from roughcontact._solve.problem.sweep import tabulate_states
 from roughcontact._solve.problem.task import limit_load
 from roughcontact._solve.solution import ContactSolution, Flattening, Governed, Process, Relaxation, read_states
 from roughcontact.errors import InputError, argument
+from roughcontact.errors.door import guarded
 
 S = TypeVar("S", bound=Scene)
 
@@ -326,17 +327,26 @@ def run_load_path(
     require_omitted(omitted, f"with {argument('friction', '0.3')}")
     accuracy = check_accuracy(accuracy)
     told = checks.callback(on_increment, "on_increment=", "state")
+    scene, places = prepare_path(problem, normal, passed, accuracy)
+    count = count_done(change, len(places), "place")
+    kept = None if file is None else PathFile(file, scene, places, accuracy)
+    return follow_path(scene, places, accuracy, told or (lambda state: None), count, kept)
+
+
+@guarded
+def prepare_path(
+    problem: S, normal: Mapping[str, Any], passed: Mapping[str, Any], accuracy: float
+) -> tuple[S, tuple[Place, ...]]:
+    """Return the problem of a `ContactProblem.path` with the laws that its materials bring, and its places."""
+    check_accuracy(accuracy)
     loads = _list_loads(problem, normal, Load.resting_sequence)
     scene = remember_changes(problem)
     moved = None if passed.get("shift") is None else list_shifts(passed["shift"])
     sliding = _measure_sliding(scene, passed["sliding"], moved, (0, 0), 0.0)
-    passed = {"time": passed["time"], "sliding": sliding}
-    places = list_places(loads, **passed, shift=moved)
-    require_used(scene, passed)
+    places = list_places(loads, passed["time"], sliding, moved)
+    require_used(scene, {"time": passed["time"], "sliding": sliding})
     _require_movable(scene, moved)
-    count = count_done(change, len(places), "place")
-    kept = None if file is None else PathFile(file, scene, places, accuracy)
-    return follow_path(scene, places, accuracy, told or (lambda state: None), count, kept)
+    return scene, places
 
 
 def remember_flattening(problem: S) -> S:
