@@ -754,6 +754,7 @@ def test_a_path_and_a_slider_over_its_states(page, scheme):
 
     def until_other_than(before):
         page.until(lambda: "pictures/" in image.get_attribute("src") and image.get_attribute("src") != before)
+        page.until(lambda: page.find("picture").get_attribute("aria-busy") is None)
         page.until(lambda: int(image.get_attribute("naturalWidth")) > 100)
         return image.get_attribute("src")
 

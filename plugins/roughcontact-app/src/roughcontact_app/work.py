@@ -59,8 +59,8 @@ _CORRECTED = (
 _MINIMUM_OF_SOLVE = 0.1
 _COST_UNLIKE = (2.0, 450.0)
 _COST_LIKE = (0.4, 70.0)
-# Increments of a step that a path with friction takes at most; and what it takes from one time or sliding distance to the
-# next, over a solve: 5.9 and 6.5 on rough surfaces of 512 cells along a side, less on smaller ones.
+# Increments of a step that a path with friction takes at most; and what another path takes from one time or sliding
+# distance to the next, over a solve: 5.9 and 6.5 on rough surfaces of 512 cells along a side, less on smaller ones.
 _MOST_INCREMENTS = 16
 _INCREMENTS = 6
 # States of a fretting cycle of like materials on the way to the first turn: half of those from turn to turn.

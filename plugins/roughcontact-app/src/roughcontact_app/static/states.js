@@ -38,6 +38,8 @@ export class States {
     if (!panel || wanted === this.drawn) return;
     const isNew = !this.drawn;
     this.drawing = true;
+    // Until then the picture is of another state.
+    this.viewer.place.setAttribute("aria-busy", "true");
     this.drawn = wanted;
     let problem = "";
     try {
@@ -49,6 +51,7 @@ export class States {
       problem = error.message;
     }
     this.drawing = false;
+    this.viewer.place.removeAttribute("aria-busy");
     say("state-problem", problem);
     this.draw();
   }
