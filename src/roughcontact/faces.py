@@ -4,10 +4,10 @@
 for              names
 ===============  ==================================================================================================
 input            `build_problem`, `build_part`, `build_layer`, `build_response`; what a response asks for,
-                 `describe_response`, `ResponseForm`; the fields of a part, `list_fields`, `PartField`; typical
-                 materials by name, `TYPICAL`
+                 `describe_response`, `ResponseForm`; a part in a line, `summarize`, and its fields, `list_fields`,
+                 `PartField`; typical materials by name, `TYPICAL`
 the machine      `available_threads`, `limit_address_space`
-a run            `run_sweep`, `ask_states`
+a run            `prepare_path`, `run_sweep`, `ask_states`
 words            `name_load`, `list_quantities`, `describe_other_places`, `gather_warnings`, `exceeds_metals`,
                  `list_answer_warnings`
 tables, reports  `tabulate_answers`, `write_column`, `write_report`
@@ -15,10 +15,10 @@ tables, reports  `tabulate_answers`, `write_column`, `write_report`
 """
 
 from roughcontact._base.machine import available_threads, limit_address_space
-from roughcontact._base.registry import PartField, list_fields
+from roughcontact._base.registry import PartField, list_fields, summarize
 from roughcontact._base.units import write_column
 from roughcontact._parts.materials import TYPICAL
-from roughcontact._solve.problem import run_sweep
+from roughcontact._solve.problem import prepare_path, run_sweep
 from roughcontact._solve.solution import (
     describe_other_places,
     exceeds_metals,
@@ -58,7 +58,9 @@ __all__ = [
     "list_fields",
     "list_quantities",
     "name_load",
+    "prepare_path",
     "run_sweep",
+    "summarize",
     "tabulate_answers",
     "write_column",
     "write_report",

@@ -5,6 +5,7 @@ Nothing of matplotlib is loaded until something is drawn.
 
 from roughcontact._faces.panels.base import Panel as Panel
 from roughcontact._faces.panels.base import panels as panels
+from roughcontact._faces.panels.course import draw_course as draw_course
 from roughcontact._faces.panels.curves import add_key as add_key
 from roughcontact._faces.panels.curves import draw_band as draw_band
 from roughcontact._faces.panels.curves import scale_axes as scale_axes

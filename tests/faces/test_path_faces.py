@@ -11,6 +11,7 @@ import runpy
 
 import numpy as np
 import pytest
+from matplotlib import pyplot
 from PIL import Image
 
 import roughcontact as rc
@@ -226,6 +227,43 @@ class TestPicture:
         curve, start = axes.lines
         assert len(curve.get_xdata()) == 3
         assert start.get_ydata()[0] == pytest.approx(100.0 * path[0].area().fraction)
+
+    def test_the_course_has_what_changes(self, worn, flattened):
+        figure = rc.plotting.draw_course(worn, dark=True)
+        drawn = {axes.get_ylabel().partition(",")[0]: axes for axes in figure.axes}
+        # A force that stays is not drawn.
+        assert list(drawn) == ["contact area", "approach", "peak pressure", "worn volume", "wear depth"]
+        (line,) = drawn["worn volume"].lines
+        assert drawn["worn volume"].get_ylabel() == "worn volume, µm³"
+        np.testing.assert_allclose(line.get_xdata(), worn.sliding)
+        np.testing.assert_allclose(line.get_ydata(), [1e18 * volume for volume in worn.table().columns["worn_volume"]])
+        assert figure.get_facecolor()[:3] < (0.2, 0.2, 0.2)
+        pyplot.close(figure)
+        # Nothing passes: over the number of the state.
+        figure = rc.plotting.draw_course(flattened)
+        curve, area, *_ = figure.axes
+        assert (curve.get_ylabel(), area.get_ylabel(), area.get_xlabel()) == ("force, N", "area, µm²", "state")
+        np.testing.assert_allclose(area.lines[0].get_ydata(), [1e12 * state.area().value for state in flattened])
+        pyplot.close(figure)
+
+    def test_the_colours_of_the_pressure_may_be_those_of_several_states(self, flattened):
+        highest = float(flattened[1].pressure.max())
+        for state in (flattened[1], flattened[2]):
+            axes = state.plot(rc.panels.create("pressure", highest=highest))
+            assert axes.images[0].norm.vmax == pytest.approx(highest / 1e9)
+            pyplot.close(axes.figure)
+        with pytest.raises(rc.InputError, match="The highest pressure that is drawn"):
+            rc.panels.create("pressure", highest=-1.0)
+
+
+def test_pages_are_told_what_a_path_is_along():
+    soft = rc.Body(rc.SphereSurface(1e-3), rc.Viscoelastic([1e6, 1e6], [1.0], 0.5))
+    passed = {"time": ["0s", "1min"], "sliding": None}
+    problem, places = rc.faces.prepare_path(
+        rc.ContactProblem(soft, grid=rc.Grid((9, 8), 1e-4)), {"force": 1.0}, passed, 1e-3
+    )
+    assert [type(law) for law in problem.laws] == [rc.laws["relaxation"]]
+    assert [(str(place.load), place.time) for place in places] == [("force 1 N", 0.0), ("force 1 N", 60.0)]
 
 
 class TestAnimation:

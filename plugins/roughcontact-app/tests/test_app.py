@@ -31,7 +31,7 @@ from roughcontact._solve.solution.summary import list_all_warnings
 from roughcontact.faces import gather_warnings, write_column
 from roughcontact.typing import Step
 
-from roughcontact_app import AppServer, Session, preview, scene, work
+from roughcontact_app import AppServer, Session, laws, preview, scene, work
 from roughcontact_app.answers import describe_solutions, list_warnings, make_table, tabulate_path
 from roughcontact_app.command import _shown
 from roughcontact_app.connections import LIMIT
@@ -40,7 +40,7 @@ from roughcontact_app.process import TaskEnded, Worker
 from roughcontact_app.progress import Progress
 from roughcontact_app.responses import ask_states
 from roughcontact_app.scene import make_loads, make_problem, make_scene
-from roughcontact_app.settings import DEFAULTS, load_values, quantity, read_settings
+from roughcontact_app.settings import DEFAULTS, chosen_laws, list_values, load_values, quantity, read_settings
 from roughcontact_app.uploads import shown_name
 from roughcontact_app.words import in_words_of_page
 
@@ -1429,7 +1429,7 @@ def test_a_fretting_cycle_is_planned_solved_drawn_and_tabulated(client, tmp_path
     forces = [float(row["tangential_x [N]"]) for row in csv.DictReader(io.StringIO(table))]
     assert forces == pytest.approx([force for force, _ in work.list_forces(problem, 0.2)], rel=1e-6, abs=1e-9)
     saved = tmp_path / "path.npz"
-    saved.write_bytes(client.get(f"runs/{state['id']}/{files['solution']}"))
+    saved.write_bytes(client.get(f"runs/{state['id']}/{files['path']}"))
     assert rc.FrictionalPath.load(saved).dissipated.value == pytest.approx(expected.dissipated.value, rel=1e-6)
 
 
@@ -1466,6 +1466,185 @@ def test_the_progress_of_a_fretting_cycle_only_grows(tmp_path, counterbody):
     assert solving[-1]["text"].startswith(f"step {20 if counterbody == 'deformable' else 3} of ")
     # Of like materials the number of increments is known.
     assert counterbody == "rigid" or fractions[1:] == pytest.approx([step / 21 for step in range(1, 22)])
+
+
+BALL = {"surface": "sphere", "radius": "1", "radius_unit": "mm", "side": "100", "cells": "32", "path": "yes"}
+BALL |= {"load": "force", "load_unit": "N"}
+YIELDS = {**BALL, "loads": "4 0 2 4", "hardness": "2", "hardness_unit": "GPa"}
+WORN = {**BALL, "loads": "1", "sliding": "0 100mm 1", "law_archard": "yes", "law_archard_coefficient": "1e-10 mm2/N"}
+RELAXES = {
+    **BALL,
+    "loads": "0.05",
+    "side": "3",
+    "side_unit": "mm",
+    "radius": "10",
+    "time": "0 10 1s",
+    "time_unit": "ms",
+}
+RELAXES |= {
+    "material": "viscoelastic",
+    "moduli": "1 3MPa",
+    "relaxation": "10",
+    "relaxation_unit": "ms",
+    "poisson": "0.5",
+}
+
+
+def follow(given):
+    """Return the path of settings as a script follows it."""
+    soft = rc.Viscoelastic(["1MPa", "3MPa"], ["10ms"], 0.5)
+    scenes = {
+        "4 0 2 4": (rc.ElasticPerfectlyPlastic(210e9, 0.3, 2e9), 1e-3, 100e-6, (), {"force": [4.0, 0.0, 2.0, 4.0]}),
+        "1": (rc.Elastic(210e9, 0.3), 1e-3, 100e-6, rc.Archard(1e-16), {"force": 1.0, "sliding": [0.0, 0.1, 1.0]}),
+        "0.05": (soft, 10e-3, 3e-3, (), {"force": 0.05, "time": [0.0, 0.01, 1.0]}),
+    }
+    material, radius, side, laws, loads = scenes[given["loads"]]
+    ball = rc.Body(rc.SphereSurface(radius), material)
+    return rc.ContactProblem(ball, grid=rc.Grid((32, 32), side), laws=laws).path(**loads)
+
+
+@pytest.mark.parametrize(
+    ("given", "column"),
+    [(YIELDS, "plastic work"), (WORN, "worn volume"), (RELAXES, "time")],
+    ids=["hard", "worn", "soft"],
+)
+def test_a_path_is_planned_solved_drawn_and_tabulated(client, tmp_path, given, column):
+    expected = follow(given)
+    plan = client.post("api/plan", given)
+    assert plan["solves"] == len(expected)
+    state = client.wait(client.post("api/runs", given)["id"])
+    assert (state["phase"], state["notes"]) == ("done", []), state
+    assert len(state["answers"]) == len(expected)
+    values = [{one["name"]: one["value"] for one in answer["quantities"]} for answer in state["answers"]]
+    table = expected.table().columns
+    for name, numbers in (("approach", expected.approach), (column, table[column.replace(" ", "_")])):
+        np.testing.assert_array_equal([one[name] for one in values], numbers)
+    assert [one["contact area"] for one in values] == [one.area().value for one in expected]
+    assert len(set(state["warnings"])) == len(state["warnings"])
+    files = {one["role"]: one["file"] for one in state["outputs"] if one["role"] != "picture"}
+    rows = list(csv.DictReader(io.StringIO(client.get(f"runs/{state['id']}/{files['table']}").decode("utf-8"))))
+    assert [float(row["approach [m]"]) for row in rows] == expected.approach.tolist()
+    assert client.get(f"runs/{state['id']}/{files['animation']}")[:6] == b"GIF89a"
+    saved = tmp_path / "path.npz"
+    saved.write_bytes(client.get(f"runs/{state['id']}/{files['path']}"))
+    assert np.array_equal(rc.load(saved)[-1].pressure, expected[-1].pressure)
+    assert client.get(f"runs/{state['id']}/report.html")[:15].lower() == b"<!doctype html>"
+
+
+def test_states_are_drawn_when_they_are_looked_at(client):
+    state = client.wait(client.post("api/runs", YIELDS)["id"])
+    course, *panels = (one for one in state["outputs"] if one["role"] == "picture")
+    assert client.get(f"runs/{state['id']}/{course['file']}")[:4] == b"\x89PNG"
+    assert [one["panel"] for one in panels] == ["pressure", "gap"]
+    assert panels[0]["states"] == ["state 1, 4 N", "state 2, 0 N", "state 3, 2 N", "state 4, 4 N"]
+    asked = {"run": state["id"], "panel": "pressure"}
+    drawn = [
+        client.get("pictures/" + client.post("api/state", {**asked, "state": one})["picture"]) for one in (1, 3, 4)
+    ]
+    assert all(one[:4] == b"\x89PNG" for one in drawn)
+    assert drawn[0] != drawn[1]
+    # The ball carries the load elastically when it is loaded again.
+    assert client.post("api/state", {**asked, "panel": "gap", "state": 2})["picture"]
+    for wrong in ({"state": 0}, {"state": 5}, {"state": True}, {"state": "1"}, {"panel": "heights"}, {"run": "0"}):
+        assert "no picture of such a state" in client.refusal("api/state", {**asked, "state": 1, **wrong})
+    assert "no picture of such a state" in client.refusal("api/state", [1])
+
+
+@pytest.mark.parametrize(
+    ("given", "sentence"),
+    [
+        (
+            {"loads": "4", "sliding": "0 1"},
+            "Nothing changes with the sliding distance: give the problem a law that does",
+        ),
+        ({"loads": "4", "time": "0 1"}, "of wear by 'Laws by which the surfaces change', or a viscoelastic body."),
+        ({"law_archard": "yes"}, "Coefficient (archard) is missing: fill it in."),
+        ({"law_archard": "yes", "law_archard_coefficient": "-1"}, "The wear coefficient must be"),
+        ({"law_archard": "yes", "law_archard_coefficient": "1e-16 m"}, "Archard coefficient: '1e-16 m'"),
+        ({**WORN, "sliding": "0 2 1"}, "The sliding along a path must be a list of numbers of m that do not fall"),
+        ({**WORN, "loads": "1 2"}, "there are 3 for 'Sliding distances', 2 for a force"),
+        ({**WORN, "sliding": "0 1s"}, "Each of the sliding distances: '1s' "),
+        ({**WORN, "sliding": "0 -1"}, "Each of the sliding distances must be at least 0, but got -1 m."),
+        ({**WORN, "sliding": " ".join(map(str, range(41)))}, "The number of sliding distances must be at most 40"),
+        ({**WORN, "path_accuracy": "2"}, "The accuracy of a path must be"),
+        ({"loads": "0 1"}, "The first load must be above 0, but got 0 N."),
+        ({"loads": "1 -1"}, "Each load must be at least 0, but got -1 N."),
+        ({**RELAXES, "layers": "1"}, "Layers beside a viscoelastic body are not known: choose no layers, or another"),
+        ({**RELAXES, "moduli": "1"}, "there are 1 moduli and 1 times"),
+        ({**RELAXES, "relaxation": ""}, "Each of the relaxation times of the body is missing: fill it in."),
+        ({"path": "perhaps"}, "The setting 'path' must be one of no, yes"),
+    ],
+)
+def test_a_path_that_cannot_be_followed_is_refused_before_it_is_solved(client, given, sentence):
+    assert sentence in client.refusal("api/plan", {**YIELDS, **given})
+
+
+@pytest.mark.parametrize(
+    ("text", "unit", "expected"),
+    [
+        ("0 1e-3 10ms; 1 min 2h", "s", [0.0, 1e-3, 1e-2, 60.0, 7200.0]),
+        ("1e-3 2e-3s", "ms", [1e-6, 2e-3]),
+        ("5", "us", [5e-6]),
+    ],
+)
+def test_values_in_a_list_may_state_their_units(text, unit, expected):
+    assert list_values({"time": text, "time_unit": unit}, "time", "times", "time") == expected
+
+
+def test_a_number_with_an_exponent_has_no_unit():
+    settings = read_settings({**WORN, "law_archard_coefficient": "1e-16"})
+    assert chosen_laws(settings)[0].coefficient == 1e-16
+    assert chosen_laws({**settings, "path": "no"}) == []
+
+
+def test_laws_come_from_the_registry():
+    boxes = laws._list_boxes()
+    assert [field.label for field in boxes["archard"].fields] == ["Coefficient, m2/N"]
+    # Slip passes on no path of the page, and materials bring what they need.
+    assert not {"energy-wear", "flattening", "relaxation", "steady-sliding"} & set(boxes)
+
+    @rc.laws.register("tarnish of a test")
+    @attrs.frozen
+    class Tarnish(rc.Process):
+        """A film that grows in time."""
+
+        thickness: float = attrs.field(metadata={"unit": "m"})
+        time: float = attrs.field(metadata={"unit": "s"})
+        rates = ("time",)
+        remembered = {"film": ("thickness of the film", "m")}  # noqa: RUF012
+
+        def change_gap(self, problem, increment, memory):
+            return -memory["film"]
+
+        def remember(self, state, increment, memory):
+            return memory
+
+    try:
+        box = laws._list_boxes()["tarnish of a test"]
+    finally:
+        del rc.laws._classes["tarnish of a test"]
+    assert box.summary == "a film that grows in time"
+    assert [(field.name, field.kind, field.unit) for field in box.fields] == [
+        ("thickness", "length", "um"),
+        ("time", "time", "s"),
+    ]
+
+
+def test_the_progress_of_a_path_only_grows(tmp_path):
+    sent = []
+    work.run({"kind": "solve", "upload": None, "settings": WORN, "folder": str(tmp_path)}, sent.append)
+    fractions = [one["fraction"] for one in sent if one.get("phase") == "solving"]
+    assert len(fractions) > 3
+    assert fractions == sorted(fractions)
+    assert fractions[-1] == 1.0
+
+
+def test_unloading_is_remembered_on_a_path_alone(client):
+    """Each load of several is a first loading, as long as they are no path."""
+    single = client.wait(client.post("api/runs", {**YIELDS, "path": "no", "loads": "4 2"})["id"])
+    path = client.wait(client.post("api/runs", {**YIELDS, "loads": "4 2"})["id"])
+    unloaded = [{one["name"]: one["value"] for one in state["answers"][1]["quantities"]} for state in (single, path)]
+    assert unloaded[1]["approach"] > unloaded[0]["approach"]
 
 
 def test_unlike_materials_that_yield_are_followed(client):

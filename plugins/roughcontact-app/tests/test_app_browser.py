@@ -724,3 +724,69 @@ def test_the_progress_of_a_fretting_cycle_of_unlike_materials(page):
     assert page.find("bar").get_attribute("value") is not None
     page.find("cancel").click()
     page.until(lambda: "The run was cancelled." in page.text("run-problem"))
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_a_path_and_a_slider_over_its_states(page, scheme):
+    emulation = {"features": [{"name": "prefers-color-scheme", "value": scheme}]}
+    page.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", emulation)
+    size = {"width": 390, "height": 844, "deviceScaleFactor": 1, "mobile": True}
+    page.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+    page.open()
+    for name, text in {"surface": "sphere", "radius": "1", "side": "100", "cells": "32", "load": "force"}.items():
+        page.set(name, text)
+    assert not page.find("time").is_displayed()
+    for name, text in {"loads": "4 0 2 4", "path": "yes", "hardness": "2", "sliding": "0 0.1 0.2 1"}.items():
+        page.set(name, text)
+    page.until(lambda: "give the problem a law that does" in page.text("plan"))
+    page.driver.find_element(By.NAME, "law_archard").click()
+    page.set("law_archard_coefficient", "1e-10mm2/N")
+    page.until(lambda: "4 states, about" in page.text("plan"))
+    page.find("solve").click()
+    page.until(lambda: page.text("headline").startswith("4 states of the path; at the end a contact area of"))
+    assert "4 0 2 4 N, a path, sliding 0 0.1 0.2 1 m, archard, E 210 GPa" in page.text("run-subject")
+    page.until(lambda: page.find("picture").is_displayed())
+    assert not page.find("path-states").is_displayed()
+    image = page.driver.find_element(By.CSS_SELECTOR, "#picture img")
+
+    def press(panel):
+        page.until(lambda: page.driver.find_element(By.XPATH, f"//*[@id='panel-buttons']/button[.='{panel}']")).click()
+
+    def until_other_than(before):
+        page.until(lambda: "pictures/" in image.get_attribute("src") and image.get_attribute("src") != before)
+        page.until(lambda: page.find("picture").get_attribute("aria-busy") is None)
+        page.until(lambda: int(image.get_attribute("naturalWidth")) > 100)
+        return image.get_attribute("src")
+
+    press("pressure")
+    last = until_other_than(image.get_attribute("src"))
+    slider = page.find("state")
+    assert (slider.get_attribute("value"), page.text("state-name")) == ("4", "state 4, after sliding 1 m, 4 N")
+    # The keyboard moves it, and what reads the page aloud says where it stands.
+    slider.send_keys(Keys.ARROW_LEFT)
+    assert slider.get_attribute("aria-valuetext") == page.text("state-name") == "state 3, after sliding 200 mm, 2 N"
+    third = until_other_than(last)
+    slider.send_keys(Keys.HOME)
+    assert page.text("state-name") == "state 1, after sliding 0 m, 4 N"
+    first = until_other_than(third)
+    assert "pressure of state 1" in image.get_attribute("alt")
+    # Another panel is of the same state.
+    press("gap")
+    until_other_than(first)
+    assert "gap of state 1" in image.get_attribute("alt")
+    assert not page.is_wider_than_the_screen()
+    press("course")
+    assert not page.find("path-states").is_displayed()
+    assert len(page.download("sphere-4-0-2-4-N-path.csv").read_text(encoding="utf-8").splitlines()) == 5
+    assert page.download("sphere-4-0-2-4-N-path.gif").read_bytes()[:6] == b"GIF89a"
+    path = rc.load(page.download("sphere-4-0-2-4-N-path.npz"))
+    assert path.sliding.tolist() == [0.0, 0.1, 0.2, 1.0]
+    assert page.driver.find_element(By.CSS_SELECTOR, "[data-quantity='worn volume']")
+    # The link of the settings, opened anew, asks for the same path.
+    page.open(page.driver.current_url)
+    assert (page.setting("path"), page.setting("sliding"), page.setting("law_archard_coefficient")) == (
+        "yes",
+        "0 0.1 0.2 1",
+        "1e-10mm2/N",
+    )
+    assert page.driver.find_element(By.NAME, "law_archard").is_selected()

@@ -335,9 +335,17 @@ def list_fields(cls: type) -> dict[str, PartField]:
     }
 
 
+@guarded
 def summarize(cls: type) -> str:
-    """Return the first line of the docstring of a class, without marks and formulas."""
-    return (inspect.getdoc(cls) or "").partition("\n")[0].partition(":math:")[0].replace("`", "").strip(" ,.")
+    """Return the first line of the docstring of a class, without marks and formulas.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> rc.faces.summarize(rc.laws["archard"])
+    'Wear in proportion to the pressure and the sliding distance'
+    """
+    return (inspect.getdoc(cls) or "").partition("\n")[0].partition(":math:")[0].replace("`", "").strip(" ,.:")
 
 
 def describe_fields(cls: type) -> dict[str, str]:

@@ -22,12 +22,18 @@ from roughcontact.faces import (
     tabulate_answers,
     write_column,
 )
-from roughcontact.results import AdhesionCycle
+from roughcontact.results import AdhesionCycle, LoadPath
+from roughcontact.results import Path as StatePath
 from roughcontact.typing import Table, si
 
 from roughcontact_app.responses import finite
 from roughcontact_app.words import end_sentence
 
+# Columns of the table of a path that the answer of each state has.
+_IN_ANSWERS = [
+    *("increments", "mean_pressure", "force", "approach", "area", "area_uncertainty", "area_fraction"),
+    *("peak_pressure", "peak_pressure_uncertainty"),
+]
 # Digits of a number in a table: more than any uncertainty leaves.
 _DIGITS = 9
 
@@ -63,12 +69,41 @@ def describe_solutions(
     ]
 
 
+def describe_path(path: LoadPath, asked: Mapping[str, Sequence[Any]]) -> list[dict[str, Any]]:
+    """Return the answer of each state of a path on which the surfaces change, with what has passed and what is lost.
+
+    `asked` is what responses have answered for each state, by their names.
+    """
+    table = path.table()
+    columns = {
+        name.replace("_", " "): [_estimate(one, table.units.get(name, "")) for one in column]
+        for name, column in table.columns.items()
+        if name not in _IN_ANSWERS
+    }
+    texts = {name: write_column(column) for name, column in columns.items()}
+    return [
+        {
+            **answer,
+            "load": f"state {number + 1}",
+            "quantities": [
+                *(_describe(name, column[number], texts[name][number]) for name, column in columns.items()),
+                *answer["quantities"],
+            ],
+        }
+        for number, answer in enumerate(describe_solutions(path.states, asked))
+    ]
+
+
+def _estimate(one: float | Estimate, unit: str) -> Estimate:
+    return one if isinstance(one, Estimate) else Estimate(float(one), 0.0, unit)
+
+
 def _in_words(column: str) -> str:
     """Return the name of a number of a response as words."""
     return re.sub("[-_]", " ", column).replace("von mises", "von Mises")
 
 
-def tabulate_path(path: AdhesionCycle | FrictionalPath, asked: Mapping[str, Sequence[Any]]) -> Table:
+def tabulate_path(path: StatePath, asked: Mapping[str, Sequence[Any]]) -> Table:
     """Return the table of a path, with what responses have answered for its states."""
     table = path.table()
     return Table({**table.columns, **tabulate_answers(asked)}, table.units, table.left)

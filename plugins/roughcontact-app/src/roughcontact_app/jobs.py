@@ -23,7 +23,7 @@ from roughcontact_app.settings import Settings
 _KEPT = 20
 _WAITING = 20
 # Names of files that a process may offer.
-_FILE = re.compile(r"[a-z0-9-]{1,60}\.(?:csv|html|npz|png)")
+_FILE = re.compile(r"[a-z0-9-]{1,60}\.(?:csv|gif|html|npz|png)")
 # Runs whose times correct the forecast.
 _REMEMBERED = 9
 ENDED = ("done", "failed", "cancelled")

@@ -6,18 +6,21 @@ import contextlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, Generic, TypeVar
 
 import attrs
 import numpy as np
 from roughcontact import ContactSolution, FrictionalPath
 from roughcontact.errors import RoughContactError
-from roughcontact.faces import tabulate_answers, write_report
-from roughcontact.plotting import panels
-from roughcontact.results import AdhesionCycle, InterfaceLaw, LawColumn, Sweep
+from roughcontact.faces import name_load, tabulate_answers, write_report
+from roughcontact.plotting import draw_course, panels
+from roughcontact.results import InterfaceLaw, LawColumn, LoadPath, Sweep
+from roughcontact.results import Path as StatePath
 from roughcontact.typing import replacing
 
 from roughcontact_app.answers import make_table, tabulate_path
+
+P = TypeVar("P", bound=StatePath)
 
 # Dots beside those of a figure: a picture, 430 dots wide, is shown 750 pixels wide.
 _SHARPNESS = 3
@@ -55,7 +58,7 @@ class Outputs:
         largest = max(solutions, key=lambda solution: solution.force)
         yield self._write_table
         for index in range(len(solutions)):
-            yield partial(self._write_solution, index)
+            yield partial(_write_solution, solutions, index, self.folder)
         drawn: list[tuple[Sweep | ContactSolution, str]] = []
         if len(solutions) > 1:
             drawn += [(self.sweep, name) for name in _panels_of("sweep", largest)]
@@ -74,11 +77,6 @@ class Outputs:
             unfinished.write_text(make_table(self.answers), encoding="utf-8-sig", newline="")
         return {"role": "table", "file": "answers.csv"}
 
-    def _write_solution(self, index: int) -> dict[str, Any]:
-        name = f"solution-{index + 1}.npz"
-        self.sweep.states[index].save(self.folder / name)
-        return {"role": "solution", "file": name, "load": index}
-
     def _draw(self, subject: Sweep | ContactSolution, name: str) -> dict[str, Any]:
         draw(lambda: subject.plot(name, dark=self.dark), self.folder / f"{name}.png")
         return {"role": "picture", "file": f"{name}.png", "panel": name}
@@ -90,8 +88,8 @@ class Outputs:
 
 
 @attrs.frozen(eq=False)
-class PathOutputs:
-    """What is written of a path: the table of its states, its picture, all fields if they are asked for, the report.
+class PathOutputs(Generic[P]):
+    """What is written of a path: the table of its states, its picture, all fields of one with friction, the report.
 
     Attributes
     ----------
@@ -101,16 +99,13 @@ class PathOutputs:
         What responses have answered for each state, by their names.
     name
         Name of the table and the picture.
-    keeps_fields
-        Whether its file is written.
     folder, dark
         As of `Outputs`.
     """
 
-    path: AdhesionCycle | FrictionalPath
+    path: P
     asked: Mapping[str, Sequence[Any]]
     name: str
-    keeps_fields: bool
     folder: Path
     dark: bool
 
@@ -118,7 +113,7 @@ class PathOutputs:
         """Yield functions that write a file and return what the page is to know of it."""
         yield self._write_table
         yield self._draw
-        if self.keeps_fields:
+        if isinstance(self.path, FrictionalPath):
             yield self._write_path
         yield partial(_write_report, self.path, self.folder, self.asked)
 
@@ -132,11 +127,58 @@ class PathOutputs:
 
     def _write_path(self) -> dict[str, Any]:
         self.path.save(self.folder / "path.npz")
-        return {"role": "solution", "file": "path.npz", "load": 0}
+        return {"role": "path", "file": "path.npz"}
+
+
+@attrs.frozen(eq=False)
+class CourseOutputs(PathOutputs[LoadPath]):
+    """What is written of a path on which the surfaces change: its states one by one, too, and a moving picture.
+
+    Pictures of the states are not drawn before they are looked at.
+    """
+
+    def steps(self) -> Iterator[Callable[[], dict[str, Any]]]:
+        """Yield functions that write a file and return what the page is to know of it."""
+        yield self._write_table
+        yield self._draw
+        for index in range(len(self.path)):
+            yield partial(_write_solution, self.path.states, index, self.folder)
+        yield self._write_path
+        yield partial(self._offer_states, "pressure")
+        yield partial(self._offer_states, "gap")
+        yield partial(_write_report, self.path, self.folder, self.asked)
+        yield self._animate
+
+    def _draw(self) -> dict[str, Any]:
+        draw(lambda: draw_course(self.path, self.dark), self.folder / "course.png")
+        return {"role": "picture", "file": "course.png", "panel": "course"}
+
+    def _offer_states(self, panel: str) -> dict[str, Any]:
+        """Return that a panel of each state may be looked at, the names of the states, and the end of the colours."""
+        _, places = self.path.label_states()
+        numbers = [f"state {number}" for number in range(1, len(self.path) + 1)]
+        names = [
+            ", ".join(dict.fromkeys((number, place, name_load(state))))
+            for number, place, state in zip(numbers, places, self.path, strict=True)
+        ]
+        # One scale for all states.
+        highest = max(float(state.contact_pressure.max()) for state in self.path)
+        fields = {"highest": highest} if panel == "pressure" and highest > 0.0 else {}
+        return {"role": "picture", "file": "path.npz", "panel": panel, "states": names, "fields": fields}
+
+    def _animate(self) -> dict[str, Any]:
+        self.path.animate(self.folder / "path.gif", dark=self.dark)
+        return {"role": "animation", "file": "path.gif"}
+
+
+def _write_solution(states: Sequence[ContactSolution], index: int, folder: Path) -> dict[str, Any]:
+    name = f"solution-{index + 1}.npz"
+    states[index].save(folder / name)
+    return {"role": "solution", "file": name, "load": index}
 
 
 def _write_report(
-    subject: Sequence[ContactSolution] | AdhesionCycle | FrictionalPath,
+    subject: Sequence[ContactSolution] | StatePath,
     folder: Path,
     asked: Mapping[str, Sequence[Any]],
 ) -> dict[str, Any]:
@@ -150,7 +192,7 @@ def draw(plot: Callable[[], Any], path: Path) -> None:
     Parameters
     ----------
     plot
-        Returns matplotlib's axes of the panel.
+        Returns matplotlib's axes of the panel, or a figure of several.
     path
         The PNG file.
 

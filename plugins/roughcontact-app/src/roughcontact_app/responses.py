@@ -10,7 +10,7 @@ from typing import Any
 import attrs
 from roughcontact import ContactSolution, Response, faces, responses
 from roughcontact.errors import RoughContactError
-from roughcontact.faces import build_part, describe_response
+from roughcontact.faces import PartField, describe_response
 
 from roughcontact_app.words import end_sentence, in_words_of_page
 
@@ -18,6 +18,7 @@ from roughcontact_app.words import end_sentence, in_words_of_page
 _OMITTED = ("approach", "mean-gap", "patches", "peak-pressure", "capacitance")
 # Kind of quantity and first unit of the page, by the SI unit.
 _KINDS = {"Pa": ("pressure", "MPa"), "N": ("force", "N"), "m": ("length", "um"), "Pa s": ("viscosity", "mPa s")}
+_KINDS |= {"s": ("time", "s")}
 _LABELS = {
     "conductivity": "Conductivity of body and counterbody",
     "friction": "Coefficient of friction",
@@ -61,45 +62,41 @@ def _list_tick_boxes() -> dict[str, TickBox]:
             if form.is_array or name in _OMITTED or any(field.unit not in ("", *_KINDS) for field in needed):
                 continue
             setting = f"ask_{name.replace('-', '_')}"
-            fields = []
-            for field in needed:
-                words = field.name.replace("_", " ")
-                label = _LABELS.get(field.name, words.capitalize())
-                label += f", {field.plain_unit}" if field.plain_unit else ""
-                units = _KINDS.get(field.unit or "", ("", ""))
-                fields.append(
-                    FormField(
-                        field.name, f"{setting}_{field.name}", label, *units, field.is_pair, bool(field.plain_unit)
-                    )
-                )
+            fields = make_fields(setting, needed)
             axis = f"{setting}_axis" if any(field.name == "axis" for field in form.fields) else ""
-            found[name] = TickBox(setting, name.replace("-", " "), form.summary, tuple(fields), axis)
+            found[name] = TickBox(setting, name.replace("-", " "), form.summary, fields, axis)
     return found
+
+
+def make_fields(setting: str, needed: Sequence[PartField]) -> tuple[FormField, ...]:
+    """Return the fields of a part below its tick box; a unit that the page does not offer may stand in their texts."""
+    found = []
+    for field in needed:
+        units = _KINDS.get(field.unit or "", ("", ""))
+        stated = field.plain_unit or ("" if units[0] else field.unit or "")
+        label = _LABELS.get(field.name, field.name.replace("_", " ").capitalize())
+        label += f", {stated}" if stated else ""
+        found.append(FormField(field.name, f"{setting}_{field.name}", label, *units, field.is_pair, bool(stated)))
+    return tuple(found)
 
 
 TICK_BOXES = _list_tick_boxes()
 
 
-def list_defaults() -> dict[str, str]:
-    """Return the settings of all tick boxes with their first texts."""
+def list_defaults(boxes: Sequence[TickBox]) -> dict[str, str]:
+    """Return the settings of tick boxes with their first texts."""
     found: dict[str, str] = {}
-    for box in TICK_BOXES.values():
+    for box in boxes:
         found |= {box.setting: "no"} | {field.setting: "" for field in box.fields}
         found |= {f"{field.setting}_unit": field.unit for field in box.fields if field.kind}
         found |= {box.axis: "x"} if box.axis else {}
     return found
 
 
-def list_choices() -> dict[str, tuple[str, ...]]:
+def list_choices(boxes: Sequence[TickBox]) -> dict[str, tuple[str, ...]]:
     """Return the allowed texts of those settings that have a choice."""
-    found: dict[str, tuple[str, ...]] = {box.setting: ("no", "yes") for box in TICK_BOXES.values()}
-    return found | {box.axis: ("x", "y") for box in TICK_BOXES.values() if box.axis}
-
-
-def build_asked(name: str, fields: Mapping[str, Any]) -> Response[Any]:
-    """Return a response with its fields, or raise `InputError` in words of the page."""
-    response: Response[Any] = build_part(responses, name, fields, TICK_BOXES[name].label.capitalize())
-    return response
+    found: dict[str, tuple[str, ...]] = {box.setting: ("no", "yes") for box in boxes}
+    return found | {box.axis: ("x", "y") for box in boxes if box.axis}
 
 
 def ask(

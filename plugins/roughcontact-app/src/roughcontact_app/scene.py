@@ -19,6 +19,7 @@ from roughcontact import (
     ParaboloidSurface,
     SphereSurface,
     Surface,
+    Viscoelastic,
     examples,
     interactions,
     match,
@@ -32,10 +33,13 @@ from roughcontact.typing import Load, Pair, RawMap, read_raw
 
 from roughcontact_app.settings import (
     DEFAULTS,
+    PREFIXES,
     Settings,
     WrongSetting,
+    chosen_laws,
     cycle_values,
     fretting_values,
+    list_values,
     load_values,
     plain,
     quantity,
@@ -201,6 +205,7 @@ def make_problem(settings: Settings, scene: Scene) -> ContactProblem:
             "grid": scene.grid,
             "boundary": settings["boundary"],
             "adhesion": _describe_interaction(settings),
+            "laws": chosen_laws(settings),
         }
     )
 
@@ -373,6 +378,19 @@ def _make_synthetic(settings: Settings) -> Surface:
 
 
 def _describe_material(settings: Settings, prefix: str, whose: str) -> dict[str, Any]:
+    if settings[f"{prefix}material"] == "viscoelastic":
+        for name in PREFIXES:
+            if settings[f"{name}layers"] != "0":
+                sentence = "Layers beside a viscoelastic body are not known: choose no layers, or another material."
+                raise WrongSetting(sentence, f"{name}layers")
+        series: dict[str, Any] = {
+            "moduli": list_values(settings, f"{prefix}moduli", f"moduli of {whose}", "modulus"),
+            "times": list_values(settings, f"{prefix}relaxation", f"relaxation times of {whose}", "time"),
+            "poisson": plain(settings, f"{prefix}poisson", f"Poisson's ratio of {whose}"),
+        }
+        with reading(f"{prefix}relaxation"):
+            Viscoelastic(**series)
+        return {"type": "viscoelastic", **series}
     material = _read_fields(settings, _units_of(ElasticPerfectlyPlastic), prefix, f" of {whose}")
     with reading(f"{prefix}poisson"):
         Elastic(material["young"], material["poisson"])

@@ -37,6 +37,7 @@ _DRAINING = 2.0
 _TYPES = {
     "css": "text/css; charset=utf-8",
     "csv": "text/csv; charset=utf-8",
+    "gif": "image/gif",
     "html": "text/html; charset=utf-8",
     "js": "text/javascript; charset=utf-8",
     "npz": "application/octet-stream",
@@ -209,7 +210,7 @@ class _Handler(BaseHTTPRequestHandler):
             raise Refusal(http.HTTPStatus.NOT_FOUND, "This run has no such file.")
         ending = name.rpartition(".")[2]
         extra = {"Content-Security-Policy": _REPORT_POLICY} if ending == "html" else {}
-        if ending in ("csv", "npz"):
+        if ending in ("csv", "gif", "npz"):
             # The page's link names the file.
             extra = {"Content-Disposition": "attachment"}
         self._send(200, _TYPES[ending], file.read_bytes(), extra)
@@ -224,6 +225,7 @@ class _Handler(BaseHTTPRequestHandler):
             "api/surface": session.show_surface,
             "api/roughness": session.describe_roughness,
             "api/plan": session.plan,
+            "api/state": session.draw_state,
             "api/runs": session.start,
         }
         if path in actions:

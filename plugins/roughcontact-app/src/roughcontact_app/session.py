@@ -10,9 +10,11 @@ from pathlib import Path
 from typing import Any
 
 import attrs
+from roughcontact.errors import InputError
 
 from roughcontact_app.folder import PrivateFolder
 from roughcontact_app.jobs import Jobs
+from roughcontact_app.laws import LAW_BOXES
 from roughcontact_app.page import Page
 from roughcontact_app.responses import TICK_BOXES
 from roughcontact_app.scene import EXAMPLES, list_materials
@@ -57,6 +59,7 @@ class Session:
             "materials": list_materials(),
             "endings": known_endings(),
             "responses": [attrs.asdict(box) for box in TICK_BOXES.values()],
+            "laws": [attrs.asdict(box) for box in LAW_BOXES.values()],
         }
 
     def upload(self, source: BufferedIOBase, size: int, name: str, page: str, body: str = "") -> dict[str, Any]:
@@ -100,6 +103,21 @@ class Session:
         """Return what a run will do and cost."""
         maker = self._page(page)
         return maker.make(self._task("plan", read_settings(data), maker.folder), "Planning the solve")
+
+    def draw_state(self, data: object, page: str) -> dict[str, Any]:
+        """Return the name of the picture of a panel of a state of a path that has been followed."""
+        asked = data if isinstance(data, dict) else {}
+        job = self.jobs.find(str(asked.get("run")))
+        shown = {} if job is None else {one["panel"]: one for one in job.describe()["outputs"] if "states" in one}
+        panel = shown.get(str(asked.get("panel")))
+        number = asked.get("state")
+        if job is None or panel is None or type(number) is not int or not 1 <= number <= len(panel["states"]):
+            raise InputError("There is no picture of such a state here any more: solve again.")
+        maker = self._page(page)
+        task = self._task("state", job.settings, maker.folder) | {"panel": panel["panel"], "fields": panel["fields"]}
+        task["file"] = str(job.folder / f"solution-{number}.npz")
+        with maker.making:
+            return {"picture": self._keep(maker.folder / maker.make(task, "Drawing the state")["picture"])}
 
     def start(self, data: object, page: str) -> dict[str, Any]:
         """Start a run, and return what is known of it."""

@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import argparse
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from decimal import Decimal
 from typing import Any, TypeAlias
 
-from roughcontact import Boundary, Response
+from roughcontact import Boundary, Law, Response, laws, responses
 from roughcontact.errors import InputError, short
+from roughcontact.faces import build_part
+from roughcontact.typing import quantity as reader_of
 from roughcontact.typing import si
 
-from roughcontact_app.responses import TICK_BOXES, TickBox, build_asked, list_choices, list_defaults
+from roughcontact_app.laws import LAW_BOXES
+from roughcontact_app.responses import TICK_BOXES, TickBox, list_choices, list_defaults
+from roughcontact_app.words import end_sentence
 
 Settings: TypeAlias = Mapping[str, str]
 
@@ -25,6 +30,7 @@ UNITS: dict[str, dict[str, int]] = {
     "approach": {"m": 0, "mm": -3, "um": -6, "nm": -9},
     "work": {"J/m2": 0, "mJ/m2": -3},
     "viscosity": {"Pa s": 0, "mPa s": -3},
+    "time": {"s": 0, "ms": -3, "us": -6},
 }
 # The smallest and largest of each kind, in its SI unit: from below an atom to beyond all bodies and what they carry.
 _RANGES = {
@@ -35,6 +41,7 @@ _RANGES = {
     "approach": (1e-15, 1e3),
     "work": (1e-9, 1e9),
     "viscosity": (1e-9, 1e12),
+    "time": (1e-15, 1e15),
 }
 # Numbers between which units have a prefix that people know.
 _SHOWN_SIZES = (1e-15, 1e15)
@@ -55,7 +62,8 @@ def _split_units(fields: Mapping[str, str], prefix: str = "") -> dict[str, str]:
 
 
 _OF_LAYER = {"young": "400 GPa", "poisson": "0.25", "thickness": "2 um", "yield_stress": " GPa"}
-_OF_MATERIAL = {"young": "210 GPa", "poisson": "0.3", "hardness": " GPa"}
+_OF_MATERIAL = {"material": "elastic", "young": "210 GPa", "poisson": "0.3", "hardness": " GPa", "moduli": " MPa"}
+_OF_MATERIAL |= {"relaxation": " s"}
 _OF_FILE = {
     **dict.fromkeys(("file", "file_name", "size_x", "size_y", "height_unit"), ""),
     "size_unit": "um",
@@ -96,6 +104,9 @@ DEFAULTS: dict[str, str] = {
     "load": "pressure",
     "loads": "100",
     "load_unit": "MPa",
+    "path": "no",
+    **_split_units({"time": " s", "sliding": " m"}),
+    "path_accuracy": "0.001",
     "cycle_from": "-0.1",
     "cycle_to": "0.5",
     "cycle_unit": "um",
@@ -104,14 +115,17 @@ DEFAULTS: dict[str, str] = {
     "boundary": "free",
     **{name: text for prefix in PREFIXES for name, text in _split_units(_OF_FILE | _OF_MATERIAL, prefix).items()},
     **{name: text for prefix in PREFIXES for name, text in list_layer_defaults(prefix).items()},
-    **list_defaults(),
+    **list_defaults([*TICK_BOXES.values(), *LAW_BOXES.values()]),
     "scheme": "light",
 }
+# Kinds of loads that have values.
+_LOADS = ("force", "pressure", "approach")
 _CHOICES_OF_BODY = {
     "rows": ("auto", "x", "y"),
     "non_measured": ("refuse", "fill", "keep"),
     "form": ("none", "plane", "quadratic", "sphere"),
     "layers": tuple(map(str, range(MOST_LAYERS + 1))),
+    "material": ("elastic", "viscoelastic"),
 }
 _CHOICES = {
     "surface": ("example", "file", "self-affine", "wavy", "sphere"),
@@ -120,20 +134,22 @@ _CHOICES = {
     "interpolation": ("bilinear", "cubic"),
     "counterbody": ("rigid", "deformable"),
     "adhesion": ("none", "exponential", "van-der-waals", "short-range"),
-    "load": ("force", "pressure", "approach", "cycle", "fretting"),
+    "load": (*_LOADS, "cycle", "fretting"),
+    "path": ("no", "yes"),
     "added": ("ball", "cylinder-y", "cylinder-x"),
     "boundary": tuple(map(str, Boundary)),
     **{f"{prefix}{name}": allowed for prefix in PREFIXES for name, allowed in _CHOICES_OF_BODY.items()},
-    **list_choices(),
+    **list_choices([*TICK_BOXES.values(), *LAW_BOXES.values()]),
     "scheme": ("light", "dark"),
 }
 # Characters of one setting; and the digits of a number and of its exponent, more than float64 can tell apart.
 _LONGEST = 300
 _NUMBER = re.compile(r"[-+]?(?:[0-9]{1,40}\.?[0-9]{0,40}|\.[0-9]{1,40})(?:[eE][-+]?[0-9]{1,4})?")
-_WITH_UNIT = re.compile(rf"{_NUMBER.pattern}\s*[^\W\d_].*")
+# The e of an exponent is not a unit.
+_WITH_UNIT = re.compile(rf"(?!{_NUMBER.pattern}$){_NUMBER.pattern}\s*[^\W\d_].*")
 _BETWEEN_NUMBERS = re.compile(r"[;\s]+(?=[-+.\d])")
 _WHOLE = re.compile(r"[0-9]{1,9}")
-# Loads of one run: a curve has no more points that can be told apart.
+# Loads of one run, and states of a path: a curve has no more points that can be told apart.
 _MOST_LOADS = 40
 # Beyond those of any surfaces.
 _MOST_FRICTION = 10.0
@@ -223,10 +239,48 @@ def _load_values(settings: Settings) -> list[float]:
         raise InputError.about("The number of loads", len(texts), f"at most {_MOST_LOADS}")
     label = "The load" if len(texts) == 1 else "Each load"
     signed = settings["adhesion"] != "none"
-    values = [_quantity(text, label, kind, unit, False, signed=signed) for text in texts]
-    if len(set(values)) < len(values):
+    # A path unloads the surfaces, but begins with a load.
+    first, *others = texts
+    values = [_quantity(first, "The first load" if is_path(settings) else label, kind, unit, False, signed=signed)]
+    values += [_quantity(text, label, kind, unit, is_path(settings), signed=signed) for text in others]
+    if len(set(values)) < len(values) and not is_path(settings):
         raise InputError("A load is given twice: give each load once.")
     return values
+
+
+def is_path(settings: Settings) -> bool:
+    """Return whether the loads follow each other on a path on which the surfaces change."""
+    return settings["path"] == "yes" and settings["load"] in _LOADS
+
+
+def path_values(settings: Settings) -> tuple[dict[str, Any], dict[str, Any], float]:
+    """Return the loads of a path by their kind, one or several, its times and sliding distances, and its accuracy."""
+    loads = load_values(settings)
+    passed = {
+        name: list_values(settings, name, several, kind) if settings[name] else None
+        for name, several, kind in (("time", "times", "time"), ("sliding", "sliding distances", "length"))
+    }
+    accuracy = plain(settings, "path_accuracy", "The accuracy of a path")
+    return {settings["load"]: loads if len(loads) > 1 else loads[0]}, passed, accuracy
+
+
+def list_values(settings: Settings, name: str, several: str, kind: str) -> list[float]:
+    """Return the numbers of a setting in SI units; one that states its own unit is read as on the command line."""
+    with reading(name):
+        texts = _BETWEEN_NUMBERS.split(settings[name].strip("; \t"))
+        if len(texts) > _MOST_LOADS:
+            raise InputError.about(f"The number of {several}", len(texts), f"at most {_MOST_LOADS}")
+        unit = _unit(settings, f"{name}_unit", kind)
+        return [_read_value(text, f"Each of the {several}", kind, unit) for text in texts]
+
+
+def _read_value(text: str, label: str, kind: str, unit: str) -> float:
+    if not _WITH_UNIT.fullmatch(text):
+        return _quantity(text, label, kind, unit, True)
+    try:
+        return reader_of(next(iter(UNITS[kind])))(text)
+    except argparse.ArgumentTypeError as error:
+        raise InputError(f"{label}: {error}.") from error
 
 
 def cycle_values(settings: Settings) -> list[float]:
@@ -277,11 +331,24 @@ def fretting_values(settings: Settings) -> tuple[float, float, float]:
 
 def asked_responses(settings: Settings) -> dict[str, Response[Any]]:
     """Return the responses that are ticked, by name."""
-    ticked = {name: box for name, box in TICK_BOXES.items() if settings[box.setting] == "yes"}
+    return _build_ticked(settings, responses, TICK_BOXES)
+
+
+def chosen_laws(settings: Settings) -> list[Law]:
+    """Return the laws that are ticked, by which the surfaces change on a path."""
+    return [*_build_ticked(settings, laws, LAW_BOXES).values()] if is_path(settings) else []
+
+
+def _build_ticked(settings: Settings, registry: Any, boxes: Mapping[str, TickBox]) -> dict[str, Any]:
+    ticked = {name: box for name, box in boxes.items() if settings[box.setting] == "yes"}
     found = {}
     for name, box in ticked.items():
-        with reading(box.fields[0].setting if box.fields else box.setting):
-            found[name] = build_asked(name, _fields_of(settings, box))
+        fields = _fields_of(settings, box)
+        try:
+            found[name] = build_part(registry, name, fields, box.label.capitalize())
+        except InputError as error:
+            wrong = box.fields[0].setting if box.fields else box.setting
+            raise WrongSetting(end_sentence(error.marked), wrong) from error
     return found
 
 

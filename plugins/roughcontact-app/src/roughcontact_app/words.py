@@ -11,10 +11,13 @@ _CONTROLS = {
     "boundary": "'Beyond the border of the domain'",
     "force": "a force",
     "friction": "'Coefficient of friction'",
+    "laws": "'Laws by which the surfaces change'",
     "non_measured": "'Non-measured points'",
     "pressure": "a mean pressure",
     "rows": "'Rows of the file'",
     "size": "both sides of the map",
+    "sliding": "'Sliding distances'",
+    "time": "'Times'",
     "unit": "'Unit of the heights'",
 }
 # Those whose values the page writes as a script does.

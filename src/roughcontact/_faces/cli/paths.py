@@ -50,7 +50,7 @@ from roughcontact._solve.problem import (
     find_path_inputs,
     is_unfinished,
     list_loads,
-    list_places,
+    prepare_path,
     remember_changes,
     require_frictional,
     run_load_path,
@@ -271,15 +271,19 @@ class ChangingSurfaces(Course):
         for load in loads:
             if load.value:
                 problem.require_load(**load.arguments)
-        list_places(loads, **self._passed)
+        prepare_path(problem, self._describe_loads(loads), self._passed, self._accuracy)
         return tuple(loads)
 
     def solve(self, problem: rc.ContactProblem, loads: Sequence[Load]) -> LoadPath:
         """Return the path."""
-        values = [load.value for load in loads]
-        normal = {loads[0].kind: values if len(values) > 1 else values[0]}
+        normal = self._describe_loads(loads)
         with show_progress("solving", quiet=self._quiet) as change:
             return run_load_path(problem, normal, {}, self._passed, self._accuracy, None, change, self._find_file())
+
+    def _describe_loads(self, loads: Sequence[Load]) -> dict[str, Any]:
+        """Return the loads as `ContactProblem.path` takes them."""
+        values = [load.value for load in loads]
+        return {loads[0].kind: values if len(values) > 1 else values[0]}
 
     def _find_file(self) -> Path | None:
         """Return the file that grows with the path: what a killed one has left goes on, anything else is replaced."""

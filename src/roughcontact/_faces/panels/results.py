@@ -206,11 +206,17 @@ def _list_runs(chosen: Array) -> list[tuple[int, int]]:
 
 
 def _draw_areas(path: LoadPath, name: str, values: Array, axes: Any) -> None:
-    """Draw the contact area over what passes: where that spans decades, on a logarithmic axis beside its start."""
-    factor, unit = prefixed(float(values.max()), {"sliding": "m", "time": "s"}[name])
+    """Draw the contact area over what passes."""
     percent = 100.0 / path[0].grid.area
     areas = [state.area() for state in path]
     shown, spread = (np.array([percent * getattr(area, of) for area in areas]) for of in ("value", "uncertainty"))
+    draw_over_course(axes, name, values, shown, spread, "contact area, % of nominal")
+
+
+def draw_over_course(axes: Any, name: str, values: Array, shown: Array, spread: Array, label: str) -> None:
+    """Draw a number over what passes: where that spans decades, on a logarithmic axis beside its start."""
+    words, base = {"sliding": ("sliding distance", "m"), "time": ("time", "s"), "state": ("state", "")}[name]
+    factor, unit = prefixed(float(values.max()), base) if base else (1.0, "")
     later = values > 0.0
     is_wide = np.count_nonzero(later) > 2 and values.max() > _MIN_WIDE_RATIO * values[later].min()
     drawn = later if is_wide else np.full(values.shape, True)
@@ -218,20 +224,19 @@ def _draw_areas(path: LoadPath, name: str, values: Array, axes: Any) -> None:
     if not drawn.all():
         axes.axhline(shown[~drawn][-1], linestyle="--", color=theme_of(axes).lines[0], label="at the start")
         add_key(axes)
-    words = {"sliding": "sliding distance", "time": "time"}[name]
-    scale_axes(axes, x=f"{words}, {unit}", y="contact area, % of nominal", logarithmic="x" if is_wide else "")
+    scale_axes(axes, x=label_axis(words, unit), y=label, logarithmic="x" if is_wide else "")
 
 
 def draw_study(table: Table, names: StudyNames, axes: Any, dark: bool = False) -> Any:
     """Draw one column of a study over another one; see `StudyResult.plot`."""
     axes = _own_axes(axes, dark)
-    x, y, spread = (_numbers_of(table, name) for name in (names.x, names.y, names.spread))
+    x, y, spread = (numbers_of(table, name) for name in (names.x, names.y, names.spread))
     drawn = np.isfinite(x) & np.isfinite(y)
     if not drawn.any():
         raise InputError(f"No solve has both {names.x!r} and {names.y!r}, so that there is nothing to draw.")
     groups = table.columns[names.color] if names.color else [""] * x.size
-    x_factor, x_unit = _choose_unit(x[drawn], table.units.get(names.x, ""))
-    y_factor, y_unit = _choose_unit(y[drawn], table.units.get(names.y, ""))
+    x_factor, x_unit = choose_unit(x[drawn], table.units.get(names.x, ""))
+    y_factor, y_unit = choose_unit(y[drawn], table.units.get(names.y, ""))
     with style(theme_of(axes).is_dark):
         for group in dict.fromkeys(groups):
             of_group = drawn & np.array([one == group for one in groups])
@@ -242,13 +247,13 @@ def draw_study(table: Table, names: StudyNames, axes: Any, dark: bool = False) -
             draw_band(axes, x_factor * curve[0], y_factor * curve[1], y_factor * curve[2], label=label)
         ends = {"x": (x[drawn].min(), x[drawn].max()), "y": (y[drawn].min(), y[drawn].max())}
         wide = "".join(axis for axis, (low, high) in ends.items() if 0.0 < low <= high / _MIN_LOGARITHMIC_RATIO)
-        scale_axes(axes, x=_label(names.x, x_unit), y=_label(names.y, y_unit), logarithmic=wide)
+        scale_axes(axes, x=label_axis(names.x, x_unit), y=label_axis(names.y, y_unit), logarithmic=wide)
         if names.color:
             add_key(axes)
     return axes
 
 
-def _numbers_of(table: Table, name: str) -> Array:
+def numbers_of(table: Table, name: str) -> Array:
     """Return a column as numbers, shape (n,), zero without a name; what is missing is NaN."""
     count = len(next(iter(table.columns.values())))
     if not name:
@@ -259,19 +264,19 @@ def _numbers_of(table: Table, name: str) -> Array:
         raise InputError(f"The column {name!r} has no numbers: give it to color=, or another one.") from None
 
 
-def _choose_unit(values: Array, unit: str) -> tuple[float, str]:
-    base, power = ("m", 2) if unit == "m2" else (unit, 1)
-    if not base or has_power(base):
+def choose_unit(values: Array, unit: str) -> tuple[float, str]:
+    base, power = ("m", int(unit[1])) if unit in ("m2", "m3") else (unit, 1)
+    if not base or has_power(base) or not values.size:
         return 1.0, unit
     factor, named = prefixed(float(np.sqrt(np.abs(values).max() * np.abs(values).min())), base, power)
-    return factor, named.replace("m2", "m²")
+    return factor, named.replace("m2", "m²").replace("m3", "m³")
 
 
 def _name_value(value: object, unit: str) -> str:
     return si(float(value), unit) if isinstance(value, (int, float)) and unit else str(value)
 
 
-def _label(name: str, unit: str) -> str:
+def label_axis(name: str, unit: str) -> str:
     words = name.replace("_", " ")
     return f"{words}, {unit}" if unit else words
 

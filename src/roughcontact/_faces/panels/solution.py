@@ -65,6 +65,10 @@ def _true_or_false(what: str) -> Any:
     return attrs.field(default=True, converter=partial(flag, what=what))
 
 
+def _highest_pressure(value: object) -> float:
+    return number(value, "The highest pressure that is drawn", "Pa", above=0.0)
+
+
 def _known_heights(value: object) -> str:
     return choice(value, "The heights to draw", _HEIGHTS)
 
@@ -104,12 +108,15 @@ class PressurePanel(Panel):
     ----------
     edge
         Whether the edge is drawn.
+    highest
+        Pressure at the end of the colours, Pa, such as that of several states; None: the highest one.
     """
 
     edge: bool = _true_or_false("edge=")
+    highest: float | None = attrs.field(default=None, converter=attrs.converters.optional(_highest_pressure))
 
     def draw(self, subject: Any, axes: Any) -> None:
-        highest = float(subject.contact_pressure.max())
+        highest = float(subject.contact_pressure.max()) if self.highest is None else self.highest
         draw_pressure(subject, axes, highest, names_saturated=subject.saturated.any(), edge=self.edge)
 
 

@@ -51,6 +51,7 @@ from roughcontact._solve.problem.load_path import PATH_ACCURACY as PATH_ACCURACY
 from roughcontact._solve.problem.load_path import LoadPath as LoadPath
 from roughcontact._solve.problem.load_path import check_accuracy as check_accuracy
 from roughcontact._solve.problem.load_path import find_bodies as find_bodies
+from roughcontact._solve.problem.load_path import prepare_path as prepare_path
 from roughcontact._solve.problem.load_path import read_load_path as read_load_path
 from roughcontact._solve.problem.load_path import require_used as require_used
 from roughcontact._solve.problem.load_path import run_load_path as run_load_path

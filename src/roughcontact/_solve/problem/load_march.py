@@ -57,7 +57,7 @@ def list_places(loads: Sequence[Load], time: object, sliding: object, shift: obj
     if len(loads) > 1 or not counts:
         counts[f"{loads[0].kind}"] = len(loads)
     if len(set(counts.values())) > 1:
-        texts = ", ".join(f"{count} of {name}=" for name, count in counts.items())
+        texts = ", ".join(f"{count} for {argument(name)}" for name, count in counts.items())
         raise InputError(f"The lists of a path must have one value for each place, but there are {texts}.")
     count = next(iter(counts.values()))
     given = {name: values for name, values in passed.items() if values is not None}

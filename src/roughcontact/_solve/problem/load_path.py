@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from itertools import accumulate, pairwise
 from pathlib import Path as File
-from typing import Any
+from typing import Any, TypeVar
 
 import attrs
 import numpy as np
@@ -43,6 +43,9 @@ from roughcontact._solve.problem.sweep import tabulate_states
 from roughcontact._solve.problem.task import limit_load
 from roughcontact._solve.solution import ContactSolution, Governed, Process, read_states
 from roughcontact.errors import InputError, argument
+from roughcontact.errors.door import guarded
+
+S = TypeVar("S", bound=Scene)
 
 # Admissible error of an increment, over the change of the surfaces.
 PATH_ACCURACY = 1e-3
@@ -325,19 +328,28 @@ def run_load_path(
     require_omitted(omitted, f"with {argument('friction', '0.3')}")
     accuracy = check_accuracy(accuracy)
     told = checks.callback(on_increment, "on_increment=", "state")
+    scene, places = prepare_path(problem, normal, passed, accuracy)
+    count = count_done(change, len(places), "place")
+    kept = None if file is None else PathFile(file, scene, places, accuracy)
+    return follow_path(scene, places, accuracy, told or (lambda state: None), count, kept)
+
+
+@guarded
+def prepare_path(
+    problem: S, normal: Mapping[str, Any], passed: Mapping[str, Any], accuracy: float
+) -> tuple[S, tuple[Place, ...]]:
+    """Return the problem of a `ContactProblem.path` with the laws that its materials bring, and its places."""
+    check_accuracy(accuracy)
     loads = _list_loads(problem, normal, Load.resting_sequence)
     moved = None if passed.get("shift") is None else list_shifts(passed["shift"])
     scene = remember_changes(problem)
     sliding = _measure_sliding(scene, passed["sliding"], moved, (0, 0), 0.0)
-    passed = {"time": passed["time"], "sliding": sliding}
-    places = list_places(loads, **passed, shift=moved)
-    require_used(scene, passed)
+    places = list_places(loads, passed["time"], sliding, moved)
+    require_used(scene, {"time": passed["time"], "sliding": sliding})
     _require_movable(scene, moved)
     if np.any(moved or 0):
         scene = remember_both(scene)
-    count = count_done(change, len(places), "place")
-    kept = None if file is None else PathFile(file, scene, places, accuracy)
-    return follow_path(scene, places, accuracy, told or (lambda state: None), count, kept)
+    return scene, places
 
 
 def check_accuracy(value: object) -> float:

@@ -96,7 +96,7 @@ async function showPlan(values, change) {
     return;
   }
   if (change !== changes) return;
-  const solves = plan.solves > plan.loads.length ? "states" : "loads";
+  const solves = plan.solves > plan.loads.length || settings.isPath(values) ? "states" : "loads";
   const loads = plan.solves > 1 ? `${plan.solves} ${solves}, about` : "About";
   byId("plan").textContent = `${loads} ${duration(plan.seconds)} for the solve, ${plan.memory}.`;
   byId("plan-basis").textContent = plan.basis;
@@ -216,7 +216,7 @@ function listen() {
 async function begin() {
   try {
     const start = await get("api/start");
-    settings.prepare(start.defaults, start.examples, start.materials, start.responses);
+    settings.prepare(start.defaults, start.examples, start.materials, start.responses, start.laws);
     for (const file of files) file.input.accept = start.endings.join(",");
   } catch (error) {
     showNoSurface(error.message);

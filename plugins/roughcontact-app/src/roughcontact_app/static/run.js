@@ -3,7 +3,8 @@
 import { get, post } from "./api.js";
 import { byId, element, say, showList } from "./page.js";
 import { ENDED } from "./runs.js";
-import { describe, subjectOf } from "./settings.js";
+import { describe, isPath, subjectOf } from "./settings.js";
+import { States } from "./states.js";
 import { Viewer } from "./viewer.js";
 
 const PHASES = {
@@ -16,6 +17,7 @@ const CYCLES = ["cycle", "fretting"];
 const GIVEN = { pressure: "mean pressure", force: "force", approach: "approach" };
 const INTERVAL = 400;
 let viewer;
+let states;
 let current = "";
 let shown = {};
 let timer = 0;
@@ -23,12 +25,14 @@ let timer = 0;
 export function follow(run, onChange) {
   clearTimeout(timer);
   viewer ??= new Viewer(byId("picture"), "Picture of the answer");
+  states ??= new States(viewer);
   current = run;
   shown = { panel: "", phase: "", answers: 0, outputs: -1 };
   byId("run").hidden = false;
   for (const name of ["answer", "run-problem", "run-subject", "progress"]) byId(name).hidden = true;
   byId("panel-buttons").dataset.run = "";
   viewer.hide();
+  states.hide();
   byId("cancel").onclick = () => post(`api/cancel/${run}`, {}).catch(() => {});
   poll(run, onChange);
 }
@@ -81,6 +85,8 @@ function renderAnswer(state) {
     ? `Energy lost in a cycle ${quantity(first, "energy lost in a cycle").text}`
     : load === "cycle"
     ? `Pull-off ${quantity(first, "pull-off").text}; energy lost in the cycle ${quantity(first, "energy lost").text}`
+    : isPath(state.settings)
+    ? `${state.answers.length} states of the path; at the end a contact area of ${percent(state.answers.at(-1))}`
     : many
     ? `${state.answers.length} loads solved`
     : `Contact area ${quantity(first, "contact area").text}; ${percent(first)}`;
@@ -139,7 +145,7 @@ function curveRows(state) {
   });
   const top = element("thead");
   top.append(head);
-  return [element("caption", "The answers, a row for each load", { class: "unseen" }), top, body(rows)];
+  return [element("caption", isPath(state.settings) ? "The answers, a row for each state" : "The answers, a row for each load", { class: "unseen" }), top, body(rows)];
 }
 
 function fileLink(state, output, text, main = false) {
@@ -165,6 +171,8 @@ function renderOutputs(state) {
   // It keeps the place of the report, so that nothing jumps away under the pointer.
   else if (!ENDED.includes(state.phase)) links.push(element("span", "The report follows", { class: "button", "aria-disabled": "true" }));
   if (of("table")) links.push(fileLink(state, of("table"), "Table (.csv)"));
+  if (of("path")) links.push(fileLink(state, of("path"), "Path (.npz)"));
+  if (of("animation")) links.push(fileLink(state, of("animation"), "Moving picture (.gif)"));
   if (!many && of("solution")) links.push(fileLink(state, of("solution"), "Fields (.npz)"));
   keepOrReplace(byId("downloads"), links);
   for (const cell of byId("answer-table").querySelectorAll("[data-files]")) {
@@ -203,5 +211,10 @@ function renderPictures(state) {
 
 function choosePicture(state, output, button) {
   for (const other of byId("panel-buttons").children) other.setAttribute("aria-pressed", String(other === button));
+  if (output.states) {
+    states.show(state.id, output);
+    return;
+  }
+  states.hide();
   viewer.show(`runs/${state.id}/${output.file}`, `The ${output.panel.replaceAll("-", " ")} of this contact`);
 }

@@ -11,6 +11,7 @@ const UNITS = {
   approach: { mm: "mm", um: "µm", nm: "nm" },
   work: { "J/m2": "J/m²", "mJ/m2": "mJ/m²" },
   viscosity: { "Pa s": "Pa s", "mPa s": "mPa s" },
+  time: { s: "s", ms: "ms", us: "µs" },
 };
 // Cycles have fields of their own; those of a load keep what they hold at first.
 UNITS.cycle = UNITS.fretting = UNITS.pressure;
@@ -28,11 +29,12 @@ function fill(select, options) {
 }
 
 // The page's own first values are those of the server, so that the link can omit them.
-export function prepare(first, examples, typical, responses) {
+export function prepare(first, examples, typical, responses, laws) {
   materials = typical;
   copyFieldsOfMap();
   for (const place of form.querySelectorAll("[data-layers]")) addLayers(place);
-  for (const one of responses) addResponse(one);
+  for (const one of responses) addTickBox("responses", one);
+  for (const one of laws) addTickBox("laws", one);
   fill(form.elements.example, Object.fromEntries(examples.map((name) => [name, name.replaceAll("_", " ")])));
   for (const select of form.querySelectorAll("[data-units]")) fill(select, UNITS[select.dataset.units]);
   for (const select of form.querySelectorAll("[data-preset]")) {
@@ -110,8 +112,8 @@ function addLayers(place) {
   }
 }
 
-// A tick box for what the contact does, and below it its fields.
-function addResponse({ setting, label, summary, fields, axis }) {
+// A tick box for what the contact does, or for a law, and below it its fields.
+function addTickBox(place, { setting, label, summary, fields, axis }) {
   const line = element("label", "", { class: "tick" });
   const words = element("span");
   words.append(element("b", label), element("span", summary, { class: "help" }));
@@ -128,7 +130,7 @@ function addResponse({ setting, label, summary, fields, axis }) {
     fill(select, { x: "x", y: "y" });
     below.append(labelled(axis, "Axis", select));
   }
-  document.getElementById("responses").append(line, ...(below.children.length ? [below] : []));
+  document.getElementById(place).append(line, ...(below.children.length ? [below] : []));
 }
 
 function labelled(id, text, control) {
@@ -257,6 +259,19 @@ export function differ(others) {
   return Object.keys(defaults).some((name) => counts(name) && own[name].trim() !== others[name]);
 }
 
+export const isPath = ({ load, path }) => path === "yes" && ["pressure", "force", "approach"].includes(load);
+
+function describePath(values, of) {
+  // A list that ends with a unit needs none.
+  const listed = (name) => (/[a-z]$/i.test(values[name]) ? values[name] : of(name));
+  const passing = ["time", "sliding"].filter((name) => values[name]).map((name) => `${name} ${listed(name)}`);
+  return ["a path", ...passing, ...ticked(values, "law_")].join(", ");
+}
+
+// What is ticked, in words, of the boxes whose names begin alike.
+const ticked = (values, prefix) => [...form.querySelectorAll(`[type=checkbox][name^=${prefix}]`)]
+  .filter(({ name }) => values[name] === "yes").map(({ name }) => name.replace(prefix, "").replaceAll("_", " "));
+
 export const subjectOf = ({ surface, file_name: name, example }) => ({ file: name || "map", example: example.replaceAll("_", " ") }[surface] || surface);
 
 function describeOther(values, of) {
@@ -273,6 +288,7 @@ export function describe(values) {
   const of = (name, unit = `${name}_unit`) => `${values[name]} ${values[unit].replace(/^u/, "µ")}`;
   const material = (prefix) => {
     const hard = values[`${prefix}hardness`] ? `hardness ${of(`${prefix}hardness`)}` : "elastic";
+    if (values[`${prefix}material`] === "viscoelastic") return `moduli ${of(`${prefix}moduli`)} relaxing in ${of(`${prefix}relaxation`)}`;
     return `E ${of(`${prefix}young`)}, ν ${values[`${prefix}poisson`]}, ${hard}`;
   };
   const parts = [subjectOf(values)];
@@ -284,7 +300,7 @@ export function describe(values) {
     fretting: `normal force ${of("normal_force")}, tangential force ±${of("tangential_force")}, friction ${values.friction}`,
   };
   if (["file", "example"].includes(values.surface) && values.counterbody_surface === "file") parts.push(describeOther(values, of));
-  parts.push(load[values.load] || of("loads", "load_unit"), material(""));
+  parts.push(load[values.load] || of("loads", "load_unit"), ...(isPath(values) ? [describePath(values, of)] : []), material(""));
   if (values.counterbody === "deformable") parts.push(`counterbody ${material("counterbody_")}`);
   for (const [prefix, whose] of [["", "body"], ["counterbody_", "counterbody"]]) {
     for (let number = 1; number <= Number(values[`${prefix}layers`]); number += 1) {
@@ -293,7 +309,6 @@ export function describe(values) {
   }
   if (values.adhesion !== "none") parts.push(`${values.adhesion.replaceAll("-", " ")} adhesion of ${of("work").replace("m2", "m²")}`);
   if (["exponential", "van-der-waals"].includes(values.adhesion)) parts.push(`range ${of("range")}`);
-  const ticked = [...form.querySelectorAll("[type=checkbox]")].filter(({ name }) => values[name] === "yes");
-  const asked = ticked.map(({ name }) => name.replace(/^ask_/, "").replaceAll("_", " "));
+  const asked = ticked(values, "ask_");
   return [...parts, values.boundary].join(", ") + (asked.length ? `; with ${asked.join(", ")}` : "");
 }

@@ -21,11 +21,12 @@ export class Viewer {
     this.reset();
   }
 
-  show(address, text) {
+  // Another picture of the same kind may keep what is zoomed in.
+  show(address, text, keepsView = false) {
     this.image.src = address;
     this.image.alt = text;
     this.place.hidden = false;
-    this.reset();
+    if (!keepsView) this.reset();
   }
 
   hide() {
