@@ -428,7 +428,7 @@ def test_the_help_of_solve_is_short_and_has_topics(capsys, monkeypatch):
 
     short = read()
     everything = read("all")
-    assert len(short.splitlines()) <= 100
+    assert len(short.splitlines()) <= 90
     assert {"--layer", "--boundary", "--force"} <= set(re.findall(r"--[\w-]+", short))
     options = set(re.findall(r"^  (?:-\w[^-]*, )?(--[\w-]+)", everything, re.M))
     topics = re.findall(r"^  --help (\w+)", short, re.M)
