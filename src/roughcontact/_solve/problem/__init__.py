@@ -50,7 +50,6 @@ from roughcontact._solve.problem.load_path import check_accuracy as check_accura
 from roughcontact._solve.problem.load_path import prepare_path as prepare_path
 from roughcontact._solve.problem.load_path import read_load_path as read_load_path
 from roughcontact._solve.problem.load_path import remember_changes as remember_changes
-from roughcontact._solve.problem.load_path import require_used as require_used
 from roughcontact._solve.problem.load_path import run_load_path as run_load_path
 from roughcontact._solve.problem.load_path import save_load_path as save_load_path
 from roughcontact._solve.problem.loads import order_loads as order_loads
