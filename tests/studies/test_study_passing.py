@@ -151,6 +151,18 @@ def test_creep_over_axes_of_a_function(tmp_path):
     assert first == pytest.approx(4.0 * forces[1], rel=1e-4)
 
 
+def test_loads_that_come_back_keep_their_records(tmp_path):
+    """Each state remembers those before: the first and the third, at one load, are not the same."""
+    ball = rc.Body(rc.SphereSurface(1e-3), rc.ElasticPerfectlyPlastic(210e9, 0.3, 2e9))
+    problem = rc.ContactProblem(ball, grid=rc.Grid((24, 20), (1e-4, 0.8e-4)), laws=rc.Flattening())
+    study = rc.Study(problem, force=[1.0, 4.0, 1.0, 4.0])
+    first = study.run(tmp_path)
+    assert first[2].approach > 1.2 * first[0].approach
+    again = study.run(tmp_path)
+    assert again.computed == 0
+    assert again.records == first.records
+
+
 def test_a_load_that_fails_leaves_the_others(tmp_path):
     """Each load is a path on fresh surfaces: it does not need the one before."""
 

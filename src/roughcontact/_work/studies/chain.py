@@ -185,7 +185,8 @@ class Chain(Point):
         """The key of each load."""
         places = list(map(self.find_place, self.loads))
         found = [self.known.keys[place] for place in places if place in self.known.keys]
-        return tuple(found) if len(found) == len(places) else self.solution_keys()
+        # Where a load comes back, its place does not tell which of the states is meant.
+        return tuple(found) if len(found) == len(set(places)) == len(places) else self.solution_keys()
 
     def solution_keys(self) -> tuple[str, ...]:
         """Return the key of each load, computed from its content."""
