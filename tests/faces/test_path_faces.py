@@ -253,6 +253,10 @@ class TestCyclesSpeedAndShift:
             ((*SLIP, *ENERGY, "--accuracy", "0.01"), "--accuracy is for increments of --time, --sliding or --cycles"),
             ((*SLIP, *ENERGY, "--time", "1s", "--accuracy", "0.01"), "--time is for loads without friction"),
             (("--force", "1N", *ENERGY), "--law energy-wear changes nothing without --tangential: give that too"),
+            (
+                ("--force", "1N", "--counterbody-young", "210GPa", "--friction", "0.3", "--slide", *ENERGY),
+                "--law energy-wear changes nothing without --tangential: give that too, or omit the law.",
+            ),
             (("--force", "1N", *WEAR), "--law archard changes nothing without --sliding or --shift: give that too"),
             (("--loads", "1N", "2N", "--path", *WEAR), "--law archard changes nothing without --sliding or --shift"),
             (("--force", "1N", "--speed", "1m/s"), "--speed is for steady sliding: give --slide too"),

@@ -74,9 +74,9 @@ def _read_laws(options: argparse.Namespace) -> list[rc.Law]:
         # A law that does not say what it depends on may change with any load.
         rates = () if law.rates == rc.Law.rates else law.rates
         needed = [f"--{one}" for rate in rates for one in _RATES.get(rate, ())]
-        # With friction the problem says what it takes.
-        is_free = getattr(options, "friction", None) is None
-        if needed and is_free and all(getattr(options, one[2:], None) is None for one in needed):
+        # What else does not fit friction, the problem itself refuses.
+        counts = "slip" in rates or getattr(options, "friction", None) is None
+        if needed and counts and all(getattr(options, one[2:], None) is None for one in needed):
             raise rc.InputError(
                 f"--law {name} changes nothing without {' or '.join(needed)}: give that too, or omit the law."
             )
