@@ -20,6 +20,7 @@ from roughcontact._base.archive.plain import rebuild as rebuild
 from roughcontact._base.registry import registries as registries
 from roughcontact._solve.problem import read_frictional_path as read_frictional_path
 from roughcontact._solve.problem import save_path as save_path
+from roughcontact._solve.problem.path_file import PathFile as PathFile
 from roughcontact._work.studies.lists import RecordList
 from roughcontact._work.studies.lists import read_journal as read_journal
 from roughcontact._work.studies.lists import read_list as read_list

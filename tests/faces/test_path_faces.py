@@ -22,6 +22,11 @@ HARD = [*STEEL, "--hardness", "2GPa"]
 LOADS = ["--loads", "2N", "4N", "1N", "0N", "4N", "--path"]
 WEAR = ["--law", "archard", "coefficient=1e-16m2/N"]
 SLIDING = [*WEAR, "--sliding", "0m", "10cm", "1m"]
+SLIP = ["--force", "1N", "--counterbody-young", "210GPa", "--friction", "0.5", "--tangential", "1um", "-1um"]
+ENERGY = ["--law", "energy-wear", "coefficient=2e-14m3/J"]
+FRETTING = [*STEEL, *SLIP, *ENERGY]
+RUBBER = ["moduli=1MPa,3MPa", "times=10ms", "poisson=0.5"]
+ROAD = ["--young", "50GPa", "--counterbody-viscoelastic", *RUBBER, "--boundary", "periodic", "--slide"]
 
 
 @pytest.fixture(scope="module")
@@ -134,7 +139,7 @@ class TestCommand:
             (("--force", "1N", "--sliding", "1m", "0m", *WEAR), "that do not fall"),
             (("--loads", "1N", "2N", "--sliding", "0m", "1m", "2m", *WEAR), "one value for each place"),
             (("--loads", "0N", "1N", "--path"), "above 0 (N), but got 0.0"),
-            (("--loads", "1N", "-2N", "--path"), "above 0 (N), but got -2"),
+            (("--loads", "1N", "-2N", "--path"), "at least 0 (N), but got -2"),
             (("--loads", "1N", "2N", "--path", "--area", "cell-count"), "--area is not for a path"),
             (("--force", "1N", *SLIDING, "--area-within", "1%"), "--area-within is not for a path: omit it"),
             (("--force", "1N", *SLIDING, "--refine"), "--refine is not for a path"),
@@ -152,6 +157,151 @@ class TestCommand:
         assert status == 2
         assert sentence in words_of(printed.err)
         assert printed.out == ""
+
+
+class TestCyclesSpeedAndShift:
+    """What passes beside loads: many cycles of them, a speed, the places of a counterbody."""
+
+    @pytest.fixture(scope="class")
+    @staticmethod
+    def rough(tmp_path_factory):
+        """Rough heights that repeat, longer than wide, an odd number of cells."""
+        grid = rc.Grid((33, 16), (1e-3, 0.5e-3))
+        surface = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.1, shortest=0.25e-3, longest=1e-3, seed=3)
+        path = tmp_path_factory.mktemp("maps") / "rough.npz"
+        np.savez(path, heights=surface.heights(grid), size=grid.size, periodic=True)
+        return path
+
+    def test_cycles_wear_as_in_a_script(self, ball, capsys, tmp_path):
+        saved, page, moving = (tmp_path / f"cycles.{ending}" for ending in ("npz", "html", "gif"))
+        given = [*FRETTING, "--cycles", "1", "10", "1e3", "--accuracy", "0.01"]
+        status, printed = run(capsys, "solve", ball, *given, "-o", saved, "-o", moving, "--report", page)
+        assert status in (0, 3)
+        steel = rc.Elastic(210e9, 0.3)
+        bodies = rc.Body(rc.read_surface(ball), steel), rc.Body(rc.FlatSurface(), steel)
+        problem = rc.ContactProblem(*bodies, laws=rc.EnergyWear("2e-14m3/J"))
+        turns = {"displacement": [(1e-6, 0.0), (-1e-6, 0.0)], "friction": 0.5}
+        path = problem.path(force=1.0, **turns, cycles=[1, 10, 1000], accuracy=0.01)
+        assert words_of(str(path)) in words_of(printed.out)
+        np.testing.assert_array_equal(rc.load(saved)[-1].pressure, path[-1].pressure)
+        with Image.open(moving) as file:
+            assert file.n_frames == 6
+        assert "cycles=[1.0, 10.0, 1e3]" in script_of(page.read_text(encoding="utf-8"))
+        rows = list(csv.DictReader(io.StringIO(run(capsys, "solve", ball, *given, "--csv")[1].out)))
+        assert [float(row["cycle"]) for row in rows] == [1, 1, 10, 10, 1000, 1000]
+        assert [float(row["worn_volume [m3]"]) for row in rows] == path.table().columns["worn_volume"]
+        found = json.loads(run(capsys, "solve", ball, *given, "--json")[1].out)
+        assert found["inputs"]["cycles"] == [1.0, 10.0, 1000.0]
+        assert found["inputs"]["accuracy"] == 0.01
+
+    def test_rubber_slides_at_a_speed(self, rough, capsys, tmp_path):
+        saved, fields, page, picture = (tmp_path / f"sliding.{ending}" for ending in ("npz", "nc", "html", "png"))
+        files = ("-o", saved, "-o", fields, "-o", picture, "--report", page)
+        status, printed = run(capsys, "solve", rough, "--pressure", "20kPa", *ROAD, "--speed", "10mm/s", *files)
+        assert status in (0, 3)
+        assert "friction coefficient" in printed.out
+        rubber = rc.Viscoelastic(moduli=["1MPa", "3MPa"], times=["10ms"], poisson=0.5)
+        road = rc.Body(rc.read_surface(rough), rc.Elastic(50e9, 0.3))
+        problem = rc.ContactProblem(road, rc.Body(rc.FlatSurface(), rubber), boundary="periodic")
+        state = problem.slide(pressure=20e3, speed="10mm/s", direction=0.0)
+        for name in ("npz", "nc"):
+            loaded = rc.load(tmp_path / f"sliding.{name}") if name == "npz" else rc.ContactSolution.load(fields)
+            np.testing.assert_allclose(loaded.pressure, state.pressure, rtol=0.0, atol=1e-4 * state.pressure.max())
+        assert "SteadySliding" in page.read_text(encoding="utf-8")
+        assert picture.read_bytes()[:4] == b"\x89PNG"
+        # Several loads, and another direction.
+        several = ("--loads", "10kPa", "20kPa", *ROAD, "90deg", "--speed", "10mm/s")
+        found = json.loads(run(capsys, "solve", rough, *several, "--json")[1].out)["solutions"]
+        across = problem.slide(pressure=20e3, speed="10mm/s", direction=90.0).friction_coefficient.value
+        assert found[1]["friction_coefficient"]["value"] == pytest.approx(across, rel=1e-4)
+        assert across != pytest.approx(state.friction_coefficient.value, rel=1e-2)
+
+    def test_rubber_creeps(self, ball, capsys):
+        rubber = ["--viscoelastic", *RUBBER]
+        given = ("--approach", "1um", *rubber, "--time", "0s", "10ms", "10s", "--json")
+        states = json.loads(run(capsys, "solve", ball, *given)[1].out)["states"]
+        assert states[0]["force"] / states[2]["force"] == pytest.approx(4.0, rel=1e-4)
+        # A scenario: as many loads as times.
+        given = ("--loads", "1mN", "2mN", "0mN", *rubber, "--time", "1ms", "20ms", "30ms", "--json")
+        found = json.loads(run(capsys, "solve", ball, *given)[1].out)
+        body = rc.Body(rc.read_surface(ball), rc.Viscoelastic(["1MPa", "3MPa"], ["10ms"], 0.5))
+        path = rc.ContactProblem(body).path(force=[1e-3, 2e-3, 0.0], time=[1e-3, 20e-3, 30e-3])
+        assert [state["approach"] for state in found["states"]] == path.approach.tolist()
+        assert found["inputs"]["time"] == path.time.tolist()
+
+    def test_the_counterbody_moves(self, rough, capsys, tmp_path):
+        saved, moving = tmp_path / "shifts.npz", tmp_path / "shifts.gif"
+        given = ["--pressure", "1MPa", "--young", "1GPa", "--boundary", "periodic", "--law", "archard"]
+        given += ["coefficient=3e-11m2/N", "--shift", "0", "2", "4", "4,-2", "-2,0"]
+        status, printed = run(capsys, "solve", rough, *given, "-o", saved, "-o", moving)
+        assert status in (0, 3)
+        body = rc.Body(rc.read_surface(rough), rc.Elastic(1e9, 0.3))
+        problem = rc.ContactProblem(body, boundary="periodic", laws=rc.Archard("3e-11m2/N"))
+        path = problem.path(pressure=1e6, shift=[(0, 0), (2, 0), (4, 0), (4, -2), (-2, 0)])
+        assert words_of(str(path)) in words_of(printed.out)
+        np.testing.assert_array_equal(rc.load(saved)[-1].pressure, path[-1].pressure)
+        assert rc.load(saved).shift.tolist() == path.shift.tolist()
+        found = json.loads(run(capsys, "solve", rough, *given, "--json")[1].out)
+        assert found["inputs"]["shift"] == path.shift.tolist()
+
+    @pytest.mark.parametrize(
+        ("arguments", "sentence"),
+        [
+            (("--force", "1N", "--cycles", "1", "10"), "--cycles is for loads along the surface that return"),
+            ((*SLIP, "--cycles", "1", "10"), "--cycles needs a law by which slip wears: give --law energy-wear"),
+            ((*SLIP, *ENERGY, "--cycles", "10", "1"), "whole numbers from one on that rise"),
+            ((*SLIP, *ENERGY, "--cycles", "1.5", "--dry-run"), "whole numbers from one on that rise"),
+            ((*SLIP, *ENERGY, "--accuracy", "0.01"), "--accuracy is for increments of --time, --sliding or --cycles"),
+            ((*SLIP, *ENERGY, "--time", "1s", "--accuracy", "0.01"), "--time is for loads without friction"),
+            (("--force", "1N", *ENERGY), "--law energy-wear changes nothing without --tangential: give that too"),
+            (
+                ("--force", "1N", "--counterbody-young", "210GPa", "--friction", "0.3", "--slide", *ENERGY),
+                "--law energy-wear changes nothing without --tangential: give that too, or omit the law.",
+            ),
+            (("--force", "1N", *WEAR), "--law archard changes nothing without --sliding or --shift: give that too"),
+            (("--loads", "1N", "2N", "--path", *WEAR), "--law archard changes nothing without --sliding or --shift"),
+            (("--force", "1N", "--speed", "1m/s"), "--speed is for steady sliding: give --slide too"),
+            (("--force", "1N", "--slide", "--speed", "1m/s"), "--speed is for viscoelastic bodies: give"),
+            (("--force", "1N", "--slide"), "give --friction 0.3, for example, or --speed of viscoelastic bodies"),
+            (("--force", "1N", "--slide", "--speed", "1"), "'1' has no unit"),
+            (
+                ("--force", "1N", "--slide", "--speed", "1m/s", "--friction", "0.3"),
+                "--friction is not for bodies that slide at a speed: omit it with --speed.",
+            ),
+            (
+                ("--loads", "1N", "2N", "--slide", "--speed", "1m/s", "--path"),
+                "--path is not for bodies that slide at a speed",
+            ),
+            (("--force", "1N", "--shift", "0", "1.5", *WEAR), "'1.5' is not a whole number"),
+            (("--force", "1N", "--shift", "0", "1,2,3", *WEAR), "'2,3' is not a whole number"),
+            (("--force", "1N", "--shift", "0", "1", "--boundary", "periodic"), "Nothing remembers where"),
+            (("--force", "1N", "--shift", "0", "1", *WEAR, "--dry-run"), "needs a boundary that is periodic there"),
+            (("--force", "1N", "--shift", "0", "1", *WEAR, "--accuracy", "0.1"), "--accuracy is for increments of"),
+            (("--loads", "1N", "2N", "--shift", "0", "1", "2", *WEAR), "one value for each place"),
+            (("--force", "1N", "--time", "0s", "1s", "--dry-run"), "Nothing changes with the time"),
+        ],
+    )  # fmt: skip
+    def test_refuses_what_does_not_fit(self, ball, capsys, arguments, sentence):
+        status, printed = run(capsys, "solve", ball, *STEEL, *arguments)
+        assert status == 2
+        assert sentence in words_of(printed.err)
+        assert printed.out == ""
+
+    @pytest.mark.parametrize(
+        ("arguments", "sentence"),
+        [
+            (("--young", "1MPa"), "not allowed with argument"),
+            (("--hardness", "1MPa"), "--hardness is for a Young's modulus: omit it with --viscoelastic."),
+            (("--poisson", "0.5"), "--poisson is for a Young's modulus: omit it with --viscoelastic."),
+            (("--counterbody-viscoelastic", "moduli=1MPa"), "required field 'times' is missing"),
+            (("--slide", "--speed", "1mm/s"), "periodic along its direction"),
+        ],
+    )  # fmt: skip
+    def test_refuses_what_rubber_does_not_have(self, ball, capsys, arguments, sentence):
+        rubber = ["--viscoelastic", *RUBBER]
+        status, printed = run(capsys, "solve", ball, "--force", "1mN", *rubber, *arguments)
+        assert status == 2
+        assert sentence in words_of(printed.err)
 
 
 class TestFile:
@@ -258,10 +408,8 @@ class TestPicture:
 
 def test_pages_are_told_what_a_path_is_along():
     soft = rc.Body(rc.SphereSurface(1e-3), rc.Viscoelastic([1e6, 1e6], [1.0], 0.5))
-    passed = {"time": ["0s", "1min"], "sliding": None}
-    problem, places = rc.faces.prepare_path(
-        rc.ContactProblem(soft, grid=rc.Grid((9, 8), 1e-4)), {"force": 1.0}, passed, 1e-3
-    )
+    problem = rc.ContactProblem(soft, grid=rc.Grid((9, 8), 1e-4))
+    problem, places = rc.faces.prepare_path(problem, {"force": 1.0}, time=["0s", "1min"])
     assert [type(law) for law in problem.laws] == [rc.laws["relaxation"]]
     assert [(str(place.load), place.time) for place in places] == [("force 1 N", 0.0), ("force 1 N", 60.0)]
 

@@ -341,7 +341,7 @@ class TestCommand:
 
     def test_maps_still_need_material_and_load(self, tmp_path, capsys):
         assert main(["stability", str(tmp_path / "map.npz"), "--young", "1GPa"]) == 2
-        assert "Height maps need --young or --material, and one of --pressure" in capsys.readouterr().err
+        assert "need --young, --material or --viscoelastic, and one of --pressure" in capsys.readouterr().err
         assert main(["stability", "map.npz", "--young", "1GPa", "--force", "1N", "--problem", "ball"]) == 2
         assert "--problem is for a study file" in capsys.readouterr().err
 

@@ -13,7 +13,7 @@ import pytest
 
 import roughcontact as rc
 from roughcontact.__main__ import main
-from unit_files import digest_of, read_archive, write_archive
+from unit_files import PathFile, digest_of, read_archive, write_archive
 
 SOFT = rc.ElasticPerfectlyPlastic(young=1e9, poisson=0.0, hardness=30e6)
 RUBBER = rc.Viscoelastic(moduli=[2e8, 8e8], times=[1.0], poisson=0.3)
@@ -211,7 +211,7 @@ def test_states_of_another_path_do_not_follow_each_other(verify, place, tmp_path
         rc.load(tmp_path / "mixed.npz", verify=verify)
 
 
-def test_the_command_goes_on(tmp_path, capsys):
+def test_the_command_goes_on(tmp_path, capsys, monkeypatch):
     """From the file that a killed command has left; one that has ended is replaced."""
     grid = rc.Grid((16, 16), 1e-4)
     np.savez(tmp_path / "ball.npz", heights=rc.ParaboloidSurface(1e-3).heights(grid), size=grid.size)
@@ -230,6 +230,21 @@ def test_the_command_goes_on(tmp_path, capsys):
         same.path(force=1.0, sliding=[0.0, 1.0], accuracy=0.01, file=output, on_increment=interrupt_after(5))
     assert main([*command[:-2], "0.02", "-q"]) == 2
     assert "another problem or along other places" in " ".join(capsys.readouterr().err.split())
+    reads = []
+    read = sys.modules[PathFile.__module__].read_states
+    with monkeypatch.context() as patch:
+        patch.setattr(
+            f"{PathFile.__module__}.read_states", lambda *given, **more: reads.append(0) or read(*given, **more)
+        )
+        assert main(command) == 0
+    assert len(reads) == 1
+    assert digest(rc.load(output)) == digest(whole)
+    # What is not the begin of a path stays until the whole one is there.
+    output.write_bytes(b"heights")
+    with monkeypatch.context() as patch:
+        patch.setattr(PathFile, "finish", None)
+        assert main(command) != 0
+    assert output.read_bytes() == b"heights"
     assert main(command) == 0
     assert digest(rc.load(output)) == digest(whole)
     assert main(["solve", str(tmp_path / "ball.npz"), "--force", "1N", "--young", "210GPa", "--accuracy", "0.1"]) == 2

@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
+import contextlib
 import csv
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
 
+import attrs
 import numpy as np
 import pytest
 
 import roughcontact as rc
 from roughcontact.__main__ import main
-from unit_files import read_study
+from unit_files import PathFile, digest_of, read_study
 
 STUDY = """
 [problems.worn]
@@ -143,6 +151,18 @@ def test_creep_over_axes_of_a_function(tmp_path):
     assert first == pytest.approx(4.0 * forces[1], rel=1e-4)
 
 
+def test_loads_that_come_back_keep_their_records(tmp_path):
+    """Each state remembers those before: the first and the third, at one load, are not the same."""
+    ball = rc.Body(rc.SphereSurface(1e-3), rc.ElasticPerfectlyPlastic(210e9, 0.3, 2e9))
+    problem = rc.ContactProblem(ball, grid=rc.Grid((24, 20), (1e-4, 0.8e-4)), laws=rc.Flattening())
+    study = rc.Study(problem, force=[1.0, 4.0, 1.0, 4.0])
+    first = study.run(tmp_path)
+    assert first[2].approach > 1.2 * first[0].approach
+    again = study.run(tmp_path)
+    assert again.computed == 0
+    assert again.records == first.records
+
+
 def test_a_load_that_fails_leaves_the_others(tmp_path):
     """Each load is a path on fresh surfaces: it does not need the one before."""
 
@@ -158,6 +178,149 @@ def test_a_load_that_fails_leaves_the_others(tmp_path):
     assert result[3].numbers["worn_volume"][0] == alone.table().columns["worn_volume"][-1]
 
 
+SCENARIO = """
+[problems.worn]
+grid = {shape = [40, 25], size = [240e-6, 70e-6]}
+laws = [{type = "archard", coefficient = "1e-16m2/N"}]
+body = {surface = {type = "sphere", radius = "1mm"}, material = {young = "210GPa", poisson = 0.3, hardness = "2GPa"}}
+[study]
+force = ["0.2N", "0.3N"]
+sliding = ["0m", "10cm", "1m", "2m"]
+factors = [1, 2, 0.5, 1]
+accuracy = 1e-3
+"""
+
+
+def stated(records):
+    """Return all that records state but the seconds that they took."""
+    return [{name: value for name, value in attrs.asdict(one).items() if name != "seconds"} for one in records]
+
+
+class TestScenario:
+    """Loads that change as times and distances pass, over the load of the study."""
+
+    @pytest.fixture(scope="class")
+    @staticmethod
+    def whole(tmp_path_factory):
+        """The study, and its results by a run without a stop."""
+        folder = tmp_path_factory.mktemp("scenario")
+        (folder / "study.toml").write_text(SCENARIO)
+        study = read_study(folder / "study.toml")
+        return study, study.run(folder / "all")
+
+    def test_it_is_a_path_of_its_loads(self, whole):
+        study, result = whole
+        for record in result:
+            loads = [factor * record.load for factor in (1.0, 2.0, 0.5, 1.0)]
+            path = study.problems["worn"].path(force=loads, sliding=[0.0, 0.1, 1.0, 2.0])
+            assert record.numbers["worn_volume"] == (path.table().columns["worn_volume"][-1], "m3")
+            assert record.approach == path[-1].approach
+            np.testing.assert_array_equal(result.path(record).force, path.force)
+        assert "under 1, 2, 0.5, 1 times each normal load" in str(study.explain())
+
+    def test_it_is_told_from_other_ones(self, whole, tmp_path):
+        study, _ = whole
+        given = {"force": [0.2], "sliding": study.sliding, "accuracy": 0.1, "fields": True}
+        for factors in (None, [1, 1, 1, 1], [1, 2, 0.5, 2]):
+            found = rc.Study(study.problems, **given, factors=factors).run(tmp_path)
+            assert found.computed == 1
+            rc.load(tmp_path / f"{found[0].key}.npz", verify=True)
+        for path in tmp_path.glob("study*"):
+            path.unlink()
+        assert rc.Study(study.problems, **given, factors=[1, 2, 0.5, 2]).run(tmp_path).computed == 0
+
+    def test_what_was_interrupted_goes_on(self, whole, tmp_path, monkeypatch, caplog):
+        study, result = whole
+        caplog.set_level("INFO", logger="roughcontact")
+        study.run(tmp_path / "other")
+        needed = _count_solves(caplog)
+        written = 0
+        write = PathFile.write
+
+        def write_and_stop(self, *others):
+            nonlocal written
+            write(self, *others)
+            written += 1
+            if written == needed // 4:
+                raise KeyboardInterrupt
+
+        caplog.clear()
+        with monkeypatch.context() as patch:
+            patch.setattr("roughcontact._solve.problem.path_file._PATIENCE", 0.0)
+            patch.setattr(PathFile, "write", write_and_stop)
+            with pytest.raises(KeyboardInterrupt):
+                study.run(tmp_path)
+        before = _count_solves(caplog)
+        assert before >= written
+        (draft,) = tmp_path.glob("*.npz")
+        assert len(rc.load(draft)) >= 1
+        caplog.clear()
+        again = study.run(tmp_path)
+        assert _count_solves(caplog) == needed - before
+        assert stated(again) == stated(result)
+        assert not list(tmp_path.glob("*.npz"))
+
+    def test_a_damaged_draft_is_not_believed(self, whole, tmp_path):
+        study, result = whole
+        draft = tmp_path / f"{result[0].key}-draft.npz"
+        draft.write_bytes(b"heights")
+        assert stated(study.run(tmp_path)) == stated(result)
+        assert not draft.exists()
+        # One whose process was killed between the record and its removal.
+        draft.write_bytes(b"heights")
+        assert study.run(tmp_path).computed == 0
+        assert not draft.exists()
+
+    @pytest.mark.slow
+    @pytest.mark.skipif(os.name != "posix", reason="processes are killed by a signal of POSIX")
+    def test_kills_lose_nothing(self, tmp_path):
+        """The records are those of a run that was left alone, and kills found the path at several places."""
+        (tmp_path / "study.toml").write_text(SCENARIO.replace("accuracy = 1e-3", "accuracy = 5e-6"))
+        study = read_study(tmp_path / "study.toml")
+        alone = study.run(tmp_path / "alone")
+        command = [sys.executable, "-m", "roughcontact", "run", "study.toml", "-o", "night"]
+        rng = random.Random(5)
+        found = set()
+        for _ in range(6):
+            process = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.DEVNULL)
+            _wait_for_writing(tmp_path / "night", process)
+            time.sleep(rng.uniform(0.0, 0.3))
+            process.send_signal(signal.SIGKILL)
+            process.wait(timeout=300)
+            drafts = _list_drafts(tmp_path / "night")
+            found |= {digest_of(np.frombuffer(path.read_bytes(), np.uint8)) for path in drafts}
+        assert len(found) >= 3
+        done = subprocess.run(command, cwd=tmp_path, stdout=subprocess.DEVNULL, timeout=600)
+        assert done.returncode in (0, 3)
+        again = study.run(tmp_path / "night")
+        assert again.computed == 0
+        assert stated(again) == stated(alone)
+        assert not _list_drafts(tmp_path / "night")
+
+
+def _count_solves(caplog):
+    return sum(record.getMessage().startswith("solved ") for record in caplog.records)
+
+
+def _list_drafts(folder):
+    return list(folder.glob("*-draft.npz"))
+
+
+def _wait_for_writing(folder, process):
+    """Wait until a draft was written by a process, or it has ended."""
+    known = _list_states(folder)
+    while _list_states(folder) <= known and process.poll() is None:
+        time.sleep(0.002)
+
+
+def _list_states(folder):
+    states = set()
+    for path in _list_drafts(folder):
+        with contextlib.suppress(FileNotFoundError):
+            states.add(path.stat().st_mtime_ns)
+    return states
+
+
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
@@ -168,6 +331,12 @@ def test_a_load_that_fails_leaves_the_others(tmp_path):
         ({"sliding": ["0m"], "friction": 0.3, "tangential_force": [(0.1, 0.0)]}, "without friction"),
         ({"sliding": ["0m"], "accuracy": 2.0}, "at most 1"),
         ({"accuracy": 0.01}, "increments of time or sliding"),
+        ({"sliding": ["0m", "1m"], "factors": [1, 2, 3]}, "one value for each place"),
+        ({"sliding": ["0m", "1m"], "factors": [0, 1]}, "above 0"),
+        ({"sliding": ["0m", "1m"], "factors": [1, -1]}, "at least 0"),
+        ({"sliding": ["0m", "1m"], "factors": 2.0}, "must be a list of numbers, factors="),
+        ({"sliding": ["0m"], "factors": []}, "must be a list of numbers, factors="),
+        ({"factors": [1, 2]}, r"give time=\[...\] or sliding= too"),
     ],
 )
 def test_what_does_not_fit_gets_a_sentence(arguments, said):

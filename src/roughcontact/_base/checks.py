@@ -177,15 +177,15 @@ def pair(
     return x, y
 
 
-def list_of(values: object, what: str, allowed: str) -> tuple[Any, ...]:
-    """Return the items of a list, or raise `InputError` if it is something else, such as a text."""
+def list_of(values: object, what: str, allowed: str, advice: str = "") -> tuple[Any, ...]:
+    """Return the items of a list, or raise `InputError`, with advice, if it is something else, such as a text."""
     items: tuple[Any, ...] | None
     try:
         items = None if isinstance(values, (str, bytes)) else tuple(values)  # type: ignore[arg-type]
     except Exception:
         items = None
     if items is None:
-        raise InputError.about(what, values, allowed)
+        raise InputError.about(what, values, allowed, advice)
     return items
 
 

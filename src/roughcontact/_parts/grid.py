@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from enum import StrEnum
 from functools import cached_property
 from typing import Any
@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from roughcontact._base.arrays import Array, Mask, Pair
-from roughcontact._base.checks import choice, integer, number, pair
+from roughcontact._base.checks import choice, integer, list_of, number, pair
 from roughcontact._base.machine import require_memory
 from roughcontact._base.units import PlainText, Quantity, si
 from roughcontact.errors import InputError, argument
@@ -331,12 +331,7 @@ class Load:
     @classmethod
     def _of_list(cls, given: dict[str, object], above: float | None) -> tuple[Load, ...]:
         kind, values = _the_one(given, f"Give exactly one list of loads: {_LOAD_ARGUMENTS}")
-        try:
-            items = None if isinstance(values, (str, bytes)) or not isinstance(values, Iterable) else tuple(values)
-        except Exception:
-            items = None
-        if items is None:
-            raise InputError.about("The loads", values, f"a list, {kind}=[...]", "For one load call solve().")
+        items = list_of(values, "The loads", f"a list, {kind}=[...]", "For one load call solve().")
         unit = _LOAD_KINDS[kind][1]
         loads = tuple(cls(kind, number(value, f"A load of {kind}=[...]", unit, above=above)) for value in items)
         if not loads:

@@ -180,7 +180,8 @@ def _prepare(settings: Settings, uploads: Uploads) -> tuple[ContactProblem, tupl
     problem = make_problem(settings, _scene(settings, uploads))
     if not is_path(settings):
         return problem, make_loads(settings, problem)
-    problem, places = prepare_path(problem, *path_values(settings))
+    normal, passed, accuracy = path_values(settings)
+    problem, places = prepare_path(problem, normal, **passed, accuracy=accuracy)
     return problem, tuple(place.load for place in places)
 
 

@@ -88,7 +88,7 @@ def whole_number(text: str) -> int:
 
 
 NUMBER = quantity("")
-METRE, _PASCAL, _NEWTON, _ANGLE, _SECOND = (quantity(unit) for unit in ("m", "Pa", "N", "rad", "s"))
+METRE, _PASCAL, _NEWTON, _ANGLE, _SECOND, _SPEED = (quantity(unit) for unit in ("m", "Pa", "N", "rad", "s", "m/s"))
 
 
 def _unit(text: str) -> float:
@@ -134,19 +134,11 @@ def add_problem(parser: argparse.ArgumentParser, *, study: bool = False) -> None
     )
     if not study:
         adhesion.add_argument("--states", type=whole_number, metavar="N", help="states on each branch of --cycle (41)")
-    changes = parser.add_argument_group("wear and other laws, and paths on which the surfaces change")
     law = "what else changes the contact; may be repeated: archard coefficient=1e-16m2/N"
-    changes.add_argument("--law", nargs="+", action="append", metavar=("LAW", "FIELD=VALUE"), help=law)
+    laws = add_group(parser, "laws", "paths")
+    laws.add_argument("--law", nargs="+", action="append", metavar=("LAW", "FIELD=VALUE"), help=law)
     if not study:
-        path = "follow --loads in their order, and remember"
-        changes.add_argument("--path", action="store_true", help=path)
-        for name, convert, what in (
-            ("sliding", METRE, "sliding distances of a path: 0m 1m 10m"),
-            ("time", _SECOND, "times of a path: 0s 1s 1e3s"),
-        ):
-            changes.add_argument(f"--{name}", type=convert, nargs="+", metavar=name[0].upper(), help=what)
-        strict = "relative error of each increment (0.001)"
-        changes.add_argument("--accuracy", type=NUMBER, metavar="D", help=strict)
+        _add_paths(parser)
         _add_friction(parser)
     _add_method(parser)
 
@@ -198,9 +190,29 @@ def _add_method(parser: argparse.ArgumentParser, *, boundary: bool = True) -> No
     )
 
 
+def _add_paths(parser: argparse.ArgumentParser) -> None:
+    """Declare loads and what passes at the places of a path on which the surfaces change."""
+    paths = add_group(parser, "paths", "paths")
+    paths.add_argument("--path", action="store_true", help="follow --loads in their order, and remember")
+    for name, convert, metavar, what in (
+        ("time", _SECOND, "T", "times at its places, under one load or as many: 0s 1s 1e3s"),
+        ("sliding", METRE, "S", "sliding distances there: 0m 1m 10m"),
+        ("shift", _shift, "N", "cells by which the counterbody is displaced there, along x or as X,Y: 0 4 8"),
+    ):
+        paths.add_argument(f"--{name}", type=convert, nargs="+", metavar=metavar, help=what)
+    strict = "relative error of each increment; with --cycles height that is lost at once, over the approach (0.001)"
+    paths.add_argument("--accuracy", type=NUMBER, metavar="D", help=strict)
+
+
+def _shift(text: str) -> tuple[int, int]:
+    """Return cells along x, or along x and y, for argparse."""
+    along, comma, across = text.strip().partition(",")
+    return whole_number(along), whole_number(across) if comma else 0
+
+
 def _add_friction(parser: argparse.ArgumentParser) -> None:
     """Declare loads along the surface, and steady sliding."""
-    friction = parser.add_argument_group("friction")
+    friction = add_group(parser, "friction", "paths")
     friction.add_argument(
         "--friction",
         nargs="+",
@@ -224,8 +236,13 @@ def _add_friction(parser: argparse.ArgumentParser) -> None:
         help="steady sliding: angle of the friction force on the body from x towards y, such as 30deg (0)",
     )
     friction.add_argument(
+        "--speed", type=_SPEED, metavar="V", help="with --slide, speed of viscoelastic bodies instead of --friction"
+    )
+    friction.add_argument(
         "--substeps", type=_number_or_auto, metavar="N", help="increments of each step, with --tangential (auto)"
     )
+    cycles = "numbers of the cycles to state, if --tangential is one of many, with --law energy-wear: 1 100 1e4"
+    friction.add_argument("--cycles", type=NUMBER, nargs="+", metavar="N", help=cycles)
 
 
 def _tangential(text: str) -> tuple[str, tuple[float, float]]:
@@ -259,6 +276,8 @@ def _add_materials(parser: argparse.ArgumentParser, study: bool) -> None:
         choice.add_argument(f"--{prefix}material", choices=TYPICAL, metavar="NAME", help=named)
         modulus = f"Young's modulus, such as 210GPa{rigid}"
         choice.add_argument(f"--{prefix}young", type=_PASCAL, metavar="E", help=modulus)
+        relaxes = "with a modulus that relaxes: moduli=1MPa,3MPa times=10ms poisson=0.5"
+        choice.add_argument(f"--{prefix}viscoelastic", nargs="+", metavar="FIELD=VALUE", help=relaxes)
         group.add_argument(f"--{prefix}poisson", type=NUMBER, metavar="NU", help=f"Poisson's ratio ({poisson})")
         group.add_argument(f"--{prefix}hardness", type=_PASCAL, metavar="H", help="hardness, such as 6GPa (elastic)")
         layer = "a layer, from the surface downwards; may be repeated: young=400GPa poisson=0.25 thickness=2um (none)"

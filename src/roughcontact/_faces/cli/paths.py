@@ -48,7 +48,7 @@ from roughcontact._solve.problem import (
     describe_estimate,
     explain_with_friction,
     find_path_inputs,
-    is_unfinished,
+    list_cycles,
     list_loads,
     prepare_path,
     remember_changes,
@@ -65,10 +65,13 @@ _STATES = 41
 # Options of a solve that say nothing of a cycle.
 _OUTSIDE_CYCLES = ("refine", "area", "area_within", "peak_within", "uncertainty")
 # Options of a path without friction, and those of a solve that say nothing of it.
-_OF_PATHS = ("path", "sliding", "time")
+_OF_PATHS = ("path", "time", "sliding", "shift")
 _OUTSIDE_PATHS = ("cycle", "solve_for", *_OUTSIDE_CYCLES)
-# Options of a solve that say nothing of a contact with friction.
-_WITHOUT_FRICTION = ("cycle", *_OF_PATHS, "accuracy", *_OUTSIDE_CYCLES)
+# Options whose increments have an accuracy.
+_WITH_ACCURACY = ("time", "sliding", "cycles")
+# Options of a solve that say nothing of a contact with friction, or of one that slides at a speed.
+_WITHOUT_FRICTION = ("cycle", *_OF_PATHS, *_OUTSIDE_CYCLES)
+_WITHOUT_SPEED = ("friction", "cycle", *_OF_PATHS)
 
 
 @attrs.frozen
@@ -200,17 +203,35 @@ def find_course(options: argparse.Namespace) -> Course | None:
     """Return what the options describe, before anything is read; None of single loads."""
     if options.substeps is not None and options.tangential is None:
         raise rc.InputError("--substeps is for loads along the surface: give --tangential too, or omit it.")
+    if options.cycles is not None and options.tangential is None:
+        raise rc.InputError("--cycles is for loads along the surface that return: give --tangential too, or omit it.")
+    if options.speed is not None and options.slide is None:
+        raise rc.InputError("--speed is for steady sliding: give --slide too, or omit it.")
     if options.friction is not None and options.tangential is None and options.slide is None:
         raise rc.InputError("--friction is for loads along the surface: give --tangential or --slide too.")
     if options.states is not None and options.cycle is None:
         raise rc.InputError("--states is for --cycle, whose branches have them: give both, or neither.")
-    if options.tangential is not None or options.slide is not None:
+    if options.accuracy is not None and all(getattr(options, name) is None for name in _WITH_ACCURACY):
+        raise rc.InputError(
+            "--accuracy is for increments of --time, --sliding or --cycles: give one of them, or omit it."
+        )
+    if options.speed is not None:
+        _refuse_beside_speed(options)
+    elif options.tangential is not None or options.slide is not None:
         return LoadsAlong(options)
-    if options.accuracy is not None and options.sliding is None and options.time is None:
-        raise rc.InputError("--accuracy is for increments of --sliding or --time: give one of them, or omit it.")
     if any(getattr(options, name) for name in _OF_PATHS):
         return ChangingSurfaces(options)
     return None if options.cycle is None else Cycle(options)
+
+
+def _refuse_beside_speed(options: argparse.Namespace) -> None:
+    """Refuse what does not fit bodies that slide at a speed, a law of single loads."""
+    refuse(options, _WITHOUT_SPEED, "is not for bodies that slide at a speed: omit it with --speed.")
+    if options.viscoelastic is None and options.counterbody_viscoelastic is None:
+        raise rc.InputError(
+            "--speed is for viscoelastic bodies: give --viscoelastic moduli=1MPa,3MPa times=10ms poisson=0.5, for "
+            "example, or --friction instead."
+        )
 
 
 class Cycle(Course):
@@ -246,7 +267,7 @@ class Cycle(Course):
 
 
 class ChangingSurfaces(Course):
-    """Loads, sliding distances and times along which the surfaces change: ``--path``, ``--sliding``, ``--time``."""
+    """Loads and what passes, along which the surfaces change: ``--path``, ``--time``, ``--sliding``, ``--shift``."""
 
     def __init__(self, options: argparse.Namespace):
         given = next(f"--{name}" for name in _OF_PATHS if getattr(options, name))
@@ -257,7 +278,7 @@ class ChangingSurfaces(Course):
             )
         if given == "--path" and options.loads is None:
             raise rc.InputError("--path is for several loads: give them to --loads, in their order, or omit it.")
-        self._passed = {name: getattr(options, name) for name in ("time", "sliding")}
+        self._passed = {name: getattr(options, name) for name in ("time", "sliding", "shift")}
         self._accuracy = PATH_ACCURACY if options.accuracy is None else options.accuracy
         self._outputs = options.output
         self._quiet = options.quiet
@@ -268,27 +289,22 @@ class ChangingSurfaces(Course):
 
     def require(self, problem: rc.ContactProblem, loads: Sequence[Load]) -> tuple[Load, ...]:
         """Return the normal loads, which after the first may be zero."""
-        for load in loads:
-            if load.value:
-                problem.require_load(**load.arguments)
-        prepare_path(problem, self._describe_loads(loads), self._passed, self._accuracy)
+        prepare_path(problem, _list_normal(loads), **self._passed, accuracy=self._accuracy)
         return tuple(loads)
 
     def solve(self, problem: rc.ContactProblem, loads: Sequence[Load]) -> LoadPath:
         """Return the path."""
-        normal = self._describe_loads(loads)
+        normal = _list_normal(loads)
+        # What a killed command has left goes on; anything else is replaced at the end.
+        file = next((path for path in map(Path, self._outputs) if path.suffix == ".npz"), None)
         with show_progress("solving", quiet=self._quiet) as change:
-            return run_load_path(problem, normal, {}, self._passed, self._accuracy, None, change, self._find_file())
+            return run_load_path(problem, normal, {}, self._passed, self._accuracy, None, change, file, is_draft=True)
 
-    def _describe_loads(self, loads: Sequence[Load]) -> dict[str, Any]:
-        """Return the loads as `ContactProblem.path` takes them."""
-        values = [load.value for load in loads]
-        return {loads[0].kind: values if len(values) > 1 else values[0]}
 
-    def _find_file(self) -> Path | None:
-        """Return the file that grows with the path: what a killed one has left goes on, anything else is replaced."""
-        files = [path for path in map(Path, self._outputs) if path.suffix == ".npz"]
-        return next((path for path in files if not path.exists() or is_unfinished(path)), None)
+def _list_normal(loads: Sequence[Load]) -> dict[str, Any]:
+    """Return the argument of `ContactProblem.path` that states these loads: one, or a list."""
+    values = [load.value for load in loads]
+    return {loads[0].kind: values if len(values) > 1 else values[0]}
 
 
 class LoadsAlong(Course):
@@ -296,13 +312,22 @@ class LoadsAlong(Course):
 
     def __init__(self, options: argparse.Namespace):
         given = "--tangential" if options.slide is None else "--slide"
+        rubber = "" if options.slide is None else ", or --speed of viscoelastic bodies"
         if options.friction is None:
-            raise rc.InputError(f"{given} needs a law by which the surfaces slip: give --friction 0.3, for example.")
+            raise rc.InputError(
+                f"{given} needs a law by which the surfaces slip: give --friction 0.3, for example{rubber}."
+            )
         refuse(options, _WITHOUT_FRICTION, f"is for loads without friction: omit it with {given}.")
+        if options.cycles is None:
+            refuse(options, ("accuracy",), f"is for --cycles: omit it with {given} alone.")
         if options.slide is not None and options.loads is not None:
             raise rc.InputError("--slide is for one load: give that instead of --loads.")
         if len({kind for kind, _ in options.tangential or ()}) > 1:
             raise rc.InputError("--tangential needs loads of one kind, but got forces and displacements.")
+        if options.cycles is not None and options.law is None:
+            raise rc.InputError(
+                "--cycles needs a law by which slip wears: give --law energy-wear coefficient=1e-14m3/J, for example."
+            )
         self._law = _read_law(options)
         self._options = options
 
@@ -315,10 +340,13 @@ class LoadsAlong(Course):
         """Return the plan of a path or of steady sliding, in words."""
         require_frictional(problem)
         # A path begins with the state under the normal load alone.
-        return explain_with_friction(problem.plan, self._law, 1 + len(self._options.tangential or ()))
+        states = 1 + len(self._options.tangential or ()) * len(self._options.cycles or (1,))
+        return explain_with_friction(problem.plan, self._law, states)
 
     def require(self, problem: rc.ContactProblem, loads: Sequence[Load]) -> tuple[Load, ...]:
         """Return the normal loads, of which the last of several may be zero."""
+        if self._options.cycles is not None:
+            list_cycles(self._options.cycles)
         if self._options.loads is None:
             return tuple(problem.require_load(**load.arguments) for load in loads)
         return list_loads(problem, {loads[0].kind: [load.value for load in loads]})
@@ -336,12 +364,15 @@ class LoadsAlong(Course):
         kind = self._options.tangential[0][0]
         given: dict[str, Any] = {loads[0].kind: values, kind: [pair for _, pair in self._options.tangential]}
         substeps = "auto" if self._options.substeps is None else self._options.substeps
+        cycles = {name: value for name in ("cycles", "accuracy") if (value := getattr(self._options, name)) is not None}
 
         def tell(done: Increment) -> None:
-            # The pressing is not counted: it may be a solve that has been asked for, or many increments.
-            change(str(done), (done.step - 1 + done.increment / done.increments) / done.steps if done.step else None)
+            # The pressing is not counted: it may be a solve that has been asked for, or many increments; nor are
+            # cycles, of which nobody knows how many are computed.
+            is_counted = done.step and not cycles
+            change(str(done), (done.step - 1 + done.increment / done.increments) / done.steps if is_counted else None)
 
-        return problem.path(**given, friction=self._law, substeps=substeps, on_increment=tell)
+        return problem.path(**given, friction=self._law, substeps=substeps, on_increment=tell, **cycles)
 
     def _slide(
         self, problem: rc.ContactProblem, loads: Sequence[Load], change: ChangeProgress

@@ -7,7 +7,7 @@ import math
 import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import attrs
 
@@ -19,6 +19,11 @@ from roughcontact._parts.files.reading import options_of
 from roughcontact._parts.grid import Boundary, Load
 from roughcontact._solve.problem import require_memory_of_solve
 from roughcontact._work.studies import LAYERED, build_layer, build_part, build_problem, find_layer_class
+
+# Options of which one describes the material of a body.
+MATERIALS = ("young", "material", "viscoelastic")
+# Options by which passes what a law depends on.
+_RATES = {"time": ("time",), "sliding": ("sliding", "shift"), "slip": ("tangential",)}
 
 
 def loads_of(options: argparse.Namespace) -> tuple[Load, ...]:
@@ -55,11 +60,29 @@ def problem_of(options: argparse.Namespace) -> rc.ContactProblem:
             **_describe_layers(options, "counterbody_"),
         },
         "adhesion": None if options.adhesion is None else _adhesion(options),
-        "laws": [make_part(rc.laws, "--law", name, texts) for name, *texts in options.law or ()],
+        "laws": _read_laws(options),
         **_describe_kernel(options),
         **{name: getattr(options, name) for name in ("boundary", "solver", "threads")},
     }
     return build_problem(table if matching is None else {**table, "match": matching})
+
+
+def _read_laws(options: argparse.Namespace) -> list[rc.Law]:
+    """Return the laws of the options; `InputError` for one of which nothing passes that it depends on."""
+    laws: list[rc.Law] = [make_part(rc.laws, "--law", name, texts) for name, *texts in options.law or ()]
+    for law, (name, *_) in zip(laws, options.law or (), strict=True):
+        # A law that does not say what it depends on may change with any load.
+        rates = () if law.rates == rc.Law.rates else law.rates
+        needed = [f"--{one}" for rate in rates for one in _RATES.get(rate, ())]
+        # What else does not fit friction, the problem itself refuses.
+        counts = "slip" in rates or getattr(options, "friction", None) is None
+        if needed and counts and all(getattr(options, one[2:], None) is None for one in needed):
+            raise rc.InputError(
+                f"--law {name} changes nothing without {' or '.join(needed)}: give that too, or omit the law."
+            )
+    if getattr(options, "speed", None) is not None:
+        laws.append(rc.SteadySliding(options.speed, math.degrees(options.slide)))
+    return laws
 
 
 def set_tolerance(options: argparse.Namespace, problem: rc.ContactProblem) -> rc.ContactProblem:
@@ -83,7 +106,7 @@ def make_part(registry: Registry[Any], option: str, name: str, texts: Sequence[s
 
 def _read_fields(texts: Sequence[str], what: str, cls: type[Any]) -> dict[str, Any]:
     """Return the texts of the fields of a class by name; its first words do, as ``yield`` of ``yield_stress``."""
-    known = [*list_fields(cls)]
+    known = list_fields(cls)
     fields: dict[str, Any] = {}
     # A comma separates fields too, but not the values of one.
     for text in (part for several in texts for part in re.split(r",(?=\w+=)", several)):
@@ -94,7 +117,8 @@ def _read_fields(texts: Sequence[str], what: str, cls: type[Any]) -> dict[str, A
         name = meant[0] if len(meant) == 1 else field
         if name in fields:
             raise rc.InputError(f"{what} has {name} twice: give it once.")
-        fields[name] = value.split(",") if "," in value else value
+        is_list = name in known and Ellipsis in get_args(known[name].kind)
+        fields[name] = value.split(",") if is_list or "," in value else value
     return fields
 
 
@@ -205,16 +229,25 @@ def _sides(lengths: list[float] | None) -> float | list[float] | None:
     return lengths[0] if lengths and len(lengths) == 1 else lengths
 
 
-def _describe_counterbody_material(options: argparse.Namespace) -> str | dict[str, float]:
-    if options.counterbody_young is None and options.counterbody_material is None:
+def _describe_counterbody_material(options: argparse.Namespace) -> Any:
+    if all(getattr(options, f"counterbody_{name}") is None for name in MATERIALS):
         names = ("counterbody_hardness", "counterbody_poisson")
         refuse(options, names, "needs --counterbody-young: without it the counterbody is rigid.")
         return "rigid"
     return _describe_material(options, "counterbody_", 0.3 if options.poisson is None else options.poisson)
 
 
-def _describe_material(options: argparse.Namespace, prefix: str = "", poisson: float = 0.3) -> str | dict[str, float]:
+def _describe_material(options: argparse.Namespace, prefix: str = "", poisson: float = 0.3) -> Any:
     """Return the material that options of this prefix name or describe, with this Poisson's ratio if they lack one."""
+    relaxing = getattr(options, f"{prefix}viscoelastic")
+    if relaxing is not None:
+        option = f"--{prefix.replace('_', '-')}viscoelastic"
+        refuse(
+            options,
+            (prefix + part for part in ("poisson", "hardness")),
+            f"is for a Young's modulus: omit it with {option}.",
+        )
+        return make_part(rc.materials, option, "viscoelastic", relaxing)
     name: str | None = getattr(options, f"{prefix}material")
     constants = {part: getattr(options, prefix + part) for part in ("young", "poisson", "hardness")}
     if name is None:
@@ -250,9 +283,9 @@ def read_scenes(options: argparse.Namespace) -> list[Scene]:
     """
     loaded = any(getattr(options, name) is not None for name in _LOADS)
     if not options.surface.lower().endswith(".toml"):
-        if (options.young is None and options.material is None) or not loaded:
+        if all(getattr(options, name) is None for name in MATERIALS) or not loaded:
             raise rc.InputError(
-                "Height maps need --young or --material, and one of --pressure, --force and --approach."
+                "Height maps need --young, --material or --viscoelastic, and one of --pressure, --force and --approach."
             )
         if options.problem is not None:
             raise rc.InputError("--problem is for a study file: give that instead of maps, or omit the option.")

@@ -56,6 +56,8 @@ examples:
       --hardness 6GPa --counterbody-young 210GPa --detrend plane \\
       -o contact.npz -o contact.png
   roughcontact solve map.npz --loads 1N 2N 5N --young 210GPa --csv > loads.csv
+  roughcontact solve ball.npz --loads 10N 20N 0N 20N --path --young 210GPa \\
+      --hardness 2GPa -o path.npz -o path.gif
   roughcontact solve map.npz --solve-for area=10% --young 210GPa
   roughcontact solve map.npz --force 1N --young 210GPa --stiffness \\
       --conductance 45 --stress --first-yield 1GPa
@@ -126,14 +128,14 @@ examples:
             files = plan_path_outputs(options, paths)
         with show_progress("reading the maps", quiet=options.quiet) as change:
             problem = problem_of(options)
-        if options.explain or options.dry_run:
-            plan = fit(problem.explain() if course is None else course.explain(problem))
-            print(plan, end="\n" if options.dry_run else "\n\n", file=sys.stderr if piped else None)
         loads = loads_of(options)
         if course is not None:
             loads = course.require(problem, loads)
         else:
             loads = tuple(problem.require_load(**load.arguments) for load in loads)
+        if options.explain or options.dry_run:
+            plan = fit(problem.explain() if course is None else course.explain(problem))
+            print(plan, end="\n" if options.dry_run else "\n\n", file=sys.stderr if piped else None)
         if options.dry_run:
             return 0
         if course is not None:

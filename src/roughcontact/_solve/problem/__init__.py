@@ -32,6 +32,7 @@ from roughcontact._solve.problem.expressions import describe_part as describe_pa
 from roughcontact._solve.problem.expressions import write_number as write_number
 from roughcontact._solve.problem.find_load import LoadSearch as LoadSearch
 from roughcontact._solve.problem.find_load import TriedLoad as TriedLoad
+from roughcontact._solve.problem.fretting import list_cycles as list_cycles
 from roughcontact._solve.problem.friction_certificate import require_frictional as require_frictional
 from roughcontact._solve.problem.friction_plan import explain_state as explain_state
 from roughcontact._solve.problem.friction_plan import explain_with_friction as explain_with_friction
@@ -64,7 +65,6 @@ from roughcontact._solve.problem.loads_along import run_slide as run_slide
 from roughcontact._solve.problem.memory import require_memory_of_solve as require_memory_of_solve
 from roughcontact._solve.problem.path import Path as Path
 from roughcontact._solve.problem.path import march as march
-from roughcontact._solve.problem.path_file import is_unfinished as is_unfinished
 from roughcontact._solve.problem.plan import SolvePlan as SolvePlan
 from roughcontact._solve.problem.problem import ContactProblem as ContactProblem
 from roughcontact._solve.problem.pull_off import OnStateToPullOff as OnStateToPullOff

@@ -323,29 +323,39 @@ def run_load_path(
     on_increment: object,
     change: ChangeProgress,
     file: str | os.PathLike[str] | None = None,
+    is_draft: bool = False,
 ) -> LoadPath:
-    """Return the path of a problem without friction; see `ContactProblem.path`."""
+    """Return the path of a problem without friction; see `ContactProblem.path`, and `PathFile` for its file."""
     require_omitted(omitted, f"with {argument('friction', '0.3')}")
     accuracy = check_accuracy(accuracy)
     told = checks.callback(on_increment, "on_increment=", "state")
-    scene, places = prepare_path(problem, normal, passed, accuracy)
+    scene, places = prepare_path(problem, normal, **passed, accuracy=accuracy)
     count = count_done(change, len(places), "place")
-    kept = None if file is None else PathFile(file, scene, places, accuracy)
+    kept = None if file is None else PathFile(file, scene, places, accuracy, is_draft)
     return follow_path(scene, places, accuracy, told or (lambda state: None), count, kept)
 
 
 @guarded
 def prepare_path(
-    problem: S, normal: Mapping[str, Any], passed: Mapping[str, Any], accuracy: float
+    problem: S,
+    normal: Mapping[str, Any],
+    *,
+    time: Any = None,
+    sliding: Any = None,
+    shift: Any = None,
+    accuracy: float = PATH_ACCURACY,
 ) -> tuple[S, tuple[Place, ...]]:
-    """Return the problem of a `ContactProblem.path` with the laws that its materials bring, and its places."""
+    """Return the problem with the laws that its materials bring, and the places of a path; see `ContactProblem.path`.
+
+    `InputError` if the bodies cannot carry a load, or nothing that is given uses what passes.
+    """
     check_accuracy(accuracy)
     loads = _list_loads(problem, normal, Load.resting_sequence)
-    moved = None if passed.get("shift") is None else list_shifts(passed["shift"])
+    moved = None if shift is None else list_shifts(shift)
     scene = remember_changes(problem)
-    sliding = _measure_sliding(scene, passed["sliding"], moved, (0, 0), 0.0)
-    places = list_places(loads, passed["time"], sliding, moved)
-    require_used(scene, {"time": passed["time"], "sliding": sliding})
+    passed = {"time": time, "sliding": _measure_sliding(scene, sliding, moved, (0, 0), 0.0)}
+    places = list_places(loads, **passed, shift=moved)
+    require_used(scene, passed)
     _require_movable(scene, moved)
     if np.any(moved or 0):
         scene = remember_both(scene)

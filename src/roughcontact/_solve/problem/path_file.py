@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import os
 import time
-from collections.abc import Sequence
-from pathlib import Path
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import attrs
@@ -30,6 +30,8 @@ OPEN = "open"
 _NUMBERS = ("since", "passed", "count", "last_length", "next_length")
 # Time from one writing to the next, over that of the last one: a tenth of the path is spent on its file.
 _PATIENCE = 10.0
+# Time that a draft takes its first writing for, s: a path that is found before has none.
+_EXPECTED_COST = 0.05
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -51,9 +53,18 @@ class PathFile:
         The problem, with the laws that its materials bring.
     places, accuracy
         What the path is along.
+    is_draft
+        Whether it holds the path only while that is unfinished: anything else that stands there is left as it is.
     """
 
-    def __init__(self, path: str | os.PathLike[str], problem: Scene, places: Sequence[Place], accuracy: float) -> None:
+    def __init__(
+        self,
+        path: str | os.PathLike[str],
+        problem: Scene,
+        places: Sequence[Place],
+        accuracy: float,
+        is_draft: bool = False,
+    ) -> None:
         self._path = checks.path(path, "The file of a path")
         if self._path.suffix != ".npz":
             raise InputError.about("The name of the file of a path", self._path.name, "one ending in .npz")
@@ -61,21 +72,25 @@ class PathFile:
             raise InputError(f"There is no folder {str(self._path.parent)!r} to write {self._path.name!r} into.")
         self._problem = problem
         self._accuracy = accuracy
+        self._is_draft = is_draft
+        self._is_taken = False
         content = [problem.parts, [attrs.asdict(place) for place in places], accuracy]
         # Another version of a package may find other bits.
         self._key = solution_key(key_of(content), {}, chosen=problem.chosen)
-        self._written = -float("inf")
-        self._cost = 0.0
+        self._written = time.perf_counter() if is_draft else -math.inf
+        self._cost = _EXPECTED_COST if is_draft else 0.0
 
     def read(self) -> tuple[list[Leg], Standing | None]:
         """Return what the file has of the path, and where its march stands; None of a path that is finished.
 
-        `InputError` if the file holds something else.
+        `InputError` if the file holds something else, unless it is a draft.
         """
         if not self._path.exists():
             return [], Standing()
         with usable(self._path, "it is not that of a path"):
-            states, notes = read_states(self._path, KIND, verify=False)
+            states, notes = self._read_states()
+            if self._is_taken:
+                return [], Standing()
             if notes.get("key") != self._key:
                 raise InputError(
                     "It holds a path of another problem or along other places, or was written by another version of "
@@ -92,6 +107,18 @@ class PathFile:
             require_digests([*(leg.state for leg in legs), last[-1]], str(opened["end"]))
             return legs, Standing(states=last, **standing)
 
+    def _read_states(self) -> tuple[Sequence[ContactSolution], Mapping[str, Any]]:
+        """Return the states and notes of the file; a draft notes whether it holds something else."""
+        try:
+            states, notes = read_states(self._path, KIND, verify=False)
+        except InputError:
+            self._is_taken = self._is_draft
+            if not self._is_draft:
+                raise
+            return (), {}
+        self._is_taken = self._is_draft and OPEN not in notes
+        return states, notes
+
     def _bind(self, state: ContactSolution) -> ContactSolution:
         """Return a state with the problem itself, and its laws."""
         assert state.origin is not None
@@ -102,7 +129,7 @@ class PathFile:
     def write(self, legs: Sequence[Leg], standing: Standing, hidden: int) -> None:
         """Write where a march stands, if the last time was long ago; the first legs, `hidden`, lead to no place."""
         begun = time.perf_counter()
-        if begun - self._written < _PATIENCE * self._cost:
+        if self._is_taken or begun - self._written < _PATIENCE * self._cost:
             return
         shown = [leg.state for leg in legs[hidden:]]
         states = [*shown, *(leg.state for leg in legs[:hidden]), *standing.states]
@@ -120,7 +147,9 @@ class PathFile:
         self._cost = self._written - begun
 
     def finish(self, increments: Sequence[int], states: Sequence[ContactSolution]) -> None:
-        """Write a whole path."""
+        """Write a whole path; that of a draft is written by those who asked for it."""
+        if self._is_draft:
+            return
         notes = {**note_path(increments, states, self._accuracy), "key": self._key}
         write_states(self._path, KIND, states, notes)
 
@@ -151,11 +180,3 @@ def require_digests(states: Sequence[ContactSolution], end: str) -> None:
 def _find_previous(state: ContactSolution) -> str:
     effect = state._find_added(Governed)
     return "" if effect is None else effect.previous
-
-
-def is_unfinished(path: Path) -> bool:
-    """Return whether a file holds the begin of a path."""
-    try:
-        return OPEN in read_states(path, KIND, verify=False)[1]
-    except InputError:
-        return False

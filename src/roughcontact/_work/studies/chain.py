@@ -27,6 +27,8 @@ from roughcontact._work.studies.loading import SINGLE_LOADS, Loading, list_law_n
 from roughcontact._work.studies.record import Place, Record
 from roughcontact.errors import InputError, NotConverged, NotWritten, RoughContactError
 
+# The end of the name of a file in which a long path is kept until its record is written.
+DRAFT = "-draft.npz"
 _KINDS = {Surface: "surface", Material: "material", InfluenceKernel: "kernel", Convolver: "convolver", Solver: "solver"}
 # Most characters of an exception that a record repeats.
 _MAX_REASON_CHARACTERS = 300
@@ -183,7 +185,8 @@ class Chain(Point):
         """The key of each load."""
         places = list(map(self.find_place, self.loads))
         found = [self.known.keys[place] for place in places if place in self.known.keys]
-        return tuple(found) if len(found) == len(places) else self.solution_keys()
+        # Where a load comes back, its place does not tell which of the states is meant.
+        return tuple(found) if len(found) == len(set(places)) == len(places) else self.solution_keys()
 
     def solution_keys(self) -> tuple[str, ...]:
         """Return the key of each load, computed from its content."""
@@ -239,6 +242,10 @@ class Chain(Point):
         """Return the file of the solution with a key."""
         return self.folder / f"{key}.npz"
 
+    def find_draft(self, key: str) -> Path | None:
+        """Return the file of what is found under a key while that is unfinished; None where it does not take long."""
+        return self.folder / f"{key}{DRAFT}" if self.loading.has_draft else None
+
     def failed(self, message: str) -> ChainResult:
         """Return the records of a chain that could not be run at all."""
         return self.record_all(self.keys, "FAILED", message)
@@ -286,13 +293,14 @@ def run_chain(chain: Chain) -> ChainResult:
         load = chain.loads[index]
         state: ContactSolution | None = None
         is_new = False
+        draft = chain.find_draft(key)
         try:
             record, state = _find(chain, key, load)
             if record is None:
                 if chain.problem.processes and chain.loading.goes_on and not is_known:
                     raise InputError("A law remembers the state at the load before it, which has no solution.")
                 is_new = True
-                found = chain.loading.solve(chain.seeded, load, states)
+                found = chain.loading.solve(chain.seeded, load, states, draft)
                 if chain.fields:
                     chain.loading.write(chain.path(key), found, key, chain.earlier(index))
                 record, state = _measure(chain, _find_base(chain, key, load, found), found)
@@ -305,6 +313,8 @@ def run_chain(chain: Chain) -> ChainResult:
         except Exception as error:
             record = chain.record(key, load, *status_of(error))
             state = None
+        if draft is not None:
+            remove_draft(draft)
         # One that is solved again only for those after it has its record.
         records.setdefault(index, record)
         computed += is_new
@@ -312,6 +322,12 @@ def run_chain(chain: Chain) -> ChainResult:
         if state is not None:
             states = [*states[-1:], state]
     return ChainResult(_in_order(records), computed)
+
+
+def remove_draft(file: Path) -> None:
+    """Remove a file in which a path was kept while it was unfinished, if it is there."""
+    with contextlib.suppress(OSError):
+        file.unlink()
 
 
 def solve_again(chain: Chain, wanted: str) -> dict[str, Any]:

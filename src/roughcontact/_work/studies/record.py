@@ -62,7 +62,8 @@ class Record:
     problem, seed
         The name of the problem, and the seed; None without seeds.
     control, load
-        The kind of load (pressure, Pa; force, N; approach, m), and its value.
+        The kind of load (pressure, Pa; force, N; approach, m), and its value; of a path whose loads are stated by
+        factors the one that they multiply.
     key
         The name of its file without ending, made from the problem, the load and the versions of the packages.
     status

@@ -25,9 +25,10 @@ from roughcontact._solve.problem import PATH_ACCURACY, ContactProblem
 from roughcontact._solve.solution import DEFAULT_AREA, UNCERTAINTIES, Response, areas, solution_key
 from roughcontact._work.studies.answers import Question, read_responses
 from roughcontact._work.studies.axes import BuiltProblems
-from roughcontact._work.studies.chain import Chain, Unbuilt, name_full_disk
+from roughcontact._work.studies.chain import DRAFT, Chain, Unbuilt, name_full_disk, remove_draft
 from roughcontact._work.studies.lists import Known, RecordList
-from roughcontact._work.studies.loading import Loading, read_loading
+from roughcontact._work.studies.loading import Loading
+from roughcontact._work.studies.paths import read_loading
 from roughcontact._work.studies.record import Record
 from roughcontact._work.studies.result import SolvedAgain, StudyResult
 from roughcontact._work.studies.shares import Share
@@ -183,6 +184,9 @@ class Study:
     time, sliding
         Times, s, and sliding distances, m, which pass under each normal load, on fresh surfaces, as of
         `ContactProblem.path`; then a solve is such a path.
+    factors
+        The loads at these times or distances, over the normal load: ``factors=[1, 2, 0.5]`` with ``force=[1, 10]`` is
+        one path under 1, 2, 0.5 N and one under 10, 20, 5 N. Without, the load holds.
     accuracy
         Admissible error of an increment of such a path.
     uncertainty
@@ -227,6 +231,7 @@ class Study:
     substeps: int | str = attrs.field(default="auto", kw_only=True)
     time: Sequence[float] | None = attrs.field(default=None, kw_only=True, metadata=_SECOND)
     sliding: Sequence[float] | None = attrs.field(default=None, kw_only=True, metadata=_METRE)
+    factors: Sequence[float] | None = attrs.field(default=None, kw_only=True)
     accuracy: float = attrs.field(default=PATH_ACCURACY, kw_only=True)
     uncertainty: str = attrs.field(default="auto", converter=_uncertainty, kw_only=True)
     fields: bool = attrs.field(default=False, converter=_fields, kw_only=True)
@@ -235,7 +240,7 @@ class Study:
     @loading.default
     def _find_loading(self) -> Loading:
         along = {name: getattr(self, name) for name in ("tangential_force", "displacement", "friction", "substeps")}
-        passed = {name: getattr(self, name) for name in ("time", "sliding", "accuracy")}
+        passed = {name: getattr(self, name) for name in ("time", "sliding", "factors", "accuracy")}
         return read_loading(along, passed, self.uncertainty, self.responses)
 
     def __init__(
@@ -254,6 +259,7 @@ class Study:
         substeps: int | str = "auto",
         time: Iterable[float | str] | None = None,
         sliding: Iterable[Length] | None = None,
+        factors: Iterable[float] | None = None,
         accuracy: float = PATH_ACCURACY,
         uncertainty: str = "auto",
         fields: bool = False,
@@ -274,9 +280,7 @@ class Study:
             if self.seeds and not _has_random_surface(problem):
                 raise InputError(f"Seeds are given, but no surface of the problem {name!r} has one: leave seeds= out.")
             try:
-                self.loading.require(problem)
-                for load in self.loads:
-                    problem.require_load(**load.arguments)
+                self.loading.require(problem, self.loads)
             except InputError as error:
                 raise InputError(f"Problem {name!r}: {error.marked}") from error
 
@@ -385,6 +389,7 @@ class Study:
         content = "" if isinstance(self.problems, BuiltProblems) else self._find_content()
         listed = RecordList(target, self.key, part, content)
         known = listed.read()
+        self._remove_drafts(target, known)
         chains = self._points(listed, known, part)
         done: dict[int, list[Record]] = {}
         computed = 0
@@ -408,6 +413,13 @@ class Study:
         if stops:
             raise _stop_error(stops[0], done, len(chains) * len(self.loads))
         return StudyResult(folder=target, records=tuple(records), computed=computed, again=SolvedAgain(chains))
+
+    def _remove_drafts(self, folder: Path, known: Known) -> None:
+        """Remove the unfinished paths of records, whose processes were killed just after these were written."""
+        for file in folder.glob(f"*{DRAFT}") if self.loading.has_draft else ():
+            record = known.records.get(file.name.removesuffix(DRAFT))
+            if record is not None and record.has_solution:
+                remove_draft(file)
 
     def __repr__(self) -> str:
         axes = ", ".join(f"{counted(len(values), 'value')} of {name}" for name, values in self.axes.items())
