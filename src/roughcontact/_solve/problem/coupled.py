@@ -18,7 +18,6 @@ from roughcontact._parts.interactions import shear_limit
 from roughcontact._solve.problem.accuracy import with_tolerance
 from roughcontact._solve.problem.coupled_starts import (
     LastIncrement,
-    Mixing,
     continue_increment,
     keep_sliding,
     list_loads,
@@ -35,8 +34,8 @@ from roughcontact._solve.problem.friction_certificate import (
 )
 from roughcontact._solve.problem.loads import follow
 from roughcontact._solve.problem.run import computing, run_solve
+from roughcontact._solve.problem.turns import Response, choose_tolerance, measure_violation, take_turns
 from roughcontact._solve.solution import (
-    ContactConditions,
     ContactSolution,
     FrictionalState,
     Governed,
@@ -55,8 +54,8 @@ from roughcontact._solve.solvers import (
 from roughcontact.errors import InputError, NotConverged, argument, either
 
 _LOGGER = logging.getLogger("roughcontact")
-# Alternations of normal and tangential solves after which a coupled solve is given up.
-_MAX_PASSES = 80
+# Earlier alternations of normal and tangential solves that are combined with one.
+_MIXED_PASSES = 4
 # Iterations of the tangential solver.
 _MAX_ITERATIONS = 2000
 # Friction times beta beyond which a coupled solve is relaxed, and beyond which it may not converge.
@@ -65,10 +64,10 @@ _MAX_COUPLING = 1.0
 # Error of a normal solve, and of a tangential one, over the last error of the normal equilibrium of a coupled solve.
 _INNER_ERROR = 0.03
 _INNER_SLIP = 0.1
-# Bounds of the first, over the tolerance, and of the second.
+# Bounds of the first, and of the second, the smaller one over the tolerance.
 _LOOSEST_INNER = 100.0
-_TIGHTEST_INNER = 0.3
 _LOOSEST_SLIP = 0.03
+_TIGHTEST_SLIP = 0.3
 # Error expected after a pass, over the tolerance, up to which its solves are to be the last ones.
 _LAST_ERROR = 2.0
 # Traction over the mean one of a force that is looked for first.
@@ -219,74 +218,42 @@ class CoupledSolve(FrictionalContact):
         cycles: float,
     ) -> FoundTractions:
         """Alternate: the traction changes the initial gap, the pressure changes the limit and the offset."""
-        shear = start.shear
         pressure, lifted = continue_increment(known, start, list_loads(load, tangential), self.unit)
-        mixing = Mixing()
-        error = math.inf
-        iterations = 0
-        before: Array | None = None
-        coupling = 1.0
-        passes = 0
-        while passes < _MAX_PASSES:
-            passes += 1
-            ends = coupling * error <= _LAST_ERROR * self.tolerance
-            contact = self._press_on(lifted, load, pressure, 0.0 if ends else error, last, cycles)
-            pressure = contact.pressure
-            if not pressure.any():
-                return self._unload(load, tangential, start, last)
-            limit, coupling = self._find_limit(contact)
-            if before is not None:
-                shear = keep_sliding(shear, before, limit)
-            before = limit
-            self._require_coupling(coupling)
-            self._require_stick(tangential, limit)
-            offset = -start.relative - self.shear.apply(contact.pressure[np.newaxis] / self.unit, of="z")
-            peak = float(contact.pressure.max()) / self.unit
-            goal = max(min(_INNER_SLIP * error, _LOOSEST_SLIP), _TIGHTEST_INNER * self.tolerance)
-            solve = partial(self._shear, tangential, limit, peak, offset)
-            outcome = solve(shear, self.tolerance) if ends else solve(shear, goal, verifies=False)
-            iterations += outcome.iterations
-            found = self.lift(outcome.shear)
-            error = self._normal_error(contact, load, found)
-            if not ends and max(error, outcome.residual) <= self.tolerance:
-                outcome = solve(outcome.shear, self.tolerance)
-                iterations += outcome.iterations
-                found = self.lift(outcome.shear)
-                error = self._normal_error(contact, load, found)
-            shear = outcome.shear
-            if max(error, outcome.residual) <= self.tolerance:
-                break
-            damping = 1.0 / (1.0 + coupling**2) if coupling > _RELAXED_COUPLING else 1.0
-            # The change by a rough tangential solve is not that by the pressure.
-            if outcome.residual < error:
-                lifted = mixing.combine(lifted, found - lifted, damping)
-            else:
-                lifted = lifted + damping * (found - lifted)
-        error = max(error, outcome.residual)
+        turns = _IncrementTurns(self, load, tangential, start, last, cycles, pressure, start.shear)
+        response, passes = take_turns(turns.respond, lifted, self.tolerance, _MIXED_PASSES)
+        outcome = turns.outcome
+        if outcome is None:
+            return self._unload(load, tangential, start, last)
+        error = max(response.error, response.own_error)
         status = Status.CONVERGED if error <= self.tolerance else Status.MAXIMUM_ITERATIONS
-        return FoundTractions(contact, shear, np.array(outcome.displacement), status, passes, iterations)
+        moved = np.array(outcome.displacement)
+        return FoundTractions(response.contact, outcome.shear, moved, status, passes, turns.iterations)
 
     def _slide_coupled(self, load: Load, direction: Pair, on_pass: Callable[[Step], None] | None) -> FoundTractions:
         """Alternate as for a step, with combinations of earlier passes: what is left is linear on a fixed contact."""
-        contact = self.press(load)
-        _, coupling = self._find_limit(contact)
-        mixing = Mixing()
-        if not contact.contact.all():
+        pressed = self.press(load)
+        limit, coupling = self._find_limit(pressed)
+        if not pressed.contact.all():
             self._require_coupling(coupling)
-        lifted = np.zeros(self.problem.plan.grid.shape)
-        error = math.inf
-        for passes in range(1, _MAX_PASSES + 1):
-            contact = self._press_on(lifted, load, contact.pressure, error if passes > 1 else self.tolerance)
+        damping = 1.0 / (1.0 + coupling**2)
+        pressure = pressed.pressure
+        shear = stack_along(limit, direction)
+
+        def respond(lifted: Array, error: float) -> Response:
+            nonlocal pressure, shear
+            contact = self._press_on(lifted, load, pressure, error if math.isfinite(error) else self.tolerance)
+            pressure = contact.pressure
             shear = stack_along(self._find_limit(contact)[0], direction)
             found = self.shear.apply(shear, to="z")[0]
-            error = self._normal_error(contact, load, found)
+            return Response(contact, found, self._normal_error(contact, load, found), damping=damping)
+
+        def tell(passes: int, error: float) -> None:
             if on_pass is not None:
                 on_pass(Step(self.problem.plan.grid.shape, passes, error))
-            if error <= self.tolerance:
-                break
-            lifted = mixing.combine(lifted, found - lifted, 1.0 / (1.0 + coupling**2))
-        status = Status.CONVERGED if error <= self.tolerance else Status.MAXIMUM_ITERATIONS
-        return FoundTractions(contact, shear, np.full(2, math.nan), status, passes, 0)
+
+        response, passes = take_turns(respond, np.zeros(pressure.shape), self.tolerance, _MIXED_PASSES, tell)
+        status = Status.CONVERGED if response.error <= self.tolerance else Status.MAXIMUM_ITERATIONS
+        return FoundTractions(response.contact, shear, np.full(2, math.nan), status, passes, 0)
 
     def _press_on(
         self,
@@ -301,7 +268,7 @@ class CoupledSolve(FrictionalContact):
         gap, datum = self.problem._gap.change(lifted * self.length)
         load = load.after(datum)
         increment = LoadIncrement(load, cycles=cycles)
-        inner = min(max(_INNER_ERROR * error, _TIGHTEST_INNER * self.tolerance), _LOOSEST_INNER * self.tolerance)
+        inner = choose_tolerance(error, self.tolerance, _INNER_ERROR, _LOOSEST_INNER)
         problem = with_tolerance(self.problem, min(inner, 1.0))
         found = run_solve(problem, load, pressure, throw=False, gap=gap, before=last, increment=increment)
         # It solves the changed gap, which is not that of the problem.
@@ -310,14 +277,8 @@ class CoupledSolve(FrictionalContact):
 
     def _normal_error(self, contact: ContactSolution, load: Load, lifted: Array) -> float:
         """Return the error of a pressure on the gap changed by the traction."""
-        plan = self.problem.plan
-        gap = self.find_gap(contact) / self.length + lifted
-        if plan.non_measured is not None:
-            gap = np.where(plan.non_measured, np.maximum(gap, contact.initial_gap / self.length), gap)
-        approach = load.value / self.length if load.kind == "approach" else None
-        measured = True if plan.non_measured is None else ~plan.non_measured
-        conditions = ContactConditions(gap, plan.pressure_limit / self.unit, approach, float(gap.std(where=measured)))
-        return conditions.measure(contact.pressure / self.unit, contact.displacement / self.length).error
+        left = self.find_left(contact, lifted)
+        return measure_violation(self.problem.plan, left, load, contact.pressure, contact.displacement).error
 
     def _find_limit(self, contact: ContactSolution) -> tuple[Array, float]:
         """Return the dimensionless shear strength of each cell, and how strongly it couples to the pressure.
@@ -449,6 +410,57 @@ class CoupledSolve(FrictionalContact):
             # What laws remember may depend on traction and slip.
             solution = solution._add(effect.finish(solution))
         return solution, fields
+
+
+@attrs.define(eq=False)
+class _IncrementTurns:
+    """Contacts in turn with the displacement by the tractions on them, the offset, dimensionless."""
+
+    run: CoupledSolve
+    load: Load
+    tangential: TangentialLoad
+    start: FrictionalFields
+    last: ContactSolution | None
+    cycles: float
+    pressure: Array | None
+    shear: Array
+    limit: Array | None = None
+    coupling: float = 1.0
+    outcome: ShearOutcome | None = None
+    iterations: int = 0
+
+    def respond(self, lifted: Array, error: float) -> Response:
+        """Return the contact on the gap with an offset, and the displacement across the surface by its traction."""
+        run = self.run
+        ends = self.coupling * error <= _LAST_ERROR * run.tolerance
+        contact = run._press_on(lifted, self.load, self.pressure, 0.0 if ends else error, self.last, self.cycles)
+        self.pressure = contact.pressure
+        if not contact.pressure.any():
+            self.outcome = None
+            return Response(contact, lifted, 0.0, is_last=True)
+        limit, self.coupling = run._find_limit(contact)
+        if self.limit is not None:
+            self.shear = keep_sliding(self.shear, self.limit, limit)
+        self.limit = limit
+        run._require_coupling(self.coupling)
+        run._require_stick(self.tangential, limit)
+        offset = -self.start.relative - run.shear.apply(contact.pressure[np.newaxis] / run.unit, of="z")
+        peak = float(contact.pressure.max()) / run.unit
+        goal = max(min(_INNER_SLIP * error, _LOOSEST_SLIP), _TIGHTEST_SLIP * run.tolerance)
+        solve = partial(run._shear, self.tangential, limit, peak, offset)
+        outcome = solve(self.shear, run.tolerance) if ends else solve(self.shear, goal, verifies=False)
+        self.iterations += outcome.iterations
+        found = run.lift(outcome.shear)
+        error = run._normal_error(contact, self.load, found)
+        if not ends and max(error, outcome.residual) <= run.tolerance:
+            outcome = solve(outcome.shear, run.tolerance)
+            self.iterations += outcome.iterations
+            found = run.lift(outcome.shear)
+            error = run._normal_error(contact, self.load, found)
+        self.shear = outcome.shear
+        self.outcome = outcome
+        damping = 1.0 / (1.0 + self.coupling**2) if self.coupling > _RELAXED_COUPLING else 1.0
+        return Response(contact, found, error, outcome.residual, damping)
 
 
 def _require_success(solution: ContactSolution) -> ContactSolution:

@@ -171,12 +171,18 @@ class FrictionalContact:
         values = self.problem._gap.values
         return values if effect is None else values + effect.offset
 
+    def find_left(self, contact: ContactSolution, lifted: Array) -> Array:
+        """Return the gap as laws and a dimensionless displacement by the traction have left it for a contact, m."""
+        values = self.find_gap(contact) + lifted * self.length
+        if self.problem.plan.non_measured is not None:
+            # The solve may have deepened them.
+            values = np.where(self.problem.plan.non_measured, np.maximum(values, contact.initial_gap), values)
+        return values
+
     def certify_contact(self, contact: ContactSolution, load: Load, lifted: Array) -> ContactSolution:
         """Return a contact with the certificate of its pressure on the gap changed by the final traction."""
         plan = self.problem.plan
-        values = self.find_gap(contact) + lifted * self.length
-        if plan.non_measured is not None:
-            values = np.where(plan.non_measured, np.maximum(values, contact.initial_gap), values)
+        values = self.find_left(contact, lifted)
         outcome = Outcome(
             pressure=contact.pressure / self.unit,
             status=contact.status,
