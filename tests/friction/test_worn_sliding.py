@@ -10,18 +10,19 @@ CAREFUL = rc.ProjectedConjugateGradient(tolerance=1e-9)
 STEEL = rc.Elastic(210e9, 0.3)
 # Of a rigid counterbody it has Dundurs' beta 0.5.
 SOFT = rc.Elastic(1e9, 0.0)
+UNLIKE = (SOFT, rc.Rigid())
 FRICTION = 0.4
 COEFFICIENT = 1e-13
 
 
-def press_ball(shape=(15, 12), size=(1.5e-4, 1.2e-4), materials=(SOFT, rc.Rigid()), **parts):
+def press_ball(shape=(15, 12), size=(1.5e-4, 1.2e-4), materials=UNLIKE, **parts):
     body = rc.Body(rc.ParaboloidSurface(radius=1e-3), materials[0])
     flat = rc.Body(rc.FlatSurface(), materials[1])
     parts.setdefault("laws", rc.Archard(COEFFICIENT))
     return rc.ContactProblem(body, flat, grid=rc.Grid(shape, size), **parts)
 
 
-def press_rough(values, size, materials=(SOFT, rc.Rigid()), **parts):
+def press_rough(values, size, materials=UNLIKE, **parts):
     body = rc.Body(rc.HeightMap(values, size, periodic=True), materials[0])
     flat = rc.Body(rc.FlatSurface(), materials[1])
     parts.setdefault("laws", rc.Archard(COEFFICIENT))
@@ -57,9 +58,7 @@ def test_a_wave_in_full_contact_wears_away_and_moves_along(shape, size, directio
     )
     q = 2.0 * np.pi / size[0]
     distance = 0.5 / (q * 1e9 / 2.0 * COEFFICIENT)
-    path = problem.path(
-        pressure=mean, sliding=[0.0, distance], friction=FRICTION, direction=direction, accuracy=1e-5
-    )
+    path = problem.path(pressure=mean, sliding=[0.0, distance], friction=FRICTION, direction=direction, accuracy=1e-4)
     assert path[-1].contact.all()
     first, last = (np.fft.fft(state.pressure[:, 0])[1] for state in path)
     own = np.fft.fft(problem.displace(path[0].pressure)[:, 0])[1] / first
@@ -68,8 +67,9 @@ def test_a_wave_in_full_contact_wears_away_and_moves_along(shape, size, directio
     beta = 0.5
     assert abs(lifted) / own.real == pytest.approx(FRICTION * beta, rel=0.02)
     assert abs((lifted / own).real) < 1e-3 * FRICTION * beta
-    assert last / first == pytest.approx(np.exp(-COEFFICIENT * distance / (own + lifted)), rel=1e-4)
-    assert (lifted / own).imag * (1.0 if direction == 0.0 else -1.0) > 0.0
+    assert last / first == pytest.approx(np.exp(-COEFFICIENT * distance / (own + lifted)), rel=1e-3)
+    # Ahead of a traction the surface moves into its body.
+    assert (lifted / own).imag * (-1.0 if direction == 0.0 else 1.0) > 0.0
 
 
 def solve_by_matrices(problem, force, distance, steps):

@@ -11,13 +11,13 @@ from roughcontact._base.arrays import unit_vector
 from roughcontact._base.machine.progress import ChangeProgress, tell_both
 from roughcontact._parts.grid import Load
 from roughcontact._parts.interactions import Coulomb, FrictionLaw
-from roughcontact._solve.problem.coupled import CoupledSolve
+from roughcontact._solve.problem.coupled import CoupledSolve, SteadyFriction
 from roughcontact._solve.problem.fretting import follow_cycles, list_cycles
 from roughcontact._solve.problem.friction_certificate import require_frictional
 from roughcontact._solve.problem.friction_plan import require_memory_of_friction
 from roughcontact._solve.problem.frictional_path import FrictionalPath
 from roughcontact._solve.problem.increments import follow_loads, list_steps
-from roughcontact._solve.problem.load_path import PATH_ACCURACY, remember_flattening
+from roughcontact._solve.problem.load_path import PATH_ACCURACY, remember_flattening, require_omitted
 from roughcontact._solve.problem.scene import Scene
 from roughcontact._solve.problem.task import limit_load
 from roughcontact._solve.solution import ContactSolution
@@ -75,6 +75,19 @@ def run_path(
     )
 
 
+def resolve_sliding(friction: object, direction: object) -> SteadyFriction | None:
+    """Return the friction of bodies that slide in a direction, degrees, by default along x; None without friction."""
+    if friction is None:
+        require_omitted({"direction": direction}, f"with {argument('friction', '0.3')}")
+        return None
+    return _slide_along(friction, 0.0 if direction is None else direction)
+
+
+def _slide_along(friction: object, direction: object) -> SteadyFriction:
+    along = unit_vector(checks.number(direction, "The direction of sliding", "degrees"))
+    return SteadyFriction(resolve_friction(friction), along)
+
+
 @guarded
 def run_slide(
     problem: Scene,
@@ -89,9 +102,9 @@ def run_slide(
     `on_step` is called after each iteration of the frictionless contact, from which the bodies slide, and `on_pass`
     after each alternation of pressure and traction of unlike bodies.
     """
-    law = resolve_friction(friction)
-    along = unit_vector(checks.number(direction, "The direction of sliding", "degrees"))
-    require_frictional(problem)
+    sliding = _slide_along(friction, direction)
+    # Nothing passes in one state.
+    require_frictional(problem, passing=("time", "sliding", "slip"))
     load = Load.of(**normal)
     limit_load(problem.plan, problem.initial_gap, load)
-    return CoupledSolve(problem, law, on_step=on_step).slide(load, along, on_pass)
+    return CoupledSolve(problem, sliding.law, on_step=on_step).slide(load, direction=sliding.direction, on_pass=on_pass)

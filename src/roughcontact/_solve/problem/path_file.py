@@ -12,6 +12,7 @@ import attrs
 
 from roughcontact._base import checks
 from roughcontact._base.archive.plain import key_of
+from roughcontact._solve.problem.coupled import SteadyFriction
 from roughcontact._solve.problem.load_march import Place, Standing, identify
 from roughcontact._solve.problem.scene import Scene
 from roughcontact._solve.solution import (
@@ -51,9 +52,18 @@ class PathFile:
         The problem, with the laws that its materials bring.
     places, accuracy
         What the path is along.
+    friction
+        The friction of bodies that slide along it; None: without.
     """
 
-    def __init__(self, path: str | os.PathLike[str], problem: Scene, places: Sequence[Place], accuracy: float) -> None:
+    def __init__(
+        self,
+        path: str | os.PathLike[str],
+        problem: Scene,
+        places: Sequence[Place],
+        accuracy: float,
+        friction: SteadyFriction | None = None,
+    ) -> None:
         self._path = checks.path(path, "The file of a path")
         if self._path.suffix != ".npz":
             raise InputError.about("The name of the file of a path", self._path.name, "one ending in .npz")
@@ -62,6 +72,10 @@ class PathFile:
         self._problem = problem
         self._accuracy = accuracy
         content = [problem.parts, [attrs.asdict(place) for place in places], accuracy]
+        self._given: dict[str, Any] = {}
+        if friction is not None:
+            content += [friction.law, friction.direction]
+            self._given = {"shear": friction.law}
         # Another version of a package may find other bits.
         self._key = solution_key(key_of(content), {}, chosen=problem.chosen)
         self._written = -float("inf")
@@ -75,7 +89,7 @@ class PathFile:
         if not self._path.exists():
             return [], Standing()
         with usable(self._path, "it is not that of a path"):
-            states, notes = read_states(self._path, KIND, verify=False)
+            states, notes = read_states(self._path, KIND, verify=False, given=self._given)
             if notes.get("key") != self._key:
                 raise InputError(
                     "It holds a path of another problem or along other places, or was written by another version of "

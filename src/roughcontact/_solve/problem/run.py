@@ -41,9 +41,7 @@ _LOGGER = logging.getLogger("roughcontact")
 # round; and maximum rounds: after eight they are 4^36 = 5e21 times deeper.
 _DEPTH_FACTOR = 4.0
 _MAX_DEEPENINGS = 8
-# Earlier turns of contact and response that are combined with one; error of a contact over that of the last turn, and
-# its bound over the tolerance.
-_MIXED_TURNS = 8
+# Error of a contact over that of the last turn of contact and response, and its bound over the tolerance.
 _INNER_ERROR = 0.1
 _LOOSEST_INNER = 1000.0
 
@@ -212,7 +210,7 @@ class _Run:
         It is certified with the kernel of the plan, as a contact of the gap that is left.
         """
         turns = _ResponsiveTurns(self, gap, load, start, attrs.evolve(self.plan, kernel=kernel), respond)
-        response, _ = take_turns(turns.respond, np.zeros(gap.values.shape), self.plan.solver.tolerance, _MIXED_TURNS)
+        response, _ = take_turns(turns.respond, np.zeros(gap.values.shape), self.plan.solver.tolerance)
         found = response.contact
         again = certify_again(self.plan, self.convolution, found, frozen_array(turns.left), load)
         kept = ("errors", "levels", "seconds")

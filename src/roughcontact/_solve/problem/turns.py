@@ -16,6 +16,8 @@ from roughcontact._solve.solution import ContactConditions, ContactSolution, Vio
 
 # Turns after which a solve is given up.
 _MAX_TURNS = 80
+# Earlier turns that are combined with one (Anderson).
+_MIXED_TURNS = 8
 # Smallest error of a contact in a turn, over the tolerance.
 _TIGHTEST_INNER = 0.3
 
@@ -52,7 +54,6 @@ def take_turns(
     respond: Callable[[Array, float], Response],
     offset: Array,
     tolerance: float,
-    mixed: int,
     tell: Callable[[int, float], object] = lambda turns, error: None,
 ) -> tuple[Response, int]:
     """Return the response to the contact that it does not change any more, and the number of turns.
@@ -65,12 +66,10 @@ def take_turns(
         The offset of the first turn, shape (nx, ny).
     tolerance
         The error at which both are found; after many turns the last ones are returned.
-    mixed
-        Earlier turns that are combined with one.
     tell
         Called after each turn with their number and the error.
     """
-    mixing = _Mixing(mixed)
+    mixing = _Mixing()
     error = math.inf
     for turns in range(1, _MAX_TURNS + 1):
         response = respond(offset, error)
@@ -106,15 +105,14 @@ def measure_violation(plan: SolvePlan, left: Array, load: Load, pressure: Array,
 class _Mixing:
     """The next field of a fixed-point iteration, from the last ones: Anderson's combination of smallest change."""
 
-    def __init__(self, turns: int) -> None:
-        self._turns = turns
+    def __init__(self) -> None:
         self._fields: list[Array] = []
         self._changes: list[Array] = []
 
     def combine(self, field: Array, change: Array, damping: float) -> Array:
         """Return the field from which to go on, after one and its change, of which a part is taken."""
-        self._fields = [*self._fields[-self._turns :], field]
-        self._changes = [*self._changes[-self._turns :], change]
+        self._fields = [*self._fields[-_MIXED_TURNS:], field]
+        self._changes = [*self._changes[-_MIXED_TURNS:], change]
         best = field
         left = change
         if len(self._changes) > 1:
