@@ -16,6 +16,8 @@ from roughcontact._solve.solution import ContactConditions, ContactSolution, Vio
 
 # Turns after which a solve is given up.
 _MAX_TURNS = 80
+# Error of a contact, over that with its response, of which it makes up all.
+_UNSOLVED_PART = 1.1
 # Earlier turns that are combined with one (Anderson).
 _MIXED_TURNS = 8
 # Smallest error of a contact in a turn, over the tolerance.
@@ -78,10 +80,10 @@ def take_turns(
         if response.is_last or max(error, response.own_error) <= tolerance:
             break
         change = response.offset - offset
-        if response.own_error < error:
+        if max(response.own_error, _UNSOLVED_PART * response.contact.residuals.error) < error:
             offset = mixing.combine(offset, change, response.damping)
         else:
-            # Changes by a rough response are not those by the contact.
+            # Changes by a rough response, or a contact that is hardly solved, are not those by the offset.
             offset = offset + response.damping * change
     return response, turns
 
