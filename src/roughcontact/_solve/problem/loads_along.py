@@ -39,6 +39,7 @@ def run_path(
     problem: Scene,
     normal: Mapping[str, object],
     tangential: Mapping[str, object],
+    omitted: Mapping[str, object],
     friction: object,
     substeps: object,
     on_increment: object,
@@ -47,6 +48,7 @@ def run_path(
     accuracy: float = PATH_ACCURACY,
 ) -> FrictionalPath:
     """Return the states along a path; see `ContactProblem.path`."""
+    require_omitted(omitted, "where bodies slide or have no friction")
     law = resolve_friction(friction)
     count = None if substeps == "auto" else checks.integer(substeps, argument("substeps"), at_least=1)
     told = checks.callback(on_increment, "on_increment=", "increment")
@@ -57,22 +59,22 @@ def run_path(
     segments = list_steps(run, normal, tangential)
     has_pressing = segments[0].number == 0
     places = None if cycles is None else list_cycles(cycles)
-    require_memory_of_friction(problem.plan, states=len(segments) * len(places or (0.0,)))
+    is_exact = count == 1 or all(segment.exact for segment in segments)
+    computed = len(segments) * len(places or (0.0,))
+    # Kept states that do not begin with the one before, but between its increments or after other cycles.
+    apart = len(places or ()) if is_exact else computed
+    require_memory_of_friction(problem.plan, computed, apart)
+    wear = 0.0
     if places is not None:
         accuracy = checks.number(accuracy, "The accuracy of a path", above=0.0, at_most=1.0)
-        steps, numbers, reasons = follow_cycles(run, segments, count, places, accuracy, tell)
+        steps, numbers, reasons, wear = follow_cycles(run, segments, count, places, accuracy, tell)
         reasons = [*([""] if has_pressing else []), *reasons]
     else:
         steps, numbers, reasons = follow_loads(run, segments, count, tell)
     kept = slice(1 if has_pressing else 0, None)
-    return FrictionalPath(
-        states=tuple(steps[kept]),
-        pressed=steps[0] if has_pressing else None,
-        numbers=tuple(numbers[kept]),
-        increments=tuple(step.sheared.increments for step in steps[kept]),
-        reasons=tuple(reasons[kept]),
-        accuracy=accuracy,
-    )
+    pressed = steps[0] if has_pressing else None
+    begin = FrictionalPath(states=(), pressed=pressed, numbers=(), increments=(), reasons=(), accuracy=accuracy)
+    return begin._append(steps[kept], numbers[kept], reasons[kept], wear)
 
 
 def resolve_sliding(friction: object, direction: object) -> SteadyFriction | None:

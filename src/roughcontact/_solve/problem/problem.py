@@ -22,13 +22,7 @@ from roughcontact._solve.problem.cycle import AdhesionCycle, list_approaches, ru
 from roughcontact._solve.problem.friction_certificate import verify_state
 from roughcontact._solve.problem.frictional_path import FrictionalPath
 from roughcontact._solve.problem.increments import Increment
-from roughcontact._solve.problem.load_path import (
-    PATH_ACCURACY,
-    LoadPath,
-    remember_flattening,
-    require_omitted,
-    run_load_path,
-)
+from roughcontact._solve.problem.load_path import PATH_ACCURACY, LoadPath, remember_flattening, run_load_path
 from roughcontact._solve.problem.loads import solve_loads
 from roughcontact._solve.problem.loads_along import resolve_sliding, run_path, run_slide
 from roughcontact._solve.problem.pull_off import find_pull_off
@@ -326,10 +320,9 @@ class ContactProblem(Scene):
         tangential_force, displacement
             Exactly one of them: a list of pairs (x, y), or one pair for all steps. The force by which the counterbody
             is pushed over the body, N; or its displacement since the first touch, m.
-        friction
-            A coefficient of friction, or a law such as `Coulomb` or `LimitedCoulomb`; None: no friction.
-        direction
-            With friction and `sliding`, the direction of steady sliding as for `slide`; by default along x.
+        friction, direction
+            A coefficient of friction, or a law such as `Coulomb` or `LimitedCoulomb`; None: no friction. With `sliding`
+            the direction of steady sliding, as for `slide`; by default along x.
         cycles
             With friction and a law of wear by slip, `EnergyWear`: the loads are one cycle, and return. The numbers of
             the cycles whose states are wanted; those between are computed in part, each for many.
@@ -362,9 +355,9 @@ class ContactProblem(Scene):
         Raises
         ------
         InputError
-            If the loads do not fit together, or nothing that is given uses them. With friction, if the bodies slide;
-            with adhesion, on a wrapped boundary or if the kernel does not know shear; of unlike materials if friction
-            times beta exceeds 1; if a law of the problem depends on what does not pass.
+            If the loads do not fit together, or nothing that is given uses them. With friction, if tangential loads
+            make the bodies slide; with adhesion, on a wrapped boundary or if the kernel does not know shear; of unlike
+            materials if friction times beta exceeds 1; if a law of the problem depends on what does not pass.
         NotConverged
             If a state is not certified.
         """
@@ -373,12 +366,13 @@ class ContactProblem(Scene):
         passed = {"time": time, "sliding": sliding, "shift": shift}
         with show_progress("path", shown=flag(progress, "progress=")) as change:
             if friction is None or sliding is not None:
+                steady = resolve_sliding(friction, direction)
                 omitted = tangential | {"substeps": None if substeps == "auto" else substeps, "cycles": cycles}
-                slides = resolve_sliding(friction, direction)
-                return run_load_path(self, normal, omitted, passed, accuracy, on_increment, change, file, slides)
-            sliding_alone = {"direction": direction, **passed, "file": file}
-            require_omitted(sliding_alone, f"with {argument('sliding')}, or without friction")
-            return run_path(self, normal, tangential, friction, substeps, on_increment, change, cycles, accuracy)
+                return run_load_path(self, normal, omitted, passed, accuracy, on_increment, change, file, steady)
+            unused = {"direction": direction, **passed, "file": file}
+            return run_path(
+                self, normal, tangential, unused, friction, substeps, on_increment, change, cycles, accuracy
+            )
 
     def slide(
         self,
@@ -414,10 +408,8 @@ class ContactProblem(Scene):
         """
         normal = {"force": force, "pressure": pressure, "approach": approach}
         if (speed is None) is (friction is None):
-            raise InputError(
-                f"Bodies slide with {argument('friction')} or, if they are viscoelastic, at {argument('speed')}: give "
-                "one of them."
-            )
+            given = f"{argument('friction')} or, if they are viscoelastic, at {argument('speed')}"
+            raise InputError(f"Bodies slide with {given}: give one of them.")
         if speed is None:
             return run_slide(self, normal, friction, direction)
         if not any(isinstance(side.material, Viscoelastic) for side in (self.body, self.counterbody)):
