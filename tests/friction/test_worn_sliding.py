@@ -261,6 +261,7 @@ class TestFiles:
         again = slide(problem, file=file)
         np.testing.assert_array_equal(again[-1].pressure, whole[-1].pressure)
         np.testing.assert_array_equal(worn(again[-1]), worn(whole[-1]))
+        assert again.convolutions == whole.convolutions
         with pytest.raises(rc.InputError, match="another problem or along other places"):
             slide(problem, file=file, direction=90.0)
 
@@ -285,7 +286,7 @@ class TestFiles:
         ((), {}, "Nothing changes with the sliding distance"),
         (rc.Archard(1e-13), {"friction": 3.0}, "beta is 1.5"),
         (rc.Archard(1e-13), {"friction": None, "direction": 10.0}, "direction= .* only with friction"),
-        (rc.Archard(1e-13), {"sliding": None, "direction": 10.0}, "direction= .* only with sliding="),
+        (rc.Archard(1e-13), {"sliding": None, "direction": 10.0}, "direction= .* only where bodies slide"),
         (rc.Archard(1e-13), {"direction": "left"}, "direction of sliding"),
     ],
 )

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import roughcontact as rc
+from roughcontact._solve.problem import follow_places
 
 STEEL = rc.Elastic(young=210e9, poisson=0.3)
 # Radius of contact, m, of the fresh pin, its radius and force.
@@ -120,6 +121,24 @@ def test_worn_height_is_taken_from_the_body_that_wears():
     assert ball is body
     lost = -float(worn.heights(grid).sum()) * grid.cell_area
     assert lost == pytest.approx(COEFFICIENT * 1.0 * 1.0, rel=1e-10)
+
+
+@pytest.mark.parametrize("forces", [1.0, [0.5, 1.0]])
+def test_the_convolutions_are_those_of_all_increments(monkeypatch, forces):
+    """Of those that were refused too, and of the state at the begin of a load that rises."""
+    solved = []
+    solve = follow_places.run_solve
+
+    def count(*args, **options):
+        solved.append(solve(*args, **options))
+        return solved[-1]
+
+    monkeypatch.setattr(follow_places, "run_solve", count)
+    body = rc.Body(rc.SphereSurface(radius=1e-3), STEEL)
+    problem = rc.ContactProblem(body, grid=rc.Grid((20, 20), 150e-6), laws=rc.Archard(COEFFICIENT))
+    path = problem.path(force=forces, sliding=[0.5, 2.0])
+    assert len(solved) >= sum(path.increments) > 20
+    assert path.convolutions == sum(state.convolutions for state in solved)
 
 
 def test_units_by_powers_of_two_change_no_bit():

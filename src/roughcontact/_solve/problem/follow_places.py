@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import partial
 from itertools import pairwise
+from typing import Any
 
 import attrs
 
 from roughcontact._solve.problem.coupled import SteadyFriction
-from roughcontact._solve.problem.load_march import LoadMarch, Place, Standing
+from roughcontact._solve.problem.load_march import COST, LoadMarch, Place, Standing
 from roughcontact._solve.problem.path_file import Leg, PathFile, list_increments
 from roughcontact._solve.problem.run import run_solve
 from roughcontact._solve.problem.scene import Scene
@@ -67,6 +68,9 @@ def follow_places(
             if len(legs) > hidden:
                 count(march.last)
     states = tuple(leg.state for leg in legs[hidden:])
+    if hidden:
+        spent: dict[str, Any] = {name: sum(getattr(leg.state, name) for leg in legs[: hidden + 1]) for name in COST}
+        states = (attrs.evolve(states[0], **spent), *states[1:])
     increments = tuple(list_increments(legs, hidden))
     if standing is not None and file is not None:
         file.finish(increments, states)

@@ -13,7 +13,7 @@ import attrs
 from roughcontact._base import checks
 from roughcontact._base.archive.plain import key_of
 from roughcontact._solve.problem.coupled import SteadyFriction
-from roughcontact._solve.problem.load_march import Place, Standing, identify
+from roughcontact._solve.problem.load_march import COST, Place, Standing, identify
 from roughcontact._solve.problem.scene import Scene
 from roughcontact._solve.solution import (
     ContactSolution,
@@ -28,7 +28,7 @@ from roughcontact.errors import InputError
 KIND = "load path"
 # What stands under this name in the notes of a file: the unfinished part of a path.
 OPEN = "open"
-_NUMBERS = ("since", "passed", "count", "last_length", "next_length")
+_NUMBERS = ("since", "passed", "count", *COST, "last_length", "next_length")
 # Time from one writing to the next, over that of the last one: a tenth of the path is spent on its file.
 _PATIENCE = 10.0
 

@@ -210,16 +210,13 @@ class _Run:
         It is certified with the kernel of the plan, as a contact of the gap that is left.
         """
         turns = _ResponsiveTurns(self, gap, load, start, attrs.evolve(self.plan, kernel=kernel), respond)
-        response, _ = take_turns(turns.respond, np.zeros(gap.values.shape), self.plan.solver.tolerance)
+        response, count = take_turns(turns.respond, np.zeros(gap.values.shape), self.plan.solver.tolerance)
         found = response.contact
         again = certify_again(self.plan, self.convolution, found, frozen_array(turns.left), load)
-        kept = ("errors", "levels", "seconds")
-        return attrs.evolve(
-            again,
-            iterations=turns.iterations,
-            convolutions=turns.products + 1,
-            **{name: getattr(found, name) for name in kept},
-        )
+        kept = ("iterations", "errors", "levels", "seconds")
+        # One for the response in each turn.
+        products = found.convolutions + count + 1
+        return attrs.evolve(again, convolutions=products, **{name: getattr(found, name) for name in kept})
 
     def displace(self, pressure: Array) -> Array:
         """Return the displacement by a pressure, m."""
@@ -255,8 +252,6 @@ class _ResponsiveTurns:
     convolution: PreparedConvolution = attrs.field(init=False)
     left: Array = attrs.field(init=False)
     scale: float = 1.0
-    iterations: int = 0
-    products: int = 0
 
     @convolution.default
     def _prepare(self) -> PreparedConvolution:
@@ -274,8 +269,6 @@ class _ResponsiveTurns:
         softened = attrs.evolve(self.softened, solver=plan.solver.with_tolerance(min(inner, 1.0)))
         turn = attrs.evolve(self.run, plan=softened, convolution=self.convolution)
         found = turn.solve(changed, self.load.after(datum), self.start)
-        self.iterations += found.iterations
-        self.products += found.convolutions + 1
         self.start = found.pressure
         moved = self.run.displace(found.pressure)
         added = self.add(moved)

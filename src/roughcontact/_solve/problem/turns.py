@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import Any
 
 import attrs
 import numpy as np
@@ -60,6 +61,8 @@ def take_turns(
 ) -> tuple[Response, int]:
     """Return the response to the contact that it does not change any more, and the number of turns.
 
+    That contact has the iterations and convolutions of all of them.
+
     Parameters
     ----------
     respond
@@ -73,9 +76,11 @@ def take_turns(
     """
     mixing = _Mixing()
     error = math.inf
+    cost: dict[str, Any] = {"iterations": 0, "convolutions": 0}
     for turns in range(1, _MAX_TURNS + 1):
         response = respond(offset, error)
         error = response.error
+        cost = {name: value + getattr(response.contact, name) for name, value in cost.items()}
         tell(turns, error)
         if response.is_last or max(error, response.own_error) <= tolerance:
             break
@@ -85,7 +90,7 @@ def take_turns(
         else:
             # Changes by a rough response, or a contact that is hardly solved, are not those by the offset.
             offset = offset + response.damping * change
-    return response, turns
+    return attrs.evolve(response, contact=attrs.evolve(response.contact, **cost)), turns
 
 
 def choose_tolerance(error: float, tolerance: float, part: float, loosest: float) -> float:
