@@ -285,6 +285,7 @@ class TestFiles:
         (rc.EnergyWear(1e-13), {}, "EnergyWear.* has no slip"),
         ((), {}, "Nothing changes with the sliding distance"),
         (rc.Archard(1e-13), {"friction": 3.0}, "beta is 1.5"),
+        (rc.Archard(1e-13), {"friction": 3.0, "force": [0.01, 0.02], "sliding": [1.0, 2.0]}, "beta is 1.5"),
         (rc.Archard(1e-13), {"friction": None, "direction": 10.0}, "direction= .* only with friction"),
         (rc.Archard(1e-13), {"sliding": None, "direction": 10.0}, "direction= .* only where bodies slide"),
         (rc.Archard(1e-13), {"direction": "left"}, "direction of sliding"),

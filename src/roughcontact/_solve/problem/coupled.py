@@ -274,8 +274,10 @@ class CoupledSolve(FrictionalContact):
     ) -> FoundTractions:
         """Alternate as for a step, with combinations of earlier passes: what is left is linear on a fixed contact."""
         lifted = np.zeros(self.problem.plan.grid.shape)
-        begun = start is not None
-        pressure = self._press_once(None, before, increment).pressure if start is None else start
+        begun = start is not None and bool(start.any())
+        if start is None or not begun:
+            start = self._press_once(None, before, increment).pressure
+        pressure = start
         limit, coupling = self._find_limit(pressure)
         if not pressure.all():
             self._require_coupling(coupling)
