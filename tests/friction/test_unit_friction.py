@@ -18,7 +18,6 @@ from roughcontact._solve.problem.friction_certificate import (
     FoundTractions,
     FrictionalContact,
     FrictionalFields,
-    StrengthBound,
     _are_close,
     _find_imbalance,
     stack_along,
@@ -34,6 +33,7 @@ from roughcontact._solve.problem.increments import (
 )
 from roughcontact._solve.problem.run import run_solve
 from roughcontact._solve.problem.step_numbers import CellErrors, _find_limit, extrapolate_numbers, numbers_of
+from roughcontact._solve.problem.strengths import StrengthBound
 from roughcontact.results import TangentialLoad
 from roughcontact.typing import Load
 from test_frictional_paths import CELL, FRICTION, ROUGH

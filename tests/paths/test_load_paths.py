@@ -233,7 +233,7 @@ def test_a_path_goes_on_from_its_file(kind, tmp_path):
         ({"force": [1.0], "substeps": 2}, "friction"),
         ({"force": [1.0], "tangential_force": [(1.0, 0.0)]}, "friction"),
         ({"force": 1.0, "sliding": ["0m", "1m"]}, "Nothing changes with the sliding distance"),
-        ({"force": 1.0, "time": ["0s", "1s"], "friction": 0.3, "tangential_force": [(1, 0)]}, "without friction"),
+        ({"force": 1.0, "time": ["0s", "1s"], "friction": 0.3, "tangential_force": [(1, 0)]}, "where bodies slide"),
         ({"force": [1.0, 2.0, 3.0], "sliding": ["0m", "1m"]}, "one value for each place"),
         ({"force": 1.0, "time": ["1s", "0s"]}, "not fall"),
         ({"force": 1.0, "time": "1s"}, "a list"),

@@ -144,7 +144,7 @@ def test_a_file_of_something_else_is_kept(changed, tmp_path):
     [
         ({"file": "path.nc"}, r"\.npz"),
         ({"file": "nowhere/path.npz"}, "no folder"),
-        ({"file": "path.npz", "friction": 0.3, "tangential_force": [(1.0, 0.0)]}, "without friction"),
+        ({"file": "path.npz", "friction": 0.3, "tangential_force": [(1.0, 0.0)]}, "where bodies slide"),
     ],
 )
 def test_what_no_file_can_be_gets_a_sentence(more, said, tmp_path, monkeypatch):

@@ -122,6 +122,17 @@ def test_worn_height_is_taken_from_the_body_that_wears():
     assert lost == pytest.approx(COEFFICIENT * 1.0 * 1.0, rel=1e-10)
 
 
+@pytest.mark.parametrize("forces", [1.0, [0.5, 1.0]])
+def test_the_convolutions_are_those_of_all_increments(forces):
+    """Of the state at the begin of a load that rises too, and of the few increments that were tried and refused."""
+    told = []
+    body = rc.Body(rc.SphereSurface(radius=1e-3), STEEL)
+    problem = rc.ContactProblem(body, grid=rc.Grid((20, 20), 150e-6), laws=rc.Archard(COEFFICIENT))
+    path = problem.path(force=forces, sliding=[0.5, 2.0], on_increment=told.append)
+    assert len(told) == sum(path.increments) > 20
+    assert 1.0 <= path.convolutions / sum(state.convolutions for state in told) < 1.3
+
+
 def test_units_by_powers_of_two_change_no_bit():
     found = []
     for scale in (1.0, 2.0**30):

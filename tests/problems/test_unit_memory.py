@@ -9,7 +9,7 @@ import pytest
 import roughcontact as rc
 from roughcontact._base.machine import limit_of_memory, require_memory
 from roughcontact._solve.problem import accuracy
-from roughcontact._solve.problem.friction_plan import _FRICTION_ARRAYS, _STATE_ARRAYS
+from roughcontact._solve.problem.friction_plan import _FRICTION_ARRAYS, _STATE_ARRAYS, memory_of_friction
 from roughcontact.solving import available_memory, require_memory_of_solve
 from test_memory import STEEL, WAVY, contact, push
 
@@ -83,3 +83,25 @@ def test_friction_takes_hardly_more_than_is_asked_for(boundary, counterbody):
         assert len(path) == count
     taken = states[2] - states[1]
     assert 0.8 * taken < 2 * _STATE_ARRAYS[unlike] <= taken + 0.5
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("counterbody", [STEEL, rc.Rigid()], ids=["like", "unlike"])
+@pytest.mark.parametrize("substeps", [1, 2])
+def test_what_laws_remember_is_counted(counterbody, substeps):
+    """Of two laws of wear, of states that begin with one another or between their increments."""
+    taken, asked = [], []
+    # The first path loads what the others use.
+    for count in (1, 1, 3):
+        laws = (rc.EnergyWear(1e-15), rc.EnergyWear(1e-15, of="counterbody"))
+        problem, force = push(256, counterbody, laws=laws)
+        pushed = [(0.01 * force, 0.0), (-0.01 * force, 0.0)]
+        tracemalloc.start()
+        path = problem.path(force=force, tangential_force=pushed * count, friction=0.1, substeps=substeps)
+        taken.append(tracemalloc.get_traced_memory()[0])
+        tracemalloc.stop()
+        states = len(path) + 1
+        apart = 0 if max(path.increments) == 1 else states
+        asked.append(memory_of_friction(problem.plan, states, apart))
+    stated, found = (one[2] - one[1] for one in (asked, taken))
+    assert 0.8 * found < stated < 1.1 * found

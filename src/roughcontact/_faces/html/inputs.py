@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import math
 import re
 from collections.abc import Sequence, Set
 from typing import Any
@@ -40,8 +39,6 @@ saved = {read}
 problem = rc.ContactProblem(**saved.origin.problem)"""
 # What a script calls that which a method of a problem returns, if not by the name of the method.
 _NAMES = {"solve": "solution", "slide": "state"}
-# Digits of an angle in degrees that rounding leaves.
-_ANGLE_DIGITS = 10
 # Where the name of a file stands in the history of a map.
 _FILE_IN_HISTORY = re.compile(r"read from (.+?)(?:, \d+ non-measured.*|: \d+ x .*|)", re.DOTALL)
 _WORD_BORDER = re.compile(r"(?<=[a-z0-9])(?=[A-Z])")
@@ -86,9 +83,7 @@ def _find_call(subject: ContactSolution | StatePath) -> tuple[str, dict[str, Any
     given: dict[str, Any] = {} if load is None else load.arguments
     if subject.shear is None:
         return "solve", given
-    x, y = subject.tangential_load.values
-    direction = round(math.degrees(math.atan2(y, x)), _ANGLE_DIGITS)
-    return "slide", {**given, "friction": subject.friction, "direction": direction}
+    return "slide", {**given, "friction": subject.friction, "direction": subject.tangential_load.angle}
 
 
 def _write_problem(problem: ContactProblem, name: str, of_path: bool, modules: Set[str]) -> str:

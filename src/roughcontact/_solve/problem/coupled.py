@@ -14,29 +14,28 @@ import numpy as np
 from roughcontact._base.arrays import Array, Pair
 from roughcontact._base.units import si
 from roughcontact._parts.grid import Load
-from roughcontact._parts.interactions import shear_limit
+from roughcontact._parts.interactions import FrictionLaw, shear_limit
 from roughcontact._solve.problem.accuracy import with_tolerance
 from roughcontact._solve.problem.coupled_starts import (
     LastIncrement,
-    Mixing,
     continue_increment,
     keep_sliding,
     list_loads,
 )
 from roughcontact._solve.problem.friction_certificate import (
-    CAUSED_TRACTIONS,
     CONE_TOLERANCE,
     FORCE_TOLERANCE,
     FoundTractions,
     FrictionalContact,
     FrictionalFields,
-    StrengthBound,
     stack_along,
 )
 from roughcontact._solve.problem.loads import follow
 from roughcontact._solve.problem.run import computing, run_solve
+from roughcontact._solve.problem.scene import Scene
+from roughcontact._solve.problem.strengths import MAX_SHEAR_ITERATIONS, solve_within_strength
+from roughcontact._solve.problem.turns import Response, choose_tolerance, measure_violation, take_turns
 from roughcontact._solve.solution import (
-    ContactConditions,
     ContactSolution,
     FrictionalState,
     Governed,
@@ -49,41 +48,54 @@ from roughcontact._solve.solvers import (
     ShearOutcome,
     ShearTask,
     Step,
-    magnitude,
     project_to_discs,
 )
 from roughcontact.errors import InputError, NotConverged, argument, either
 
 _LOGGER = logging.getLogger("roughcontact")
-# Alternations of normal and tangential solves after which a coupled solve is given up.
-_MAX_PASSES = 80
-# Iterations of the tangential solver.
-_MAX_ITERATIONS = 2000
 # Friction times beta beyond which a coupled solve is relaxed, and beyond which it may not converge.
 _RELAXED_COUPLING = 0.7
 _MAX_COUPLING = 1.0
 # Error of a normal solve, and of a tangential one, over the last error of the normal equilibrium of a coupled solve.
 _INNER_ERROR = 0.03
 _INNER_SLIP = 0.1
-# Bounds of the first, over the tolerance, and of the second.
+# Bounds of the first, and of the second, the smaller one over the tolerance.
 _LOOSEST_INNER = 100.0
-_TIGHTEST_INNER = 0.3
 _LOOSEST_SLIP = 0.03
+_TIGHTEST_SLIP = 0.3
 # Error expected after a pass, over the tolerance, up to which its solves are to be the last ones.
 _LAST_ERROR = 2.0
-# Traction over the mean one of a force that is looked for first.
-_MAX_CONCENTRATION = 1e3
-# Part of a bound of the strength that counts as reached, the growth of a bound that is, and the part of a bound below
-# which a smaller one is taken.
-_REACHED_BOUND = 1.0 - 1e-6
-_BOUND_GROWTH = 4.0
-_BOUND_SHRINKAGE = 0.5
 # Depth of the summit, which touches last, over the peak-to-valley height: rounding of equal heights.
 _SUMMIT_DEPTH = 1e-12
 # Cells of the contacts without friction that are kept: a path is followed several times. Else the last one is.
 _MAX_KEPT_CELLS = 2**19
 # Growth of the pressure at which a law must not give less.
 _PROBED_GROWTH = 1.25
+
+
+@attrs.frozen
+class SteadyFriction:
+    """Friction of bodies that slide steadily: its law, and the direction of the counterbody over the body.
+
+    Attributes
+    ----------
+    law
+        The friction law.
+    direction
+        A unit vector.
+    """
+
+    law: FrictionLaw
+    direction: Pair
+
+    @classmethod
+    def of(cls, state: ContactSolution) -> SteadyFriction | None:
+        """Return that of a state; None unless its bodies slide steadily with friction."""
+        return cls(state.friction, state.tangential_load.values) if state.is_steady else None
+
+    def solve_with(self, problem: Scene) -> Callable[..., ContactSolution]:
+        """Return the solve of a problem in sliding; see `run_solve`."""
+        return partial(CoupledSolve(problem, self.law).slide, direction=self.direction)
 
 
 @attrs.frozen(eq=False)
@@ -100,13 +112,15 @@ class CoupledSolve(FrictionalContact):
     _known: dict[Load, ContactSolution] = attrs.field(factory=dict, init=False)
     _ends: dict[ContactSolution, LastIncrement] = attrs.field(factory=dict, init=False)
 
-    def press(self, load: Load, last: ContactSolution | None = None, cycles: float = 1.0) -> ContactSolution:
+    def press(
+        self, load: Load, last: ContactSolution | None = None, increment: LoadIncrement | None = None
+    ) -> ContactSolution:
         """Return the frictionless contact: that of `ContactProblem.solve`; the last ones are kept.
 
         Laws of the problem remember the state `last`.
         """
         if self.problem.laws:
-            solve = partial(run_solve, self.problem, on_step=self.on_step, increment=LoadIncrement(load, cycles=cycles))
+            solve = partial(run_solve, self.problem, on_step=self.on_step, increment=increment)
             return follow(solve, [last] if last else [], load)
         if load not in self._known:
             found = run_solve(self.problem, load, on_step=self.on_step)
@@ -139,32 +153,46 @@ class CoupledSolve(FrictionalContact):
         before = FrictionalState.unloaded(self.problem.plan.grid.shape) if last is None else last.end
         start = self.fields_at(last)
         known = None if last is None else self._ends.get(last)
+        increment = LoadIncrement(load, cycles=cycles)
         loads = (np.zeros(3) if known is None else known.loads[1], list_loads(load, tangential))
         with computing(self.problem):
             if load.value == 0.0:
                 found = self._unload(load, tangential, start, last)
             elif self.shear.coupled:
-                found = self._step_coupled(load, tangential, start, known, last, cycles)
+                found = self._step_coupled(tangential, start, known, last, increment)
             else:
-                found = self._step_like(load, tangential, start, last, cycles)
+                found = self._step_like(tangential, start, last, increment)
             solution, fields = self._certify(load, tangential, found, before, start, started)
         _LOGGER.info("increment to %s, %s: %s, %.3g s", load, tangential, solution.status.name, solution.seconds)
         self._ends.clear()
         self._ends[_require_success(solution)] = LastIncrement(loads, before, start.lifted, fields)
         return solution
 
-    def slide(self, load: Load, direction: Pair, on_pass: Callable[[Step], None] | None = None) -> ContactSolution:
-        """Return the contact of bodies that slide steadily: the traction is the shear strength, in one direction."""
+    def slide(
+        self,
+        load: Load,
+        start: Array | None = None,
+        *,
+        direction: Pair,
+        before: ContactSolution | None = None,
+        increment: LoadIncrement | None = None,
+        on_pass: Callable[[Step], None] | None = None,
+    ) -> ContactSolution:
+        """Return the contact of bodies that slide steadily: the traction is the shear strength, in one direction.
+
+        Laws of the problem remember the state `before`; the solve begins with the pressure `start`.
+        """
         started = time.perf_counter()
         tangential = TangentialLoad("direction", direction)
-        before = FrictionalState.unloaded(self.problem.plan.grid.shape)
+        unloaded = FrictionalState.unloaded(self.problem.plan.grid.shape)
+        increment = increment or LoadIncrement(load)
         with computing(self.problem):
             found = (
-                self._slide_coupled(load, direction, on_pass)
-                if self.shear.coupled
-                else self._slide_like(load, direction)
+                self._slide_coupled(direction, start, before, increment, on_pass)
+                if self.shear.coupled and load.value != 0.0
+                else self._slide_like(direction, start, before, increment)
             )
-            solution, _ = self._certify(load, tangential, found, before, self.fields_of(before), started)
+            solution, _ = self._certify(load, tangential, found, unloaded, self.fields_of(unloaded), started)
         return _require_success(solution)
 
     def _unload(
@@ -183,17 +211,16 @@ class CoupledSolve(FrictionalContact):
 
     def _step_like(
         self,
-        load: Load,
         tangential: TangentialLoad,
         start: FrictionalFields,
         last: ContactSolution | None,
-        cycles: float,
+        increment: LoadIncrement,
     ) -> FoundTractions:
         """Solve once for the pressure, and once for the traction."""
-        contact = self.press(load, last, cycles)
+        contact = self.press(increment.load, last, increment)
         if not contact.pressure.any():
-            return self._unload(load, tangential, start, last)
-        limit, _ = self._find_limit(contact)
+            return self._unload(increment.load, tangential, start, last)
+        limit, _ = self._find_limit(contact.pressure)
         self._require_stick(tangential, limit)
         at_rest = tangential.values == (0.0, 0.0) and not start.shear.any()
         if at_rest and (tangential.kind == "tangential_force" or not start.displacement.any()):
@@ -204,127 +231,107 @@ class CoupledSolve(FrictionalContact):
             contact, outcome.shear, np.array(outcome.displacement), outcome.status, 1, outcome.iterations
         )
 
-    def _slide_like(self, load: Load, direction: Pair) -> FoundTractions:
-        contact = self.press(load)
-        shear = stack_along(self._find_limit(contact)[0], direction)
+    def _slide_like(
+        self, direction: Pair, start: Array | None, before: ContactSolution | None, increment: LoadIncrement
+    ) -> FoundTractions:
+        contact = self._press_once(start, before, increment)
+        shear = stack_along(self._find_limit(contact.pressure)[0], direction)
         return FoundTractions(contact, shear, np.full(2, math.nan), Status.CONVERGED, 1, 0)
+
+    def _press_once(
+        self, start: Array | None, before: ContactSolution | None, increment: LoadIncrement
+    ) -> ContactSolution:
+        """Return the frictionless contact at the end of an increment."""
+        return run_solve(self.problem, increment.load, start, on_step=self.on_step, before=before, increment=increment)
 
     def _step_coupled(
         self,
-        load: Load,
         tangential: TangentialLoad,
         start: FrictionalFields,
         known: LastIncrement | None,
         last: ContactSolution | None,
-        cycles: float,
+        increment: LoadIncrement,
     ) -> FoundTractions:
         """Alternate: the traction changes the initial gap, the pressure changes the limit and the offset."""
-        shear = start.shear
-        pressure, lifted = continue_increment(known, start, list_loads(load, tangential), self.unit)
-        mixing = Mixing()
-        error = math.inf
-        iterations = 0
-        before: Array | None = None
-        coupling = 1.0
-        passes = 0
-        while passes < _MAX_PASSES:
-            passes += 1
-            ends = coupling * error <= _LAST_ERROR * self.tolerance
-            contact = self._press_on(lifted, load, pressure, 0.0 if ends else error, last, cycles)
-            pressure = contact.pressure
-            if not pressure.any():
-                return self._unload(load, tangential, start, last)
-            limit, coupling = self._find_limit(contact)
-            if before is not None:
-                shear = keep_sliding(shear, before, limit)
-            before = limit
-            self._require_coupling(coupling)
-            self._require_stick(tangential, limit)
-            offset = -start.relative - self.shear.apply(contact.pressure[np.newaxis] / self.unit, of="z")
-            peak = float(contact.pressure.max()) / self.unit
-            goal = max(min(_INNER_SLIP * error, _LOOSEST_SLIP), _TIGHTEST_INNER * self.tolerance)
-            solve = partial(self._shear, tangential, limit, peak, offset)
-            outcome = solve(shear, self.tolerance) if ends else solve(shear, goal, verifies=False)
-            iterations += outcome.iterations
-            found = self.lift(outcome.shear)
-            error = self._normal_error(contact, load, found)
-            if not ends and max(error, outcome.residual) <= self.tolerance:
-                outcome = solve(outcome.shear, self.tolerance)
-                iterations += outcome.iterations
-                found = self.lift(outcome.shear)
-                error = self._normal_error(contact, load, found)
-            shear = outcome.shear
-            if max(error, outcome.residual) <= self.tolerance:
-                break
-            damping = 1.0 / (1.0 + coupling**2) if coupling > _RELAXED_COUPLING else 1.0
-            # The change by a rough tangential solve is not that by the pressure.
-            if outcome.residual < error:
-                lifted = mixing.combine(lifted, found - lifted, damping)
-            else:
-                lifted = lifted + damping * (found - lifted)
-        error = max(error, outcome.residual)
+        pressure, lifted = continue_increment(known, start, list_loads(increment.load, tangential), self.unit)
+        turns = _IncrementTurns(self, tangential, start, last, increment, pressure, start.shear)
+        response, passes = take_turns(turns.respond, lifted, self.tolerance)
+        outcome = turns.outcome
+        if outcome is None:
+            return self._unload(increment.load, tangential, start, last)
+        error = max(response.error, response.own_error)
         status = Status.CONVERGED if error <= self.tolerance else Status.MAXIMUM_ITERATIONS
-        return FoundTractions(contact, shear, np.array(outcome.displacement), status, passes, iterations)
+        moved = np.array(outcome.displacement)
+        return FoundTractions(response.contact, outcome.shear, moved, status, passes, turns.iterations)
 
-    def _slide_coupled(self, load: Load, direction: Pair, on_pass: Callable[[Step], None] | None) -> FoundTractions:
+    def _slide_coupled(
+        self,
+        direction: Pair,
+        start: Array | None,
+        before: ContactSolution | None,
+        increment: LoadIncrement,
+        on_pass: Callable[[Step], None] | None,
+    ) -> FoundTractions:
         """Alternate as for a step, with combinations of earlier passes: what is left is linear on a fixed contact."""
-        contact = self.press(load)
-        _, coupling = self._find_limit(contact)
-        mixing = Mixing()
-        if not contact.contact.all():
-            self._require_coupling(coupling)
         lifted = np.zeros(self.problem.plan.grid.shape)
-        error = math.inf
-        for passes in range(1, _MAX_PASSES + 1):
-            contact = self._press_on(lifted, load, contact.pressure, error if passes > 1 else self.tolerance)
-            shear = stack_along(self._find_limit(contact)[0], direction)
-            found = self.shear.apply(shear, to="z")[0]
-            error = self._normal_error(contact, load, found)
+        begun = start is not None and bool(start.any())
+        if start is None or not begun:
+            start = self._press_once(None, before, increment).pressure
+        pressure = start
+        limit, coupling = self._find_limit(pressure)
+        if not pressure.all():
+            self._require_coupling(coupling)
+        damping = 1.0 / (1.0 + coupling**2)
+        shear = stack_along(limit, direction)
+        if begun:
+            lifted = self.lift(shear)
+
+        def respond(lifted: Array, error: float) -> Response:
+            nonlocal pressure, shear
+            # A frictionless contact is known as well as it is to be.
+            error = error if begun or math.isfinite(error) else self.tolerance
+            contact = self._press_on(lifted, pressure, error, before, increment)
+            pressure = contact.pressure
+            shear = stack_along(self._find_limit(pressure)[0], direction)
+            found = self.lift(shear)
+            return Response(contact, found, self._normal_error(contact, increment.load, found), damping=damping)
+
+        def tell(passes: int, error: float) -> None:
             if on_pass is not None:
                 on_pass(Step(self.problem.plan.grid.shape, passes, error))
-            if error <= self.tolerance:
-                break
-            lifted = mixing.combine(lifted, found - lifted, 1.0 / (1.0 + coupling**2))
-        status = Status.CONVERGED if error <= self.tolerance else Status.MAXIMUM_ITERATIONS
-        return FoundTractions(contact, shear, np.full(2, math.nan), status, passes, 0)
+
+        response, passes = take_turns(respond, lifted, self.tolerance, tell)
+        status = Status.CONVERGED if response.error <= self.tolerance else Status.MAXIMUM_ITERATIONS
+        return FoundTractions(response.contact, shear, np.full(2, math.nan), status, passes, 0)
 
     def _press_on(
         self,
         lifted: Array,
-        load: Load,
         pressure: Array | None,
         error: float,
-        last: ContactSolution | None = None,
-        cycles: float = 1.0,
+        last: ContactSolution | None,
+        increment: LoadIncrement,
     ) -> ContactSolution:
         """Return the contact on the initial gap changed by the traction, as accurate as a coupled error asks for."""
         gap, datum = self.problem._gap.change(lifted * self.length)
-        load = load.after(datum)
-        increment = LoadIncrement(load, cycles=cycles)
-        inner = min(max(_INNER_ERROR * error, _TIGHTEST_INNER * self.tolerance), _LOOSEST_INNER * self.tolerance)
+        increment = attrs.evolve(increment, load=increment.load.after(datum))
+        inner = choose_tolerance(error, self.tolerance, _INNER_ERROR, _LOOSEST_INNER)
         problem = with_tolerance(self.problem, min(inner, 1.0))
-        found = run_solve(problem, load, pressure, throw=False, gap=gap, before=last, increment=increment)
+        found = run_solve(problem, increment.load, pressure, throw=False, gap=gap, before=last, increment=increment)
         # It solves the changed gap, which is not that of the problem.
         found = attrs.evolve(found, origin=None)
         return attrs.evolve(found, initial_gap=found.initial_gap + datum, approach=found.approach + datum)
 
     def _normal_error(self, contact: ContactSolution, load: Load, lifted: Array) -> float:
         """Return the error of a pressure on the gap changed by the traction."""
-        plan = self.problem.plan
-        gap = self.find_gap(contact) / self.length + lifted
-        if plan.non_measured is not None:
-            gap = np.where(plan.non_measured, np.maximum(gap, contact.initial_gap / self.length), gap)
-        approach = load.value / self.length if load.kind == "approach" else None
-        measured = True if plan.non_measured is None else ~plan.non_measured
-        conditions = ContactConditions(gap, plan.pressure_limit / self.unit, approach, float(gap.std(where=measured)))
-        return conditions.measure(contact.pressure / self.unit, contact.displacement / self.length).error
+        left = self.find_left(contact, lifted)
+        return measure_violation(self.problem.plan, left, load, contact.pressure, contact.displacement).error
 
-    def _find_limit(self, contact: ContactSolution) -> tuple[Array, float]:
+    def _find_limit(self, pressure: Array) -> tuple[Array, float]:
         """Return the dimensionless shear strength of each cell, and how strongly it couples to the pressure.
 
         The second is the largest slope of the strength over the pressure times the magnitude of beta.
         """
-        pressure = contact.pressure
         limit = shear_limit(self.law, pressure)
         growth = shear_limit(self.law, pressure * _PROBED_GROWTH) - limit
         if (growth < -CONE_TOLERANCE * limit).any():
@@ -382,45 +389,10 @@ class CoupledSolve(FrictionalContact):
             displacement=moved,
             start=shear,
             tolerance=tolerance,
-            max_iterations=_MAX_ITERATIONS,
+            max_iterations=MAX_SHEAR_ITERATIONS,
         )
-        own = 0.5 * sum(self.shear.own)
         solver = ProjectedShearCG()
-        solve = solver.solve if verifies else solver.approximate
-        return self._solve_within_strength(task, StrengthBound(limit, own, peak), partial(solve, self.shear))
-
-    def _solve_within_strength(
-        self, task: ShearTask, counting: StrengthBound, solve: Callable[[ShearTask], ShearOutcome]
-    ) -> ShearOutcome:
-        """Return the traction, found with the strengths that count."""
-        start = task.start
-        touching = task.limit > 0.0
-        known = [0.0 if start is None else CAUSED_TRACTIONS * float(magnitude(start).max())]
-        # One cell would take more to follow a displacement, and the cells of a contact seldom so much of a force.
-        shifts = [float(magnitude(task.offset)[touching].max(initial=0.0)), *map(abs, filter(None, task.displacement))]
-        known += [CAUSED_TRACTIONS * shift / counting.own for shift in shifts]
-        known += [_MAX_CONCENTRATION * abs(force or 0.0) / np.count_nonzero(touching) for force in task.shear_force]
-        bound = np.minimum(task.limit, max(*known, CAUSED_TRACTIONS * counting.smallest))
-        iterations = 0
-        while True:
-            outcome = solve(attrs.evolve(task, limit=bound, start=start))
-            iterations += outcome.iterations
-            outcome = attrs.evolve(outcome, iterations=iterations)
-            start = outcome.shear
-            if ((magnitude(start) > _REACHED_BOUND * bound) & (bound < task.limit)).any():
-                bound = np.minimum(task.limit, _BOUND_GROWTH * float(bound.max()))
-                continue
-            caused = self._find_counting(task, counting, outcome)
-            if float(caused.max()) >= _BOUND_SHRINKAGE * float(bound.max()) or iterations >= _MAX_ITERATIONS:
-                return outcome
-            bound = caused
-
-    def _find_counting(self, task: ShearTask, counting: StrengthBound, outcome: ShearOutcome) -> Array:
-        """Return the strengths that count for what a solve has found, shape (nx, ny)."""
-        if CAUSED_TRACTIONS * magnitude(outcome.shear).max() >= task.limit.max():
-            return task.limit
-        moved = np.array(outcome.displacement)[:, np.newaxis, np.newaxis] + task.offset
-        return counting.find(outcome.shear, moved - self.shear.apply(outcome.shear))
+        return solve_within_strength(self.shear, task, peak, solver.solve if verifies else solver.approximate)
 
     def _certify(
         self,
@@ -449,6 +421,56 @@ class CoupledSolve(FrictionalContact):
             # What laws remember may depend on traction and slip.
             solution = solution._add(effect.finish(solution))
         return solution, fields
+
+
+@attrs.define(eq=False)
+class _IncrementTurns:
+    """Contacts in turn with the displacement by the tractions on them, the offset, dimensionless."""
+
+    run: CoupledSolve
+    tangential: TangentialLoad
+    start: FrictionalFields
+    last: ContactSolution | None
+    increment: LoadIncrement
+    pressure: Array | None
+    shear: Array
+    limit: Array | None = None
+    coupling: float = 1.0
+    outcome: ShearOutcome | None = None
+    iterations: int = 0
+
+    def respond(self, lifted: Array, error: float) -> Response:
+        """Return the contact on the gap with an offset, and the displacement across the surface by its traction."""
+        run = self.run
+        ends = self.coupling * error <= _LAST_ERROR * run.tolerance
+        contact = run._press_on(lifted, self.pressure, 0.0 if ends else error, self.last, self.increment)
+        self.pressure = contact.pressure
+        if not contact.pressure.any():
+            self.outcome = None
+            return Response(contact, lifted, 0.0, is_last=True)
+        limit, self.coupling = run._find_limit(contact.pressure)
+        if self.limit is not None:
+            self.shear = keep_sliding(self.shear, self.limit, limit)
+        self.limit = limit
+        run._require_coupling(self.coupling)
+        run._require_stick(self.tangential, limit)
+        offset = -self.start.relative - run.shear.apply(contact.pressure[np.newaxis] / run.unit, of="z")
+        peak = float(contact.pressure.max()) / run.unit
+        goal = max(min(_INNER_SLIP * error, _LOOSEST_SLIP), _TIGHTEST_SLIP * run.tolerance)
+        solve = partial(run._shear, self.tangential, limit, peak, offset)
+        outcome = solve(self.shear, run.tolerance) if ends else solve(self.shear, goal, verifies=False)
+        self.iterations += outcome.iterations
+        found = run.lift(outcome.shear)
+        error = run._normal_error(contact, self.increment.load, found)
+        if not ends and max(error, outcome.residual) <= run.tolerance:
+            outcome = solve(outcome.shear, run.tolerance)
+            self.iterations += outcome.iterations
+            found = run.lift(outcome.shear)
+            error = run._normal_error(contact, self.increment.load, found)
+        self.shear = outcome.shear
+        self.outcome = outcome
+        damping = 1.0 / (1.0 + self.coupling**2) if self.coupling > _RELAXED_COUPLING else 1.0
+        return Response(contact, found, error, outcome.residual, damping)
 
 
 def _require_success(solution: ContactSolution) -> ContactSolution:

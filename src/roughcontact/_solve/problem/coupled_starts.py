@@ -11,8 +11,6 @@ from roughcontact._solve.problem.friction_certificate import FrictionalFields
 from roughcontact._solve.solution import FrictionalState, TangentialLoad
 from roughcontact._solve.solvers import magnitude
 
-# Earlier passes that are combined with one (Anderson).
-_MIXED_PASSES = 4
 # Change of the loads across that of the increment before, over it, up to which it continues it, and over that change
 # along it up to which tractions are extrapolated.
 _TURN = 1e-2
@@ -86,26 +84,3 @@ def keep_sliding(shear: Array, before: Array, limit: Array) -> Array:
     """
     reached = (before > 0.0) & (magnitude(shear) >= _REACHED_STRENGTH * before)
     return shear * np.divide(limit, before, out=np.ones_like(limit), where=reached)
-
-
-class Mixing:
-    """The next field of a fixed-point iteration, from the last ones: Anderson's combination of smallest change."""
-
-    def __init__(self, passes: int = _MIXED_PASSES) -> None:
-        self._passes = passes
-        self._fields: list[Array] = []
-        self._changes: list[Array] = []
-
-    def combine(self, field: Array, change: Array, damping: float) -> Array:
-        """Return the field from which to go on, after one and its change, of which a part is taken."""
-        self._fields = [*self._fields[-self._passes :], field]
-        self._changes = [*self._changes[-self._passes :], change]
-        best = field
-        left = change
-        if len(self._changes) > 1:
-            steps = np.stack([np.ravel(one - change) for one in self._changes[:-1]], axis=1)
-            weights = np.linalg.lstsq(steps, -np.ravel(change), rcond=1e-10)[0]
-            for weight, one, moved in zip(weights, self._fields, self._changes, strict=False):
-                best = best + weight * (one - field)
-                left = left + weight * (moved - change)
-        return best + damping * left

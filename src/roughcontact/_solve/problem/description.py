@@ -36,7 +36,7 @@ _METHOD = ("kernel", "convolver", "solver")
 _RESIDUALS = ("complementarity", "penetration", "load", "tension")
 _COST = ("iterations", "convolutions", "seconds")
 # Arguments of a path that its loads do not show.
-_OF_PATHS = ("substeps", "cycles", "time", "sliding", "shift", "accuracy")
+_OF_PATHS = ("substeps", "cycles", "time", "sliding", "direction", "shift", "accuracy")
 
 
 @final

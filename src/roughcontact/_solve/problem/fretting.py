@@ -39,11 +39,13 @@ def follow_cycles(
     cycles: Sequence[float],
     accuracy: float,
     tell: Callable[[Increment], object],
-    last: ContactSolution | None = None,
-) -> tuple[list[ContactSolution], list[StepNumbers], list[str]]:
+    before: Sequence[ContactSolution] = (),
+    wear: float = 0.0,
+) -> tuple[list[ContactSolution], list[StepNumbers], list[str], float]:
     """Return the states of the wanted cycles, after that of pressing, their numbers, and for how many they are.
 
-    They follow a state `last` at the end of a cycle, if there is one.
+    They follow the states of a cycle `before`, if there is one, in which the deepest loss was `wear`, m; that of the
+    last one is returned too.
 
     The first cycle is computed as it is. A later one stands for as many as wear the surfaces by a part `accuracy` of
     the approach: a longer jump is unstable in partial slip, where all wear is on a narrow ring. A jump that wears them
@@ -65,19 +67,15 @@ def follow_cycles(
     again = [attrs.evolve(loads[0], start=loads[-1].end, before=loads[-1].after.values), *loads[1:]]
     found: list[ContactSolution] = []
     reasons: list[str] = []
-    if last is None:
+    if not before:
         steps = follow_steps(run, segments, substeps, tell)
         found += steps[: 1 - first]
         steps = steps[1 - first :]
         done = 1.0
         wear = _find_deepest(found[-1] if found else None, steps[-1])
     else:
-        steps = [last]
-        effect = _find_effect(last)
-        done = effect.cycle
-        # About that of the last increment, in each.
-        begin_of_last = last._add(attrs.evolve(effect, memory=effect.before))
-        wear = _find_deepest(begin_of_last, last) * substeps * len(loads) / effect.cycles
+        steps = list(before)
+        done = _find_effect(steps[-1]).cycle
     for place in cycles:
         count = 0
         begin = done
@@ -95,8 +93,9 @@ def follow_cycles(
         found += [_set_cycle(step, place) for step in steps]
         told = f", the last of {count} computed for {place - begin:g}" if count else ""
         reasons += [f"of cycle {place:g}{told}"] * len(steps)
-    errors = list_cell_errors(found, last)
-    return found, [numbers_of(step, error) for step, error in zip(found, errors, strict=True)], reasons
+    errors = list_cell_errors(found, before[-1] if before else None)
+    numbers = [numbers_of(step, error) for step, error in zip(found, errors, strict=True)]
+    return found, numbers, reasons, wear
 
 
 def _choose(left: float, most: float) -> float:

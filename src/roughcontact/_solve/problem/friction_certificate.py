@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from functools import cached_property
 
 import attrs
@@ -15,6 +16,7 @@ from roughcontact._parts.materials import PairConstants
 from roughcontact._solve.convolvers import ShearConvolution
 from roughcontact._solve.problem.certificate import certify, find_touch, verify_laws, verify_solution
 from roughcontact._solve.problem.scene import Scene
+from roughcontact._solve.problem.strengths import StrengthBound
 from roughcontact._solve.problem.task import make_task, pressure_unit
 from roughcontact._solve.solution import (
     ContactSolution,
@@ -26,17 +28,12 @@ from roughcontact._solve.solution import (
     Status,
     TangentialLoad,
 )
-from roughcontact._solve.solvers import Outcome, magnitude, natural_residual
+from roughcontact._solve.solvers import Outcome, natural_residual
 from roughcontact.errors import InputError, argument
 
 # Rounding of tangential forces and of the friction cone.
 FORCE_TOLERANCE = 1e-10
 CONE_TOLERANCE = 1e-12
-# Strengths that count, over the largest traction that a load causes: less would count the edge of a stuck contact, more
-# would change the solves of ordinary loads.
-CAUSED_TRACTIONS = 4.0
-# Tractions over the maximum pressure that may be rounding.
-_ROUNDING_TRACTION = 1e-12
 # Difference between machines of displacements and energies, over their maximum; see `run.py`.
 _MACHINE_DIFFERENCE = 1e-10
 
@@ -171,12 +168,18 @@ class FrictionalContact:
         values = self.problem._gap.values
         return values if effect is None else values + effect.offset
 
+    def find_left(self, contact: ContactSolution, lifted: Array) -> Array:
+        """Return the gap as laws and a dimensionless displacement by the traction have left it for a contact, m."""
+        values = self.find_gap(contact) + lifted * self.length
+        if self.problem.plan.non_measured is not None:
+            # The solve may have deepened them.
+            values = np.where(self.problem.plan.non_measured, np.maximum(values, contact.initial_gap), values)
+        return values
+
     def certify_contact(self, contact: ContactSolution, load: Load, lifted: Array) -> ContactSolution:
         """Return a contact with the certificate of its pressure on the gap changed by the final traction."""
         plan = self.problem.plan
-        values = self.find_gap(contact) + lifted * self.length
-        if plan.non_measured is not None:
-            values = np.where(plan.non_measured, np.maximum(values, contact.initial_gap), values)
+        values = self.find_left(contact, lifted)
         outcome = Outcome(
             pressure=contact.pressure / self.unit,
             status=contact.status,
@@ -267,50 +270,25 @@ class FrictionalContact:
         return contact._add(sheared, status=status, seconds=seconds), fields
 
 
-@attrs.frozen(eq=False)
-class StrengthBound:
-    """Strengths that count: at most a few times the tractions that a load causes, in dimensionless variables.
+def require_frictional(problem: Scene, passing: Collection[str] = ("slip",)) -> None:
+    """Raise `InputError` unless a problem may have a contact with friction; its shear convolution is prepared.
 
-    Strengths that no traction comes near change nothing, but an error over them says nothing: of a friction of 10,000,
-    or a force of a millionth of that of sliding, any traction would count as right.
-
-    Attributes
-    ----------
-    strength
-        Strength of each cell, shape (nx, ny).
-    own
-        Displacement of a cell by a unit traction on it.
-    peak
-        Maximum pressure.
+    `passing` is what changes its surfaces: slip along a path of tangential loads, time and distance in sliding.
     """
-
-    strength: Array
-    own: float
-    peak: float
-
-    @property
-    def smallest(self) -> float:
-        """Smallest traction that is not rounding."""
-        return _ROUNDING_TRACTION * self.peak
-
-    def find(self, shear: Array, slip: Array) -> Array:
-        """Return the strengths that count for a traction, and for those that would undo its slip, shape (nx, ny)."""
-        touching = self.strength > 0.0
-        moved = float(magnitude(slip)[touching].max(initial=0.0))
-        largest = max(float(magnitude(shear).max()), moved / self.own, self.smallest)
-        return np.minimum(self.strength, CAUSED_TRACTIONS * largest)
-
-
-def require_frictional(problem: Scene) -> None:
-    """Raise `InputError` unless a problem may have a contact with friction; its shear convolution is prepared."""
     if problem.adhesion is not None:
         raise InputError(f"Friction with adhesion is not known: omit {argument('adhesion')}.")
     for law in problem.laws:
-        if not law.keeps_modulus or (law.rates and "slip" not in law.rates):
+        if law.keeps_modulus and (not law.rates or set(passing).intersection(law.rates)):
+            continue
+        if "slip" in law.rates:
             raise InputError(
-                f"Along a path with friction neither time nor a sliding distance passes, on which {law!r} depends: "
-                f"leave it out of {argument('laws')}."
+                f"Where bodies slide steadily, {law!r} has no slip that it follows: give Archard by "
+                f"{argument('laws')}, with the coefficient of friction times its own."
             )
+        raise InputError(
+            f"Along a path with friction neither time nor a sliding distance passes, on which {law!r} depends: "
+            f"leave it out of {argument('laws')}."
+        )
     _ = problem.shear_convolution
 
 

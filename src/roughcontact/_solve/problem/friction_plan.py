@@ -9,13 +9,15 @@ from roughcontact._parts.interactions import FrictionLaw
 from roughcontact._parts.materials import PairConstants, pair_constants
 from roughcontact._solve.problem.memory import require_arrays
 from roughcontact._solve.problem.plan import OMITTED_FRICTION, SolvePlan
-from roughcontact._solve.solution import ContactSolution
+from roughcontact._solve.solution import ContactSolution, Process
 
 # Memory of steady sliding at light contact, in float64 arrays of the grid, without and with a free boundary, for like
 # and unlike bodies, and of each further state of a path; measured by tests/problems/test_memory.py. Most are symbols
 # of shear.
-_FRICTION_ARRAYS = {False: (32.0, 40.5), True: (36.0, 50.5)}
+_FRICTION_ARRAYS = {False: (32.0, 39.9), True: (36.0, 50.5)}
 _STATE_ARRAYS = (5.2, 10.8)
+# Arrays of what is known of the state before, of one that is not kept: pressure and traction.
+_EARLIER_ARRAYS = 3
 
 
 def include_friction(plan: SolvePlan) -> SolvePlan:
@@ -39,19 +41,26 @@ def explain_state(plan: SolvePlan, state: ContactSolution) -> str:
     return str(plan) if state.shear is None else explain_with_friction(plan, state.friction)
 
 
-def require_memory_of_friction(plan: SolvePlan, states: int = 1) -> None:
+def require_memory_of_friction(plan: SolvePlan, states: int = 1, apart: int = 0) -> None:
     """Refuse a problem of which a contact with friction, or a path of so many states, does not fit into memory.
 
     Light contact is assumed; `InputError` if Poisson's ratio of a material is not known.
     """
     what = "A contact with friction" if states == 1 else f"A path of {states} states"
-    require_arrays(memory_of_friction(plan, states), what, plan.grid, plan.boundary, plan.memory_limit)
+    require_arrays(memory_of_friction(plan, states, apart), what, plan.grid, plan.boundary, plan.memory_limit)
 
 
-def memory_of_friction(plan: SolvePlan, states: int = 1) -> int:
-    """Return the peak memory of a contact with friction, or of a path of so many states, at light contact, bytes."""
+def memory_of_friction(plan: SolvePlan, states: int = 1, apart: int = 0) -> int:
+    """Return the peak memory of a contact with friction, or of a path of so many states, at light contact, bytes.
+
+    Some of them, `apart`, do not begin with one that is kept. Each has what laws add to the gap and remember.
+    """
     coupled = pair_constants(*plan.materials).beta != 0.0
-    arrays = _FRICTION_ARRAYS[plan.boundary.has_free_axis][coupled] + (states - 1) * _STATE_ARRAYS[coupled]
+    remembered = sum(len(law.remembered) for law in plan.laws if isinstance(law, Process))
+    # Where nothing changes the gap, states under one load share its contact.
+    of_state = _STATE_ARRAYS[coupled or bool(plan.laws)]
+    arrays = _FRICTION_ARRAYS[plan.boundary.has_free_axis][coupled] + (states - 1) * of_state
+    arrays += states * (remembered + bool(plan.laws)) + apart * (remembered + _EARLIER_ARRAYS)
     return int(8 * plan.grid.cells * arrays)
 
 

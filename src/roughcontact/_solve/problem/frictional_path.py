@@ -86,6 +86,8 @@ class FrictionalPath(Path):
         Why each step has its increments, in words.
     accuracy
         Admissible height that is lost at once in many cycles of loads, over the approach.
+    cycle_wear
+        Largest height that is lost in one of the last cycles, m; zero of loads that do not return.
 
     Examples
     --------
@@ -110,6 +112,7 @@ class FrictionalPath(Path):
     increments: tuple[int, ...]
     reasons: tuple[str, ...]
     accuracy: float = PATH_ACCURACY
+    cycle_wear: float = 0.0
 
     @property
     def cycles(self) -> Array:
@@ -222,7 +225,10 @@ class FrictionalPath(Path):
                 raise InputError(
                     f"The path ends with cycle {self.cycles[-1]:g}: cycles count from its start, and rise."
                 )
-            found = follow_cycles(run, segments, count, places, self.accuracy, _tell_nothing, last)
+            before = self.states[-len(self._first_cycle) :]
+            steps, numbers, reasons, wear = follow_cycles(
+                run, segments, count, places, self.accuracy, _tell_nothing, before, self.cycle_wear
+            )
         else:
             require_omitted({"cycles": cycles}, "for loads that return")
             targets = list_targets(pushed)
@@ -239,14 +245,25 @@ class FrictionalPath(Path):
                 normal = [*normal, *more]
             every = [*known[along], *(target.values for target in targets)]
             segments = list_steps(run, {kind: normal}, {along: every})[-len(targets) :]
-            found = follow_loads(run, segments, count, _tell_nothing, last)
-        steps, numbers, reasons = found
+            steps, numbers, reasons = follow_loads(run, segments, count, _tell_nothing, last)
+            wear = 0.0
+        return self._append(steps, numbers, reasons, wear)
+
+    def _append(
+        self,
+        states: Sequence[ContactSolution],
+        numbers: Sequence[StepNumbers],
+        reasons: Sequence[str],
+        cycle_wear: float,
+    ) -> FrictionalPath:
+        """Return the path with more states at its end, and what `extend` needs to go on from these."""
         return attrs.evolve(
             self,
-            states=(*self.states, *steps),
+            states=(*self.states, *states),
             numbers=(*self.numbers, *numbers),
-            increments=(*self.increments, *(step.sheared.increments for step in steps)),
+            increments=(*self.increments, *(state.sheared.increments for state in states)),
             reasons=(*self.reasons, *reasons),
+            cycle_wear=cycle_wear,
         )
 
     def table(self) -> Table:
@@ -367,6 +384,7 @@ class FrictionalPath(Path):
             "reasons": list(self.reasons),
             "numbers": numbers,
             "accuracy": self.accuracy,
+            "cycle_wear": self.cycle_wear,
         }
 
     @classmethod
@@ -383,6 +401,7 @@ class FrictionalPath(Path):
             reasons=tuple(str(text) for text in notes["reasons"]),
             # Former files have no cycles.
             accuracy=float(notes.get("accuracy", PATH_ACCURACY)),
+            cycle_wear=float(notes.get("cycle_wear", 0.0)),
         )
 
     def _list_results(self) -> Mapping[str, str]:

@@ -15,6 +15,7 @@ from roughcontact._base.units import Estimate, WarningText, counted
 from roughcontact._parts.grid import Load
 from roughcontact._solve.problem.coupled import CoupledSolve
 from roughcontact._solve.problem.friction_certificate import FrictionalFields
+from roughcontact._solve.problem.load_march import COST
 from roughcontact._solve.problem.path import march
 from roughcontact._solve.problem.scene import Scene
 from roughcontact._solve.problem.step_numbers import (
@@ -252,7 +253,8 @@ def _join(
         iterations=sum(part.sheared.iterations for part in parts),
         increments=len(parts),
     )
-    return parts[-1]._add(sheared, seconds=math.fsum(part.seconds for part in parts))
+    spent = {name: sum(getattr(part, name) for part in parts) for name in COST}
+    return parts[-1]._add(sheared, **spent)
 
 
 def follow_loads(

@@ -29,6 +29,8 @@ _ERROR_OF_CHANGE = 1.0 / 6.0
 _POWER_OF_FORCE = 2.0 / 3.0
 # Range of what is remembered below which there is nothing, m.
 _SMALLEST = 1e-300
+# What solves cost.
+COST = ("iterations", "convolutions", "seconds")
 # Increments of one interval after which a path is given up.
 _MAX_INCREMENTS = 10_000
 
@@ -103,6 +105,8 @@ class Standing:
         What identifies the state at the last place.
     passed, count
         What has passed of the interval, s or m, and in how many increments.
+    iterations, convolutions, seconds
+        Of all solves for them.
     last_length, next_length
         Lengths of the last increment and of the next one, s or m; zero after a step of load.
     """
@@ -111,6 +115,9 @@ class Standing:
     since: str = ""
     passed: float = 0.0
     count: int = 0
+    iterations: int = 0
+    convolutions: int = 0
+    seconds: float = 0.0
     last_length: float = 0.0
     next_length: float = 0.0
 
@@ -136,7 +143,10 @@ class LoadMarch:
         return self.standing.states[-1]
 
     def go(self, begin: Place | None, end: Place) -> int:
-        """Go from one place, None at the start of a path, to the next; return the number of increments."""
+        """Go from one place, None at the start of a path, to the next; return the number of increments.
+
+        The state there has the cost of all of them, and of those that were tried and refused.
+        """
         time = end.time - begin.time if begin else 0.0
         sliding = end.sliding - begin.sliding if begin else 0.0
         # Where both pass, their ratio is that of the interval.
@@ -147,9 +157,13 @@ class LoadMarch:
         else:
             while self.standing.passed < length:
                 self._step(begin, end, length, time / length, sliding / length)
-        count = self.standing.count
-        self.standing = attrs.evolve(self.standing, since=identify(self.last), passed=0.0, count=0)
-        return count
+        standing = self.standing
+        spent: dict[str, Any] = {name: getattr(standing, name) for name in COST}
+        states = (*standing.states[:-1], attrs.evolve(self.last, **spent))
+        nothing: dict[str, Any] = dict.fromkeys(COST, 0)
+        since = identify(self.last)
+        self.standing = attrs.evolve(standing, states=states, since=since, passed=0.0, count=0, **nothing)
+        return standing.count
 
     def _jump(self, place: Place, time: float, sliding: float) -> None:
         """Go to a load, or to other summits, at once: nothing continues."""
@@ -171,7 +185,7 @@ class LoadMarch:
         growth = _SAFETY / math.sqrt(error) if error > 0.0 else _MAX_GROWTH
         following = step * min(max(growth, _MIN_GROWTH), _MAX_GROWTH)
         if error > 1.0:
-            self.standing = attrs.evolve(standing, next_length=following)
+            self.standing = attrs.evolve(_spend(standing, found), next_length=following)
             return
         if standing.count == _MAX_INCREMENTS:
             raise InputError(
@@ -192,7 +206,7 @@ class LoadMarch:
         effect = state._find_added(Governed)
         if effect is not None:
             state = state._add(attrs.evolve(effect, previous=standing.since))
-        self.standing = attrs.evolve(standing, states=(*standing.states[-1:], state))
+        self.standing = attrs.evolve(_spend(standing, state), states=(*standing.states[-1:], state))
         self._tell(state)
 
     def _find(self, step: float, increment: LoadIncrement) -> ContactSolution:
@@ -219,6 +233,12 @@ class LoadMarch:
             error = max(error, part * float(np.abs(change).max()))
         scale = max((float(np.ptp(now)) for now in list_lengths(state)), default=0.0)
         return error / (self._accuracy * max(scale, _SMALLEST))
+
+
+def _spend(standing: Standing, state: ContactSolution) -> Standing:
+    """Return where a march stands with the cost of another solve."""
+    spent: dict[str, Any] = {name: getattr(standing, name) + getattr(state, name) for name in COST}
+    return attrs.evolve(standing, **spent)
 
 
 def identify(state: ContactSolution) -> str:

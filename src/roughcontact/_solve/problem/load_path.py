@@ -1,6 +1,6 @@
 """Paths of normal loads, times and sliding distances along which the surfaces change, each state from the one before.
 
-`ContactProblem.path` calls `follow_path` where no friction is given.
+`ContactProblem.path` calls `run_load_path` where no tangential loads are given.
 """
 
 from __future__ import annotations
@@ -8,7 +8,6 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from functools import partial
 from itertools import accumulate, pairwise
 from pathlib import Path as File
 from typing import Any, TypeVar
@@ -25,19 +24,20 @@ from roughcontact._parts.grid import Load
 from roughcontact._parts.surfaces import HeightMap
 from roughcontact._solve.problem.body import Body
 from roughcontact._solve.problem.brought_laws import remember_both, remember_changes
+from roughcontact._solve.problem.coupled import SteadyFriction
+from roughcontact._solve.problem.follow_places import choose_solve, follow_places
+from roughcontact._solve.problem.friction_certificate import require_frictional
+from roughcontact._solve.problem.friction_plan import require_memory_of_friction
 from roughcontact._solve.problem.increments import is_single
 from roughcontact._solve.problem.load_march import LoadMarch, Place, Standing, identify, list_places, list_shifts
 from roughcontact._solve.problem.path import Path
 from roughcontact._solve.problem.path_file import (
     KIND,
     OPEN,
-    Leg,
     PathFile,
-    list_increments,
     note_path,
     require_digests,
 )
-from roughcontact._solve.problem.run import run_solve
 from roughcontact._solve.problem.scene import Scene
 from roughcontact._solve.problem.sweep import tabulate_states
 from roughcontact._solve.problem.task import limit_load
@@ -170,7 +170,8 @@ class LoadPath(Path):
             )
         strict = self.accuracy if accuracy is None else check_accuracy(accuracy)
         standing = Standing(states=(last,), since=identify(last))
-        march = LoadMarch(partial(run_solve, scene), strict, standing=standing)
+        solve = choose_solve(scene, SteadyFriction.of(last))
+        march = LoadMarch(solve, strict, standing=standing)
         found = [(march.go(one, other), march.last) for one, other in pairwise([begin, *places])]
         counts, states = zip(*found, strict=True)
         return LoadPath(states=(*self.states, *states), increments=(*self.increments, *counts), accuracy=strict)
@@ -209,7 +210,10 @@ class LoadPath(Path):
         passed = {name: values.tolist() for name, values in self._list_passed().items()}
         moved = {"shift": self.shift.tolist()} if self.shift.any() else {}
         strict = {"accuracy": self.accuracy} if passed else {}
-        return super().list_arguments() | passed | moved | strict
+        friction = SteadyFriction.of(self.states[0])
+        angle = None if friction is None else self.states[0].tangential_load.angle
+        slides = {} if friction is None else {"friction": friction.law, "direction": angle}
+        return super().list_arguments() | passed | moved | strict | slides
 
     def _list_passed(self) -> dict[str, Array]:
         """Return time and sliding distance, as far as they pass."""
@@ -324,15 +328,27 @@ def run_load_path(
     change: ChangeProgress,
     file: str | os.PathLike[str] | None = None,
     is_draft: bool = False,
+    friction: SteadyFriction | None = None,
 ) -> LoadPath:
-    """Return the path of a problem without friction; see `ContactProblem.path`, and `PathFile` for its file."""
-    require_omitted(omitted, f"with {argument('friction', '0.3')}")
+    """Return the path of a problem without tangential loads; see `ContactProblem.path`, and `PathFile` for its file.
+
+    With friction its bodies slide steadily.
+    """
+    slides = friction is not None
+    require_omitted(omitted, f"without {argument('sliding')}" if slides else f"with {argument('friction', '0.3')}")
     accuracy = check_accuracy(accuracy)
     told = checks.callback(on_increment, "on_increment=", "state")
+    if slides:
+        require_omitted({"shift": passed.get("shift")}, "without friction")
     scene, places = prepare_path(problem, normal, **passed, accuracy=accuracy)
+    if slides:
+        require_frictional(scene, passing=("time", "sliding"))
+        require_memory_of_friction(scene.plan, states=len(places))
     count = count_done(change, len(places), "place")
-    kept = None if file is None else PathFile(file, scene, places, accuracy, is_draft)
-    return follow_path(scene, places, accuracy, told or (lambda state: None), count, kept)
+    kept = None if file is None else PathFile(file, scene, places, accuracy, is_draft, friction)
+    solve = choose_solve(scene, friction)
+    counts, states = follow_places(scene, solve, places, accuracy, told or (lambda state: None), count, kept)
+    return LoadPath(states=states, increments=counts, accuracy=accuracy)
 
 
 @guarded
@@ -425,55 +441,6 @@ def _require_movable(problem: Scene, shifts: Sequence[tuple[int, int]] | None) -
     left = [law for law in problem.laws if not law.follows_bodies]
     if left:
         raise InputError(f"The law {left[0]!r} does not follow bodies that move: omit {argument('shift')}.")
-
-
-def follow_path(
-    problem: Scene,
-    places: Sequence[Place],
-    accuracy: float,
-    tell: Callable[[ContactSolution], object],
-    count: Callable[[ContactSolution], object],
-    file: PathFile | None = None,
-) -> LoadPath:
-    """Return the states at the places of a path; each increment is reported, and each of these states counted.
-
-    From the file of a path that has begun it goes on, and into this it is written.
-    """
-    first = places[0]
-    # Of several loads the first rises from zero if time or distance pass until there; one holds from the start on.
-    at_once = len({place.load for place in places}) == 1 or not (first.time or first.sliding)
-    if not at_once and problem.adhesion is not None:
-        raise InputError(
-            "Bodies that attract each other come from far away, and not from a load of zero, at which they may be in "
-            "contact: begin the path at zero time and sliding distance, with the load from which they come."
-        )
-    start = Place(load=first.load if at_once else attrs.evolve(first.load, value=0.0), shift=first.shift)
-    hidden = int(first != start)
-    stops = (None, *[start] * hidden, *places)
-    legs, standing = ([], Standing()) if file is None else file.read()
-    if standing is None:
-        # The file has the whole path.
-        hidden = 0
-    for leg in legs[hidden:]:
-        count(leg.state)
-    if standing is not None:
-
-        def keep(state: ContactSolution) -> None:
-            tell(state)
-            if file is not None:
-                file.write(legs, march.standing, hidden)
-
-        march = LoadMarch(partial(run_solve, problem), accuracy, keep, standing)
-        for begin, end in pairwise(stops[len(legs) :]):
-            assert end is not None
-            legs.append(Leg(increments=march.go(begin, end), state=march.last))
-            if len(legs) > hidden:
-                count(march.last)
-    states = tuple(leg.state for leg in legs[hidden:])
-    path = LoadPath(states=states, increments=tuple(list_increments(legs, hidden)), accuracy=accuracy)
-    if standing is not None and file is not None:
-        file.finish(path.increments, states)
-    return path
 
 
 def save_load_path(file: str | os.PathLike[str], path: LoadPath, key: str) -> None:

@@ -12,7 +12,8 @@ import attrs
 
 from roughcontact._base import checks
 from roughcontact._base.archive.plain import key_of
-from roughcontact._solve.problem.load_march import Place, Standing, identify
+from roughcontact._solve.problem.coupled import SteadyFriction
+from roughcontact._solve.problem.load_march import COST, Place, Standing, identify
 from roughcontact._solve.problem.scene import Scene
 from roughcontact._solve.solution import (
     ContactSolution,
@@ -27,7 +28,7 @@ from roughcontact.errors import InputError
 KIND = "load path"
 # What stands under this name in the notes of a file: the unfinished part of a path.
 OPEN = "open"
-_NUMBERS = ("since", "passed", "count", "last_length", "next_length")
+_NUMBERS = ("since", "passed", "count", *COST, "last_length", "next_length")
 # Time from one writing to the next, over that of the last one: a tenth of the path is spent on its file.
 _PATIENCE = 10.0
 # Time that a draft takes its first writing for, s: a path that is found before has none.
@@ -55,6 +56,8 @@ class PathFile:
         What the path is along.
     is_draft
         Whether it holds the path only while that is unfinished: anything else that stands there is left as it is.
+    friction
+        The friction of bodies that slide along it; None: without.
     """
 
     def __init__(
@@ -64,6 +67,7 @@ class PathFile:
         places: Sequence[Place],
         accuracy: float,
         is_draft: bool = False,
+        friction: SteadyFriction | None = None,
     ) -> None:
         self._path = checks.path(path, "The file of a path")
         if self._path.suffix != ".npz":
@@ -75,6 +79,10 @@ class PathFile:
         self._is_draft = is_draft
         self._is_taken = False
         content = [problem.parts, [attrs.asdict(place) for place in places], accuracy]
+        self._given: dict[str, Any] = {}
+        if friction is not None:
+            content += [friction.law, friction.direction]
+            self._given = {"shear": friction.law}
         # Another version of a package may find other bits.
         self._key = solution_key(key_of(content), {}, chosen=problem.chosen)
         self._written = time.perf_counter() if is_draft else -math.inf
@@ -110,7 +118,7 @@ class PathFile:
     def _read_states(self) -> tuple[Sequence[ContactSolution], Mapping[str, Any]]:
         """Return the states and notes of the file; a draft notes whether it holds something else."""
         try:
-            states, notes = read_states(self._path, KIND, verify=False)
+            states, notes = read_states(self._path, KIND, verify=False, given=self._given)
         except InputError:
             self._is_taken = self._is_draft
             if not self._is_draft:

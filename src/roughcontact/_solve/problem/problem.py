@@ -23,14 +23,9 @@ from roughcontact._solve.problem.cycle import AdhesionCycle, list_approaches, ru
 from roughcontact._solve.problem.friction_certificate import verify_state
 from roughcontact._solve.problem.frictional_path import FrictionalPath
 from roughcontact._solve.problem.increments import Increment
-from roughcontact._solve.problem.load_path import (
-    PATH_ACCURACY,
-    LoadPath,
-    require_omitted,
-    run_load_path,
-)
+from roughcontact._solve.problem.load_path import PATH_ACCURACY, LoadPath, run_load_path
 from roughcontact._solve.problem.loads import solve_loads
-from roughcontact._solve.problem.loads_along import run_path, run_slide
+from roughcontact._solve.problem.loads_along import resolve_sliding, run_path, run_slide
 from roughcontact._solve.problem.pull_off import find_pull_off
 from roughcontact._solve.problem.required_load import RequiredLoad, find_load_of_area, find_required_load
 from roughcontact._solve.problem.run import computing, require_success, run_solve
@@ -264,6 +259,23 @@ class ContactProblem(Scene):
         force: Force | Iterable[Force] | None = None,
         pressure: Pressure | Iterable[Pressure] | None = None,
         approach: Length | Iterable[Length] | None = None,
+        friction: float | FrictionLaw,
+        direction: float | None = None,
+        time: Iterable[float | str] | None = None,
+        sliding: Iterable[Length],
+        accuracy: float = PATH_ACCURACY,
+        on_increment: Callable[[Any], None] | None = None,
+        file: str | os.PathLike[str] | None = None,
+        progress: bool = False,
+    ) -> LoadPath: ...
+
+    @overload
+    def path(
+        self,
+        *,
+        force: Force | Iterable[Force] | None = None,
+        pressure: Pressure | Iterable[Pressure] | None = None,
+        approach: Length | Iterable[Length] | None = None,
         tangential_force: Iterable[Sequence[Force]] | Sequence[Force] | None = None,
         displacement: Iterable[Sequence[Length]] | Sequence[Length] | None = None,
         friction: float | FrictionLaw,
@@ -283,6 +295,7 @@ class ContactProblem(Scene):
         tangential_force: Iterable[Sequence[Force]] | Sequence[Force] | None = None,
         displacement: Iterable[Sequence[Length]] | Sequence[Length] | None = None,
         friction: float | FrictionLaw | None = None,
+        direction: float | None = None,
         substeps: int | str = "auto",
         cycles: Iterable[float] | None = None,
         time: Iterable[float | str] | None = None,
@@ -295,9 +308,9 @@ class ContactProblem(Scene):
     ) -> FrictionalPath | LoadPath:
         """Follow a contact along a path of loads, each state from the one before.
 
-        With friction the loads are normal and tangential ones. The surfaces change: they are flattened where the
-        pressure reaches the hardness, which is remembered (`Flattening`), and as the laws of the problem say, without
-        friction such as by wear (`Archard`) over a sliding distance.
+        With friction the loads are normal and tangential ones, or the bodies slide steadily. The surfaces change: they
+        are flattened where the pressure reaches the hardness, which is remembered (`Flattening`), and as the laws of
+        the problem say, such as by wear (`Archard`) over a sliding distance.
 
         Parameters
         ----------
@@ -308,29 +321,30 @@ class ContactProblem(Scene):
         tangential_force, displacement
             Exactly one of them: a list of pairs (x, y), or one pair for all steps. The force by which the counterbody
             is pushed over the body, N; or its displacement since the first touch, m.
-        friction
-            A coefficient of friction, or a law such as `Coulomb` or `LimitedCoulomb`; None: no friction.
+        friction, direction
+            A coefficient of friction, or a law such as `Coulomb` or `LimitedCoulomb`; None: no friction. With `sliding`
+            the direction of steady sliding, as for `slide`; by default along x.
         cycles
             With friction and a law of wear by slip, `EnergyWear`: the loads are one cycle, and return. The numbers of
             the cycles whose states are wanted; those between are computed in part, each for many.
         time, sliding
-            Without friction, time, s, and distance, m, over which the surfaces slide, at each place of the path, from
-            its start; they do not fall. One load acts from the start on, the first of several rises until there.
+            Without tangential loads, time, s, and distance, m, over which the surfaces slide, since its start at each
+            place. One load acts from the start on, the first of several rises until there.
         shift
             Without friction, cells (x, y) by which the counterbody is displaced at each place from its first one, on a
             periodic boundary. What each body has lost moves with it. The sliding distance is by default that of the
             counterbody. Steps should be at most half the shortest wave.
         accuracy
-            Without friction, admissible error of one of the increments, as many as that takes, of the change of the
-            surfaces over its maximum. Of cycles, admissible height that is lost at once, over the approach.
+            Admissible error of an increment, as many as that takes, of the change of the surfaces over its maximum;
+            of cycles, admissible height that is lost at once, over the approach.
         substeps
             Increments of each step, in which both loads change in proportion. ``"auto"``: one where that is exact; else
             up to 16, until displacement, energy and stick area hardly change; their limits are extrapolated.
         on_increment
             Called after each increment with an `Increment`, without friction with its state.
         file
-            Without friction, a file ``.npz`` into which the path is written while it grows: the same call goes on from
-            there after its process was killed, to the same bits, and reads a path that is finished.
+            Without tangential loads, a file ``.npz`` into which the path is written while it grows: the same call goes
+            on from there after its process was killed, to the same bits, and reads a path that is finished.
         progress
             Whether to show on standard error what runs (extra ``progress``).
 
@@ -342,9 +356,9 @@ class ContactProblem(Scene):
         Raises
         ------
         InputError
-            If the loads do not fit together, or nothing that is given uses them. With friction, if the bodies slide;
-            with adhesion, on a wrapped boundary or if the kernel does not know shear; of unlike materials if friction
-            times beta exceeds 1; if a law of the problem depends on time or a sliding distance.
+            If the loads do not fit together, or nothing that is given uses them. With friction, if tangential loads
+            make the bodies slide; with adhesion, on a wrapped boundary or if the kernel does not know shear; of unlike
+            materials if friction times beta exceeds 1; if a law of the problem depends on what does not pass.
         NotConverged
             If a state is not certified.
         """
@@ -352,11 +366,14 @@ class ContactProblem(Scene):
         tangential = {"tangential_force": tangential_force, "displacement": displacement}
         passed = {"time": time, "sliding": sliding, "shift": shift}
         with show_progress("path", shown=flag(progress, "progress=")) as change:
-            if friction is None:
+            if friction is None or sliding is not None:
+                steady = resolve_sliding(friction, direction)
                 omitted = tangential | {"substeps": None if substeps == "auto" else substeps, "cycles": cycles}
-                return run_load_path(self, normal, omitted, passed, accuracy, on_increment, change, file)
-            require_omitted({**passed, "file": file}, "without friction")
-            return run_path(self, normal, tangential, friction, substeps, on_increment, change, cycles, accuracy)
+                return run_load_path(self, normal, omitted, passed, accuracy, on_increment, change, file, steady)
+            unused = {"direction": direction, **passed, "file": file}
+            return run_path(
+                self, normal, tangential, unused, friction, substeps, on_increment, change, cycles, accuracy
+            )
 
     def slide(
         self,
@@ -392,10 +409,8 @@ class ContactProblem(Scene):
         """
         normal = {"force": force, "pressure": pressure, "approach": approach}
         if (speed is None) is (friction is None):
-            raise InputError(
-                f"Bodies slide with {argument('friction')} or, if they are viscoelastic, at {argument('speed')}: give "
-                "one of them."
-            )
+            given = f"{argument('friction')} or, if they are viscoelastic, at {argument('speed')}"
+            raise InputError(f"Bodies slide with {given}: give one of them.")
         if speed is None:
             return run_slide(self, normal, friction, direction)
         if not any(isinstance(side.material, Viscoelastic) for side in (self.body, self.counterbody)):

@@ -21,18 +21,16 @@ from roughcontact._parts.kernels import InfluenceKernel
 from roughcontact._solve.convolvers import PreparedConvolution, SoftenedConvolution
 from roughcontact._solve.problem.body import InitialGap
 from roughcontact._solve.problem.certificate import certify, certify_again, displace_plan, stiffen_plan
-from roughcontact._solve.problem.coupled_starts import Mixing
 from roughcontact._solve.problem.plan import SolvePlan
 from roughcontact._solve.problem.scene import Scene
 from roughcontact._solve.problem.task import LOAD_TOLERANCE, make_task, prepare_convolution, pressure_unit
+from roughcontact._solve.problem.turns import Response, choose_tolerance, measure_violation, take_turns
 from roughcontact._solve.solution import (
-    ContactConditions,
     ContactSolution,
     Governed,
     LoadIncrement,
     Origin,
     Status,
-    Violation,
 )
 from roughcontact._solve.solvers import Step
 from roughcontact.errors import InputError, NotConverged, argument
@@ -43,12 +41,8 @@ _LOGGER = logging.getLogger("roughcontact")
 # round; and maximum rounds: after eight they are 4^36 = 5e21 times deeper.
 _DEPTH_FACTOR = 4.0
 _MAX_DEEPENINGS = 8
-# Turns of contact and response after which a solve is given up; tolerance of a turn over the last error, and its bounds
-# over that of the solution.
-_MAX_TURNS = 250
-_MIXED_TURNS = 8
+# Error of a contact over that of the last turn of contact and response, and its bound over the tolerance.
 _INNER_ERROR = 0.1
-_TIGHTEST_INNER = 0.3
 _LOOSEST_INNER = 1000.0
 
 
@@ -223,63 +217,19 @@ class _Run:
 
         It is certified with the kernel of the plan, as a contact of the gap that is left.
         """
-        plan = self.plan
-        tolerance = plan.solver.tolerance
-        softened = attrs.evolve(plan, kernel=kernel)
-        convolution = prepare_convolution(softened)
-        mixing = Mixing(_MIXED_TURNS)
-        rest = np.zeros(gap.values.shape)
-        error = math.inf
-        iterations = 0
-        products = 0
-        scale = 1.0
-        for _ in range(_MAX_TURNS):
-            inner = min(max(_INNER_ERROR * error, _TIGHTEST_INNER * tolerance), _LOOSEST_INNER * tolerance) * scale
-            changed, datum = gap.change(rest)
-            run = _Run(
-                attrs.evolve(softened, solver=plan.solver.with_tolerance(min(inner, 1.0))),
-                convolution,
-                self.on_step,
-                self.started,
-            )
-            found = run.solve(changed, load.after(datum), start)
-            iterations += found.iterations
-            products += found.convolutions + 1
-            start = found.pressure
-            moved = self._displace(start)
-            added = respond(moved)
-            left = gap.values + added
-            if gap.non_measured is not None:
-                # The solve may have deepened them.
-                deepest = datum + float(found.initial_gap[gap.non_measured].max())
-                left[gap.non_measured] = max(deepest, float(left[gap.non_measured].max()))
-            violation = self._measure(gap, left, load, start, moved)
-            error = violation.error
-            # Errors of the softer contact are over its own displacement.
-            scale = min(1.0, violation.scale * plan.peak_to_valley / found.residuals.scale)
-            if error <= tolerance or not found.status.success:
-                break
-            rest = mixing.combine(rest, moved + added - found.displacement - rest, 1.0)
-        again = certify_again(plan, self.convolution, found, frozen_array(left), load)
-        kept = ("errors", "levels", "seconds")
-        return attrs.evolve(
-            again, iterations=iterations, convolutions=products + 1, **{name: getattr(found, name) for name in kept}
-        )
+        turns = _ResponsiveTurns(self, gap, load, start, attrs.evolve(self.plan, kernel=kernel), respond)
+        response, count = take_turns(turns.respond, np.zeros(gap.values.shape), self.plan.solver.tolerance)
+        found = response.contact
+        again = certify_again(self.plan, self.convolution, found, frozen_array(turns.left), load)
+        kept = ("iterations", "errors", "levels", "seconds")
+        # One for the response in each turn.
+        products = found.convolutions + count + 1
+        return attrs.evolve(again, convolutions=products, **{name: getattr(found, name) for name in kept})
 
-    def _displace(self, pressure: Array) -> Array:
+    def displace(self, pressure: Array) -> Array:
         """Return the displacement by a pressure, m."""
         given = self.convolution.from_numpy(pressure / pressure_unit(self.plan))
         return self.convolution.to_numpy(self.convolution.apply(given)) * self.plan.peak_to_valley
-
-    def _measure(self, gap: InitialGap, left: Array, load: Load, pressure: Array, displacement: Array) -> Violation:
-        """Return the violation of a pressure as the contact of a changed gap."""
-        length = self.plan.peak_to_valley
-        unit = pressure_unit(self.plan)
-        approach = load.value / length if load.kind == "approach" else None
-        measured = True if gap.non_measured is None else ~gap.non_measured
-        rms = float(left.std(where=measured)) / length
-        conditions = ContactConditions(left / length, self.plan.pressure_limit / unit, approach, rms)
-        return conditions.measure(pressure / unit, displacement / length)
 
     def try_other_states(self, gap: InitialGap, load: Load) -> ContactSolution | None:
         """Return a state that carries a load found from that at zero load, or from full contact; None without one.
@@ -295,6 +245,50 @@ class _Run:
             if found.status.success:
                 return found
         return None
+
+
+@attrs.define(eq=False)
+class _ResponsiveTurns:
+    """Contacts by another kernel in turn with what is left of the displacement, the offset, m."""
+
+    run: _Run
+    gap: InitialGap
+    load: Load
+    start: Array | None
+    softened: SolvePlan
+    add: Callable[[Array], Array]
+    convolution: PreparedConvolution = attrs.field(init=False)
+    left: Array = attrs.field(init=False)
+    scale: float = 1.0
+
+    @convolution.default
+    def _prepare(self) -> PreparedConvolution:
+        return prepare_convolution(self.softened)
+
+    @left.default
+    def _begin(self) -> Array:
+        return self.gap.values
+
+    def respond(self, rest: Array, error: float) -> Response:
+        """Return the contact on the gap with an offset, and what the displacement by its pressure adds to the gap."""
+        plan = self.run.plan
+        inner = choose_tolerance(error, plan.solver.tolerance, _INNER_ERROR, _LOOSEST_INNER) * self.scale
+        changed, datum = self.gap.change(rest)
+        softened = attrs.evolve(self.softened, solver=plan.solver.with_tolerance(min(inner, 1.0)))
+        turn = attrs.evolve(self.run, plan=softened, convolution=self.convolution)
+        found = turn.solve(changed, self.load.after(datum), self.start)
+        self.start = found.pressure
+        moved = self.run.displace(found.pressure)
+        added = self.add(moved)
+        self.left = self.gap.values + added
+        if self.gap.non_measured is not None:
+            # The solve may have deepened them.
+            deepest = datum + float(found.initial_gap[self.gap.non_measured].max())
+            self.left[self.gap.non_measured] = max(deepest, float(self.left[self.gap.non_measured].max()))
+        violation = measure_violation(plan, self.left, self.load, found.pressure, moved)
+        # Errors of the softer contact are over its own displacement.
+        self.scale = min(1.0, violation.scale * plan.peak_to_valley / found.residuals.scale)
+        return Response(found, moved + added - found.displacement, violation.error, is_last=not found.status.success)
 
 
 @guarded

@@ -29,6 +29,8 @@ _SLIPPING_FRACTION = 1.0 - 1e-3
 _SLIP_OF_BALL = 2.0 / 3.0
 # Component over the larger one that is printed as zero.
 _ROUNDING = 1e-8
+# Digits of an angle in degrees that rounding leaves.
+_ANGLE_DIGITS = 10
 _COUNTS = ("passes", "iterations", "increments")
 _RESIDUALS = {
     "shear_load": ("tangential load", "error of the tangential force over the force of sliding, or of a displacement"),
@@ -99,6 +101,12 @@ class TangentialLoad:
     def is_steady(self) -> bool:
         """Whether the bodies slide steadily."""
         return self.kind == "direction"
+
+    @property
+    def angle(self) -> float:
+        """Direction from x towards y, degrees."""
+        x, y = self.values
+        return round(math.degrees(math.atan2(y, x)), _ANGLE_DIGITS)
 
     def __str__(self) -> str:
         return f"({', '.join(si(value, self.unit) for value in self.values)})"

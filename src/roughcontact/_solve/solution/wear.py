@@ -171,8 +171,8 @@ class EnergyWear(Process):
         return memory["worn_height"]
 
     def remember(self, state: ContactSolution, increment: LoadIncrement, memory: Memory) -> Memory:
-        """Return the height lost, m, and the energy, J/m2, after an increment; without friction those before."""
-        if state.shear is None:
+        """Return the height lost, m, and the energy, J/m2, after an increment; without a slip those before."""
+        if state.shear is None or state.is_steady:
             return memory
         work = increment.cycles * np.einsum("aij,aij->ij", state.shear, state.slip)
         return {
