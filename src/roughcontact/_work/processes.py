@@ -208,8 +208,13 @@ def run_in(
     on_cycle = callback(on_cycle, "on_cycle=", "result")
     load = problem.require_load(pressure=pressure, force=force)
     find_softer(problem)
-    # Other processes have nothing to remember: nothing passes from cycle to cycle.
-    others = (law for law in problem.laws if not isinstance(law, Process))
+    others = tuple(law for law in problem.laws if not isinstance(law, Flattening))
+    for law in others:
+        if isinstance(law, Process):
+            raise InputError(
+                f"Running in remembers flattening alone, not {type(law).__name__}: omit it from {argument('laws')}, or "
+                "follow the loads by problem.path."
+            )
     scene = attrs.evolve(problem, laws=(*others, Flattening(chosen, both=True)))
     pressures: dict[tuple[int, int], Array] = {}
 

@@ -327,8 +327,8 @@ def run_load_path(
     on_increment: object,
     change: ChangeProgress,
     file: str | os.PathLike[str] | None = None,
-    is_draft: bool = False,
     friction: SteadyFriction | None = None,
+    is_draft: bool = False,
 ) -> LoadPath:
     """Return the path of a problem without tangential loads; see `ContactProblem.path`, and `PathFile` for its file.
 
@@ -340,9 +340,9 @@ def run_load_path(
     told = checks.callback(on_increment, "on_increment=", "state")
     if slides:
         require_omitted({"shift": passed.get("shift")}, "without friction")
+        require_frictional(remember_changes(problem), passing=("time", "sliding"))
     scene, places = prepare_path(problem, normal, **passed, accuracy=accuracy)
     if slides:
-        require_frictional(scene, passing=("time", "sliding"))
         require_memory_of_friction(scene.plan, states=len(places))
     count = count_done(change, len(places), "place")
     kept = None if file is None else PathFile(file, scene, places, accuracy, is_draft, friction)
@@ -359,7 +359,7 @@ def prepare_path(
     time: Any = None,
     sliding: Any = None,
     shift: Any = None,
-    accuracy: float = PATH_ACCURACY,
+    accuracy: object = PATH_ACCURACY,
 ) -> tuple[S, tuple[Place, ...]]:
     """Return the problem with the laws that its materials bring, and the places of a path; see `ContactProblem.path`.
 
