@@ -144,7 +144,8 @@ class EdgeLength(Quantity):
         uneven = calibration.UNEVEN_LENGTH_ERROR * edges.curvature_resolution * float(np.sum(lobed)) + 0.5 * lost
         along, all_round = calibration.NARROW_LENGTH_ERROR
         narrow = float(np.sum(lobed / (1.0 + (edges.width[1:] / calibration.NARROW_PATCH_WIDTH) ** 2)))
-        narrow = (along * (1.0 - lay) + all_round * lay) * edges.curvature_resolution * narrow
+        one_way = (1.0 - lay) ** 2
+        narrow = (along * one_way + all_round * (1.0 - one_way)) * edges.curvature_resolution * narrow
         relative = math.hypot(calibration.LENGTH_ERROR, 0.5 * area.uncertainty / area.value)
         diagonal = 0.0
         if length > 0.0 and is_diagonal(solution, lay):
