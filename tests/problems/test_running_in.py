@@ -246,6 +246,11 @@ class TestInterface:
         with pytest.raises(rc.InputError, match="flattened everything"):
             rc.run_in(ball, pressure=HARDNESS)
 
+    def test_wear_is_refused_as_nothing_slides(self):
+        worn = attrs.evolve(pair(), laws=rc.Archard("1e-16m2/N"))
+        with pytest.raises(rc.InputError, match=r"remembers flattening alone, not Archard: omit it from laws="):
+            rc.run_in(worn, pressure=2e8)
+
     def test_non_measured_points_remain_so(self):
         non_measured = np.zeros((64, 64), dtype=bool)
         non_measured[10:20, 40:50] = True
