@@ -244,6 +244,23 @@ class TestCyclesSpeedAndShift:
         found = json.loads(run(capsys, "solve", rough, *given, "--json")[1].out)
         assert found["inputs"]["shift"] == path.shift.tolist()
 
+    def test_bodies_that_slide_with_friction_wear_as_in_a_script(self, rough, capsys, tmp_path):
+        saved = tmp_path / "worn.npz"
+        given = ("--young", "1GPa", "--poisson", "0.2", "--force", "0.02N", "--boundary", "periodic")
+        wear = ("--law", "archard", "coefficient=1e-12m2/N", "--sliding", "0m", "1m", "--accuracy", "0.05")
+        status, printed = run(
+            capsys, "solve", rough, *given, *wear, "--friction", "0.5", "--slide", "90deg", "-o", saved
+        )
+        assert status in (0, 3)
+        body = rc.Body(rc.read_surface(rough), rc.Elastic("1GPa", 0.2))
+        problem = rc.ContactProblem(body, boundary="periodic", laws=rc.Archard("1e-12m2/N"))
+        path = problem.path(force=0.02, sliding=[0.0, 1.0], friction=0.5, direction=90, accuracy=0.05)
+        assert words_of(str(path)) in words_of(printed.out)
+        np.testing.assert_array_equal(rc.load(saved)[-1].pressure, path[-1].pressure)
+        assert run(capsys, "solve", rough, *given, *wear, "--slide")[0] == 2
+        beside = ("--friction", "0.5", "--slide", "--shift", "0", "1")
+        assert "only without friction" in run(capsys, "solve", rough, *given, *wear, *beside)[1].err
+
     @pytest.mark.parametrize(
         ("arguments", "sentence"),
         [

@@ -233,7 +233,8 @@ def _add_friction(parser: argparse.ArgumentParser) -> None:
         nargs="?",
         const=0.0,
         metavar="A",
-        help="steady sliding: angle of the friction force on the body from x towards y, such as 30deg (0)",
+        help="steady sliding, or with --sliding a path of it: angle of the friction force on the body from x "
+        "towards y, such as 30deg (0)",
     )
     friction.add_argument(
         "--speed", type=_SPEED, metavar="V", help="with --slide, speed of viscoelastic bodies instead of --friction"

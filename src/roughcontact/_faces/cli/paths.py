@@ -53,6 +53,7 @@ from roughcontact._solve.problem import (
     prepare_path,
     remember_changes,
     require_frictional,
+    resolve_sliding,
     run_load_path,
     run_slide,
 )
@@ -217,7 +218,7 @@ def find_course(options: argparse.Namespace) -> Course | None:
         )
     if options.speed is not None:
         _refuse_beside_speed(options)
-    elif options.tangential is not None or options.slide is not None:
+    elif options.tangential is not None or (options.slide is not None and options.sliding is None):
         return LoadsAlong(options)
     if any(getattr(options, name) for name in _OF_PATHS):
         return ChangingSurfaces(options)
@@ -280,12 +281,23 @@ class ChangingSurfaces(Course):
             raise rc.InputError("--path is for several loads: give them to --loads, in their order, or omit it.")
         self._passed = {name: getattr(options, name) for name in ("time", "sliding", "shift")}
         self._accuracy = PATH_ACCURACY if options.accuracy is None else options.accuracy
+        self._friction = None
+        if options.slide is not None:
+            self._friction = resolve_sliding(_require_law(options, "--slide"), math.degrees(options.slide))
         self._outputs = options.output
         self._quiet = options.quiet
 
+    def check(self, asked: Iterable[rc.Response[Any]]) -> None:
+        """Refuse a response that means nothing for bodies that slide with friction."""
+        if self._friction is not None:
+            _require_shear(asked)
+
     def explain(self, problem: rc.ContactProblem) -> str:
-        """Return the plan of a state, in words, with the laws that remember."""
-        return remember_changes(problem).explain()
+        """Return the plan of a state, or of all with friction, in words, with the laws that remember."""
+        scene = remember_changes(problem)
+        if self._friction is None:
+            return scene.explain()
+        return explain_with_friction(scene.plan, self._friction.law, len(self._passed["sliding"]))
 
     def require(self, problem: rc.ContactProblem, loads: Sequence[Load]) -> tuple[Load, ...]:
         """Return the normal loads, which after the first may be zero."""
@@ -298,7 +310,24 @@ class ChangingSurfaces(Course):
         # What a killed command has left goes on; anything else is replaced at the end.
         file = next((path for path in map(Path, self._outputs) if path.suffix == ".npz"), None)
         with show_progress("solving", quiet=self._quiet) as change:
-            return run_load_path(problem, normal, {}, self._passed, self._accuracy, None, change, file, is_draft=True)
+            return run_load_path(
+                problem, normal, {}, self._passed, self._accuracy, None, change, file, self._friction, True
+            )
+
+
+def _require_law(options: argparse.Namespace, given: str) -> rc.FrictionLaw:
+    """Return the friction law; `InputError` if there is none for what is given."""
+    if options.friction is None:
+        rubber = "" if options.slide is None else ", or --speed of viscoelastic bodies"
+        raise rc.InputError(
+            f"{given} needs a law by which the surfaces slip: give --friction 0.3, for example{rubber}."
+        )
+    return _read_law(options)
+
+
+def _require_shear(asked: Iterable[rc.Response[Any]]) -> None:
+    for response in asked:
+        require_to_hold(response, {"shear"})
 
 
 def _list_normal(loads: Sequence[Load]) -> dict[str, Any]:
@@ -312,11 +341,7 @@ class LoadsAlong(Course):
 
     def __init__(self, options: argparse.Namespace):
         given = "--tangential" if options.slide is None else "--slide"
-        rubber = "" if options.slide is None else ", or --speed of viscoelastic bodies"
-        if options.friction is None:
-            raise rc.InputError(
-                f"{given} needs a law by which the surfaces slip: give --friction 0.3, for example{rubber}."
-            )
+        self._law = _require_law(options, given)
         refuse(options, _WITHOUT_FRICTION, f"is for loads without friction: omit it with {given}.")
         if options.cycles is None:
             refuse(options, ("accuracy",), f"is for --cycles: omit it with {given} alone.")
@@ -328,13 +353,11 @@ class LoadsAlong(Course):
             raise rc.InputError(
                 "--cycles needs a law by which slip wears: give --law energy-wear coefficient=1e-14m3/J, for example."
             )
-        self._law = _read_law(options)
         self._options = options
 
     def check(self, asked: Iterable[rc.Response[Any]]) -> None:
         """Refuse a response that means nothing for a state with a tangential traction."""
-        for response in asked:
-            require_to_hold(response, {"shear"})
+        _require_shear(asked)
 
     def explain(self, problem: rc.ContactProblem) -> str:
         """Return the plan of a path or of steady sliding, in words."""

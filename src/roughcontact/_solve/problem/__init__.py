@@ -61,6 +61,7 @@ from roughcontact._solve.problem.loads import order_loads as order_loads
 from roughcontact._solve.problem.loads import solve_next as solve_next
 from roughcontact._solve.problem.loads import sweep_loads as sweep_loads
 from roughcontact._solve.problem.loads_along import resolve_friction as resolve_friction
+from roughcontact._solve.problem.loads_along import resolve_sliding as resolve_sliding
 from roughcontact._solve.problem.loads_along import run_slide as run_slide
 from roughcontact._solve.problem.memory import require_memory_of_solve as require_memory_of_solve
 from roughcontact._solve.problem.path import Path as Path
