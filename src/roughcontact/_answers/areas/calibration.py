@@ -192,7 +192,7 @@ LENGTH_ERROR = 0.003
 UNEVEN_LENGTH_ERROR = 0.025
 # Relative standard deviation of the length of narrow patches over the ratio: on ridges of one direction, and on
 # isotropic surfaces, no unit. Set on rough contacts with a lay and without.
-NARROW_LENGTH_ERROR = (1.7, 0.1)
+NARROW_LENGTH_ERROR = (2.0, 0.1)
 # Width of patches, in cells of a disc, that halves it, by its square. Set on the same contacts.
 NARROW_PATCH_WIDTH = 4.0
 # Relative standard deviation of the length of an edge along the diagonals of the grid, no unit.

@@ -129,8 +129,7 @@ class EdgeLength(Quantity):
         # Contacts at summits between the cells have the rest of the area.
         hidden = 2.0 * np.sqrt(np.pi * hertz_areas(solution).correction.hidden)
         lay = lay_ratio(solution)
-        # Ridges of one direction end between the cells.
-        lost = calibration.LOST_LENGTH * (2.0 - lay) * edges.curvature_resolution**1.5 * float(np.sum(lobed))
+        lost = calibration.LOST_LENGTH * edges.curvature_resolution**1.5 * float(np.sum(lobed))
         length = float(np.sum(single * np.sqrt(_elliptic_quotient(mean, difference)) * around + lobed)) + lost
         length += float(np.sum(hidden))
         exact = float(np.sum(edges.length[1:], where=straight))
@@ -141,10 +140,12 @@ class EdgeLength(Quantity):
         corners = math.pi * step * math.sqrt(np.count_nonzero(edges.sharp_length[1:] > 0.0))
         along_cells = calibration.SHARP_LENGTH_ERROR * (1.0 + slender)
         sharp_std = math.hypot(along_cells * sharp, corners if sharp > 0.0 else 0.0)
-        uneven = calibration.UNEVEN_LENGTH_ERROR * edges.curvature_resolution * float(np.sum(lobed)) + 0.5 * lost
+        # Of ridges that run one way more is lost than of other edges.
+        one_way = (1.0 - lay) ** 3
+        uneven = calibration.UNEVEN_LENGTH_ERROR * edges.curvature_resolution * float(np.sum(lobed))
+        uneven += (0.5 + one_way) * lost
         along, all_round = calibration.NARROW_LENGTH_ERROR
         narrow = float(np.sum(lobed / (1.0 + (edges.width[1:] / calibration.NARROW_PATCH_WIDTH) ** 2)))
-        one_way = (1.0 - lay) ** 2
         narrow = (along * one_way + all_round * (1.0 - one_way)) * edges.curvature_resolution * narrow
         relative = math.hypot(calibration.LENGTH_ERROR, 0.5 * area.uncertainty / area.value)
         diagonal = 0.0
