@@ -220,22 +220,25 @@ class Friction:
 class Part:
     sheared: Friction
     seconds: float
+    iterations: int
+    convolutions: int
 
     @property
     def dissipated(self):
         return self.sheared.dissipated
 
-    def _add(self, sheared, seconds):
-        return Part(sheared, seconds)
+    def _add(self, sheared, **cost):
+        return Part(sheared, **cost)
 
 
 @pytest.mark.parametrize("exact", [False, True])
 def test_a_step_is_the_sum_of_its_increments(exact):
-    parts = [Part(Friction(0.0, rc.Estimate(n, 0.1 * n, "J"), n, 10 * n, 1), 0.5) for n in (3, 5, 2)]
+    parts = [Part(Friction(0.0, rc.Estimate(n, 0.1 * n, "J"), n, 10 * n, 1), 0.5, n, 2 * n) for n in (3, 5, 2)]
     run = SimpleNamespace(length=2.0)
     step = _join(run, parts, SimpleNamespace(relative=1.0), SimpleNamespace(relative=4.0), is_exact=exact)
     found = step.sheared
     assert (found.slip, found.passes, found.iterations, found.increments, step.seconds) == (6.0, 5, 100, 3, 1.5)
+    assert (step.iterations, step.convolutions) == (10, 20)
     assert (found.dissipated.value, found.dissipated.unit) == (10.0, "J")
     assert found.dissipated.uncertainty == pytest.approx(0.0 if exact else 1.0)
 

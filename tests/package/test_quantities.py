@@ -97,8 +97,8 @@ def typed_options():
     for name in commands:
         parser = argparse.ArgumentParser()
         commands.create(name).declare(parser)
-        # A form and the number of lost points may also be words, and some options are words.
-        words = "detrend", "no_data"
+        # A form and the number of lost points may also be words, and shifts pairs; some options are words.
+        words = "detrend", "no_data", "shift"
         typed = [one for one in parser._actions if one.type not in (None, str) and not one.dest.endswith(words)]
         options += [pytest.param(action.type, id=f"{name} {action.dest}") for action in typed]
     return options
