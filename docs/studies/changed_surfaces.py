@@ -43,7 +43,8 @@ def describe(found: judged.Coverage) -> tuple[str, str]:
 
 
 def make_tables(references: Path | None = None) -> dict[str, DocTable]:
-    return {"changed-surfaces": DocTable(partial(make_rows, references), seconds=250, shown=pick(["history", *ANSWERS]))}
+    shown = pick(["history", *ANSWERS])
+    return {"changed-surfaces": DocTable(partial(make_rows, references), seconds=250, shown=shown)}
 
 
 TABLES = make_tables()
