@@ -43,8 +43,8 @@ _MAX_OFFSET_CELLS = 0.71
 # fall to a cell beside, and where the pressure ends with a finite value relative over that of the area. Set on draw 1
 # of benchmarks/memory_classes.py, the last on a ball worn flat, whose pressure errs as its area.
 _CHANGED_STD = (0.5, 0.3, 0.35)
-# Height lost at an edge, times E* over the cell, over the pressure there, from which wear has rounded what would be an
-# unbounded pressure.
+# Height lost at an edge, over what the pressure there displaces over a cell, from which wear has rounded what would be
+# an unbounded pressure.
 _MIN_ROUNDING = 0.1
 _UNBOUNDED_WARNING = WarningText(
     "at a sharp edge or a crease of the contact the pressure is unbounded: its maximum grows with every grid",
@@ -250,11 +250,10 @@ def _is_bounded(solution: ContactSolution, highest: IntArray) -> bool:
         return solution._offset is not None
     edge = find_cut_cells(solution)
     edge.flat[highest] = True
-    lost = float(np.mean(solution._offset, where=edge)) * float(
-        solution.effective_modulus(1.0 / math.sqrt(solution.grid.resolved.cell_area))
-    )
     step = math.sqrt(solution.grid.resolved.cell_area)
-    return not ends_as_root(solution) and lost > _MIN_ROUNDING * step * float(np.mean(solution.pressure, where=edge))
+    lost = float(np.mean(solution._offset, where=edge))
+    displaced = step * float(np.mean(solution.pressure, where=edge)) / float(solution.effective_modulus(1.0 / step))
+    return not ends_as_root(solution) and lost > _MIN_ROUNDING * displaced
 
 
 def _find_step(solution: ContactSolution, highest: IntArray) -> tuple[float, float]:

@@ -128,7 +128,6 @@ class EdgeLength(Quantity):
         lobed = np.where(straight, 0.0, (1.0 - single) * np.sqrt(traced) * around)
         # Contacts at summits between the cells have the rest of the area.
         hidden = 2.0 * np.sqrt(np.pi * hertz_areas(solution).correction.hidden)
-        lay = lay_ratio(solution)
         lost = calibration.LOST_LENGTH * edges.curvature_resolution**1.5 * float(np.sum(lobed))
         length = float(np.sum(single * np.sqrt(_elliptic_quotient(mean, difference)) * around + lobed)) + lost
         length += float(np.sum(hidden))
@@ -140,6 +139,7 @@ class EdgeLength(Quantity):
         corners = math.pi * step * math.sqrt(np.count_nonzero(edges.sharp_length[1:] > 0.0))
         along_cells = calibration.SHARP_LENGTH_ERROR * (1.0 + slender)
         sharp_std = math.hypot(along_cells * sharp, corners if sharp > 0.0 else 0.0)
+        lay = lay_ratio(solution)
         # Of ridges that run one way more is lost than of other edges.
         one_way = (1.0 - lay) ** 3
         uneven = calibration.UNEVEN_LENGTH_ERROR * edges.curvature_resolution * float(np.sum(lobed))
