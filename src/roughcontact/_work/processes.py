@@ -207,6 +207,7 @@ def run_in(
     tolerance = number(tolerance, "The tolerance of shakedown", at_least=0.0, at_most=1.0)
     on_cycle = callback(on_cycle, "on_cycle=", "result")
     load = problem.require_load(pressure=pressure, force=force)
+    # Bodies without a hardness are refused before the first contact.
     find_softer(problem)
     others = tuple(law for law in problem.laws if not isinstance(law, Flattening))
     for law in others:

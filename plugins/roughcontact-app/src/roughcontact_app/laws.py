@@ -23,7 +23,7 @@ def _list_boxes() -> dict[str, TickBox]:
         with contextlib.suppress(RoughContactError):
             cls = laws[name]
             needed = [field for field in list_fields(cls).values() if field.is_needed]
-            if name in _BROUGHT or not set(cls.rates) & {*_PASSING} or any(field.unit is None for field in needed):
+            if name in _BROUGHT or not set(cls.rates) & set(_PASSING) or any(field.unit is None for field in needed):
                 continue
             setting = f"law_{name.replace('-', '_')}"
             summary = summarize(cls)

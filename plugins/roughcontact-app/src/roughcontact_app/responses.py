@@ -17,8 +17,13 @@ from roughcontact_app.words import end_sentence, in_words_of_page
 # Those that are among the numbers of each answer; and one whose film, by default 10 nm, is not asked for.
 _OMITTED = ("approach", "mean-gap", "patches", "peak-pressure", "capacitance")
 # Kind of quantity and first unit of the page, by the SI unit.
-_KINDS = {"Pa": ("pressure", "MPa"), "N": ("force", "N"), "m": ("length", "um"), "Pa s": ("viscosity", "mPa s")}
-_KINDS |= {"s": ("time", "s")}
+_KINDS = {
+    "Pa": ("pressure", "MPa"),
+    "N": ("force", "N"),
+    "m": ("length", "um"),
+    "s": ("time", "s"),
+    "Pa s": ("viscosity", "mPa s"),
+}
 _LABELS = {
     "conductivity": "Conductivity of body and counterbody",
     "friction": "Coefficient of friction",

@@ -62,8 +62,14 @@ def _split_units(fields: Mapping[str, str], prefix: str = "") -> dict[str, str]:
 
 
 _OF_LAYER = {"young": "400 GPa", "poisson": "0.25", "thickness": "2 um", "yield_stress": " GPa"}
-_OF_MATERIAL = {"material": "elastic", "young": "210 GPa", "poisson": "0.3", "hardness": " GPa", "moduli": " MPa"}
-_OF_MATERIAL |= {"relaxation": " s"}
+_OF_MATERIAL = {
+    "material": "elastic",
+    "young": "210 GPa",
+    "poisson": "0.3",
+    "hardness": " GPa",
+    "moduli": " MPa",
+    "relaxation": " s",
+}
 _OF_FILE = {
     **dict.fromkeys(("file", "file_name", "size_x", "size_y", "height_unit"), ""),
     "size_unit": "um",

@@ -301,7 +301,8 @@ class ChangingSurfaces(Course):
 
     def require(self, problem: rc.ContactProblem, loads: Sequence[Load]) -> tuple[Load, ...]:
         """Return the normal loads, which after the first may be zero."""
-        prepare_path(problem, _list_normal(loads), **self._passed, accuracy=self._accuracy)
+        slides = self._friction is not None
+        prepare_path(problem, _list_normal(loads), **self._passed, accuracy=self._accuracy, slides=slides)
         return tuple(loads)
 
     def solve(self, problem: rc.ContactProblem, loads: Sequence[Load]) -> LoadPath:
@@ -310,9 +311,8 @@ class ChangingSurfaces(Course):
         # What a killed command has left goes on; anything else is replaced at the end.
         file = next((path for path in map(Path, self._outputs) if path.suffix == ".npz"), None)
         with show_progress("solving", quiet=self._quiet) as change:
-            return run_load_path(
-                problem, normal, {}, self._passed, self._accuracy, None, change, file, self._friction, True
-            )
+            given: Any = (problem, normal, {}, self._passed, self._accuracy, None, change, file)
+            return run_load_path(*given, self._friction, is_draft=True)
 
 
 def _require_law(options: argparse.Namespace, given: str) -> rc.FrictionLaw:

@@ -338,12 +338,7 @@ def run_load_path(
     require_omitted(omitted, f"without {argument('sliding')}" if slides else f"with {argument('friction', '0.3')}")
     accuracy = check_accuracy(accuracy)
     told = checks.callback(on_increment, "on_increment=", "state")
-    if slides:
-        require_omitted({"shift": passed.get("shift")}, "without friction")
-        require_frictional(remember_changes(problem), passing=("time", "sliding"))
-    scene, places = prepare_path(problem, normal, **passed, accuracy=accuracy)
-    if slides:
-        require_memory_of_friction(scene.plan, states=len(places))
+    scene, places = prepare_path(problem, normal, **passed, accuracy=accuracy, slides=slides)
     count = count_done(change, len(places), "place")
     kept = None if file is None else PathFile(file, scene, places, accuracy, is_draft, friction)
     solve = choose_solve(scene, friction)
@@ -360,21 +355,28 @@ def prepare_path(
     sliding: Any = None,
     shift: Any = None,
     accuracy: object = PATH_ACCURACY,
+    slides: bool = False,
 ) -> tuple[S, tuple[Place, ...]]:
     """Return the problem with the laws that its materials bring, and the places of a path; see `ContactProblem.path`.
 
-    `InputError` if the bodies cannot carry a load, or nothing that is given uses what passes.
+    Its bodies may slide steadily with friction. `InputError` if they cannot carry a load, if friction does not fit
+    them, or if nothing that is given uses what passes.
     """
     check_accuracy(accuracy)
     loads = _list_loads(problem, normal, Load.resting_sequence)
     moved = None if shift is None else list_shifts(shift)
     scene = remember_changes(problem)
+    if slides:
+        require_omitted({"shift": shift}, "without friction")
+        require_frictional(scene, passing=("time", "sliding"))
     passed = {"time": time, "sliding": _measure_sliding(scene, sliding, moved, (0, 0), 0.0)}
     places = list_places(loads, **passed, shift=moved)
     require_used(scene, passed)
     _require_movable(scene, moved)
     if np.any(moved or 0):
         scene = remember_both(scene)
+    if slides:
+        require_memory_of_friction(scene.plan, states=len(places))
     return scene, places
 
 

@@ -202,7 +202,7 @@ class PassingUnder(Loading):
     has_draft = True
 
     @property
-    def passed(self) -> dict[str, tuple[float, ...] | None]:
+    def passed(self) -> dict[str, Any]:
         """The arguments of `ContactProblem.path` that state what passes."""
         return {"time": self.time or None, "sliding": self.sliding or None}
 
