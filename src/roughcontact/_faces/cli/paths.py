@@ -311,8 +311,18 @@ class ChangingSurfaces(Course):
         # What a killed command has left goes on; anything else is replaced at the end.
         file = next((path for path in map(Path, self._outputs) if path.suffix == ".npz"), None)
         with show_progress("solving", quiet=self._quiet) as change:
-            given: Any = (problem, normal, {}, self._passed, self._accuracy, None, change, file)
-            return run_load_path(*given, self._friction, is_draft=True)
+            return run_load_path(
+                problem,
+                normal,
+                omitted={},
+                passed=self._passed,
+                accuracy=self._accuracy,
+                on_increment=None,
+                change=change,
+                file=file,
+                friction=self._friction,
+                is_draft=True,
+            )
 
 
 def _require_law(options: argparse.Namespace, given: str) -> rc.FrictionLaw:
