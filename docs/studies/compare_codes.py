@@ -8,15 +8,16 @@ Needs a separate environment with the other codes (none is a dependency of ours;
     peers/bin/python docs/studies/compare_codes.py
 
 slippy 0.5.2 asks for a numpy before 1.21, but its solver runs with newer ones. What is not installed is omitted.
-`--friction` compares the first step of a path with friction, of which ASPHER alone has histories (like materials).
-`--small` writes the table of grids of 64 to 256 cells a side, by numpy alone and compiled by the plug-in: all codes
-run by turns, and the medians count.
+It writes the table of the README, ours by numpy alone. `--small` writes that of grids of 64 to 256 cells a side, by
+numpy alone and compiled by the plug-in: all codes run by turns, and the medians count. `--only` and `--largest` print a
+choice of the lines of the README. `--friction` compares the first step of a path with friction, of which ASPHER alone
+has histories (like materials).
 
 Ours runs at its default tolerance. Each other code gets the loosest tolerance of a ladder, three to a factor of ten,
 with which `measure_violation` finds it as good as ours, or 1e-6 of the rms height if ours is better. CPU time on one
-thread, and wall time on one and on all: each number of threads has a process of its own, because OMP_NUM_THREADS is
-read at its start. Ours runs before and after each other code, and the median counts; the others run once, because
-some take minutes.
+thread, and wall time of ours and ASPHER on two: each number of threads has a process of its own, because
+OMP_NUM_THREADS is read at its start. Ours runs before and after each other code, and the median counts; the others run
+once, because some take minutes.
 """
 
 from __future__ import annotations
@@ -39,7 +40,7 @@ from collections.abc import Callable
 
 import attrs
 import numpy as np
-from doc_tables import DocTable, pick, write_tables
+from doc_tables import DocTable, format_rows, pick, write_tables
 
 import roughcontact as rc
 
@@ -62,6 +63,8 @@ class Case:
     hardness: float | None = None
     # Work and range of an exponential attraction; the mean gap is then given, and not the mean pressure.
     adhesion: tuple[float, float] | None = None
+    # Whether the codes that solve on one grid alone take minutes, and are not run.
+    long: bool = False
 
 
 def make_rough(cells: int, seed: int = 0) -> np.ndarray:
@@ -76,7 +79,7 @@ def make_cases(largest: int) -> list[Case]:
     """Return the contacts of the README's table, up to a number of cells along a side."""
     cases = [Case(f"x = 0.05, {n}", make_rough(n), 0.05 * SLOPE) for n in (512, 1024, 2048) if n <= largest]
     if largest >= 1024:
-        cases += [Case(f"x = {x}, 1024", make_rough(1024), x * SLOPE) for x in (0.2, 1.0, 1.5, 3.0)]
+        cases += [Case(f"x = {x}, 1024", make_rough(1024), x * SLOPE, long=x < 1.5) for x in (0.2, 1.0, 1.5, 3.0)]
         cases += [make_wave(1024), make_ball(1024)]
     cases.append(Case("hardness 0.3 slope, x = 0.05, 512", make_rough(512), 0.05 * SLOPE, hardness=0.3 * SLOPE))
     cases.append(Case("mean pressure 0.9 H, 512", make_rough(512), 0.27 * SLOPE, hardness=0.3 * SLOPE))
@@ -171,6 +174,11 @@ def make_problem(case: Case, tolerance: float | None = None, convolver: str = "a
     )
 
 
+def name_numpys(case: Case) -> str:
+    """Return the convolver that needs numpy and scipy alone."""
+    return "dc-fft" if case.boundary == "free" else "circular-fft"
+
+
 def solve_ours(case: Case, tolerance: float | None = None, convolver: str = "auto") -> np.ndarray:
     problem = make_problem(case, tolerance, convolver)
     if case.adhesion is not None:
@@ -179,7 +187,7 @@ def solve_ours(case: Case, tolerance: float | None = None, convolver: str = "aut
 
 
 def solve_tamaas(case: Case, tolerance: float) -> np.ndarray | None:
-    if case.hardness is not None:
+    if case.hardness is not None or case.long:
         return None
     import tamaas as tm
 
@@ -249,7 +257,7 @@ def solve_aspher(case: Case, tolerance: float) -> np.ndarray | None:
 
 def solve_slippy(case: Case, tolerance: float) -> np.ndarray | None:
     # The solver under its model classes, which takes a gap and a load, on either boundary.
-    if case.hardness is not None or case.adhesion is not None:
+    if case.hardness is not None or case.adhesion is not None or case.long:
         return None
     import slippy
 
@@ -287,6 +295,13 @@ PEERS = {
     "ASPHER": Peer("aspher", solve_aspher, 1e-6),
     "slippy": Peer("slippy", solve_slippy, 1e-5),
 }
+# Whose wall time on two threads is compared with ours.
+TIMED_ON_TWO = ("ASPHER",)
+COLUMNS = (
+    *(f"{code}, s" for code in ("ours", *PEERS)),
+    *(f"{code} / ours" for code in ("tamaas", "ASPHER")),
+    *(f"{code}, wall on two threads, s" for code in ("ours", *TIMED_ON_TWO)),
+)
 OURS = ("numpy", "compiled")
 SMALL_COLUMNS = (
     *(f"ours, {code}, ms" for code in OURS),
@@ -338,31 +353,34 @@ def match_run(peer: Peer, case: Case, required: float) -> Run | None:
     return best
 
 
-def compare(case: Case, tolerances: dict[str, float]) -> dict[str, Run]:
-    """Return the runs of all codes in this process; those whose tolerance is not known yet are matched."""
-    solve_ours(case)
-    mine, runs = [measure_run(solve_ours, case)], {}
+def compare(case: Case, tolerances: dict[str, float] | None) -> dict[str, Run]:
+    """Return the runs of ours and of those whose tolerance is given in this process; of all, matched, without any."""
+
+    def solve(case: Case) -> np.ndarray:
+        return solve_ours(case, convolver=name_numpys(case))
+
+    solve(case)
+    mine, runs = [measure_run(solve, case)], {}
     # Imports and compilation are not counted.
     small = attrs.evolve(case, name="warm-up", heights=make_rough(64))
     for name, peer in PEERS.items():
-        if importlib.util.find_spec(peer.package) is None or (tolerances and name not in tolerances):
+        if importlib.util.find_spec(peer.package) is None or (tolerances is not None and name not in tolerances):
             continue
         measure_run(lambda case, peer=peer: peer.solve(case, peer.loosest), small)
-        if name in tolerances:
+        if tolerances is not None:
             tolerance = tolerances[name]
             found = measure_run(lambda case, peer=peer, t=tolerance: peer.solve(case, t), case, tolerance)
         else:
             found = match_run(peer, case, max(REQUIRED, mine[0].violation))
         if found is not None:
             runs[name] = found
-            mine.append(measure_run(solve_ours, case))
+            mine.append(measure_run(solve, case))
     return {"ours": take_median(mine), **runs}
 
 
 def compare_small(case: Case) -> dict[str, Run]:
     """Return the median runs of all codes, by turns in this process; ours by numpy and, with the plug-in, compiled."""
-    plain = "dc-fft" if case.boundary == "free" else "circular-fft"
-    names = [name for name in (plain, "compiled") if name in rc.convolvers]
+    names = [name for name in (name_numpys(case), "compiled") if name in rc.convolvers]
     solves = {
         code: (lambda case, name=name: solve_ours(case, convolver=name), None)
         for code, name in zip(OURS, names, strict=False)
@@ -504,40 +522,29 @@ def compare_in_process(name: str, options: list[str], threads: int) -> dict[str,
     return {code: Run(**values) for code, values in json.loads(output.splitlines()[-1]).items()}
 
 
-def format_runs(single: Run | None, parallel: Run | None, required: float) -> str:
-    if single is None:
-        return "-"
-    wall = "-" if parallel is None else f"{parallel.wall:.2f}"
-    missed = "" if single.violation <= required else f" ({single.violation:.0e})"
-    return f"{single.cpu:.2f}, {single.wall:.2f}, {wall}{missed}"
-
-
-def main(largest: int, only: str, threads: int) -> None:
-    print(
-        f"CPU s on one thread, wall s on one, wall s on {threads}; in brackets, complementarity above what is required"
-    )
-    print(f"| case | ours | ours, gap and load | {' | '.join(PEERS)} | best peer / ours: CPU, wall, wall |")
-    print("|---" * (len(PEERS) + 4) + "|")
+def make_rows(largest: int = 1024, only: str = "") -> list[list[str]]:
+    """Return the table of the README, the CPU time on one thread and the wall time on two."""
+    rows = [["case", *COLUMNS]]
     for case in make_cases(largest):
         if only not in case.name:
             continue
         options = ["--largest", str(largest)]
         single = compare_in_process(case.name, options, 1)
-        tolerances = {code: run.tolerance for code, run in single.items() if run.tolerance is not None}
-        options += ["--tolerances", json.dumps(tolerances)]
-        parallel = compare_in_process(case.name, options, threads) if threads > 1 else {}
-        mine = single["ours"]
-        required = max(REQUIRED, mine.violation)
-        ratios = []
-        for runs, kind in ((single, "cpu"), (single, "wall"), (parallel, "wall")):
-            times = [getattr(run, kind) for code, run in runs.items() if code != "ours"]
-            ratios.append(f"{min(times) / getattr(runs['ours'], kind):.1f}" if times else "-")
-        entries = [format_runs(single.get(code), parallel.get(code), required) for code in PEERS]
-        print(
-            f"| {case.name} | {format_runs(mine, parallel.get('ours'), required)} "
-            f"| {mine.violation:.0e}, load {mine.load:.0e} | {' | '.join(entries)} | {', '.join(ratios)} |",
-            flush=True,
-        )
+        tolerances = {code: run.tolerance for code, run in single.items() if code in TIMED_ON_TWO}
+        parallel = compare_in_process(case.name, [*options, "--tolerances", json.dumps(tolerances)], 2)
+        required = max(REQUIRED, single["ours"].violation)
+        times = [format_run(single.get(code), required) for code in ("ours", *PEERS)]
+        ratios = [format_ratio(single.get(code), single["ours"]) for code in ("tamaas", "ASPHER")]
+        walls = [f"{parallel[code].wall:.2f}" if code in parallel else "-" for code in ("ours", *TIMED_ON_TWO)]
+        rows.append([name_case(case), *times, *ratios, *walls])
+        print(" | ".join(rows[-1]), flush=True)
+    return rows
+
+
+def name_case(case: Case) -> str:
+    """Return the name of a case with the cells along both sides."""
+    name, cells = case.name.rsplit(", ", 1)
+    return f"{name}, {cells} x {cells}"
 
 
 def make_small_rows() -> list[list[str]]:
@@ -546,49 +553,61 @@ def make_small_rows() -> list[list[str]]:
     for case in make_small_cases():
         runs = compare_in_process(case.name, ["--small"], 1)
         required = max(REQUIRED, *(runs[code].violation for code in OURS if code in runs))
-        entries = [format_small(runs.get(code), required) for code in (*OURS, *PEERS)]
+        entries = [format_run(runs.get(code), required, 1e3) for code in (*OURS, *PEERS)]
         ratios = [format_ratio(runs.get("ASPHER"), runs.get(code)) for code in OURS]
-        name, cells = case.name.rsplit(", ", 1)
-        rows.append([f"{name}, {cells} x {cells}", *entries, *ratios])
+        rows.append([name_case(case), *entries, *ratios])
         print(" | ".join(rows[-1]), flush=True)
     return rows
 
 
-def format_small(run: Run | None, required: float) -> str:
-    """Return a time in ms, and in brackets a violation above what is required."""
+def format_run(run: Run | None, required: float, unit: float = 1.0) -> str:
+    """Return a CPU time, in units of a second over `unit`, and in brackets a violation above what is required."""
     if run is None:
         return "-"
     missed = "" if run.violation <= required else f" ({run.violation:.0e})"
-    time_ms = 1e3 * run.cpu
-    return f"{time_ms:.0f}{missed}" if time_ms >= 100.0 else f"{time_ms:.3g}{missed}"
+    spent = unit * run.cpu
+    return f"{spent:.0f}{missed}" if spent >= 100.0 else f"{spent:.3g}{missed}"
 
 
 def format_ratio(other: Run | None, own: Run | None) -> str:
     return "-" if other is None or own is None else f"{other.cpu / own.cpu:.2g}"
 
 
-SHOWN = [column for column in ("case", *SMALL_COLUMNS) if column != "slippy, ms"]
-TABLES = {"small-codes": DocTable(make_small_rows, seconds=200, timed=SMALL_COLUMNS, shown=pick(SHOWN))}
+SHOWN_SMALL = [column for column in ("case", *SMALL_COLUMNS) if column != "slippy, ms"]
+# The README leaves out what says the same again.
+SHOWN = ["case", *COLUMNS[:7]]
+LISTED = (
+    *(f"x = {x}, 1024 x 1024" for x in (0.2, 1.0, 1.5)),
+    *(f"{name}, {cells} x {cells}" for name in ("x = 0.05", "adhesion") for cells in (512, 1024)),
+    *(f"{name}, 1024 x 1024" for name in ("bi-sinusoid", "Hertz, free")),
+    "hardness 0.3 slope, x = 0.05, 512 x 512",
+)
+TABLES = {
+    "other-codes": DocTable(make_rows, seconds=1500, timed=COLUMNS, shown=pick(SHOWN, LISTED)),
+    "small-codes": DocTable(make_small_rows, seconds=200, timed=SMALL_COLUMNS, shown=pick(SHOWN_SMALL)),
+}
 
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--largest", type=int, default=1024, help="maximum number of cells along a side (1024)")
-    parser.add_argument("--only", default="", help="only the cases whose name contains this")
-    parser.add_argument("--threads", type=int, default=len(os.sched_getaffinity(0)), help="number of all threads")
+    parser.add_argument(
+        "--largest", type=int, default=1024, help="print the lines up to these cells along a side (1024)"
+    )
+    parser.add_argument("--only", default="", help="print the lines of the cases whose name contains this")
     parser.add_argument("--friction", action="store_true", help="the first step of a path with friction instead")
     parser.add_argument("--small", action="store_true", help="the table of small grids instead, written to its page")
     parser.add_argument("--case", help=argparse.SUPPRESS)
-    parser.add_argument("--tolerances", type=json.loads, default={}, help=argparse.SUPPRESS)
+    parser.add_argument("--tolerances", type=json.loads, help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.friction:
         compare_friction()
-    elif options.case is None and options.small:
-        write_tables(TABLES)
-    elif options.case is None:
-        main(options.largest, options.only, options.threads)
-    else:
+    elif options.case is not None:
         cases = make_small_cases() if options.small else make_cases(options.largest)
         chosen = next(case for case in cases if case.name == options.case)
         found = compare_small(chosen) if options.small else compare(chosen, options.tolerances)
         print(json.dumps({code: attrs.asdict(run) for code, run in found.items()}))
+    elif options.only or options.largest != 1024:
+        print(format_rows(make_rows(options.largest, options.only)))
+    else:
+        name = "small-codes" if options.small else "other-codes"
+        write_tables({name: TABLES[name]})
