@@ -1,0 +1,1 @@
+"""Plastic zones, residual stress and inclusions below the surfaces of rough contacts."""
