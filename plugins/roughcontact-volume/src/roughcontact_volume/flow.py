@@ -72,7 +72,7 @@ class PlasticFlow(rc.CoupledProcess):
         "accumulated_strain": ("accumulated plastic strain below the surface", ""),
         "last_flow": ("plastic strain that flowed in the last substep", ""),
         "imprint": ("displacement of the surface by the plastic strain, into the body", "m"),
-        "step_error": (f"change of {', '.join(ANSWERS)} by the last doubling of substeps, over them", ""),
+        "step_errors": (f"errors of {', '.join(ANSWERS)} by the substeps, in SI units", ""),
         "last_load": ("force, N, and approach, m, at the end of the increment", ""),
     }
 
@@ -80,7 +80,7 @@ class PlasticFlow(rc.CoupledProcess):
         """Return what is remembered of a fresh body: nothing, in the uppermost layer alone."""
         require_possible(problem)
         fresh = PlasticState.fresh(problem.plan.grid.shape, 1)
-        return {**_describe(fresh), "step_error": np.zeros(len(ANSWERS)), "last_load": np.zeros(2)}
+        return {**_describe(fresh), "step_errors": np.zeros(len(ANSWERS)), "last_load": np.zeros(2)}
 
     def change_gap(self, problem: Any, increment: LoadIncrement, memory: Mapping[str, Array]) -> Array:
         """Return the imprint where its body lies, m; see `Law.change_gap`."""
@@ -105,7 +105,7 @@ class PlasticFlow(rc.CoupledProcess):
         found, change = march.settle(_read(memory), material.accuracy, is_divisible=is_divisible)
         return {
             **_describe(found),
-            "step_error": np.hypot(memory["step_error"], change),
+            "step_errors": np.hypot(memory["step_errors"], change),
             "last_load": np.array([march.contact.force, march.contact.approach]),
         }
 
@@ -129,7 +129,7 @@ class PlasticFlow(rc.CoupledProcess):
         """Return the size of the plastic zone, what flowed in it, and what is left of it."""
         problem = state.origin.scene
         material = self._find_material(problem)
-        return measure_flow(problem.plan.grid, problem.boundary, material, _read(memory), memory["step_error"])
+        return measure_flow(problem.plan.grid, problem.boundary, material, _read(memory), memory["step_errors"])
 
     def _find_material(self, problem: Any) -> Yielding:
         material = (problem.body if self.of == "body" else problem.counterbody).material

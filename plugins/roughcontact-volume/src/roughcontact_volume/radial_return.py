@@ -12,8 +12,10 @@ from roughcontact_volume.yielding import Yielding
 
 # Weights of the components, with which the sum of squares is the double product of a tensor with itself.
 WEIGHTS = np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])
-# Rounds of Newton's method within bounds, which halves them where it fails: it ends after some six.
+# Rounds of Newton's method within bounds: it ends after some six where the stress bends smoothly. Between points of a
+# table it may go back and forth, so that from then on every other round halves the bounds.
 _MAX_ROUNDS = 200
+_SMOOTH_ROUNDS = 12
 _ROUNDING = 4.0 * float(np.finfo(np.float64).eps)
 
 
@@ -49,23 +51,29 @@ def find_multiplier(trial: Array, strain: Array, material: Yielding) -> Array:
     material
         The material.
     """
+    found = np.zeros(trial.shape)
+    yields = trial > material.find_yield_stress(strain)
+    found[yields] = _find_root(trial[yields], strain[yields], material)
+    return found
+
+
+def _find_root(trial: Array, strain: Array, material: Yielding) -> Array:
     stiffness = 3.0 * material.shear_modulus
     low = np.zeros(trial.shape)
     # Hardening makes the multiplier smaller than perfect plasticity does.
-    high = np.maximum(trial - material.find_yield_stress(strain), 0.0) / stiffness
-    found = np.zeros(trial.shape)
-    for _ in range(_MAX_ROUNDS):
+    high = (trial - material.find_yield_stress(strain)) / stiffness
+    found = low
+    for count in range(_MAX_ROUNDS):
         excess = trial - stiffness * found - material.find_yield_stress(strain + found)
-        np.copyto(low, found, where=excess > 0.0)
-        np.copyto(high, found, where=excess < 0.0)
+        low = np.where(excess > 0.0, found, low)
+        high = np.where(excess < 0.0, found, high)
         new = found + excess / (stiffness + material.find_slope(strain + found))
-        inside = (new >= low) & (new <= high)
+        inside = (new >= low) & (new <= high) & (count < _SMOOTH_ROUNDS or count % 2 == 0)
         new = np.where(inside, new, 0.5 * (low + high))
-        is_last = np.abs(new - found) <= _ROUNDING * new
-        found = new
-        if is_last.all():
+        change, found = np.abs(new - found), new
+        if np.all(stiffness * change <= _ROUNDING * trial):
             break
-    return np.where(trial > material.find_yield_stress(strain), found, 0.0)
+    return found
 
 
 def find_flow(stress: Array, flow: Array, strain: Array, material: Yielding) -> Array:

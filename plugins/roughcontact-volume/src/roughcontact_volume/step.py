@@ -51,7 +51,7 @@ def solve_step(
     ----------
     find_stress
         The stress, Pa, shape (6, nz, nx, ny), with an increment of plastic strain of this shape; and the error of the
-        increment, for how well the contact need be solved (infinite of the first).
+        increment before, which says how well the contact need be solved (zero at first: whether anything flows).
     strain
         Accumulated plastic strain before, shape (nz, nx, ny).
     material
@@ -76,7 +76,7 @@ def solve_step(
     flow = np.zeros((6, *strain.shape)) if start is None else np.array(start)
     values = flow.reshape(6, -1)
     mixing = AndersonMixing()
-    error = np.inf
+    error = 0.0
     for count in range(1, _MAX_EVALUATIONS + 1):
         stress = find_stress(flow, error).reshape(6, -1)
         yielding = find_equivalent(stress + stiffness * values) > limit

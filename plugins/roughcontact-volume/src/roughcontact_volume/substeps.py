@@ -19,7 +19,7 @@ from roughcontact_volume.step import solve_step
 _MAX_SUBSTEPS = 64
 # Tolerance of a contact over the error of the flow: a looser one is noise at which the flow stalls.
 _CONTACT_TOLERANCE = 1e-3
-ANSWERS = ("maximum pressure", "approach", "force", "imprint")
+ANSWERS = {"maximum pressure": "Pa", "approach": "m", "force": "N", "imprint": "m"}
 
 
 @attrs.frozen(eq=False)
@@ -83,18 +83,17 @@ class _Run:
     state: PlasticState
     contact: Any
 
-    def compare(self, other: _Run) -> Array:
-        """Return the differences of the answers from those of another run, over their size, shape (4,)."""
-        values = [
-            (one.contact.pressure.max(), one.contact.approach, one.contact.force, one.state.imprint)
-            for one in (self, other)
-        ]
-        return np.array([_differ(np.asarray(one), np.asarray(two)) for one, two in zip(*values, strict=True)])
+    def differ(self, other: _Run) -> tuple[Array, float]:
+        """Return the differences of the answers from those of another run, shape (4,), and the largest relative one."""
+        pairs = zip(self._list_answers(), other._list_answers(), strict=True)
+        differences, sizes = zip(*((np.abs(one - two).max(), np.abs(one).max()) for one, two in pairs), strict=True)
+        relative = [change / size for change, size in zip(differences, sizes, strict=True) if size > 0.0]
+        return np.array(differences), float(max(relative, default=0.0))
 
-
-def _differ(one: Array, other: Array) -> float:
-    size = float(np.abs(one).max())
-    return float(np.abs(one - other).max()) / size if size > 0.0 else 0.0
+    def _list_answers(self) -> tuple[Array, ...]:
+        contact = self.contact
+        answers = (contact.pressure.max(), contact.approach, contact.force, self.state.imprint)
+        return tuple(np.asarray(one) for one in answers)
 
 
 @attrs.define(eq=False)
@@ -139,9 +138,9 @@ class SubstepMarch:
         while is_divisible and len(run.flows) < _MAX_SUBSTEPS:
             halves = [0.5 * flow for flow in run.flows for _ in range(2)]
             finer = self._run(run.begin, halves)
-            change = finer.compare(run)
+            change, largest = finer.differ(run)
             run = finer
-            if change.max() <= accuracy:
+            if largest <= accuracy:
                 break
         return run.state, change
 
