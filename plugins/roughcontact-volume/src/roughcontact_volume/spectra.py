@@ -4,17 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cached_property
+from typing import TypeAlias
 
 import attrs
 import numpy as np
+import numpy.typing as npt
 import scipy.fft
 from roughcontact.solving import map_tiles, split
 from roughcontact.typing import Array, Pair, RealArray
 
 from roughcontact_volume.waves import WaveVectors, find_means, sweep
 
+Waves: TypeAlias = npt.NDArray[np.complexfloating]
+
 # Values of a tile of wave vectors, about: a layer of it stays in the cache.
-_TILE_WAVES = 2**11
+_TILE_WAVES = 2**12
 # Signs of the components xx, yy, zz, yz, xz, xy in a mirror across x, and across y.
 _MIRRORED = np.array([[1, 1, 1, 1, -1, -1], [1, 1, 1, -1, 1, -1]])
 
@@ -50,17 +54,25 @@ class Period:
     def wave_numbers(self) -> tuple[Array, Array]:
         """Wave numbers along x, of both signs, and along y, shapes (mx,) and (my // 2 + 1,), rad/m."""
         (mx, my), (dx, dy) = self.shape, self.spacing
-        return 2.0 * np.pi * np.fft.fftfreq(mx, 1.0) / dx, 2.0 * np.pi * np.fft.rfftfreq(my, 1.0) / dy
+        along_x, along_y = np.fft.fftfreq(mx), np.fft.rfftfreq(my)
+        return np.asarray(2.0 * np.pi * along_x / dx), np.asarray(2.0 * np.pi * along_y / dy)
 
-    def find_stress(self, strain: RealArray, out: Array | None = None) -> Array:
+    def bytes_for(self, rows: int) -> int:
+        """Return the bytes that the waves of a field take, and one tile of them, with so many rows of cells along x."""
+        value = np.dtype(self.dtype).itemsize
+        mx, my = self.shape
+        layer = 2 * len(_MIRRORED[0]) * self.thicknesses.size * value
+        columns = max(1, _TILE_WAVES // mx)
+        # A tile is held as it is transformed, by parts and as waves upwards.
+        return layer * (rows * (my // 2 + 1) + 4 * mx * columns)
+
+    def find_stress(self, strain: RealArray) -> Array:
         """Return the residual stress over twice the shear modulus, shape (6, nz, nx, ny), nx <= mx and ny <= my.
 
         Parameters
         ----------
         strain
             Eigenstrain, shape (6, nz, nx, ny), in one corner of the period.
-        out
-            Where the stress is put; None: a new array.
         """
         components, layers, nx, ny = strain.shape
         mx, my = self.shape
@@ -76,7 +88,7 @@ class Period:
             self._respond(waves, columns)
             rows[..., columns] = scipy.fft.ifft(waves, axis=2, overwrite_x=True)[:, :, :nx]
 
-        stress = np.empty(strain.shape) if out is None else out
+        stress = np.empty(strain.shape)
 
         def transform_back(plane: tuple[int, int]) -> None:
             stress[plane] = scipy.fft.irfft(rows[plane], n=my, axis=1)[:, :ny]
@@ -92,7 +104,7 @@ class Period:
         tiles = split((my + 1) // 2, max(1, _TILE_WAVES // mx))
         return tiles if my % 2 else [*tiles, slice(my // 2, my // 2 + 1)]
 
-    def _respond(self, waves: Array, columns: slice) -> None:
+    def _respond(self, waves: Waves, columns: slice) -> None:
         """Replace the waves of strain by those of stress."""
         qx, qy = self.wave_numbers
         mx, my = self.shape
@@ -218,10 +230,10 @@ class PressureWaves:
     def displace(self, strain: Array) -> Array:
         """Return the displacement of the surface by an eigenstrain, positive into the body, shape (nx, ny), m."""
 
-        def work(layer: int) -> Array | None:
+        def work(layer: int) -> Waves | None:
             if not strain[:, layer].any():
                 return None
-            total = np.zeros(self._waves.q.shape, dtype=np.complex128)
+            total: Waves = np.zeros(self._waves.q.shape, dtype=np.complex128)
             for place, factor in enumerate(self._list_factors(layer)):
                 if strain[place, layer].any():
                     weight = self.thicknesses[layer] * (-2j if place in (3, 4) else 2.0 if place == 5 else 1.0)
