@@ -4,6 +4,7 @@ import attrs
 import numpy as np
 import pytest
 import roughcontact as rc
+
 from roughcontact_volume import LinearHardening, Plastic, SwiftHardening, TabulatedHardening, VoceHardening
 
 STRAINS = np.array([0.0, 1e-6, 1e-3, 0.013, 0.05, 0.4])

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from roughcontact_volume import LinearHardening, Plastic, SwiftHardening, TabulatedHardening, VoceHardening
 from roughcontact_volume.anderson import AndersonMixing
 from roughcontact_volume.radial_return import (

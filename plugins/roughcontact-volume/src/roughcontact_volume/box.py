@@ -10,8 +10,8 @@ import roughcontact as rc
 from roughcontact.typing import Array, si
 
 from roughcontact_volume.operators import VolumeOperators
-from roughcontact_volume.yielding import Yielding
 from roughcontact_volume.radial_return import find_equivalent
+from roughcontact_volume.yielding import Yielding
 
 # Thickness of the uppermost layer over the side of a cell, and of each layer over that above it: measured, they cost
 # half of equal layers and lose nothing.
@@ -28,7 +28,7 @@ _DEEPENING = 1.5
 
 def list_layers(grid: rc.Grid, count: int) -> Array:
     """Return the thicknesses of the layers of a box, from the surface down, m."""
-    return _FIRST_LAYER * _find_side(grid) * _GROWTH ** np.arange(count)
+    return np.asarray(_FIRST_LAYER * _find_side(grid) * _GROWTH ** np.arange(float(count)))
 
 
 def count_layers(grid: rc.Grid, depth: float) -> int:
@@ -83,7 +83,7 @@ def probe_layers(grid: rc.Grid) -> Array:
     first = _FIRST_LAYER * _find_side(grid)
     ratio = _DEEPEST * max(grid.size) / first
     count = math.ceil(math.log1p(ratio * (_GROWTH_OF_PROBE - 1.0)) / math.log(_GROWTH_OF_PROBE))
-    return np.asarray(first * _GROWTH_OF_PROBE ** np.arange(count))
+    return np.asarray(first * _GROWTH_OF_PROBE ** np.arange(float(count)))
 
 
 def find_largest_below(grid: rc.Grid, boundary: rc.Boundary, material: Yielding, pressure: Array) -> Array:

@@ -14,9 +14,9 @@ from roughcontact.typing import Array, LoadIncrement
 
 from roughcontact_volume.judgement import judge_flow
 from roughcontact_volume.measures import measure_flow
-from roughcontact_volume.yielding import Yielding
 from roughcontact_volume.refusals import require_possible
 from roughcontact_volume.substeps import ANSWERS, PlasticState, SubstepMarch
+from roughcontact_volume.yielding import Yielding
 
 # Admissible error of the flow in a step.
 _TOLERANCE = 1e-4
@@ -156,4 +156,4 @@ def _is_same(increment: LoadIncrement, grid: rc.Grid, last: Array) -> bool:
     """Return whether the load is that at the end of the increment before."""
     force, approach = last.tolist()
     before = {"force": force, "pressure": force / grid.area, "approach": approach}[increment.load.kind]
-    return abs(increment.load.value - before) <= _SAME_LOAD * abs(before)
+    return bool(abs(increment.load.value - before) <= _SAME_LOAD * abs(before))

@@ -19,9 +19,7 @@ def check_stress(value: Quantity, what: str = "A stress", *, zero: bool = False)
     return check_number(value, what, "Pa", zero=zero)
 
 
-def check_number(
-    value: Quantity, what: str, unit: str, *, zero: bool = False, most: float = _MAX_MAGNITUDE
-) -> float:
+def check_number(value: Quantity, what: str, unit: str, *, zero: bool = False, most: float = _MAX_MAGNITUDE) -> float:
     """Return a number checked to be finite, above zero or at least zero, and at most another one."""
     try:
         number = float(value)
@@ -51,7 +49,7 @@ def _power(value: float) -> float:
     return check_number(value, "The power of hardening", "", zero=True, most=1.0)
 
 
-def _list(values: Sequence[float], what: str, unit: str) -> tuple[float, ...]:
+def _list(values: Sequence[Quantity], what: str, unit: str) -> tuple[float, ...]:
     if isinstance(values, (str, bytes)) or not np.iterable(values):
         raise rc.InputError.about(what, values, f"a list of numbers ({unit or 'no unit'})")
     return tuple(check_number(value, what, unit, zero=True) for value in values)
@@ -98,7 +96,7 @@ class Hardening(Part, abc.ABC):
     def find_work(self, initial: float, strain: Array) -> Array:
         """Return the plastic work per volume, J/m3: the integral of the yield stress over the accumulated strain."""
 
-    def require_fitting(self, initial: float) -> None:  # noqa: B027 - most fit any yield stress
+    def require_fitting(self, initial: float) -> None:
         """Raise `InputError` unless it fits a material of this yield stress, Pa."""
 
 

@@ -9,9 +9,9 @@ from roughcontact.results import Condition
 from roughcontact.typing import Array
 
 from roughcontact_volume.box import find_largest_below, find_operators
-from roughcontact_volume.yielding import Yielding
 from roughcontact_volume.radial_return import WEIGHTS, find_accumulated, find_deviator, find_flow, find_norm
 from roughcontact_volume.substeps import PlasticState
+from roughcontact_volume.yielding import Yielding
 
 _FLOW = "change of the last flow by the return of its stress, 2 mu over the yield stress"
 _YIELD = "von Mises stress beyond the yield stress, in the last flow also below it, over it"

@@ -9,9 +9,9 @@ import roughcontact as rc
 from roughcontact.typing import Array
 
 from roughcontact_volume.box import find_operators, list_layers
-from roughcontact_volume.yielding import Yielding
 from roughcontact_volume.radial_return import find_equivalent
 from roughcontact_volume.substeps import ANSWERS, PlasticState
+from roughcontact_volume.yielding import Yielding
 
 
 def measure_flow(

@@ -26,8 +26,8 @@ class Plastic(Yielding):
         A `Hardening`; a number or text is a hardening modulus, Pa; None: perfectly plastic.
     accuracy
         Admissible change of maximum pressure, approach, force and imprint, over their size, by a doubling of the
-        substeps of an increment of the load: about the error of the steps that is left, which the states state. The
-        default asks for two to four of them; 0.003 for four to sixteen.
+        substeps of an increment of the load. The errors that are left are among the numbers of a state. From one load
+        to twice that, the default takes two to four substeps, 0.005 eight to sixteen.
 
     Examples
     --------

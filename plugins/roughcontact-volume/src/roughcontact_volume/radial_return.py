@@ -21,7 +21,7 @@ _ROUNDING = 4.0 * float(np.finfo(np.float64).eps)
 
 def find_norm(tensor: Array) -> Array:
     """Return the root of the double product of a tensor of shape (6, ...) with itself, shape (...)."""
-    return np.sqrt(np.einsum("c,c...,c...->...", WEIGHTS, tensor, tensor))
+    return np.asarray(np.sqrt(np.einsum("c,c...,c...->...", WEIGHTS, tensor, tensor)))
 
 
 def find_deviator(stress: Array) -> Array:
@@ -33,7 +33,7 @@ def find_deviator(stress: Array) -> Array:
 
 def find_equivalent(stress: Array) -> Array:
     """Return the von Mises stress of a stress of shape (6, ...), in its unit."""
-    return np.sqrt(1.5) * find_norm(find_deviator(stress))
+    return np.asarray(np.sqrt(1.5) * find_norm(find_deviator(stress)))
 
 
 def find_multiplier(trial: Array, strain: Array, material: Yielding) -> Array:
@@ -101,4 +101,4 @@ def find_flow(stress: Array, flow: Array, strain: Array, material: Yielding) -> 
 
 def find_accumulated(flow: Array) -> Array:
     """Return the accumulated strain of an increment of plastic strain of shape (6, ...), which has one direction."""
-    return np.sqrt(2.0 / 3.0) * find_norm(flow)
+    return np.asarray(np.sqrt(2.0 / 3.0) * find_norm(flow))

@@ -6,12 +6,11 @@ from collections.abc import Callable
 
 import attrs
 import numpy as np
-import roughcontact as rc
 from roughcontact.typing import Array
 
 from roughcontact_volume.anderson import AndersonMixing
-from roughcontact_volume.yielding import Yielding
 from roughcontact_volume.radial_return import find_equivalent, find_flow, find_norm
+from roughcontact_volume.yielding import Yielding
 
 # Evaluations after which a step is given up: a huge one takes some thirty.
 _MAX_EVALUATIONS = 200
@@ -27,10 +26,13 @@ class FlowStep:
         The increment of plastic strain, shape (6, nz, nx, ny).
     evaluations
         How often the stress was computed for it.
+    error
+        Its error in the last of them, which is above the tolerance where the step is given up.
     """
 
     flow: Array
     evaluations: int
+    error: float
 
 
 def solve_step(
@@ -61,11 +63,6 @@ def solve_step(
     start
         An increment to start from; None: nothing flows.
 
-    Raises
-    ------
-    roughcontact.NotConverged
-        If it is not found.
-
     References
     ----------
     Simo, Hughes, Computational Inelasticity (1998), chapter 3, https://doi.org/10.1007/b98904
@@ -77,8 +74,10 @@ def solve_step(
     values = flow.reshape(6, -1)
     mixing = AndersonMixing()
     error = 0.0
-    for count in range(1, _MAX_EVALUATIONS + 1):
+    count = 0
+    while True:
         stress = find_stress(flow, error).reshape(6, -1)
+        count += 1
         yielding = find_equivalent(stress + stiffness * values) > limit
         mixing.add_cells(np.flatnonzero(yielding | values.any(axis=0)))
         cells = mixing.cells
@@ -88,11 +87,10 @@ def solve_step(
         error = float(np.max(find_norm(residual), initial=0.0)) * stiffness / material.yield_stress
         if error <= tolerance and not iterate.any():
             # Rounding and tolerances of the steps before are not a flow.
-            return FlowStep(np.zeros(flow.shape), count)
-        following = found if error <= tolerance else mixing.find_next(iterate, residual)
+            return FlowStep(np.zeros(flow.shape), count, error)
+        is_last = error <= tolerance or count == _MAX_EVALUATIONS
         values = np.zeros((6, strain.size))
-        values[:, cells] = following
+        values[:, cells] = found if is_last else mixing.find_next(iterate, residual)
         flow = values.reshape(6, *strain.shape)
-        if error <= tolerance:
-            return FlowStep(flow, count)
-    raise rc.NotConverged(f"The plastic flow is not found after {_MAX_EVALUATIONS} stresses (error {error:.1e}).")
+        if is_last:
+            return FlowStep(flow, count, error)

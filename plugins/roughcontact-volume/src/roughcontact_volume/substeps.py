@@ -11,14 +11,19 @@ import roughcontact as rc
 from roughcontact.typing import Array
 
 from roughcontact_volume.box import count_deeper, count_layers, find_operators, find_yield_depth
-from roughcontact_volume.yielding import Yielding
 from roughcontact_volume.radial_return import find_accumulated
 from roughcontact_volume.step import solve_step
+from roughcontact_volume.yielding import Yielding
 
 # Most substeps of an increment: what is left then is stated.
 _MAX_SUBSTEPS = 64
 # Tolerance of a contact over the error of the flow: a looser one is noise at which the flow stalls.
 _CONTACT_TOLERANCE = 1e-3
+# Change of an answer by a doubling over that by the doubling before: of the first doubling, and its bounds. It is 1/2
+# of many substeps, and larger where they are few.
+_UNKNOWN_RATIO = 2.0 / 3.0
+_SMALLEST_RATIO = 0.5
+_LARGEST_RATIO = 0.75
 ANSWERS = {"maximum pressure": "Pa", "approach": "m", "force": "N", "imprint": "m"}
 
 
@@ -96,6 +101,19 @@ class _Run:
         return tuple(np.asarray(one) for one in answers)
 
 
+def _estimate_errors(change: Array, before: Array) -> Array:
+    """Return the errors that are left after the last two changes of the answers by doublings.
+
+    They are those of a geometric series; the approach may cross its limit, but it moves with the imprint.
+    """
+    ratio = np.full(change.shape, _UNKNOWN_RATIO)
+    np.divide(change, before, out=ratio, where=before > 0.0)
+    ratio = np.clip(ratio, _SMALLEST_RATIO, _LARGEST_RATIO)
+    errors = np.asarray(change * ratio / (1.0 - ratio))
+    errors[1] = max(errors[1], errors[3])
+    return errors
+
+
 @attrs.define(eq=False)
 class SubstepMarch:
     """Goes from the state of a body to that after an increment of the load.
@@ -125,24 +143,27 @@ class SubstepMarch:
     pressure: Array | None = None
 
     def settle(self, state: PlasticState, accuracy: float, *, is_divisible: bool) -> tuple[PlasticState, Array]:
-        """Return the state after the increment, and the last change of the answers by a doubling, shape (4,)."""
+        """Return the state after the increment, and the errors of the answers by its substeps, shape (4,).
+
+        Where the load does not change, an increment is not divisible.
+        """
         unchanged = np.zeros(len(ANSWERS))
         if state.layers == 1 and not state.accumulated_strain.any():
             state = self._choose_box(state)
             if state.layers == 1:
                 return state, unchanged
         run = self._run(state, (None,))
-        if not run.flows[0].any():
-            return state.rest(), unchanged
-        change = unchanged
-        while is_divisible and len(run.flows) < _MAX_SUBSTEPS:
+        if not is_divisible or not run.flows[0].any():
+            return run.state if run.flows[0].any() else state.rest(), unchanged
+        before, change = unchanged, unchanged
+        while len(run.flows) < _MAX_SUBSTEPS:
             halves = [0.5 * flow for flow in run.flows for _ in range(2)]
             finer = self._run(run.begin, halves)
-            change, largest = finer.differ(run)
+            before, (change, largest) = change, finer.differ(run)
             run = finer
             if largest <= accuracy:
                 break
-        return run.state, change
+        return run.state, _estimate_errors(change, before)
 
     def _choose_box(self, fresh: PlasticState) -> PlasticState:
         """Return a fresh state in a box that is as deep as the elastic contact yields, if it does."""
@@ -178,7 +199,13 @@ class SubstepMarch:
                 return stress + operators.find_stress(total) if has_strain else stress
 
             start = None if guess is None else deepen(guess, state.layers)
-            flow = solve_step(find_stress, state.accumulated_strain, self.material, self.tolerance, start).flow
+            step = solve_step(find_stress, state.accumulated_strain, self.material, self.tolerance, start)
+            if step.error > self.tolerance:
+                raise rc.NotConverged(
+                    f"The plastic flow is not found after {step.evaluations} stresses: it errs by {step.error:.1e}.",
+                    self.contact,
+                )
+            flow = step.flow
             flows.append(flow)
             total = strain + flow
             state = PlasticState(

@@ -50,7 +50,7 @@ class Yielding(rc.Material):
     poisson: float = attrs.field(converter=_poisson, metadata={"unit": ""})
     yield_stress: float = attrs.field(converter=_yield_stress, metadata={"unit": "Pa"})
     hardening: Hardening = attrs.field(default=None, converter=_hardening)
-    accuracy: float = attrs.field(default=0.01, converter=_accuracy, kw_only=True, metadata={"unit": ""})
+    accuracy: float = attrs.field(default=0.02, converter=_accuracy, kw_only=True, metadata={"unit": ""})
 
     def __attrs_post_init__(self) -> None:
         self.hardening.require_fitting(self.yield_stress)
