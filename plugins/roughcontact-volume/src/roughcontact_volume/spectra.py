@@ -10,7 +10,7 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 import scipy.fft
-from roughcontact.solving import map_tiles, split
+from roughcontact.solving import map_tiles
 from roughcontact.typing import Array, Pair, RealArray
 
 from roughcontact_volume.waves import WaveVectors, find_means, sweep
@@ -101,7 +101,8 @@ class Period:
     def _list_tiles(self) -> list[slice]:
         """Return the tiles of wave numbers along y; the highest one of an even number of cells is alone."""
         mx, my = self.shape
-        tiles = split((my + 1) // 2, max(1, _TILE_WAVES // mx))
+        end, step = (my + 1) // 2, max(1, _TILE_WAVES // mx)
+        tiles = [slice(start, min(start + step, end)) for start in range(0, end, step)]
         return tiles if my % 2 else [*tiles, slice(my // 2, my // 2 + 1)]
 
     def _respond(self, waves: Waves, columns: slice) -> None:
