@@ -152,10 +152,12 @@ class SmoothImages:
 def _interpolate(cells: int, step: float) -> Array:
     """Return the matrix of cubic interpolation from points to cells, shape (cells, points).
 
-    The step from cell to cell is in distances of points; the second point lies at the first cell.
+    The step from cell to cell is in distances of points; a point lies in the middle of the cells, so that the map is
+    the same in a mirror.
     """
-    place = step * np.arange(cells)
-    first = place.astype(np.intp)
+    middle = 0.5 * (cells - 1)
+    place = math.ceil(step * middle) + step * (np.arange(cells) - middle)
+    first = np.floor(place).astype(np.intp)
     x = place - first
     weights = np.stack(
         (

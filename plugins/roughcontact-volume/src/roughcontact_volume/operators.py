@@ -151,8 +151,8 @@ class VolumeOperators:
         pressure
             Pressure of each cell, shape (nx, ny), Pa.
         """
-        given = self._check(pressure, "The pressure", self.grid.shape)
         self._require_memory()
+        given = self._check(pressure, "The pressure", self.grid.shape)
         return self._pressed.press(given)
 
     def find_stress(self, strain: Array) -> Array:
@@ -163,8 +163,8 @@ class VolumeOperators:
         strain
             Eigenstrain of each cell, tensor shears, shape (6, nz, nx, ny).
         """
-        given = self._check(strain, "The strain", self.shape)
         self._require_memory()
+        given = self._check(strain, "The strain", self.shape)
         stress = self._strained.find_stress(given)
         stress *= self.young / (1.0 + self.poisson)
         return stress
@@ -177,8 +177,8 @@ class VolumeOperators:
         strain
             Eigenstrain of each cell, tensor shears, shape (6, nz, nx, ny).
         """
-        given = self._check(strain, "The strain", self.shape)
         self._require_memory()
+        given = self._check(strain, "The strain", self.shape)
         return self._pressed.displace(given)
 
     @property
