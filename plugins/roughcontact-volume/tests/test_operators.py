@@ -1,5 +1,7 @@
 """The maps of eigenstrain and pressure: their symmetry, closed forms, orders of convergence and other invariances."""
 
+import doctest
+import importlib
 import tracemalloc
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
@@ -461,3 +463,9 @@ def test_too_many_layers_are_refused():
     operators = make("free", (4096, 4096), thicknesses=np.full(2**12, 1e-6))
     with pytest.raises(rc.InputError, match=r"of memory.*fewer layers"):
         operators.press(np.zeros(()))
+
+
+def test_the_examples_of_the_docstrings_give_what_they_say():
+    results = doctest.testmod(importlib.import_module("roughcontact_volume.operators"))
+    assert results.attempted > 0
+    assert results.failed == 0
