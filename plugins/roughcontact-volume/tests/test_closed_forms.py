@@ -7,6 +7,7 @@ import math
 
 import numpy as np
 import pytest
+
 from closed_forms import (
     apply_hooke,
     as_tensor,
