@@ -13,7 +13,8 @@ convolvers   `BoundKernel`, `ConvolutionSetup`, `PreparedConvolution`, `InverseC
              `StressConvolution`, `FieldPasses`, `LastStep`; the function `padded_shape`
 solvers      `Task`, `Outcome`, `Step`, `Monitor`, `Violation`, `BoundInteraction`; `ShearSolver`, `ShearTask`,
              `ShearOutcome`, `natural_residual`
-physics      `LoadIncrement`, what passes between two states; `Addition`, what one adds to a state
+physics      `LoadIncrement`, what passes between two states; `Memory`, what a process remembers, and `Press`, the
+             contacts of a coupled one; `Addition`, what one adds to a state
 readers      `RawMap`; the function `read_raw`
 commands     `Command`, `Table`; the functions `quantity`, `si`, `binary`, `replacing`
 ===========  ==========================================================================================================
@@ -54,7 +55,7 @@ from roughcontact._solve.convolvers import (
     StressConvolution,
     padded_shape,
 )
-from roughcontact._solve.solution import Addition, LoadIncrement, Violation
+from roughcontact._solve.solution import Addition, LoadIncrement, Memory, Press, Violation
 from roughcontact._solve.solvers import (
     Monitor,
     Outcome,
@@ -84,12 +85,14 @@ __all__ = [
     "Load",
     "LoadIncrement",
     "Mask",
+    "Memory",
     "Monitor",
     "Outcome",
     "Pair",
     "PairConstants",
     "Part",
     "PreparedConvolution",
+    "Press",
     "Pressure",
     "Quantity",
     "RawMap",
