@@ -230,11 +230,7 @@ def find_cuboid_displacement(
     for places in itertools.product(range(order), repeat=3):
         at = middle + lengths * nodes[list(places)]
         away = np.array([at[0] - x + 0.0 * y, at[1] - y + 0.0 * x, at[2] + np.zeros(total.shape)])
-        work = (
-            np.einsum("ij...,ij", find_boussinesq_stress(away, poisson), eigenstrain)
-            if total.ndim == 0
-            else np.einsum("ij...,ij->...", find_boussinesq_stress(away, poisson), eigenstrain)
-        )
+        work = np.einsum("ij...,ij->...", find_boussinesq_stress(away, poisson), eigenstrain)
         total += float(np.prod(weights[list(places)] * lengths)) * work
     return total
 

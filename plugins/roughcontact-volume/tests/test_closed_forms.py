@@ -7,9 +7,11 @@ import math
 
 import numpy as np
 import pytest
+import roughcontact as rc
 
 from closed_forms import (
     apply_hooke,
+    as_components,
     as_tensor,
     find_boussinesq_stress,
     find_cuboid_displacement,
@@ -21,6 +23,8 @@ from closed_forms import (
     find_inhomogeneity_strain,
     find_sphere_heave,
 )
+from roughcontact_volume.operators import VolumeOperators
+from roughcontact_volume.shapes import Ellipsoid, Sphere, find_fractions
 
 NU = 0.28
 STRAIN = as_tensor([1.0, -0.4, 0.7, 0.3, -0.6, 0.5])
@@ -181,3 +185,95 @@ def test_boussinesq_carries_the_force():
     stress = find_boussinesq_stress(x, NU)
     assert stress[2, 2] == pytest.approx(-3.0 * 0.4**3 / (2.0 * math.pi * 0.5**5))
     assert stress[0, 2] == pytest.approx(stress[2, 2] * x[0] / x[2])
+
+
+# Operators beside the closed forms: a cuboid of whole cells, 1 to 2 below the surface.
+PLACES = ((0.0, 0.0, 1.5), (1.5, 0.9, 0.5), (0.0, 0.0, 2.6))
+
+
+class _CuboidInCells:
+    def __init__(self, cells, ratio, boundary, width):
+        sides = (1.0 / cells, ratio / cells)
+        shape = tuple(2 * round(0.5 * width / side) + 1 for side in sides)
+        inside = [2 * (round(length / side) // 2) + 1 for length, side in zip((1.0, 2.0), sides, strict=True)]
+        grid = rc.Grid(shape, tuple(n * side for n, side in zip(shape, sides, strict=True)))
+        self.x, self.y = grid.x.ravel(), grid.y.ravel()
+        halves = [0.5 * n * side for n, side in zip(inside, sides, strict=True)]
+        self.box = np.array([[-halves[0], halves[0]], [-halves[1], halves[1]], [1.0, 2.0]])
+        self.operators = VolumeOperators(grid, boundary, np.full(3 * cells, 1.0 / cells), 2.0, NU)
+        self.strain = np.zeros(self.operators.shape)
+        i, j = ((whole - part) // 2 for whole, part in zip(shape, inside, strict=True))
+        within = (slice(None), slice(cells, 2 * cells), slice(i, i + inside[0]), slice(j, j + inside[1]))
+        self.strain[within] = as_components(STRAIN)[:, None, None, None]
+
+    def find_stress_errors(self):
+        stress = self.operators.find_stress(self.strain)
+        errors = []
+        for x, y, z in PLACES:
+            i, j = np.argmin(np.abs(self.x - x)), np.argmin(np.abs(self.y - y))
+            layer = int(np.argmin(np.abs(self.operators.depths - z)))
+            point = np.array([self.x[i], self.y[j], self.operators.depths[layer]])
+            exact = as_components(find_half_space_stress(self.box, STRAIN, 2.0, NU, point))
+            errors.append(np.abs(stress[:, layer, i, j] - exact).max())
+        return np.array(errors)
+
+    def find_displacement_error(self):
+        x, y = np.meshgrid(self.x, self.y, indexing="ij")
+        near = (np.abs(x) < 3.0) & (np.abs(y) < 3.0)
+        exact = find_cuboid_displacement(self.box, STRAIN, NU, x[near], y[near])
+        return np.abs(self.operators.displace(self.strain)[near] - exact).max() / np.abs(exact).max()
+
+
+@pytest.mark.parametrize(("ratio", "width", "cells"), [(1.0, 6.0, 3), (3.0, 12.0, 3)])
+def test_the_free_surface_moves_as_over_a_cuboid(ratio, width, cells):
+    assert _CuboidInCells(cells, ratio, "free", width).find_displacement_error() < 5e-6
+
+
+def test_the_periodic_surface_moves_as_over_a_cuboid_far_from_its_images():
+    coarse, fine = (_CuboidInCells(cells, 1.0, "periodic", 20.0).find_displacement_error() for cells in (2, 4))
+    assert fine < 0.5 * coarse < 0.01
+
+
+@pytest.mark.parametrize(
+    ("ratio", "width", "boundary", "cells"),
+    [(1.0, 6.0, "free", 2), (3.0, 12.0, "free", 3), (1.0, 24.0, "periodic", 2)],
+)
+def test_the_stress_of_a_cuboid_is_of_second_order(ratio, width, boundary, cells):
+    coarse, fine = (_CuboidInCells(n, ratio, boundary, width).find_stress_errors() for n in (cells, 2 * cells))
+    assert fine.max() < 0.015
+    assert fine.sum() < 0.4 * coarse.sum()
+
+
+def test_the_stress_around_a_dilating_sphere():
+    side = 0.125
+    grid = rc.Grid((40, 40), 40 * side)
+    operators = VolumeOperators(grid, "free", np.full(16, side), 2.0, NU)
+    fractions = find_fractions(Sphere(0.5), (0.0, 0.0, 1.0), grid, rc.Boundary.FREE, side * np.arange(17))
+    strain = np.zeros(operators.shape)
+    strain[:3] = fractions
+    heave = find_sphere_heave(0.5, 1.0, 1.0, NU, grid.x, grid.y)
+    assert operators.displace(strain) == pytest.approx(heave, abs=0.01 * np.abs(heave).max())
+    stress = operators.find_stress(strain)
+    inside = fractions == 1.0
+    # Eshelby's sphere, and what the free surface adds to it: below a fifth of it at two radii.
+    deep = apply_hooke(((1.0 + NU) / (3.0 * (1.0 - NU)) - 1.0) * np.eye(3), 2.0, NU)[0, 0]
+    assert stress[0][inside].mean() == pytest.approx(deep, rel=0.2)
+    point = np.array([grid.x[27, 0], grid.y[0, 20], operators.depths[5]])
+    gradient = _gradient(lambda at: find_dilating_sphere(0.5, 1.0, 1.0, NU, at), point, 1e-3)
+    exact = as_components(apply_hooke(0.5 * (gradient + gradient.T), 2.0, NU))
+    assert stress[:, 5, 27, 20] == pytest.approx(exact, abs=0.02 * abs(deep))
+
+
+@pytest.mark.parametrize("axes", [(0.5, 0.5, 0.5), (0.75, 0.5, 0.375)])
+def test_eshelbys_ellipsoid_in_the_deep(axes):
+    side = 0.125
+    grid = rc.Grid((45, 45), 45 * side)
+    thicknesses = np.array([3.0, *np.full(8, side)])
+    operators = VolumeOperators(grid, "free", thicknesses, 2.0, NU)
+    interfaces = np.concatenate(([0.0], np.cumsum(thicknesses)))
+    fractions = find_fractions(Ellipsoid(axes), (0.0, 0.0, 3.5), grid, rc.Boundary.FREE, interfaces)
+    strain = fractions * as_components(STRAIN)[:, None, None, None]
+    spread = np.einsum("ijkl,kl", find_eshelby(axes, NU), STRAIN)
+    exact = as_components(apply_hooke(spread - STRAIN, 2.0, NU))
+    middle = operators.find_stress(strain)[:, fractions == 1.0].mean(axis=1)
+    assert middle == pytest.approx(exact, abs=0.03 * np.abs(exact).max())
