@@ -1,1 +1,22 @@
 """Plastic zones, residual stress and inclusions below the surfaces of rough contacts."""
+
+from roughcontact_volume.between_mixtures import InclusionAnswers, find_inclusion_answers
+from roughcontact_volume.given_strains import ResidualStress, StrainedRegion
+from roughcontact_volume.inclusions import Inclusion, Inclusions
+from roughcontact_volume.material_field import MaterialField, draw_moduli
+from roughcontact_volume.shapes import Cuboid, Ellipsoid, Shape, Sphere
+
+__all__ = [
+    "Cuboid",
+    "Ellipsoid",
+    "Inclusion",
+    "InclusionAnswers",
+    "Inclusions",
+    "MaterialField",
+    "ResidualStress",
+    "Shape",
+    "Sphere",
+    "StrainedRegion",
+    "draw_moduli",
+    "find_inclusion_answers",
+]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
 from typing import Any, ClassVar
@@ -12,7 +13,8 @@ import roughcontact as rc
 from roughcontact.results import Condition
 from roughcontact.typing import Array, LoadIncrement, Part, Quantity
 
-from roughcontact_volume.equivalent_strain import Contrast, find_eigenstrain, measure, split
+from roughcontact_volume.equivalent_strain import WEIGHTS, Contrast, find_eigenstrain, measure, split
+from roughcontact_volume.material_field import MaterialField
 from roughcontact_volume.mixtures import (
     Cells,
     Mixture,
@@ -23,7 +25,8 @@ from roughcontact_volume.mixtures import (
     mix,
 )
 from roughcontact_volume.operators import VolumeOperators
-from roughcontact_volume.shapes import Shape, Triple, read_triple
+from roughcontact_volume.shapes import Shape, Triple, read_centre, read_shape, read_side
+from roughcontact_volume.surroundings import require_uniform
 
 Memory = Mapping[str, Array]
 # Largest violation of the law of a material, over the largest stress: of the state, and of the bounds of its numbers.
@@ -32,11 +35,11 @@ _BOUND_TOLERANCE = 1e-4
 # Error of a contact over that of the eigenstrain, and its largest.
 _INNER_ERROR = 0.03
 _LOOSEST_INNER = 1e-3
-_KERNELS = (rc.Love, rc.FourierHalfSpace)
 _MEANING = (
     "stress less the moduli of its cell times its strain, over the mean moduli of cell and body and the largest stress"
 )
-_BOUNDS = ("approach", "peak pressure", "von Mises stress")
+# What is remembered of the contact with each mixture: name and unit; the last is the error of the one before by cells.
+_BOUNDS = {"approach": "m", "peak pressure": "Pa", "von Mises stress": "Pa", "change of it from cell to cell": "Pa"}
 
 
 def _young(value: Quantity) -> float:
@@ -45,16 +48,6 @@ def _young(value: Quantity) -> float:
 
 def _poisson(value: Quantity) -> float:
     return rc.Elastic(1.0, value).poisson
-
-
-def _shape(value: object) -> Shape:
-    if not isinstance(value, Shape):
-        raise rc.InputError.about("The shape of an inclusion", value, "a Sphere, an Ellipsoid or a Cuboid")
-    return value
-
-
-def _centre(value: object) -> Triple:
-    return read_triple(value, "The centre of an inclusion")
 
 
 @attrs.frozen
@@ -77,23 +70,19 @@ class Inclusion(Part):
     (0.0, 0.0, 5e-05)
     """
 
-    shape: Shape = attrs.field(converter=_shape)
+    shape: Shape = attrs.field(converter=read_shape)
     young: float = attrs.field(converter=_young, metadata={"unit": "Pa"})
     poisson: float = attrs.field(converter=_poisson, metadata={"unit": ""})
-    centre: Triple = attrs.field(converter=_centre, metadata={"unit": "m"})
+    centre: Triple = attrs.field(converter=read_centre, metadata={"unit": "m"})
 
 
-def _inclusions(value: object) -> tuple[Inclusion, ...]:
+def _inclusions(value: object) -> tuple[Inclusion, ...] | MaterialField:
+    if isinstance(value, MaterialField):
+        return value
     found = tuple(value) if isinstance(value, Sequence) and not isinstance(value, str) else (value,)
     if not found or not all(isinstance(one, Inclusion) for one in found):
-        raise rc.InputError.about("The inclusions", value, "an Inclusion or a list of them")
+        raise rc.InputError.about("The inclusions", value, "an Inclusion, a list of them, or a MaterialField")
     return found
-
-
-def _side(value: object) -> str:
-    if value not in ("body", "counterbody"):
-        raise rc.InputError.about("The body of the inclusions", value, "'body' or 'counterbody'")
-    return str(value)
 
 
 @attrs.frozen
@@ -112,7 +101,7 @@ class Inclusions(rc.CoupledProcess):
     Parameters
     ----------
     inclusions
-        An `Inclusion` or several that do not overlap.
+        An `Inclusion` or several that do not overlap; or a `MaterialField`, whose cells are taken as they are.
     side
         The body in which they lie, ``"body"`` or ``"counterbody"``.
 
@@ -132,8 +121,8 @@ class Inclusions(rc.CoupledProcess):
     True
     """
 
-    inclusions: tuple[Inclusion, ...] = attrs.field(converter=_inclusions)
-    side: str = attrs.field(default="body", converter=_side, kw_only=True)
+    inclusions: tuple[Inclusion, ...] | MaterialField = attrs.field(converter=_inclusions)
+    side: str = attrs.field(default="body", converter=read_side, kw_only=True)
 
     rates: ClassVar[tuple[str, ...]] = ()
     remembered: ClassVar[Mapping[str, tuple[str, str]]] = {
@@ -154,14 +143,19 @@ class Inclusions(rc.CoupledProcess):
     def settle(self, problem: Any, press: Any, increment: LoadIncrement, memory: Memory) -> Memory:
         """Return the eigenstrain under the load of an increment; see `CoupledProcess.settle`."""
         region = self._find_region(problem)
-        tolerance = problem.plan.solver.tolerance
-        found, _ = _press_region(region, press, "middle", memory["eigenstrain"], _TOLERANCE, tolerance)
-        bounds = []
-        for mixture in ("softer", "stiffer"):
-            strain, contact = _press_region(region, press, mixture, found, _BOUND_TOLERANCE, tolerance)
-            stress = region.find_largest_von_mises(contact.pressure, strain)
-            bounds.append([contact.approach, float(contact.pressure.max()), stress])
-        return {"eigenstrain": found, "bounds": np.array(bounds)}
+        finest = problem.plan.solver.tolerance
+        strain, contact = _press_region(region, press, "middle", memory["eigenstrain"], _TOLERANCE, finest)
+        ends = [(strain, contact)] * 2
+        if region.cells.are_cut:
+            ends = [
+                _press_region(region, press, mixture, strain, _BOUND_TOLERANCE, finest)
+                for mixture in ("softer", "stiffer")
+            ]
+        bounds = [
+            [end.approach, float(end.pressure.max()), *region.find_largest_von_mises(end.pressure, one)]
+            for one, end in ends
+        ]
+        return {"eigenstrain": strain, "bounds": np.array(bounds)}
 
     def judge(
         self, problem: Any, state: Any, increment: LoadIncrement, before: Memory, after: Memory
@@ -174,33 +168,24 @@ class Inclusions(rc.CoupledProcess):
         error = contrast.measure(contrast.find_step(stress, strain)) / max(measure(stress), np.finfo(float).tiny)
         return [Condition("inclusions", error, _MEANING)]
 
-    def list_numbers(self, state: Any, memory: Memory) -> Mapping[str, rc.Estimate | tuple[float, str]]:
-        """Return approach, maximum pressure and stress, each between the two mixtures, with half their distance."""
+    def list_numbers(self, state: Any, memory: Memory) -> Mapping[str, rc.Estimate]:
+        """Return approach, maximum pressure and stress, each between the two mixtures, with half their distance.
+
+        The largest von Mises stress is that of the cells in and beside the inclusions: its uncertainty has their change
+        to the next cells too, since it lies at a boundary. The error of the contact by its cells is not among them:
+        `find_inclusion_answers` adds it.
+        """
         low, high = memory["bounds"]
         value, half = 0.5 * (low + high), 0.5 * np.abs(high - low)
-        numbers = zip(("approach", "peak_pressure", "von_mises"), value, half, ("m", "Pa", "Pa"), strict=True)
+        half[2] = math.hypot(half[2], value[3])
+        numbers = zip(("approach", "peak_pressure", "von_mises"), value, half, _BOUNDS.values(), strict=False)
         return {f"{name}_with_inclusions": rc.Estimate(float(v), float(h), unit) for name, v, h, unit in numbers}
 
     def _find_region(self, problem: Any) -> Region:
         body = getattr(problem, self.side)
-        require_possible(problem, body.material)
+        require_uniform(problem, body.material, "An inclusion")
         return find_region(
             self.inclusions, problem.plan.grid, problem.boundary, body.material.young, body.material.poisson
-        )
-
-
-def require_possible(problem: Any, material: Any) -> None:
-    """Raise `InputError` where inclusions are not solved with the parts of a problem."""
-    if type(material) is not rc.Elastic:
-        raise rc.InputError(
-            f"Inclusions lie in an Elastic body, but its material is {material!r}: a body that yields, relaxes or "
-            "has a hardness is not solved with them."
-        )
-    kernel = problem.plan.kernel
-    if not isinstance(kernel, _KERNELS):
-        raise rc.InputError(
-            f"The stress below the surface is known for a homogeneous half-space, but not for the kernel {kernel!r}: "
-            "omit kernel=, or the inclusions."
         )
 
 
@@ -225,9 +210,17 @@ class Region:
         """Return the stress in all layers, shape (6, nz, nx, ny), Pa."""
         return self.operators.press(pressure) + self.operators.find_stress(self.spread(strain))
 
-    def find_largest_von_mises(self, pressure: Array, strain: Array) -> float:
-        """Return the largest von Mises stress in and beside the inclusions, Pa."""
-        return np.sqrt(1.5) * measure(split(self.find_field(pressure, strain)[:, 1:])[1])
+    def find_largest_von_mises(self, pressure: Array, strain: Array) -> tuple[float, float]:
+        """Return the largest von Mises stress in and beside the inclusions, Pa, and its fall to the next cells."""
+        # Above them one thick layer lies.
+        deviator = split(self.find_field(pressure, strain)[:, 1:])[1]
+        stress = np.sqrt(1.5 * np.einsum("c,czxy,czxy->zxy", WEIGHTS, deviator, deviator))
+        place = np.unravel_index(int(stress.argmax()), stress.shape)
+        around = tuple(slice(max(0, at - 1), at + 2) for at in place)
+        lowest = min(
+            float(stress[tuple(around[k] if k == axis else place[k] for k in range(3))].min()) for axis in range(3)
+        )
+        return float(stress.max()), float(stress.max()) - lowest
 
     def spread(self, strain: Array) -> Array:
         """Return an eigenstrain of its cells in all layers, shape (6, nz, nx, ny)."""
@@ -250,19 +243,32 @@ class Region:
 
 @lru_cache(maxsize=4)
 def find_region(
-    inclusions: tuple[Inclusion, ...], grid: rc.Grid, boundary: rc.Boundary, young: float, poisson: float
+    inclusions: tuple[Inclusion, ...] | MaterialField,
+    grid: rc.Grid,
+    boundary: rc.Boundary,
+    young: float,
+    poisson: float,
 ) -> Region:
     """Return the cells of inclusions in a body."""
     body = rc.Elastic(young, poisson)
+    if isinstance(inclusions, MaterialField):
+        interfaces, cells = inclusions.find_cells(grid, body)
+    else:
+        interfaces, cells = _mix_inclusions(inclusions, grid, boundary, body)
+    return Region(VolumeOperators(grid, boundary, np.diff(interfaces), young, poisson), cells)
+
+
+def _mix_inclusions(
+    inclusions: tuple[Inclusion, ...], grid: rc.Grid, boundary: rc.Boundary, body: rc.Elastic
+) -> tuple[Array, Cells]:
     for one in inclusions:
         check_contrast(one.young, one.poisson, body)
     interfaces, fractions = fill([(one.shape, one.centre) for one in inclusions], grid, boundary)
-    bulk = [float(find_bulk_modulus(one.young, one.poisson) / find_bulk_modulus(young, poisson)) for one in inclusions]
-    shear = [
-        float(find_shear_modulus(one.young, one.poisson) / find_shear_modulus(young, poisson)) for one in inclusions
-    ]
-    operators = VolumeOperators(grid, boundary, np.diff(interfaces), young, poisson)
-    return Region(operators, mix(fractions, bulk, shear))
+    bulk, shear = (
+        [float(find(one.young, one.poisson) / find(body.young, body.poisson)) for one in inclusions]
+        for find in (find_bulk_modulus, find_shear_modulus)
+    )
+    return interfaces, mix(fractions, bulk, shear)
 
 
 def _press_region(

@@ -9,7 +9,7 @@ from typing import Literal, TypeAlias
 import attrs
 import numpy as np
 import roughcontact as rc
-from roughcontact.typing import Array
+from roughcontact.typing import Array, IntArray
 
 from roughcontact_volume.shapes import Shape, Triple, check_place, find_fractions
 
@@ -55,9 +55,15 @@ class Cells:
         Their moduli over those of the body, by the mixture: keys ``"softer"``, ``"middle"``, ``"stiffer"``.
     """
 
-    places: Array
+    places: IntArray
     bulk: dict[str, Array]
     shear: dict[str, Array]
+
+    @property
+    def are_cut(self) -> bool:
+        """Whether a boundary cuts any of them, so that its mixtures differ."""
+        pairs = ((one["softer"], one["stiffer"]) for one in (self.bulk, self.shear))
+        return any((softer != stiffer).any() for softer, stiffer in pairs)
 
 
 def mix(fractions: Sequence[Array], bulk: Sequence[float], shear: Sequence[float]) -> Cells:
@@ -78,8 +84,10 @@ def mix(fractions: Sequence[Array], bulk: Sequence[float], shear: Sequence[float
     for moduli in (bulk, shear):
         stiffer = rest + sum(f * m for f, m in zip(inside, moduli, strict=True))
         softer = 1.0 / (rest + sum(f / m for f, m in zip(inside, moduli, strict=True)))
+        # Cells that no boundary cuts have their moduli to the last bit.
+        softer = np.where(np.isclose(softer, stiffer, rtol=1e-12, atol=0.0), stiffer, softer)
         mixed.append({"softer": softer, "middle": 0.5 * (softer + stiffer), "stiffer": stiffer})
-    return Cells(places, *mixed)
+    return Cells(places, mixed[0], mixed[1])
 
 
 def choose_interfaces(tops_and_bottoms: Sequence[tuple[float, float]], side: float) -> Array:

@@ -16,7 +16,7 @@ from roughcontact.typing import Array, Part, si
 Triple: TypeAlias = tuple[float, float, float]
 Mask: TypeAlias = npt.NDArray[np.bool_]
 # Points along each side of a cell by which the fraction in a shape is counted.
-_POINTS = 4
+_POINTS = 8
 
 
 def read_lengths(values: object, what: str) -> Triple:
@@ -35,6 +35,25 @@ def read_triple(values: object, what: str) -> Triple:
         raise rc.InputError.about(what, values, allowed)
     x, y, z = map(float, found)
     return x, y, z
+
+
+def read_centre(values: object) -> Triple:
+    """Return the centre of a shape, m, or raise `InputError`."""
+    return read_triple(values, "The centre of a region")
+
+
+def read_shape(value: object) -> Shape:
+    """Return a shape, or raise `InputError` for anything else."""
+    if not isinstance(value, Shape):
+        raise rc.InputError.about("The shape of a region", value, "a Sphere, an Ellipsoid or a Cuboid")
+    return value
+
+
+def read_side(value: object) -> str:
+    """Return the name of a body, or raise `InputError`."""
+    if value not in ("body", "counterbody"):
+        raise rc.InputError.about("The side of a region", value, "'body' or 'counterbody'")
+    return str(value)
 
 
 class Shape(Part, abc.ABC):
