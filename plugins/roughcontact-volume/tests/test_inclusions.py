@@ -16,6 +16,7 @@ from roughcontact_volume import (
     MaterialField,
     Sphere,
     draw_moduli,
+    find_inclusion_answers,
 )
 from roughcontact_volume.equivalent_strain import Contrast, find_eigenstrain
 from roughcontact_volume.inclusions import find_region
