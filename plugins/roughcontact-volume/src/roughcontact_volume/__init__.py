@@ -4,6 +4,7 @@ from roughcontact_volume.between_mixtures import InclusionAnswers, find_inclusio
 from roughcontact_volume.given_strains import ResidualStress, StrainedRegion
 from roughcontact_volume.inclusions import Inclusion, Inclusions
 from roughcontact_volume.material_field import MaterialField, draw_moduli
+from roughcontact_volume.operators import VolumeOperators
 from roughcontact_volume.shapes import Cuboid, Ellipsoid, Shape, Sphere
 
 __all__ = [
@@ -17,6 +18,7 @@ __all__ = [
     "Shape",
     "Sphere",
     "StrainedRegion",
+    "VolumeOperators",
     "draw_moduli",
     "find_inclusion_answers",
 ]

@@ -11,6 +11,8 @@ from roughcontact.typing import Array, Pair, RealArray
 
 from roughcontact_volume.spectra import Period
 
+# Cells between a domain and its images, at least: nearer ones are not smooth.
+_GAP = 12
 # Points of the coarse plane along the shorter side of a period, about.
 _POINTS = 11
 # Ratio of the period that stands for no images to that of which they are removed.
@@ -21,8 +23,7 @@ _DAMPING = 0.8
 
 def odd_length(least: float) -> int:
     """Return the smallest odd number of the form 3^a 5^b 7^c 11^d that is not below a number."""
-    length = max(1, math.ceil(least))
-    length += 1 - length % 2
+    length = 2 * (max(1, math.ceil(least)) // 2) + 1
     while not _is_fast(length):
         length += 2
     return length
@@ -60,7 +61,7 @@ class FreePlane:
     @cached_property
     def period(self) -> Period:
         """The period of about twice the domain, of odd lengths, of which no wave is without a sign."""
-        mx, my = (odd_length(2 * n - 1) for n in self.shape)
+        mx, my = (odd_length(max(2 * n - 1, n + _GAP)) for n in self.shape)
         return Period((mx, my), self.spacing, self.thicknesses, self.poisson, self.dtype)
 
     @cached_property
@@ -72,7 +73,7 @@ class FreePlane:
         while min(lengths) < 0.5 * farthest:
             side = min(lengths) / _POINTS
             ratios = [_RATIO if min(lengths) * _RATIO > length else 1 for length in lengths]
-            points = tuple(odd_length(length / side) for length in lengths)
+            points = [odd_length(length / side - 0.5) for length in lengths]
             found.append(SmoothImages(self, (lengths[0], lengths[1]), (points[0], points[1]), (ratios[0], ratios[1])))
             lengths = [length * ratio for length, ratio in zip(lengths, ratios, strict=True)]
         return found
@@ -138,10 +139,9 @@ class SmoothImages:
         """Subtract the field of the images from the stress."""
         along_x, along_y = self._matrices
         dx, dy = self.plane.spacing
-        layers = np.flatnonzero(strain.any(axis=(0, 2, 3)))
         coarse = np.zeros((*strain.shape[:2], along_x.shape[1], along_y.shape[1]))
         weight = dx * dy / (self.sides[0] * self.sides[1])
-        for layer in layers:
+        for layer in range(strain.shape[1]):
             coarse[:, layer] = weight * (along_x.T @ strain[:, layer] @ along_y)
         near, far = (period.find_stress(coarse) for period in self._periods)
         near -= far
@@ -152,11 +152,13 @@ class SmoothImages:
 def _interpolate(cells: int, step: float) -> Array:
     """Return the matrix of cubic interpolation from points to cells, shape (cells, points).
 
-    The step from cell to cell is in distances of points; the second point lies at the first cell.
+    The step from cell to cell is in distances of points; a point lies in the middle of the cells, so that the map is
+    the same in a mirror.
     """
-    place = 1.0 + step * np.arange(cells)
-    first = np.floor(place).astype(int) - 1
-    x = place - first - 1.0
+    middle = 0.5 * (cells - 1)
+    place = math.ceil(step * middle) + step * (np.arange(cells) - middle)
+    first = np.floor(place).astype(np.intp)
+    x = place - first
     weights = np.stack(
         (
             -x * (x - 1.0) * (x - 2.0) / 6.0,

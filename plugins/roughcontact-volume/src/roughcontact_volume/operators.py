@@ -16,8 +16,8 @@ from roughcontact_volume.images import FreePlane
 from roughcontact_volume.spectra import Period, PressureWaves
 from roughcontact_volume.tables import PressureTables
 
-# Bytes that a tile of wave vectors and the fields beside it take at most.
-_BYTES_OF_TILES = 2**26
+# Bytes of tables that do not grow with the number of layers.
+_BYTES_BESIDE = 2**22
 _PRECISIONS = ("float64", "float32")
 
 
@@ -151,8 +151,8 @@ class VolumeOperators:
         pressure
             Pressure of each cell, shape (nx, ny), Pa.
         """
-        given = self._check(pressure, "The pressure", self.grid.shape)
         self._require_memory()
+        given = self._check(pressure, "The pressure", self.grid.shape)
         return self._pressed.press(given)
 
     def find_stress(self, strain: Array) -> Array:
@@ -163,8 +163,8 @@ class VolumeOperators:
         strain
             Eigenstrain of each cell, tensor shears, shape (6, nz, nx, ny).
         """
-        given = self._check(strain, "The strain", self.shape)
         self._require_memory()
+        given = self._check(strain, "The strain", self.shape)
         stress = self._strained.find_stress(given)
         stress *= self.young / (1.0 + self.poisson)
         return stress
@@ -177,8 +177,8 @@ class VolumeOperators:
         strain
             Eigenstrain of each cell, tensor shears, shape (6, nz, nx, ny).
         """
-        given = self._check(strain, "The strain", self.shape)
         self._require_memory()
+        given = self._check(strain, "The strain", self.shape)
         return self._pressed.displace(given)
 
     @property
@@ -202,16 +202,18 @@ class VolumeOperators:
         return kind(self.grid.shape, self.grid.spacing, self.thicknesses, self.poisson, np.dtype(self.precision).type)
 
     @property
-    def memory(self) -> int:
-        """Bytes that a map takes at most, beside the field that is given."""
+    def bytes_needed(self) -> int:
+        """Bytes that these maps take at most, on one thread, beside the field that is given."""
+        nx, ny = self.grid.shape
+        period = self._strained if isinstance(self._strained, Period) else self._strained.period
         field = 8 * math.prod(self.shape)
-        free = self.boundary is rc.Boundary.FREE
-        return (4 if free else 2) * field + _BYTES_OF_TILES
+        tables = 0 if self.boundary is rc.Boundary.PERIODIC else 8 * 6 * self.thicknesses.size * (nx + 1) * (ny + 1)
+        return field + period.bytes_for(nx) + tables + _BYTES_BESIDE
 
     def _require_memory(self) -> None:
         nz, nx, ny = self.shape[1:]
         require_memory(
-            self.memory,
+            self.bytes_needed,
             f"The stress in {nz} layers of {nx} x {ny} cells",
             "take fewer layers, growing with the depth, or fewer cells",
         )

@@ -11,6 +11,8 @@ import scipy.fft
 from roughcontact.solving import map_tiles
 from roughcontact.typing import Array, Pair
 
+from roughcontact_volume.spectra import Waves
+
 # Whether a component is odd along x and along y: xx, yy, zz, yz, xz, xy.
 _ODD = ((False, False), (False, False), (False, False), (False, True), (True, False), (True, True))
 _WEIGHTS = (1.0, 1.0, 1.0, 2.0, 2.0, 2.0)
@@ -42,8 +44,8 @@ def mean_stress_below_cell(top: float, bottom: float, poisson: float, shape: tup
     ----------
     Love, Phil. Trans. R. Soc. A 228 (1929) 377-420, https://doi.org/10.1098/rsta.1929.0009
     """
-    x = ((np.arange(shape[0] + 1) - 0.5) * sides[0])[:, np.newaxis]
-    y = ((np.arange(shape[1] + 1) - 0.5) * sides[1])[np.newaxis, :]
+    x, y = (np.asarray((np.arange(n + 1.0) - 0.5) * side) for n, side in zip(shape, sides, strict=True))
+    x, y = x[:, np.newaxis], y[np.newaxis, :]
     table = np.empty((6, *shape))
     factor = 0.5 / (math.pi * (bottom - top))
     upper = _integrate_corners(x, y, top, poisson)
@@ -123,7 +125,7 @@ class PressureTables:
         map_tiles(work, range(self.thicknesses.size))
         return spectra
 
-    def _multiply(self, waves: Array, layer: int, place: int, sign: float) -> Array:
+    def _multiply(self, waves: Waves, layer: int, place: int, weight: float = 1.0) -> Waves:
         """Return waves times the spectrum of a component, without the imaginary unit of shears with z."""
         half_x = self.half[0]
         spectrum = self._spectra[layer, place]
@@ -131,20 +133,19 @@ class PressureTables:
         np.multiply(waves[: half_x + 1], spectrum, out=product[: half_x + 1])
         mirrored = spectrum[half_x - 1 : 0 : -1]
         np.multiply(waves[half_x + 1 :], -mirrored if _ODD[place][0] else mirrored, out=product[half_x + 1 :])
-        if sign != 1.0:
-            product *= sign
+        product *= weight
         return product
 
     def press(self, pressure: Array) -> Array:
         """Return the stress by a pressure, shape (6, nz, nx, ny), Pa."""
         nx, ny = self.shape
         waves = self._transform_plane(pressure)
-        turned = -1j * waves
+        turned: Waves = -1j * waves
         stress = np.empty((6, self.thicknesses.size, nx, ny))
 
         def work(layer: int) -> None:
             for place in range(6):
-                product = self._multiply(turned if place in (3, 4) else waves, layer, place, 1.0)
+                product = self._multiply(turned if place in (3, 4) else waves, layer, place)
                 stress[place, layer] = self._transform_back(product)
 
         self._spectra  # noqa: B018 - by all threads
@@ -155,8 +156,10 @@ class PressureTables:
         """Return the displacement of the surface by an eigenstrain, positive into the body, shape (nx, ny), m."""
         layers = [layer for layer in range(self.thicknesses.size) if strain[:, layer].any()]
 
-        def work(layer: int) -> Array:
-            plain, turned = (np.zeros((self._padded[0], self.half[1] + 1), dtype=np.complex128) for _ in range(2))
+        def work(layer: int) -> Waves:
+            shape = self._padded[0], self.half[1] + 1
+            plain: Waves = np.zeros(shape, dtype=np.complex128)
+            turned: Waves = np.zeros(shape, dtype=np.complex128)
             for place in range(6):
                 if strain[place, layer].any():
                     waves = self._transform_plane(strain[place, layer])
@@ -172,11 +175,11 @@ class PressureTables:
         found = map_tiles(work, layers)
         return self._transform_back(sum(found[1:], found[0]))
 
-    def _transform_plane(self, plane: Array) -> Array:
+    def _transform_plane(self, plane: Array) -> Waves:
         mx, my = self._padded
         return np.asarray(scipy.fft.fft(scipy.fft.rfft(plane, n=my, axis=1), n=mx, axis=0))
 
-    def _transform_back(self, waves: Array) -> Array:
+    def _transform_back(self, waves: Waves) -> Array:
         nx, ny = self.shape
         rows = scipy.fft.ifft(waves, axis=0, overwrite_x=True)[:nx]
         return np.asarray(scipy.fft.irfft(rows, n=self._padded[1], axis=1)[:, :ny])

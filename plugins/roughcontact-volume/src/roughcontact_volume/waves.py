@@ -19,7 +19,7 @@ so that no exponential grows, layers may have any thickness, and the work is lin
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import cached_property
 
 import attrs
@@ -99,11 +99,11 @@ def sweep(tile: RealArray, waves: WaveVectors, poisson: float) -> None:
     poisson
         Poisson's ratio.
     """
-    at_zero = np.nonzero(waves.q == 0.0)
-    mean_stress = _find_mean_stress(tile[(..., *at_zero)], poisson)
+    mean = waves.q == 0.0
+    mean_stress = _find_mean_stress(tile[..., mean], poisson)
     upward = _sweep_up(tile, waves, poisson)
     _sweep_down(tile, upward, waves, poisson)
-    tile[(..., *at_zero)] = mean_stress
+    tile[..., mean] = mean_stress
 
 
 def _find_mean_stress(strain: RealArray, poisson: float) -> RealArray:
@@ -152,7 +152,7 @@ def _emit_down(constants: RealArray, poisson: float) -> tuple[RealArray, ...]:
     return -along - (1.0 - 2.0 * poisson) * lift, lift - push, shear - twist
 
 
-def _carry(amplitudes: RealArray, delta: RealArray, decay: RealArray) -> Iterator[RealArray]:
+def _carry(amplitudes: Sequence[RealArray], delta: RealArray, decay: RealArray) -> Iterator[RealArray]:
     """Yield the amplitudes of waves after a layer."""
     first, second, across = amplitudes
     yield decay * (first + delta * second)
