@@ -127,7 +127,7 @@ def test_softer_and_stiffer_inclusions_side_by_side():
 def test_the_steps_contract_as_promised():
     random = np.random.default_rng(5)
     # The strain of a body that is free of any eigenstrain is the largest admissible one: T = 0.
-    contrast = Contrast(random.uniform(0.1, 10.0, 30), random.uniform(0.1, 10.0, 30), 2.0, 1.0, np.ones(30))
+    contrast = Contrast(random.uniform(0.1, 10.0, 30), random.uniform(0.1, 10.0, 30), 2.0, 1.0)
     far = random.normal(size=(6, 30))
     calls = []
 

@@ -8,11 +8,9 @@ import attrs
 import numpy as np
 from roughcontact.typing import Array
 
-# Of the components xx, yy, zz, yz, xz, xy in the product of two tensors.
-WEIGHTS = np.array([1.0, 1.0, 1.0, 2.0, 2.0, 2.0])
-# Differences that are mixed, and what is added to the equations for their weights over the sum of their diagonal.
-_DEPTH = 10
-_RIDGE = 1e-13
+from roughcontact_volume.anderson import AndersonMixing
+from roughcontact_volume.radial_return import find_norm
+
 _MAX_ROUNDS = 120
 
 
@@ -26,15 +24,12 @@ class Contrast:
         Their moduli over those of the body, shape (cells,).
     bulk_modulus, shear_modulus
         Moduli of the body, Pa.
-    weights
-        Thicknesses of their layers, shape (cells,), over one of them.
     """
 
     bulk: Array
     shear: Array
     bulk_modulus: float
     shear_modulus: float
-    weights: Array
 
     def find_step(self, stress: Array, eigenstrain: Array) -> Array:
         """Return the change of an eigenstrain by its stress, shape (6, cells), Pa; zero where s = C_i eps.
@@ -76,7 +71,7 @@ def join(mean: Array, deviator: Array) -> Array:
 
 def measure(tensor: Array) -> float:
     """Return the largest size of a tensor, shape (6, ...), anywhere."""
-    return float(np.sqrt(np.einsum("c,c...,c...->...", WEIGHTS, tensor, tensor).max()))
+    return float(find_norm(tensor).max())
 
 
 def find_eigenstrain(
@@ -101,10 +96,9 @@ def find_eigenstrain(
 
     References
     ----------
-    Eyre, Milton, Eur. Phys. J. Appl. Phys. 6 (1999) 41-47, https://doi.org/10.1051/epjap:1999150;
-    Walker, Ni, SIAM J. Numer. Anal. 49 (2011) 1715-1735, https://doi.org/10.1137/10078356X
+    Eyre, Milton, Eur. Phys. J. Appl. Phys. 6 (1999) 41-47, https://doi.org/10.1051/epjap:1999150
     """
-    mixing = _Mixing(WEIGHTS[:, np.newaxis] * contrast.weights)
+    mixing = AndersonMixing()
     strain = start
     error = 1.0
     for _ in range(_MAX_ROUNDS):
@@ -115,33 +109,3 @@ def find_eigenstrain(
             break
         strain = mixing.find_next(strain, step)
     return strain
-
-
-@attrs.define(eq=False)
-class _Mixing:
-    """The next iterate from the last ones and their steps, by least squares on differences of the steps."""
-
-    weights: Array
-    iterates: list[Array] = attrs.field(factory=list)
-    steps: list[Array] = attrs.field(factory=list)
-
-    def find_next(self, iterate: Array, step: Array) -> Array:
-        self.iterates.append(iterate)
-        self.steps.append(step)
-        del self.iterates[: -_DEPTH - 1], self.steps[: -_DEPTH - 1]
-        following = iterate + step
-        changes = [after - before for before, after in zip(self.steps, self.steps[1:], strict=False)]
-        if not changes:
-            return following
-        # Not by the library of linear algebra, whose sums depend on the number of threads.
-        products = np.array([[self._multiply(one, other) for other in changes] for one in changes])
-        products += _RIDGE * np.trace(products) * np.eye(len(changes))
-        wanted = np.array([self._multiply(one, step) for one in changes])
-        for weight, change, before, after in zip(
-            np.linalg.solve(products, wanted), changes, self.iterates, self.iterates[1:], strict=False
-        ):
-            following -= weight * (after - before + change)
-        return following
-
-    def _multiply(self, one: Array, other: Array) -> float:
-        return float(np.einsum("cn,cn,cn->", self.weights, one, other))

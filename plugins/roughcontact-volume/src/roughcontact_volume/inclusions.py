@@ -13,7 +13,7 @@ import roughcontact as rc
 from roughcontact.results import Condition
 from roughcontact.typing import Array, LoadIncrement, Part, Quantity
 
-from roughcontact_volume.equivalent_strain import WEIGHTS, Contrast, find_eigenstrain, measure, split
+from roughcontact_volume.equivalent_strain import Contrast, find_eigenstrain, measure
 from roughcontact_volume.material_field import MaterialField
 from roughcontact_volume.mixtures import (
     Cells,
@@ -25,6 +25,7 @@ from roughcontact_volume.mixtures import (
     mix,
 )
 from roughcontact_volume.operators import VolumeOperators
+from roughcontact_volume.radial_return import find_equivalent
 from roughcontact_volume.shapes import Shape, Triple, read_centre, read_shape, read_side
 from roughcontact_volume.surroundings import require_uniform
 
@@ -213,8 +214,7 @@ class Region:
     def find_largest_von_mises(self, pressure: Array, strain: Array) -> tuple[float, float]:
         """Return the largest von Mises stress in and beside the inclusions, Pa, and its fall to the next cells."""
         # Above them one thick layer lies.
-        deviator = split(self.find_field(pressure, strain)[:, 1:])[1]
-        stress = np.sqrt(1.5 * np.einsum("c,czxy,czxy->zxy", WEIGHTS, deviator, deviator))
+        stress = find_equivalent(self.find_field(pressure, strain)[:, 1:])
         place = np.unravel_index(int(stress.argmax()), stress.shape)
         around = tuple(slice(max(0, at - 1), at + 2) for at in place)
         lowest = min(
@@ -230,14 +230,11 @@ class Region:
 
     def find_contrast(self, mixture: Mixture) -> Contrast:
         """Return the moduli of its cells by a mixture."""
-        thicknesses = self.operators.thicknesses
-        layers = self.cells.places // self.operators.grid.cells
         return Contrast(
             bulk=self.cells.bulk[mixture],
             shear=self.cells.shear[mixture],
             bulk_modulus=float(find_bulk_modulus(self.operators.young, self.operators.poisson)),
             shear_modulus=float(find_shear_modulus(self.operators.young, self.operators.poisson)),
-            weights=thicknesses[layers] / thicknesses[layers[0]],
         )
 
 
