@@ -161,6 +161,10 @@ class StrainedRegion(rc.Law):
         field = self._find_field(problem)
         return field.interfaces, field.stress
 
+    def explain_limits(self, memory: Mapping[str, Array]) -> Mapping[str, str]:
+        """Return that it leaves a stress; see `Law.explain_limits`."""
+        return {"inner stress": "a strained region leaves a stress of its own, StrainedRegion.find_stress"}
+
     def list_numbers(self, state: Any, memory: Mapping[str, Array]) -> Mapping[str, tuple[float, str]]:
         """Return how far the surface rises, m."""
         return {"rise_by_strain": (float(-self._find_field(state.origin.scene).displacement.min()), "m")}

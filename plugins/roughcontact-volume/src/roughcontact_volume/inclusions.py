@@ -182,6 +182,13 @@ class Inclusions(rc.CoupledProcess):
         numbers = zip(("approach", "peak_pressure", "von_mises"), value, half, _BOUNDS.values(), strict=False)
         return {f"{name}_with_inclusions": rc.Estimate(float(v), float(h), unit) for name, v, h, unit in numbers}
 
+    def explain_limits(self, memory: Memory) -> Mapping[str, str]:
+        """Return that the body is not uniform; see `Law.explain_limits`."""
+        return {
+            "inner stress": "inclusions change the stress below the surface: ask for find_inclusion_answers",
+            "inner moduli": "inclusions change how the body answers a load: take the difference of two loads",
+        }
+
     def _find_region(self, problem: Any) -> Region:
         body = getattr(problem, self.side)
         require_uniform(problem, body.material, "An inclusion")

@@ -327,6 +327,11 @@ class Stiffness(Response[Estimate]):
     holds_with = frozenset({"tension", "shear"})
     flagged_factor = 0.5
 
+    @property
+    def fails_with(self) -> frozenset[str]:  # type: ignore[override]
+        """What it does not know of laws: other moduli below the surface, and flow there unless the load falls."""
+        return frozenset({"inner moduli"} if self.unloading else {"inner moduli", "inner flow"})
+
     def respond(self, solution: ContactSolution) -> Estimate:
         """Return the stiffness; see `Response.respond`."""
         normal = find_normal_answer(solution, "stiffness", unloading=self.unloading)
