@@ -151,6 +151,8 @@ class ContactAnswers(ShearFields):
     def _view(self, response: Response[Any]) -> Self:
         """Return what a response reads of the solution: with adhesion the pressure that it holds for."""
         require_to_hold(response, self._laws, self._limits)
+        if response.reads == "state":
+            return self
         return self._normal if response.reads == "total pressure" else self._pressed
 
     @property

@@ -67,8 +67,8 @@ class Response(Part, abc.ABC, Generic[T_co]):
         What laws may do below a surface that it does not know, `Law.explain_limits`: ``"inner stress"``, ``"inner
         flow"``, ``"inner moduli"``. It is refused where a law does it.
     reads
-        What its `pressure` is where there is tension: ``"total pressure"``, the solution as it is, or ``"contact
-        pressure"``, the part that presses.
+        What its `pressure` is where there is tension: ``"total pressure"``, the normal contact as it is, or ``"contact
+        pressure"``, the part that presses; or ``"state"``: all of the solution, with what laws have added to it.
     flagged_factor
         Its standard deviation over its change over two grids where sharp edges or rough heights are flagged; None for
         one, and at least the standard deviation of the model.
