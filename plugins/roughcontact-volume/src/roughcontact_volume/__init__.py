@@ -5,27 +5,38 @@ from roughcontact_volume.flow import PlasticFlow
 from roughcontact_volume.given_strains import ResidualStress, StrainedRegion
 from roughcontact_volume.hardening import Hardening, LinearHardening, SwiftHardening, TabulatedHardening, VoceHardening
 from roughcontact_volume.inclusions import Inclusion, Inclusions
+from roughcontact_volume.indentation import Indentation, find_indentation
 from roughcontact_volume.layered_stress import LayeredStress
 from roughcontact_volume.material_field import MaterialField, draw_moduli
 from roughcontact_volume.operators import VolumeOperators
+from roughcontact_volume.own_yield import FindOwnYield
 from roughcontact_volume.plastic import Plastic
+from roughcontact_volume.plastic_zone import FindImprint, FindPlasticZone, Imprint, PlasticZone
+from roughcontact_volume.shakedown import Passes, judge_passes
 from roughcontact_volume.shapes import Cuboid, Ellipsoid, Shape, Sphere
 from roughcontact_volume.stress_answers import FindResidualStress, FindTotalStress
 
 __all__ = [
     "Cuboid",
     "Ellipsoid",
+    "FindImprint",
+    "FindOwnYield",
+    "FindPlasticZone",
     "FindResidualStress",
     "FindTotalStress",
     "Hardening",
+    "Imprint",
     "Inclusion",
     "InclusionAnswers",
     "Inclusions",
+    "Indentation",
     "LayeredStress",
     "LinearHardening",
     "MaterialField",
+    "Passes",
     "Plastic",
     "PlasticFlow",
+    "PlasticZone",
     "ResidualStress",
     "Shape",
     "Sphere",
@@ -36,4 +47,6 @@ __all__ = [
     "VolumeOperators",
     "draw_moduli",
     "find_inclusion_answers",
+    "find_indentation",
+    "judge_passes",
 ]

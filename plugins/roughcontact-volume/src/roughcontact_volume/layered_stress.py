@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from argparse import ArgumentTypeError
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from functools import cached_property
 
 import attrs
@@ -13,6 +13,7 @@ import roughcontact as rc
 from roughcontact.responses import StressMaximum
 from roughcontact.typing import STRESS_COMPONENTS, Array, Length, Table, quantity, si
 
+from roughcontact_volume.cell_maximum import find_cell_maximum
 from roughcontact_volume.radial_return import find_equivalent
 from roughcontact_volume.vtk_file import write_layers
 
@@ -57,15 +58,10 @@ class LayeredStress:
     def maximum(self) -> StressMaximum:
         """The largest von Mises stress of a cell, and its place.
 
-        Its uncertainty is that by the substeps, and by the cells: along each axis as much as the maximum of a parabola
-        through the means of three cells can lie above that of the middle one.
+        Its uncertainty is that by the substeps, and by the cells.
         """
-        layer, i, j = (int(place) for place in np.unravel_index(self.von_mises.argmax(), self.von_mises.shape))
-        value = float(self.von_mises[layer, i, j])
-        by_cells = sum(_find_rise(self.von_mises, (layer, i, j), axis) for axis in range(3))
-        uncertainty = float(np.hypot(by_cells, self.step_error * value))
-        x, y = float(self.grid.x[i, 0]), float(self.grid.y[0, j])
-        return StressMaximum(value, uncertainty, x, y, float(self.depths[layer]), warnings=self.warnings)
+        found = find_cell_maximum(self.von_mises, self.grid, self.interfaces, self.step_error)
+        return StressMaximum(*attrs.astuple(found), warnings=self.warnings)
 
     @property
     def estimates(self) -> Mapping[str, rc.Estimate]:
@@ -141,16 +137,3 @@ def _interpolate(values: Array, along_x: tuple[int, float], along_y: tuple[int, 
     (i, a), (j, b) = along_x, along_y
     near = values[..., i : i + 2, j : j + 2]
     return np.asarray(np.einsum("...xy,x,y->...", near, [1.0 - a, a], [1.0 - b, b]))
-
-
-def _find_rise(values: Array, place: Sequence[int], axis: int) -> float:
-    """Return how far a parabola through three cell means can rise above that of the middle one, along an axis.
-
-    With the second difference D it has the curvature D over the square of the side, and its maximum lies within half a
-    side of the middle: D / 8 above the middle, which is D / 24 above the mean. At an end the change to the next cell
-    stands for half of D.
-    """
-    line = values[(*place[:axis], slice(None), *place[axis + 1 :])]
-    at = place[axis]
-    falls = [float(line[at] - line[one]) for one in (at - 1, at + 1) if 0 <= one < len(line)]
-    return sum(falls) / len(falls) / 3.0 if falls else 0.0
