@@ -53,7 +53,8 @@ def _find_rise(values: Array, place: Sequence[int], axis: int) -> float:
     side of the middle: D / 8 above the middle, which is D / 24 above the mean. At an end the change to the next cell
     stands for half of D.
     """
-    line = values[(*place[:axis], slice(None), *place[axis + 1 :])]
+    others = [at for number, at in enumerate(place) if number != axis]
+    line = np.moveaxis(values, axis, -1)[tuple(others)]
     at = place[axis]
     falls = [float(line[at] - line[one]) for one in (at - 1, at + 1) if 0 <= one < len(line)]
     return sum(falls) / len(falls) / 3.0 if falls else 0.0

@@ -114,8 +114,8 @@ def find_indentation(path: Sequence[Any]) -> Indentation:
     .. math:: h_c = h - 0.75 \frac{F}{S}, \quad A = A(h_c), \quad H = \frac{F}{A}, \quad
        E^* = \frac{\sqrt{\pi}}{2} \frac{S}{\sqrt{A}}
 
-    with the area A of the indenter at a depth: here that below which the undeformed gap is. Pile-up makes it too small.
-    The work of the load goes into plastic work, the energy of the residual stress and that of the pressure
+    with the area A of the indenter at a depth: here that of the cells whose initial gap is below it. Pile-up makes it
+    too small. The work of the load goes into plastic work, the energy of the residual stress and that of the pressure
     (:math:`\tfrac12 \int p u\,\mathrm{d}A`), which unloading returns.
 
     Parameters
@@ -125,7 +125,7 @@ def find_indentation(path: Sequence[Any]) -> Indentation:
 
     References
     ----------
-    Oliver, Pharr, J. Mater. Res. 7 (1992) 1564-1583, https://doi.org/10.1557/JMR.1992.1564
+    Oliver, Pharr, Journal of Materials Research 7 (1992) 1564-1583, https://doi.org/10.1557/JMR.1992.1564
 
     Examples
     --------
@@ -152,7 +152,7 @@ def find_indentation(path: Sequence[Any]) -> Indentation:
     read_area = _read_area(state, stiffness, float(body.step_errors[1]))
     modulus = 0.5 * math.sqrt(math.pi) * stiffness.value / math.sqrt(read_area.value)
     relative = math.hypot(stiffness.uncertainty / stiffness.value, 0.5 * read_area.uncertainty / read_area.value)
-    warnings = dict.fromkeys(text for one in bodies for text in one.warnings)
+    warnings: dict[str, None] = dict.fromkeys(text for one in bodies for text in one.warnings)
     warnings |= dict.fromkeys((*stiffness.warnings, *area.warnings, *read_area.warnings))
     return Indentation(
         states,

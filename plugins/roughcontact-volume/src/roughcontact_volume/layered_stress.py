@@ -61,7 +61,7 @@ class LayeredStress:
         Its uncertainty is that by the substeps, and by the cells.
         """
         found = find_cell_maximum(self.von_mises, self.grid, self.interfaces, self.step_error)
-        return StressMaximum(*attrs.astuple(found), warnings=self.warnings)
+        return StressMaximum(found.value, found.uncertainty, found.x, found.y, found.depth, warnings=self.warnings)
 
     @property
     def estimates(self) -> Mapping[str, rc.Estimate]:

@@ -38,7 +38,7 @@ class FindOwnYield(rc.Response[YieldPoint]):
 
     def respond(self, solution: Any) -> YieldPoint:
         """Return the load; see `Response.respond`."""
-        problem = None if solution.origin is None else solution.origin.scene
+        problem: Any = None if solution.origin is None else solution.origin.scene
         for side in ("body", "counterbody"):
             body = getattr(problem, side, None)
             if body is not None and isinstance(body.material, Yielding):

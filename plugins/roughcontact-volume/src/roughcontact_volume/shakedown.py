@@ -9,7 +9,7 @@ from typing import Any
 import attrs
 import numpy as np
 import roughcontact as rc
-from roughcontact.typing import Array, Table
+from roughcontact.typing import Array, Mask, Table
 
 from roughcontact_volume.flowed_body import FlowedBody
 from roughcontact_volume.substeps import deepen
@@ -47,7 +47,7 @@ class Passes:
 
     def table(self) -> Table:
         """Return a row for each pass."""
-        columns = {
+        columns: dict[str, Sequence[int] | Array] = {
             "pass": range(1, len(self.new_strain) + 1),
             "new_strain": self.new_strain,
             "accumulated_strain": self.accumulated_strain,
@@ -110,7 +110,7 @@ def _judge(new: Array, total: Array) -> str:
     return "flows in every pass" if abs(new[-1] - new[-2]) < _SAME_FLOW * new[-2] else "undecided"
 
 
-def _find_middle(bodies: Sequence[FlowedBody]) -> Array:
+def _find_middle(bodies: Sequence[FlowedBody]) -> Mask:
     """Return the cells whose place along the track is in its middle, shape (nx, ny)."""
     grid = bodies[0].grid
     centres = np.array([_find_centre(body) for body in bodies])
@@ -119,7 +119,7 @@ def _find_middle(bodies: Sequence[FlowedBody]) -> Array:
     if length == 0.0:
         return np.ones(grid.shape, dtype=bool)
     along = ((grid.x - start[0]) * (end - start)[0] + (grid.y - start[1]) * (end - start)[1]) / length**2
-    return np.abs(along - 0.5) <= 0.5 * _MIDDLE
+    return np.asarray(np.abs(along - 0.5) <= 0.5 * _MIDDLE)
 
 
 def _find_centre(body: FlowedBody) -> Array:
