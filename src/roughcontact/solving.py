@@ -12,13 +12,15 @@ pressures           `starting_pressure`, `nearest_pressure`, `project_to_load`, 
 fields              `NumpyPasses`, what a descent on whole fields does beside its products
 nested grids        `halve_shape`, `solve_in_window`, `GridSolution`, `GridLevel`, `estimate_approach`
 a preconditioner    `WaveMatrix`, `count_blocks`, `LONG_WAVE_CUT`, `MAX_CUT_EXPONENT`
-memory              `available_memory`, `require_memory_of_solve`
+memory              `available_memory`, `require_memory`, `require_memory_of_solve`
+threads             `map_tiles`, which splits the work on tiles of arrays
 answers on slabs    `Whole`, `find_patches`, `solve_on_cells`, `LinearSolution`
 ==================  ===============================================================================================
 """
 
 from roughcontact._answers.linear.tangent import LinearSolution, solve_on_cells
-from roughcontact._base.machine import available_memory
+from roughcontact._base import machine
+from roughcontact._base.machine import available_memory, require_memory
 from roughcontact._solve.convolvers import WaveMatrix
 from roughcontact._solve.problem import (
     ConfirmedFields,
@@ -44,6 +46,10 @@ from roughcontact._solve.solvers import (
     solve_in_window,
     starting_pressure,
 )
+from roughcontact.errors.door import guarded
+
+# The package itself sees the errors of its own work as they are.
+map_tiles = guarded(machine.map_tiles)
 
 __all__ = [
     "LONG_WAVE_CUT",
@@ -65,9 +71,11 @@ __all__ = [
     "halve_shape",
     "make_solution",
     "make_task",
+    "map_tiles",
     "nearest_pressure",
     "project_to_load",
     "require_certified",
+    "require_memory",
     "require_memory_of_solve",
     "rescale_to_load",
     "solve_in_window",

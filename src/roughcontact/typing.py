@@ -7,7 +7,8 @@ all parts    `Part`, the base of those without one of their own; numbers in SI u
              `Length`, `Pressure`, `Force`; the load of a contact, `Load`
 arrays       `Array` (float64), `RealArray` (float32 or float64), `IntArray`, `Mask` (bool), `Pair` (x, y)
 kernels      `SupportsCoefficients`, `SupportsRows`, `SupportsSpectrum`, `SupportsShear`, `SupportsStress`,
-             `SupportsConduction`, `SupportsTangential`; `HalfSpaceStress`; `PairConstants`, `pair_constants`
+             `SupportsConduction`, `SupportsTangential`; `HalfSpaceStress`, `STRESS_COMPONENTS`; `PairConstants`,
+             `pair_constants`
 convolvers   `BoundKernel`, `ConvolutionSetup`, `PreparedConvolution`, `InverseConvolution`, `ShearConvolution`,
              `StressConvolution`, `FieldPasses`, `LastStep`; the function `padded_shape`
 solvers      `Task`, `Outcome`, `Step`, `Monitor`, `Violation`, `BoundInteraction`; `ShearSolver`, `ShearTask`,
@@ -32,6 +33,7 @@ from roughcontact._parts.files import RawMap, read_raw
 from roughcontact._parts.grid import Load
 from roughcontact._parts.interactions import BoundInteraction
 from roughcontact._parts.kernels import (
+    STRESS_COMPONENTS,
     BoundKernel,
     HalfSpaceStress,
     SupportsCoefficients,
@@ -66,6 +68,7 @@ from roughcontact._solve.solvers import (
 )
 
 __all__ = [
+    "STRESS_COMPONENTS",
     "Addition",
     "Array",
     "BoundInteraction",
