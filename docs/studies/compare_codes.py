@@ -574,7 +574,7 @@ def format_ratio(other: Run | None, own: Run | None) -> str:
 
 
 SHOWN_SMALL = [column for column in ("case", *SMALL_COLUMNS) if column != "slippy, ms"]
-# The README leaves out what says the same again.
+# The README omits what says the same again.
 SHOWN = ["case", *COLUMNS[:7]]
 LISTED = (
     *(f"x = {x}, 1024 x 1024" for x in (0.2, 1.0, 1.5)),

@@ -64,6 +64,7 @@ from roughcontact._solve.solution import (
     Archard,
     Area,
     ContactSolution,
+    CoupledProcess,
     EnergyWear,
     Estimate,
     Flattening,
@@ -131,6 +132,7 @@ __all__ = [
     "ContactWarning",
     "Convolver",
     "Coulomb",
+    "CoupledProcess",
     "Direct",
     "Dugdale",
     "Elastic",
@@ -220,7 +222,8 @@ __all__ = [
 
 # Classes that scripts seldom type: bases of plug-ins, parts that are chosen by their registered names, results, errors.
 _SELDOM_TYPED = frozenset({
-    "Area", "AreaEstimator", "Blend", "Boundary", "CellCount", "CircularFFT", "ContactWarning", "Convolver", "DCFFT",
+    "Area", "AreaEstimator", "Blend", "Boundary", "CellCount", "CircularFFT", "ContactWarning", "Convolver",
+    "CoupledProcess", "DCFFT",
     "Direct", "Estimate", "FileError", "FlatteningModel", "FourierHalfSpace", "FrictionLaw", "FrictionalPath",
     "GapDescent", "Hertz",
     "InfluenceKernel", "InputError", "Interaction", "Majorise",

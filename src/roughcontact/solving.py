@@ -12,13 +12,14 @@ pressures           `starting_pressure`, `nearest_pressure`, `project_to_load`, 
 fields              `NumpyPasses`, what a descent on whole fields does beside its products
 nested grids        `halve_shape`, `solve_in_window`, `GridSolution`, `GridLevel`, `estimate_approach`
 a preconditioner    `WaveMatrix`, `count_blocks`, `LONG_WAVE_CUT`, `MAX_CUT_EXPONENT`
-memory              `available_memory`, `require_memory_of_solve`
+memory              `available_memory`, `require_memory`, `require_memory_of_solve`
+threads             `map_tiles`, `split`
 answers on slabs    `Whole`, `find_patches`, `solve_on_cells`, `LinearSolution`
 ==================  ===============================================================================================
 """
 
 from roughcontact._answers.linear.tangent import LinearSolution, solve_on_cells
-from roughcontact._base.machine import available_memory
+from roughcontact._base.machine import available_memory, map_tiles, require_memory, split
 from roughcontact._solve.convolvers import WaveMatrix
 from roughcontact._solve.problem import (
     ConfirmedFields,
@@ -65,12 +66,15 @@ __all__ = [
     "halve_shape",
     "make_solution",
     "make_task",
+    "map_tiles",
     "nearest_pressure",
     "project_to_load",
     "require_certified",
+    "require_memory",
     "require_memory_of_solve",
     "rescale_to_load",
     "solve_in_window",
     "solve_on_cells",
+    "split",
     "starting_pressure",
 ]

@@ -7,12 +7,14 @@ all parts    `Part`, the base of those without one of their own; numbers in SI u
              `Length`, `Pressure`, `Force`; the load of a contact, `Load`
 arrays       `Array` (float64), `RealArray` (float32 or float64), `IntArray`, `Mask` (bool), `Pair` (x, y)
 kernels      `SupportsCoefficients`, `SupportsRows`, `SupportsSpectrum`, `SupportsShear`, `SupportsStress`,
-             `SupportsConduction`, `SupportsTangential`; `HalfSpaceStress`; `PairConstants`, `pair_constants`
+             `SupportsConduction`, `SupportsTangential`; `HalfSpaceStress`, `STRESS_COMPONENTS`; `PairConstants`,
+             `pair_constants`
 convolvers   `BoundKernel`, `ConvolutionSetup`, `PreparedConvolution`, `InverseConvolution`, `ShearConvolution`,
              `StressConvolution`, `FieldPasses`, `LastStep`; the function `padded_shape`
 solvers      `Task`, `Outcome`, `Step`, `Monitor`, `Violation`, `BoundInteraction`; `ShearSolver`, `ShearTask`,
              `ShearOutcome`, `natural_residual`
-physics      `LoadIncrement`, what passes between two states; `Addition`, what one adds to a state
+physics      `LoadIncrement`, what passes between two states; `Memory`, what a process remembers, and `Press`, the
+             contacts of a coupled one; `Addition`, what one adds to a state
 readers      `RawMap`; the function `read_raw`
 commands     `Command`, `Table`; the functions `quantity`, `si`, `binary`, `replacing`
 ===========  ==========================================================================================================
@@ -31,6 +33,7 @@ from roughcontact._parts.files import RawMap, read_raw
 from roughcontact._parts.grid import Load
 from roughcontact._parts.interactions import BoundInteraction
 from roughcontact._parts.kernels import (
+    STRESS_COMPONENTS,
     BoundKernel,
     HalfSpaceStress,
     SupportsCoefficients,
@@ -52,7 +55,7 @@ from roughcontact._solve.convolvers import (
     StressConvolution,
     padded_shape,
 )
-from roughcontact._solve.solution import Addition, LoadIncrement, Violation
+from roughcontact._solve.solution import Addition, LoadIncrement, Memory, Press, Violation
 from roughcontact._solve.solvers import (
     Monitor,
     Outcome,
@@ -65,6 +68,7 @@ from roughcontact._solve.solvers import (
 )
 
 __all__ = [
+    "STRESS_COMPONENTS",
     "Addition",
     "Array",
     "BoundInteraction",
@@ -81,12 +85,14 @@ __all__ = [
     "Load",
     "LoadIncrement",
     "Mask",
+    "Memory",
     "Monitor",
     "Outcome",
     "Pair",
     "PairConstants",
     "Part",
     "PreparedConvolution",
+    "Press",
     "Pressure",
     "Quantity",
     "RawMap",

@@ -260,6 +260,10 @@ class Load:
         """Return the load of a contact whose first touch is at an approach of `datum`, m, from there."""
         return Load("approach", self.value - datum) if self.kind == "approach" else self
 
+    def toward(self, end: Load, part: float) -> Load:
+        """Return the load after a part, at most one, of the way from here to another load of the same kind."""
+        return end if part == 1.0 else attrs.evolve(end, value=self.value + part * (end.value - self.value))
+
     @classmethod
     def of(cls, **given: object) -> Load:
         """Return the one load that is given by `pressure`, Pa, `force`, N, or `approach`, m; the others are None.

@@ -6,7 +6,7 @@ import abc
 import math
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import attrs
 import numpy as np
@@ -52,6 +52,21 @@ class Material(Part, abc.ABC):
     @abc.abstractmethod
     def pressure_limit(self) -> float | Array:
         """Maximum contact pressure, Pa, a number or an array of the grid's shape (nx, ny); `math.inf` if unlimited."""
+
+    def bring_laws(self, side: str) -> tuple[Any, ...]:
+        """Return the laws that it brings to each problem in which it is that of a side; by default none.
+
+        Parameters
+        ----------
+        side
+            ``"body"`` or ``"counterbody"``.
+
+        Returns
+        -------
+        tuple
+            Laws (`Law`) of classes with `Law.of_material`, such as a process by which the material yields.
+        """
+        return ()
 
 
 materials = Registry(Material, "material", "roughcontact.materials")

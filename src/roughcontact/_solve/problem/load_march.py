@@ -179,7 +179,7 @@ class LoadMarch:
         step = self._choose(length, rest)
         is_last = step >= rest
         passed = length if is_last else standing.passed + step
-        load = _between(begin.load, end.load, passed / length)
+        load = begin.load.toward(end.load, passed / length)
         found = self._find(step, LoadIncrement(load, time * step, sliding * step, shift=end.shift))
         error = self._measure(found, step) / _find_rise(load, end.load)
         growth = _SAFETY / math.sqrt(error) if error > 0.0 else _MAX_GROWTH
@@ -266,7 +266,7 @@ def list_lengths(state: ContactSolution, *, passing: bool = False) -> list[Array
         memory[name]
         for law, names, memory in known
         for name, (_, unit) in names.items()
-        if unit == "m" and (law.rates or not passing)
+        if unit == "m" and memory[name].ndim == 2 and (law.rates or not passing)
     ]
 
 
@@ -275,7 +275,3 @@ def _find_rise(load: Load, end: Load) -> float:
     if not 0.0 < load.value < end.value:
         return 1.0
     return float((end.value / load.value) ** (1.0 if load.kind == "approach" else _POWER_OF_FORCE))
-
-
-def _between(begin: Load, end: Load, part: float) -> Load:
-    return end if part == 1.0 else attrs.evolve(end, value=begin.value + part * (end.value - begin.value))

@@ -41,7 +41,7 @@ from roughcontact._solve.problem.path_file import (
 from roughcontact._solve.problem.scene import Scene
 from roughcontact._solve.problem.sweep import tabulate_states
 from roughcontact._solve.problem.task import limit_load
-from roughcontact._solve.solution import ContactSolution, Governed, Process, read_states
+from roughcontact._solve.solution import ContactSolution, Governed, Process, load_of, read_states
 from roughcontact.errors import InputError, argument
 from roughcontact.errors.door import guarded
 
@@ -151,9 +151,8 @@ class LoadPath(Path):
         passed = {"time": time, "sliding": _measure_sliding(scene, sliding, moved, first, float(self.sliding[-1]))}
         require_used(scene, passed)
         _require_movable(scene, moved)
-        here = {"force": last.force, "pressure": last.mean_pressure, "approach": last.approach}
         begin = Place(
-            load=Load(loads[0].kind, here[loads[0].kind]),
+            load=load_of(last, loads[0].kind),
             time=float(self.time[-1]),
             sliding=float(self.sliding[-1]),
             shift=first,

@@ -16,7 +16,7 @@ from roughcontact._solve.problem.plan import SolvePlan
 from roughcontact._solve.problem.run import run_solve
 from roughcontact._solve.problem.scene import Scene
 from roughcontact._solve.problem.sweep import Sweep, order_of_solving, predict_pressure, report_states, run_sweep
-from roughcontact._solve.solution import TRAPPED_CELLS, ContactSolution, describe_range, remembers_flattening
+from roughcontact._solve.solution import TRAPPED_CELLS, ContactSolution, describe_range, load_of, remembers_flattening
 from roughcontact.errors import InputError, argument
 
 
@@ -88,8 +88,7 @@ def follow(solve: Solve, before: Sequence[ContactSolution], load: Load) -> Conta
 
 def require_memory_of_flow(last: ContactSolution, load: Load) -> None:
     """Refuse a lower load after the pressure has reached its limit: the flattened summits would be forgotten."""
-    before = {"force": last.force, "pressure": last.mean_pressure, "approach": last.approach}[load.kind]
-    if load.value < before and last.saturated.any() and not remembers_flattening(last):
+    if load.value < load_of(last, load.kind).value and last.saturated.any() and not remembers_flattening(last):
         raise InputError(
             f"The load falls to {load} after the pressure has reached its limit on {last.saturated.sum()} cells: each "
             "state is a first loading, which forgets how far the summits were flattened, and with them the pull-off. "

@@ -8,7 +8,7 @@ import math
 import time
 from collections.abc import Callable, Iterator
 from functools import partial
-from typing import Any, NoReturn
+from typing import Any
 
 import attrs
 import numpy as np
@@ -29,8 +29,10 @@ from roughcontact._solve.solution import (
     ContactSolution,
     Governed,
     LoadIncrement,
+    Memory,
     Origin,
     Status,
+    load_of,
 )
 from roughcontact._solve.solvers import Step
 from roughcontact.errors import InputError, NotConverged, argument
@@ -44,6 +46,8 @@ _MAX_DEEPENINGS = 8
 # Error of a contact over that of the last turn of contact and response, and its bound over the tolerance.
 _INNER_ERROR = 0.1
 _LOOSEST_INNER = 1000.0
+# What the contacts of a coupled process cost.
+_COST = ("iterations", "convolutions")
 
 
 def run_solve(
@@ -71,23 +75,17 @@ def run_solve(
         gap = problem._find_gap(increment.shift)
         plan = displace_plan(plan, gap)
     effect = Governed.begin(problem, increment, before) if problem.laws else None
-    datum = 0.0
     if effect is not None:
-        displaced = gap.summit
-        gap, datum = _change_gap(gap, effect.offset)
-        datum += problem.summit - displaced
         plan = stiffen_plan(plan, effect.stiffening)
-    inner = load.after(datum)
-    if problem.adhesion is None and inner.kind == "approach" and load.value >= 0.0 > inner.value:
-        if before is not None:
-            # The bodies have come apart: nothing presses at the gap that is left.
-            gap = attrs.evolve(gap, values=frozen_array(gap.values - inner.value))
-            datum = load.value
-            inner = Load("approach", 0.0)
-        else:
-            _raise_no_touch(load, datum)
+    fresh = _Fresh(problem, gap, keeps=before is not None)
     with computing(problem):
         run = _Run(plan, problem.convolution, on_step, started)
+        pressing = None
+        if effect is not None and effect.coupled is not None:
+            pressing = _Pressing.begin(run, fresh, effect, increment, before, start)
+            effect = effect.settle(problem, increment, pressing.settle(effect, increment))
+            start = pressing.start
+        gap, inner, datum = fresh.place(None if effect is None else effect.offset, load)
         law = None if effect is None else effect.responding
         if law is not None:
             solution = run.solve_by_turns(gap, inner, start, law.soften(problem), partial(law.respond, problem))
@@ -97,6 +95,8 @@ def run_solve(
             solution = run.solve(gap, inner, start, start_gap)
         if solution.status is Status.SEPARATED and start_gap is None:
             solution = run.try_other_states(gap, inner) or solution
+    if pressing is not None:
+        solution = pressing.add_cost(solution)
     level = logging.INFO if solution.status.success else logging.WARNING
     _LOGGER.log(
         level,
@@ -113,11 +113,30 @@ def run_solve(
     return require_success(solution) if throw else solution
 
 
-def _raise_no_touch(load: Load, datum: float) -> NoReturn:
-    raise InputError(
-        f"At an approach of {si(load.value, 'm')} the surfaces do not touch: as the laws of the problem have "
-        f"changed them, the first touch is at {si(datum, 'm')}."
-    )
+@attrs.frozen(eq=False)
+class _Fresh:
+    """The gap of a problem without its laws; whether a state before `keeps` bodies that come apart."""
+
+    problem: Scene
+    gap: InitialGap
+    keeps: bool
+
+    def place(self, offset: Array | None, load: Load) -> tuple[InitialGap, Load, float]:
+        """Return the gap plus what laws add, if any, from its first touch, the load from there, and that touch, m."""
+        if offset is None:
+            return self.gap, load, 0.0
+        gap, datum = _change_gap(self.gap, offset)
+        datum += self.problem.summit - self.gap.summit
+        inner = load.after(datum)
+        if self.problem.adhesion is not None or not (inner.kind == "approach" and load.value >= 0.0 > inner.value):
+            return gap, inner, datum
+        if not self.keeps:
+            raise InputError(
+                f"At an approach of {si(load.value, 'm')} the surfaces do not touch: as the laws of the problem have "
+                f"changed them, the first touch is at {si(datum, 'm')}."
+            )
+        # The bodies have come apart: nothing presses at the gap that is left.
+        return attrs.evolve(gap, values=frozen_array(gap.values - inner.value)), Load("approach", 0.0), load.value
 
 
 def _change_gap(gap: InitialGap, offset: Array) -> tuple[InitialGap, float]:
@@ -245,6 +264,70 @@ class _Run:
             if found.status.success:
                 return found
         return None
+
+
+@attrs.define(eq=False)
+class _Pressing:
+    """The contacts by which a coupled process finds what it changes in an increment, from one load to the next."""
+
+    run: _Run
+    fresh: _Fresh
+    others: Array
+    memory: Memory
+    first: Load
+    last: Load
+    start: Array | None
+    cost: dict[str, int] = attrs.field(factory=lambda: dict.fromkeys(_COST, 0))
+
+    @classmethod
+    def begin(
+        cls,
+        run: _Run,
+        fresh: _Fresh,
+        effect: Governed,
+        increment: LoadIncrement,
+        before: ContactSolution | None,
+        start: Array | None,
+    ) -> _Pressing:
+        """Return the contacts of an increment, on the gap as the other laws have changed it."""
+        if run.plan.interaction is not None:
+            raise InputError(f"The law {effect.coupled!r} is not solved with {argument('adhesion')}: omit one of them.")
+        load = increment.load
+        return cls(
+            run=run,
+            # An offset that is tried may part the bodies.
+            fresh=attrs.evolve(fresh, keeps=True),
+            others=effect.without_coupled(fresh.problem, increment),
+            memory=effect.before[effect.laws.index(effect.coupled)],
+            first=Load(load.kind, 0.0) if before is None else load_of(before, load.kind),
+            last=load,
+            start=start,
+        )
+
+    def settle(self, effect: Governed, increment: LoadIncrement) -> Memory:
+        """Return what the coupled process remembers after the increment."""
+        assert effect.coupled is not None
+        return effect.coupled.settle(self.fresh.problem, self.press, increment, self.memory)
+
+    def press(
+        self, offset: Array, *, part: float = 1.0, start: Array | None = None, tolerance: float | None = None
+    ) -> ContactSolution:
+        """Return the contact on the gap with an offset; see `Press`."""
+        gap, load, datum = self.fresh.place(frozen_array(self.others + offset), self.first.toward(self.last, part))
+        plan = self.run.plan
+        if tolerance is not None:
+            plan = attrs.evolve(plan, solver=plan.solver.with_tolerance(tolerance))
+        found = attrs.evolve(self.run, plan=plan).solve(gap, load, self.start if start is None else start)
+        self.start = found.pressure
+        self.cost = self._sum_cost(found)
+        return attrs.evolve(found, initial_gap=frozen_array(found.initial_gap + datum), approach=found.approach + datum)
+
+    def add_cost(self, solution: ContactSolution) -> ContactSolution:
+        """Return a solution with the cost of all contacts."""
+        return attrs.evolve(solution, **self._sum_cost(solution))
+
+    def _sum_cost(self, found: ContactSolution) -> dict[str, Any]:
+        return {name: spent + getattr(found, name) for name, spent in self.cost.items()}
 
 
 @attrs.define(eq=False)

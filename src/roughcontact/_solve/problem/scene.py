@@ -50,6 +50,8 @@ class Scene:
     memory_limit: int | None = attrs.field(default=None, converter=limit_of_memory, kw_only=True)
 
     def __attrs_post_init__(self) -> None:
+        brought = self._list_brought_laws()
+        object.__setattr__(self, "laws", (*_omit_brought(self.laws, brought), *brought))
         # The plan checks that the parts fit together.
         _ = self.plan
 
@@ -125,6 +127,10 @@ class Scene:
             del found["laws"]
         return found
 
+    def _list_brought_laws(self) -> tuple[Law, ...]:
+        sides = {"body": self.body, "counterbody": self.counterbody}
+        return as_laws([law for side, body in sides.items() for law in body.material.bring_laws(side)])
+
     @property
     def chosen(self) -> tuple[type, ...]:
         """The classes of the parts that ``"auto"`` chooses by what is installed, which `parts` does not name."""
@@ -170,3 +176,11 @@ class Scene:
     def __repr__(self) -> str:
         bodies = " on ".join(type(body.surface).__name__ for body in (self.body, self.counterbody))
         return f"<{type(self).__name__} {self._grid}, {self.boundary}: {bodies}>"
+
+
+def _omit_brought(laws: tuple[Law, ...], brought: tuple[Law, ...]) -> list[Law]:
+    """Return the laws without those of materials, in whose place they are brought anew."""
+    for law in laws:
+        if law.of_material and type(law) not in map(type, brought):
+            raise InputError(f"The law {law!r} is one that a material brings: give a body such a material, or omit it.")
+    return [law for law in laws if not law.of_material]

@@ -33,12 +33,16 @@ from roughcontact._solve.solution.healing import fill_gap as fill_gap
 from roughcontact._solve.solution.healing import heal as heal
 from roughcontact._solve.solution.judgement import UNCERTAINTIES as UNCERTAINTIES
 from roughcontact._solve.solution.judgement import judge as judge
+from roughcontact._solve.solution.laws import CoupledProcess as CoupledProcess
 from roughcontact._solve.solution.laws import Law as Law
+from roughcontact._solve.solution.laws import Memory as Memory
+from roughcontact._solve.solution.laws import Press as Press
 from roughcontact._solve.solution.laws import Process as Process
 from roughcontact._solve.solution.laws import as_laws as as_laws
 from roughcontact._solve.solution.laws import laws as laws
 from roughcontact._solve.solution.load_increment import MAX_SHIFT as MAX_SHIFT
 from roughcontact._solve.solution.load_increment import LoadIncrement as LoadIncrement
+from roughcontact._solve.solution.load_increment import load_of as load_of
 from roughcontact._solve.solution.origin import Accuracy as Accuracy
 from roughcontact._solve.solution.origin import Origin as Origin
 from roughcontact._solve.solution.origin import Trial as Trial

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any, final
 
@@ -16,7 +16,7 @@ from roughcontact._base.checks import MAX_MAGNITUDE, integer, number
 from roughcontact._base.units import Estimate
 from roughcontact._parts.grid import Grid, Load
 from roughcontact._solve.solution.additions import Addition, Condition
-from roughcontact._solve.solution.laws import Law, Memory, Process
+from roughcontact._solve.solution.laws import CoupledProcess, Law, Memory, Process
 from roughcontact._solve.solution.load_increment import MAX_SHIFT, LoadIncrement
 from roughcontact._solve.solution.results import areas
 from roughcontact.errors import InputError
@@ -92,7 +92,7 @@ class Governed(Addition):
         known = None if last is None else last._find_added(cls)
         if known is not None:
             return cls._change(problem, increment, known.memory, known.elapsed, known.slid)
-        return cls._change(problem, increment, tuple(_start_memory(law, problem.plan.grid) for law in problem.laws))
+        return cls._change(problem, increment, tuple(_start_memory(law, problem) for law in problem.laws))
 
     @classmethod
     def _change(
@@ -104,11 +104,9 @@ class Governed(Addition):
         slid: float = 0.0,
     ) -> Governed:
         grid = problem.plan.grid
-        offset = np.zeros(grid.shape)
         stiffening = 1.0
         local: float | Array = 0.0
         for law, memory in zip(problem.laws, before, strict=True):
-            offset += _check_field(law.change_gap(problem, increment, memory), grid, f"change_gap of {law!r}")
             stiffening *= number(
                 law.find_stiffening(problem, increment, memory), f"The stiffening by {law!r}", above=0.0
             )
@@ -116,7 +114,7 @@ class Governed(Addition):
         return cls(
             laws=problem.laws,
             remembered=tuple(map(_list_remembered, problem.laws)),
-            offset=frozen_array(offset),
+            offset=_add_changes(problem, increment, problem.laws, before),
             before=before,
             memory=before,
             time=increment.time,
@@ -142,6 +140,29 @@ class Governed(Addition):
             raise InputError(f"Pressure itself may change a contact by one law alone: omit all but {found[0]!r}.")
         return found[0] if found else None
 
+    @property
+    def coupled(self) -> CoupledProcess | None:
+        """The process that is solved together with the contact; None without one."""
+        found = [law for law in self.laws if isinstance(law, CoupledProcess)]
+        if len(found) > 1 or (found and (self.is_implicit or self.responding)):
+            raise InputError(
+                f"A process that is solved with the contact is alone in changing it: omit all but {found[0]!r}."
+            )
+        return found[0] if found else None
+
+    def without_coupled(self, problem: Any, increment: LoadIncrement) -> Array:
+        """Return what the other laws add to the gap, shape (nx, ny), m."""
+        pairs = [pair for pair in zip(self.laws, self.before, strict=True) if pair[0] is not self.coupled]
+        return _add_changes(problem, increment, *zip(*pairs, strict=True)) if pairs else np.zeros(self.offset.shape)
+
+    def settle(self, problem: Any, increment: LoadIncrement, found: Memory) -> Governed:
+        """Return it with what the coupled process remembers after the increment."""
+        law = self.coupled
+        assert law is not None
+        kept = _check_memory(law, found, problem.plan.grid)
+        memory = tuple(kept if one is law else known for one, known in zip(self.laws, self.before, strict=True))
+        return attrs.evolve(self, memory=memory, offset=_add_changes(problem, increment, self.laws, memory))
+
     def press(self, problem: Any, pressure: Array) -> Governed:
         """Return it with what a pressure, shape (nx, ny), Pa, adds to the gap in the increment."""
         law = self.responding
@@ -155,20 +176,27 @@ class Governed(Addition):
 
     def repeat(self, problem: Any, state: Any) -> Governed:
         """Return it anew from what the laws remembered before, and a state with its origin."""
-        again = self._change(problem, self._find_increment(state), self.before).press(problem, state.pressure)
+        increment = self._find_increment(state)
+        again = self._change(problem, increment, self.before).press(problem, state.pressure)
+        if again.coupled is not None:
+            again = again.settle(problem, increment, self.memory[again.laws.index(again.coupled)])
         again = attrs.evolve(again, elapsed=self.elapsed, slid=self.slid, cycle=self.cycle)
         return again.finish(state) if state.status.success else again
 
     def finish(self, state: Any) -> Governed:
         """Return what they remember, and their numbers and conditions, at the end of the increment."""
         increment = self._find_increment(state)
-        pairs = list(zip(self.laws, self.before, strict=True))
-        memory = tuple(_remember(law, state, increment, before) for law, before in pairs)
+        memory = tuple(
+            known if law is self.coupled else _remember(law, state, increment, before)
+            for law, before, known in zip(self.laws, self.before, self.memory, strict=True)
+        )
         numbers: dict[str, Estimate | tuple[float, str]] = {}
         conditions: list[Condition] = []
-        for law, after in zip(self.laws, memory, strict=True):
+        for law, before, after in zip(self.laws, self.before, memory, strict=True):
             numbers |= law.list_numbers(state, after)
             conditions += law.list_conditions(state, after)
+            if isinstance(law, CoupledProcess):
+                conditions += law.judge(state.origin.scene, state, increment, before, after)
         return attrs.evolve(
             self, memory=memory, numbers=numbers, added_conditions=tuple(conditions), local_compliance=0.0
         )
@@ -237,7 +265,12 @@ class Governed(Addition):
     def list_fields(self) -> dict[str, tuple[RealArray, str, str]]:
         """Return what the laws remember."""
         pairs = zip(self.remembered, self.memory, strict=True)
-        return {name: (memory[name], *words) for names, memory in pairs for name, words in names.items()}
+        return {
+            name: (memory[name], *words)
+            for names, memory in pairs
+            for name, words in names.items()
+            if memory[name].shape == self.offset.shape
+        }
 
     def describe(self, arrays: dict[str, RealArray]) -> Described:
         """Return it as data for JSON; see `Addition.describe`."""
@@ -263,16 +296,18 @@ class Governed(Addition):
             {str(name): (str(meaning), str(unit)) for name, (meaning, unit) in one.items()}
             for one in rebuild(described["remembered"], arrays)
         )
+        known = () if missing_classes(described["laws"]) else described["laws"]
+        laws: tuple[Law, ...] = tuple(rebuild(one, arrays, (Law,)) for one in known)
+        checks = [_choose_check(law) for law in laws] or [_check_array] * len(remembered)
         before, memory = (
             tuple(
-                {name: _check_field(one[name], grid, f"memory {name!r}") for name in names}
-                for names, one in zip(remembered, rebuild(described[name], arrays), strict=True)
+                {name: check(one[name], grid, f"memory {name!r}") for name in names}
+                for check, names, one in zip(checks, remembered, rebuild(described[name], arrays), strict=True)
             )
             for name in ("before", "memory")
         )
-        known = () if missing_classes(described["laws"]) else described["laws"]
         return cls(
-            laws=tuple(rebuild(one, arrays, (Law,)) for one in known),
+            laws=laws,
             remembered=remembered,
             offset=_check_field(rebuild(described["offset"], arrays), grid, "change of the gap"),
             before=before,
@@ -316,25 +351,41 @@ def _is_any(memory: Memory) -> bool:
 def _has_lengths(law: Law, memory: Memory) -> bool:
     """Return whether a law remembers any length, such as a height that is lost."""
     units = _list_remembered(law)
-    return any(values.any() for name, values in memory.items() if units[name][1] == "m")
+    return any(values.any() for name, values in memory.items() if units[name][1] == "m" and values.ndim == 2)
 
 
 def _list_remembered(law: Law) -> Mapping[str, tuple[str, str]]:
     return law.remembered if isinstance(law, Process) else {}
 
 
-def _start_memory(law: Law, grid: Grid) -> Memory:
+def _start_memory(law: Law, problem: Any) -> Memory:
     names = _list_remembered(law)
+    grid = problem.plan.grid
+    if isinstance(law, CoupledProcess):
+        return MappingProxyType(_check_memory(law, law.start(problem), grid))
     return MappingProxyType({name: frozen_array(np.zeros(grid.shape)) for name in names}) if names else _NOTHING
 
 
 def _remember(law: Law, state: Any, increment: LoadIncrement, before: Memory) -> Memory:
     if not isinstance(law, Process):
         return before
-    found = law.remember(state, increment, before)
+    return _check_memory(law, law.remember(state, increment, before), state.grid)
+
+
+def _check_memory(law: Process, found: object, grid: Grid) -> dict[str, Array]:
     if not isinstance(found, Mapping) or set(found) != set(law.remembered):
-        raise InputError.about(f"remember of {law!r}", found, f"a mapping with {', '.join(law.remembered)}")
-    return {name: _check_field(found[name], state.grid, f"{name} of {law!r}") for name in law.remembered}
+        raise InputError.about(f"What {law!r} remembers", found, f"a mapping with {', '.join(law.remembered)}")
+    check = _choose_check(law)
+    return {name: check(found[name], grid, f"{name} of {law!r}") for name in law.remembered}
+
+
+def _add_changes(problem: Any, increment: LoadIncrement, laws: Sequence[Law], memories: Sequence[Memory]) -> Array:
+    """Return what laws add to the gap by what they remember, shape (nx, ny), m."""
+    grid = problem.plan.grid
+    offset = np.zeros(grid.shape)
+    for law, memory in zip(laws, memories, strict=True):
+        offset += _check_field(law.change_gap(problem, increment, memory), grid, f"change_gap of {law!r}")
+    return frozen_array(offset)
 
 
 def _check_length(value: object) -> float:
@@ -349,6 +400,18 @@ def _check_compliance(values: object, grid: Grid, law: Law) -> float | Array:
     if field.min() < 0.0:
         raise InputError.about(f"The local compliance of {law!r}", values, "at least zero (m/Pa)")
     return field
+
+
+def _choose_check(law: Law) -> Callable[[object, Grid, str], Array]:
+    return _check_array if isinstance(law, CoupledProcess) else _check_field
+
+
+def _check_array(values: object, grid: Grid, what: str) -> Array:
+    """Return an array of any shape; `InputError` unless its values are finite numbers."""
+    array = np.asarray(values)
+    if array.dtype.kind not in "fiu" or not np.abs(array).max(initial=0.0) <= MAX_MAGNITUDE:
+        raise InputError(f"The {what} must be finite numbers, but it is an array of type {array.dtype}.")
+    return frozen_array(np.array(array, dtype=np.float64))
 
 
 def _check_field(values: object, grid: Grid, what: str) -> Array:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import abc
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, ClassVar, TypeAlias
+from typing import Any, ClassVar, Protocol, TypeAlias
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from roughcontact._parts.kernels import InfluenceKernel
 from roughcontact._solve.solution.additions import Condition
 from roughcontact._solve.solution.load_increment import LoadIncrement
 
-# Arrays of shape (nx, ny) by name: what a law remembers.
+# Arrays by name, of shape (nx, ny) but for coupled processes: what a law remembers.
 Memory: TypeAlias = Mapping[str, Array]
 
 
@@ -64,6 +64,9 @@ class Law(Part, abc.ABC):
 
     follows_bodies: ClassVar[bool] = False
     """Whether it knows `LoadIncrement.shift`: what it remembers of the counterbody moves with it."""
+
+    of_material: ClassVar[bool] = False
+    """Whether materials alone bring it to a problem, by `Material.bring_laws`."""
 
     @abc.abstractmethod
     def change_gap(self, problem: Any, increment: LoadIncrement, memory: Memory) -> Array:
@@ -165,6 +168,93 @@ class Process(Law):
         memory
             What it remembers of those before.
         """
+
+
+class Press(Protocol):
+    """A contact on the gap with an offset, as a coupled process asks for it."""
+
+    def __call__(
+        self, offset: Array, *, part: float = 1.0, start: Array | None = None, tolerance: float | None = None
+    ) -> Any:
+        """Return the contact, a `ContactSolution`.
+
+        Parameters
+        ----------
+        offset
+            What the process adds to the gap before deformation, shape (nx, ny), m.
+        part
+            The part of the change of the load in the increment, above zero to one.
+        start
+            The pressure to start from, shape (nx, ny), Pa; None: that of the contact before.
+        tolerance
+            The tolerance of the solver; None: that of the problem.
+        """
+
+
+class CoupledProcess(Process):
+    """A process that is solved together with the contact: what it changes depends on the pressure that it changes.
+
+    It finds what it remembers at the end of an increment by contacts of its own, and judges it. It may remember arrays
+    of any shape.
+
+    Examples
+    --------
+    Springs behind the body, whose deflection is solved with the contact:
+
+    >>> import attrs
+    >>> import numpy as np
+    >>> import roughcontact as rc
+    >>> @attrs.frozen
+    ... class Spring(rc.CoupledProcess):
+    ...     stiffness: float = attrs.field(metadata={"unit": "N/m"})
+    ...     remembered = {"deflection": ("deflection of the spring", "m")}
+    ...     def start(self, problem):
+    ...         return {"deflection": np.zeros(1)}
+    ...     def change_gap(self, problem, increment, memory):
+    ...         return np.full(problem.plan.grid.shape, memory["deflection"][0])
+    ...     def settle(self, problem, press, increment, memory):
+    ...         force = press(self.change_gap(problem, increment, memory)).force
+    ...         return {"deflection": np.array([force / self.stiffness])}
+    ...     def judge(self, problem, state, increment, before, after):
+    ...         error = abs(state.force / self.stiffness - after["deflection"][0]) / problem.initial_gap.max()
+    ...         return [rc.results.Condition("spring", error, "error of the deflection over the largest gap")]
+    >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Elastic(young=210e9, poisson=0.3))
+    >>> problem = rc.ContactProblem(ball, grid=rc.Grid((32, 32), 100e-6), laws=Spring(2e6))
+    >>> f"{problem.solve(force=1.0).approach * 1e6:.2f} µm"
+    '0.72 µm'
+    """
+
+    @abc.abstractmethod
+    def start(self, problem: Any) -> Memory:
+        """Return what it remembers of fresh surfaces, arrays of any shape by the names of `remembered`."""
+
+    @abc.abstractmethod
+    def settle(self, problem: Any, press: Press, increment: LoadIncrement, memory: Memory) -> Memory:
+        """Return what it remembers after an increment.
+
+        `change_gap` by it is then the offset of the state, whose contact is solved once more.
+
+        Parameters
+        ----------
+        problem
+            The `ContactProblem`.
+        press
+            Solves the contact for an offset that it tries.
+        increment
+            What changes from the state before to this one.
+        memory
+            What it remembers of the increments before.
+        """
+
+    @abc.abstractmethod
+    def judge(
+        self, problem: Any, state: Any, increment: LoadIncrement, before: Memory, after: Memory
+    ) -> Iterable[Condition]:
+        """Return its conditions of the certificate, recomputed from the fields of a state and both memories."""
+
+    def remember(self, state: Any, increment: LoadIncrement, memory: Memory) -> Memory:
+        """Return a memory as it is: `settle` has found that after the increment."""
+        return memory
 
 
 laws: Registry[Law] = Registry(Law, "law", "roughcontact.laws")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import attrs
 import numpy as np
 
@@ -10,6 +12,12 @@ from roughcontact._parts.grid import Load
 
 # Cells by which the counterbody may be displaced to either side.
 MAX_SHIFT = 2**40
+
+
+def load_of(state: Any, kind: str) -> Load:
+    """Return the normal load of a state, a `ContactSolution`, as a force, a pressure or an approach."""
+    values = {"force": state.force, "pressure": state.mean_pressure, "approach": state.approach}
+    return Load(kind, values[kind])
 
 
 @attrs.frozen

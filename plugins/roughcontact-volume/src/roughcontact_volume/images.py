@@ -1,0 +1,173 @@
+"""The residual stress on a free half-space: that of a period, less the field of its images, which is smooth."""
+
+from __future__ import annotations
+
+import math
+from functools import cached_property
+
+import attrs
+import numpy as np
+from roughcontact.typing import Array, Pair, RealArray
+
+from roughcontact_volume.spectra import Period
+
+# Cells between a domain and its images, at least: nearer ones are not smooth.
+_GAP = 12
+# Points of the coarse plane along the shorter side of a period, about.
+_POINTS = 11
+# Ratio of the period that stands for no images to that of which they are removed.
+_RATIO = 3
+# The waves of the coarse planes that are damped, in radians from point to point.
+_DAMPING = 0.8
+
+
+def odd_length(least: float) -> int:
+    """Return the smallest odd number of the form 3^a 5^b 7^c 11^d that is not below a number."""
+    length = 2 * (max(1, math.ceil(least)) // 2) + 1
+    while not _is_fast(length):
+        length += 2
+    return length
+
+
+def _is_fast(length: int) -> bool:
+    for prime in (3, 5, 7, 11):
+        while length % prime == 0:
+            length //= prime
+    return length == 1
+
+
+@attrs.frozen(eq=False)
+class FreePlane:
+    """The residual stress of eigenstrains in a domain of a half-space that is free beyond it.
+
+    Attributes
+    ----------
+    shape, spacing
+        Cells of the domain, and their sides, m.
+    thicknesses
+        Thicknesses of the layers, shape (nz,), m.
+    poisson
+        Poisson's ratio.
+    dtype
+        Precision inside.
+    """
+
+    shape: tuple[int, int]
+    spacing: Pair
+    thicknesses: Array
+    poisson: float
+    dtype: type[np.floating] = np.float64
+
+    @cached_property
+    def period(self) -> Period:
+        """The period of about twice the domain, of odd lengths, of which no wave is without a sign."""
+        mx, my = (odd_length(max(2 * n - 1, n + _GAP)) for n in self.shape)
+        return Period((mx, my), self.spacing, self.thicknesses, self.poisson, self.dtype)
+
+    @cached_property
+    def images(self) -> list[SmoothImages]:
+        """What is subtracted: the fields of nearer and of farther images."""
+        lengths = [m * side for m, side in zip(self.period.shape, self.spacing, strict=True)]
+        farthest = _RATIO**2 * max(lengths)
+        found = []
+        while min(lengths) < 0.5 * farthest:
+            side = min(lengths) / _POINTS
+            ratios = [_RATIO if min(lengths) * _RATIO > length else 1 for length in lengths]
+            points = [odd_length(length / side - 0.5) for length in lengths]
+            found.append(SmoothImages(self, (lengths[0], lengths[1]), (points[0], points[1]), (ratios[0], ratios[1])))
+            lengths = [length * ratio for length, ratio in zip(lengths, ratios, strict=True)]
+        return found
+
+    def find_stress(self, strain: Array) -> Array:
+        """Return the residual stress over twice the shear modulus, mean over each layer, shape (6, nz, nx, ny)."""
+        stress = self.period.find_stress(strain)
+        for one in self.images:
+            one.subtract(strain, stress)
+        return stress
+
+
+@attrs.frozen(eq=False)
+class SmoothImages:
+    r"""The stress by images of a domain in a period but those in a longer one, :math:`W (T_P - T_{rP}) W^T`.
+
+    The points of the coarse plane have W, cubic interpolation to the cells, and its transpose, which keeps the moments
+    of the strain up to the third: the map is symmetric as the stress itself is.
+
+    Attributes
+    ----------
+    plane
+        The domain and its layers.
+    lengths
+        Sides of the period, m.
+    points
+        Points of the coarse plane along them, odd.
+    ratios
+        How many times longer the other period is, odd.
+    """
+
+    plane: FreePlane
+    lengths: Pair
+    points: tuple[int, int]
+    ratios: tuple[int, int]
+
+    @cached_property
+    def sides(self) -> Pair:
+        """Distances of the points, m."""
+        return self.lengths[0] / self.points[0], self.lengths[1] / self.points[1]
+
+    @cached_property
+    def _matrices(self) -> tuple[RealArray, RealArray]:
+        along_x, along_y = (
+            _interpolate(n, spacing / side)
+            for n, spacing, side in zip(self.plane.shape, self.plane.spacing, self.sides, strict=True)
+        )
+        return along_x, along_y
+
+    @cached_property
+    def _periods(self) -> list[Period]:
+        def damp(qx: Array, qy: Array) -> Array:
+            return np.exp(-0.5 * _DAMPING**2 * ((qx * self.sides[0]) ** 2 + (qy * self.sides[1]) ** 2))
+
+        plane = self.plane
+        longer = self.points[0] * self.ratios[0], self.points[1] * self.ratios[1]
+        return [
+            Period(points, self.sides, plane.thicknesses, plane.poisson, plane.dtype, damp)
+            for points in (self.points, longer)
+        ]
+
+    def subtract(self, strain: Array, stress: Array) -> None:
+        """Subtract the field of the images from the stress."""
+        along_x, along_y = self._matrices
+        dx, dy = self.plane.spacing
+        coarse = np.zeros((*strain.shape[:2], along_x.shape[1], along_y.shape[1]))
+        weight = dx * dy / (self.sides[0] * self.sides[1])
+        for layer in range(strain.shape[1]):
+            coarse[:, layer] = weight * (along_x.T @ strain[:, layer] @ along_y)
+        near, far = (period.find_stress(coarse) for period in self._periods)
+        near -= far
+        for layer in range(strain.shape[1]):
+            stress[:, layer] -= along_x @ near[:, layer] @ along_y.T
+
+
+def _interpolate(cells: int, step: float) -> Array:
+    """Return the matrix of cubic interpolation from points to cells, shape (cells, points).
+
+    The step from cell to cell is in distances of points; a point lies in the middle of the cells, so that the map is
+    the same in a mirror.
+    """
+    middle = 0.5 * (cells - 1)
+    place = math.ceil(step * middle) + step * (np.arange(cells) - middle)
+    first = np.floor(place).astype(np.intp)
+    x = place - first
+    weights = np.stack(
+        (
+            -x * (x - 1.0) * (x - 2.0) / 6.0,
+            (x + 1.0) * (x - 1.0) * (x - 2.0) / 2.0,
+            -(x + 1.0) * x * (x - 2.0) / 2.0,
+            (x + 1.0) * x * (x - 1.0) / 6.0,
+        ),
+        axis=1,
+    )
+    matrix = np.zeros((cells, int(first[-1]) + 4))
+    np.put_along_axis(matrix, first[:, np.newaxis] + np.arange(4), weights, axis=1)
+    return matrix

@@ -1,0 +1,246 @@
+"""Periods of a body's surface: fields transformed row by row, swept in tiles of wave vectors, and transformed back."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cached_property
+from typing import TypeAlias
+
+import attrs
+import numpy as np
+import numpy.typing as npt
+import scipy.fft
+from roughcontact.solving import map_tiles, split
+from roughcontact.typing import Array, Pair, RealArray
+
+from roughcontact_volume.waves import WaveVectors, find_means, sweep
+
+Waves: TypeAlias = npt.NDArray[np.complexfloating]
+
+# Values of a tile of wave vectors, about: a layer of it stays in the cache.
+_TILE_WAVES = 2**12
+# Signs of the components xx, yy, zz, yz, xz, xy in a mirror across x, and across y.
+_MIRRORED = np.array([[1, 1, 1, 1, -1, -1], [1, 1, 1, -1, 1, -1]])
+
+
+@attrs.frozen(eq=False)
+class Period:
+    """One period of layers of a half-space, of which a field fills a corner.
+
+    Attributes
+    ----------
+    shape
+        Cells of the period (mx, my).
+    spacing
+        Sides of a cell, m.
+    thicknesses
+        Thicknesses of the layers, shape (nz,), m.
+    poisson
+        Poisson's ratio.
+    dtype
+        Precision inside.
+    damp
+        A factor of waves by their wave vectors, shapes (m, 1) and (n,), rad/m; None: 1.
+    """
+
+    shape: tuple[int, int]
+    spacing: Pair
+    thicknesses: Array
+    poisson: float
+    dtype: type[np.floating] = np.float64
+    damp: Callable[[Array, Array], Array] | None = None
+
+    @cached_property
+    def wave_numbers(self) -> tuple[Array, Array]:
+        """Wave numbers along x, of both signs, and along y, shapes (mx,) and (my // 2 + 1,), rad/m."""
+        (mx, my), (dx, dy) = self.shape, self.spacing
+        along_x, along_y = np.fft.fftfreq(mx), np.fft.rfftfreq(my)
+        return np.asarray(2.0 * np.pi * along_x / dx), np.asarray(2.0 * np.pi * along_y / dy)
+
+    def bytes_for(self, rows: int) -> int:
+        """Return the bytes that the waves of a field take, and one tile of them, with so many rows of cells along x."""
+        value = np.dtype(self.dtype).itemsize
+        mx, my = self.shape
+        layer = 2 * len(_MIRRORED[0]) * self.thicknesses.size * value
+        columns = max(1, _TILE_WAVES // mx)
+        # A tile is held as it is transformed, by parts and as waves upwards.
+        return layer * (rows * (my // 2 + 1) + 4 * mx * columns)
+
+    def find_stress(self, strain: RealArray) -> Array:
+        """Return the residual stress over twice the shear modulus, shape (6, nz, nx, ny), nx <= mx and ny <= my.
+
+        Parameters
+        ----------
+        strain
+            Eigenstrain, shape (6, nz, nx, ny), in one corner of the period.
+        """
+        components, layers, nx, ny = strain.shape
+        mx, my = self.shape
+        rows = np.zeros((components, layers, nx, my // 2 + 1), dtype=np.result_type(self.dtype, 1j))
+        planes = [(component, layer) for component in range(components) for layer in range(layers)]
+
+        def transform(plane: tuple[int, int]) -> None:
+            if strain[plane].any():
+                rows[plane] = scipy.fft.rfft(strain[plane].astype(self.dtype, copy=False), n=my, axis=1)
+
+        def respond(columns: slice) -> None:
+            waves = scipy.fft.fft(rows[..., columns], n=mx, axis=2)
+            self._respond(waves, columns)
+            rows[..., columns] = scipy.fft.ifft(waves, axis=2, overwrite_x=True)[:, :, :nx]
+
+        stress = np.empty(strain.shape)
+
+        def transform_back(plane: tuple[int, int]) -> None:
+            stress[plane] = scipy.fft.irfft(rows[plane], n=my, axis=1)[:, :ny]
+
+        map_tiles(transform, planes)
+        map_tiles(respond, self._list_tiles())
+        map_tiles(transform_back, planes)
+        return stress
+
+    def _list_tiles(self) -> list[slice]:
+        """Return the tiles of wave numbers along y; the highest one of an even number of cells is alone."""
+        mx, my = self.shape
+        tiles = split((my + 1) // 2, max(1, _TILE_WAVES // mx))
+        return tiles if my % 2 else [*tiles, slice(my // 2, my // 2 + 1)]
+
+    def _respond(self, waves: Waves, columns: slice) -> None:
+        """Replace the waves of strain by those of stress."""
+        qx, qy = self.wave_numbers
+        mx, my = self.shape
+        qy = qy[columns]
+        tile = np.empty((*waves.shape[:2], 2, *waves.shape[2:]), dtype=self.dtype)
+        for place, component in enumerate(waves):
+            # Shears with z are divided by the imaginary unit.
+            if place in (3, 4):
+                tile[place, :, 0] = component.imag
+                np.negative(component.real, out=tile[place, :, 1])
+            else:
+                tile[place, :, 0] = component.real
+                tile[place, :, 1] = component.imag
+        if self.damp is not None:
+            tile *= self.damp(qx[:, np.newaxis], qy).astype(self.dtype)
+        axes = (1,) if 2 * columns.start == my else ()
+        row = slice(mx // 2, mx // 2 + 1)
+        edge = tile[:, :, :, row].copy() if mx % 2 == 0 else None
+        self._sweep_even(tile, qx, qy, axes)
+        if edge is not None:
+            self._sweep_even(edge, qx[row], qy, (0, *axes))
+            tile[:, :, :, row] = edge
+        for place, component in enumerate(waves):
+            if place in (3, 4):
+                np.negative(tile[place, :, 1], out=component.real)
+                component.imag = tile[place, :, 0]
+            else:
+                component.real = tile[place, :, 0]
+                component.imag = tile[place, :, 1]
+
+    def _sweep_even(self, tile: RealArray, qx: Array, qy: Array, axes: tuple[int, ...]) -> None:
+        """Sweep waves, of which those of half the sampling wave number have no sign: the mean over both is taken."""
+        waves = WaveVectors(qx, qy, self.thicknesses, self.dtype)
+        mirrors = [np.ones(6)]
+        for axis in axes:
+            mirrors += [mirror * _MIRRORED[axis] for mirror in mirrors]
+        if len(mirrors) == 1:
+            sweep(tile, waves, self.poisson)
+            return
+        total = np.zeros_like(tile)
+        for mirror in mirrors:
+            signs = mirror.astype(self.dtype).reshape(6, 1, 1, 1, 1)
+            mirrored = tile * signs
+            sweep(mirrored, waves, self.poisson)
+            total += mirrored * signs
+        tile[...] = total / len(mirrors)
+
+
+@attrs.frozen(eq=False)
+class PressureWaves:
+    r"""The stress of waves of pressure, mean over each layer, and the displacement of eigenstrains by reciprocity.
+
+    .. math:: \sigma_{nn} = (\zeta - 1) e^{-\zeta} \hat p, \quad \sigma_{zz} = -(1 + \zeta) e^{-\zeta} \hat p, \quad
+              \sigma_{tt} = -2\nu e^{-\zeta} \hat p, \quad \sigma_{nz} = i \zeta e^{-\zeta} \hat p
+
+    Attributes
+    ----------
+    shape, spacing
+        Cells of the period, and their sides, m.
+    thicknesses
+        Thicknesses of the layers, shape (nz,), m.
+    poisson
+        Poisson's ratio.
+    """
+
+    shape: tuple[int, int]
+    spacing: Pair
+    thicknesses: Array
+    poisson: float
+
+    @cached_property
+    def _waves(self) -> WaveVectors:
+        qx, qy = Period(self.shape, self.spacing, self.thicknesses, self.poisson).wave_numbers
+        return WaveVectors(qx, qy, self.thicknesses)
+
+    @cached_property
+    def _directions(self) -> tuple[Array, ...]:
+        """Squares and products of the cosines, and the cosines, without odd parts at half the sampling wave number."""
+        x, y = (one.astype(np.float64) for one in self._waves.direction)
+        squares = x * x, y * y
+        if self.shape[0] % 2 == 0:
+            x[self.shape[0] // 2] = 0.0
+        if self.shape[1] % 2 == 0:
+            y[:, -1] = 0.0
+        return (*squares, x, y, x * y)
+
+    def _list_factors(self, layer: int) -> list[Array]:
+        """Return the stress of waves of unit pressure, that of shears with z over the imaginary unit."""
+        depth = float(self.thicknesses[:layer].sum())
+        top = self._waves.q * depth
+        _, mean, moment = find_means(self._waves.q * self.thicknesses[layer])
+        decay = np.exp(-top)
+        moment = decay * (top * mean + moment)
+        mean = decay * mean
+        along = moment - mean
+        across = -2.0 * self.poisson * mean
+        along[0, 0] = across[0, 0] = -self.poisson / (1.0 - self.poisson)
+        xx, yy, x, y, xy = self._directions
+        return [
+            xx * along + yy * across,
+            yy * along + xx * across,
+            -(mean + moment),
+            y * moment,
+            x * moment,
+            xy * (along - across),
+        ]
+
+    def press(self, pressure: Array) -> Array:
+        """Return the stress by a pressure, shape (6, nz, nx, ny), Pa."""
+        waves = scipy.fft.rfft2(pressure)
+        turned = 1j * waves
+        stress = np.empty((6, self.thicknesses.size, *self.shape))
+
+        def work(layer: int) -> None:
+            for place, factor in enumerate(self._list_factors(layer)):
+                stress[place, layer] = scipy.fft.irfft2(
+                    factor * (turned if place in (3, 4) else waves), s=self.shape, overwrite_x=True
+                )
+
+        map_tiles(work, range(self.thicknesses.size))
+        return stress
+
+    def displace(self, strain: Array) -> Array:
+        """Return the displacement of the surface by an eigenstrain, positive into the body, shape (nx, ny), m."""
+
+        def work(layer: int) -> Waves | None:
+            if not strain[:, layer].any():
+                return None
+            total: Waves = np.zeros(self._waves.q.shape, dtype=np.complex128)
+            for place, factor in enumerate(self._list_factors(layer)):
+                if strain[place, layer].any():
+                    weight = self.thicknesses[layer] * (-2j if place in (3, 4) else 2.0 if place == 5 else 1.0)
+                    total += scipy.fft.rfft2(strain[place, layer]) * (weight * factor)
+            return total
+
+        found = [one for one in map_tiles(work, range(self.thicknesses.size)) if one is not None]
+        if not found:
+            return np.zeros(self.shape)
+        return np.asarray(scipy.fft.irfft2(sum(found[1:], found[0]), s=self.shape, overwrite_x=True))
