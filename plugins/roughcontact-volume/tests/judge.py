@@ -29,7 +29,7 @@ LENGTH, BELOW = 4.0, 9
 POINTS = 24
 # Aliases of a wave that are summed up, of which two sums are extrapolated.
 ALIASES = 64
-# Two periods of a body that is free beyond its cells, over these cells.
+# Two periods of a body that is free beyond its cells, over these cells or the depth of its layers.
 FREE_PERIODS = (3, 5)
 
 
@@ -238,7 +238,9 @@ class HalfSpace(NamedTuple):
         A free half-space is that of two long periods, extrapolated: images act with the third power of their distance.
         """
         rows = np.swapaxes(strain, 0, 1).reshape(-1, *self.shape)
-        odd = [n + 1 - n % 2 for n in self.shape]
+        depth = sum(self.thicknesses)
+        reach = [max(n, math.ceil(depth / side)) for n, side in zip(self.shape, self.spacing, strict=True)]
+        odd = [n + 1 - n % 2 for n in reach]
         multiples = (1,) if self.is_periodic else FREE_PERIODS
         found = []
         for multiple in multiples:
