@@ -13,13 +13,14 @@ fields              `NumpyPasses`, what a descent on whole fields does beside it
 nested grids        `halve_shape`, `solve_in_window`, `GridSolution`, `GridLevel`, `estimate_approach`
 a preconditioner    `WaveMatrix`, `count_blocks`, `LONG_WAVE_CUT`, `MAX_CUT_EXPONENT`
 memory              `available_memory`, `require_memory`, `require_memory_of_solve`
-threads             `map_tiles`, `split`
+threads             `map_tiles`, which splits the work on tiles of arrays
 answers on slabs    `Whole`, `find_patches`, `solve_on_cells`, `LinearSolution`
 ==================  ===============================================================================================
 """
 
 from roughcontact._answers.linear.tangent import LinearSolution, solve_on_cells
-from roughcontact._base.machine import available_memory, map_tiles, require_memory, split
+from roughcontact._base import machine
+from roughcontact._base.machine import available_memory, require_memory
 from roughcontact._solve.convolvers import WaveMatrix
 from roughcontact._solve.problem import (
     ConfirmedFields,
@@ -45,6 +46,10 @@ from roughcontact._solve.solvers import (
     solve_in_window,
     starting_pressure,
 )
+from roughcontact.errors.door import guarded
+
+# The package itself sees the errors of its own work as they are.
+map_tiles = guarded(machine.map_tiles)
 
 __all__ = [
     "LONG_WAVE_CUT",
@@ -75,6 +80,5 @@ __all__ = [
     "rescale_to_load",
     "solve_in_window",
     "solve_on_cells",
-    "split",
     "starting_pressure",
 ]

@@ -10,7 +10,7 @@ import attrs
 import numpy as np
 import numpy.typing as npt
 import scipy.fft
-from roughcontact.solving import map_tiles, split
+from roughcontact.solving import map_tiles
 from roughcontact.typing import Array, Pair, RealArray
 
 from roughcontact_volume.waves import WaveVectors, find_means, sweep
@@ -19,8 +19,8 @@ Waves: TypeAlias = npt.NDArray[np.complexfloating]
 
 # Values of a tile of wave vectors, about: a layer of it stays in the cache.
 _TILE_WAVES = 2**12
-# Signs of the components xx, yy, zz, yz, xz, xy in a mirror across x, and across y.
-_MIRRORED = np.array([[1, 1, 1, 1, -1, -1], [1, 1, 1, -1, 1, -1]])
+# Places of the shears with z, which are divided by the imaginary unit.
+_TURNED = (3, 4)
 
 
 @attrs.frozen(eq=False)
@@ -61,7 +61,7 @@ class Period:
         """Return the bytes that the waves of a field take, and one tile of them, with so many rows of cells along x."""
         value = np.dtype(self.dtype).itemsize
         mx, my = self.shape
-        layer = 2 * len(_MIRRORED[0]) * self.thicknesses.size * value
+        layer = 12 * self.thicknesses.size * value
         columns = max(1, _TILE_WAVES // mx)
         # A tile is held as it is transformed, by parts and as waves upwards.
         return layer * (rows * (my // 2 + 1) + 4 * mx * columns)
@@ -99,58 +99,61 @@ class Period:
         return stress
 
     def _list_tiles(self) -> list[slice]:
-        """Return the tiles of wave numbers along y; the highest one of an even number of cells is alone."""
+        """Return the tiles of wave numbers along y."""
         mx, my = self.shape
-        tiles = split((my + 1) // 2, max(1, _TILE_WAVES // mx))
-        return tiles if my % 2 else [*tiles, slice(my // 2, my // 2 + 1)]
+        end, step = my // 2 + 1, max(1, _TILE_WAVES // mx)
+        return [slice(start, min(start + step, end)) for start in range(0, end, step)]
 
     def _respond(self, waves: Waves, columns: slice) -> None:
-        """Replace the waves of strain by those of stress."""
+        """Replace the waves of strain by those of stress.
+
+        The shortest wave of an even number of cells has no sign: the mean over both is taken.
+        """
         qx, qy = self.wave_numbers
         mx, my = self.shape
-        qy = qy[columns]
-        tile = np.empty((*waves.shape[:2], 2, *waves.shape[2:]), dtype=self.dtype)
-        for place, component in enumerate(waves):
-            # Shears with z are divided by the imaginary unit.
-            if place in (3, 4):
-                tile[place, :, 0] = component.imag
-                np.negative(component.real, out=tile[place, :, 1])
-            else:
-                tile[place, :, 0] = component.real
-                tile[place, :, 1] = component.imag
+        row = mx // 2 if mx % 2 == 0 else None
+        column = my // 2 - columns.start if my % 2 == 0 and 2 * columns.stop > my else None
+        tile = self._load(waves, row, column)
+        qx = qx if row is None else np.append(qx, -qx[row])
+        qy = qy[columns] if column is None else np.append(qy[columns], -qy[my // 2])
         if self.damp is not None:
             tile *= self.damp(qx[:, np.newaxis], qy).astype(self.dtype)
-        axes = (1,) if 2 * columns.start == my else ()
-        row = slice(mx // 2, mx // 2 + 1)
-        edge = tile[:, :, :, row].copy() if mx % 2 == 0 else None
-        self._sweep_even(tile, qx, qy, axes)
-        if edge is not None:
-            self._sweep_even(edge, qx[row], qy, (0, *axes))
-            tile[:, :, :, row] = edge
+        sweep(tile, WaveVectors(qx, qy, self.thicknesses, self.dtype), self.poisson)
+        if row is not None:
+            tile[..., row, :] = 0.5 * (tile[..., row, :] + tile[..., -1, :])
+        if column is not None:
+            tile[..., column] = 0.5 * (tile[..., column] + tile[..., -1])
+        self._store(tile[..., :mx, : waves.shape[3]], waves)
+
+    def _load(self, waves: Waves, row: int | None, column: int | None) -> RealArray:
+        """Return the waves by real and imaginary parts, with a row and a column again behind them."""
+        components, layers, rows, columns = waves.shape
+        more_rows, more_columns = int(row is not None), int(column is not None)
+        tile = np.empty((components, layers, 2, rows + more_rows, columns + more_columns), dtype=self.dtype)
+        kept = tile[..., :rows, :columns]
         for place, component in enumerate(waves):
-            if place in (3, 4):
+            if place in _TURNED:
+                kept[place, :, 0] = component.imag
+                np.negative(component.real, out=kept[place, :, 1])
+            else:
+                kept[place, :, 0] = component.real
+                kept[place, :, 1] = component.imag
+        if row is not None:
+            tile[..., -1, :columns] = tile[..., row, :columns]
+        if column is not None:
+            tile[..., -1] = tile[..., column]
+        return tile
+
+    @staticmethod
+    def _store(tile: RealArray, waves: Waves) -> None:
+        """Put real and imaginary parts into waves."""
+        for place, component in enumerate(waves):
+            if place in _TURNED:
                 np.negative(tile[place, :, 1], out=component.real)
                 component.imag = tile[place, :, 0]
             else:
                 component.real = tile[place, :, 0]
                 component.imag = tile[place, :, 1]
-
-    def _sweep_even(self, tile: RealArray, qx: Array, qy: Array, axes: tuple[int, ...]) -> None:
-        """Sweep waves, of which those of half the sampling wave number have no sign: the mean over both is taken."""
-        waves = WaveVectors(qx, qy, self.thicknesses, self.dtype)
-        mirrors = [np.ones(6)]
-        for axis in axes:
-            mirrors += [mirror * _MIRRORED[axis] for mirror in mirrors]
-        if len(mirrors) == 1:
-            sweep(tile, waves, self.poisson)
-            return
-        total = np.zeros_like(tile)
-        for mirror in mirrors:
-            signs = mirror.astype(self.dtype).reshape(6, 1, 1, 1, 1)
-            mirrored = tile * signs
-            sweep(mirrored, waves, self.poisson)
-            total += mirrored * signs
-        tile[...] = total / len(mirrors)
 
 
 @attrs.frozen(eq=False)
@@ -221,7 +224,7 @@ class PressureWaves:
         def work(layer: int) -> None:
             for place, factor in enumerate(self._list_factors(layer)):
                 stress[place, layer] = scipy.fft.irfft2(
-                    factor * (turned if place in (3, 4) else waves), s=self.shape, overwrite_x=True
+                    factor * (turned if place in _TURNED else waves), s=self.shape, overwrite_x=True
                 )
 
         map_tiles(work, range(self.thicknesses.size))
@@ -236,7 +239,7 @@ class PressureWaves:
             total: Waves = np.zeros(self._waves.q.shape, dtype=np.complex128)
             for place, factor in enumerate(self._list_factors(layer)):
                 if strain[place, layer].any():
-                    weight = self.thicknesses[layer] * (-2j if place in (3, 4) else 2.0 if place == 5 else 1.0)
+                    weight = self.thicknesses[layer] * (-2j if place in _TURNED else 2.0 if place == 5 else 1.0)
                     total += scipy.fft.rfft2(strain[place, layer]) * (weight * factor)
             return total
 

@@ -83,6 +83,7 @@ def limit_of_memory(value: float | str | None) -> int | None:
     return None if value is None else int(number(value, what, "bytes", at_least=1.0))
 
 
+@guarded
 def require_memory(needed: float, what: str, advice: str | Callable[[int], str], limit: int | None = None) -> None:
     """Raise `NotEnoughMemory` if `needed` exceeds the memory available to this process, 36 GiB if unknown, or `limit`.
 
