@@ -57,7 +57,7 @@ def test_first_yield_at_1_60(pressed):
     z = np.linspace(0.3, 0.7, 401)
     stress = mises(*pressed[1].on_axis(z))
     assert abs(z[stress.argmax()] - 0.48) < 0.01
-    # The unit of load is 1.60 Y rounded; the least load that the steps start from is below it.
+    # The unit of load is 1.60 Y rounded; the load that the steps start from is below it.
     assert abs(FIRST / stress.max() - 1.612) < 0.006
     assert stress.max() * hertz_radius(ELASTIC_LOAD) < 1
 
