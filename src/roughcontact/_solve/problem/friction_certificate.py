@@ -20,6 +20,7 @@ from roughcontact._solve.problem.strengths import StrengthBound
 from roughcontact._solve.problem.task import make_task, pressure_unit
 from roughcontact._solve.solution import (
     ContactSolution,
+    CoupledProcess,
     FrictionalResiduals,
     FrictionalState,
     Governed,
@@ -278,6 +279,11 @@ def require_frictional(problem: Scene, passing: Collection[str] = ("slip",)) -> 
     if problem.adhesion is not None:
         raise InputError(f"Friction with adhesion is not known: omit {argument('adhesion')}.")
     for law in problem.laws:
+        if isinstance(law, CoupledProcess):
+            raise InputError(
+                f"{law!r} is solved with the pressure, but not with the tractions of friction: omit it, or follow "
+                "normal loads."
+            )
         if law.keeps_modulus and (not law.rates or set(passing).intersection(law.rates)):
             continue
         if "slip" in law.rates:

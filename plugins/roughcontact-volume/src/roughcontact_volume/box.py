@@ -1,0 +1,111 @@
+"""The box of a plastic zone: layers of cells below the surface, as deep as the material yields."""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+
+import numpy as np
+import roughcontact as rc
+from roughcontact.typing import Array, si
+
+from roughcontact_volume.operators import VolumeOperators
+from roughcontact_volume.radial_return import find_equivalent
+from roughcontact_volume.yielding import Yielding
+
+# Thickness of the uppermost layer over the side of a cell, and of each layer over that above it: measured, they cost
+# half of equal layers and lose nothing.
+_FIRST_LAYER = 0.7
+_GROWTH = 1.15
+# The same of the layers in which an elastic stress is looked through, and their depth over the larger side of the grid.
+_GROWTH_OF_PROBE = 1.5
+_DEEPEST = 1.0
+# Von Mises stress of an elastic contact over the yield stress, down to which the first box reaches.
+_LOWEST_STRESS = 0.8
+# Depth of a box that grows, over its depth before.
+_DEEPENING = 1.5
+
+
+def list_layers(grid: rc.Grid, count: int) -> Array:
+    """Return the thicknesses of the layers of a box, from the surface down, m."""
+    return np.asarray(_FIRST_LAYER * _find_side(grid) * _GROWTH ** np.arange(float(count)))
+
+
+def count_layers(grid: rc.Grid, depth: float) -> int:
+    """Return the number of layers that reach to a depth, m."""
+    ratio = depth / (_FIRST_LAYER * _find_side(grid))
+    # A rounding more is not a layer more.
+    return max(1, math.ceil(math.log1p(ratio * (_GROWTH - 1.0)) / math.log(_GROWTH) - 1e-9))
+
+
+def count_deeper(grid: rc.Grid, count: int) -> int:
+    """Return the number of layers of a box that is half as deep again; `InputError` beyond what a grid resolves."""
+    depth = _DEEPENING * float(list_layers(grid, count).sum())
+    require_depth(grid, depth)
+    return max(count + 1, count_layers(grid, depth))
+
+
+def require_depth(grid: rc.Grid, depth: float) -> None:
+    """Raise `InputError` if a plastic zone is deeper than the grid is wide."""
+    deepest = _DEEPEST * max(grid.size)
+    if depth > _DEEPENING * deepest:
+        raise rc.InputError(
+            f"The material yields deeper than {si(deepest, 'm')}, the side of the grid: its load yields the bulk. "
+            "Choose a smaller load, or a larger grid."
+        )
+
+
+def find_yield_depth(grid: rc.Grid, boundary: rc.Boundary, material: Yielding, pressure: Array) -> float:
+    """Return the depth down to which an elastic half-space is near its yield stress, m; zero where it is nowhere.
+
+    Parameters
+    ----------
+    grid, boundary
+        The grid of the surface and its boundary.
+    material
+        The material.
+    pressure
+        The pressure, Pa, shape (nx, ny).
+    """
+    ends = probe_layers(grid)
+    largest = find_largest_below(grid, boundary, material, pressure)
+    deep = np.flatnonzero(largest > _LOWEST_STRESS * material.yield_stress)
+    if not deep.size:
+        return 0.0
+    lowest = int(deep[-1])
+    if lowest == len(ends) - 1:
+        require_depth(grid, math.inf)
+    return float(np.cumsum(ends)[lowest])
+
+
+def probe_layers(grid: rc.Grid) -> Array:
+    """Return the thicknesses of the layers in which an elastic stress is looked through, m."""
+    first = _FIRST_LAYER * _find_side(grid)
+    ratio = _DEEPEST * max(grid.size) / first
+    count = math.ceil(math.log1p(ratio * (_GROWTH_OF_PROBE - 1.0)) / math.log(_GROWTH_OF_PROBE))
+    return np.asarray(first * _GROWTH_OF_PROBE ** np.arange(float(count)))
+
+
+def find_largest_below(grid: rc.Grid, boundary: rc.Boundary, material: Yielding, pressure: Array) -> Array:
+    """Return the largest von Mises stress in each of `probe_layers` of an elastic half-space, Pa."""
+    layers = tuple(probe_layers(grid).tolist())
+    stress = make_operators(grid, boundary, layers, material.young, material.poisson).press(pressure)
+    return np.asarray(find_equivalent(stress).max(axis=(1, 2)))
+
+
+def find_operators(grid: rc.Grid, boundary: rc.Boundary, count: int, material: Yielding) -> VolumeOperators:
+    """Return the operators of a box of as many layers."""
+    layers = tuple(list_layers(grid, count).tolist())
+    return make_operators(grid, boundary, layers, material.young, material.poisson)
+
+
+@lru_cache(maxsize=4)
+def make_operators(
+    grid: rc.Grid, boundary: rc.Boundary, layers: tuple[float, ...], young: float, poisson: float
+) -> VolumeOperators:
+    """Return the operators of layers, which are prepared once."""
+    return VolumeOperators(grid, boundary, np.array(layers), young, poisson)
+
+
+def _find_side(grid: rc.Grid) -> float:
+    return math.sqrt(grid.resolved.cell_area)

@@ -1,0 +1,42 @@
+"""What plastic flow below the surface is not solved with."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import roughcontact as rc
+
+from roughcontact_volume.yielding import Yielding
+
+_KERNELS = (rc.Love, rc.FourierHalfSpace)
+
+
+def require_possible(problem: Any) -> None:
+    """Raise `InputError` where a problem has another part with which plastic flow is not solved."""
+    materials = (problem.body.material, problem.counterbody.material)
+    if all(isinstance(material, Yielding) for material in materials):
+        raise rc.InputError(
+            "Both bodies are Plastic, but only one of them may flow below its surface: make the harder one Elastic."
+        )
+    if any(np.isfinite(np.asarray(material.pressure_limit)).any() for material in materials):
+        raise rc.InputError(
+            "A hardness beside a Plastic body would count its flow twice, as the limit of the pressure that the flow "
+            "below the surface gives by itself: make the other body Elastic."
+        )
+    if any(isinstance(material, rc.Viscoelastic) for material in materials):
+        raise rc.InputError("Plastic flow is not solved together with relaxation: make the other body Elastic.")
+    kernel = problem.plan.kernel
+    if not isinstance(kernel, _KERNELS):
+        raise rc.InputError(
+            f"The stress below the surface is known for a homogeneous half-space, but not for the kernel {kernel!r}: "
+            "omit kernel=, or make the body Elastic."
+        )
+    if problem.boundary is rc.Boundary.WRAPPED:
+        raise rc.InputError(
+            "A wrapped boundary has the nearest images of the pressure alone, which a plastic zone is not solved for: "
+            "choose 'free' or 'periodic'."
+        )
+    if len(problem.laws) > 1:
+        others = ", ".join(repr(law) for law in problem.laws if not law.of_material)
+        raise rc.InputError(f"Plastic flow is not solved together with other laws: omit {others}.")
