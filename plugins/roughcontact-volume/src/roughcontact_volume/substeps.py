@@ -75,8 +75,10 @@ class PlasticState:
 
 def deepen(values: Array, count: int) -> Array:
     """Return values of layers, shape (..., nz, nx, ny), with zeros in the layers below."""
-    rest = np.zeros((*values.shape[:-3], count - values.shape[-3], *values.shape[-2:]))
-    return np.concatenate((values, rest), axis=-3)
+    # Pages of zeros that are only read take no memory.
+    deeper = np.zeros((*values.shape[:-3], count, *values.shape[-2:]))
+    deeper[..., : values.shape[-3], :, :] = values
+    return deeper
 
 
 @attrs.frozen(eq=False)
@@ -148,13 +150,14 @@ class SubstepMarch:
         Where the load does not change, an increment is not divisible.
         """
         unchanged = np.zeros(len(ANSWERS))
+        state = state.rest()
         if state.layers == 1 and not state.accumulated_strain.any():
             state = self._choose_box(state)
             if state.layers == 1:
                 return state, unchanged
         run = self._run(state, (NO_FLOW,))
         if not is_divisible or not run.flows[0].is_any:
-            return run.state if run.flows[0].is_any else state.rest(), unchanged
+            return run.state if run.flows[0].is_any else state, unchanged
         before, change = unchanged, unchanged
         while len(run.flows) < _MAX_SUBSTEPS:
             halves = [half for flow in run.flows for half in [flow.halve()] * 2]
