@@ -131,6 +131,7 @@ class Inclusions(rc.CoupledProcess):
         "bounds": (f"{', '.join(_BOUNDS)} with the softer and with the stiffer mixture of cut cells", ""),
     }
     default_area: ClassVar[str] = ""
+    keeps_bodies: ClassVar[bool] = False
 
     def start(self, problem: Any) -> Memory:
         """Return no eigenstrain; see `CoupledProcess.start`."""
