@@ -16,6 +16,7 @@ from roughcontact_volume import (
     Inclusions,
     MaterialField,
     Sphere,
+    StrainedRegion,
     draw_moduli,
     find_inclusion_answers,
 )
@@ -307,6 +308,12 @@ def test_answers_of_uniform_bodies_are_refused(response):
     assert state.area().fraction > 0.1
 
 
+def test_another_strain_of_the_body_is_refused():
+    region = StrainedRegion(Sphere(3e-5), 1e-3, centre=(0.0, 0.0, 7e-5))
+    with pytest.raises(rc.InputError, match="without other strain below its surface"):
+        _make_problem([Inclusions([_make_sphere(1.5)]), region]).solve(force=FORCE)
+
+
 def test_friction_is_refused():
-    with pytest.raises(rc.InputError):
+    with pytest.raises(rc.InputError, match="not with the tractions of friction"):
         _make_problem(Inclusions([_make_sphere(1.5)])).path(force=[FORCE], tangential_force=[(0.01, 0.0)], friction=0.3)
