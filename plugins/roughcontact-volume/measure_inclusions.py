@@ -1,7 +1,7 @@
-"""Measure how often inclusions on a finer grid lie within the uncertainty of a coarse one: ``measure_inclusions.py 40``.
+"""Measure how often inclusions on a finer grid lie within the uncertainty of a coarse one.
 
-Random inclusions below a ball: contrast, shape, Poisson's ratio, place, boundary. Prints a line for each, and at the end
-the fractions within one and two uncertainties; some minutes of one core.
+``python measure_inclusions.py 40`` presses a ball on as many random inclusions: contrast, shape, Poisson's ratio, place,
+boundary. It prints the errors over their uncertainties, and the fractions within one and two; some minutes of one core.
 """
 
 from __future__ import annotations
