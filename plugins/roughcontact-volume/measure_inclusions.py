@@ -1,7 +1,8 @@
 """Measure how often inclusions on a finer grid lie within the uncertainty of a coarse one.
 
-``python measure_inclusions.py 40`` presses a ball on as many random inclusions: contrast, shape, Poisson's ratio, place,
-boundary. It prints the errors over their uncertainties, and the fractions within one and two; some minutes of one core.
+``python measure_inclusions.py 40`` presses a ball on as many random inclusions, whose contrast, shape, Poisson's ratio,
+place and boundary vary. It prints the errors over their uncertainties, and the fractions within one and two; some
+minutes of one core.
 """
 
 from __future__ import annotations
