@@ -30,8 +30,8 @@ NAMES = ("approach", "peak_pressure", "von_mises")
 def draw_case(seed: int) -> tuple[Inclusion, str]:
     """Return an inclusion and a boundary."""
     random = np.random.default_rng(seed)
-    contrast = float(10.0 ** random.uniform(-0.95, 0.95))
-    poisson = POISSON if random.integers(2) else float(random.uniform(0.2, 0.35))
+    contrast = float(10.0 ** random.uniform(-0.85, 0.85))
+    poisson = POISSON if random.integers(2) else float(random.uniform(0.25, 0.35))
     halves = random.uniform(0.25, 0.6, 3) * CONTACT
     kind = int(random.integers(3))
     shape: Shape = Sphere(halves[0])
