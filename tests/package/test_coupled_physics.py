@@ -184,3 +184,67 @@ def test_what_is_not_solved_with_it_is_refused(others, sentence):
     problem = rc.ContactProblem(rc.Body(rc.SphereSurface(radius=1e-3), Bedded()), grid=GRID, **others)
     with pytest.raises(rc.InputError, match=sentence):
         problem.solve(force=1.0)
+
+
+@attrs.frozen
+class Buried(rc.Process):
+    """A law that has changed what lies below a surface and its heights, and knows the error of an answer."""
+
+    limits: tuple[str, ...] = ()
+    remembered: ClassVar = {"loss": ("height lost", "m")}
+    left_behind: ClassVar = "what is buried"
+
+    def change_gap(self, problem, increment, memory):
+        return memory["loss"]
+
+    def remember(self, state, increment, memory):
+        return {"loss": memory["loss"] + 1e-8 * (state.pressure > 0.0)}
+
+    def divide(self, problem, memory):
+        return memory["loss"], 0.0
+
+    def list_errors(self, state, memory):
+        return {"peak-pressure": 1e8}
+
+    def explain_limits(self, memory):
+        return dict.fromkeys(self.limits, "something is buried there")
+
+
+@pytest.mark.parametrize(
+    ("limit", "refused", "answered"),
+    [
+        ("inner stress", ["stress", "first-yield"], ["stiffness", "tangential-stiffness"]),
+        ("inner flow", ["stiffness", "tangential-stiffness", "gradient"], ["stress", "unloading"]),
+        ("inner moduli", ["stiffness", "tangential-stiffness", "gradient", "unloading"], ["stress"]),
+    ],
+)
+def test_answers_are_refused_that_do_not_know_what_a_law_does_below(limit, refused, answered):
+    asked = {
+        "stress": rc.responses.create("stress", [1e-5]),
+        "first-yield": rc.responses.create("first-yield", "1GPa"),
+        "stiffness": rc.responses.create("stiffness"),
+        "unloading": rc.responses.create("stiffness", unloading=True),
+        "tangential-stiffness": rc.responses.create("tangential-stiffness"),
+        "gradient": rc.responses.create("gradient", "approach"),
+    }
+    state = press(Buried((limit,))).solve(force=2.0)
+    plain = press(Buried()).solve(force=2.0)
+    for name in refused:
+        with pytest.raises(rc.InputError, match="is not known for this contact: something is buried there"):
+            state.response(asked[name])
+    for name in answered:
+        assert str(state.response(asked[name])) == str(plain.response(asked[name]))
+
+
+def test_a_law_adds_its_errors_to_the_uncertainty():
+    state = press(Buried()).solve(force=2.0)
+    plain = press().solve(force=2.0).peak_pressure()
+    assert state.peak_pressure().uncertainty == pytest.approx(np.hypot(plain.uncertainty, 1e8), rel=1e-6)
+    assert state.response("patches").uncertainty == press().solve(force=2.0).response("patches").uncertainty
+
+
+def test_bodies_warn_of_what_is_not_in_their_heights():
+    path = press(Buried()).path(force=[2.0, 0.0])
+    with pytest.warns(rc.ContactWarning, match="but not what is buried: extend the path"):
+        body, _ = path.bodies
+    assert body.heights(GRID).min() < 0.0

@@ -111,6 +111,15 @@ class Addition(abc.ABC):
         return frozenset({self.kind})
 
     @property
+    def limits(self) -> Mapping[str, str]:
+        """Why some responses do not hold, by what they do not know of it; see `Response.fails_with`."""
+        return {}
+
+    def list_errors(self, state: Any) -> dict[str, float]:
+        """Return what it adds to the uncertainty of responses of a state, by registered name and in their unit."""
+        return {}
+
+    @property
     def default_area(self) -> str:
         """Registered name of the area estimator of the state, if the usual one does not hold; empty: it does."""
         return ""
