@@ -12,10 +12,10 @@ from typing import Any
 
 import numpy as np
 import roughcontact as rc
-from roughcontact_volume.box import list_layers
 
 from judge import WEIGHTS, HalfSpace, State, Verdict, judge
 from roughcontact_volume import LinearHardening, Plastic, SwiftHardening, TabulatedHardening, VoceHardening
+from roughcontact_volume.box import list_layers
 
 # Admissible violations of the flow on a periodic and on a free boundary, where images are removed but for a
 # thousandth of the residual stress, and of the contact, whose tolerance follows that of the flow.

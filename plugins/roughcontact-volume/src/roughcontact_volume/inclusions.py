@@ -34,9 +34,9 @@ Memory = Mapping[str, Array]
 # Largest violation of the law of a material, over the largest stress: of the state, and of the bounds of its numbers.
 _TOLERANCE = 1e-5
 _BOUND_TOLERANCE = 1e-4
-# Error of a contact over that of the eigenstrain, and its largest.
-# Largest error with which a state counts as solved.
+# Largest violation with which a state counts as solved.
 _MAX_ERROR = 1e-3
+# Error of a contact over that of the eigenstrain, and its largest.
 _INNER_ERROR = 0.03
 _LOOSEST_INNER = 1e-3
 _MEANING = (
