@@ -95,9 +95,8 @@ class TestLoading:
 
     def test_substeps_state_their_error(self):
         force = 5.0 * FIRST_FORCE
-        coarse, fine = (make_ball(accuracy=accuracy).solve(force=force) for accuracy in (0.5, 0.008))
+        coarse, fine = (make_ball(cells=11, width=5.0, accuracy=one).solve(force=force) for one in (0.5, 0.02))
         stated = numbers(coarse)
-        assert 0.0 < numbers(fine)["step_error_of_imprint"] < 0.7 * stated["step_error_of_imprint"]
         for error, one, other in (
             (stated["step_error_of_approach"], coarse.approach, fine.approach),
             (stated["step_error_of_maximum_pressure"], coarse.pressure.max(), fine.pressure.max()),
@@ -107,10 +106,10 @@ class TestLoading:
 
     def test_work_of_a_cycle_is_plastic_work_and_what_is_left_in_the_residual_stress(self):
         deepest = 6.0 * FIRST_RADIUS**2 / RADIUS
-        up = np.linspace(0.0, deepest, 9)[1:]
-        problem = make_ball(cells=17, width=7.0, accuracy=1.0)
+        up = np.linspace(0.0, deepest, 8)[1:]
+        problem = make_ball(cells=13, width=7.0, accuracy=1.0)
         loading = problem.path(approach=up)
-        down = np.linspace(deepest, 0.0, 21)[1:]
+        down = np.linspace(deepest, 0.0, 17)[1:]
         unloading = loading.extend(approach=down)
         approach = np.append(0.0, unloading.approach)
         force = np.append(0.0, unloading.force)
@@ -178,14 +177,14 @@ class TestConditions:
 
 
 class TestInvariance:
-    @pytest.mark.parametrize("boundary", ["free", "periodic"])
+    @pytest.mark.parametrize("boundary", [("free", "free"), ("periodic", "periodic"), ("free", "periodic")])
     def test_transposed(self, boundary):
         force = 4.0 * FIRST_FORCE
         size = (5.0 * FIRST_RADIUS, 7.0 * FIRST_RADIUS)
         # Cells of about 1 : 3.
         one, other = (
-            make_ball(grid=rc.Grid(shape, sides), boundary=boundary).solve(force=force)
-            for shape, sides in (((21, 10), size), ((10, 21), size[::-1]))
+            make_ball(grid=rc.Grid(shape, sides), boundary=words).solve(force=force)
+            for shape, sides, words in (((21, 10), size, boundary), ((10, 21), size[::-1], boundary[::-1]))
         )
         strain = read(other)["plastic_strain"].swapaxes(-1, -2)[[1, 0, 2, 4, 3, 5]]
         assert read(one)["plastic_strain"] == pytest.approx(strain, abs=2e-4 * np.abs(strain).max())
@@ -234,6 +233,18 @@ class TestBox:
         assert np.all(second[: len(first)] >= first)
         assert not second[-1].any()
 
+    def test_holds_a_flow_in_the_uppermost_layer_alone(self):
+        # A single cell presses on a flat of long cells.
+        heights = np.zeros((9, 8))
+        heights[4, 4] = 1e-7
+        peak = rc.Body(rc.HeightMap(heights, ("100um", "100um")), rc.Rigid())
+        flat = rc.Body(rc.FlatSurface(), Plastic(YOUNG, 0.0, LIMIT, "4GPa", accuracy=1.0))
+        found = rc.ContactProblem(peak, flat).solve(force=1.5 * LIMIT * (1e-4 / 8.0) * (1e-4 / 9.0))
+        memory = read(found)
+        assert len(memory["accumulated_strain"]) > 1
+        assert memory["accumulated_strain"][0].any()
+        assert found.certificate["plastic flow"].residual < 2e-4
+
     def test_a_deeper_one_changes_nothing(self, monkeypatch):
         force = 4.0 * FIRST_FORCE
         one = make_ball().solve(force=force)
@@ -256,7 +267,7 @@ class TestBox:
 
 class TestPasses:
     def test_strain_falls_from_pass_to_pass_in_the_frame_of_the_body(self):
-        # A ball rolls to and fro along a track.
+        # A ball rolls along a track, again and again.
         grid = rc.Grid((24, 12), (9.6 * FIRST_RADIUS, 4.8 * FIRST_RADIUS))
         track = [(cells, 0) for cells in (-4, -2, 0, 2, 4)]
         shifts = 3 * track
@@ -303,7 +314,6 @@ class TestRefusals:
             ),
             (lambda problem: attrs.evolve(problem, laws=rc.Archard("1e-16m2/N")), "other laws"),
             (lambda problem: attrs.evolve(problem, boundary="wrapped"), "wrapped"),
-            (lambda problem: attrs.evolve(problem, boundary=("free", "periodic")), "free or periodic"),
             (lambda problem: attrs.evolve(problem, adhesion=rc.Exponential(work=0.05, range=2e-9)), "adhesion"),
         ],
     )
@@ -322,9 +332,37 @@ class TestRefusals:
         with pytest.raises(rc.InputError, match="yields the bulk"):
             problem.solve(pressure="1GPa")
 
+    def test_a_flow_that_is_not_found(self, monkeypatch):
+        monkeypatch.setattr("roughcontact_volume.step._MAX_EVALUATIONS", 2)
+        with pytest.raises(rc.NotConverged, match="not found after 2 stresses"):
+            make_ball().solve(force=5.0 * FIRST_FORCE)
+
     def test_a_side_of_another_name(self):
         with pytest.raises(rc.InputError, match="The body that flows"):
             PlasticFlow("left")
+
+
+@pytest.mark.slow
+def test_ball_against_finite_elements():
+    # Axisymmetric elements of 1/24 of the radius and 8 substeps: F = 10.07 at w = 5, 1.095 unloaded to w = 2, in units
+    # of first yield; residual stress on the axis -0.42 Y.
+    approach = FIRST_RADIUS**2 / RADIUS
+    flat = rc.Body(rc.FlatSurface(), Plastic(200.0 * LIMIT, POISSON, LIMIT, 4.0 * LIMIT, accuracy=0.005))
+    scale = YOUNG / (200.0 * LIMIT)
+    radius = FIRST_RADIUS * scale
+    ball = rc.Body(rc.ParaboloidSurface(RADIUS), rc.Rigid())
+    problem = rc.ContactProblem(ball, flat, grid=rc.Grid((37, 37), 37 * 2.42 * radius / 8.0))
+    places = np.array([1.0, 2.0, 3.0, 5.0, 2.0, 0.0, 5.0])
+    path = problem.path(approach=places * approach * scale**2)
+    force = path.force / (FIRST_FORCE * scale**2)
+    assert force == pytest.approx([1.0, 2.778, 4.946, 10.07, 1.095, 0.0, 10.07], rel=0.02)
+    assert force[3] == pytest.approx(10.07, rel=0.004)
+    assert np.array_equal(read(path[6])["accumulated_strain"], read(path[3])["accumulated_strain"])
+    memory = read(path[5])["plastic_strain"]
+    layers = list_layers(path[0].grid, memory.shape[1])
+    residual = VolumeOperators(path[0].grid, rc.Boundary.FREE, layers, 200.0 * LIMIT, POISSON).find_stress(memory)
+    assert residual[0, :, 18, 18].min() / LIMIT == pytest.approx(-0.42, abs=0.03)
+    assert numbers(path[3])["plastic_strain"] == pytest.approx(0.00824, rel=0.02)
 
 
 def test_hardening_bounds_the_strain():

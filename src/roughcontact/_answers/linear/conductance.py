@@ -141,6 +141,7 @@ class ContactConductance(Response[Conductance]):
     """
 
     holds_with = frozenset({"tension", "shear"})
+    fails_with = frozenset({"inner moduli"})
     flagged_factor = 0.5
     reads = "contact pressure"
 

@@ -30,12 +30,20 @@ class Condition(ShownAsPrinted):
         What the residual is, and over which scale, in words.
     judges
         Whether the residual is one of the `Certificate.error`.
+    tolerance
+        Of a condition that a law adds, the largest residual with which a state counts as solved; None: any.
     """
 
     name: str
     residual: float = attrs.field(converter=float)
     meaning: str
     judges: bool = True
+    tolerance: float | None = None
+
+    @property
+    def holds(self) -> bool:
+        """Whether the residual is within the tolerance."""
+        return self.tolerance is None or self.residual <= self.tolerance
 
     def __str__(self) -> str:
         return f"{self.name} {self.residual:.1e}"

@@ -223,6 +223,9 @@ class Governed(Addition):
         if stated_numbers.keys() != found_numbers.keys() or self.elapsed < self.time or self.slid < self.sliding:
             raise InputError("Its numbers contradict its laws.")
         pairs += [(name, np.array(stated_numbers[name]), np.array(found)) for name, found in found_numbers.items()]
+        for one in again.conditions:
+            if not one.holds:
+                raise InputError(f"Its {one.name} is violated by {one.residual:.1e}: {one.meaning}.")
         for name, stated_field, found_field in pairs:
             scale = float(np.abs(found_field).max())
             if not np.abs(stated_field - found_field).max() <= _MACHINE_DIFFERENCE * scale:
@@ -336,8 +339,10 @@ class Governed(Addition):
         )
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # Arrays in pickles and deep copies are writable: the checks make them read-only again.
-        return _restore, (attrs.asdict(self, recurse=False),)
+        # Arrays in pickles and deep copies are writable: the checks make them read-only again. A read-only view of a
+        # mapping has no pickle.
+        memories = {name: tuple(map(dict, getattr(self, name))) for name in ("before", "memory")}
+        return _restore, (attrs.asdict(self, recurse=False) | memories,)
 
 
 def _restore(fields: dict[str, Any]) -> Governed:
