@@ -1,4 +1,4 @@
-"""The residual stress on a free half-space: that of a period, less the field of its images, which is smooth."""
+"""The residual stress in a domain that is free: that of a period, less the field of its images, which is smooth."""
 
 from __future__ import annotations
 
@@ -15,6 +15,8 @@ from roughcontact_volume.spectra import Period
 _GAP = 12
 # Points of the coarse plane along the shorter side of a period, about.
 _POINTS = 11
+# Points along an axis, at least: those of cubic interpolation, and one.
+_LEAST_POINTS = 5
 # Ratio of the period that stands for no images to that of which they are removed.
 _RATIO = 3
 # The waves of the coarse planes that are damped, in radians from point to point.
@@ -38,7 +40,7 @@ def _is_fast(length: int) -> bool:
 
 @attrs.frozen(eq=False)
 class FreePlane:
-    """The residual stress of eigenstrains in a domain of a half-space that is free beyond it.
+    """The residual stress of eigenstrains in a domain that is free beyond its border, along one axis or both.
 
     Attributes
     ----------
@@ -50,6 +52,8 @@ class FreePlane:
         Poisson's ratio.
     dtype
         Precision inside.
+    repeats
+        Whether the domain repeats along x, and along y: not along both.
     """
 
     shape: tuple[int, int]
@@ -57,11 +61,15 @@ class FreePlane:
     thicknesses: Array
     poisson: float
     dtype: type[np.floating] = np.float64
+    repeats: tuple[bool, bool] = (False, False)
 
     @cached_property
     def period(self) -> Period:
-        """The period of about twice the domain, of odd lengths, of which no wave is without a sign."""
-        mx, my = (odd_length(max(2 * n - 1, n + _GAP)) for n in self.shape)
+        """The period: along a free axis about twice the domain, of odd length, so that all its waves have a sign."""
+        mx, my = (
+            n if repeats else odd_length(max(2 * n - 1, n + _GAP))
+            for n, repeats in zip(self.shape, self.repeats, strict=True)
+        )
         return Period((mx, my), self.spacing, self.thicknesses, self.poisson, self.dtype)
 
     @cached_property
@@ -69,11 +77,14 @@ class FreePlane:
         """What is subtracted: the fields of nearer and of farther images."""
         lengths = [m * side for m, side in zip(self.period.shape, self.spacing, strict=True)]
         farthest = _RATIO**2 * max(lengths)
+        free = [axis for axis in (0, 1) if not self.repeats[axis]]
         found = []
-        while min(lengths) < 0.5 * farthest:
-            side = min(lengths) / _POINTS
-            ratios = [_RATIO if min(lengths) * _RATIO > length else 1 for length in lengths]
-            points = [odd_length(length / side - 0.5) for length in lengths]
+        while (shortest := min(lengths[axis] for axis in free)) < 0.5 * farthest:
+            side = shortest / _POINTS
+            points = [odd_length(max(length / side - 0.5, _LEAST_POINTS)) for length in lengths]
+            ratios = [1, 1]
+            for axis in free:
+                ratios[axis] = _RATIO if shortest * _RATIO > lengths[axis] else 1
             found.append(SmoothImages(self, (lengths[0], lengths[1]), (points[0], points[1]), (ratios[0], ratios[1])))
             lengths = [length * ratio for length, ratio in zip(lengths, ratios, strict=True)]
         return found
@@ -118,8 +129,10 @@ class SmoothImages:
     @cached_property
     def _matrices(self) -> tuple[RealArray, RealArray]:
         along_x, along_y = (
-            _interpolate(n, spacing / side)
-            for n, spacing, side in zip(self.plane.shape, self.plane.spacing, self.sides, strict=True)
+            _interpolate(n, spacing / side, points)
+            for n, spacing, side, points in zip(
+                self.plane.shape, self.plane.spacing, self.sides, self.points, strict=True
+            )
         )
         return along_x, along_y
 
@@ -149,8 +162,8 @@ class SmoothImages:
             stress[:, layer] -= along_x @ near[:, layer] @ along_y.T
 
 
-def _interpolate(cells: int, step: float) -> Array:
-    """Return the matrix of cubic interpolation from points to cells, shape (cells, points).
+def _interpolate(cells: int, step: float, period: int) -> Array:
+    """Return the matrix of cubic interpolation from points to cells, shape (cells, points), points <= period.
 
     The step from cell to cell is in distances of points; a point lies in the middle of the cells, so that the map is
     the same in a mirror.
@@ -168,6 +181,6 @@ def _interpolate(cells: int, step: float) -> Array:
         ),
         axis=1,
     )
-    matrix = np.zeros((cells, int(first[-1]) + 4))
-    np.put_along_axis(matrix, first[:, np.newaxis] + np.arange(4), weights, axis=1)
+    matrix = np.zeros((cells, min(int(first[-1]) + 4, period)))
+    np.put_along_axis(matrix, (first[:, np.newaxis] + np.arange(4)) % period, weights, axis=1)
     return matrix

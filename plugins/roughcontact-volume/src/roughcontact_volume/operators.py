@@ -35,17 +35,17 @@ def _as_thicknesses(value: object) -> Array:
 
 
 def _as_boundary(value: object) -> rc.Boundary:
+    allowed = "free, periodic, free-periodic or periodic-free"
     try:
         boundary = rc.Boundary(value)  # type: ignore[arg-type]
     except ValueError:
-        raise rc.InputError.about("The boundary", value, "free or periodic") from None
-    if boundary not in (rc.Boundary.FREE, rc.Boundary.PERIODIC):
+        raise rc.InputError.about("The boundary", value, allowed) from None
+    if boundary is rc.Boundary.WRAPPED:
         raise rc.InputError.about(
             "The boundary of a body with strain below its surface",
             str(boundary),
-            "free or periodic",
-            "A wrapped domain has the nearest images alone, of which layers know nothing; along one axis alone images "
-            "are not removed.",
+            allowed,
+            "The waves of strain in layers have all images, not the nearest ones alone.",
         )
     return boundary
 
@@ -98,16 +98,16 @@ class VolumeOperators:
     points into the body.
 
     A periodic body has all images, its sides are held (no mean strain along x and y), and its maps are exact in depth
-    for waves that the grid resolves: the mean of both signs is taken of waves of two cells, which have none. A free
-    body has no images: S and U are by Love's cells, in closed form; T is that of a period twice as long, less the field
-    of its images, to about a thousandth of its maximum.
+    for waves that the grid resolves: the mean of both signs is taken of waves of two cells, which have none. Along a
+    free axis there are no images: S and U are by Love's cells, in closed form; T is that of a period twice as long,
+    less the field of its images, to about a thousandth of its maximum.
 
     Parameters
     ----------
     grid
         The cells.
     boundary
-        What lies beyond them: free or periodic.
+        What lies beyond them: free, periodic, free-periodic or periodic-free.
     thicknesses
         Thicknesses of the layers from the surface down, shape (nz,), m.
     young, poisson
@@ -193,13 +193,18 @@ class VolumeOperators:
 
     @cached_property
     def _pressed(self) -> PressureWaves | PressureTables:
-        kind = PressureWaves if self.boundary is rc.Boundary.PERIODIC else PressureTables
-        return kind(self.grid.shape, self.grid.spacing, self.thicknesses, self.poisson)
+        grid, repeats = self.grid, self.boundary.repeats
+        if all(repeats):
+            return PressureWaves(grid.shape, grid.spacing, self.thicknesses, self.poisson)
+        return PressureTables(grid.shape, grid.spacing, self.thicknesses, self.poisson, repeats)
 
     @cached_property
     def _strained(self) -> Period | FreePlane:
-        kind = Period if self.boundary is rc.Boundary.PERIODIC else FreePlane
-        return kind(self.grid.shape, self.grid.spacing, self.thicknesses, self.poisson, np.dtype(self.precision).type)
+        grid, repeats = self.grid, self.boundary.repeats
+        dtype = np.dtype(self.precision).type
+        if all(repeats):
+            return Period(grid.shape, grid.spacing, self.thicknesses, self.poisson, dtype)
+        return FreePlane(grid.shape, grid.spacing, self.thicknesses, self.poisson, dtype, repeats)
 
     @property
     def bytes_needed(self) -> int:

@@ -107,30 +107,27 @@ class Period:
     def _respond(self, waves: Waves, columns: slice) -> None:
         """Replace the waves of strain by those of stress.
 
-        The shortest wave of an even number of cells has no sign: the mean over both is taken.
+        The shortest wave of an even number of cells has no sign, and the mean over both is taken: along y by the
+        transform back, which drops what is imaginary, along x here.
         """
         qx, qy = self.wave_numbers
-        mx, my = self.shape
+        mx = self.shape[0]
         row = mx // 2 if mx % 2 == 0 else None
-        column = my // 2 - columns.start if my % 2 == 0 and 2 * columns.stop > my else None
-        tile = self._load(waves, row, column)
+        tile = self._load(waves, row)
         qx = qx if row is None else np.append(qx, -qx[row])
-        qy = qy[columns] if column is None else np.append(qy[columns], -qy[my // 2])
+        qy = qy[columns]
         if self.damp is not None:
             tile *= self.damp(qx[:, np.newaxis], qy).astype(self.dtype)
         sweep(tile, WaveVectors(qx, qy, self.thicknesses, self.dtype), self.poisson)
         if row is not None:
             tile[..., row, :] = 0.5 * (tile[..., row, :] + tile[..., -1, :])
-        if column is not None:
-            tile[..., column] = 0.5 * (tile[..., column] + tile[..., -1])
-        self._store(tile[..., :mx, : waves.shape[3]], waves)
+        self._store(tile[..., :mx, :], waves)
 
-    def _load(self, waves: Waves, row: int | None, column: int | None) -> RealArray:
-        """Return the waves by real and imaginary parts, with a row and a column again behind them."""
+    def _load(self, waves: Waves, row: int | None) -> RealArray:
+        """Return the waves by real and imaginary parts, with a row again behind them."""
         components, layers, rows, columns = waves.shape
-        more_rows, more_columns = int(row is not None), int(column is not None)
-        tile = np.empty((components, layers, 2, rows + more_rows, columns + more_columns), dtype=self.dtype)
-        kept = tile[..., :rows, :columns]
+        tile = np.empty((components, layers, 2, rows + (row is not None), columns), dtype=self.dtype)
+        kept = tile[..., :rows, :]
         for place, component in enumerate(waves):
             if place in _TURNED:
                 kept[place, :, 0] = component.imag
@@ -139,9 +136,7 @@ class Period:
                 kept[place, :, 0] = component.real
                 kept[place, :, 1] = component.imag
         if row is not None:
-            tile[..., -1, :columns] = tile[..., row, :columns]
-        if column is not None:
-            tile[..., -1] = tile[..., column]
+            tile[..., -1, :] = tile[..., row, :]
         return tile
 
     @staticmethod
@@ -185,13 +180,14 @@ class PressureWaves:
 
     @cached_property
     def _directions(self) -> tuple[Array, ...]:
-        """Squares and products of the cosines, and the cosines, without odd parts at half the sampling wave number."""
+        """Squares and products of the cosines, and the cosines, without odd parts of waves of two cells along x.
+
+        Those along y the transform back drops.
+        """
         x, y = (one.astype(np.float64) for one in self._waves.direction)
         squares = x * x, y * y
         if self.shape[0] % 2 == 0:
             x[self.shape[0] // 2] = 0.0
-        if self.shape[1] % 2 == 0:
-            y[:, -1] = 0.0
         return (*squares, x, y, x * y)
 
     def _list_factors(self, layer: int) -> list[Array]:
