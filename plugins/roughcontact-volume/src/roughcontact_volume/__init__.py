@@ -1,23 +1,34 @@
 """Plastic zones, residual stress and inclusions below the surfaces of rough contacts."""
 
+from roughcontact_volume.between_mixtures import InclusionAnswers, find_inclusion_answers
 from roughcontact_volume.flow import PlasticFlow
-from roughcontact_volume.hardening import (
-    Hardening,
-    LinearHardening,
-    SwiftHardening,
-    TabulatedHardening,
-    VoceHardening,
-)
+from roughcontact_volume.given_strains import ResidualStress, StrainedRegion
+from roughcontact_volume.hardening import Hardening, LinearHardening, SwiftHardening, TabulatedHardening, VoceHardening
+from roughcontact_volume.inclusions import Inclusion, Inclusions
+from roughcontact_volume.material_field import MaterialField, draw_moduli
 from roughcontact_volume.operators import VolumeOperators
 from roughcontact_volume.plastic import Plastic
+from roughcontact_volume.shapes import Cuboid, Ellipsoid, Shape, Sphere
 
 __all__ = [
+    "Cuboid",
+    "Ellipsoid",
     "Hardening",
+    "Inclusion",
+    "InclusionAnswers",
+    "Inclusions",
     "LinearHardening",
+    "MaterialField",
     "Plastic",
     "PlasticFlow",
+    "ResidualStress",
+    "Shape",
+    "Sphere",
+    "StrainedRegion",
     "SwiftHardening",
     "TabulatedHardening",
     "VoceHardening",
     "VolumeOperators",
+    "draw_moduli",
+    "find_inclusion_answers",
 ]

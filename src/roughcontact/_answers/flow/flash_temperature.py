@@ -11,7 +11,7 @@ import numpy as np
 from roughcontact._answers.areas.edges import pass_on_warnings, warn_if_uncertain
 from roughcontact._answers.flow.conduction import Conduction
 from roughcontact._answers.flow.partition import split_heat
-from roughcontact._answers.subsurface.stress import degrees
+from roughcontact._answers.subsurface.inputs import degrees
 from roughcontact._base.arrays import Array, Pair, read_only, restore_state, unit_vector
 from roughcontact._base.checks import number_or_array, pair
 from roughcontact._base.units import Estimate, Quantity, outlined, percent, si

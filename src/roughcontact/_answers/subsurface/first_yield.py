@@ -9,8 +9,16 @@ from typing import TypeAlias
 import attrs
 
 from roughcontact._answers.areas.edges import warn_if_uncertain
+from roughcontact._answers.subsurface.field import von_mises
+from roughcontact._answers.subsurface.inputs import (
+    SupportsResidualStress,
+    body_name,
+    coefficient,
+    degrees,
+    read_residual,
+)
 from roughcontact._answers.subsurface.maximum import StressMaximum
-from roughcontact._answers.subsurface.stress import StressBelow, body_name, coefficient, degrees
+from roughcontact._answers.subsurface.stress import StressBelow
 from roughcontact._base.arrays import Array
 from roughcontact._base.checks import number
 from roughcontact._base.units import Quantity, ShownAsPrinted, outlined, si
@@ -118,6 +126,8 @@ class FirstYield(Response[YieldPoint]):
         Coefficient of friction in full sliding, a number or shape (nx, ny); see `StressBelow`.
     direction
         Direction of the traction on the body, degrees from x towards y.
+    residual
+        Residual stress of the body by depth; see `StressBelow`.
 
     References
     ----------
@@ -132,10 +142,12 @@ class FirstYield(Response[YieldPoint]):
     body: str = attrs.field(default="body", converter=body_name)
     friction: Array | None = attrs.field(default=None, converter=coefficient, repr=outlined, metadata={"unit": ""})
     direction: float = attrs.field(default=0.0, converter=degrees)
+    residual: SupportsResidualStress | None = attrs.field(default=None, converter=read_residual)
 
     def respond(self, solution: ContactSolution) -> YieldPoint:
         """Return the load of first yield, searched from the load of the solution; see `Response.respond`."""
         problem = problem_of(solution)
+        self._require_strength()
         attraction = 0.0 if solution.tension is None else float(solution.tension.sum()) * solution.grid.cell_area
         if not solution.force > 0.0:
             solution = _press(problem, attraction)
@@ -165,9 +177,20 @@ class FirstYield(Response[YieldPoint]):
         estimate = warn_if_uncertain(force, relative * force, "N", maximum.warnings)
         return YieldPoint(estimate, maximum, contact, layer)
 
+    def _require_strength(self) -> None:
+        """Raise `InputError` where the residual stress alone makes the body yield."""
+        if self.residual is None:
+            return
+        largest = float(von_mises(self.residual.find_stress(self.residual.depth)).max())
+        if largest >= self.yield_stress:
+            raise InputError(
+                f"The residual stress alone makes the {self.body} yield: its von Mises stress is {si(largest, 'Pa')}, "
+                f"the yield stress {si(self.yield_stress, 'Pa')}."
+            )
+
     def _read(self, x: float, solution: ContactSolution) -> TriedLoad[_Peak]:
         """Return the load with the maximum stress of the layer that is nearest to its yield stress, or beyond it."""
-        below = StressBelow(None, self.body, friction=self.friction, direction=self.direction)
+        below = StressBelow(None, self.body, friction=self.friction, direction=self.direction, residual=self.residual)
         # Of many loads none is solved on coarser grids too.
         stress = below.respond(attrs.evolve(solution, uncertainty="model"))
         stated: tuple[float | None, ...] = getattr(stress._kernel, "yield_stresses", ())

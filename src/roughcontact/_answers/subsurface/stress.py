@@ -22,6 +22,17 @@ from roughcontact._answers.subsurface.field import (
     maximum_shear,
     von_mises,
 )
+from roughcontact._answers.subsurface.inputs import (
+    MAX_LOAD_RATIO,
+    SupportsResidualStress,
+    body_name,
+    coefficient,
+    degrees,
+    read_depths,
+    read_residual,
+    read_traction,
+    sliding_traction,
+)
 from roughcontact._answers.subsurface.maximum import (
     MIN_DEPTH_CELLS,
     MIN_RELATIVE_ERROR,
@@ -35,8 +46,8 @@ from roughcontact._answers.subsurface.maximum import (
     with_interfaces,
 )
 from roughcontact._base import checks
-from roughcontact._base.arrays import Array, RealArray, Waves, frozen_array, read_only, unit_vector
-from roughcontact._base.checks import choice, number, numbers
+from roughcontact._base.arrays import Array, RealArray, Waves, frozen_array, read_only
+from roughcontact._base.checks import number
 from roughcontact._base.machine import require_memory, use_threads
 from roughcontact._base.units import ShownAsPrinted, WarningText, outlined, si
 from roughcontact._parts.grid import Boundary, Grid, list_borders
@@ -48,8 +59,6 @@ from roughcontact.errors import InputError, argument
 from roughcontact.errors.warning import Answer
 
 Measure: TypeAlias = Callable[[RealArray], RealArray]
-# Largest traction, in maximum pressures, and coefficient of friction for which the stress is computed.
-_MAX_LOAD_RATIO = 1e6
 # Largest depth, in sides of the domain, for which the stress is computed.
 _MAX_DEPTH_SIDES = 100.0
 _SHARP_EDGE_WARNING = WarningText(
@@ -57,9 +66,6 @@ _SHARP_EDGE_WARNING = WarningText(
     "every grid",
     "sharp edge",
 )
-_ALLOWED_TRACTION = "numbers of shape (2, nx, ny), along x and y (Pa)"
-_ALLOWED_FRICTION = "a number from 0 to 1e6, or such numbers of the shape of the grid"
-_ALLOWED_DEPTHS = "a number or a list of numbers (m), from 0 at the surface to 1e60"
 
 
 @attrs.frozen(eq=False)
@@ -78,12 +84,15 @@ class Stress(ShownAsPrinted, Answer):
         Poisson's ratio of the body, under its layers if it has some.
     traction
         Tangential traction on this body along x and y, shape (2, nx, ny), Pa; None without.
+    residual
+        The stress of the body without a load, which adds to that of the contact; None without.
     """
 
     solution: ContactSolution = attrs.field(repr=False)
     depths: Array = attrs.field(converter=frozen_array, repr=outlined)
     poisson: float
     traction: Array | None = attrs.field(default=None, converter=attrs.converters.optional(frozen_array), repr=outlined)
+    residual: SupportsResidualStress | None = attrs.field(default=None, kw_only=True)
     _kernel: SupportsStress = attrs.field(kw_only=True, repr=False)
     _asked: Response[Any] = attrs.field(kw_only=True, repr=False)
     _threads: int = attrs.field(default=1, repr=False)
@@ -203,8 +212,12 @@ class Stress(ShownAsPrinted, Answer):
         alpha = number(alpha, "The sensitivity to the mean stress", at_least=0.0)
         axis = checks.axis(axis, "The axis of rolling")
         starts_unloaded = not self.solution.boundary.repeats[axis]
-        paths = (list_paths(field.values, axis, starts_unloaded) for field in self)
-        return np.array([find(path, alpha) for path in paths]) * self._scale
+        found = []
+        for field in self:
+            # A point comes from where the body has its residual stress alone.
+            rest = self._find_rest(field.depth)
+            found.append(find(list_paths(field.values - rest, axis, starts_unloaded) + rest, alpha))
+        return np.array(found) * self._scale
 
     @property
     def profile(self) -> Array:
@@ -317,7 +330,15 @@ class Stress(ShownAsPrinted, Answer):
         with use_threads(self._threads):
             of, waves = self._loads
             values = self._convolution.apply(waves, depth, of, steps)
+        if self.residual is not None:
+            values += self._find_rest(depth)
         return StressField(depth, grid, values, self._scale)
+
+    def _find_rest(self, depth: float) -> RealArray:
+        """Return the residual stress at a depth over the scale, shape (6, 1, 1)."""
+        if self.residual is None:
+            return np.zeros((6, 1, 1))
+        return self.residual.find_stress(np.array([depth])).reshape(6, 1, 1) / self._scale
 
     def _stack(self, axes: tuple[int, ...], measure: Measure) -> Array:
         """Return a measure of the stress, of shape (`axes`, nx, ny), at all depths, Pa."""
@@ -336,48 +357,6 @@ class Stress(ShownAsPrinted, Answer):
             f"{si(float(self.depths.max()), 'm')}\n"
             f"maximum von Mises stress {self.maximum}\nmaximum shear stress {self.maximum_shear}"
         )
-
-
-def _depths(value: Any) -> Array | None:
-    if value is None:
-        return None
-    depths = np.atleast_1d(numbers(value, "The depths", _ALLOWED_DEPTHS))
-    if depths.ndim != 1 or depths.size == 0 or not np.all((depths >= 0.0) & (depths <= 1e60)):
-        raise InputError.about("The depths", value, _ALLOWED_DEPTHS)
-    return frozen_array(depths)
-
-
-def _traction(value: Any) -> Array | None:
-    return None if value is None else frozen_array(numbers(value, "The traction", _ALLOWED_TRACTION))
-
-
-def coefficient(value: Any) -> Array | None:
-    """Return a coefficient of friction, shape () or (nx, ny), or raise `InputError`."""
-    if value is None:
-        return None
-    found = numbers(value, "The coefficient of friction", _ALLOWED_FRICTION)
-    if isinstance(value, bool) or found.ndim not in (0, 2) or not np.all((found >= 0.0) & (found <= _MAX_LOAD_RATIO)):
-        raise InputError.about("The coefficient of friction", value, _ALLOWED_FRICTION)
-    return frozen_array(found).reshape(found.shape)
-
-
-def degrees(value: Any) -> float:
-    """Return a direction in degrees, or raise `InputError`."""
-    return number(value, "The direction", "degrees from the x axis")
-
-
-def sliding_traction(solution: ContactSolution, friction: Array, direction: float) -> Array:
-    """Return the traction on the body in full sliding, shape (2, nx, ny), Pa, along a direction in degrees."""
-    shape = solution.grid.shape
-    if friction.ndim and friction.shape != shape:
-        raise InputError.about("The shape of the coefficient of friction", friction.shape, f"() or {shape}")
-    limit = friction * solution.contact_pressure
-    return np.array(unit_vector(direction))[:, np.newaxis, np.newaxis] * limit
-
-
-def body_name(value: str) -> str:
-    """Return the name of one of the bodies, or raise `InputError`."""
-    return choice(value, "The body", ("body", "counterbody"))
 
 
 @responses.register("stress")
@@ -403,6 +382,8 @@ class StressBelow(Response[Stress]):
         whose traction is the friction times the contact pressure.
     direction
         Direction of this traction on the body, degrees from x towards y: against the sliding of the body.
+    residual
+        Residual stress of the body by depth, such as ``ResidualStress`` of the plug-in roughcontact-volume.
 
     References
     ----------
@@ -413,11 +394,12 @@ class StressBelow(Response[Stress]):
     holds_with = frozenset({"tension", "shear", "relaxation"})
     memory_arrays = 32.0  # one plane at a time, by pressure and traction on a free boundary
 
-    depths: Array | None = attrs.field(default=None, converter=_depths, metadata={"unit": "m"})
+    depths: Array | None = attrs.field(default=None, converter=read_depths, metadata={"unit": "m"})
     body: str = attrs.field(default="body", converter=body_name)
-    traction: Array | None = attrs.field(default=None, converter=_traction, repr=outlined)
+    traction: Array | None = attrs.field(default=None, converter=read_traction, repr=outlined)
     friction: Array | None = attrs.field(default=None, converter=coefficient, repr=outlined, metadata={"unit": ""})
     direction: float = attrs.field(default=0.0, converter=degrees)
+    residual: SupportsResidualStress | None = attrs.field(default=None, converter=read_residual)
 
     def __attrs_post_init__(self) -> None:
         if self.traction is not None and self.friction is not None:
@@ -446,6 +428,8 @@ class StressBelow(Response[Stress]):
         if depths is None:
             depths = default_depths(solution)
             depths = depths if traction is None else np.concatenate(([0.0], depths))
+            if self.residual is not None:
+                depths = np.union1d(depths, self.residual.depth[self.residual.depth > 0.0])
             depths = with_interfaces(depths, kernel.interfaces, kernel.base_depth)
         base = kernel.base_depth
         if float(depths.max()) > base:
@@ -455,7 +439,10 @@ class StressBelow(Response[Stress]):
             allowed = f"at most {si(deepest, 'm')}, {_MAX_DEPTH_SIDES:g} times the side of the domain"
             raise InputError.about("A depth", float(depths.max()), allowed, "Depths are in metres.")
         threads = problem.plan.thread_choice[0]
-        return Stress(solution, depths, float(poisson), traction, threads=threads, kernel=kernel, asked=self)
+        rest = self.residual
+        return Stress(
+            solution, depths, float(poisson), traction, residual=rest, threads=threads, kernel=kernel, asked=self
+        )
 
     def _find_layers(self, solution: ContactSolution, problem: ContactProblem) -> SupportsStress | None:
         """Return the kernel if its layers lie on the chosen body, None if this body is a homogeneous half-space."""
@@ -485,7 +472,7 @@ class StressBelow(Response[Stress]):
         shape = (2, *solution.grid.shape)
         if traction.shape != shape:
             raise InputError.about("The shape of the traction", traction.shape, f"{shape}, along x and y")
-        if not np.abs(traction).max() <= _MAX_LOAD_RATIO * solution.pressure.max():
-            allowed = f"finite, at most {_MAX_LOAD_RATIO:g} times the maximum pressure"
+        if not np.abs(traction).max() <= MAX_LOAD_RATIO * solution.pressure.max():
+            allowed = f"finite, at most {MAX_LOAD_RATIO:g} times the maximum pressure"
             raise InputError.about("The traction", float(np.abs(traction).max()), allowed, "Tractions are in pascals.")
         return traction if self.body == "body" else -traction
