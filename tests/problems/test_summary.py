@@ -132,6 +132,11 @@ class TestShort:
         monkeypatch.setitem(sys.modules, "matplotlib", None)
         assert "<img" not in solution._repr_html_()
 
+    @pytest.mark.parametrize(("value", "text"), [(0.027085, "0.02709"), (1234.5, "1234"), (0.0, "0"), (1e-9, "1e-09")])
+    def test_a_number_without_a_unit_has_no_prefix(self, value, text):
+        """A strain of 0.027 is not one of 27 m."""
+        assert si(value, "") == text
+
 
 class TestUnits:
     @given(st.floats(1e-22, 9e3), st.sampled_from([2, 3]))

@@ -136,8 +136,8 @@ _NO_BREAK = "\N{NO-BREAK SPACE}"
 @guarded
 def si(value: float, unit: str, digits: int = 4) -> str:
     """Return a value with its unit, such as ``12.5 µm`` or ``360 µm2``, with `digits` significant digits."""
-    if value == 0.0 or not math.isfinite(value):
-        return f"{value:g} {unit}"
+    if value == 0.0 or not math.isfinite(value) or not unit:
+        return f"{value:.{digits}g} {unit}".rstrip()
     raised = _AREA_OR_VOLUME.match(unit)
     order = int(raised[1]) if raised else 1
     # Areas have 0.01 to 10000 of their unit and volumes 0.001 to a million, as people write them.
