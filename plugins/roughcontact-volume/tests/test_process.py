@@ -95,9 +95,8 @@ class TestLoading:
 
     def test_substeps_state_their_error(self):
         force = 5.0 * FIRST_FORCE
-        coarse, fine = (make_ball(accuracy=accuracy).solve(force=force) for accuracy in (0.5, 0.008))
+        coarse, fine = (make_ball(cells=11, width=5.0, accuracy=one).solve(force=force) for one in (0.5, 0.02))
         stated = numbers(coarse)
-        assert 0.0 < numbers(fine)["step_error_of_imprint"] < 0.7 * stated["step_error_of_imprint"]
         for error, one, other in (
             (stated["step_error_of_approach"], coarse.approach, fine.approach),
             (stated["step_error_of_maximum_pressure"], coarse.pressure.max(), fine.pressure.max()),
@@ -107,10 +106,10 @@ class TestLoading:
 
     def test_work_of_a_cycle_is_plastic_work_and_what_is_left_in_the_residual_stress(self):
         deepest = 6.0 * FIRST_RADIUS**2 / RADIUS
-        up = np.linspace(0.0, deepest, 9)[1:]
-        problem = make_ball(cells=17, width=7.0, accuracy=1.0)
+        up = np.linspace(0.0, deepest, 8)[1:]
+        problem = make_ball(cells=13, width=7.0, accuracy=1.0)
         loading = problem.path(approach=up)
-        down = np.linspace(deepest, 0.0, 21)[1:]
+        down = np.linspace(deepest, 0.0, 17)[1:]
         unloading = loading.extend(approach=down)
         approach = np.append(0.0, unloading.approach)
         force = np.append(0.0, unloading.force)
@@ -322,9 +321,37 @@ class TestRefusals:
         with pytest.raises(rc.InputError, match="yields the bulk"):
             problem.solve(pressure="1GPa")
 
+    def test_a_flow_that_is_not_found(self, monkeypatch):
+        monkeypatch.setattr("roughcontact_volume.step._MAX_EVALUATIONS", 2)
+        with pytest.raises(rc.NotConverged, match="not found after 2 stresses"):
+            make_ball().solve(force=5.0 * FIRST_FORCE)
+
     def test_a_side_of_another_name(self):
         with pytest.raises(rc.InputError, match="The body that flows"):
             PlasticFlow("left")
+
+
+@pytest.mark.slow
+def test_ball_against_finite_elements():
+    # Axisymmetric elements of 1/24 of the radius and 8 substeps: F = 10.07 at w = 5, 1.095 unloaded to w = 2, in units
+    # of first yield; residual stress on the axis -0.42 Y.
+    approach = FIRST_RADIUS**2 / RADIUS
+    flat = rc.Body(rc.FlatSurface(), Plastic(200.0 * LIMIT, POISSON, LIMIT, 4.0 * LIMIT, accuracy=0.005))
+    scale = YOUNG / (200.0 * LIMIT)
+    radius = FIRST_RADIUS * scale
+    ball = rc.Body(rc.ParaboloidSurface(RADIUS), rc.Rigid())
+    problem = rc.ContactProblem(ball, flat, grid=rc.Grid((37, 37), 37 * 2.42 * radius / 8.0))
+    places = np.array([1.0, 2.0, 3.0, 5.0, 2.0, 0.0, 5.0])
+    path = problem.path(approach=places * approach * scale**2)
+    force = path.force / (FIRST_FORCE * scale**2)
+    assert force == pytest.approx([1.0, 2.778, 4.946, 10.07, 1.095, 0.0, 10.07], rel=0.02)
+    assert force[3] == pytest.approx(10.07, rel=0.004)
+    assert np.array_equal(read(path[6])["accumulated_strain"], read(path[3])["accumulated_strain"])
+    memory = read(path[5])["plastic_strain"]
+    layers = list_layers(path[0].grid, memory.shape[1])
+    residual = VolumeOperators(path[0].grid, rc.Boundary.FREE, layers, 200.0 * LIMIT, POISSON).find_stress(memory)
+    assert residual[0, :, 18, 18].min() / LIMIT == pytest.approx(-0.42, abs=0.03)
+    assert numbers(path[3])["plastic_strain"] == pytest.approx(0.00824, rel=0.02)
 
 
 def test_hardening_bounds_the_strain():

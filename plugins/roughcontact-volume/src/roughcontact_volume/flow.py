@@ -51,15 +51,16 @@ class PlasticFlow(rc.CoupledProcess):
 
     Examples
     --------
-    A ball is pressed into steel that flows, lifted, and pressed again: nothing flows the second time.
+    A ball is pressed into steel that flows, lifted, and pressed again, when nothing flows:
 
     >>> import roughcontact as rc
     >>> from roughcontact_volume import Plastic
     >>> steel = Plastic("210GPa", 0.3, yield_stress="1GPa", hardening="4GPa")
     >>> ball = rc.Body(rc.ParaboloidSurface("1mm"), rc.Rigid())
-    >>> problem = rc.ContactProblem(ball, rc.Body(rc.FlatSurface(), steel), grid=rc.Grid((16, 16), "160um"))
-    >>> path = problem.path(force=["8N", "0N", "8N"])
+    >>> problem = rc.ContactProblem(ball, rc.Body(rc.FlatSurface(), steel), grid=rc.Grid((12, 12), "100um"))
+    >>> path = problem.path(force=["2N", "0N", "2N"])
     >>> [f"{work * 1e9:.0f} nJ" for work in path.table().columns["plastic_work"]]
+    ['37 nJ', '37 nJ', '37 nJ']
     """
 
     of: str = attrs.field(default="body", converter=_side)

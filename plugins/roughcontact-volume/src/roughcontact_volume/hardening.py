@@ -233,7 +233,7 @@ class TabulatedHardening(Hardening):
     --------
     >>> from roughcontact_volume import Plastic, TabulatedHardening
     >>> table = TabulatedHardening(strain=[0.01, 0.1], stress=["300MPa", "400MPa"])
-    >>> Plastic("210GPa", 0.3, "200MPa", table).find_yield_stress(0.005)
+    >>> print(Plastic("210GPa", 0.3, "200MPa", table).find_yield_stress(0.005))
     250000000.0
     """
 

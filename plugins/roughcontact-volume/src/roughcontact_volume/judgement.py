@@ -9,7 +9,14 @@ from roughcontact.results import Condition
 from roughcontact.typing import Array
 
 from roughcontact_volume.box import find_largest_below, find_operators
-from roughcontact_volume.radial_return import WEIGHTS, find_accumulated, find_deviator, find_flow, find_norm
+from roughcontact_volume.radial_return import (
+    WEIGHTS,
+    find_accumulated,
+    find_deviator,
+    find_equivalent,
+    find_flow,
+    find_norm,
+)
 from roughcontact_volume.substeps import PlasticState
 from roughcontact_volume.yielding import Yielding
 
@@ -30,16 +37,18 @@ def judge_flow(
         beyond = max(0.0, largest / material.yield_stress - 1.0)
         return [Condition("plastic flow", beyond, _FLOW), Condition("yield", beyond, _YIELD, judges=False)]
     operators = find_operators(grid, boundary, state.layers, material)
-    stress = operators.press(pressure) + operators.find_stress(state.plastic_strain)
-    last = _LastFlow.of(stress, state, material)
+    stress = operators.find_stress(state.plastic_strain)
+    stress += operators.press(pressure)
+    # Layer by layer, which takes the memory of one.
+    layers = [_LastFlow.of(stress, state, material, layer) for layer in range(state.layers)]
     highest = float(state.accumulated_strain.max())
-    size = float(find_norm(state.plastic_strain).max())
+    size = max(float(find_norm(state.plastic_strain[:, layer]).max()) for layer in range(state.layers))
     trace = float(np.abs(state.plastic_strain[:3].sum(axis=0)).max())
     at_border = _find_at_border(state.accumulated_strain, boundary)
     return [
-        Condition("plastic flow", last.find_error(), _FLOW),
-        Condition("yield", last.find_excess(), _YIELD, judges=False),
-        Condition("flow direction", last.find_turn(), _DIRECTION, judges=False),
+        Condition("plastic flow", max(one.find_error() for one in layers), _FLOW),
+        Condition("yield", max(one.find_excess() for one in layers), _YIELD, judges=False),
+        Condition("flow direction", max(one.find_turn() for one in layers), _DIRECTION, judges=False),
         Condition("plastic volume strain", trace / size, _TRACE, judges=False),
         Condition("box", float(state.accumulated_strain[-1].max()) / highest, _BOX),
         Condition("border", at_border / highest, _BORDER, judges=False),
@@ -48,7 +57,7 @@ def judge_flow(
 
 @attrs.frozen(eq=False)
 class _LastFlow:
-    """The last flow in each cell, shape (6, n), with the stress, Pa, and the accumulated strain before it."""
+    """The last flow in the cells of a layer, shape (6, n), its stress, Pa, and the accumulated strain around it."""
 
     material: Yielding
     stress: Array
@@ -57,18 +66,19 @@ class _LastFlow:
     after: Array
 
     @classmethod
-    def of(cls, stress: Array, state: PlasticState, material: Yielding) -> _LastFlow:
-        flow = state.last_flow.reshape(6, -1)
-        after = state.accumulated_strain.reshape(-1)
-        return cls(material, stress.reshape(6, -1), flow, np.maximum(after - find_accumulated(flow), 0.0), after)
+    def of(cls, stress: Array, state: PlasticState, material: Yielding, layer: int) -> _LastFlow:
+        flow = state.last_flow[:, layer].reshape(6, -1)
+        after = state.accumulated_strain[layer].reshape(-1)
+        return cls(
+            material, stress[:, layer].reshape(6, -1), flow, np.maximum(after - find_accumulated(flow), 0.0), after
+        )
 
     def find_error(self) -> float:
         residual = find_flow(self.stress, self.flow, self.before, self.material) - self.flow
         return float(find_norm(residual).max()) * 2.0 * self.material.shear_modulus / self.material.yield_stress
 
     def find_excess(self) -> float:
-        equivalent = np.sqrt(1.5) * find_norm(find_deviator(self.stress))
-        excess = equivalent / self.material.find_yield_stress(self.after) - 1.0
+        excess = find_equivalent(self.stress) / self.material.find_yield_stress(self.after) - 1.0
         flows = self.flow.any(axis=0)
         return float(max(excess.max(), np.max(-excess[flows], initial=0.0), 0.0))
 

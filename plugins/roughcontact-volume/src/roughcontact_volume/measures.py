@@ -31,7 +31,7 @@ def measure_flow(
     stress, energy = 0.0, 0.0
     if flowed.any():
         residual = find_operators(grid, boundary, state.layers, material).find_stress(state.plastic_strain)
-        stress = float(find_equivalent(residual).max())
+        stress = max(float(find_equivalent(residual[:, layer]).max()) for layer in range(state.layers))
         product = np.einsum("c,czxy,czxy->z", (1.0, 1.0, 1.0, 2.0, 2.0, 2.0), residual, state.plastic_strain)
         energy = -0.5 * float(np.einsum("z,z->", volumes, product))
     return {

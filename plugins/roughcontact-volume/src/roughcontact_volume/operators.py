@@ -151,7 +151,6 @@ class VolumeOperators:
         pressure
             Pressure of each cell, shape (nx, ny), Pa.
         """
-        self._require_memory()
         given = self._check(pressure, "The pressure", self.grid.shape)
         return self._pressed.press(given)
 
@@ -163,7 +162,6 @@ class VolumeOperators:
         strain
             Eigenstrain of each cell, tensor shears, shape (6, nz, nx, ny).
         """
-        self._require_memory()
         given = self._check(strain, "The strain", self.shape)
         stress = self._strained.find_stress(given)
         stress *= self.young / (1.0 + self.poisson)
@@ -177,7 +175,6 @@ class VolumeOperators:
         strain
             Eigenstrain of each cell, tensor shears, shape (6, nz, nx, ny).
         """
-        self._require_memory()
         given = self._check(strain, "The strain", self.shape)
         return self._pressed.displace(given)
 
@@ -193,6 +190,10 @@ class VolumeOperators:
 
     @cached_property
     def _pressed(self) -> PressureWaves | PressureTables:
+        self._require_memory()
+        return self._prepare_pressed()
+
+    def _prepare_pressed(self) -> PressureWaves | PressureTables:
         grid, repeats = self.grid, self.boundary.repeats
         if all(repeats):
             return PressureWaves(grid.shape, grid.spacing, self.thicknesses, self.poisson)
@@ -200,6 +201,10 @@ class VolumeOperators:
 
     @cached_property
     def _strained(self) -> Period | FreePlane:
+        self._require_memory()
+        return self._prepare_strained()
+
+    def _prepare_strained(self) -> Period | FreePlane:
         grid, repeats = self.grid, self.boundary.repeats
         dtype = np.dtype(self.precision).type
         if all(repeats):
@@ -209,11 +214,10 @@ class VolumeOperators:
     @property
     def bytes_needed(self) -> int:
         """Bytes that these maps take at most, on one thread, beside the field that is given."""
-        nx, ny = self.grid.shape
-        period = self._strained if isinstance(self._strained, Period) else self._strained.period
-        field = 8 * math.prod(self.shape)
-        tables = 0 if self.boundary is rc.Boundary.PERIODIC else 8 * 6 * self.thicknesses.size * (nx + 1) * (ny + 1)
-        return field + period.bytes_for(nx) + tables + _BYTES_BESIDE
+        pressed, strained = self._prepare_pressed(), self._prepare_strained()
+        period = strained.period if isinstance(strained, FreePlane) else strained
+        tables = pressed.kept_bytes if isinstance(pressed, PressureTables) else 0
+        return 8 * math.prod(self.shape) + period.bytes_for(self.grid.shape[0]) + tables + _BYTES_BESIDE
 
     def _require_memory(self) -> None:
         nz, nx, ny = self.shape[1:]

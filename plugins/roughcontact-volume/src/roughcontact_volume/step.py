@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import attrs
 import numpy as np
-from roughcontact.typing import Array
+from roughcontact.typing import Array, IntArray
 
 from roughcontact_volume.anderson import AndersonMixing
 from roughcontact_volume.radial_return import find_equivalent, find_flow, find_norm
@@ -17,20 +18,54 @@ _MAX_EVALUATIONS = 200
 
 
 @attrs.frozen(eq=False)
+class Flow:
+    """An increment of plastic strain in the cells that take part; elsewhere it is zero.
+
+    Attributes
+    ----------
+    cells
+        Their positions in an array of shape (nz, nx, ny), which more layers below do not change.
+    values
+        The increment there, shape (6, cells).
+    """
+
+    cells: IntArray
+    values: Array
+
+    @property
+    def is_any(self) -> bool:
+        """Whether anything flows."""
+        return bool(self.values.any())
+
+    def halve(self) -> Flow:
+        """Return half of it."""
+        return Flow(self.cells, 0.5 * self.values)
+
+    def fill(self, shape: tuple[int, ...]) -> Array:
+        """Return it as a field in layers of a shape (nz, nx, ny)."""
+        field = np.zeros((6, math.prod(shape)))
+        field[:, self.cells] = self.values
+        return field.reshape(6, *shape)
+
+
+NO_FLOW = Flow(np.empty(0, dtype=np.intp), np.empty((6, 0)))
+
+
+@attrs.frozen(eq=False)
 class FlowStep:
     """The solution of a step.
 
     Attributes
     ----------
     flow
-        The increment of plastic strain, shape (6, nz, nx, ny).
+        The increment of plastic strain.
     evaluations
         How often the stress was computed for it.
     error
         Its error in the last of them, which is above the tolerance where the step is given up.
     """
 
-    flow: Array
+    flow: Flow
     evaluations: int
     error: float
 
@@ -40,7 +75,7 @@ def solve_step(
     strain: Array,
     material: Yielding,
     tolerance: float,
-    start: Array | None = None,
+    start: Flow = NO_FLOW,
 ) -> FlowStep:
     r"""Return the increment of plastic strain x with :math:`x = \Phi(x)`; see `find_flow`.
 
@@ -61,7 +96,7 @@ def solve_step(
     tolerance
         Admissible :math:`|\Phi(x) - x|\, 2 \mu / Y` in any cell.
     start
-        An increment to start from; None: nothing flows.
+        An increment to start from; by default nothing flows.
 
     References
     ----------
@@ -69,28 +104,28 @@ def solve_step(
     """
     stiffness = 2.0 * material.shear_modulus
     known = strain.reshape(-1)
-    limit = material.find_yield_stress(known)
-    flow = np.zeros((6, *strain.shape)) if start is None else np.array(start)
-    values = flow.reshape(6, -1)
+    limit = material.find_yield_stress(strain)
     mixing = AndersonMixing()
+    mixing.add_cells(start.cells)
+    flow = start
     error = 0.0
     count = 0
     while True:
-        stress = find_stress(flow, error).reshape(6, -1)
+        field = flow.fill(strain.shape)
+        stress = find_stress(field, error)
         count += 1
-        yielding = find_equivalent(stress + stiffness * values) > limit
-        mixing.add_cells(np.flatnonzero(yielding | values.any(axis=0)))
+        # Layer by layer, which takes the memory of one.
+        trials = (find_equivalent(stress[:, layer] + stiffness * field[:, layer]) for layer in range(len(strain)))
+        yielding = [(trial > most).ravel() for trial, most in zip(trials, limit, strict=True)]
+        mixing.add_cells(np.flatnonzero(np.concatenate(yielding)))
         cells = mixing.cells
-        iterate = values[:, cells]
-        found = find_flow(stress[:, cells], iterate, known[cells], material)
+        iterate = field.reshape(6, -1)[:, cells]
+        found = find_flow(stress.reshape(6, -1)[:, cells], iterate, known[cells], material)
         residual = found - iterate
         error = float(np.max(find_norm(residual), initial=0.0)) * stiffness / material.yield_stress
         if error <= tolerance and not iterate.any():
             # Rounding and tolerances of the steps before are not a flow.
-            return FlowStep(np.zeros(flow.shape), count, error)
-        is_last = error <= tolerance or count == _MAX_EVALUATIONS
-        values = np.zeros((6, strain.size))
-        values[:, cells] = found if is_last else mixing.find_next(iterate, residual)
-        flow = values.reshape(6, *strain.shape)
-        if is_last:
-            return FlowStep(flow, count, error)
+            return FlowStep(NO_FLOW, count, error)
+        if error <= tolerance or count == _MAX_EVALUATIONS:
+            return FlowStep(Flow(cells, found), count, error)
+        flow = Flow(cells, mixing.find_next(iterate, residual))

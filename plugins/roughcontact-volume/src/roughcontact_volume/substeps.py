@@ -12,7 +12,7 @@ from roughcontact.typing import Array
 
 from roughcontact_volume.box import count_deeper, count_layers, find_operators, find_yield_depth
 from roughcontact_volume.radial_return import find_accumulated
-from roughcontact_volume.step import solve_step
+from roughcontact_volume.step import NO_FLOW, Flow, solve_step
 from roughcontact_volume.yielding import Yielding
 
 # Most substeps of an increment: what is left then is stated.
@@ -75,8 +75,10 @@ class PlasticState:
 
 def deepen(values: Array, count: int) -> Array:
     """Return values of layers, shape (..., nz, nx, ny), with zeros in the layers below."""
-    rest = np.zeros((*values.shape[:-3], count - values.shape[-3], *values.shape[-2:]))
-    return np.concatenate((values, rest), axis=-3)
+    # Pages of zeros that are only read take no memory.
+    deeper = np.zeros((*values.shape[:-3], count, *values.shape[-2:]))
+    deeper[..., : values.shape[-3], :, :] = values
+    return deeper
 
 
 @attrs.frozen(eq=False)
@@ -84,7 +86,7 @@ class _Run:
     """An increment in substeps: the state at its begin, the flow in each, the state and the contact at its end."""
 
     begin: PlasticState
-    flows: tuple[Array, ...]
+    flows: tuple[Flow, ...]
     state: PlasticState
     contact: Any
 
@@ -148,16 +150,17 @@ class SubstepMarch:
         Where the load does not change, an increment is not divisible.
         """
         unchanged = np.zeros(len(ANSWERS))
+        state = state.rest()
         if state.layers == 1 and not state.accumulated_strain.any():
             state = self._choose_box(state)
             if state.layers == 1:
                 return state, unchanged
-        run = self._run(state, (None,))
-        if not is_divisible or not run.flows[0].any():
-            return run.state if run.flows[0].any() else state.rest(), unchanged
+        run = self._run(state, (NO_FLOW,))
+        if not is_divisible or not run.flows[0].is_any:
+            return run.state if run.flows[0].is_any else state, unchanged
         before, change = unchanged, unchanged
         while len(run.flows) < _MAX_SUBSTEPS:
-            halves = [0.5 * flow for flow in run.flows for _ in range(2)]
+            halves = [half for flow in run.flows for half in [flow.halve()] * 2]
             finer = self._run(run.begin, halves)
             before, (change, largest) = change, finer.differ(run)
             run = finer
@@ -172,7 +175,7 @@ class SubstepMarch:
         depth = find_yield_depth(self.grid, self.boundary, self.material, pressure)
         return fresh.deepen(count_layers(self.grid, depth)) if depth else fresh
 
-    def _run(self, begin: PlasticState, guesses: Sequence[Array | None]) -> _Run:
+    def _run(self, begin: PlasticState, guesses: Sequence[Flow]) -> _Run:
         """Follow the increment in as many substeps as there are guesses of their flow, in a box that is deep enough."""
         while True:
             run = self._follow(begin, guesses)
@@ -182,7 +185,7 @@ class SubstepMarch:
             begin = begin.deepen(count_deeper(self.grid, begin.layers))
             guesses = run.flows
 
-    def _follow(self, begin: PlasticState, guesses: Sequence[Array | None]) -> _Run:
+    def _follow(self, begin: PlasticState, guesses: Sequence[Flow]) -> _Run:
         state = begin
         operators = find_operators(self.grid, self.boundary, state.layers, self.material)
         flows = []
@@ -192,21 +195,22 @@ class SubstepMarch:
 
             def find_stress(flow: Array, error: float, part: float = part, strain: Array = strain) -> Array:
                 total = strain + flow
-                has_strain = bool(total.any())
-                imprint = operators.displace(total) if has_strain else np.zeros(self.grid.shape)
-                self._touch(imprint, part, error)
-                stress = operators.press(self.place_back(self.contact.pressure))
-                return stress + operators.find_stress(total) if has_strain else stress
+                if not total.any():
+                    self._touch(np.zeros(self.grid.shape), part, error)
+                    return operators.press(self.place_back(self.contact.pressure))
+                self._touch(operators.displace(total), part, error)
+                stress = operators.find_stress(total)
+                stress += operators.press(self.place_back(self.contact.pressure))
+                return stress
 
-            start = None if guess is None else deepen(guess, state.layers)
-            step = solve_step(find_stress, state.accumulated_strain, self.material, self.tolerance, start)
+            step = solve_step(find_stress, state.accumulated_strain, self.material, self.tolerance, guess)
             if step.error > self.tolerance:
                 raise rc.NotConverged(
                     f"The plastic flow is not found after {step.evaluations} stresses: it errs by {step.error:.1e}.",
                     self.contact,
                 )
-            flow = step.flow
-            flows.append(flow)
+            flows.append(step.flow)
+            flow = step.flow.fill(state.accumulated_strain.shape)
             total = strain + flow
             state = PlasticState(
                 total, state.accumulated_strain + find_accumulated(flow), flow, operators.displace(total)

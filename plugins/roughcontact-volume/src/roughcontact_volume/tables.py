@@ -50,6 +50,12 @@ class PressureTables:
         )
         return mx, my
 
+    @property
+    def kept_bytes(self) -> int:
+        """Bytes of the tables."""
+        mx, my = self._padded
+        return 8 * 6 * self.thicknesses.size * (mx // 2 + 1) * (my // 2 + 1)
+
     @cached_property
     def _spectra(self) -> Array:
         """Spectra for wave numbers of one sign, real or over -i, shape (nz, 6, mx // 2 + 1, my // 2 + 1)."""
