@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import lru_cache
-from typing import Any
+from typing import Any, ClassVar
 
 import attrs
 import numpy as np
@@ -151,6 +151,8 @@ class StrainedRegion(rc.Law):
     strain: tuple[float, ...] = attrs.field(converter=_strain, metadata={"unit": ""})
     centre: Triple = attrs.field(converter=read_centre, metadata={"unit": "m"})
     side: str = attrs.field(default="body", converter=read_side, kw_only=True)
+
+    keeps_bodies: ClassVar[bool] = False
 
     def change_gap(self, problem: Any, increment: LoadIncrement, memory: Mapping[str, Array]) -> Array:
         """Return the displacement of the surface, m; see `Law.change_gap`."""

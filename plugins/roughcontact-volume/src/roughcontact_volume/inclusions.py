@@ -131,9 +131,15 @@ class Inclusions(rc.CoupledProcess):
         "bounds": (f"{', '.join(_BOUNDS)} with the softer and with the stiffer mixture of cut cells", ""),
     }
     default_area: ClassVar[str] = ""
+    keeps_bodies: ClassVar[bool] = False
 
     def start(self, problem: Any) -> Memory:
         """Return no eigenstrain; see `CoupledProcess.start`."""
+        others = [law for law in problem.laws if law is not self and not law.keeps_bodies]
+        if others:
+            raise rc.InputError(
+                f"Inclusions are solved in a body without other strain below its surface: omit {others[0]!r}."
+            )
         count = self._find_region(problem).cells.places.size
         return {"eigenstrain": np.zeros((6, count)), "bounds": np.zeros((2, len(_BOUNDS)))}
 

@@ -161,11 +161,11 @@ def check_place(shape: Shape, centre: Triple, grid: rc.Grid, boundary: rc.Bounda
         )
     for axis, name in enumerate("xy"):
         half = 0.5 * grid.size[axis]
-        least = halves[axis] if boundary.repeats[axis] else abs(centre[axis]) + halves[axis]
-        if least > half:
+        reach = halves[axis] if boundary.repeats[axis] else abs(centre[axis]) + halves[axis]
+        if reach > half:
             raise rc.InputError(
                 f"The {type(shape).__name__.lower()} reaches over the border of the domain along {name}: it ends "
-                f"{si(least, 'm')} from the middle, the domain at {si(half, 'm')}. Take a larger domain."
+                f"{si(reach, 'm')} from the middle, the domain at {si(half, 'm')}. Take a larger domain."
             )
 
 

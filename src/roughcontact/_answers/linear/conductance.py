@@ -141,6 +141,7 @@ class ContactConductance(Response[Conductance]):
     """
 
     holds_with = frozenset({"tension", "shear"})
+    takes_uniform_bodies = True
     flagged_factor = 0.5
     reads = "contact pressure"
 

@@ -252,6 +252,7 @@ class Gradient(Response[Array]):
     """
 
     holds_with = frozenset({"tension", "shear"})
+    takes_uniform_bodies = True
     memory_arrays = 17.0
 
     of: str | PressureDerivative = attrs.field(converter=_number)

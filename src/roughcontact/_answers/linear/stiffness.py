@@ -325,6 +325,7 @@ class Stiffness(Response[Estimate]):
     unloading: bool = attrs.field(default=False, converter=_unloading)
 
     holds_with = frozenset({"tension", "shear"})
+    takes_uniform_bodies = True
     flagged_factor = 0.5
 
     def respond(self, solution: ContactSolution) -> Estimate:
@@ -344,6 +345,7 @@ class StabilityMargin(Response[Estimate]):
     """
 
     holds_with = frozenset({"tension", "shear"})
+    takes_uniform_bodies = True
 
     def respond(self, solution: ContactSolution) -> Estimate:
         """Return the margin; see `Response.respond`."""
@@ -445,6 +447,7 @@ class PullOff(Response[Estimate]):
     """
 
     holds_with = frozenset({"tension", "shear"})
+    takes_uniform_bodies = True
 
     def respond(self, solution: ContactSolution) -> Estimate:
         """Return the force, N; see `Response.respond`."""

@@ -239,8 +239,13 @@ class Governed(Addition):
 
     @property
     def marks(self) -> frozenset[str]:
-        """What answers must hold with: where a law changes the modulus, ``"relaxation"`` too."""
-        return frozenset({self.kind} if all(law.keeps_modulus for law in self.laws) else {self.kind, "relaxation"})
+        """What answers must hold with: where a law changes the modulus or the bodies, that too."""
+        found = {self.kind}
+        if not all(law.keeps_modulus for law in self.laws):
+            found.add("relaxation")
+        if not all(law.keeps_bodies for law in self.laws):
+            found.add("bodies")
+        return frozenset(found)
 
     @property
     def default_area(self) -> str:

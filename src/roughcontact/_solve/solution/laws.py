@@ -65,6 +65,10 @@ class Law(Part, abc.ABC):
     follows_bodies: ClassVar[bool] = False
     """Whether it knows `LoadIncrement.shift`: what it remembers of the counterbody moves with it."""
 
+    keeps_bodies: ClassVar[bool] = True
+    """Whether the bodies below their surfaces are those of the problem: answers that take them as uniform are refused
+    otherwise, such as the stress by the pressure alone."""
+
     of_material: ClassVar[bool] = False
     """Whether materials alone bring it to a problem, by `Material.bring_laws`."""
 

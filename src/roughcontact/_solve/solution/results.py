@@ -59,6 +59,9 @@ class Response(Part, abc.ABC, Generic[T_co]):
         laws add, with which it is that of the normal contact or, if it has a field ``traction``, of pressure and
         traction; ``"relaxation"`` of viscoelastic bodies, where it reads the fields alone. It is refused where one acts
         that is not named.
+    takes_uniform_bodies
+        Whether it takes the bodies as uniform and elastic: it is refused where a law has changed them below their
+        surfaces, `Law.keeps_bodies`.
     refusal
         Why it does not hold with shear, in words.
     reads
@@ -86,6 +89,7 @@ class Response(Part, abc.ABC, Generic[T_co]):
 
     depends_on_place: ClassVar[bool] = False
     holds_with: ClassVar[frozenset[str]] = frozenset({"shear"})
+    takes_uniform_bodies: ClassVar[bool] = False
     refusal: ClassVar[str] = "it knows no traction"
     reads: ClassVar[str] = "total pressure"
     flagged_factor: ClassVar[float | None] = None
@@ -121,6 +125,12 @@ def require_to_hold(response: Response[Any], laws: Collection[str]) -> None:
     kind = type(response)
     if "tension" in laws and "tension" not in response.holds_with:
         raise InputError(f"{kind.__name__} does not hold for surfaces that attract each other: it knows no tension.")
+    if "bodies" in laws and response.takes_uniform_bodies:
+        name = responses.name_of(kind) or kind.__name__
+        raise InputError(
+            f"The response {name!r} takes the bodies as uniform and elastic, but a law of the problem has changed them "
+            "below their surfaces."
+        )
     if "relaxation" in laws and "relaxation" not in response.holds_with:
         name = responses.name_of(kind) or kind.__name__
         raise InputError(f"The response {name!r} is not known for bodies that relax: it takes one modulus.")
