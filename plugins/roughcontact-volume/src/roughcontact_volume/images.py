@@ -16,16 +16,16 @@ _GAP = 12
 # Points of the coarse plane along the shorter side of a period, about.
 _POINTS = 11
 # Points along an axis, at least: those of cubic interpolation, and one.
-_LEAST_POINTS = 5
+_MIN_POINTS = 5
 # Ratio of the period that stands for no images to that of which they are removed.
 _RATIO = 3
 # The waves of the coarse planes that are damped, in radians from point to point.
 _DAMPING = 0.8
 
 
-def odd_length(least: float) -> int:
+def odd_length(minimum: float) -> int:
     """Return the smallest odd number of the form 3^a 5^b 7^c 11^d that is not below a number."""
-    length = 2 * (max(1, math.ceil(least)) // 2) + 1
+    length = 2 * (max(1, math.ceil(minimum)) // 2) + 1
     while not _is_fast(length):
         length += 2
     return length
@@ -81,7 +81,7 @@ class FreePlane:
         found = []
         while (shortest := min(lengths[axis] for axis in free)) < 0.5 * farthest:
             side = shortest / _POINTS
-            points = [odd_length(max(length / side - 0.5, _LEAST_POINTS)) for length in lengths]
+            points = [odd_length(max(length / side - 0.5, _MIN_POINTS)) for length in lengths]
             ratios = [1, 1]
             for axis in free:
                 ratios[axis] = _RATIO if shortest * _RATIO > lengths[axis] else 1
