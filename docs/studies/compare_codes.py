@@ -15,9 +15,8 @@ has histories (like materials).
 
 Ours runs at its default tolerance. Each other code gets the loosest tolerance of a ladder, three to a factor of ten,
 with which `measure_violation` finds it as good as ours, or 1e-6 of the rms height if ours is better. CPU time on one
-thread, and wall time of ours and ASPHER on two: each number of threads has a process of its own, because
-OMP_NUM_THREADS is read at its start. Ours runs before and after each other code, and the median counts; the others run
-once, because some take minutes.
+thread, each case in a process of its own. Ours runs before and after each other code, and the median counts; the others
+run once, because some take minutes.
 """
 
 from __future__ import annotations
@@ -63,7 +62,7 @@ class Case:
     hardness: float | None = None
     # Work and range of an exponential attraction; the mean gap is then given, and not the mean pressure.
     adhesion: tuple[float, float] | None = None
-    # Whether the codes that solve on one grid alone take minutes, and are not run.
+    # Whether codes that solve on one grid alone take minutes, and are not run.
     long: bool = False
 
 
@@ -295,12 +294,9 @@ PEERS = {
     "ASPHER": Peer("aspher", solve_aspher, 1e-6),
     "slippy": Peer("slippy", solve_slippy, 1e-5),
 }
-# Whose wall time on two threads is compared with ours.
-TIMED_ON_TWO = ("ASPHER",)
 COLUMNS = (
     *(f"{code}, s" for code in ("ours", *PEERS)),
     *(f"{code} / ours" for code in ("tamaas", "ASPHER")),
-    *(f"{code}, wall on two threads, s" for code in ("ours", *TIMED_ON_TWO)),
 )
 OURS = ("numpy", "compiled")
 SMALL_COLUMNS = (
@@ -315,26 +311,25 @@ LOOSEST_GAP = 1e-3
 
 @attrs.frozen
 class Run:
-    """Times in s of a solve, the violation of its pressure, the error of its load, and the tolerance."""
+    """CPU time of a solve, s, the violation of its pressure, the error of its load, and the tolerance."""
 
     cpu: float
-    wall: float
     violation: float
     load: float
     tolerance: float | None = None
 
 
 def measure_run(solve: Callable[[Case], np.ndarray | None], case: Case, tolerance: float | None = None) -> Run | None:
-    """Return the times and the violation of a solve; None if it fails or does not exist for a case."""
-    wall, cpu = time.perf_counter(), time.process_time()
+    """Return the time and the violation of a solve; None if it fails or does not exist for a case."""
+    started = time.process_time()
     try:
         with warnings.catch_warnings(action="ignore"), np.errstate(all="ignore"):
             pressure = solve(case)
     except Exception as error:
         print(f"{case.name}, tolerance {tolerance}: {type(error).__name__}: {error}", file=sys.stderr)
         return None
-    wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
-    return None if pressure is None else Run(cpu, wall, *measure_violation(pressure, case), tolerance)
+    cpu = time.process_time() - started
+    return None if pressure is None else Run(cpu, *measure_violation(pressure, case), tolerance)
 
 
 def match_run(peer: Peer, case: Case, required: float) -> Run | None:
@@ -353,8 +348,8 @@ def match_run(peer: Peer, case: Case, required: float) -> Run | None:
     return best
 
 
-def compare(case: Case, tolerances: dict[str, float] | None) -> dict[str, Run]:
-    """Return the runs of ours and of those whose tolerance is given in this process; of all, matched, without any."""
+def compare(case: Case) -> dict[str, Run]:
+    """Return the runs of all codes in this process, at the accuracy of ours."""
 
     def solve(case: Case) -> np.ndarray:
         return solve_ours(case, convolver=name_numpys(case))
@@ -364,14 +359,10 @@ def compare(case: Case, tolerances: dict[str, float] | None) -> dict[str, Run]:
     # Imports and compilation are not counted.
     small = attrs.evolve(case, name="warm-up", heights=make_rough(64))
     for name, peer in PEERS.items():
-        if importlib.util.find_spec(peer.package) is None or (tolerances is not None and name not in tolerances):
+        if importlib.util.find_spec(peer.package) is None:
             continue
         measure_run(lambda case, peer=peer: peer.solve(case, peer.loosest), small)
-        if tolerances is not None:
-            tolerance = tolerances[name]
-            found = measure_run(lambda case, peer=peer, t=tolerance: peer.solve(case, t), case, tolerance)
-        else:
-            found = match_run(peer, case, max(REQUIRED, mine[0].violation))
+        found = match_run(peer, case, max(REQUIRED, mine[0].violation))
         if found is not None:
             runs[name] = found
             mine.append(measure_run(solve, case))
@@ -404,9 +395,8 @@ def compare_small(case: Case) -> dict[str, Run]:
 
 
 def take_median(runs: list[Run]) -> Run:
-    """Return the last of several runs with the medians of their times."""
-    cpu, wall = (statistics.median(getattr(run, kind) for run in runs) for kind in ("cpu", "wall"))
-    return attrs.evolve(runs[-1], cpu=cpu, wall=wall)
+    """Return the last of several runs with the median of their times."""
+    return attrs.evolve(runs[-1], cpu=statistics.median(run.cpu for run in runs))
 
 
 @attrs.frozen(eq=False)
@@ -509,34 +499,25 @@ def compare_friction(cells: int = 128) -> None:
     )
 
 
-def compare_in_process(name: str, options: list[str], threads: int) -> dict[str, Run]:
-    """Return the runs of one case in a process of its own with a number of threads."""
-    environment = {**os.environ, "OMP_NUM_THREADS": str(threads), "OPENBLAS_NUM_THREADS": str(threads)}
-    output = subprocess.run(
-        [sys.executable, __file__, "--case", name, *options],
-        env=environment,
-        stdout=subprocess.PIPE,
-        text=True,
-        check=True,
-    ).stdout
+def compare_in_process(name: str, options: list[str]) -> dict[str, Run]:
+    """Return the runs of one case in a process of its own."""
+    command = [sys.executable, __file__, "--case", name, *options]
+    output = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True).stdout
     return {code: Run(**values) for code, values in json.loads(output.splitlines()[-1]).items()}
 
 
 def make_rows(largest: int = 1024, only: str = "") -> list[list[str]]:
-    """Return the table of the README, the CPU time on one thread and the wall time on two."""
+    """Return the table of the README, CPU times on one thread."""
     rows = [["case", *COLUMNS]]
     for case in make_cases(largest):
         if only not in case.name:
             continue
         options = ["--largest", str(largest)]
-        single = compare_in_process(case.name, options, 1)
-        tolerances = {code: run.tolerance for code, run in single.items() if code in TIMED_ON_TWO}
-        parallel = compare_in_process(case.name, [*options, "--tolerances", json.dumps(tolerances)], 2)
-        required = max(REQUIRED, single["ours"].violation)
-        times = [format_run(single.get(code), required) for code in ("ours", *PEERS)]
-        ratios = [format_ratio(single.get(code), single["ours"]) for code in ("tamaas", "ASPHER")]
-        walls = [f"{parallel[code].wall:.2f}" if code in parallel else "-" for code in ("ours", *TIMED_ON_TWO)]
-        rows.append([name_case(case), *times, *ratios, *walls])
+        runs = compare_in_process(case.name, options)
+        required = max(REQUIRED, runs["ours"].violation)
+        times = [format_run(runs.get(code), required) for code in ("ours", *PEERS)]
+        ratios = [format_ratio(runs.get(code), runs["ours"]) for code in ("tamaas", "ASPHER")]
+        rows.append([name_case(case), *times, *ratios])
         print(" | ".join(rows[-1]), flush=True)
     return rows
 
@@ -551,7 +532,7 @@ def make_small_rows() -> list[list[str]]:
     """Return the table of small grids, each contact in a process of its own on one thread."""
     rows = [["case", *SMALL_COLUMNS]]
     for case in make_small_cases():
-        runs = compare_in_process(case.name, ["--small"], 1)
+        runs = compare_in_process(case.name, ["--small"])
         required = max(REQUIRED, *(runs[code].violation for code in OURS if code in runs))
         entries = [format_run(runs.get(code), required, 1e3) for code in (*OURS, *PEERS)]
         ratios = [format_ratio(runs.get("ASPHER"), runs.get(code)) for code in OURS]
@@ -570,12 +551,13 @@ def format_run(run: Run | None, required: float, unit: float = 1.0) -> str:
 
 
 def format_ratio(other: Run | None, own: Run | None) -> str:
-    return "-" if other is None or own is None else f"{other.cpu / own.cpu:.2g}"
+    if other is None or own is None:
+        return "-"
+    ratio = other.cpu / own.cpu
+    return f"{ratio:.0f}" if ratio >= 100.0 else f"{ratio:.2g}"
 
 
 SHOWN_SMALL = [column for column in ("case", *SMALL_COLUMNS) if column != "slippy, ms"]
-# The README omits what says the same again.
-SHOWN = ["case", *COLUMNS[:7]]
 LISTED = (
     *(f"x = {x}, 1024 x 1024" for x in (0.2, 1.0, 1.5)),
     *(f"{name}, {cells} x {cells}" for name in ("x = 0.05", "adhesion") for cells in (512, 1024)),
@@ -583,7 +565,7 @@ LISTED = (
     "hardness 0.3 slope, x = 0.05, 512 x 512",
 )
 TABLES = {
-    "other-codes": DocTable(make_rows, seconds=1500, timed=COLUMNS, shown=pick(SHOWN, LISTED)),
+    "other-codes": DocTable(make_rows, seconds=1500, timed=COLUMNS, shown=pick(["case", *COLUMNS], LISTED)),
     "small-codes": DocTable(make_small_rows, seconds=200, timed=SMALL_COLUMNS, shown=pick(SHOWN_SMALL)),
 }
 
@@ -597,14 +579,13 @@ if __name__ == "__main__":
     parser.add_argument("--friction", action="store_true", help="the first step of a path with friction instead")
     parser.add_argument("--small", action="store_true", help="the table of small grids instead, written to its page")
     parser.add_argument("--case", help=argparse.SUPPRESS)
-    parser.add_argument("--tolerances", type=json.loads, help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.friction:
         compare_friction()
     elif options.case is not None:
         cases = make_small_cases() if options.small else make_cases(options.largest)
         chosen = next(case for case in cases if case.name == options.case)
-        found = compare_small(chosen) if options.small else compare(chosen, options.tolerances)
+        found = compare_small(chosen) if options.small else compare(chosen)
         print(json.dumps({code: attrs.asdict(run) for code, run in found.items()}))
     elif options.only or options.largest != 1024:
         print(format_rows(make_rows(options.largest, options.only)))

@@ -230,7 +230,8 @@ def test_the_page_states_it_and_writes_no_script_of_a_state_that_follows_others(
 
 
 def test_a_pickle_keeps_it(worn):
-    again = pickle.loads(pickle.dumps(worn[1]))
+    again = pickle.loads(pickle.dumps(worn))[1]
+    np.testing.assert_array_equal(pickle.loads(pickle.dumps(worn[0])).pressure, worn[0].pressure)
     np.testing.assert_array_equal(again.added[0].offset, worn[1].added[0].offset)
     assert not again.added[0].offset.flags.writeable
     assert again.certificate == worn[1].certificate

@@ -303,7 +303,7 @@ def test_the_answers_add_the_error_of_the_cells():
 @pytest.mark.parametrize("response", ["stress", "stiffness", "tangential-stiffness", FirstYield("1GPa")])
 def test_answers_of_uniform_bodies_are_refused(response):
     state = _make_problem(Inclusions([_make_sphere(1.5)])).solve(force=FORCE)
-    with pytest.raises(rc.InputError, match="has changed them below their surfaces"):
+    with pytest.raises(rc.InputError, match="inclusions change"):
         state.response(response)
     assert state.area().fraction > 0.1
 

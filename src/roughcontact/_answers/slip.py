@@ -247,7 +247,7 @@ class CiavarellaJaeger(Response[PartialSlip]):
 
     memory_arrays = 34.0  # the symbols of shear
     holds_with = frozenset()
-    takes_uniform_bodies = True
+    fails_with = frozenset({"inner flow", "inner moduli"})
     refusal = "it is under one tangential force, and the states of a path have their own stick and slip"
 
     tangential_force: float = attrs.field(converter=_force, metadata={"unit": "N"})

@@ -5,18 +5,23 @@ from roughcontact_volume.flow import PlasticFlow
 from roughcontact_volume.given_strains import ResidualStress, StrainedRegion
 from roughcontact_volume.hardening import Hardening, LinearHardening, SwiftHardening, TabulatedHardening, VoceHardening
 from roughcontact_volume.inclusions import Inclusion, Inclusions
+from roughcontact_volume.layered_stress import LayeredStress
 from roughcontact_volume.material_field import MaterialField, draw_moduli
 from roughcontact_volume.operators import VolumeOperators
 from roughcontact_volume.plastic import Plastic
 from roughcontact_volume.shapes import Cuboid, Ellipsoid, Shape, Sphere
+from roughcontact_volume.stress_answers import FindResidualStress, FindTotalStress
 
 __all__ = [
     "Cuboid",
     "Ellipsoid",
+    "FindResidualStress",
+    "FindTotalStress",
     "Hardening",
     "Inclusion",
     "InclusionAnswers",
     "Inclusions",
+    "LayeredStress",
     "LinearHardening",
     "MaterialField",
     "Plastic",

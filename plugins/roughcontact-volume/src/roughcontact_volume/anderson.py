@@ -19,7 +19,7 @@ class AndersonMixing:
 
     References
     ----------
-    Walker, Ni, SIAM J. Numer. Anal. 49 (2011) 1715-1735, https://doi.org/10.1137/10078356X
+    Walker, Ni, SIAM Journal on Numerical Analysis 49 (2011) 1715-1735, https://doi.org/10.1137/10078356X
     """
 
     cells: IntArray = attrs.field(factory=lambda: np.empty(0, dtype=np.intp))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from functools import partial
 from typing import Any, ClassVar
@@ -77,6 +78,8 @@ class PlasticFlow(rc.CoupledProcess):
         "last_load": ("force, N, and approach, m, at the end of the increment", ""),
     }
 
+    left_behind: ClassVar[str] = "the residual stress and the hardening below the surface"
+
     def start(self, problem: Any) -> Mapping[str, Array]:
         """Return what is remembered of a fresh body: nothing, in the uppermost layer alone."""
         require_possible(problem)
@@ -121,6 +124,22 @@ class PlasticFlow(rc.CoupledProcess):
         """Return the conditions of plastic flow, with the stress recomputed from pressure and plastic strain."""
         pressure = self._place_back(increment, state.pressure)
         return judge_flow(problem.plan.grid, problem.boundary, self._find_material(problem), pressure, _read(after))
+
+    def list_errors(self, state: Any, memory: Mapping[str, Array]) -> Mapping[str, float]:
+        """Return the errors of maximum pressure, approach and mean gap by the substeps."""
+        pressure, approach, _, imprint = memory["step_errors"].tolist()
+        errors = {"approach": approach, "mean-gap": math.hypot(approach, imprint)}
+        return {"peak-pressure": pressure, **errors} if state.pressure.any() else errors
+
+    def explain_limits(self, memory: Mapping[str, Array]) -> Mapping[str, str]:
+        """Return what a body that has flowed asks of responses; see `Law.explain_limits`."""
+        if not memory["accumulated_strain"].any():
+            return {}
+        stress = "plastic flow leaves a stress below the surface, which the pressure does not tell"
+        return {
+            "inner stress": f"{stress}: ask for the response 'total-stress'",
+            "inner flow": "the body may flow as the load changes: ask for the stiffness on unloading",
+        }
 
     def divide(self, problem: Any, memory: Mapping[str, Array]) -> tuple[float | Array, float | Array]:
         """Return the imprint as what its body has lost of its heights, m."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import lru_cache
-from typing import Any, ClassVar
+from typing import Any
 
 import attrs
 import numpy as np
@@ -152,8 +152,6 @@ class StrainedRegion(rc.Law):
     centre: Triple = attrs.field(converter=read_centre, metadata={"unit": "m"})
     side: str = attrs.field(default="body", converter=read_side, kw_only=True)
 
-    keeps_bodies: ClassVar[bool] = False
-
     def change_gap(self, problem: Any, increment: LoadIncrement, memory: Mapping[str, Array]) -> Array:
         """Return the displacement of the surface, m; see `Law.change_gap`."""
         return self._find_field(problem).displacement
@@ -162,6 +160,10 @@ class StrainedRegion(rc.Law):
         """Return depths between layers, shape (nz + 1,), m, and the stress in them, shape (6, nz, nx, ny), Pa."""
         field = self._find_field(problem)
         return field.interfaces, field.stress
+
+    def explain_limits(self, memory: Mapping[str, Array]) -> Mapping[str, str]:
+        """Return that it leaves a stress; see `Law.explain_limits`."""
+        return {"inner stress": "a strained region leaves a stress of its own, StrainedRegion.find_stress"}
 
     def list_numbers(self, state: Any, memory: Mapping[str, Array]) -> Mapping[str, tuple[float, str]]:
         """Return how far the surface rises, m."""

@@ -20,6 +20,8 @@ from roughcontact_volume.radial_return import (
 from roughcontact_volume.substeps import PlasticState
 from roughcontact_volume.yielding import Yielding
 
+# Largest error of the flow with which a state counts as solved.
+_MAX_ERROR = 1e-3
 _FLOW = "change of the last flow by the return of its stress, 2 mu over the yield stress"
 _YIELD = "von Mises stress beyond the yield stress, in the last flow also below it, over it"
 _DIRECTION = "1 - cosine between the last flow and the deviator of its stress"
@@ -35,7 +37,10 @@ def judge_flow(
     if not state.accumulated_strain.any():
         largest = float(find_largest_below(grid, boundary, material, pressure).max())
         beyond = max(0.0, largest / material.yield_stress - 1.0)
-        return [Condition("plastic flow", beyond, _FLOW), Condition("yield", beyond, _YIELD, judges=False)]
+        return [
+            Condition("plastic flow", beyond, _FLOW, tolerance=_MAX_ERROR),
+            Condition("yield", beyond, _YIELD, judges=False),
+        ]
     operators = find_operators(grid, boundary, state.layers, material)
     stress = operators.find_stress(state.plastic_strain)
     stress += operators.press(pressure)
@@ -46,7 +51,7 @@ def judge_flow(
     trace = float(np.abs(state.plastic_strain[:3].sum(axis=0)).max())
     at_border = _find_at_border(state.accumulated_strain, boundary)
     return [
-        Condition("plastic flow", max(one.find_error() for one in layers), _FLOW),
+        Condition("plastic flow", max(one.find_error() for one in layers), _FLOW, tolerance=_MAX_ERROR),
         Condition("yield", max(one.find_excess() for one in layers), _YIELD, judges=False),
         Condition("flow direction", max(one.find_turn() for one in layers), _DIRECTION, judges=False),
         Condition("plastic volume strain", trace / size, _TRACE, judges=False),

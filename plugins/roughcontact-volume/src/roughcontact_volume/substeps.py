@@ -173,7 +173,8 @@ class SubstepMarch:
         self._touch(fresh.imprint, 1.0, _CONTACT_TOLERANCE)
         pressure = self.place_back(self.contact.pressure)
         depth = find_yield_depth(self.grid, self.boundary, self.material, pressure)
-        return fresh.deepen(count_layers(self.grid, depth)) if depth else fresh
+        # The lowest layer must not flow, so that there are two at least.
+        return fresh.deepen(max(2, count_layers(self.grid, depth))) if depth else fresh
 
     def _run(self, begin: PlasticState, guesses: Sequence[Flow]) -> _Run:
         """Follow the increment in as many substeps as there are guesses of their flow, in a box that is deep enough."""

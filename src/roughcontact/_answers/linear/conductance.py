@@ -141,7 +141,7 @@ class ContactConductance(Response[Conductance]):
     """
 
     holds_with = frozenset({"tension", "shear"})
-    takes_uniform_bodies = True
+    fails_with = frozenset({"inner moduli"})
     flagged_factor = 0.5
     reads = "contact pressure"
 

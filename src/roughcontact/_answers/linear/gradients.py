@@ -252,7 +252,7 @@ class Gradient(Response[Array]):
     """
 
     holds_with = frozenset({"tension", "shear"})
-    takes_uniform_bodies = True
+    fails_with = frozenset({"inner flow", "inner moduli"})
     memory_arrays = 17.0
 
     of: str | PressureDerivative = attrs.field(converter=_number)

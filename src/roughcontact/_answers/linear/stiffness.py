@@ -325,8 +325,12 @@ class Stiffness(Response[Estimate]):
     unloading: bool = attrs.field(default=False, converter=_unloading)
 
     holds_with = frozenset({"tension", "shear"})
-    takes_uniform_bodies = True
     flagged_factor = 0.5
+
+    @property
+    def fails_with(self) -> frozenset[str]:  # type: ignore[override]
+        """What it does not know of laws: other moduli below the surface, and flow there unless the load falls."""
+        return frozenset({"inner moduli"} if self.unloading else {"inner moduli", "inner flow"})
 
     def respond(self, solution: ContactSolution) -> Estimate:
         """Return the stiffness; see `Response.respond`."""
@@ -345,7 +349,6 @@ class StabilityMargin(Response[Estimate]):
     """
 
     holds_with = frozenset({"tension", "shear"})
-    takes_uniform_bodies = True
 
     def respond(self, solution: ContactSolution) -> Estimate:
         """Return the margin; see `Response.respond`."""
@@ -447,7 +450,6 @@ class PullOff(Response[Estimate]):
     """
 
     holds_with = frozenset({"tension", "shear"})
-    takes_uniform_bodies = True
 
     def respond(self, solution: ContactSolution) -> Estimate:
         """Return the force, N; see `Response.respond`."""

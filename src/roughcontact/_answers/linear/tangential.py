@@ -170,7 +170,7 @@ class TangentialStiffness(Response[Estimate]):
     """
 
     memory_arrays = 49.0  # the symbols of shear
-    takes_uniform_bodies = True
+    fails_with = frozenset({"inner flow", "inner moduli"})
     flagged_factor = 0.5
 
     axis: int = attrs.field(default=0, converter=tangential_axis)

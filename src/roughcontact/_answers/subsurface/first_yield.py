@@ -135,7 +135,7 @@ class FirstYield(Response[YieldPoint]):
     """
 
     holds_with = frozenset({"tension"})
-    takes_uniform_bodies = True
+    fails_with = frozenset({"inner stress"})
     memory_arrays = 54.0  # solves at other loads, and the stress of each
     refusal = "it is that of pressure alone; ask for the stress, which counts the traction"
 

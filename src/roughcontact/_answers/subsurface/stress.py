@@ -392,7 +392,7 @@ class StressBelow(Response[Stress]):
     """
 
     holds_with = frozenset({"tension", "shear", "relaxation"})
-    takes_uniform_bodies = True
+    fails_with = frozenset({"inner stress"})
     memory_arrays = 32.0  # one plane at a time, by pressure and traction on a free boundary
 
     depths: Array | None = attrs.field(default=None, converter=read_depths, metadata={"unit": "m"})

@@ -42,8 +42,9 @@ from roughcontact._solve.problem.scene import Scene
 from roughcontact._solve.problem.sweep import tabulate_states
 from roughcontact._solve.problem.task import limit_load
 from roughcontact._solve.solution import ContactSolution, Governed, Process, load_of, read_states
-from roughcontact.errors import InputError, argument
+from roughcontact.errors import ContactWarning, InputError, argument
 from roughcontact.errors.door import guarded
+from roughcontact.errors.warning import warn
 
 S = TypeVar("S", bound=Scene)
 
@@ -113,7 +114,8 @@ class LoadPath(Path):
     def bodies(self) -> tuple[Body, Body]:
         """Both bodies with the heights that they have after the path, unloaded, as of another problem.
 
-        What is flattened is taken from the softer body, half of it from each where both are equally hard.
+        What is flattened is taken from the softer body, half of it from each where both are equally hard. A warning
+        says what laws remember that is not in the heights.
         """
         return find_bodies(self.states[-1])
 
@@ -297,6 +299,11 @@ def find_bodies(last: ContactSolution, history: str = "changed along a path of l
         parts = law.divide(scene, memory) if isinstance(law, Process) else (0.0, 0.0)
         for loss, part in zip(losses, parts, strict=True):
             loss += part
+        if isinstance(law, Process) and law.left_behind and any(np.any(part) for part in parts):
+            warn(
+                f"The bodies have the heights after the path, but not {law.left_behind}: extend the path to keep it.",
+                ContactWarning,
+            )
     body, counterbody = (
         _take_heights(side, loss, last, history)
         for side, loss in zip((scene.body, scene.counterbody), losses, strict=True)

@@ -155,7 +155,12 @@ def _govern(solution: ContactSolution, effect: Governed, datum: float) -> Contac
     changed = attrs.evolve(
         solution, initial_gap=frozen_array(solution.initial_gap + datum), approach=solution.approach + datum
     )
-    return changed._add(effect.finish(changed) if changed.status.success else effect)
+    if not changed.status.success:
+        return changed._add(effect)
+    found = effect.finish(changed)
+    if all(one.holds for one in found.conditions):
+        return changed._add(found)
+    return attrs.evolve(changed, status=Status.UNCONFIRMED)._add(attrs.evolve(found, numbers={}))
 
 
 @contextlib.contextmanager
@@ -384,7 +389,8 @@ def require_certified(solution: Any) -> None:
         Has the status, iterations, residuals and, if it has any, warnings of a `ContactSolution`.
     """
     if not solution.status.success:
-        status = f"The contact is {solution.status} ({solution.iterations} iterations; {solution.residuals})."
+        conditions = getattr(solution, "certificate", solution.residuals)
+        status = f"The contact is {solution.status} ({solution.iterations} iterations; {conditions})."
         raise NotConverged(" ".join((status, *getattr(solution, "warnings", ()))), solution)
 
 

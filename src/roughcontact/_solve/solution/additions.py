@@ -30,12 +30,20 @@ class Condition(ShownAsPrinted):
         What the residual is, and over which scale, in words.
     judges
         Whether the residual is one of the `Certificate.error`.
+    tolerance
+        Of a condition that a law adds, the largest residual with which a state counts as solved; None: any.
     """
 
     name: str
     residual: float = attrs.field(converter=float)
     meaning: str
     judges: bool = True
+    tolerance: float | None = None
+
+    @property
+    def holds(self) -> bool:
+        """Whether the residual is within the tolerance."""
+        return self.tolerance is None or self.residual <= self.tolerance
 
     def __str__(self) -> str:
         return f"{self.name} {self.residual:.1e}"
@@ -101,6 +109,15 @@ class Addition(abc.ABC):
     def marks(self) -> frozenset[str]:
         """What answers must hold with, `Response.holds_with`: by default its kind."""
         return frozenset({self.kind})
+
+    @property
+    def limits(self) -> Mapping[str, str]:
+        """Why some responses do not hold, by what they do not know of it; see `Response.fails_with`."""
+        return {}
+
+    def list_errors(self, state: Any) -> dict[str, float]:
+        """Return what it adds to the uncertainty of responses of a state, by registered name and in their unit."""
+        return {}
 
     @property
     def default_area(self) -> str:

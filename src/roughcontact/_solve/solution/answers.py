@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from functools import cached_property
 from typing import Any, ClassVar, Self, TypeVar, overload
 
@@ -149,7 +150,9 @@ class ContactAnswers(ShearFields):
 
     def _view(self, response: Response[Any]) -> Self:
         """Return what a response reads of the solution: with adhesion the pressure that it holds for."""
-        require_to_hold(response, self._laws)
+        require_to_hold(response, self._laws, self._limits)
+        if response.reads == "state":
+            return self
         return self._normal if response.reads == "total pressure" else self._pressed
 
     @property
@@ -235,11 +238,18 @@ class ContactAnswers(ShearFields):
             raise InputError(
                 "Solved again the contact has no traction: with friction this answer is that of the model."
             )
-        return judge(self, found, kind, lambda one: one.response(asked, uncertainty="model"), asked.flagged_factor)
+        judged = judge(self, found, kind, lambda one: one.response(asked, uncertainty="model"), asked.flagged_factor)
+        return self._add_errors(judged, asked)
+
+    def _add_errors(self, found: Estimate, asked: Any) -> Estimate:
+        """Return a number with what laws add to its uncertainty."""
+        name = responses.name_of(type(asked))
+        errors = [error for one in self.added if (error := one.list_errors(self).get(name or "", 0.0))]
+        return attrs.evolve(found, uncertainty=math.hypot(found.uncertainty, *errors)) if errors else found
 
     def _add_traction(self, asked: Any) -> Any:
         """Return a response to pressure and traction of a contact with friction."""
-        require_to_hold(asked, self._laws)
+        require_to_hold(asked, self._laws, self._limits)
         if "traction" not in list_fields(asked):
             return asked
         own = [name for name in ("traction", "friction") if getattr(asked, name, None) is not None]

@@ -319,6 +319,11 @@ class ContactFields(AskedOf):
         added = frozenset().union(*(one.marks for one in self.added))
         return added if self.tension is None else added | {"tension"}
 
+    @property
+    def _limits(self) -> dict[str, str]:
+        """Why some responses do not hold, by what they do not know; see `Response.fails_with`."""
+        return {unknown: reason for one in reversed(self.added) for unknown, reason in one.limits.items()}
+
     @cached_property
     def _found(self) -> dict[str, Any]:
         """What was computed of the solution and is asked for again, by name."""

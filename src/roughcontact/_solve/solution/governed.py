@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections import ChainMap
 from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any, final
@@ -221,6 +223,9 @@ class Governed(Addition):
         if stated_numbers.keys() != found_numbers.keys() or self.elapsed < self.time or self.slid < self.sliding:
             raise InputError("Its numbers contradict its laws.")
         pairs += [(name, np.array(stated_numbers[name]), np.array(found)) for name, found in found_numbers.items()]
+        for one in again.conditions:
+            if not one.holds:
+                raise InputError(f"Its {one.name} is violated by {one.residual:.1e}: {one.meaning}.")
         for name, stated_field, found_field in pairs:
             scale = float(np.abs(found_field).max())
             if not np.abs(stated_field - found_field).max() <= _MACHINE_DIFFERENCE * scale:
@@ -239,13 +244,22 @@ class Governed(Addition):
 
     @property
     def marks(self) -> frozenset[str]:
-        """What answers must hold with: where a law changes the modulus or the bodies, that too."""
-        found = {self.kind}
-        if not all(law.keeps_modulus for law in self.laws):
-            found.add("relaxation")
-        if not all(law.keeps_bodies for law in self.laws):
-            found.add("bodies")
-        return frozenset(found)
+        """What answers must hold with: where a law changes the modulus, ``"relaxation"`` too."""
+        return frozenset({self.kind} if all(law.keeps_modulus for law in self.laws) else {self.kind, "relaxation"})
+
+    @property
+    def limits(self) -> Mapping[str, str]:
+        """What responses do not know of the laws, each with the reason of the first one."""
+        pairs = zip(self.laws, self.memory, strict=False)
+        return dict(ChainMap(*(dict(law.explain_limits(memory)) for law, memory in pairs)))
+
+    def list_errors(self, state: Any) -> dict[str, float]:
+        """Return what the laws add to the uncertainty of responses, by name."""
+        found: dict[str, float] = {}
+        for law, memory in zip(self.laws, self.memory, strict=False):
+            for name, error in law.list_errors(state, memory).items():
+                found[name] = math.hypot(found.get(name, 0.0), error)
+        return found
 
     @property
     def default_area(self) -> str:
@@ -325,8 +339,10 @@ class Governed(Addition):
         )
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # Arrays in pickles and deep copies are writable: the checks make them read-only again.
-        return _restore, (attrs.asdict(self, recurse=False),)
+        # Arrays in pickles and deep copies are writable: the checks make them read-only again. A read-only view of a
+        # mapping has no pickle.
+        memories = {name: tuple(map(dict, getattr(self, name))) for name in ("before", "memory")}
+        return _restore, (attrs.asdict(self, recurse=False) | memories,)
 
 
 def _restore(fields: dict[str, Any]) -> Governed:

@@ -65,10 +65,6 @@ class Law(Part, abc.ABC):
     follows_bodies: ClassVar[bool] = False
     """Whether it knows `LoadIncrement.shift`: what it remembers of the counterbody moves with it."""
 
-    keeps_bodies: ClassVar[bool] = True
-    """Whether the bodies below their surfaces are those of the problem: answers that take them as uniform are refused
-    otherwise, such as the stress by the pressure alone."""
-
     of_material: ClassVar[bool] = False
     """Whether materials alone bring it to a problem, by `Material.bring_laws`."""
 
@@ -113,6 +109,18 @@ class Law(Part, abc.ABC):
         """Return its numbers of a `ContactSolution` by name: estimates, or a number with its unit."""
         return {}
 
+    def list_errors(self, state: Any, memory: Memory) -> Mapping[str, float]:
+        """Return what it adds to the uncertainty of responses of a state, by registered name and in their unit."""
+        return {}
+
+    def explain_limits(self, memory: Memory) -> Mapping[str, str]:
+        """Return which responses do not know what it does below a surface, and why, in words, by `Response.fails_with`.
+
+        By default none. A law that leaves a stress there says so under ``"inner stress"``, one that may change it as
+        the load changes under ``"inner flow"``, and one that changes the moduli there under ``"inner moduli"``.
+        """
+        return {}
+
     def list_conditions(self, state: Any, memory: Memory) -> Iterable[Condition]:
         """Return its conditions of the certificate, recomputed from the fields of a state."""
         return ()
@@ -125,6 +133,8 @@ class Process(Law):
     ----------
     remembered
         The fields that it remembers, zero on fresh surfaces: meaning and unit by name.
+    left_behind
+        What it remembers of bodies that is not in their heights, in words: `LoadPath.bodies` warns of it.
 
     Examples
     --------
@@ -148,6 +158,7 @@ class Process(Law):
     """
 
     remembered: ClassVar[Mapping[str, tuple[str, str]]]
+    left_behind: ClassVar[str] = ""
 
     # What loads leave is not a summit, whose curvature tells the area.
     default_area: ClassVar[str] = "level-set"

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import abc
 import math
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Mapping
 from enum import Enum
+from types import MappingProxyType
 from typing import Any, ClassVar, Generic, Literal, TypeAlias, TypeVar
 
 import attrs
@@ -39,6 +40,7 @@ _MAX_UNDECIDED_FRACTION = 0.05
 # Additional standard deviation of the position of the edge of saturated cells, cells: the elastic ring around them is
 # narrow. Measured on 60 balls whose maximum pressure by Hertz is 1.15 to 2.5 times the limit.
 _SATURATED_EDGE_STD = 0.055
+_NO_LIMITS: Mapping[str, str] = MappingProxyType({})
 _RUN_IN_WARNING = WarningText(
     "cells at the pressure limit hardly overlap, as on run-in surfaces: their saturated part is not determined",
     "run in",
@@ -59,14 +61,14 @@ class Response(Part, abc.ABC, Generic[T_co]):
         laws add, with which it is that of the normal contact or, if it has a field ``traction``, of pressure and
         traction; ``"relaxation"`` of viscoelastic bodies, where it reads the fields alone. It is refused where one acts
         that is not named.
-    takes_uniform_bodies
-        Whether it takes the bodies as uniform and elastic: it is refused where a law has changed them below their
-        surfaces, `Law.keeps_bodies`.
     refusal
         Why it does not hold with shear, in words.
+    fails_with
+        What laws may do below a surface that it does not know, `Law.explain_limits`: ``"inner stress"``, ``"inner
+        flow"``, ``"inner moduli"``. It is refused where a law does it.
     reads
-        What its `pressure` is where there is tension: ``"total pressure"``, the solution as it is, or ``"contact
-        pressure"``, the part that presses.
+        What its `pressure` is where there is tension: ``"total pressure"``, the normal contact as it is, or ``"contact
+        pressure"``, the part that presses; or ``"state"``: all of the solution, with what laws have added to it.
     flagged_factor
         Its standard deviation over its change over two grids where sharp edges or rough heights are flagged; None for
         one, and at least the standard deviation of the model.
@@ -89,8 +91,8 @@ class Response(Part, abc.ABC, Generic[T_co]):
 
     depends_on_place: ClassVar[bool] = False
     holds_with: ClassVar[frozenset[str]] = frozenset({"shear"})
-    takes_uniform_bodies: ClassVar[bool] = False
     refusal: ClassVar[str] = "it knows no traction"
+    fails_with: ClassVar[frozenset[str]] = frozenset()
     reads: ClassVar[str] = "total pressure"
     flagged_factor: ClassVar[float | None] = None
     memory_arrays: ClassVar[float] = 12.0
@@ -120,23 +122,24 @@ def list_fields(response: Response[Any]) -> tuple[str, ...]:
     return tuple(attrs.fields_dict(kind)) if attrs.has(kind) else ()
 
 
-def require_to_hold(response: Response[Any], laws: Collection[str]) -> None:
-    """Raise `InputError` if a response does not hold with what laws add to the pressure, `ContactFields._laws`."""
+def require_to_hold(response: Response[Any], laws: Collection[str], limits: Mapping[str, str] = _NO_LIMITS) -> None:
+    """Raise `InputError` if a response does not hold with what laws add to the pressure, `ContactFields._laws`.
+
+    `limits` are the reasons of `Addition.limits`.
+    """
     kind = type(response)
+    for unknown in sorted(response.fails_with & limits.keys()):
+        name = responses.name_of(kind) or kind.__name__
+        raise InputError(f"The response {name!r} is not known for this contact: {limits[unknown]}.")
     if "tension" in laws and "tension" not in response.holds_with:
         raise InputError(f"{kind.__name__} does not hold for surfaces that attract each other: it knows no tension.")
-    if "bodies" in laws and response.takes_uniform_bodies:
-        name = responses.name_of(kind) or kind.__name__
-        raise InputError(
-            f"The response {name!r} takes the bodies as uniform and elastic, but a law of the problem has changed them "
-            "below their surfaces."
-        )
     if "relaxation" in laws and "relaxation" not in response.holds_with:
         name = responses.name_of(kind) or kind.__name__
         raise InputError(f"The response {name!r} is not known for bodies that relax: it takes one modulus.")
     if set(laws) - {"tension"} and "shear" not in response.holds_with:
         name = responses.name_of(kind) or kind.__name__
-        raise InputError(f"The response {name!r} is not for a contact with friction: {response.refusal}.")
+        what = "friction" if laws != {"laws"} else "laws"
+        raise InputError(f"The response {name!r} is not for a contact with {what}: {response.refusal}.")
 
 
 def ask(solution: Any, response: Response[Any]) -> Any:

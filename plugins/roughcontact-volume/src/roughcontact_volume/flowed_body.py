@@ -1,0 +1,117 @@
+"""The body of a state that has flowed below its surface: what its process remembers, and where it lies."""
+
+from __future__ import annotations
+
+from typing import Any, Self
+
+import attrs
+import numpy as np
+import roughcontact as rc
+from roughcontact.results import WarningText
+from roughcontact.typing import Array, Load, LoadIncrement
+
+from roughcontact_volume.box import find_operators, list_layers
+from roughcontact_volume.flow import PlasticFlow
+from roughcontact_volume.substeps import PlasticState
+from roughcontact_volume.yielding import Yielding
+
+# Largest accumulated strain beyond which strains are not small: a ball has it where the radius of its contact is a
+# tenth of its own.
+_LARGEST_SMALL_STRAIN = 0.03
+
+
+@attrs.frozen(eq=False)
+class FlowedBody:
+    """A body that flows, at a state of its contact.
+
+    Attributes
+    ----------
+    grid, boundary
+        Its cells, and what lies beyond them.
+    material
+        Its material.
+    flow
+        What it has suffered, in its own frame.
+    pressure
+        The pressure on it, in its own frame, shape (nx, ny), Pa.
+    step_errors
+        Errors of the answers by the substeps; see `PlasticFlow`.
+    is_certified
+        Whether the contact is.
+    side
+        ``"body"`` or ``"counterbody"``.
+    """
+
+    grid: rc.Grid
+    boundary: rc.Boundary
+    material: Yielding
+    flow: PlasticState
+    pressure: Array
+    step_errors: Array
+    is_certified: bool
+    side: str
+
+    @classmethod
+    def of(cls, state: Any) -> Self:
+        """Return that of a `ContactSolution`; `InputError` if none of its bodies flows, or its problem is unknown."""
+        for addition in state.added:
+            for law, memory in zip(getattr(addition, "laws", ()), getattr(addition, "memory", ()), strict=True):
+                if isinstance(law, PlasticFlow):
+                    return cls._read(state, law, memory, addition.shift)
+        raise rc.InputError("Neither body flows below its surface: give one of them the material Plastic.")
+
+    @classmethod
+    def _read(cls, state: Any, law: PlasticFlow, memory: Any, shift: tuple[int, int]) -> Self:
+        problem = state.origin.scene
+        pressure = state.pressure
+        if law.of == "counterbody":
+            increment = LoadIncrement(Load("force", state.force), shift=shift)
+            pressure = np.asarray(increment.place_back(pressure))
+        flow = PlasticState(**{name: memory[name] for name in attrs.fields_dict(PlasticState)})
+        return cls(
+            problem.plan.grid,
+            problem.boundary,
+            getattr(problem, law.of).material,
+            flow,
+            pressure,
+            memory["step_errors"],
+            state.status.success,
+            law.of,
+        )
+
+    @property
+    def thicknesses(self) -> Array:
+        """Thicknesses of the layers of the box, shape (nz,), m."""
+        return list_layers(self.grid, self.flow.layers)
+
+    @property
+    def has_flowed(self) -> bool:
+        """Whether any cell has flowed."""
+        return bool(self.flow.accumulated_strain.any())
+
+    @property
+    def step_error(self) -> float:
+        """Error of the plastic strain by the substeps, over it: that of the imprint, which is linear in it."""
+        deepest = float(np.abs(self.flow.imprint).max())
+        return float(self.step_errors[3]) / deepest if deepest > 0.0 else 0.0
+
+    def find_stress(self, *, is_loaded: bool) -> Array:
+        """Return the residual stress, mean over each layer, shape (6, nz, nx, ny), Pa, or that with the pressure."""
+        operators = find_operators(self.grid, self.boundary, self.flow.layers, self.material)
+        stress = operators.find_stress(self.flow.plastic_strain) if self.has_flowed else np.zeros(operators.shape)
+        return stress + operators.press(self.pressure) if is_loaded and self.pressure.any() else stress
+
+    @property
+    def warnings(self) -> tuple[WarningText, ...]:
+        """Why what is below must not be trusted, in sentences; empty without a reason."""
+        found = []
+        if not self.is_certified:
+            found.append(WarningText("the contact is not certified", "convergence"))
+        largest = float(self.flow.accumulated_strain.max())
+        if largest > _LARGEST_SMALL_STRAIN:
+            text = (
+                f"the plastic strain reaches {largest:.2g}, but strains are taken as small, as of a ball whose contact "
+                "has less than a tenth of its radius"
+            )
+            found.append(WarningText(text, "small strain", largest))
+        return tuple(found)

@@ -1,0 +1,165 @@
+"""Random paths of loads on bodies that yield, each of their states judged by code of its own.
+
+python plugins/roughcontact-volume/tests/judged_paths.py [number of paths] [first seed]
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+import warnings
+from typing import Any
+
+import numpy as np
+import roughcontact as rc
+
+from judge import WEIGHTS, HalfSpace, State, Verdict, judge
+from roughcontact_volume import LinearHardening, Plastic, SwiftHardening, TabulatedHardening, VoceHardening
+from roughcontact_volume.box import list_layers
+
+# Admissible violations of the flow on a periodic and on a free boundary, where images are removed but for a
+# thousandth of the residual stress, and of the contact, whose tolerance follows that of the flow.
+FLOW = {"periodic": 5e-4, "free": 1e-2}
+CONTACT = 1e-4
+
+
+class Drawn:
+    """A rigid surface on a flat that yields, and the loads of a path."""
+
+    def __init__(self, seed: int) -> None:
+        rng = np.random.default_rng(seed)
+        self.rng = rng
+        modulus, unit = 10 ** rng.uniform(-3, 11), 10 ** rng.uniform(-7, -2)
+        poisson = rng.choice([0.0, 0.3, rng.uniform(-0.2, 0.45)])
+        young = modulus * (1 - poisson**2)
+        self.limit = young * 10 ** rng.uniform(-3, -1.7)
+        self.hardening = self._draw_hardening(young)
+        self.material = Plastic(young, poisson, self.limit, self.hardening, accuracy=rng.choice([0.1, 0.3, 1.0]))
+        self.shape = tuple(rng.integers(5, 10, 2).tolist())
+        ratio = 6 ** rng.uniform(-1, 1)
+        self.grid = rc.Grid(self.shape, (unit * self.shape[0], unit * ratio * self.shape[1]))
+        self.boundary = str(rng.choice(["free", "periodic"]))
+        self.heights, force = self._draw_heights(modulus)
+        factors = np.append(1.0, rng.choice([0.0, 0.3, 0.8, 1.0, 1.3, 1.6], 4))
+        self.forces = (force * factors).tolist()
+        self.shifts = [(0, 0)] * len(self.forces)
+        if self.boundary == "periodic":
+            self.shifts = [tuple(pair) for pair in rng.integers(-2, 3, (len(self.forces), 2)).tolist()]
+        flat = rc.Body(rc.FlatSurface(), self.material)
+        tip = rc.Body(rc.HeightMap(-self.heights, self.grid.size, periodic=self.boundary == "periodic"), rc.Rigid())
+        self.problem = rc.ContactProblem(flat, tip, grid=self.grid, boundary=self.boundary)
+        self.modulus = modulus
+
+    def _draw_hardening(self, young: float) -> Any:
+        rng, limit = self.rng, self.limit
+        return [
+            None,
+            LinearHardening(young * rng.uniform(0, 0.1)),
+            SwiftHardening(rng.uniform(1e-3, 1e-2), rng.uniform(0.05, 0.5)),
+            VoceHardening(limit * rng.uniform(1.1, 2.0), rng.uniform(1e-3, 1e-2)),
+            TabulatedHardening([0.0, 0.002, 0.01], [limit, 1.2 * limit, 1.3 * limit]),
+        ][rng.integers(5)]
+
+    def _draw_heights(self, modulus: float) -> tuple[Any, float]:
+        """Return the gap of a ball, of an ellipsoid, or of both with waves, and a force under which they yield."""
+        rng, grid = self.rng, self.grid
+        x, y = ((np.arange(n) + 0.5) * side / n for n, side in zip(self.shape, grid.size, strict=True))
+        x, y = (x - x.mean())[:, None] + 0.2 * grid.spacing[0], y - y.mean() - 0.1 * grid.spacing[1]
+        contact, peak = 0.3 * min(grid.size) * rng.uniform(0.7, 1.1), self.limit * rng.uniform(1.7, 4.0)
+        radius = 2 * modulus * contact / math.pi / peak
+        heights = (x**2 + y**2 * rng.choice([1.0, rng.uniform(0.5, 2.0)])) / 2 / radius
+        force = 2 / 3 * math.pi * contact**2 * peak
+        if rng.random() < 0.5:
+            phases = rng.uniform(0, 2 * np.pi, 2)
+            waves = np.cos(6 * np.pi * x / grid.size[0] + phases[0]) * np.cos(4 * np.pi * y / grid.size[1] + phases[1])
+            heights = heights + 0.1 * contact**2 / radius * waves
+        return heights, force
+
+    def find_limit(self, strain: Any) -> Any:
+        """Return the yield stress after an accumulated strain, by formulas of its own."""
+        hard = self.hardening
+        if hard is None:
+            return np.full_like(strain, self.limit)
+        if isinstance(hard, LinearHardening):
+            return self.limit + hard.modulus * strain
+        if isinstance(hard, SwiftHardening):
+            return self.limit * (1 + strain / hard.strain) ** hard.power
+        if isinstance(hard, VoceHardening):
+            return hard.saturation - (hard.saturation - self.limit) * np.exp(-strain / hard.strain)
+        return np.interp(strain, hard.strain, hard.stress)
+
+
+def size_of(strain: Any) -> Any:
+    """Return the equivalent size of a plastic strain."""
+    return np.sqrt(2 / 3 * np.einsum("c,c...->...", WEIGHTS, strain**2))
+
+
+def judge_path(seed: int) -> tuple[list[str], int, int]:
+    """Return the faults of a random path, the number of its states, and of those that flow."""
+    drawn = Drawn(seed)
+    shifts = {"shift": drawn.shifts} if drawn.boundary == "periodic" else {}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", rc.errors.ContactWarning)
+        try:
+            path = drawn.problem.path(force=drawn.forces, **shifts)
+        except rc.InputError as refusal:
+            return ([] if "yields deeper" in str(refusal) else [f"seed {seed}: {refusal}"]), 0, 0
+    faults: list[str] = []
+    flowing = 0
+    strain, accumulated = np.zeros((6, 1, *drawn.shape)), np.zeros((1, *drawn.shape))
+    for number, (state, shift, force) in enumerate(zip(path, drawn.shifts, drawn.forces, strict=True)):
+        memory = state.added[0].memory[0]
+        found = _judge(drawn, state.pressure, memory, shift)
+        complaints = found.find_faults(FLOW[drawn.boundary], CONTACT)
+        carried = float(state.pressure.sum()) * drawn.grid.cell_area
+        if not abs(carried - force) <= 1e-6 * max(drawn.forces):
+            complaints.append(f"force {carried:.6g} for {force:.6g}")
+        deeper = (0, len(memory["accumulated_strain"]) - len(accumulated))
+        strain = np.pad(strain, ((0, 0), deeper, (0, 0), (0, 0)))
+        accumulated = np.pad(accumulated, (deeper, (0, 0), (0, 0)))
+        grown = memory["accumulated_strain"] - accumulated
+        # What it has suffered is at least the distance from where it was.
+        if not np.all(size_of(memory["plastic_strain"] - strain) <= grown + 1e-9 * memory["accumulated_strain"].max()):
+            complaints.append("strain without its accumulated size")
+        flowing += bool(grown.max() > 0)
+        strain, accumulated = memory["plastic_strain"], memory["accumulated_strain"]
+        faults += [f"seed {seed}, state {number}, {drawn.boundary}: {one}" for one in complaints]
+    return faults, len(path), flowing
+
+
+def _judge(drawn: Drawn, pressure: Any, memory: Any, shift: tuple[int, int]) -> Verdict:
+    accumulated, last = memory["accumulated_strain"], memory["last_flow"]
+    body = HalfSpace(
+        drawn.shape,
+        drawn.grid.spacing,
+        tuple(list_layers(drawn.grid, len(accumulated)).tolist()),
+        drawn.boundary == "periodic",
+        drawn.material.young,
+        drawn.material.poisson,
+    )
+    state = State(
+        pressure=pressure,
+        heights=np.roll(drawn.heights, shift, (0, 1)),
+        modulus=drawn.modulus,
+        strain_before=memory["plastic_strain"] - last,
+        strain=memory["plastic_strain"],
+        accumulated_before=accumulated - size_of(last),
+        accumulated=accumulated,
+        yield_stress=drawn.find_limit,
+    )
+    return judge(body, state)
+
+
+def main() -> None:
+    """Judge as many paths as are asked for."""
+    count, first = (int(word) for word in (*sys.argv[1:], *("100", "0")[len(sys.argv) - 1 :]))
+    states = flowing = false = 0
+    for seed in range(first, first + count):
+        faults, judged, flowed = judge_path(seed)
+        states, flowing, false = states + judged, flowing + flowed, false + bool(faults)
+        print(*faults, sep="\n", end="\n" if faults else "", flush=True)
+    print(f"{count} paths, {states} states, {flowing} of them with flow: {false} paths with faults")
+
+
+if __name__ == "__main__":
+    main()
