@@ -7,10 +7,10 @@ built, so that it reads the same without a network.
 from __future__ import annotations
 
 import doctest
-import importlib.util
 import inspect
 import re
 import sys
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -52,12 +52,14 @@ html_css_files = ["site.css"]
 # Prompts and output are not copied.
 copybutton_prompt_text = r">>> |\.\.\. |\$ "
 copybutton_prompt_is_regexp = True
+of_plugins = {"roughcontact_layered": "layered|crystals", "roughcontact_volume": "raceway"}
+missing = [scripts for plugin, scripts in of_plugins.items() if find_spec(plugin) is None]
 # The scripts of docs/gallery are run while the site is built; a script that fails fails the build.
 sphinx_gallery_conf = {
     "examples_dirs": "gallery",
     "gallery_dirs": "auto_gallery",
     "filename_pattern": r"\.py$",
-    "ignore_pattern": "__init__" if importlib.util.find_spec("roughcontact_layered") else "layered|crystals",
+    "ignore_pattern": "|".join(["__init__", *missing]),
     "within_subsection_order": "FileNameSortKey",
     "capture_repr": (),
     "download_all_examples": False,

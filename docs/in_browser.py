@@ -5,7 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 # Beside what every script needs, packages that some do, by a word of theirs.
-_NEEDED_BY = {"roughcontact_layered": "roughcontact-layered", "to_pandas": "pandas"}
+_NEEDED_BY = {
+    "roughcontact_layered": "roughcontact-layered",
+    "roughcontact_volume": "roughcontact-volume",
+    "to_pandas": "pandas",
+}
 
 
 def install_first(notebook: dict[str, Any], name: str) -> None:

@@ -16,7 +16,9 @@ ROOT = Path(__file__).parents[2]
 GALLERY = ROOT / "docs" / "gallery"
 SCRIPTS = sorted(GALLERY.glob("*.py"))
 # Packages of Pyodide's distribution, and wheels beside the notebooks.
-THERE = {"attrs", "matplotlib", "numpy", "pandas", "roughcontact", "roughcontact_layered", "scipy"}
+PLUGINS = ("layered", "volume")
+OWN = {"roughcontact", *(f"roughcontact_{name}" for name in PLUGINS)}
+THERE = {"attrs", "matplotlib", "numpy", "pandas", "scipy", *OWN}
 # What Pyodide 314 (Python 3.14) answers to each of these; integers of 32 bits cannot be had here.
 LIKE_PYODIDE = """
 import os, subprocess, sys, threading
@@ -51,8 +53,8 @@ for script in sys.argv[1:]:
 
 
 def run(*scripts):
-    layered = ROOT / "plugins" / "roughcontact-layered" / "src"
-    environment = {**os.environ, "MPLBACKEND": "agg", "PYTHONPATH": str(layered)}
+    sources = os.pathsep.join(str(ROOT / "plugins" / f"roughcontact-{name}" / "src") for name in PLUGINS)
+    environment = {**os.environ, "MPLBACKEND": "agg", "PYTHONPATH": sources}
     command = [sys.executable, "-W", "ignore", "-c", LIKE_PYODIDE + RUN, *map(str, scripts)]
     return subprocess.run(command, capture_output=True, text=True, env=environment, check=False)
 

@@ -67,7 +67,9 @@ def test_site_builds_without_a_warning(site):
 
 def test_gallery_has_a_picture_of_each_script(site):
     index = (site / "html" / "auto_gallery" / "index.html").read_text(encoding="utf-8")
-    left_to_others = () if importlib.util.find_spec("roughcontact_layered") else ("15_layered", "18_crystals")
+    of_plugins = {"layered": ("15_layered", "18_crystals"), "volume": ("20_dented_raceway",)}
+    missing = [name for name in of_plugins if importlib.util.find_spec(f"roughcontact_{name}") is None]
+    left_to_others = [script for name in missing for script in of_plugins[name]]
     scripts = [path.stem for path in (DOCS / "gallery").glob("*.py") if path.stem not in left_to_others]
     assert len(scripts) >= 14
     for name in scripts:
@@ -99,7 +101,8 @@ def test_each_script_of_the_gallery_is_a_notebook_in_the_browser(site):
         assert command[:3] == ["%pip", "install", "-q"]
         assert set(command[3:]) <= {*index, "matplotlib", "pandas"}
         text = "".join("".join(cell["source"]) for cell in others)
-        needed = {"rc.": "roughcontact", "roughcontact_layered": "roughcontact-layered", "to_pandas": "pandas"}
+        plugins = {f"roughcontact_{one}": f"roughcontact-{one}" for one in ("layered", "volume")}
+        needed = {"rc.": "roughcontact", **plugins, "to_pandas": "pandas"}
         assert {package for word, package in needed.items() if word in text} <= set(command), page.stem
 
 

@@ -9,6 +9,8 @@ import roughcontact as rc
 from roughcontact.faces import TYPICAL
 from unit_files import read_study
 
+GRID = rc.Grid((16, 12), 1e-4)
+
 
 class TestTypicalMaterials:
     """Named in a script, in a study file and on the command line, they are the same material."""
@@ -54,3 +56,38 @@ force = [0.01]
         assert "--hardness is for a Young's modulus: 'brass' has its own." in err
         _, _, err = run("solve", tmp_path / "map.npz", "--force", "1N", "--material", "bras")
         assert "brass" in err
+
+    def test_any_registered_material_on_the_command_line(self, tmp_path, run):
+        np.savez(tmp_path / "map.npz", heights=rc.WavySurface(1e-7, 5e-5).heights(GRID), size=GRID.size)
+        command = ("solve", tmp_path / "map.npz", "--force", "0.01N", "--json")
+        _, out, _ = run(*command, "--young", "210GPa", "--counterbody-young", "70GPa", "--counterbody-hardness", "5GPa")
+        body = ("--material", "elastic", "--fields", "young=210GPa", "poisson=0.3")
+        fields = ("young=70GPa,poisson=0.3", "hardness=5GPa")
+        counterbody = ("--counterbody-material", "elastic-perfectly-plastic", "--counterbody-fields", *fields)
+        _, again, _ = run(*command, *body, *counterbody)
+        for key in ("area", "approach", "inputs"):
+            assert json.loads(again)[key] == json.loads(out)[key]
+
+    @pytest.mark.parametrize(
+        ("options", "words"),
+        [
+            ("--material brass --fields young=1GPa", "--material must be one of"),
+            ("--young 1GPa --fields young=1GPa", "but got None"),
+            ("--material elastic", "--material elastic: required field 'young' is missing"),
+            (
+                "--material elastic --fields young=1GPa poisson=0.3 --hardness 1GPa",
+                "--hardness is for a Young's modulus",
+            ),
+            ("--young 1GPa --counterbody-fields young=1GPa", "--counterbody-fields needs --counterbody-material"),
+            (
+                "--material elastic --fields young=1GPa poisson.a=1 poisson.a=2",
+                "--material elastic has poisson.a twice",
+            ),
+            ("--material elastic --fields poisson=1 poisson.a=2", "--material elastic has poisson.a twice"),
+        ],
+    )
+    def test_wrong_fields_are_named(self, tmp_path, run, options, words):
+        np.savez(tmp_path / "map.npz", heights=np.zeros((8, 8)), size=1e-4)
+        status, _, err = run("solve", tmp_path / "map.npz", "--force", "1N", *options.split())
+        assert status == 2
+        assert words in " ".join(err.split())

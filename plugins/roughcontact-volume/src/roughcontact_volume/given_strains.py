@@ -108,9 +108,9 @@ def _strain(values: object) -> tuple[float, ...]:
         found = np.array(values, dtype=np.float64)
     except (TypeError, ValueError):
         found = np.empty(0)
-    if isinstance(values, bool) or found.shape not in ((), (6,)) or not (np.abs(found) <= _MAX_STRAIN).all():
+    if isinstance(values, bool) or found.shape not in ((), (1,), (6,)) or not (np.abs(found) <= _MAX_STRAIN).all():
         raise rc.InputError.about("The strain of a region", values, allowed)
-    return tuple(found.tolist()) if found.ndim else (float(found),) * 3 + (0.0,) * 3
+    return tuple(found.tolist()) if found.size == 6 else (float(found.item()),) * 3 + (0.0,) * 3
 
 
 @attrs.frozen
@@ -148,7 +148,7 @@ class StrainedRegion(rc.Law):
     """
 
     shape: Shape = attrs.field(converter=read_shape)
-    strain: tuple[float, ...] = attrs.field(converter=_strain)
+    strain: tuple[float, ...] = attrs.field(converter=_strain, metadata={"unit": ""})
     centre: Triple = attrs.field(converter=read_centre, metadata={"unit": "m"})
     side: str = attrs.field(default="body", converter=read_side, kw_only=True)
 

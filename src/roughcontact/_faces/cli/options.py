@@ -19,7 +19,7 @@ from roughcontact._base.units import parse_quantity, quantity, si
 from roughcontact._faces.cli.help import add_group
 from roughcontact._parts.files import list_reader_options
 from roughcontact._parts.grid import Boundary, Load
-from roughcontact._parts.materials import TYPICAL
+from roughcontact._parts.materials import TYPICAL, materials
 from roughcontact.errors import Argument, InputError, Spell, write_number
 
 # Arguments that are not options of their own names.
@@ -273,12 +273,14 @@ def _add_materials(parser: argparse.ArgumentParser, study: bool) -> None:
         group = add_group(parser, f"material of the {body}", prefix.rstrip("-"))
         rigid = " (rigid)" if prefix else ""
         choice = group.add_mutually_exclusive_group(required=not (prefix or study))
-        named = f"typical values by name, such as 'bearing steel'{rigid}"
-        choice.add_argument(f"--{prefix}material", choices=TYPICAL, metavar="NAME", help=named)
+        named = f"typical values by name, such as 'bearing steel', or a material with --{prefix}fields{rigid}"
+        choice.add_argument(f"--{prefix}material", choices=(*TYPICAL, *materials), metavar="NAME", help=named)
         modulus = f"Young's modulus, such as 210GPa{rigid}"
         choice.add_argument(f"--{prefix}young", type=_PASCAL, metavar="E", help=modulus)
         relaxes = "with a modulus that relaxes: moduli=1MPa,3MPa times=10ms poisson=0.5"
         choice.add_argument(f"--{prefix}viscoelastic", nargs="+", metavar="FIELD=VALUE", help=relaxes)
+        fields = "fields of such a material: young=210GPa poisson=0.3"
+        group.add_argument(f"--{prefix}fields", nargs="+", metavar="FIELD=VALUE", help=fields)
         group.add_argument(f"--{prefix}poisson", type=NUMBER, metavar="NU", help=f"Poisson's ratio ({poisson})")
         group.add_argument(f"--{prefix}hardness", type=_PASCAL, metavar="H", help="hardness, such as 6GPa (elastic)")
         layer = "a layer, from the surface downwards; may be repeated: young=400GPa poisson=0.25 thickness=2um (none)"

@@ -17,6 +17,7 @@ from roughcontact._faces.cli.options import add_problem, refuse
 from roughcontact._parts.files import list_reader_options, read_raw
 from roughcontact._parts.files.reading import options_of
 from roughcontact._parts.grid import Boundary, Load
+from roughcontact._parts.materials import TYPICAL
 from roughcontact._solve.problem import require_memory_of_solve
 from roughcontact._work.studies import LAYERED, build_layer, build_part, build_problem, find_layer_class
 
@@ -105,20 +106,25 @@ def make_part(registry: Registry[Any], option: str, name: str, texts: Sequence[s
 
 
 def _read_fields(texts: Sequence[str], what: str, cls: type[Any]) -> dict[str, Any]:
-    """Return the texts of the fields of a class by name; its first words do, as ``yield`` of ``yield_stress``."""
+    """Return the texts of the fields of a class by name; its first words do, as ``yield`` of ``yield_stress``.
+
+    A point leads to the fields of a part that is a field, as ``hardening.type``.
+    """
     known = list_fields(cls)
     fields: dict[str, Any] = {}
     # A comma separates fields too, but not the values of one.
-    for text in (part for several in texts for part in re.split(r",(?=\w+=)", several)):
+    for text in (part for several in texts for part in re.split(r",(?=[\w.]+=)", several)):
         field, equals, value = text.partition("=")
         if not equals:
             raise rc.InputError.about(f"A field of {what}", text, "FIELD=VALUE")
+        field, dot, inner = field.partition(".")
         meant = [name for name in known if field not in known and name.startswith(f"{field}_")]
         name = meant[0] if len(meant) == 1 else field
-        if name in fields:
-            raise rc.InputError(f"{what} has {name} twice: give it once.")
+        table, entry = (fields.setdefault(name, {}), inner) if dot else (fields, name)
+        if not isinstance(table, dict) or entry in table:
+            raise rc.InputError(f"{what} has {name}{dot}{inner} twice: give it once.")
         is_list = name in known and Ellipsis in get_args(known[name].kind)
-        fields[name] = value.split(",") if is_list or "," in value else value
+        table[entry] = value.split(",") if is_list or "," in value else value
     return fields
 
 
@@ -233,6 +239,7 @@ def _describe_counterbody_material(options: argparse.Namespace) -> Any:
     if all(getattr(options, f"counterbody_{name}") is None for name in MATERIALS):
         names = ("counterbody_hardness", "counterbody_poisson")
         refuse(options, names, "needs --counterbody-young: without it the counterbody is rigid.")
+        refuse(options, ("counterbody_fields",), "needs --counterbody-material: without it the counterbody is rigid.")
         return "rigid"
     return _describe_material(options, "counterbody_", 0.3 if options.poisson is None else options.poisson)
 
@@ -249,12 +256,27 @@ def _describe_material(options: argparse.Namespace, prefix: str = "", poisson: f
         )
         return make_part(rc.materials, option, "viscoelastic", relaxing)
     name: str | None = getattr(options, f"{prefix}material")
+    fields: list[str] | None = getattr(options, f"{prefix}fields")
+    if fields is not None or (name is not None and name not in TYPICAL):
+        return _make_material(options, prefix, name, fields or [])
     constants = {part: getattr(options, prefix + part) for part in ("young", "poisson", "hardness")}
     if name is None:
         return {"poisson": poisson, **{part: value for part, value in constants.items() if value is not None}}
     names = (prefix + part for part in ("poisson", "hardness"))
     refuse(options, names, f"is for a Young's modulus: {name!r} has its own.")
     return name
+
+
+def _make_material(options: argparse.Namespace, prefix: str, name: str | None, fields: Sequence[str]) -> rc.Material:
+    """Return the material with a registered name and fields."""
+    option = f"--{prefix.replace('_', '-')}material"
+    if name is None or name in TYPICAL:
+        allowed = f"one of {', '.join(rc.materials)}, whose fields follow --{prefix.replace('_', '-')}fields"
+        raise rc.InputError.about(option, name, allowed)
+    names = (f"{prefix}poisson", f"{prefix}hardness")
+    refuse(options, names, f"is for a Young's modulus: omit it with {option} {name}, or give it as a field.")
+    material: rc.Material = make_part(rc.materials, option, name, fields)
+    return material
 
 
 _LOADS = ("pressure", "force", "approach")

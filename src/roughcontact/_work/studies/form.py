@@ -11,8 +11,9 @@ from typing import Any, TypeVar, Union, get_args, get_origin
 
 import attrs
 
+from roughcontact._base.archive.plain import parts
 from roughcontact._base.arrays import Pair
-from roughcontact._base.checks import INFINITE
+from roughcontact._base.checks import INFINITE, Part
 from roughcontact._base.registry import Registry, list_fields, registries
 from roughcontact._base.units import parse_quantity
 from roughcontact._parts.files import list_reader_options, read_surface
@@ -96,6 +97,10 @@ class Form:
         registry = _registry_of(kind)
         if registry is not None:
             return self._read_part(registry, value, place)
+        if _is_inner_part(kind) and isinstance(value, Mapping) and "type" in value:
+            return self._read_inner_part(kind, value, place)
+        if not attrs.has(kind):
+            return value
         if not isinstance(value, Mapping):
             raise InputError.about(f"A {kind.__name__}", value, "a table of its fields")
         if kind is ContactProblem:
@@ -161,6 +166,15 @@ class Form:
         if name == "file" and registry is surfaces:
             return self._read_map(fields)
         return self._read_fields(registry[name], fields, place)
+
+    def _read_inner_part(self, base: type, value: Mapping[str, Any], place: str) -> Any:
+        """Return a part of a base that has no registry of its own, such as the hardening of a material."""
+        name, fields = _name_and_fields(value, parts)
+        cls = parts[name]
+        # Whoever asks for a protocol checks it itself.
+        if issubclass(base, Part) and not issubclass(cls, base):
+            raise InputError.about(f"A {base.__name__}", name, "the registered name of one")
+        return self._read_fields(cls, fields, place)
 
     def _read_fields(self, cls: type[T], table: Mapping[str, Any], place: str) -> T | None:
         """Return an instance of a class from its fields; None, with the faults noted, if one is wrong."""
@@ -280,8 +294,13 @@ def _has_form(kind: Any) -> bool:
     """Return whether an annotation asks for a part, a class with fields, or several of them."""
     kind = _without_arguments(kind)
     if isinstance(kind, type) and get_origin(kind) is None:
-        return _registry_of(kind) is not None or attrs.has(kind)
+        return _registry_of(kind) is not None or attrs.has(kind) or _is_inner_part(kind)
     return _item_of(kind) is not None and _has_form(_item_of(kind))
+
+
+def _is_inner_part(kind: type) -> bool:
+    """Return whether parts that are fields of others, and have no registry of their own, are of a class."""
+    return issubclass(kind, Part) or getattr(kind, "_is_protocol", False)
 
 
 def _without_arguments(kind: Any) -> Any:
