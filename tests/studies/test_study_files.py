@@ -10,7 +10,6 @@ import pytest
 
 import roughcontact as rc
 from roughcontact.__main__ import main
-from roughcontact._base.archive.plain import parts
 from roughcontact.faces import build_problem
 from scenes import ROUGH
 from unit_files import read_study
@@ -141,23 +140,6 @@ TABLE = {
 }
 
 
-class Shape(rc.typing.Part):
-    """A part that is a field of others, without a registry of its own."""
-
-
-@attrs.frozen
-class Box(Shape):
-    height: float = attrs.field(metadata={"unit": "m"})
-
-
-@attrs.frozen
-class Wedge(rc.Surface):
-    shape: Shape
-
-    def heights(self, grid):
-        return self.shape.height * (grid.x > 0.0) + 0.0 * grid.y
-
-
 class TestTables:
     """Problems in tables, of a script."""
 
@@ -195,24 +177,6 @@ class TestTables:
         body["surface"]["depth"] = 1.0
         with pytest.raises(rc.InputError, match=re.escape("unknown field 'depth' (known: height)")):
             build_problem({**TABLE, "body": body})
-
-    def test_a_part_that_is_a_field_has_a_type(self, monkeypatch):
-        monkeypatch.setitem(rc.surfaces._classes, "wedge", Wedge)
-        monkeypatch.setitem(parts._classes, "box", Box)
-        monkeypatch.setitem(parts._classes, "other", rc.Elastic)
-        surface = {"type": "wedge", "shape": {"type": "box", "height": "2um"}}
-        table = {**TABLE, "body": {"surface": surface, "material": "glass"}}
-        assert build_problem(table).body.surface == Wedge(Box(2e-6))
-        surface["shape"] = Box(3e-6)
-        assert build_problem(table).body.surface == Wedge(Box(3e-6))
-        for shape, words in (
-            ({"type": "other"}, "A Shape must be the registered name of one, but got 'other'"),
-            ({"type": "bax"}, "There is no part named 'bax'. Did you mean 'box'?"),
-            ({"type": "box"}, "required field 'height' is missing"),
-        ):
-            surface["shape"] = shape
-            with pytest.raises(rc.InputError, match=re.escape(words)):
-                build_problem(table)
 
     @pytest.mark.parametrize(
         ("changed", "words"),
