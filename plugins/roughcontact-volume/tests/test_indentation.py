@@ -120,6 +120,15 @@ class TestImprint:
         left = lifted[1].response(FindImprint()).displacement
         assert flat.heights(lifted[1].grid) == pytest.approx(-left, abs=1e-15)
 
+    def test_uncertainty_covers_another_grid(self):
+        one, other = (
+            make_ball(cells=cells, width=5.0, accuracy=0.05).solve(force=3.0 * FIRST_FORCE).response(FindImprint())
+            for cells in (13, 23)
+        )
+        for coarse, fine in zip(one.estimates.values(), other.estimates.values(), strict=True):
+            assert 0.0 < fine.uncertainty < coarse.uncertainty < 0.3 * coarse.value
+            assert abs(coarse.value - fine.value) < 2.0 * np.hypot(coarse.uncertainty, fine.uncertainty)
+
 
 class TestOwnYield:
     @pytest.mark.parametrize("parts", [[0.5], [3.0], [3.0, 0.0]])

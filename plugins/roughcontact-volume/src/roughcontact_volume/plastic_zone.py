@@ -67,14 +67,13 @@ class PlasticZone:
 
     @property
     def depth(self) -> rc.Estimate:
-        """Depth of the lowest layer that has flowed, m, known but for its border in a layer."""
+        """Depth of the lowest layer that has flowed, m: the border may lie in the layer above or below it."""
         deep = np.flatnonzero(self.accumulated_strain.any(axis=(1, 2)))
         if not deep.size:
             return rc.Estimate(0.0, 0.0, "m", self.warnings)
         bottom, top = float(self.interfaces[deep[-1] + 1]), float(self.interfaces[deep[-1]])
-        return rc.Estimate(
-            bottom, math.hypot(_BORDER_STD * (bottom - top), self.step_error * bottom), "m", self.warnings
-        )
+        spread = math.hypot(2.0 * _BORDER_STD * (bottom - top), self.step_error * bottom)
+        return rc.Estimate(bottom, spread, "m", self.warnings)
 
     @property
     def largest(self) -> CellMaximum:
@@ -151,29 +150,29 @@ class Imprint:
         The cells.
     displacement
         Displacement of the surface by the plastic strain, shape (nx, ny), m, positive into the body.
-    step_error
-        Its error by the substeps of the loads, m.
+    relative_error
+        Its error over it: that of the largest plastic strain, by the substeps of the loads and by the cells.
     warnings
         Why it must not be trusted, in sentences; empty without a reason.
     """
 
     grid: rc.Grid
     displacement: Array = attrs.field(repr=False)
-    step_error: float = 0.0
+    relative_error: float = 0.0
     warnings: tuple[str, ...] = ()
 
     @property
     def estimates(self) -> Mapping[str, rc.Estimate]:
         """Depth and pile-up, m, and volume below the former surface, m3."""
         deepest = max(0.0, float(self.displacement.max()))
-        relative = self.step_error / deepest if deepest > 0.0 else 0.0
         numbers = {
             "depth": (deepest, "m"),
             "pile_up": (max(0.0, -float(self.displacement.min())), "m"),
             "volume": (float(np.maximum(self.displacement, 0.0).sum()) * self.grid.cell_area, "m3"),
         }
         return {
-            name: rc.Estimate(value, relative * value, unit, self.warnings) for name, (value, unit) in numbers.items()
+            name: rc.Estimate(value, self.relative_error * value, unit, self.warnings)
+            for name, (value, unit) in numbers.items()
         }
 
     def __str__(self) -> str:
@@ -204,5 +203,7 @@ class FindImprint(rc.Response[Imprint]):
 
     def respond(self, solution: Any) -> Imprint:
         """Return the imprint; see `Response.respond`."""
-        body = FlowedBody.of(solution)
-        return Imprint(body.grid, body.flow.imprint, float(body.step_errors[3]), body.warnings)
+        zone = FindPlasticZone().respond(solution)
+        largest = zone.largest
+        relative = largest.uncertainty / largest.value if largest.value > 0.0 else 0.0
+        return Imprint(zone.grid, FlowedBody.of(solution).flow.imprint, relative, zone.warnings)
