@@ -128,7 +128,8 @@ class PressureTables:
                     weights = _WEIGHTS[place] * self.thicknesses[layers, np.newaxis, np.newaxis]
                     waves = self._transform_planes(weights * strain[place, layers])
                     total = turned if place in (3, 4) else plain
-                    total += self._multiply(waves, layers, place).sum(axis=0)
+                    for product in self._multiply(waves, layers, place):
+                        total += product
             turned *= 1j
             plain += turned
             return plain
