@@ -9,7 +9,7 @@ import attrs
 import numpy as np
 from roughcontact.typing import Array, Pair, RealArray
 
-from roughcontact_volume.spectra import Period
+from roughcontact_volume.spectra import Period, cut_layers
 
 # Cells between a domain and its images, at least: nearer ones are not smooth.
 _GAP = 12
@@ -137,29 +137,34 @@ class SmoothImages:
         return along_x, along_y
 
     @cached_property
-    def _periods(self) -> list[Period]:
-        def damp(qx: Array, qy: Array) -> Array:
-            return np.exp(-0.5 * _DAMPING**2 * ((qx * self.sides[0]) ** 2 + (qy * self.sides[1]) ** 2))
+    def _longer(self) -> Period:
+        """The longer period, with waves weighed so that its field is that of the shorter one less its own.
+
+        Of its waves the shorter period has those whose numbers are multiples of the ratios.
+        """
+        sizes = [length * ratio for length, ratio in zip(self.lengths, self.ratios, strict=True)]
+        points = self.points[0] * self.ratios[0], self.points[1] * self.ratios[1]
+
+        def weigh(qx: Array, qy: Array) -> Array:
+            damping = np.exp(-0.5 * _DAMPING**2 * ((qx * self.sides[0]) ** 2 + (qy * self.sides[1]) ** 2))
+            in_x, in_y = (
+                np.rint(q * size / (2.0 * np.pi)) % ratio == 0.0
+                for q, size, ratio in zip((qx, qy), sizes, self.ratios, strict=True)
+            )
+            return np.asarray(damping * (np.where(in_x & in_y, math.prod(self.ratios), 0) - 1))
 
         plane = self.plane
-        longer = self.points[0] * self.ratios[0], self.points[1] * self.ratios[1]
-        return [
-            Period(points, self.sides, plane.thicknesses, plane.poisson, plane.dtype, damp)
-            for points in (self.points, longer)
-        ]
+        return Period(points, self.sides, plane.thicknesses, plane.poisson, plane.dtype, weigh)
 
     def subtract(self, strain: Array, stress: Array) -> None:
         """Subtract the field of the images from the stress."""
         along_x, along_y = self._matrices
         dx, dy = self.plane.spacing
-        coarse = np.zeros((*strain.shape[:2], along_x.shape[1], along_y.shape[1]))
         weight = dx * dy / (self.sides[0] * self.sides[1])
-        for layer in range(strain.shape[1]):
-            coarse[:, layer] = weight * (along_x.T @ strain[:, layer] @ along_y)
-        near, far = (period.find_stress(coarse) for period in self._periods)
-        near -= far
-        for layer in range(strain.shape[1]):
-            stress[:, layer] -= along_x @ near[:, layer] @ along_y.T
+        field = self._longer.find_stress((weight * along_x.T) @ strain @ along_y)
+        _, layers, *cells = stress.shape
+        for block in cut_layers(layers, math.prod(cells)):
+            stress[:, block] -= along_x @ field[:, block] @ along_y.T
 
 
 def _interpolate(cells: int, step: float, period: int) -> Array:

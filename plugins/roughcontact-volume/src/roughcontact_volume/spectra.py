@@ -1,4 +1,4 @@
-"""Periods of a body's surface: fields transformed row by row, swept in tiles of wave vectors, and transformed back."""
+"""Periods of a body's surface: fields transformed in blocks of planes, and swept in tiles of wave vectors."""
 
 from __future__ import annotations
 
@@ -19,8 +19,16 @@ Waves: TypeAlias = npt.NDArray[np.complexfloating]
 
 # Values of a tile of wave vectors, about: a layer of it stays in the cache.
 _TILE_WAVES = 2**12
+# Values of the planes that are transformed at once, about: fewer are mostly calls.
+_BLOCK_VALUES = 2**14
 # Places of the shears with z, which are divided by the imaginary unit.
 _TURNED = (3, 4)
+
+
+def cut_layers(layers: int, plane: int) -> list[slice]:
+    """Return the layers in the blocks in which they are transformed, of planes of so many values."""
+    deep = max(1, _BLOCK_VALUES // plane)
+    return [slice(start, min(start + deep, layers)) for start in range(0, layers, deep)]
 
 
 @attrs.frozen(eq=False)
@@ -39,7 +47,7 @@ class Period:
         Poisson's ratio.
     dtype
         Precision inside.
-    damp
+    weigh
         A factor of waves by their wave vectors, shapes (m, 1) and (n,), rad/m; None: 1.
     """
 
@@ -48,7 +56,7 @@ class Period:
     thicknesses: Array
     poisson: float
     dtype: type[np.floating] = np.float64
-    damp: Callable[[Array, Array], Array] | None = None
+    weigh: Callable[[Array, Array], Array] | None = None
 
     @cached_property
     def wave_numbers(self) -> tuple[Array, Array]:
@@ -63,8 +71,8 @@ class Period:
         mx, my = self.shape
         layer = 12 * self.thicknesses.size * value
         columns = max(1, _TILE_WAVES // mx)
-        # A tile is held as it is transformed, by parts and as waves upwards.
-        return layer * (rows * (my // 2 + 1) + 4 * mx * columns)
+        # A tile is held as it is transformed, by parts and as waves upwards; a single one keeps its wave vectors.
+        return layer * (rows * (my // 2 + 1) + 5 * mx * columns)
 
     def find_stress(self, strain: RealArray) -> Array:
         """Return the residual stress over twice the shear modulus, shape (6, nz, nx, ny), nx <= mx and ny <= my.
@@ -77,11 +85,11 @@ class Period:
         components, layers, nx, ny = strain.shape
         mx, my = self.shape
         rows = np.zeros((components, layers, nx, my // 2 + 1), dtype=np.result_type(self.dtype, 1j))
-        planes = [(component, layer) for component in range(components) for layer in range(layers)]
+        blocks = self._list_blocks(components, layers, nx)
 
-        def transform(plane: tuple[int, int]) -> None:
-            if strain[plane].any():
-                rows[plane] = scipy.fft.rfft(strain[plane].astype(self.dtype, copy=False), n=my, axis=1)
+        def transform(block: tuple[slice, slice]) -> None:
+            if strain[block].any():
+                rows[block] = scipy.fft.rfft(strain[block].astype(self.dtype, copy=False), n=my)
 
         def respond(columns: slice) -> None:
             waves = scipy.fft.fft(rows[..., columns], n=mx, axis=2)
@@ -90,13 +98,23 @@ class Period:
 
         stress = np.empty(strain.shape)
 
-        def transform_back(plane: tuple[int, int]) -> None:
-            stress[plane] = scipy.fft.irfft(rows[plane], n=my, axis=1)[:, :ny]
+        def transform_back(block: tuple[slice, slice]) -> None:
+            stress[block] = scipy.fft.irfft(rows[block], n=my)[..., :ny]
 
-        map_tiles(transform, planes)
+        map_tiles(transform, blocks)
         map_tiles(respond, self._list_tiles())
-        map_tiles(transform_back, planes)
+        map_tiles(transform_back, blocks)
         return stress
+
+    def _list_blocks(self, components: int, layers: int, rows: int) -> list[tuple[slice, slice]]:
+        """Return the blocks of components and layers that are transformed at once, of planes of so many rows."""
+        plane = rows * self.shape[1]
+        wide = max(1, _BLOCK_VALUES // (plane * layers))
+        return [
+            (slice(start, start + wide), deep)
+            for start in range(0, components, wide)
+            for deep in cut_layers(layers, plane)
+        ]
 
     def _list_tiles(self) -> list[slice]:
         """Return the tiles of wave numbers along y."""
@@ -110,18 +128,33 @@ class Period:
         The shortest wave of an even number of cells has no sign, and the mean over both is taken: along y by the
         transform back, which drops what is imaginary, along x here.
         """
-        qx, qy = self.wave_numbers
-        mx = self.shape[0]
-        row = mx // 2 if mx % 2 == 0 else None
+        mx, row = self.shape[0], self._signless_row
         tile = self._load(waves, row)
-        qx = qx if row is None else np.append(qx, -qx[row])
-        qy = qy[columns]
-        if self.damp is not None:
-            tile *= self.damp(qx[:, np.newaxis], qy).astype(self.dtype)
-        sweep(tile, WaveVectors(qx, qy, self.thicknesses, self.dtype), self.poisson)
+        vectors = self._only_vectors or self._find_vectors(columns)
+        if self.weigh is not None:
+            tile *= self.weigh(vectors.qx[:, np.newaxis], vectors.qy).astype(self.dtype)
+        sweep(tile, vectors, self.poisson)
         if row is not None:
             tile[..., row, :] = 0.5 * (tile[..., row, :] + tile[..., -1, :])
         self._store(tile[..., :mx, :], waves)
+
+    @property
+    def _signless_row(self) -> int | None:
+        """The row of the waves of two cells along x."""
+        mx = self.shape[0]
+        return mx // 2 if mx % 2 == 0 else None
+
+    @cached_property
+    def _only_vectors(self) -> WaveVectors | None:
+        """The wave vectors with what is computed of them, which are kept where they are one tile."""
+        tiles = self._list_tiles()
+        return self._find_vectors(tiles[0]) if len(tiles) == 1 else None
+
+    def _find_vectors(self, columns: slice) -> WaveVectors:
+        """Return the wave vectors of a tile, with those of the row without a sign again."""
+        (qx, qy), row = self.wave_numbers, self._signless_row
+        qx = qx if row is None else np.append(qx, -qx[row])
+        return WaveVectors(qx, qy[columns], self.thicknesses, self.dtype)
 
     def _load(self, waves: Waves, row: int | None) -> RealArray:
         """Return the waves by real and imaginary parts, with a row again behind them."""
@@ -190,17 +223,18 @@ class PressureWaves:
             x[self.shape[0] // 2] = 0.0
         return (*squares, x, y, x * y)
 
-    def _list_factors(self, layer: int) -> list[Array]:
-        """Return the stress of waves of unit pressure, that of shears with z over the imaginary unit."""
-        depth = float(self.thicknesses[:layer].sum())
-        top = self._waves.q * depth
-        _, mean, moment = find_means(self._waves.q * self.thicknesses[layer])
+    def _list_factors(self, layers: slice) -> list[Array]:
+        """Return the stress of waves of unit pressure in some layers, that of shears with z over the imaginary unit."""
+        thicknesses = self.thicknesses[layers, np.newaxis, np.newaxis]
+        tops = np.concatenate(([0.0], np.cumsum(self.thicknesses[:-1])))
+        top = self._waves.q * tops[layers, np.newaxis, np.newaxis]
+        _, mean, moment = find_means(self._waves.q * thicknesses)
         decay = np.exp(-top)
         moment = decay * (top * mean + moment)
         mean = decay * mean
         along = moment - mean
         across = -2.0 * self.poisson * mean
-        along[0, 0] = across[0, 0] = -self.poisson / (1.0 - self.poisson)
+        along[:, 0, 0] = across[:, 0, 0] = -self.poisson / (1.0 - self.poisson)
         xx, yy, x, y, xy = self._directions
         return [
             xx * along + yy * across,
@@ -217,29 +251,30 @@ class PressureWaves:
         turned = 1j * waves
         stress = np.empty((6, self.thicknesses.size, *self.shape))
 
-        def work(layer: int) -> None:
-            for place, factor in enumerate(self._list_factors(layer)):
-                stress[place, layer] = scipy.fft.irfft2(
+        def work(layers: slice) -> None:
+            for place, factor in enumerate(self._list_factors(layers)):
+                stress[place, layers] = scipy.fft.irfft2(
                     factor * (turned if place in _TURNED else waves), s=self.shape, overwrite_x=True
                 )
 
-        map_tiles(work, range(self.thicknesses.size))
+        map_tiles(work, cut_layers(self.thicknesses.size, pressure.size))
         return stress
 
     def displace(self, strain: Array) -> Array:
         """Return the displacement of the surface by an eigenstrain, positive into the body, shape (nx, ny), m."""
 
-        def work(layer: int) -> Waves | None:
-            if not strain[:, layer].any():
+        def work(layers: slice) -> Waves | None:
+            if not strain[:, layers].any():
                 return None
             total: Waves = np.zeros(self._waves.q.shape, dtype=np.complex128)
-            for place, factor in enumerate(self._list_factors(layer)):
-                if strain[place, layer].any():
-                    weight = self.thicknesses[layer] * (-2j if place in _TURNED else 2.0 if place == 5 else 1.0)
-                    total += scipy.fft.rfft2(strain[place, layer]) * (weight * factor)
+            thicknesses = self.thicknesses[layers, np.newaxis, np.newaxis]
+            for place, factor in enumerate(self._list_factors(layers)):
+                if strain[place, layers].any():
+                    weight = thicknesses * (-2j if place in _TURNED else 2.0 if place == 5 else 1.0)
+                    total += (scipy.fft.rfft2(strain[place, layers]) * (weight * factor)).sum(axis=0)
             return total
 
-        found = [one for one in map_tiles(work, range(self.thicknesses.size)) if one is not None]
+        found = [one for one in map_tiles(work, cut_layers(len(strain[0]), strain[0, 0].size)) if one is not None]
         if not found:
             return np.zeros(self.shape)
         return np.asarray(scipy.fft.irfft2(sum(found[1:], found[0]), s=self.shape, overwrite_x=True))

@@ -11,7 +11,7 @@ from roughcontact.solving import map_tiles
 from roughcontact.typing import Array, Pair
 
 from roughcontact_volume.love import ODD, mean_stress_below_cell, mean_stress_below_row
-from roughcontact_volume.spectra import Waves
+from roughcontact_volume.spectra import Waves, cut_layers
 
 # Places of the components after an exchange of the axes.
 _EXCHANGED = [1, 0, 2, 4, 3, 5]
@@ -58,14 +58,14 @@ class PressureTables:
 
     @cached_property
     def _spectra(self) -> Array:
-        """Spectra for wave numbers of one sign, real or over -i, shape (nz, 6, mx // 2 + 1, my // 2 + 1)."""
+        """Spectra for wave numbers of one sign, real or over -i, shape (6, nz, mx // 2 + 1, my // 2 + 1)."""
         mx, my = self._padded
         depths = np.concatenate(([0.0], np.cumsum(self.thicknesses)))
-        spectra = np.empty((self.thicknesses.size, 6, mx // 2 + 1, my // 2 + 1))
+        spectra = np.empty((6, self.thicknesses.size, mx // 2 + 1, my // 2 + 1))
 
         def work(layer: int) -> None:
             table = self._find_table(depths[layer], depths[layer + 1])
-            for component, odd, spectrum in zip(table, ODD, spectra[layer], strict=True):
+            for component, odd, spectrum in zip(table, ODD, spectra[:, layer], strict=True):
                 waves = component
                 for axis in (1, 0):
                     waves = _transform(waves, self._padded[axis], odd[axis], axis)
@@ -84,65 +84,70 @@ class PressureTables:
             return table[_EXCHANGED].transpose(0, 2, 1)
         return find(top / dx, bottom / dx, self.poisson, self.shape, (1.0, dy / dx))
 
-    def _multiply(self, waves: Waves, layer: int, place: int, weight: float = 1.0) -> Waves:
-        """Return waves times the spectrum of a component, of shears with z over -i."""
+    @property
+    def _blocks(self) -> list[slice]:
+        """The layers that are transformed at once."""
+        return cut_layers(self.thicknesses.size, self._padded[0] * self._padded[1])
+
+    def _multiply(self, waves: Waves, layers: slice, place: int) -> Waves:
+        """Return waves times the spectra of a component in some layers, of shears with z over -i."""
         mx = self._padded[0]
         count = mx // 2 + 1
-        spectrum = self._spectra[layer, place]
-        product = np.empty_like(waves)
-        np.multiply(waves[:count], spectrum, out=product[:count])
-        mirrored = spectrum[(mx - 1) // 2 : 0 : -1]
-        np.multiply(waves[count:], -mirrored if ODD[place][0] else mirrored, out=product[count:])
-        product *= weight
+        spectra = self._spectra[place, layers]
+        product = np.empty((len(spectra), *waves.shape[-2:]), dtype=np.complex128)
+        np.multiply(waves[..., :count, :], spectra, out=product[:, :count])
+        mirrored = spectra[:, (mx - 1) // 2 : 0 : -1]
+        np.multiply(waves[..., count:, :], -mirrored if ODD[place][0] else mirrored, out=product[:, count:])
         return product
 
     def press(self, pressure: Array) -> Array:
         """Return the stress by a pressure, shape (6, nz, nx, ny), Pa."""
-        nx, ny = self.shape
-        waves = self._transform_plane(pressure)
+        waves = self._transform_planes(pressure)
         turned: Waves = -1j * waves
-        stress = np.empty((6, self.thicknesses.size, nx, ny))
+        stress = np.empty((6, self.thicknesses.size, *self.shape))
 
-        def work(layer: int) -> None:
+        def work(layers: slice) -> None:
             for place in range(6):
-                product = self._multiply(turned if place in (3, 4) else waves, layer, place)
-                stress[place, layer] = self._transform_back(product)
+                product = self._multiply(turned if place in (3, 4) else waves, layers, place)
+                stress[place, layers] = self._transform_back(product)
 
         self._spectra  # noqa: B018 - by all threads
-        map_tiles(work, range(self.thicknesses.size))
+        map_tiles(work, self._blocks)
         return stress
 
     def displace(self, strain: Array) -> Array:
         """Return the displacement of the surface by an eigenstrain, positive into the body, shape (nx, ny), m."""
-        layers = [layer for layer in range(self.thicknesses.size) if strain[:, layer].any()]
+        blocks = [layers for layers in self._blocks if strain[:, layers].any()]
 
-        def work(layer: int) -> Waves:
+        def work(layers: slice) -> Waves:
             shape = self._padded[0], self._padded[1] // 2 + 1
             plain: Waves = np.zeros(shape, dtype=np.complex128)
             turned: Waves = np.zeros(shape, dtype=np.complex128)
             for place in range(6):
-                if strain[place, layer].any():
-                    waves = self._transform_plane(strain[place, layer])
+                if strain[place, layers].any():
+                    weights = _WEIGHTS[place] * self.thicknesses[layers, np.newaxis, np.newaxis]
+                    waves = self._transform_planes(weights * strain[place, layers])
                     total = turned if place in (3, 4) else plain
-                    total += self._multiply(waves, layer, place, self.thicknesses[layer] * _WEIGHTS[place])
+                    for product in self._multiply(waves, layers, place):
+                        total += product
             turned *= 1j
             plain += turned
             return plain
 
-        if not layers:
+        if not blocks:
             return np.zeros(self.shape)
         self._spectra  # noqa: B018 - by all threads
-        found = map_tiles(work, layers)
+        found = map_tiles(work, blocks)
         return self._transform_back(sum(found[1:], found[0]))
 
-    def _transform_plane(self, plane: Array) -> Waves:
+    def _transform_planes(self, planes: Array) -> Waves:
         mx, my = self._padded
-        return np.asarray(scipy.fft.fft(scipy.fft.rfft(plane, n=my, axis=1), n=mx, axis=0))
+        return np.asarray(scipy.fft.fft(scipy.fft.rfft(planes, n=my), n=mx, axis=-2))
 
     def _transform_back(self, waves: Waves) -> Array:
         nx, ny = self.shape
-        rows = scipy.fft.ifft(waves, axis=0, overwrite_x=True)[:nx]
-        return np.asarray(scipy.fft.irfft(rows, n=self._padded[1], axis=1)[:, :ny])
+        rows = scipy.fft.ifft(waves, axis=-2, overwrite_x=True)[..., :nx, :]
+        return np.asarray(scipy.fft.irfft(rows, n=self._padded[1])[..., :ny])
 
 
 def _transform(offsets: Array, period: int, odd: bool, axis: int) -> Array:
