@@ -65,7 +65,7 @@ BOUND = types_of_rc.BoundKernel(rc.Love())
 INNER = ("Love", "FourierHalfSpace", "DCFFT", "CircularFFT", "Direct", "project_to_load", "rescale_to_load")
 INNER += ("nearest_pressure", "starting_pressure", "PolonskyKeer.solve", "ProjectedConjugateGradient.solve")
 INNER += ("SpectralGradient.solve", "natural_residual", "make_task", "confirm")
-INNER += ("find_patches", "solve_on_cells", "estimate_approach")
+INNER += ("find_patches", "solve_on_cells", "estimate_approach", "map_tiles", "require_memory")
 
 # A good value for each argument that has no default, by its name; the loads are given as pressures.
 GOOD = {
@@ -108,6 +108,8 @@ GOOD_FOR = {
     "Direct.prepare": {"kernel": BOUND, "boundary": rc.Boundary.FREE},
     "DCFFT.require": {"boundary": rc.Boundary.FREE},
     "from_master_curve": {"frequency": (1.0, 10.0)},
+    "map_tiles": {"work": len, "tiles": [[1.0], [2.0]]},
+    "require_memory": {"needed": 1e3, "what": "It", "advice": "take fewer cells"},
     "ContactProblem": {"grid": GRID}, "read_surface": {"path": "map.npz"},
     "read_raw": {"file": "map.npz"},
     "run_in": {"problem": LIMITED, "pressure": 1e7}, "ContactSolution.load": {"path": "solution.npz"},
