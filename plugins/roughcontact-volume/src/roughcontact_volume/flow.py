@@ -16,6 +16,7 @@ from roughcontact.typing import Array, LoadIncrement
 from roughcontact_volume.judgement import judge_flow
 from roughcontact_volume.measures import measure_flow
 from roughcontact_volume.refusals import require_possible
+from roughcontact_volume.shapes import read_side
 from roughcontact_volume.substeps import ANSWERS, PlasticState, SubstepMarch
 from roughcontact_volume.yielding import Yielding
 
@@ -27,9 +28,7 @@ _FIELDS = tuple(attrs.fields_dict(PlasticState))
 
 
 def _side(value: object) -> str:
-    if value not in ("body", "counterbody"):
-        raise rc.InputError.about("The body that flows", value, "'body' or 'counterbody'")
-    return str(value)
+    return read_side(value, "The body that flows")
 
 
 @attrs.frozen

@@ -14,8 +14,8 @@ from roughcontact.typing import Array, LoadIncrement, Part
 
 from roughcontact_volume.mixtures import fill
 from roughcontact_volume.operators import VolumeOperators
+from roughcontact_volume.refusals import require_uniform
 from roughcontact_volume.shapes import Shape, Triple, read_centre, read_shape, read_side
-from roughcontact_volume.surroundings import require_uniform
 
 # Strains beyond it are not small.
 _MAX_STRAIN = 0.1

@@ -27,8 +27,8 @@ from roughcontact_volume.mixtures import (
 )
 from roughcontact_volume.operators import VolumeOperators
 from roughcontact_volume.radial_return import find_equivalent
+from roughcontact_volume.refusals import require_uniform
 from roughcontact_volume.shapes import Shape, Triple, read_centre, read_shape, read_side
-from roughcontact_volume.surroundings import require_uniform
 
 Memory = Mapping[str, Array]
 # Largest violation of the law of a material, over the largest stress: of the state, and of the bounds of its numbers.

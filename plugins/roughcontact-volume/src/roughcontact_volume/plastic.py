@@ -1,4 +1,4 @@
-"""The material that flows below the surface, and typical ones by name."""
+"""The material that flows below the surface."""
 
 from __future__ import annotations
 

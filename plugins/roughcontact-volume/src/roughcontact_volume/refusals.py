@@ -1,4 +1,4 @@
-"""What plastic flow below the surface is not solved with."""
+"""What plastic flow and regions below a surface are not solved with."""
 
 from __future__ import annotations
 
@@ -26,12 +26,7 @@ def require_possible(problem: Any) -> None:
         )
     if any(isinstance(material, rc.Viscoelastic) for material in materials):
         raise rc.InputError("Plastic flow is not solved together with relaxation: make the other body Elastic.")
-    kernel = problem.plan.kernel
-    if not isinstance(kernel, _KERNELS):
-        raise rc.InputError(
-            f"The stress below the surface is known for a homogeneous half-space, but not for the kernel {kernel!r}: "
-            "omit kernel=, or make the body Elastic."
-        )
+    _require_half_space(problem, "make the body Elastic")
     if problem.boundary is rc.Boundary.WRAPPED:
         raise rc.InputError(
             "A wrapped boundary has the nearest images of the pressure alone, which a plastic zone is not solved for: "
@@ -40,3 +35,22 @@ def require_possible(problem: Any) -> None:
     if len(problem.laws) > 1:
         others = ", ".join(repr(law) for law in problem.laws if not law.of_material)
         raise rc.InputError(f"Plastic flow is not solved together with other laws: omit {others}.")
+
+
+def require_uniform(problem: Any, material: Any, what: str) -> None:
+    """Raise `InputError` unless a body, of which something is a part, is uniform and elastic."""
+    if type(material) is not rc.Elastic:
+        raise rc.InputError(
+            f"{what} lies in an Elastic body, but its material is {material!r}: a body that yields, relaxes or has a "
+            "hardness is not solved with it."
+        )
+    _require_half_space(problem, "omit what lies below the surface")
+
+
+def _require_half_space(problem: Any, otherwise: str) -> None:
+    kernel = problem.plan.kernel
+    if not isinstance(kernel, _KERNELS):
+        raise rc.InputError(
+            f"The stress below the surface is known for a homogeneous half-space, but not for the kernel {kernel!r}: "
+            f"omit kernel=, or {otherwise}."
+        )

@@ -49,10 +49,10 @@ def read_shape(value: object) -> Shape:
     return value
 
 
-def read_side(value: object) -> str:
-    """Return the name of a body, or raise `InputError`."""
+def read_side(value: object, what: str = "The side of a region") -> str:
+    """Return the name of a body, or raise `InputError`, whose subject is `what`."""
     if value not in ("body", "counterbody"):
-        raise rc.InputError.about("The side of a region", value, "'body' or 'counterbody'")
+        raise rc.InputError.about(what, value, "'body' or 'counterbody'")
     return str(value)
 
 
