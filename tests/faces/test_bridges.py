@@ -239,6 +239,7 @@ BLOCKS = re.findall(
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("block", "package", "file"), [*zip(BLOCKS, ["pyvista", "SurfaceTopography"], ["contact.png", ""], strict=True)]
 )

@@ -131,6 +131,7 @@ def check_that_a_path_is_shown_as_a_table(executed):
     assert shown.count("<tr>") == 3
 
 
+@pytest.mark.slow
 def test_an_executed_notebook_shows_figures_once_and_results_as_they_print_or_as_tables(tmp_path):
     """One test, so that processes of pytest-xdist do not execute the notebook one each."""
     executed = execute(tmp_path)

@@ -172,6 +172,7 @@ class TestCyclesSpeedAndShift:
         np.savez(path, heights=surface.heights(grid), size=grid.size, periodic=True)
         return path
 
+    @pytest.mark.slow
     def test_cycles_wear_as_in_a_script(self, ball, capsys, tmp_path):
         saved, page, moving = (tmp_path / f"cycles.{ending}" for ending in ("npz", "html", "gif"))
         given = [*FRETTING, "--cycles", "1", "10", "1e3", "--accuracy", "0.01"]

@@ -52,6 +52,7 @@ def test_the_volume_is_the_energy_times_the_coefficient(loads):
     path.verify()
 
 
+@pytest.mark.slow
 def test_in_sliding_it_is_the_law_of_archard():
     """Of the same volume, by another road: implicit increments of a contact without friction."""
     far = {"displacement": [(1e-5, 0.0), (-1e-5, 0.0)]}
@@ -66,6 +67,7 @@ def test_in_sliding_it_is_the_law_of_archard():
     assert last.approach == pytest.approx(alone.approach, rel=2e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("loads", "depth", "bound"), [(PARTIAL, 0.04, 0.01), (GROSS, 0.4, 2e-3)])
 def test_smaller_jumps_change_little(loads, depth, bound):
     """Partial slip, all of whose wear is on a ring, needs jumps of a thousandth of the approach; sliding does not."""
@@ -82,6 +84,7 @@ def test_smaller_jumps_change_little(loads, depth, bound):
     assert changes[1] < 0.7 * changes[0]
 
 
+@pytest.mark.slow
 def test_jumps_end_where_every_cycle_does():
     coefficient = 2e-12
     often = fret(press_ball(coefficient), [1, 40], accuracy=1e-9)
@@ -122,6 +125,7 @@ def test_a_coefficient_for_each_cell_and_the_body_that_wears():
 class TestInvariance:
     """Turned and scaled contacts, and unlike bodies that exchange their places."""
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("other", [STEEL, ALUMINIUM])
     def test_exchange_of_the_axes(self, other):
         options = {"solver": rc.ProjectedConjugateGradient(tolerance=1e-7), "other": other}
@@ -192,6 +196,7 @@ class TestFiles:
         with pytest.raises(rc.InputError, match="loads that do not return"):
             fretted.extend(tangential_force=(0.1, 0.0))
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("loads", [PARTIAL, {"displacement": [(4e-8, 0.0), (8e-8, 2e-8), (-8e-8, 0.0)]}])
     def test_unlike_bodies_go_on_to_the_same_bits(self, loads):
         """Of cycles in several increments, whose wear is of all of them."""

@@ -723,6 +723,7 @@ class TestSmallLoadsAndStrongFriction:
 class TestOrders:
     """The increments of a path err by an order that is observed."""
 
+    @pytest.mark.slow
     @pytest.mark.parametrize(("size", "degrees"), [(0.85, 90.0), (0.95, 60.0), (0.6, 150.0)])
     def test_where_the_force_turns_the_uncertainty_holds(self, size, degrees):
         problem, force = make_rough(STEEL, STEEL, shape=(32, 16)), 0.03

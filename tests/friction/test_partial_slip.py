@@ -269,6 +269,7 @@ def test_what_is_refused():
         slide(press_rough(material=rc.Elastic(70e9, 0.33)), 0.5)
 
 
+@pytest.mark.slow
 def test_coupling_may_be_neglected_with_a_warning():
     solution = press_rough(material=rc.Elastic(70e9, 0.33))
     arguments = {"tangential_force": 0.5 * FRICTION * solution.force, "friction": FRICTION}
@@ -325,6 +326,7 @@ def test_a_material_of_ones_own_tells_its_poisson_ratio():
     assert abs(ratios[0] - ratios[1]) > 0.01
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("friction", [0.1, 0.3])
 def test_a_neglected_coupling_errs_as_the_uncertainty_says(friction):
     """The more of the rim slips in pressing, the more of the tangential force does it no longer carry."""

@@ -365,6 +365,7 @@ def refusal_of(call, *args, **kwargs):
     return None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("registry", REGISTRIES, ids=lambda one: one.kind)
 def test_nonsense_for_a_registered_class_is_answered_by_a_sentence(registry):
     """Each argument in turn; a class that takes it must refuse it before anything fails in it."""

@@ -167,6 +167,7 @@ def test_a_state_is_saved_and_verified(worn, tmp_path, ending):
     assert not loaded.added[0].memory[0]["height_loss"].flags.writeable
 
 
+@pytest.mark.slow
 @given(st.integers(0, 2**32 - 1))
 def test_states_on_any_grid_are_verified(seed):
     """Grids of odd sides, slender cells and lost points, on every boundary, with one law or two."""
@@ -222,6 +223,7 @@ def test_its_fields_are_in_datasets_and_image_data(worn, tmp_path):
     assert b'Name="height_loss"' in (tmp_path / "state.vti").read_bytes()
 
 
+@pytest.mark.slow
 def test_the_page_states_it_and_writes_no_script_of_a_state_that_follows_others(worn):
     page = worn[1].to_html()
     assert "Wear(" in page

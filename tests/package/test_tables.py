@@ -140,6 +140,7 @@ def describe_classes():
                 yield node.name, {one.name for one in node.body if isinstance(one, ast.FunctionDef)}
 
 
+@pytest.mark.slow
 def test_tables_files_and_pages_of_results_are_written_once():
     written = {"to_csv", "to_pandas", "to_html", "_repr_html_"}
     own = {name: names & written for name, names in describe_classes() if names & written}

@@ -724,6 +724,7 @@ def test_the_reason_says_what_to_do(part, claim, reason):
     assert re.search(reason, named.evaluate(part).detail)
 
 
+@pytest.mark.slow
 def test_a_report_reads_well():
     text = str(kit.check(rc.Love()))
     assert text.startswith("kernel Love(): 26 of 26 claims hold, 1 does not apply\n")
@@ -747,6 +748,7 @@ def test_what_is_no_part_is_refused_in_words():
 
 
 class TestCommand:
+    @pytest.mark.slow
     def test_a_name_that_conforms(self, capsys):
         assert main(["check", "love"]) == 0
         assert "26 of 26 claims hold" in capsys.readouterr().out

@@ -111,6 +111,7 @@ def test_its_field_is_in_datasets_and_in_image_data(sweep, tmp_path):
     assert b'Name="lubricant"' in (tmp_path / "state.vti").read_bytes()
 
 
+@pytest.mark.slow
 def test_it_is_on_the_page(sweep):
     page = sweep[0].to_html()
     assert "<th>Lubricant" in page or "Lubricant</th>" in page

@@ -30,6 +30,7 @@ CASES = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "name"), CASES)
 def test_a_benchmark_runs(monkeypatch, kind, name):
     monkeypatch.setattr(solves, "CELLS", 64)

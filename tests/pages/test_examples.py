@@ -320,6 +320,7 @@ def test_links_of_the_pages_lead_somewhere():
             assert (page.parent / target).exists(), f"{page.name}: {target}"
 
 
+@pytest.mark.slow
 def test_the_studies_of_paths_are_read(place):
     """Its counterbody is rigid, and its map has the non-measured points filled."""
     for name, said in (("friction", "tangential force (100 mN, 0 N)"), ("wear", "sliding")):

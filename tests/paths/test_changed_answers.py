@@ -30,6 +30,7 @@ def list_rules(warnings):
     return {getattr(text, "rule", "") for text in warnings}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("shape", "size"), [((64, 64), (1.0, 1.0)), ((128, 64), (2.0, 1.0)), ((63, 65), (1.0, 1.0))])
 def test_rims_of_worn_spots_are_not_waves_of_the_surface(shape, size):
     state = wear(make_rough(shape, size), 0.01, 1.0)
@@ -49,6 +50,7 @@ def make_cut(cells=48, **others):
     return rc.ContactProblem(body, grid=rc.Grid((cells, cells), 1.0), **others)
 
 
+@pytest.mark.slow
 def test_a_worn_border_bounds_the_pressure():
     load = 0.02
     fresh = make_cut().solve(pressure=load).peak_pressure()

@@ -81,6 +81,7 @@ def follow(problem, way):
     return [problem.slide(pressure=PRESSURE, speed=SPEED)] if way == "speed" else list(problem.path(**WAYS[way]))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("pair", "part"), list(itertools.product(PAIRS, PARTS)))
 def test_each_is_certified_or_refused_with_a_sentence(pair, part):
     one, other = (rc.Body(*side) for side in PAIRS[pair])

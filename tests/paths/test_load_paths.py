@@ -105,6 +105,7 @@ def test_flattened_bodies_carry_the_load_again(boundary):
     assert np.abs(again.gap[path[0].saturated]).max() < 1e-6 * np.ptp(problem.initial_gap)
 
 
+@pytest.mark.slow
 def test_the_work_that_is_lost_is_the_hardness_times_the_volume():
     """And that of the loop of force and approach, which the trapezoidal rule gives too large."""
     problem = press_rough("free", seed=4)

@@ -48,6 +48,7 @@ def flatten_by_hand(problem, moves, pressure):
     return fresh[0] - body, fresh[1] - counterbody
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("materials", [(SOFT, HARD), (HARD, SOFT), (SOFT, SOFT)])
 @pytest.mark.parametrize("has_lost_points", [False, True])
 def test_bodies_are_flattened_as_by_changed_heights(materials, has_lost_points):
@@ -153,6 +154,7 @@ def test_what_cannot_move_gets_a_sentence():
         free.path(force=1e-3, shift=moves)
 
 
+@pytest.mark.slow
 def test_heights_that_move_cell_by_cell_tend_to_steady_sliding():
     """Another road to the same state: at one and two cells a step friction is 1 and 3 % too low after two lengths."""
     rubber = rc.Viscoelastic([1e6, 3e6], [1e-3], 0.5)

@@ -78,6 +78,7 @@ def interrupt_after(increments):
     return tell
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", PATHS)
 def test_a_path_that_is_interrupted_goes_on_to_the_same_bits(kind, tmp_path):
     file = tmp_path / "path.npz"
@@ -106,6 +107,7 @@ def test_a_path_that_is_finished_is_read(tmp_path):
     assert len(again.extend(pressure=1e6, sliding=[0.3])) == len(first) + 1
 
 
+@pytest.mark.slow
 def test_an_unfinished_path_has_its_places_so_far(tmp_path, monkeypatch):
     # Each increment is written, however little time that leaves for them.
     monkeypatch.setattr("roughcontact._solve.problem.path_file._PATIENCE", 0.0)
@@ -169,6 +171,7 @@ def test_the_accuracy_is_kept(tmp_path):
     assert more.increments[-1] < path.extend(pressure=2e6, sliding=[1.0], accuracy=1e-3).increments[-1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["whole", "unfinished"])
 def test_a_flipped_bit_is_noticed(kind, tmp_path):
     """Any bit, wherever it stands: the file is refused, whoever reads it."""
@@ -192,6 +195,7 @@ def test_a_flipped_bit_is_noticed(kind, tmp_path):
     start("hardness", file=file)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("verify", [True, False])
 @pytest.mark.parametrize("place", [0, 1, -1])
 def test_states_of_another_path_do_not_follow_each_other(verify, place, tmp_path):

@@ -1,11 +1,13 @@
 """Random paths of contacts that are flattened, wear and relax: no state that is called a success is wrong."""
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from path_cases import Judge, draw_case, judge_path
 
 
+@pytest.mark.slow
 @settings(max_examples=30)
 @given(st.integers(0, 2**32 - 1))
 def test_no_state_of_a_random_path_is_wrong(number):

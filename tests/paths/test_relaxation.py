@@ -77,6 +77,7 @@ def test_a_ball_is_pulled_back_as_ting_says():
     assert path[-1].gap.min() > 0.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("boundary", ["free", "periodic", ("free", "periodic")])
 def test_two_bodies_relax_as_one_of_their_compliance(boundary):
     """Two alike bodies are one of half the modulus; the order of the bodies changes nothing."""

@@ -202,6 +202,7 @@ def test_a_state_comes_back_from_its_file(tmp_path):
         state.origin.source.verify(wrong)
 
 
+@pytest.mark.slow
 def test_areas_at_a_speed_hold_on_finer_cells():
     surface = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.1, shortest=SIDE / 4, longest=SIDE, seed=9)
     for speed in (0.02, 0.2, 2.0):
@@ -260,6 +261,7 @@ def test_answers_by_one_modulus_are_refused():
         _ = slide_over(make_rough()).solve(pressure=2e4).friction_coefficient
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("fall", "speed", "pressure", "ratio"),
     [(100.0, 5e-3, 2e4, 4.9), (1000.0, 1.6e-3, 2e4, 15.0), (1e3, 2e-4, 2e5, 8.0)],

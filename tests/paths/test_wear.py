@@ -26,6 +26,7 @@ def wear_pin(volume, cells, *, reach, **others):
     return problem.path(force=PIN_FORCE, sliding=[0.0, volume * CAP / (COEFFICIENT * PIN_FORCE)], **others)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("volume", "reach", "radius", "peak"),
     [(0.3, 1.5, 1.090, 0.905), (3.0, 1.7, 1.434, 0.435), (30.0, 2.6, 2.372, None)],
@@ -45,6 +46,7 @@ def test_a_pin_wears_as_rings_do(volume, reach, radius, peak):
     assert abs(area.value - np.pi * (radius * PIN_CONTACT) ** 2) <= 2.0 * area.uncertainty
 
 
+@pytest.mark.slow
 def test_smaller_increments_change_little():
     depths = [
         wear_pin(3.0, 12, reach=1.7, accuracy=accuracy).table().columns["wear_depth"][-1] for accuracy in (1e-3, 2.5e-4)
@@ -68,6 +70,7 @@ class ExplicitWear(rc.Process):
         return {"height_loss": memory["height_loss"] + self.rate * memory["last"], "last": state.pressure}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
 def test_many_explicit_increments_end_where_the_implicit_ones_do(boundary):
     grid = rc.Grid((24, 20), (120e-6, 100e-6))
@@ -86,6 +89,7 @@ def test_many_explicit_increments_end_where_the_implicit_ones_do(boundary):
     assert worn.increments[-1] < 60
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
 def test_a_coefficient_for_each_cell_is_solved_as_one_number(boundary):
     surface = rc.SphereSurface(radius=1e-3) if boundary == "free" else rc.WavySurface(1e-6, 50e-6)
@@ -178,6 +182,7 @@ def test_a_wrong_law_gets_a_sentence(given):
         rc.Archard(**given)
 
 
+@pytest.mark.slow
 def test_the_depth_of_a_pin_is_known_on_twelve_cells():
     depths = [wear_pin(3.0, cells, reach=1.7).table().columns["wear_depth"][-1] for cells in (12, 24)]
     assert depths[0] == pytest.approx(depths[1], rel=1e-3)

@@ -134,6 +134,7 @@ def read_answers(solution):
     return answers
 
 
+@pytest.mark.slow
 @settings(max_examples=12, deadline=None, suppress_health_check=list(HealthCheck))
 @given(scene=scenes(), move=st.sampled_from(MOVES))
 def test_every_area_and_estimate_follows_the_contact(scene, move):
@@ -207,6 +208,7 @@ FIGURE_SCENES = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FIGURE_SCENES)
 @pytest.mark.parametrize("move", [TRANSPOSED, LARGER], ids=lambda move: move.name)
 def test_every_figure_of_a_solution_follows_the_contact(name, move):
@@ -219,6 +221,7 @@ def test_every_figure_of_a_solution_follows_the_contact(name, move):
         assert compare_figures("solution", one, other, drawn, moved, move) >= 2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FIGURE_SCENES)
 @pytest.mark.parametrize("move", [TRANSPOSED, MIRRORED_X, LARGER], ids=lambda move: move.name)
 def test_every_figure_of_a_surface_follows_it(name, move):
@@ -227,6 +230,7 @@ def test_every_figure_of_a_surface_follows_it(name, move):
         assert compare_figures("surface", scene.sample(), move.apply(scene).sample(), panel, panel, move) >= 40
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("move", [TRANSPOSED, MIRRORED_Y, LARGER, STIFFER], ids=lambda move: move.name)
 def test_every_figure_of_a_sweep_follows_the_contact(move):
     def sweep(scene):

@@ -46,6 +46,7 @@ def test_a_very_soft_ball_is_fully_plastic():
     assert solution.approach - elastic == pytest.approx(area / (2 * np.pi * RADIUS), rel=0.03)
 
 
+@pytest.mark.slow
 @settings(max_examples=25, deadline=None)
 @given(height_maps(16), st.floats(0.05, 0.95), st.sampled_from(["free", "periodic"]))
 def test_vanishing_hardness_is_the_bearing_area(surface, share, boundary):

@@ -236,6 +236,7 @@ def subclasses(base):
     return set() if base is object else {base}.union(*map(subclasses, base.__subclasses__())) - {base}
 
 
+@pytest.mark.slow
 def test_a_solution_is_read_after_a_tidy_up(tmp_path):
     """The package with its storeys renamed reads and solves the same, bit for bit."""
     solution = small(boundary="periodic").solve(force=1.0)
@@ -298,6 +299,7 @@ def test_a_key_knows_the_content_and_nothing_else():
     assert len(keys) == 2
 
 
+@pytest.mark.slow
 def test_a_key_is_the_same_in_another_process():
     command = (
         "import roughcontact as rc; from roughcontact._base.archive.plain import key_of; "

@@ -86,6 +86,7 @@ class TestNumber:
         assert choose_threads(3, 4) == (3, "as given")
         assert choose_threads(9, 4) == (4, "not 9: this process may use no more")
 
+    @pytest.mark.slow
     def test_is_one_beside_others_of_a_pool(self, monkeypatch):
         monkeypatch.setattr(machine, "available_threads", lambda: 4)
         with machine.share_machine():

@@ -323,6 +323,7 @@ def test_non_measured_points_that_would_touch_are_closed():
     assert solution.leakage(axis=0, **WATER).connected
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("shape", "size", "boundary"),
     [((81, 27), (81e-6, 81e-6), "periodic"), ((24, 160), (24e-6, 160e-6), "free"), ((63, 77), (63e-6, 77e-6), "free")],

@@ -104,6 +104,7 @@ def test_transposed_and_mirrored_contacts_answer_alike(boundary, shape, sides):
         np.testing.assert_allclose(found[:, 1], wanted[:, 1], rtol=5e-2)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("boundary", ["free", "periodic"])
 def test_units_change_the_unit_alone(boundary):
     surface = rc.SelfAffineSurface(hurst=0.7, rms_slope=0.1, shortest=12.0, longest=40.0, seed=4)

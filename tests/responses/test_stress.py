@@ -238,6 +238,7 @@ def test_units_change_nothing_but_the_scale(boundary, length, stiffness):
         assert found.maximum_principal.value * stiffness == other.stress(friction=friction).maximum_principal.value
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("boundary", "aspect", "seed"), [("periodic", 1, 21), ("periodic", 2, 22), ("periodic", 1, 23)]
 )

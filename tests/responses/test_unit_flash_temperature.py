@@ -108,6 +108,7 @@ class TestSources:
         np.testing.assert_allclose(found, exact / (2.0 * math.pi), rtol=1e-6)
         assert found[0, 0] == pytest.approx(1.6 / (2.0 * math.pi * math.hypot(x[0, 0], y[0])), rel=1e-3)
 
+    @pytest.mark.slow
     @pytest.mark.parametrize("peclet", [(0.0, 0.0), (0.3, -0.2), (40.0, 25.0)])
     @pytest.mark.parametrize("shape", [(15, 24), (1, 6)])
     def test_periodic_cells_are_the_sum_of_all_waves(self, shape, peclet):

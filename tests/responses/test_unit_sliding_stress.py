@@ -77,6 +77,7 @@ def test_a_cell_is_the_integral_of_tangential_point_forces(nu, z, sides):
             np.testing.assert_allclose(table[:, i, j], whole, atol=1e-9)
 
 
+@pytest.mark.slow
 @each_once(
     {
         "sides": [(1.0, 1.0), (1.0, 3.0)],
@@ -232,6 +233,7 @@ def test_adhesion_does_not_pull_sideways():
     np.testing.assert_allclose(stress[ZZ], -solution.pressure, atol=1e-5 * peak)
 
 
+@pytest.mark.slow
 def test_the_maximum_moves_to_the_surface_near_a_friction_of_three_tenths():
     assert largest_on_sphere(0.29)[1] > 0.4
     assert largest_on_sphere(0.31)[1] == 0.0
@@ -282,6 +284,7 @@ def test_the_principal_stress_of_a_plane_is_the_largest():
     np.testing.assert_allclose(field.principal, expected, atol=1e-3 * np.abs(expected).max())
 
 
+@pytest.mark.slow
 @each_once(
     {
         "boundary": ["free", "periodic", ("periodic", "free")],
@@ -308,6 +311,7 @@ def test_the_tension_turns_with_the_axes():
     assert (other.y, other.x) == pytest.approx((one.x, one.y), abs=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("mu", "degrees"), [(0.1, 0.0), (0.25, 90.0)])
 def test_the_load_of_first_yield_of_a_sliding_ball(mu, degrees):
     _, hertz, problem = press_ball(16.0, (44, 46), place=(0.2, 0.4))
@@ -352,6 +356,7 @@ def test_what_has_no_traction_gets_a_sentence():
                 number(alpha, axis)
 
 
+@pytest.mark.slow
 @given(hnp.arrays(np.float64, (3, 9, 6), elements=st.integers(-3, 3).map(float)))
 def test_a_smallest_sphere_holds_all_points_and_no_smaller_one_does(points):
     points[..., 2] = -points[..., 0] - points[..., 1]

@@ -33,6 +33,7 @@ def move_rigidly(matrix, axis, letters):
     return np.linalg.solve(system, right)[matrix.shape[0] + axis]
 
 
+@pytest.mark.slow
 @each_once(
     {
         "axis": [0, 1],

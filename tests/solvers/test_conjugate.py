@@ -94,6 +94,7 @@ def test_agrees_with_the_independent_solvers(boundary):
         np.testing.assert_allclose(other.pressure, fast.pressure, atol=1e-6 * fast.pressure.max())
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("on_fields_and_on_lists")
 def test_a_limit_may_differ_from_place_to_place():
     limits = np.where(np.arange(64)[:, None] < 32, 0.02, 0.06) * np.ones((64, 64))
@@ -384,6 +385,7 @@ class TestSweep:
         cold = sum(problem.solve(approach=a).convolutions for a in approaches)
         assert problem.sweep(approach=approaches).convolutions < 0.95 * cold
 
+    @pytest.mark.slow
     @pytest.mark.usefixtures("on_fields_and_on_lists")
     @each_once(
         {

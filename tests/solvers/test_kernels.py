@@ -79,6 +79,7 @@ def plain_alias_sum(theta_x, theta_y, dx, dy, count):
     return 2 * np.sum(terms * smooth[:, None] * smooth[None, :])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("aspect", "count"), [(1e-8, 600), (0.01, 400), (0.5, 400), (1.0, 400), (1.3, 400), (40.0, 400), (1e12, 600)]
 )

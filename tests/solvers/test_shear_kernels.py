@@ -88,6 +88,7 @@ def test_spectrum_is_the_alias_sum_of_directions(dx, dy, count):
             assert abs(values[i, j] - exact) < 1e-12 * scale[i, j]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("aspect", [0.2, 1.0, 5.0])
 @given(angle=st.floats(0.0, 2 * np.pi))
 def test_long_waves_are_those_of_the_half_space(aspect, angle):
@@ -162,6 +163,7 @@ def test_transforms_agree_with_the_direct_sum(grid, seed):
     np.testing.assert_allclose(fast.own, direct.own, rtol=1e-13)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("convolver", "boundary"), SERVED)
 @settings(max_examples=25)
 @given(grid=grids(10), seed=seeds)
@@ -174,6 +176,7 @@ def test_the_axes_can_be_exchanged(convolver, boundary, grid, seed):
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-13 * np.abs(expected).max())
 
 
+@pytest.mark.slow
 @settings(max_examples=25)
 @given(grid=grids(16), seed=seeds, shift=st.tuples(st.integers(0, 15), st.integers(0, 15)))
 def test_periodic_displacement_moves_with_the_tractions(grid, seed, shift):

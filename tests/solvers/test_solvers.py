@@ -248,6 +248,7 @@ def test_the_nearest_pressure_of_a_task_keeps_bounds_and_load(seed, fraction, un
     assert not starting_pressure(by_approach).any()
 
 
+@pytest.mark.slow
 @given(seeds, st.floats(-1e-3, 1e-3))
 def test_saturated_cells_stay_so_where_the_others_can_take_the_difference(seed, change):
     """The rounding of a sum of a million pressures does not shift the saturated ones."""

@@ -238,6 +238,7 @@ def require_equal(problem, **given):
 SHAPES = [(64, 64), (33, 47), (128, 16), (16, 128), (96, 101), (1, 300)]
 
 
+@pytest.mark.slow
 @settings(max_examples=60)
 @given(
     st.sampled_from(SHAPES),

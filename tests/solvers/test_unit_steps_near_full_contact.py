@@ -326,6 +326,7 @@ def test_the_preconditioner_is_symmetric_and_nearly_the_inverse(rigid):
     assert np.linalg.norm(answer - wanted) < 0.35 * np.linalg.norm(wanted)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("on_fields_and_on_lists")
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
 def test_a_limit_that_shortens_steps_but_is_not_reached_changes_no_bit(boundary):

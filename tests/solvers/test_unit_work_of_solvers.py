@@ -156,6 +156,7 @@ def require_few(found, known):
     assert found <= (1.0 + MARGIN) * known
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("as_on_large_grids")
 @pytest.mark.parametrize("group", CONJUGATE)
 def test_projected_conjugate_gradients(group):
@@ -169,6 +170,7 @@ def test_projected_conjugate_gradients_on_fields(group):
     require_few(sum(solve(rc.ProjectedConjugateGradient(), *case).convolutions for case in cases), ON_FIELDS[group])
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("on_fields_and_on_lists")
 @pytest.mark.parametrize("group", SEARCHES)
 def test_searches_of_the_load_of_an_approach(group):
@@ -248,6 +250,7 @@ def count_products_of_adhesion(solver, boundary):
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("as_on_large_grids")
 @pytest.mark.parametrize(("solver", "boundary"), ADHESIVE)
 def test_solvers_of_adhesion(solver, boundary):
@@ -278,6 +281,7 @@ SHEAR = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("solver", "boundary"), SHEAR)
 def test_solvers_of_shear(solver, boundary):
     """Under forces of three parts of that of sliding, and at a displacement along x under a force along y."""

@@ -212,6 +212,7 @@ def test_shares_are_disjoint_even_and_the_whole(tmp_path, count):
     assert places(together) == places(small_study().run(tmp_path))
 
 
+@pytest.mark.slow
 def test_a_share_does_not_hang_on_the_order_of_the_study(tmp_path):
     turned = dict(reversed(small_study().problems.items()))
     for number in (1, 2, 3):
@@ -238,6 +239,7 @@ def test_a_share_builds_only_its_own_problems(tmp_path):
     assert len(result) == 3
 
 
+@pytest.mark.slow
 def test_shares_at_once_keep_what_each_has_measured(tmp_path, monkeypatch):
     """Neither solves nor areas are computed again for the whole, although each share began before the other ended."""
     other = []

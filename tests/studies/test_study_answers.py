@@ -30,6 +30,7 @@ def study(responses, **changes):
     )
 
 
+@pytest.mark.slow
 def test_they_are_those_of_the_solutions(tmp_path):
     first_yield = rc.responses.create("first-yield", yield_stress=1e9)
     result = study(["stiffness", conductance(), first_yield], seed=[0]).run(tmp_path)
@@ -155,6 +156,7 @@ def test_a_path_is_asked_at_its_end(tmp_path):
     assert sheared.run(tmp_path).records == result.records
 
 
+@pytest.mark.slow
 def test_a_warned_answer_makes_a_record_doubtful(tmp_path, capsys):
     (tmp_path / "study.toml").write_text("""
 [problems.ball]

@@ -56,6 +56,7 @@ def finished(tmp_path_factory):
     return study, study.run(folder / "all")
 
 
+@pytest.mark.slow
 def test_the_records_are_those_of_paths_by_hand(finished):
     study, result = finished
     assert [(one.problem, one.load) for one in result] == [(name, f) for name in ("worn", "rough") for f in (0.2, 0.4)]
@@ -112,6 +113,7 @@ def test_it_goes_on_where_it_stopped(finished, tmp_path):
     assert repaired[0].numbers == result[0].numbers
 
 
+@pytest.mark.slow
 def test_without_files_paths_are_solved_again_to_the_same_bits(finished, tmp_path):
     study, result = finished
     bare = rc.Study(study.problems, force=study.force, sliding=SLIDING, accuracy=0.02)
@@ -208,6 +210,7 @@ class TestScenario:
         study = read_study(folder / "study.toml")
         return study, study.run(folder / "all")
 
+    @pytest.mark.slow
     def test_it_is_a_path_of_its_loads(self, whole):
         study, result = whole
         for record in result:
@@ -229,6 +232,7 @@ class TestScenario:
             path.unlink()
         assert rc.Study(study.problems, **given, factors=[1, 2, 0.5, 2]).run(tmp_path).computed == 0
 
+    @pytest.mark.slow
     def test_what_was_interrupted_goes_on(self, whole, tmp_path, monkeypatch, caplog):
         study, result = whole
         caplog.set_level("INFO", logger="roughcontact")

@@ -60,6 +60,7 @@ def numbers(record):
     return (record.key, record.status, record.dissipated, record.stick_area, record.approach, *area, record.warnings)
 
 
+@pytest.mark.slow
 def test_the_records_are_those_of_paths_by_hand(finished):
     study, result = finished
     assert [(record.problem, record.load) for record in result] == [
@@ -159,6 +160,7 @@ def forbidden(monkeypatch, *names):
         yield
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("changed", [{"friction": 0.6}, {"substeps": 3}])
 def test_a_file_of_another_law_or_other_increments_is_followed_again(tmp_path, changed):
     """The loads are the same: only the key tells them apart."""
@@ -260,6 +262,7 @@ def test_the_command_prints_and_writes_the_energy(study_file, capsys):
     assert all(float(row["dissipated [J]"]) > 0.0 and float(row["stick_area [m2]"]) > 0.0 for row in rows)
 
 
+@pytest.mark.slow
 def test_a_load_that_slides_is_refused_in_its_record(finished, tmp_path):
     study, _ = finished
     problem = study.problems["long"]

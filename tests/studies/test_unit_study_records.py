@@ -213,6 +213,7 @@ def run_plain(folder):
     plain_study(seeds=range(20)).run(folder)
 
 
+@pytest.mark.slow
 @posix
 def test_a_study_that_is_killed_twice_loses_nothing(tmp_path):
     wanted = plain_study(seeds=range(20)).run(tmp_path / "whole")

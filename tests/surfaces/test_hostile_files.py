@@ -478,6 +478,7 @@ CONTAINERS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CONTAINERS)
 def test_damaged_and_foreign_archives_are_refused(files, tmp_path, monkeypatch, name):
     make, words = CONTAINERS[name]
@@ -669,6 +670,7 @@ def test_hostile_height_maps_are_refused(tmp_path, monkeypatch, name):
     refuse(path, words, tmp_path, monkeypatch, lambda path: rc.read_surface(path, size=1e-3))
 
 
+@pytest.mark.slow
 def test_a_height_map_that_is_a_bomb_is_refused(tmp_path, monkeypatch):
     path = tmp_path / "bomb.npz"
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as file:
@@ -817,6 +819,7 @@ def test_the_header_lists_what_the_file_holds(files):
     assert json.loads(bytes(pack(arrays, header)["header"]))["arrays"].keys() == arrays.keys()
 
 
+@pytest.mark.slow
 def test_a_damaged_heap_of_texts_is_not_searched(tmp_path):
     heights, missing = np.random.default_rng(0).random((12, 10)) * 1e-7, np.eye(12, 10) > 0
     surface = rc.HeightMap(heights, (1e-4, 1e-4), non_measured=missing)

@@ -46,6 +46,7 @@ def read_table(head):
 
 
 class TestWarnings:
+    @pytest.mark.slow
     def test_of_a_few_held_out_maps(self, monkeypatch):
         maps = study("map_warnings", monkeypatch)
         found = maps.measure(maps.HELD_OUT, 3)

@@ -193,6 +193,7 @@ HOSTILE = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", HOSTILE)
 def test_hostile_files_are_refused_in_little_memory(tmp_path, name):
     content, words = HOSTILE[name]

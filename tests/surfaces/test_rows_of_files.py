@@ -30,6 +30,7 @@ def test_both_are_read_as_the_map(exported_map):
     assert 0.025 < surface.non_measured.mean() < 0.035
 
 
+@pytest.mark.slow
 def test_a_script_solves_both(exported_map, expected):
     _, by_x, by_y = exported_map
     for path, rows in ((by_x, "auto"), (by_y, "y")):
@@ -51,6 +52,7 @@ def test_the_command_line_solves_both(exported_map, expected, run, tmp_path):
         assert found.area().value == pytest.approx(expected.area().value, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_it_is_asked_where_only_rows_of_y_make_square_cells(exported_map, run):
     by_y = exported_map[2]
     with pytest.raises(

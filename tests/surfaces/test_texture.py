@@ -67,6 +67,7 @@ class TestWave:
         assert wave["Std"] == 90.0
 
 
+@pytest.mark.slow
 @each_once(
     {
         "shape": [(64, 48), (48, 64), (45, 75), (256, 32), (32, 256), (97, 61)],
@@ -134,6 +135,7 @@ def test_a_lay_at_an_angle_is_found():
     assert "bound from above" in found.Str.warnings[0]
 
 
+@pytest.mark.slow
 def test_isotropic_roughness_has_no_lay():
     grid = rc.Grid((256, 256), 64e-6)
     surface = rc.SelfAffineSurface(hurst=0.8, rms_height=1e-7, shortest=1e-6, longest=8e-6, seed=2)

@@ -73,6 +73,7 @@ class TestMoments:
         assert np.mean(heights) == pytest.approx(height, abs=0.06)
         assert np.std(heights) == pytest.approx(deviation, rel=0.06)
 
+    @pytest.mark.slow
     @pytest.mark.parametrize(("periodic", "within"), [(True, 0.12), (False, 0.25)])
     def test_sampling_errors_are_the_scatter_over_surfaces(self, periodic, within):
         rng = np.random.default_rng(3)
