@@ -97,7 +97,7 @@ GOOD = {
     "table": {"body": rc.Body(WAVE, STEEL), "grid": GRID},
     "moduli": (1e6, 1e6), "times": (0.1,), "time": 1.0, "frequency": 1.0, "storage": (1.0, 1.1), "loss": (0.1, 0.1),
     "speed": 1.0, "diffusivity": 1e-5,
-    "index": 0, "topography": MAP.to_topography() if HAS_TOPOGRAPHY else None, "young": 1e9,
+    "tip_radius": 1e-4, "index": 0, "topography": MAP.to_topography() if HAS_TOPOGRAPHY else None, "young": 1e9,
 }  # fmt: skip
 # ... where the same name means something else.
 GOOD_FOR = {

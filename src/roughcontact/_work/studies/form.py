@@ -30,7 +30,7 @@ T = TypeVar("T")
 # Arguments of `read_surface` beside the path and the options of readers, and of `match` beside both maps.
 _OF_READING = tuple(inspect.signature(read_surface).parameters)[1:-1]
 _OF_MATCH = tuple(inspect.signature(match).parameters)[2:]
-_UNITS_OF_MAPS = {"size": "m", "cell": "m", "unit": "m", "offset": "m", "rotation": "rad"}
+_UNITS_OF_MAPS = {"size": "m", "cell": "m", "unit": "m", "tip_radius": "m", "offset": "m", "rotation": "rad"}
 
 
 class Form:
@@ -219,7 +219,7 @@ class Form:
 
     def _read_map(self, fields: Mapping[str, Any]) -> HeightMap:
         reading = (*_OF_READING, *list_reader_options())
-        _refuse_unknown(fields, ("path", *reading, "detrend", "resample"))
+        _refuse_unknown(fields, ("path", *reading, "tip_radius", "detrend", "resample"))
         path = fields.get("path")
         if self.folder is None:
             raise InputError("Only a study file names files of height maps.")
@@ -228,6 +228,8 @@ class Form:
             raise InputError.about("The path of a map", path, "that of a file in the folder of the study file")
         given = {name: self._in_si_of_maps(name, fields[name]) for name in reading if name in fields}
         surface = read_surface(file, **given)
+        if "tip_radius" in fields:
+            surface = surface.restored(self._in_si_of_maps("tip_radius", fields["tip_radius"]))
         if "detrend" in fields:
             surface = surface.detrend(fields["detrend"])
         if "resample" not in fields:
