@@ -49,6 +49,7 @@ from roughcontact._parts.materials import Elastic, ElasticPerfectlyPlastic, Mate
 from roughcontact._parts.surfaces import (
     FlatSurface,
     HeightMap,
+    NonGaussianSurface,
     ParaboloidSurface,
     PlacedMap,
     SelfAffineSurface,
@@ -162,6 +163,7 @@ __all__ = [
     "Majorise",
     "Material",
     "MissingPackage",
+    "NonGaussianSurface",
     "NotConverged",
     "OutOfMemory",
     "Overlap",
