@@ -336,6 +336,9 @@ def _add_treatment(parser: argparse.ArgumentParser, topic: str = "") -> argparse
     maps.add_argument(
         "--detrend", type=_form, metavar="FORM", help="mean, plane, sphere or degree of a polynomial to subtract"
     )
+    maps.add_argument("--shortest", type=METRE, metavar="L", help="cut-off below which waves are filtered out (none)")
+    maps.add_argument("--longest", type=METRE, metavar="L", help="cut-off above which waves are filtered out (none)")
+    maps.add_argument("--robust", action="store_true", help="filters that grooves and spikes do not move")
     return maps
 
 

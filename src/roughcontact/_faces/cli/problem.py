@@ -220,8 +220,12 @@ def _read(
     surface = rc.read_surface(path, size=_sides(size), cell=cell, unit=unit, **treatment)
     if tip_radius is not None:
         surface = surface.restored(tip_radius)
-    # Detrended before it is interpolated, so that the fit uses every measured point.
-    return surface if form is None else surface.detrend(form)
+    # Detrended and filtered before it is interpolated, so that the fit uses every measured point.
+    surface = surface if form is None else surface.detrend(form)
+    if options.shortest is None and options.longest is None:
+        refuse(options, ("robust",), "is for filters: give --longest or --shortest too.")
+        return surface
+    return surface.filtered(options.shortest, options.longest, robust=options.robust)
 
 
 def _options_of_reader(options: argparse.Namespace, path: str) -> dict[str, Any]:
