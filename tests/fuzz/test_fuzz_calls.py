@@ -44,6 +44,7 @@ WAVE = rc.WavySurface(1e-6, 1e-3)
 STEEL = rc.Elastic(210e9, 0.3)
 HARD = rc.ElasticPerfectlyPlastic(210e9, 0.3, 1e9)
 ROUGH = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.1, shortest=3e-4, longest=1e-3)
+LINES = 1e-8 * np.random.default_rng(0).standard_normal((5, 512)).cumsum(axis=1)
 MAP = rc.HeightMap(ROUGH.heights(GRID), size=1e-3, periodic=True)
 PROBLEM = rc.ContactProblem(rc.Body(ROUGH, STEEL), grid=GRID, boundary="periodic")
 MAPPED = rc.ContactProblem(
@@ -111,6 +112,8 @@ GOOD_FOR = {
     "map_tiles": {"work": len, "tiles": [[1.0], [2.0]]},
     "require_memory": {"needed": 1e3, "what": "It", "advice": "take fewer cells"},
     "ContactProblem": {"grid": GRID}, "read_surface": {"path": "map.npz"},
+    "read_profile": {"path": "line.npy", "spacing": 1e-6}, "profile": {"lines": LINES, "spacing": 1e-6},
+    "fit_surface": {"lines": LINES, "spacing": 1e-6, "shortest": 8e-6},
     "read_raw": {"file": "map.npz"},
     "run_in": {"problem": LIMITED, "pressure": 1e7}, "ContactSolution.load": {"path": "solution.npz"},
     "Sweep.load": {"path": "sweep.npz"}, "Sweep.animate": {"path": "x.gif"},
@@ -259,6 +262,8 @@ SKIPPED = {"Area", "ContactSolution", "FrictionalPath", "Boundary", "Status", "r
 SKIPPED |= {
     "reference.PerssonContact",
     "reference.Roughness",
+    "reference.ProfileFit",
+    "reference.ProfileStatistics",
     "reference.Texture",
     "reference.FullContactEnergies",
     "InterfaceLaw.plot",
@@ -506,6 +511,7 @@ def folder(tmp_path, monkeypatch):
 
 def prepare_files():
     np.savez("map.npz", heights=MAP.heights(GRID), size=(1e-3, 1e-3))
+    np.save("line.npy", LINES[0])
     SOLUTION.save("solution.npz")
     SWEEP.save("sweep.npz")
 
