@@ -30,7 +30,7 @@ from roughcontact._answers.areas import (
 from roughcontact._answers.laws import interface_law
 from roughcontact._answers.refinement import beyond_resolution, extrapolate, on_grid
 from roughcontact._base.registry import publish
-from roughcontact._parts.files import SurfaceReader, read_surface, readers
+from roughcontact._parts.files import SurfaceReader, read_profile, read_surface, readers
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._parts.interactions import (
     Coulomb,
@@ -49,6 +49,7 @@ from roughcontact._parts.materials import Elastic, ElasticPerfectlyPlastic, Mate
 from roughcontact._parts.surfaces import (
     FlatSurface,
     HeightMap,
+    NonGaussianSurface,
     ParaboloidSurface,
     PlacedMap,
     SelfAffineSurface,
@@ -162,6 +163,7 @@ __all__ = [
     "Majorise",
     "Material",
     "MissingPackage",
+    "NonGaussianSurface",
     "NotConverged",
     "OutOfMemory",
     "Overlap",
@@ -209,6 +211,7 @@ __all__ = [
     "materials",
     "on_grid",
     "panels",
+    "read_profile",
     "read_surface",
     "readers",
     "responses",

@@ -11,7 +11,7 @@ several loads        `Path`, of which `Sweep`, `AdhesionCycle` and `LoadPath` ar
 loads along the      `Sheared`, `FrictionalState`, `FrictionalResiduals`, `TangentialLoad`, `TangentialLoop`,
 surface              `StepNumbers`, `Increment`
 several grids        `Ladder`, `BeyondResolution`
-measured maps        `MatchedPair`, `Separated`
+measured maps        `MatchedPair`, `Separated`, `LineScans`
 a study              `StudyResult`, `Record`
 reports              `ErrorReport`, `KnownAnswer`, `ReportRow`, `Timing`, `StabilityReport`, `Check`, `Verdict`
 ===================  ==============================================================================================
@@ -22,6 +22,7 @@ Those of responses are in `roughcontact.responses`.
 from roughcontact._answers.laws import InterfaceLaw, LawColumn, PowerFit
 from roughcontact._answers.refinement import BeyondResolution, Ladder
 from roughcontact._base.units import WarningText
+from roughcontact._parts.files import LineScans
 from roughcontact._parts.surfaces import MatchedPair, Separated
 from roughcontact._solve.problem import (
     AdhesionCycle,
@@ -72,6 +73,7 @@ __all__ = [
     "KnownAnswer",
     "Ladder",
     "LawColumn",
+    "LineScans",
     "LoadPath",
     "MatchedPair",
     "Origin",

@@ -44,6 +44,7 @@ WAVE = rc.WavySurface(1e-6, 1e-3)
 STEEL = rc.Elastic(210e9, 0.3)
 HARD = rc.ElasticPerfectlyPlastic(210e9, 0.3, 1e9)
 ROUGH = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.1, shortest=3e-4, longest=1e-3)
+LINES = 1e-8 * np.random.default_rng(0).standard_normal((5, 512)).cumsum(axis=1)
 MAP = rc.HeightMap(ROUGH.heights(GRID), size=1e-3, periodic=True)
 PROBLEM = rc.ContactProblem(rc.Body(ROUGH, STEEL), grid=GRID, boundary="periodic")
 MAPPED = rc.ContactProblem(
@@ -97,7 +98,7 @@ GOOD = {
     "table": {"body": rc.Body(WAVE, STEEL), "grid": GRID},
     "moduli": (1e6, 1e6), "times": (0.1,), "time": 1.0, "frequency": 1.0, "storage": (1.0, 1.1), "loss": (0.1, 0.1),
     "speed": 1.0, "diffusivity": 1e-5,
-    "index": 0, "topography": MAP.to_topography() if HAS_TOPOGRAPHY else None, "young": 1e9,
+    "tip_radius": 1e-4, "index": 0, "topography": MAP.to_topography() if HAS_TOPOGRAPHY else None, "young": 1e9,
 }  # fmt: skip
 # ... where the same name means something else.
 GOOD_FOR = {
@@ -111,12 +112,15 @@ GOOD_FOR = {
     "map_tiles": {"work": len, "tiles": [[1.0], [2.0]]},
     "require_memory": {"needed": 1e3, "what": "It", "advice": "take fewer cells"},
     "ContactProblem": {"grid": GRID}, "read_surface": {"path": "map.npz"},
+    "read_profile": {"path": "line.npy", "spacing": 1e-6}, "profile": {"lines": LINES, "spacing": 1e-6},
+    "fit_surface": {"lines": LINES, "spacing": 1e-6, "shortest": 8e-6},
     "read_raw": {"file": "map.npz"},
     "run_in": {"problem": LIMITED, "pressure": 1e7}, "ContactSolution.load": {"path": "solution.npz"},
     "Sweep.load": {"path": "sweep.npz"}, "Sweep.animate": {"path": "x.gif"},
     "load": {"path": "solution.npz"},
     "Direct.require": {"boundary": rc.Boundary.FREE}, "limited.verify": {"solution": SWEEP.states[0]},
-    "SelfAffineSurface": {"rms_slope": 0.1}, "HeightMap.filtered": {"shortest": 5e-4},
+    "SelfAffineSurface": {"rms_slope": 0.1}, "NonGaussianSurface": {"rms_slope": 0.1},
+    "HeightMap.filtered": {"shortest": 5e-4},
     "interface_law": {"pressure": [1e7, 2e7], "responses": ()}, "fit": {"name": "area"},
     "InterfaceLaw.__getitem__": {"name": "area"}, "to_moose": {"path": "m.csv"},
     "exponential": {"values": (1.0, 1.1, 1.12)}, "power_law": {"values": (1.0, 1.1, 1.12)},
@@ -258,6 +262,8 @@ SKIPPED = {"Area", "ContactSolution", "FrictionalPath", "Boundary", "Status", "r
 SKIPPED |= {
     "reference.PerssonContact",
     "reference.Roughness",
+    "reference.ProfileFit",
+    "reference.ProfileStatistics",
     "reference.Texture",
     "reference.FullContactEnergies",
     "InterfaceLaw.plot",
@@ -505,6 +511,7 @@ def folder(tmp_path, monkeypatch):
 
 def prepare_files():
     np.savez("map.npz", heights=MAP.heights(GRID), size=(1e-3, 1e-3))
+    np.save("line.npy", LINES[0])
     SOLUTION.save("solution.npz")
     SWEEP.save("sweep.npz")
 

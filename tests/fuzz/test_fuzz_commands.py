@@ -31,8 +31,9 @@ LONGEST = 1_500
 # Good values by the destination of an option.
 GOOD = {
     "surface": ["map.npz"], "counterbody": ["map.npz", "map.txt"],
-    "size": ["20um"], "unit": ["1um"], "detrend": ["plane", "1"],
+    "size": ["20um"], "unit": ["1um"], "tip_radius": ["2um"], "detrend": ["plane", "1"],
     "resample": ["8", "8"], "counterbody_size": ["20um"], "counterbody_unit": ["1nm"], "counterbody_detrend": ["mean"],
+    "counterbody_tip_radius": ["1um"], "shortest": ["5um"], "longest": ["10um"],
     "ball": ["1mm"], "offset": ["1um,0um"], "rotation": ["10deg"], "domain": ["10um"], "pressure": ["10MPa"],
     "force": ["5mN"], "approach": ["10nm"], "young": ["210GPa"], "poisson": ["0.3"], "hardness": ["6GPa"],
     "counterbody_young": ["1GPa"], "counterbody_poisson": ["0.2"], "counterbody_hardness": ["1GPa"],

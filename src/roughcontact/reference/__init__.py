@@ -9,6 +9,7 @@ from roughcontact.reference.friction import (
     bonded_punch,
     frictional_punch,
 )
+from roughcontact.reference.profiles import ProfileFit, ProfileStatistics, fit_surface, profile
 from roughcontact.reference.roughness import BearingCurve, Roughness, bearing_area, roughness
 from roughcontact.reference.sliding import SlidingCylinder, SlidingSphere
 from roughcontact.reference.texture import Texture, texture
@@ -32,6 +33,8 @@ __all__ = [
     "MaugisDugdale",
     "PastewkaRobbins",
     "PerssonContact",
+    "ProfileFit",
+    "ProfileStatistics",
     "Roughness",
     "SlidingCylinder",
     "SlidingSphere",
@@ -42,11 +45,13 @@ __all__ = [
     "Westergaard",
     "bearing_area",
     "bonded_punch",
+    "fit_surface",
     "frictional_punch",
     "full_contact_energies",
     "hertz_elliptic",
     "hertz_sphere",
     "persson",
+    "profile",
     "roughness",
     "texture",
 ]

@@ -295,7 +295,7 @@ def _add_maps(parser: argparse.ArgumentParser, study: bool) -> argparse._Argumen
     maps.add_argument(
         "--resample", type=whole_number, nargs=2, metavar=("NX", "NY"), help="number of cells, bilinearly"
     )
-    for name, what in (("size", METRE), ("unit", _unit), ("detrend", _form)):
+    for name, what in (("size", METRE), ("unit", _unit), ("tip-radius", METRE), ("detrend", _form)):
         maps.add_argument(
             f"--counterbody-{name}",
             type=what,
@@ -331,9 +331,14 @@ def _add_treatment(parser: argparse.ArgumentParser, topic: str = "") -> argparse
     for name, (field, what) in list_reader_options().items():
         convert = converter_of(field) or str
         maps.add_argument(f"--{name.replace('_', '-')}", type=convert, metavar=name[0].upper(), help=what)
+    tip = "radius of the stylus tip that has traced the map, taken away from it, such as 2um"
+    maps.add_argument("--tip-radius", type=METRE, metavar="R", help=tip)
     maps.add_argument(
         "--detrend", type=_form, metavar="FORM", help="mean, plane, sphere or degree of a polynomial to subtract"
     )
+    maps.add_argument("--shortest", type=METRE, metavar="L", help="cut-off below which waves are filtered out (none)")
+    maps.add_argument("--longest", type=METRE, metavar="L", help="cut-off above which waves are filtered out (none)")
+    maps.add_argument("--robust", action="store_true", help="filters that grooves and spikes do not move")
     return maps
 
 

@@ -158,7 +158,7 @@ def _describe_kernel(options: argparse.Namespace) -> dict[str, Any]:
 def _surfaces(options: argparse.Namespace) -> tuple[rc.Surface, rc.Surface, dict[str, Any] | None]:
     """Return both surfaces, and how they are matched."""
     if options.counterbody is None:
-        names = ("match", "counterbody_size", "counterbody_unit", "counterbody_detrend")
+        names = ("match", *(f"counterbody_{name}" for name in ("size", "unit", "tip_radius", "detrend")))
         refuse(options, names, "is for the second of two height maps: give its file too, or omit the option.")
     if options.match is None:
         if options.mirror and getattr(options, "mirror_borders", None) is not None and options.counterbody is None:
@@ -169,7 +169,8 @@ def _surfaces(options: argparse.Namespace) -> tuple[rc.Surface, rc.Surface, dict
     if options.counterbody is None:
         return _resample(body, options), rc.FlatSurface(), None
     form = options.detrend if options.counterbody_detrend is None else options.counterbody_detrend
-    counterbody = _read(options.counterbody, options, *_counterbody_size_and_unit(options), form)
+    tip = options.tip_radius if options.counterbody_tip_radius is None else options.counterbody_tip_radius
+    counterbody = _read(options.counterbody, options, *_counterbody_size_and_unit(options), tip, form)
     if options.match is None:
         body = _resample(body, options)
         counterbody = _resample(counterbody, options)
@@ -203,17 +204,28 @@ def _counterbody_size_and_unit(options: argparse.Namespace) -> tuple[list[float]
 
 def read_map(options: argparse.Namespace) -> rc.HeightMap:
     """Return the height map of the body, treated as the options say."""
-    return _read(options.surface, options, options.size, options.unit, options.detrend)
+    return _read(options.surface, options, options.size, options.unit, options.tip_radius, options.detrend)
 
 
 def _read(
-    path: str, options: argparse.Namespace, size: list[float] | None, unit: float | None, form: str | int | None
+    path: str,
+    options: argparse.Namespace,
+    size: list[float] | None,
+    unit: float | None,
+    tip_radius: float | None,
+    form: str | int | None,
 ) -> rc.HeightMap:
     treatment = {"non_measured": options.non_measured, **_options_of_reader(options, path)}
     cell = None if path != options.surface else _sides(options.cell)
     surface = rc.read_surface(path, size=_sides(size), cell=cell, unit=unit, **treatment)
-    # Detrended before it is interpolated, so that the fit uses every measured point.
-    return surface if form is None else surface.detrend(form)
+    if tip_radius is not None:
+        surface = surface.restored(tip_radius)
+    # Detrended and filtered before it is interpolated, so that the fit uses every measured point.
+    surface = surface if form is None else surface.detrend(form)
+    if options.shortest is None and options.longest is None:
+        refuse(options, ("robust",), "is for filters: give --longest or --shortest too.")
+        return surface
+    return surface.filtered(options.shortest, options.longest, robust=options.robust)
 
 
 def _options_of_reader(options: argparse.Namespace, path: str) -> dict[str, Any]:

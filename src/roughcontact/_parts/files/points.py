@@ -58,7 +58,7 @@ def read_columns(points: Array, header: Sequence[str]) -> tuple[Array, dict[str,
     count = points.shape[1]
     header = [decode_latin(line) for line in header]
     for place in reversed(range(len(header))):
-        for names in _list_names(header[place]):
+        for names in list_names(header[place]):
             # A column of numbers of the lines has no name.
             before = count - len(names)
             places = {
@@ -79,7 +79,7 @@ def read_columns(points: Array, header: Sequence[str]) -> tuple[Array, dict[str,
     return None
 
 
-def _list_names(line: str) -> Iterator[list[tuple[str, str]]]:
+def list_names(line: str) -> Iterator[list[tuple[str, str]]]:
     """Yield the names in a line with their units, as words, and as fields of several words."""
     line = _VARIABLES.sub("", line)
     yield [(found[1].lower(), _known(found[2]) or found[3] or found[4] or "") for found in _NAME.finditer(line)]
@@ -109,7 +109,7 @@ def _list_units(line: str, count: int) -> list[str]:
 def require_named_columns(header: Sequence[str], columns: int) -> None:
     """Refuse numbers of other columns than the line above them names, where it names x, y and z."""
     for line in map(decode_latin, header):
-        names, fields = ([name for name, _ in one if metres(name) is None] for one in _list_names(line))
+        names, fields = ([name for name, _ in one if metres(name) is None] for one in list_names(line))
         words = _WORDS.findall(_VARIABLES.sub("", line).lower())
         if re.search("[=:{]", _VARIABLES.sub("", line)):
             continue

@@ -17,6 +17,7 @@ from roughcontact._parts.surfaces.heightmap import Separated as Separated
 from roughcontact._parts.surfaces.matching import MatchedPair as MatchedPair
 from roughcontact._parts.surfaces.matching import PlacedMap as PlacedMap
 from roughcontact._parts.surfaces.matching import match as match
+from roughcontact._parts.surfaces.non_gaussian import NonGaussianSurface as NonGaussianSurface
 from roughcontact._parts.surfaces.quality import list_facts as list_facts
 from roughcontact._parts.surfaces.quality import write_facts as write_facts
 from roughcontact._parts.surfaces.resampling import bilinear as bilinear

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import abc
 import dataclasses
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any, ClassVar
 
 import attrs
@@ -128,8 +128,11 @@ class Surface(Part, abc.ABC):
 
     def non_measured_on(self, grid: Grid) -> Mask | None:
         """Return which cells are non-measured points, shape `grid.shape`; None if all were measured."""
-        masks = [mask for part in _checked_parts(self) if (mask := part.non_measured_on(grid)) is not None]
-        return np.logical_or.reduce(masks) if masks else None
+        return _join(part.non_measured_on(grid) for part in _checked_parts(self))
+
+    def uncertain_on(self, grid: Grid) -> Mask | None:
+        """Return which cells the tip of a stylus has not surely touched, shape `grid.shape`; None without a tip."""
+        return _join(part.uncertain_on(grid) for part in _checked_parts(self))
 
     def resample_to(self, grid: Grid, interpolation: str | None = None) -> Surface:
         """Return the surface in a form that is known on another grid over the same domain.
@@ -331,6 +334,11 @@ def _checked_parts(surface: Surface) -> tuple[Surface, ...]:
     if not isinstance(parts, (tuple, list)) or len(_surfaces_in(parts)) != len(parts):
         raise InputError.about(f"The parts of {type(surface).__name__}", parts, "a tuple of surfaces")
     return tuple(parts)
+
+
+def _join(masks: Iterable[Mask | None]) -> Mask | None:
+    known = [mask for mask in masks if mask is not None]
+    return np.logical_or.reduce(known) if known else None
 
 
 def _enlarge(surface: Surface, grid: Grid, more: int) -> Array:

@@ -84,8 +84,10 @@ class Continuation:
         rng = np.random.default_rng(np.random.SeedSequence(self.seed[0], spawn_key=(self.seed[1], place)))
         heights = _filter(source, shape, resolved)
         heights += self._draw(Grid(shape, source.size), law, resolved, rng)
-        mask = resample_mask(source.non_measured, shape, periodic=source.periodic)
-        return attrs.evolve(source, heights=heights, non_measured=mask)
+        lost, uncertain = (
+            resample_mask(mask, shape, periodic=source.periodic) for mask in (source.non_measured, source.uncertain)
+        )
+        return attrs.evolve(source, heights=heights, non_measured=lost, uncertain=uncertain)
 
     def _draw(self, grid: Grid, law: PowerLaw, resolved: float, rng: np.random.Generator) -> Array:
         """Return random heights with the waves between the resolved and the shortest one, shape `grid.shape`, m."""

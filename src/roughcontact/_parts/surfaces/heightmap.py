@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import cached_property
 from typing import Any, ClassVar
 
@@ -12,12 +12,11 @@ import numpy as np
 import numpy.typing as npt
 
 from roughcontact._base.arrays import Array, Mask, Pair, frozen_array, read_only, restore_state
-from roughcontact._base.checks import choice, instance_of, integer, measured_heights, number, pair
+from roughcontact._base.checks import choice, instance_of, integer, measured_heights, pair
 from roughcontact._base.registry import find_view
 from roughcontact._base.units import Quantity, fit, printable, si
 from roughcontact._parts.grid import Grid
 from roughcontact._parts.surfaces import statistics as forms
-from roughcontact._parts.surfaces.base import Surface
 from roughcontact._parts.surfaces.filling import TREATMENTS, complete, describe_filling, fill, was_filled
 from roughcontact._parts.surfaces.quality import find_period, list_facts, list_map_warnings, write_facts
 from roughcontact._parts.surfaces.resampling import (
@@ -25,10 +24,11 @@ from roughcontact._parts.surfaces.resampling import (
     resample,
     resample_mask,
     shift_by_half_cell,
-    smooth,
 )
 from roughcontact._parts.surfaces.statistics import repeats
+from roughcontact._parts.surfaces.stylus import list_tip_warnings
 from roughcontact._parts.surfaces.topography import make_topography, read_topography
+from roughcontact._parts.surfaces.treatment import TreatedMap
 from roughcontact.errors import InputError, argument
 
 # Maximum degree of a form: higher ones follow the roughness, and their normal equations lose their digits.
@@ -51,20 +51,30 @@ def _size(value: Quantity | Sequence[Quantity], height_map: Any) -> Pair:
     return sides
 
 
+def _mask(value: npt.ArrayLike, what: str, more: str = "") -> Mask:
+    """Return booleans for the points of a map, or raise `InputError`; `more` says what else is allowed."""
+    try:
+        mask = np.array(value)
+    except ValueError:
+        raise InputError(f"{what} must be a rectangular array, but their rows differ.") from None
+    if mask.dtype.kind != "b" or mask.ndim != 2:
+        allowed = f"an array of booleans of the map's shape{more}"
+        raise InputError.about(what, mask if mask.ndim else value, allowed)
+    return mask
+
+
+def _uncertain(value: npt.ArrayLike | None) -> Any:
+    return None if value is None else read_only(_mask(value, "The uncertain points of a height map"))
+
+
 def _non_measured(value: npt.ArrayLike | None) -> Any:
     """Return a mask, or None without non-measured points; the word that asks to fill them stays."""
     if isinstance(value, str) and value in (_KEEP, _FILL):
         return value if value == _FILL else None
     if value is None:
         return None
-    what = "The non-measured points of a height map"
-    try:
-        mask = np.array(value)
-    except ValueError:
-        raise InputError(f"{what} must be a rectangular array, but their rows differ.") from None
-    if mask.dtype.kind != "b" or mask.ndim != 2:
-        allowed = f"an array of booleans of the map's shape, {_KEEP!r}, or {_FILL!r} to take them from their neighbours"
-        raise InputError.about(what, mask if mask.ndim else value, allowed)
+    more = f", {_KEEP!r}, or {_FILL!r} to take them from their neighbours"
+    mask = _mask(value, "The non-measured points of a height map", more)
     if mask.all():
         raise InputError("No point of the height map was measured: at least one is needed.")
     return read_only(mask) if mask.any() else None
@@ -78,7 +88,7 @@ def check_history(value: Sequence[str]) -> tuple[str, ...]:
 
 
 @attrs.frozen(eq=False)
-class HeightMap(Surface):
+class HeightMap(TreatedMap):
     """Heights given as an array, one value for each cell.
 
     Parameters
@@ -96,12 +106,15 @@ class HeightMap(Surface):
         the points without a height. ``"fill"`` takes the filled heights as measured, as `fill` does.
     history
         Processing of the heights so far, in words; ``explain()`` of a problem prints it.
+    uncertain
+        Mask of the points that the tip of a stylus has not surely touched, shape (nx, ny), as `restored` finds it: the
+        surface may be lower there. None where no tip is known.
 
     Raises
     ------
     InputError
         If the heights are not a two-dimensional array of at least two numbers, one is infinite, no point was measured,
-        or the mask of non-measured points has another shape.
+        or a mask has another shape.
 
     Examples
     --------
@@ -123,16 +136,17 @@ class HeightMap(Surface):
     )
     non_measured: Mask | None = attrs.field(default=None, kw_only=True, converter=_non_measured)
     history: tuple[str, ...] = attrs.field(default=(), kw_only=True, converter=check_history)
+    uncertain: Mask | None = attrs.field(default=None, kw_only=True, converter=_uncertain)
 
     def __attrs_post_init__(self) -> None:
         takes_filled = isinstance(self.non_measured, str)
         if takes_filled:
             object.__setattr__(self, "non_measured", None)
-        if self.non_measured is not None and self.non_measured.shape != self._heights.shape:
-            raise InputError(
-                f"The mask of non-measured points has shape {self.non_measured.shape}, but the heights "
-                f"{self._heights.shape}."
-            )
+        for mask, name in ((self.non_measured, "non-measured"), (self.uncertain, "uncertain")):
+            if mask is not None and mask.shape != self._heights.shape:
+                raise InputError(
+                    f"The mask of {name} points has shape {mask.shape}, but the heights {self._heights.shape}."
+                )
         if math.isnan(float(self._heights.min())):
             lost = _non_measured(np.isnan(self._heights) | (False if self.non_measured is None else self.non_measured))
             object.__setattr__(self, "non_measured", None if takes_filled else lost)
@@ -156,10 +170,15 @@ class HeightMap(Surface):
 
     @cached_property
     def warnings(self) -> tuple[str, ...]:
-        """Signs of blur, interpolation, noise, steps or filled points in a map that is not periodic, in sentences."""
+        """Signs of blur, interpolation, noise, steps or filled points in a map that is not periodic, in sentences.
+
+        And that a map was `restored` below a tip that cannot have traced it.
+        """
+        tip = list_tip_warnings(self.history)
         if self.periodic:
-            return ()
-        return list_map_warnings(self._heights, self.grid, self.non_measured, was_filled=was_filled(self.history))
+            return tip
+        filled = was_filled(self.history)
+        return (*tip, *list_map_warnings(self._heights, self.grid, self.non_measured, was_filled=filled))
 
     @cached_property
     def period(self) -> float:
@@ -231,6 +250,10 @@ class HeightMap(Surface):
         """Return the non-measured points on the map's own grid, shape (nx, ny); None if there are none."""
         return self.non_measured
 
+    def uncertain_on(self, grid: Grid) -> Mask | None:
+        """Return the uncertain points on the map's own grid, shape (nx, ny); None where no tip is known."""
+        return self.uncertain
+
     def resample(self, shape: Sequence[int], interpolation: str = "bilinear") -> HeightMap:
         """Return the map on another number of cells over the same domain.
 
@@ -263,6 +286,7 @@ class HeightMap(Surface):
             self,
             heights=resample(self._heights, target, interpolation, periodic=self.periodic),
             non_measured=resample_mask(self.non_measured, target, near, periodic=self.periodic),
+            uncertain=resample_mask(self.uncertain, target, near, periodic=self.periodic),
             history=(*self.history, f"resampled ({interpolation}) to {target[0]} x {target[1]} cells of {pitch}"),
         )
 
@@ -285,6 +309,9 @@ class HeightMap(Surface):
         if self.non_measured is not None:
             raise InputError("A height map with non-measured points cannot be shifted by half a cell.")
         return attrs.evolve(self, heights=shift_by_half_cell(self.heights(grid), self.grid))
+
+    def _change(self, **changes: Any) -> HeightMap:
+        return attrs.evolve(self, **changes)
 
     def separate(self, form: str | int = "plane") -> Separated:
         """Return form and roughness of the map, separated by least squares over the measured points.
@@ -319,7 +346,9 @@ class HeightMap(Surface):
             text = f"the best {({0: 'mean', 1: 'plane'}).get(degree, f'polynomial of degree {degree}')} subtracted"
         only_form = (*self.history, "form only")
         return Separated(
-            form=attrs.evolve(self, heights=fitted, non_measured=None, periodic=False, history=only_form),
+            form=attrs.evolve(
+                self, heights=fitted, non_measured=None, uncertain=None, periodic=False, history=only_form
+            ),
             roughness=attrs.evolve(self, heights=self._heights - fitted, history=(*self.history, text)),
             radius=1.0 / curvature if curvature else math.inf,
         )
@@ -327,147 +356,6 @@ class HeightMap(Surface):
     def detrend(self, form: str | int = 1) -> HeightMap:
         """Return the map less its form; see `separate`."""
         return self.separate(form).roughness
-
-    def fill(self) -> HeightMap:
-        """Return the map with its non-measured points taken as measured, at heights filled from their neighbours."""
-        if self.non_measured is None:
-            return self
-        heights = fill(np.where(self.non_measured, np.nan, self._heights))
-        history = (*self.history, describe_filling(self.non_measured))
-        return attrs.evolve(self, heights=heights, non_measured=None, history=history)
-
-    def mirrored(self) -> HeightMap:
-        """Return the map with x reversed: what faces a body whose map was measured from outside, too."""
-        return self._rearrange(lambda values: values[::-1], "mirrored, x to -x")
-
-    def mirror_borders(self) -> HeightMap:
-        """Return the map and its mirror images at two borders, four times as large: it repeats without a step.
-
-        A map that repeats is returned as it is.
-        """
-        if self.periodic:
-            return self
-
-        def unfold(values: Any) -> Any:
-            along_x = np.concatenate([values, values[::-1]], axis=0)
-            return np.concatenate([along_x, along_x[:, ::-1]], axis=1)
-
-        size = 2.0 * self.size[0], 2.0 * self.size[1]
-        return self._rearrange(unfold, "mirrored at its borders", size, periodic=True)
-
-    def transposed(self) -> HeightMap:
-        """Return the map with x and y exchanged."""
-        return self._rearrange(np.transpose, "x and y exchanged", self.size[::-1])
-
-    def _rearrange(
-        self, move: Callable[[Any], Any], text: str, size: Pair | None = None, *, periodic: bool | None = None
-    ) -> HeightMap:
-        return attrs.evolve(
-            self,
-            heights=move(self._heights),
-            size=size or self.size,
-            periodic=self.periodic if periodic is None else periodic,
-            non_measured=None if self.non_measured is None else move(self.non_measured),
-            history=(*self.history, text),
-        )
-
-    def crop(self, size: float | Sequence[float], centre: Sequence[float] = (0.0, 0.0)) -> HeightMap:
-        """Return the part of the map in a rectangle, of whole cells; it does not repeat.
-
-        Parameters
-        ----------
-        size
-            Sides of the rectangle (x, y), m; one number for a square.
-        centre
-            Its centre (x, y), m, from the centre of the map.
-
-        Raises
-        ------
-        InputError
-            If the rectangle is not inside the map, or has no measured point.
-
-        Examples
-        --------
-        >>> import numpy as np
-        >>> import roughcontact as rc
-        >>> print(rc.HeightMap(np.eye(64), 64e-6).crop(32e-6, centre=(8e-6, 0.0)).grid)
-        32 x 32 cells on 32 µm x 32 µm
-        """
-        sides = pair(size, "The size of the part", "m", above=0.0)
-        middle = pair(centre, "The centre of the part", "m")
-        ranges = []
-        for side, place, step, count in zip(sides, middle, self.grid.spacing, self._heights.shape, strict=True):
-            cells = max(round(side / step), 1)
-            first = round(place / step + 0.5 * (count - cells))
-            if first < 0 or first + cells > count:
-                part, whole, around = (
-                    mark.join(si(length, "m") for length in lengths)
-                    for mark, lengths in ((" x ", sides), (" x ", self.size), (", ", middle))
-                )
-                raise InputError(
-                    f"A part of {part} around ({around}) is not inside the map, {whole} around its centre."
-                )
-            ranges.append(slice(first, first + cells))
-        inside = tuple(ranges)
-        nx, ny = self._heights[inside].shape
-        dx, dy = self.grid.spacing
-        indices = " x ".join(f"{one.start} to {one.stop - 1}" for one in ranges)
-        text = f"cut to {nx} x {ny} of its cells, {indices}"
-        return self._rearrange(lambda values: values[inside], text, (nx * dx, ny * dy), periodic=False)
-
-    def filtered(self, shortest: float | None = None, longest: float | None = None) -> HeightMap:
-        """Return the map without its short waves, its long waves, or both, by Gaussian filters (ISO 16610-61).
-
-        A wave of the cut-off wavelength loses half of its amplitude. At the border of a map that does not repeat, and
-        at non-measured points, the weights of the measured points are raised to a sum of one. A map that was filtered
-        is smooth on the scale of its cells, where a contact needs heights: state the cut-off with the area.
-
-        Parameters
-        ----------
-        shortest
-            Cut-off below which waves are removed (S filter), m, at least two cells.
-        longest
-            Cut-off above which waves are removed (L filter), m.
-
-        Raises
-        ------
-        InputError
-            If neither is given, a cut-off is shorter than two cells, or the longest is below the shortest.
-
-        Examples
-        --------
-        >>> import numpy as np
-        >>> import roughcontact as rc
-        >>> grid = rc.Grid((64, 64), 64e-6)
-        >>> wave = rc.HeightMap(rc.WavySurface(1e-6, 16e-6).heights(grid), 64e-6, periodic=True)
-        >>> print(f"{np.ptp(wave.filtered(16e-6).values) / np.ptp(wave.values):.3f}")
-        0.500
-        """
-        if shortest is None and longest is None:
-            raise InputError("Give the cut-off of the short waves, of the long ones (longest=), or both, m.")
-        limits = [_check_cutoff(value, self.grid) for value in (shortest, longest)]
-        low, high = limits
-        if low is not None and high is not None and high <= low:
-            raise InputError.about("The longest wavelength that stays", high, f"above the shortest ({low:g} m)")
-        heights = self._heights
-        texts = []
-        for cutoff, word in ((low, "below"), (high, "above")):
-            if cutoff is None:
-                continue
-            means = smooth(heights, self.grid, cutoff, periodic=self.periodic, non_measured=self.non_measured)
-            heights = means if word == "below" else heights - means
-            texts.append(f"waves {word} {si(cutoff, 'm')} removed by a Gaussian filter")
-        return attrs.evolve(self, heights=heights, history=(*self.history, *texts))
-
-
-def _check_cutoff(value: Quantity | None, grid: Grid) -> float | None:
-    if value is None:
-        return None
-    cutoff = number(value, "The cut-off wavelength", "m", above=0.0)
-    shortest = 2.0 * max(grid.resolved.spacing)
-    if cutoff < shortest * (1.0 - 1e-9):
-        raise InputError.about("The cut-off wavelength", cutoff, f"at least two cells, {shortest:g} m")
-    return cutoff
 
 
 @attrs.frozen(eq=False, kw_only=True)

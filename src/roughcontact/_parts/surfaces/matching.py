@@ -126,11 +126,17 @@ class PlacedMap(Surface):
 
     def non_measured_on(self, grid: Grid) -> Mask | None:
         """Return the cells with more than half of their weight on non-measured points, shape `grid.shape`."""
-        if self.source.non_measured is None:
+        return self._place(self.source.non_measured, grid)
+
+    def uncertain_on(self, grid: Grid) -> Mask | None:
+        """Return the cells with more than half of their weight on uncertain points, shape `grid.shape`."""
+        return self._place(self.source.uncertain, grid)
+
+    def _place(self, mask: Mask | None, grid: Grid) -> Mask | None:
+        if mask is None:
             return None
-        weights = self.source.non_measured.astype(np.float64)
         i, j = self._indices(grid.x, grid.y)
-        return interpolate(weights, i, j, "bilinear", periodic=self.source.periodic) > 0.5
+        return interpolate(mask.astype(np.float64), i, j, "bilinear", periodic=self.source.periodic) > 0.5
 
     def shift_half_cell(self, grid: Grid, *, periodic: bool) -> PlacedMap:
         """Return the map placed half a cell aside."""

@@ -221,7 +221,36 @@ def _seed(value: int) -> int:
 
 
 @attrs.frozen(kw_only=True)
-class SelfAffineSurface(Surface):
+class SpectralSurface(Surface):
+    """A periodic random surface with a self-affine power spectrum: what `SelfAffineSurface` says of its fields."""
+
+    is_random: ClassVar[bool] = True
+
+    hurst: float = attrs.field(converter=_hurst)
+    shortest: float = attrs.field(converter=_check_wavelength, metadata={"unit": "m"})
+    longest: float = attrs.field(converter=_check_wavelength, metadata={"unit": "m"})
+    rms_height: float | None = attrs.field(converter=_rms, default=None, metadata={"unit": "m"})
+    rms_slope: float | None = attrs.field(converter=_rms, default=None)
+    rolloff: float = attrs.field(
+        converter=_check_wavelength, default=attrs.Factory(lambda self: self.longest, True), metadata={"unit": "m"}
+    )
+    peklenik: float = attrs.field(converter=_peklenik, default=1.0)
+    lay: float = attrs.field(converter=_lay, default=0.0, metadata={"unit": "rad"})
+    seed: int = attrs.field(converter=_seed, default=0)
+
+    def __attrs_post_init__(self) -> None:
+        if not self.shortest <= self.rolloff <= self.longest:
+            allowed = f"between shortest ({self.shortest:g} m) and longest ({self.longest:g} m)"
+            raise InputError.about("The roll-off wavelength", self.rolloff, allowed)
+
+    @property
+    def periodic(self) -> bool:
+        """True: all waves fit into the domain, whatever its size."""
+        return True
+
+
+@attrs.frozen(kw_only=True)
+class SelfAffineSurface(SpectralSurface):
     r"""Periodic Gaussian roughness with a self-affine power spectrum, isotropic or with a lay.
 
     The power spectral density is constant from the longest wave to the roll-off, falls as q^(-2 - 2 Hurst) to the
@@ -267,19 +296,6 @@ class SelfAffineSurface(Surface):
     (64, 64)
     """
 
-    is_random: ClassVar[bool] = True
-
-    hurst: float = attrs.field(converter=_hurst)
-    shortest: float = attrs.field(converter=_check_wavelength, metadata={"unit": "m"})
-    longest: float = attrs.field(converter=_check_wavelength, metadata={"unit": "m"})
-    rms_height: float | None = attrs.field(converter=_rms, default=None, metadata={"unit": "m"})
-    rms_slope: float | None = attrs.field(converter=_rms, default=None)
-    rolloff: float = attrs.field(
-        converter=_check_wavelength, default=attrs.Factory(lambda self: self.longest, True), metadata={"unit": "m"}
-    )
-    peklenik: float = attrs.field(converter=_peklenik, default=1.0)
-    lay: float = attrs.field(converter=_lay, default=0.0, metadata={"unit": "rad"})
-    seed: int = attrs.field(converter=_seed, default=0)
     rms_cutoff: float = attrs.field(
         converter=_check_wavelength, default=attrs.Factory(lambda self: self.shortest, True), metadata={"unit": "m"}
     )
@@ -287,16 +303,14 @@ class SelfAffineSurface(Surface):
     def __attrs_post_init__(self) -> None:
         if (self.rms_height is None) == (self.rms_slope is None):
             raise InputError("Give exactly one of rms_height= and rms_slope= for a self-affine surface.")
-        if not self.shortest <= self.rolloff <= self.longest:
-            allowed = f"between shortest ({self.shortest:g} m) and longest ({self.longest:g} m)"
-            raise InputError.about("The roll-off wavelength", self.rolloff, allowed)
+        super().__attrs_post_init__()
         if self.rms_cutoff > self.longest:
             allowed = f"at most the longest wavelength ({self.longest:g} m)"
             raise InputError.about("The cut-off of the rms value", self.rms_cutoff, allowed)
 
     def heights(self, grid: Grid) -> Array:
         """Return the heights at the cell centres, shape `grid.shape`, m, of mean zero."""
-        self._require(grid)
+        self.require_grid(grid)
         kx, ky = (np.arange(-m, m + 1) for m in self._boxes(grid)[1])
         modes = self._waves(grid, ky)
         spectrum = np.zeros(grid.shape, dtype=np.complex128)
@@ -325,7 +339,7 @@ class SelfAffineSurface(Surface):
         # Waves that count in the rms value alone may be shorter than two cells.
         places = np.minimum(waves % ny, -waves % ny)
         ky = waves[(columns.start <= places) & (places < columns.stop)]
-        self._require(grid, ky.size / waves.size)
+        self.require_grid(grid, ky.size / waves.size)
         modes = self._waves(grid, ky, across)
         spectrum = np.zeros((nx, columns.stop - columns.start), dtype=np.complex128)
         resolved = 2 * ky <= ny
@@ -335,7 +349,7 @@ class SelfAffineSurface(Surface):
         np.add.at(spectrum, np.ix_(-kx % nx, ky[limit] - columns.start), np.conj(modes[:, limit]))
         return spectrum
 
-    def _require(self, grid: Grid, part: float = 1.0) -> None:
+    def require_grid(self, grid: Grid, part: float = 1.0) -> None:
         """Refuse a grid that is too coarse, or one of which a part does not fit into memory."""
         nyquist = max(2.0 * step for step in grid.spacing)
         if self.shortest < nyquist * (1 - _WAVELENGTH_TOLERANCE):
@@ -345,11 +359,6 @@ class SelfAffineSurface(Surface):
         nx, ny = (2 * m + 1 for m in self._boxes(grid)[1])
         numbers = part * max(_NUMBERS_PER_WAVE * nx * ny, _NUMBERS_PER_CELL * grid.cells)
         require_memory(8.0 * numbers, f"A self-affine surface of {nx} x {ny} waves", "choose fewer cells")
-
-    @property
-    def periodic(self) -> bool:
-        """True: all waves fit into the domain, whatever its size."""
-        return True
 
     def count_waves(self, grid: Grid) -> int:
         """Return the number of waves on a grid, including waves that only count in the rms value."""

@@ -56,11 +56,20 @@ class Body:
 
     def non_measured(self, grid: Grid) -> Mask | None:
         """Return which cells are non-measured points, shape `grid.shape`; None if all were measured."""
-        mask = self.surface.non_measured_on(grid)
+        mask = self._check_mask("non_measured_on", grid)
+        return mask if mask is not None and mask.any() else None
+
+    def uncertain(self, grid: Grid) -> Mask | None:
+        """Return which cells the tip of a stylus has not surely touched, shape `grid.shape`; None without a tip."""
+        return self._check_mask("uncertain_on", grid)
+
+    def _check_mask(self, method: str, grid: Grid) -> Mask | None:
+        """Return the mask that a method of the surface gives; `InputError` unless it is one of the grid's shape."""
+        mask: Any = getattr(self.surface, method)(grid)
         if mask is not None and not (isinstance(mask, np.ndarray) and mask.dtype == bool and mask.shape == grid.shape):
             name = type(self.surface).__name__
-            raise InputError.about(f"{name}.non_measured_on(grid)", mask, f"None or booleans of shape {grid.shape}")
-        return mask if mask is not None and mask.any() else None
+            raise InputError.about(f"{name}.{method}(grid)", mask, f"None or booleans of shape {grid.shape}")
+        return mask
 
     @property
     def own_grid(self) -> Grid | None:

@@ -16,7 +16,14 @@ from roughcontact._parts.surfaces import HeightMap
 from roughcontact._solve.solution.additions import Addition
 from roughcontact._solve.solution.attraction import interpolate_peak, warn_of_attraction, widen_area
 from roughcontact._solve.solution.healing import heal
-from roughcontact._solve.solution.judgement import UNCERTAINTIES, explain_uncertainties, judge, judge_area
+from roughcontact._solve.solution.judgement import (
+    UNCERTAINTIES,
+    explain_uncertainties,
+    judge,
+    judge_area,
+    judge_maps,
+    judge_tip,
+)
 from roughcontact._solve.solution.place import Place
 from roughcontact._solve.solution.plausibility import list_warnings
 from roughcontact._solve.solution.results import (
@@ -30,7 +37,6 @@ from roughcontact._solve.solution.results import (
     ask,
     estimate_attractive_area,
     estimate_saturated_area,
-    judge_maps,
     list_fields,
     require_to_hold,
     responses,
@@ -124,6 +130,7 @@ class ContactAnswers(ShearFields):
         normal = attrs.evolve(self, added=())
         # Answers of the normal contact need the area that holds for its surfaces.
         normal._found["default area"] = self._name_default_area()
+        normal._found["shift"] = self._shift
         if self._is_changed:
             normal._found["offset"] = self._offset
         return normal
@@ -170,6 +177,8 @@ class ContactAnswers(ShearFields):
                 f"The area estimator {chosen!r} returned {area!r}, which is not an Area of finite numbers."
             )
         area = judge_maps(area, self._maps, self.grid.resolved.cell_area)
+        uncertain = None if self.origin is None else self.origin.find_uncertain(self.grid, self._shift)
+        area = area if uncertain is None else judge_tip(area, self, uncertain)
         area = warn_of_changes(area, chosen, self._name_default_area())
         area = area if self.origin is None else widen_area(area, self, self.origin)
         return attrs.evolve(area, relative_sampling=defer_area_sampling(self))

@@ -26,7 +26,7 @@ A = TypeVar("A", bound=Addition)
 # Minimum cells of a patch with a point that is surrounded by contact; the area of smaller ones is hardly known.
 _SMALL_PATCH_CELLS = 4
 # Names in `ContactFields._found` of what loads before have done to the surfaces.
-_OF_SURFACES = ("default area", "offset")
+_OF_SURFACES = ("default area", "offset", "shift")
 
 
 @attrs.frozen(eq=False)
@@ -340,6 +340,12 @@ class ContactFields(AskedOf):
             self._found[name] = find()
         found: T = self._found[name]
         return found
+
+    @property
+    def _shift(self) -> tuple[int, int]:
+        """Cells by which the counterbody is displaced, (x, y)."""
+        known: tuple[int, int] | None = self._found.get("shift")
+        return known or next((one.shift for one in self.added if hasattr(one, "shift")), (0, 0))
 
     @property
     def _offset(self) -> Array | None:

@@ -11,6 +11,7 @@ from importlib.metadata import version
 from typing import Any
 
 import attrs
+import numpy as np
 
 from roughcontact._base.archive.plain import (
     Described,
@@ -23,7 +24,7 @@ from roughcontact._base.archive.plain import (
     public_class,
     rebuild_fields,
 )
-from roughcontact._base.arrays import RealArray, as_shape
+from roughcontact._base.arrays import Mask, RealArray, as_shape
 from roughcontact._base.units import ShownAsPrinted, percent
 from roughcontact._parts.grid import Grid
 from roughcontact._parts.materials import Material
@@ -187,6 +188,19 @@ class Origin:
         except InputError:
             return ()
         return tuple(one for surface in found for one in _list_members(surface))
+
+    def find_uncertain(self, grid: Grid, shift: tuple[int, int]) -> Mask | None:
+        """Return the cells that the tip of a stylus has not surely touched on one of the bodies; None without a tip.
+
+        The counterbody is displaced by cells (x, y), periodically.
+        """
+        try:
+            body, counterbody = (self.problem[name].uncertain(grid) for name in ("body", "counterbody"))
+        except InputError:
+            return None
+        moved = None if counterbody is None else np.roll(counterbody, shift, axis=(0, 1))
+        known = [mask for mask in (body, moved) if mask is not None]
+        return np.logical_or.reduce(known) if known else None
 
     @property
     def missing(self) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import abc
 import math
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Mapping
 from enum import Enum
 from types import MappingProxyType
 from typing import Any, ClassVar, Generic, Literal, TypeAlias, TypeVar
@@ -18,7 +18,6 @@ from roughcontact._base.machine import require_memory
 from roughcontact._base.registry import Registry
 from roughcontact._base.units import Estimate as Estimate
 from roughcontact._base.units import ShownAsPrinted, WarningText, prefixed, si, with_spread
-from roughcontact._parts.surfaces import HeightMap
 from roughcontact._solve.solution.additions import Condition
 from roughcontact.errors import InputError, argument
 
@@ -28,9 +27,6 @@ DEFAULT_AREA = "blend"
 DEFAULT_ADHESIVE_AREA = "level-set"
 # Maximum error by rounding, over the scale, at which float64 resolves the gap: see docs/use/conventions.md.
 _MAX_RESOLVED_ERROR = 1e-5
-# Standard deviation of the position of edges on the facets of an interpolated map, cells: set on maps of 4 and 8 cells
-# a wave interpolated two and four times, bilinearly, in benchmarks/area_classes.py.
-_FACET_EDGE_STD = 0.04
 # Distance of a pressure at the limit, over the limit, and gap that counts as zero, over the scale.
 _LIMIT_TOLERANCE = 1e-4
 # Fraction of the pressure limit above which a cell, whose pressure is a mean, may contain saturated points.
@@ -330,6 +326,9 @@ class Area(Estimate):
     patches
         Area of each of the solution's patches, shape (count,), m2, without summits in contact between the cells; None
         where the estimator does not give them.
+    certain_fraction
+        Fraction of the contact on points that the tip of a stylus has surely touched; nan unless a map was `restored`
+        below its tip.
 
     Examples
     --------
@@ -351,6 +350,7 @@ class Area(Estimate):
     patches: Array | None = attrs.field(
         default=None, converter=attrs.converters.optional(read_only), kw_only=True, eq=False, repr=False
     )
+    certain_fraction: float = attrs.field(default=math.nan, kw_only=True)
 
     def __str__(self) -> str:
         factor, unit = prefixed(max(self.value, self.uncertainty), "m", 2)
@@ -361,18 +361,6 @@ class Area(Estimate):
             # In points of percent, as the fraction: a relative uncertainty would be misread as points.
             texts.append(f"{with_spread(percent, percent * self.uncertainty / self.value)} % of nominal")
         return f"{', '.join(texts)} [{self.estimator}]{self._reasons}"
-
-
-def judge_maps(area: Area, maps: Iterable[HeightMap], cell_area: float) -> Area:
-    """Return an area with the warnings of the maps, and the uncertainty by the facets of interpolated maps."""
-    warnings = dict.fromkeys(text for one in maps for text in one.warnings)
-    facets = 0.0
-    if area.perimeter > 0.0 and any(one.period > 0.0 for one in maps):
-        facets = _FACET_EDGE_STD * area.perimeter * math.sqrt(cell_area)
-    if not warnings and facets == 0.0:
-        return area
-    uncertainty = math.hypot(area.uncertainty, facets)
-    return attrs.evolve(area, uncertainty=uncertainty, warnings=(*area.warnings, *warnings))
 
 
 class AreaEstimator(Response[Area]):

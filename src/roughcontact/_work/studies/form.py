@@ -27,10 +27,12 @@ from roughcontact.errors.door import guarded
 
 T = TypeVar("T")
 
-# Arguments of `read_surface` beside the path and the options of readers, and of `match` beside both maps.
+# Arguments of `read_surface` beside the path and the options of readers, of `match` beside both maps, and of a filter.
 _OF_READING = tuple(inspect.signature(read_surface).parameters)[1:-1]
 _OF_MATCH = tuple(inspect.signature(match).parameters)[2:]
-_UNITS_OF_MAPS = {"size": "m", "cell": "m", "unit": "m", "offset": "m", "rotation": "rad"}
+_OF_FILTER = ("shortest", "longest", "robust")
+_LENGTHS_OF_MAPS = ("size", "cell", "unit", "offset", "tip_radius", "shortest", "longest")
+_UNITS_OF_MAPS = {**dict.fromkeys(_LENGTHS_OF_MAPS, "m"), "rotation": "rad"}
 
 
 class Form:
@@ -219,7 +221,7 @@ class Form:
 
     def _read_map(self, fields: Mapping[str, Any]) -> HeightMap:
         reading = (*_OF_READING, *list_reader_options())
-        _refuse_unknown(fields, ("path", *reading, "detrend", "resample"))
+        _refuse_unknown(fields, ("path", *reading, "tip_radius", "detrend", *_OF_FILTER, "resample"))
         path = fields.get("path")
         if self.folder is None:
             raise InputError("Only a study file names files of height maps.")
@@ -228,8 +230,12 @@ class Form:
             raise InputError.about("The path of a map", path, "that of a file in the folder of the study file")
         given = {name: self._in_si_of_maps(name, fields[name]) for name in reading if name in fields}
         surface = read_surface(file, **given)
+        if "tip_radius" in fields:
+            surface = surface.restored(self._in_si_of_maps("tip_radius", fields["tip_radius"]))
         if "detrend" in fields:
             surface = surface.detrend(fields["detrend"])
+        if chosen := {name: self._in_si_of_maps(name, fields[name]) for name in _OF_FILTER if name in fields}:
+            surface = surface.filtered(**chosen)
         if "resample" not in fields:
             return surface
         # A map that is too large to be solved on is not made; this boundary needs less than the others.

@@ -28,7 +28,8 @@ def read_study(path: str | Path) -> Study:
     a `Study`. Surfaces, materials, kernels, laws of adhesion, convolvers and solvers are registered names, or tables
     with the name as ``type`` and the fields of the class. A field whose attrs metadata name its SI ``unit`` may be a
     text with another one, such as ``"210GPa"``. A surface may also be a ``file``, with the arguments of
-    `read_surface`, ``detrend`` and ``resample``; its path leads to the folder of the study file or below it.
+    `read_surface`, ``tip_radius``, ``detrend``, ``shortest``, ``longest`` and ``robust`` of a filter, and ``resample``;
+    its path leads to the folder of the study file or below it.
 
     Raises
     ------
