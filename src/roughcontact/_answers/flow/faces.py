@@ -58,11 +58,16 @@ class Faces:
 
         Where faces follow each other it is the mean of 1/g^2 over that of 1/g^3, by the same two rules.
         """
+        return np.asarray(self._drag_linear() + self.weight * self.compare_films())
+
+    def compare_films(self) -> Array:
+        """Return by how much these films differ between the trapezoidal rule and a film linear between the cells."""
         square = self.first_film**2 + self.second_film**2
-        product = self.first_film * self.second_film
-        linear = 2.0 * product / (self.first_film + self.second_film)
-        harmonic = 0.5 * square / (square - product)
-        return np.asarray(linear * (1.0 + self.weight * (harmonic - 1.0)))
+        trapezoidal = 0.5 * square / (square - self.first_film * self.second_film)
+        return np.asarray(self._drag_linear() * (trapezoidal - 1.0))
+
+    def _drag_linear(self) -> Array:
+        return np.asarray(2.0 * self.first_film * self.second_film / (self.first_film + self.second_film))
 
 
 def make_faces(film: Array, number: RealArray, *, steps: Pair, wraps: tuple[bool, bool]) -> Faces:

@@ -36,6 +36,9 @@ _MAX_RELATIVE_STD = 0.1
 # The same of holes, and where so much of it is by creases and sharp edges, whose errors have one sign.
 _MAX_CREASE_STD = 0.055
 _MIN_CREASE_FRACTION = 0.25
+# The same where nearly all of it is that of the gap: the flow may then change as a whole, as beside a free border.
+_MAX_GAP_STD = 0.08
+_MIN_GAP_FRACTION = 0.9
 # Pressure, over the mean in contact, below which cells beside open ones may be open on a finer grid. Set on craters.
 _LIGHT_PRESSURE = 0.5
 # Power of the gap with which the flow grows.
@@ -405,12 +408,14 @@ def _judge_uncertainty(
     relative: float, of_creases: float, of_mean_gap: float, of_holes: float
 ) -> tuple[str, ...]:
     """Return why the flow may err by more than 10 %, from its relative standard deviation and parts of it."""
-    if of_holes > max(_MAX_CREASE_STD, math.hypot(of_creases, of_mean_gap)):
+    of_gap = math.hypot(of_creases, of_mean_gap)
+    if of_holes > max(_MAX_CREASE_STD, of_gap):
         text = (
             "The gap at non-measured points, continued from their neighbours, hardly determines the flow: measure them."
         )
         return (WarningText(text, "non-measured points", of_holes),)
-    allowed = _MAX_CREASE_STD if _MIN_CREASE_FRACTION * relative < of_creases else _MAX_RELATIVE_STD
+    allowed = _MAX_GAP_STD if of_gap > _MIN_GAP_FRACTION * relative else _MAX_RELATIVE_STD
+    allowed = _MAX_CREASE_STD if of_creases > _MIN_CREASE_FRACTION * relative else allowed
     if relative > allowed:
         text = "The grid hardly determines the flow, which may err by more than 10 %: refine the grid."
         return (WarningText(text, "uncertainty", relative),)
