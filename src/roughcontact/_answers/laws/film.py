@@ -36,8 +36,8 @@ _MODELS = ("greenwood-tripp", "persson", "patir-cheng")
 _COMPONENTS = {"xx": (0, 0), "xy": (0, 1), "yx": (1, 0), "yy": (1, 1)}
 # Columns that a text shows.
 _SHOWN = ("asperity_pressure", "area", "phi_xx", "phi_yy", "phi_s_xx", "phi_s_yy")
-# Mean number of waves along a side below which the domain is too short: four of the longest ones.
-_MIN_WAVES = 4.0
+# Mean number of waves along a side below which the domain is too short: that of four longest ones without a lay.
+_MIN_WAVES = 2.5
 # A wall counts as smooth if its rms height is below this fraction of the other's.
 _SMOOTH = 1e-6
 _NO_SHEAR = (
@@ -403,8 +403,8 @@ def _judge_domain(problem: ContactProblem) -> list[str]:
         return []
     waves = count_waves(problem.initial_gap)
     return [
-        f"Along {name} only {count:.2g} waves fit into the domain on average, and grooves that never end may let too "
-        f"much flow along it, too little across: take {_MIN_WAVES:g} or more, so a domain longer along the lay."
+        f"Along {name} only {count:.2g} waves fit into the domain on average: grooves that never end let too much flow "
+        f"along it, too little across. Take {_MIN_WAVES:g} or more, by a domain longer along the lay."
         for name, count in zip("xy", waves, strict=True)
         if count < _MIN_WAVES
     ]
