@@ -27,7 +27,7 @@ from roughcontact._answers.areas import (
     Perimeter,
     areas,
 )
-from roughcontact._answers.laws import interface_law
+from roughcontact._answers.laws import film_law, interface_law
 from roughcontact._answers.refinement import beyond_resolution, extrapolate, on_grid
 from roughcontact._base.registry import publish
 from roughcontact._parts.files import SurfaceReader, read_profile, read_surface, readers
@@ -200,6 +200,7 @@ __all__ = [
     "convolvers",
     "error_vs_time",
     "extrapolate",
+    "film_law",
     "flattening_models",
     "frictions",
     "interactions",

@@ -7,7 +7,7 @@ a solution           `ContactFields`, `ContactPatches`, `Certificate`, `Conditio
                      `Trial`, `TheoryBeside`, `Stickiness`, `WarningText`
 a problem            `SolvePlan`, `RequiredLoad`
 several loads        `Path`, of which `Sweep`, `AdhesionCycle` and `LoadPath` are kinds; `RunIn`, `Cycle`,
-                     `InterfaceLaw`, `LawColumn`, `PowerFit`
+                     `InterfaceLaw`, `LawColumn`, `PowerFit`, `FilmLaw`, `FilmFit`
 loads along the      `Sheared`, `FrictionalState`, `FrictionalResiduals`, `TangentialLoad`, `TangentialLoop`,
 surface              `StepNumbers`, `Increment`
 several grids        `Ladder`, `BeyondResolution`
@@ -19,7 +19,7 @@ reports              `ErrorReport`, `KnownAnswer`, `ReportRow`, `Timing`, `Stabi
 Those of responses are in `roughcontact.responses`.
 """
 
-from roughcontact._answers.laws import InterfaceLaw, LawColumn, PowerFit
+from roughcontact._answers.laws import FilmFit, FilmLaw, InterfaceLaw, LawColumn, PowerFit
 from roughcontact._answers.refinement import BeyondResolution, Ladder
 from roughcontact._base.units import WarningText
 from roughcontact._parts.files import LineScans
@@ -66,6 +66,8 @@ __all__ = [
     "ContactPatches",
     "Cycle",
     "ErrorReport",
+    "FilmFit",
+    "FilmLaw",
     "FrictionalResiduals",
     "FrictionalState",
     "Increment",

@@ -41,6 +41,37 @@ def read_table(path):
     return rows[:, 0], rows[:, 1], [line for line in lines if line.startswith("%")]
 
 
+class TestFilm:
+    def test_rows_and_files_are_those_of_the_api(self, run):
+        call = ["film", "map.npz", *STEEL, "--separation", "1..1.6", "4", "--no-sampling", "--csv"]
+        _, output, _ = run(*call, "--comsol", "film.txt", "--units", "mm", "-o", "film.csv", "-o", "film.json")
+        law = rc.film_law(problem(), [1.0, 1.25, 1.5, 1.6, 4.0], sampling=False)
+        rows = list(csv.DictReader(output.splitlines()))
+        assert [float(row["separation_over_sq"]) for row in rows] == law.separations.tolist()
+        for name in ("phi_xx", "phi_s_xy", "area"):
+            assert [float(row[f"{name} [1]"]) for row in rows] == pytest.approx(law[name].values.tolist(), rel=1e-9)
+        assert Path("film.csv").read_text().splitlines()[0] == output.splitlines()[0]
+        content = json.loads(Path("film.json").read_text())
+        assert content["columns"][0]["values"] == pytest.approx(law["asperity_pressure"].values.tolist(), rel=1e-9)
+        table = np.loadtxt("film.txt", comments="%")
+        assert table[:, 0] == pytest.approx(1e3 * law.rms_height * law.separations)
+        assert table[:, 1] == pytest.approx(1e-6 * law["asperity_pressure"].values, rel=1e-8)
+
+    @pytest.mark.parametrize(
+        ("change", "words"),
+        [
+            (["--separation", "4..1"], "is not a range"),
+            (["--separation", "1", "1um"], "1um"),
+            (["--separation", "1"], "two or more"),
+            (["--separation", "1", "2", "-o", "film.png"], "ends in .csv, .json"),
+        ],
+    )
+    def test_bad_input_gets_a_sentence(self, run, change, words):
+        status, _, error = run("film", "map.npz", *STEEL, *change)
+        assert status == 2
+        assert words in error
+
+
 class TestSolveFor:
     @pytest.mark.parametrize(
         ("asked", "answer", "wanted"),

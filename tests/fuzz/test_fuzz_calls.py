@@ -60,6 +60,7 @@ OUTCOME = types_of_rc.Outcome(
     pressure=TASK.initial_gap * 0.1, status=rc.Status.CONVERGED, iterations=1, convolutions=1, errors=()
 )
 LAW = rc.interface_law(PROBLEM, [1e7, 2e7], ["stiffness", rc.responses.create("conductance", 50.0)])
+FILM = rc.film_law(PROBLEM, [1.0, 3.0], sampling=False)
 BOUND = types_of_rc.BoundKernel(rc.Love())
 
 # Methods that parts call on each other: any error of roughcontact will do, and what they return is not judged.
@@ -122,7 +123,9 @@ GOOD_FOR = {
     "SelfAffineSurface": {"rms_slope": 0.1}, "NonGaussianSurface": {"rms_slope": 0.1},
     "HeightMap.filtered": {"shortest": 5e-4},
     "interface_law": {"pressure": [1e7, 2e7], "responses": ()}, "fit": {"name": "area"},
-    "InterfaceLaw.__getitem__": {"name": "area"}, "to_moose": {"path": "m.csv"},
+    "InterfaceLaw.__getitem__": {"name": "area"}, "FilmLaw.__getitem__": {"name": "area"},
+    "film_law": {"separation": [1.0, 3.0]}, "FilmLaw.fit": {"model": "patir-cheng"},
+    "FilmLaw.to_text": {"path": "p.txt", "column": "area"}, "to_moose": {"path": "m.csv"},
     "exponential": {"values": (1.0, 1.1, 1.12)}, "power_law": {"values": (1.0, 1.1, 1.12)},
     "richardson": {"values": (1.0, 1.1, 1.12)},
     "pair_constants": {"one": STEEL, "other": HARD}, "match": {"body": MAP, "counterbody": MAP},
@@ -309,7 +312,7 @@ OBJECTS = {
     "CircularFFT": rc.CircularFFT(), "Direct": rc.Direct(), "PolonskyKeer": rc.PolonskyKeer(),
     "ProjectedConjugateGradient": rc.ProjectedConjugateGradient(), "SpectralGradient": rc.SpectralGradient(),
     "Blend": rc.Blend(), "LevelSet": rc.LevelSet(), "Overlap": rc.Overlap(), "UniformRise": rc.UniformRise(),
-    "PlacedMap": rc.PlacedMap(MAP), "InterfaceLaw": LAW, "SphereSurface": rc.SphereSurface(1.0),
+    "PlacedMap": rc.PlacedMap(MAP), "InterfaceLaw": LAW, "FilmLaw": FILM, "SphereSurface": rc.SphereSurface(1.0),
 }  # fmt: skip
 
 

@@ -22,7 +22,8 @@ def test_iteration_finds_the_flow_of_elimination():
     assert converged
     flows = [float(network.dissipation(one)[1].sum()) for one in (exact, pressure)]
     assert flows[1] == pytest.approx(flows[0], rel=2e-3)
-    np.testing.assert_allclose(pressure, exact, atol=1e-2)
+    # The pressure of a dead end, through which nothing flows, may be off.
+    np.testing.assert_allclose(network.find_flow(pressure), network.find_flow(exact), atol=2e-3 * flows[0])
 
 
 def test_large_flows_need_pyamg(monkeypatch):

@@ -3,36 +3,58 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import attrs
 import numpy as np
 
+from roughcontact._answers.flow.faces import Faces, make_faces
 from roughcontact._base.arrays import Array, Mask, RealArray, sum_of_products
 from roughcontact.errors import MissingPackage
 
 # Gap over the widest gap below which float64 does not tell it from zero.
-_MIN_FILM_RATIO = 1e-14
+MIN_FILM_RATIO = 1e-14
 # Neighbours of a cell: liquid passes through sides, not through corners.
-_SIDE_NEIGHBOURS = np.array(((0, 1, 0), (1, 1, 1), (0, 1, 0)), dtype=bool)
+SIDE_NEIGHBOURS = np.array(((0, 1, 0), (1, 1, 1), (0, 1, 0)), dtype=bool)
 # Cells up to which elimination is used, 2048 x 2048 with 30 % in contact: it then takes 2.7 GiB and a third of the time
 # of conjugate gradients, and needs no package and no stopping rule.
 MAX_ELIMINATION_CELLS = 3_000_000
+# Unknowns from which SuperLU is faster with panels, and their width: 2.2 s for 3.6 s on 512 x 512 cells.
+_MIN_PANEL_CELLS = 60_000
+_PANEL_WIDTH = 8
 # Conjugate gradients end at this residual over the right side, once the flow changes by less over so many iterations
 # and inflow and outflow agree. The residual alone hides throats: at 1e-4 the flow is up to 58 % too large.
 _RESIDUAL_TOLERANCE = 1e-6
 _FLOW_TOLERANCE = 1e-4
 _STEADY_ITERATIONS = 5
 _MAX_ITERATIONS = 300
-# Weights of the three measures of the uncertainty (`estimate_uncertainty`), set on twelve rough surfaces at four loads
-# and four grids so that 95 % of the errors are within two standard deviations; other surfaces confirm them
-# (docs/studies/leakage.py). They contain a factor of 5/4, because tight contacts on oblong domains and cells had
-# errors of 2.5 standard deviations without it (benchmarks/response_classes.py).
-_THROAT_WEIGHT = 0.94
-_RULE_WEIGHT = 0.125
-_EDGE_WEIGHT = 0.25
+# Weights of the three measures of the uncertainty (`estimate_uncertainty`), set on 215 flows through 64 smooth and 66
+# machined gaps (draw 91 of benchmarks/edged_classes.py, against cells a quarter as long) by their likelihood, and a
+# tenth larger. Other draws confirm them (docs/use/leakage.md).
+_THROAT_WEIGHT = 0.55
+_RULE_WEIGHT = 0.27
+_WALL_WEIGHT = 0.2
 # Cells beyond a periodic border in which the nearest contact is searched.
 _MAX_PADDING_CELLS = 16
+
+
+@attrs.frozen(eq=False)
+class Ends:
+    """The cells at both ends of a network.
+
+    Attributes
+    ----------
+    inlet, outlet
+        Their positions.
+    inlet_conductance, outlet_conductance
+        Conductances of the half cells between their centres and the border.
+    """
+
+    inlet: RealArray
+    outlet: RealArray
+    inlet_conductance: Array
+    outlet_conductance: Array
 
 
 @attrs.frozen(eq=False)
@@ -47,49 +69,52 @@ class FlowNetwork:
         Cells (along, across) the flow.
     widest
         The widest gap, m.
+    aspect
+        Length of a cell across the flow over its length along it.
+    wraps
+        Whether the gap repeats beyond its borders, (along, across) the flow.
     cells
         Flat indices of the open cells that join both ends, ascending.
     film
         Gap of each of these cells over the widest gap.
-    first, second
-        The two cells of each face, as positions in `cells`.
-    along
-        Number of the faces that are crossed along the flow: they come first.
+    faces
+        Faces between these cells.
     conductance
         Conductance of each face.
-    inlet, outlet
-        Positions of the cells at both ends.
-    inlet_conductance, outlet_conductance
-        Conductances of the half cells between their centres and the border.
+    ends
+        The cells at both ends.
     """
 
     shape: tuple[int, int]
     widest: float
+    aspect: float
+    wraps: tuple[bool, bool]
     cells: RealArray
     film: Array
-    first: RealArray
-    second: RealArray
-    along: int
+    faces: Faces
     conductance: Array
-    inlet: RealArray
-    outlet: RealArray
-    inlet_conductance: Array
-    outlet_conductance: Array
+    ends: Ends
+
+    @property
+    def resolved_aspect(self) -> float:
+        """The aspect of cells that resolve both axes; 1 of a single line of cells, which is even along the other."""
+        return self.aspect if min(self.shape) > 1 else 1.0
 
     def make_matrix(self) -> tuple[Any, Array]:
         """Return the matrix of the flow balance of each cell, in CSR, and its right side for the inlet at 1."""
         from scipy import sparse
 
         c = self.conductance
-        right = self._gather((self.inlet, self.inlet_conductance))
-        diagonal = right + self._gather((self.first, c), (self.second, c), (self.outlet, self.outlet_conductance))
+        first, second = self.faces.first, self.faces.second
+        right = self.gather((self.ends.inlet, self.ends.inlet_conductance))
+        diagonal = right + self.gather((first, c), (second, c), (self.ends.outlet, self.ends.outlet_conductance))
         each = np.arange(self.cells.size, dtype=np.int32)
-        rows = np.concatenate((self.first, self.second, each))
-        columns = np.concatenate((self.second, self.first, each))
+        rows = np.concatenate((first, second, each))
+        columns = np.concatenate((second, first, each))
         entries: Any = (np.concatenate((-c, -c, diagonal)), (rows, columns))
         return sparse.csr_matrix(entries, shape=(each.size, each.size)), right
 
-    def _gather(self, *parts: tuple[RealArray, Array]) -> Array:
+    def gather(self, *parts: tuple[RealArray, Array]) -> Array:
         """Return the sum of values at positions for each cell."""
         count = self.cells.size
         sums = (np.bincount(where, values, count) for where, values in parts)
@@ -97,7 +122,11 @@ class FlowNetwork:
 
     def find_flow(self, pressure: Array) -> Array:
         """Return the flow through each face, from its first to its second cell."""
-        return np.asarray(self.conductance * (pressure[self.first] - pressure[self.second]))
+        return np.asarray(self.conductance * self._find_drops(pressure))
+
+    def _find_drops(self, pressure: Array) -> Array:
+        """Return the pressure in the first cell of each face less that in the second."""
+        return np.asarray(pressure[self.faces.first] - pressure[self.faces.second])
 
     def find_ends(self, pressure: Array) -> tuple[float, float]:
         """Return the flow in at the inlet and the flow out at the outlet."""
@@ -106,39 +135,44 @@ class FlowNetwork:
 
     def _find_end_flows(self, pressure: Array) -> tuple[Array, Array]:
         """Return the flow into each cell at the inlet, and out of each cell at the outlet."""
-        return self.inlet_conductance * (1.0 - pressure[self.inlet]), self.outlet_conductance * pressure[self.outlet]
+        return self.ends.inlet_conductance * (1.0 - pressure[self.ends.inlet]), self.ends.outlet_conductance * pressure[self.ends.outlet]
 
     def residual(self, pressure: Array) -> Array:
         """Return the flow into each cell less the flow out of it."""
         faces = self.find_flow(pressure)
         into, out = self._find_end_flows(pressure)
-        return self._gather((self.second, faces), (self.first, -faces), (self.inlet, into), (self.outlet, -out))
+        inner = (self.faces.second, faces), (self.faces.first, -faces)
+        return self.gather(*inner, (self.ends.inlet, into), (self.ends.outlet, -out))
 
     def dissipation(self, pressure: Array) -> tuple[Array, Array]:
-        """Return the power lost in each face and in each cell: they sum to the flow at unit pressure.
+        """Return the power lost in each face and in each cell: they sum to the flow at unit pressure."""
+        faces, lost = self.spread_loss(self._find_drops(pressure))
+        into = self.ends.inlet_conductance * (1.0 - pressure[self.ends.inlet]) ** 2
+        out = self.ends.outlet_conductance * pressure[self.ends.outlet] ** 2
+        return faces, lost + self.gather((self.ends.inlet, into), (self.ends.outlet, out))
+
+    def spread_loss(self, drops: Array) -> tuple[Array, Array]:
+        """Return the power lost in each face, over which the pressure drops, and in the halves of each cell.
 
         A face joins half of either cell in series, so that the tighter cell loses more.
         """
-        faces = self.conductance * (pressure[self.first] - pressure[self.second]) ** 2
-        cubes = self.film**3
-        part = faces * cubes[self.second] / (cubes[self.first] + cubes[self.second])
-        into = self.inlet_conductance * (1.0 - pressure[self.inlet]) ** 2
-        out = self.outlet_conductance * pressure[self.outlet] ** 2
-        halves = (self.first, part), (self.second, faces - part)
-        lost = self._gather(*halves, (self.inlet, into), (self.outlet, out))
-        return faces, lost
+        faces = self.conductance * drops**2
+        first = self.faces.first_film**3
+        second = self.faces.second_film**3
+        part = faces * second / (first + second)
+        return faces, self.gather((self.faces.first, part), (self.faces.second, faces - part))
 
     def find_flow_of_cells(self, pressure: Array) -> tuple[Array, Array]:
         """Return the flow through each cell along and across: the mean of the flows through its two faces."""
         half = 0.5 * self.find_flow(pressure)
         fields = np.zeros((2, *self.shape))
-        one = slice(None, self.along)
-        other = slice(self.along, None)
+        one = slice(None, self.faces.along)
+        other = slice(self.faces.along, None)
         into, out = self._find_end_flows(pressure)
-        ends = (self.inlet, 0.5 * into), (self.outlet, 0.5 * out)
+        ends = (self.ends.inlet, 0.5 * into), (self.ends.outlet, 0.5 * out)
         for field, part, extra in ((fields[0], one, ends), (fields[1], other, ())):
-            faces = (self.first[part], half[part]), (self.second[part], half[part])
-            field.reshape(-1)[self.cells] = self._gather(*faces, *extra)
+            faces = (self.faces.first[part], half[part]), (self.faces.second[part], half[part])
+            field.reshape(-1)[self.cells] = self.gather(*faces, *extra)
         return fields[0], fields[1]
 
 
@@ -157,25 +191,34 @@ def make_network(gap: Array, open_cells: Mask, *, aspect: float, periodic: bool)
     widest = float(gap.max(where=open_cells, initial=0.0))
     if widest <= 0.0:
         return None
-    film = np.asarray(gap / widest)
-    kept = find_paths(open_cells & (film > _MIN_FILM_RATIO), periodic=periodic)
+    film = np.where(open_cells, gap / widest, 0.0)
+    kept = find_paths(film > MIN_FILM_RATIO, periodic=periodic)
     if not kept.any():
         return None
-    cells = np.flatnonzero(kept)
-    number = np.full(gap.shape, -1, dtype=np.int32)
-    number[kept] = np.arange(cells.size, dtype=np.int32)
-    along = _pair_cells(number[:-1], number[1:])
-    across = _pair_cells(number[:, :-1], number[:, 1:])
-    if periodic and gap.shape[1] > 1:
-        around = _pair_cells(number[:, -1], number[:, 0])
-        across = np.concatenate((across, around), axis=1)
-    film = film.reshape(-1)[cells]
-    cubes = film**3
-    conductance = np.concatenate([_join_cubes(cubes, along) * aspect, _join_cubes(cubes, across) / aspect])
-    first, second = np.concatenate((along, across), axis=1)
+    number = number_cells(kept)
     inlet, outlet = (row[row >= 0] for row in (number[0], number[-1]))
-    ends = (2.0 * aspect * cubes[end] for end in (inlet, outlet))
-    return FlowNetwork(gap.shape, widest, cells, film, first, second, along.shape[1], conductance, inlet, outlet, *ends)
+    first, last = (2.0 * aspect * film[row][kept[row]] ** 3 for row in (0, -1))
+    ends = Ends(inlet, outlet, first, last)
+    return join_cells(film, number, ends, widest=widest, aspect=aspect, wraps=(False, periodic))
+
+
+def number_cells(kept: Mask) -> RealArray:
+    """Return the position of each cell in a network of these cells, -1 for the others."""
+    number = np.full(kept.shape, -1, dtype=np.int32)
+    number[kept] = np.arange(np.count_nonzero(kept), dtype=np.int32)
+    return number
+
+
+def join_cells(
+    film: Array, number: RealArray, ends: Ends, *, widest: float, aspect: float, wraps: tuple[bool, bool]
+) -> FlowNetwork:
+    """Return the network of numbered cells; film is the gap over the widest one, zero in closed cells."""
+    faces = make_faces(film, number, steps=(1.0, aspect), wraps=wraps)
+    conductance = faces.find_cubes()
+    conductance[: faces.along] *= aspect
+    conductance[faces.along :] /= aspect
+    cells = np.flatnonzero(number >= 0)
+    return FlowNetwork(film.shape, widest, aspect, wraps, cells, film.reshape(-1)[cells], faces, conductance, ends)
 
 
 def find_paths(open_cells: Mask, *, periodic: bool, corners: bool = False) -> Mask:
@@ -192,7 +235,7 @@ def find_paths(open_cells: Mask, *, periodic: bool, corners: bool = False) -> Ma
     """
     from scipy import ndimage, sparse
 
-    labels, count = ndimage.label(open_cells, structure=np.ones((3, 3), dtype=bool) if corners else _SIDE_NEIGHBOURS)
+    labels, count = ndimage.label(open_cells, structure=np.ones((3, 3), dtype=bool) if corners else SIDE_NEIGHBOURS)
     piece: RealArray = np.arange(count + 1)
     if periodic and count:
         one = labels[:, -1]
@@ -216,19 +259,6 @@ def _shift_row(values: RealArray, step: int) -> RealArray:
     return moved
 
 
-def _pair_cells(one: RealArray, other: RealArray) -> RealArray:
-    """Return the pairs of neighbours that are both in the network, shape (2, n)."""
-    both = (one >= 0) & (other >= 0)
-    return np.stack((one[both], other[both]))
-
-
-def _join_cubes(cubes: Array, pairs: RealArray) -> Array:
-    """Return the harmonic mean of both cells: the trapezoidal rule for the integral of 1/g^3 along the flow."""
-    one = cubes[pairs[0]]
-    other = cubes[pairs[1]]
-    return np.asarray(2.0 * one * other / (one + other))
-
-
 def solve_network(network: FlowNetwork) -> tuple[Array, bool]:
     """Return the pressure in each cell, 1 at the inlet and 0 at the outlet, and whether the flow has converged."""
     if network.cells.size <= MAX_ELIMINATION_CELLS:
@@ -237,7 +267,17 @@ def solve_network(network: FlowNetwork) -> tuple[Array, bool]:
 
 
 def eliminate(network: FlowNetwork) -> Array:
-    """Return the pressure by elimination, with one step of refinement: a checkerboard of cells, then SuperLU."""
+    """Return the pressure by elimination, with one step of refinement."""
+    solve, right = factor(network)
+    pressure = solve(right)
+    return np.asarray(pressure + solve(network.residual(pressure)))
+
+
+def factor(network: FlowNetwork) -> tuple[Callable[[Array], Array], Array]:
+    """Return what solves the balances for flows into the cells, and these flows for the inlet at 1.
+
+    A checkerboard of cells is eliminated, then SuperLU the rest.
+    """
     from scipy import sparse
     from scipy.sparse.linalg import splu
 
@@ -246,22 +286,25 @@ def eliminate(network: FlowNetwork) -> Array:
     i, j = np.divmod(network.cells, network.shape[1])
     is_known = (i + j) % 2 == 0
     # Around a periodic domain of an odd number of cells two of one colour meet.
-    is_known[(j == network.shape[1] - 1) & (j % 2 == 0)] = False
+    for place, count in zip((i, j), network.shape, strict=True):
+        is_known[(place == count - 1) & (place % 2 == 0)] = False
     known = np.flatnonzero(is_known)
     rest = np.flatnonzero(~is_known)
+    diagonal = matrix.diagonal()
     if rest.size == 0:
-        return np.asarray(right / matrix.diagonal())
-    diagonal = matrix.diagonal()[known]
+        return lambda given: np.asarray(given / diagonal), right
+    diagonal = diagonal[known]
     rows = matrix[rest]
     joined = rows[:, known]
     reduced = rows[:, rest] - joined @ sparse.diags_array(1.0 / diagonal) @ joined.T
-    # Diagonally dominant and symmetric: no pivoting. Its columns are too short for panels.
+    # Diagonally dominant and symmetric: no pivoting. Columns of small networks are too short for panels.
+    width = 1 if rest.size < _MIN_PANEL_CELLS else _PANEL_WIDTH
     factors = splu(
         reduced.tocsc(),
         permc_spec="MMD_AT_PLUS_A",
         diag_pivot_thresh=0.0,
-        relax=1,
-        panel_size=1,
+        relax=width,
+        panel_size=width,
         options={"SymmetricMode": True},
     )
 
@@ -271,8 +314,7 @@ def eliminate(network: FlowNetwork) -> Array:
         found[known] = (given[known] - joined.T @ found[rest]) / diagonal
         return found
 
-    pressure = solve(right)
-    return np.asarray(pressure + solve(network.residual(pressure)))
+    return solve, right
 
 
 def iterate(network: FlowNetwork) -> tuple[Array, bool]:
@@ -322,15 +364,13 @@ def estimate_uncertainty(
     lost: Array,
     open_cells: Mask,
     *,
-    aspect: float,
-    periodic: bool,
     gap_error: float,
 ) -> float:
     """Return one standard deviation of the flow over the flow.
 
     Means over the cells, weighted with the power that they lose, tell what matters: the change to another rule for
     the faces, and 1/d^2 and 1/d^3 of the distance d to the contact in cells. An edge that is a fraction of a cell off
-    changes the gap beside it as 1/d, and a wall of steps the flow along it.
+    changes the gap beside it, and a wall of steps the flow along it.
 
     Parameters
     ----------
@@ -338,43 +378,42 @@ def estimate_uncertainty(
         The network, and the power lost in its faces and cells.
     open_cells
         Cells that are not in contact, shape (along, across) the flow.
-    aspect
-        Length of a cell across the flow over its length along it.
-    periodic
-        Whether the gap repeats across the flow.
     gap_error
         Error of the gap by the residual of the contact, over the widest gap.
     """
     flow = float(lost.sum())
     rule = _compare_rules(network, faces, flow)
     # The longer sides of the cells place the edge of the contact.
-    oblong = math.sqrt(max(aspect, 1.0 / aspect))
-    near = oblong / _find_distances(network, open_cells, aspect=aspect, periodic=periodic)
+    oblong = math.sqrt(max(network.resolved_aspect, 1.0 / network.resolved_aspect))
+    near = oblong / _find_distances(network, open_cells)
     squared, cubed = (float(np.sum(lost * near**power)) / flow for power in (2, 3))
     residual = 3.0 * gap_error * float(np.sum(lost / network.film)) / flow
-    return math.hypot(_THROAT_WEIGHT * math.sqrt(rule * squared), _RULE_WEIGHT * rule, _EDGE_WEIGHT * cubed, residual)
+    throat = _THROAT_WEIGHT * math.sqrt(rule * cubed)
+    return math.hypot(throat, _RULE_WEIGHT * rule, _WALL_WEIGHT * squared, residual)
 
 
 def _compare_rules(network: FlowNetwork, faces: Array, flow: float) -> float:
-    """Return how much the flow rises if the film is linear between two cells, over the flow.
+    """Return how much the flow differs between films that are linear between two cells and harmonic means, over it.
 
-    It is the lower bound of that rise by Thomson's principle, with the flow through each face as it is.
+    Both are bounds: of the linear film by the flow through each face as it is (Thomson's principle), of the harmonic
+    mean by the pressures as they are (Dirichlet's).
     """
-    one = network.film[network.first]
-    other = network.film[network.second]
-    excess = (one - other) ** 2 / (one**2 - one * other + other**2)
-    return 1.0 / (1.0 - float(np.sum(faces * excess)) / flow) - 1.0
+    ratio = network.faces.ratio
+    weight = network.faces.weight
+    linear, harmonic = (float(np.sum(faces * (1.0 - ratio**power))) / flow for power in (weight, 1.0 - weight))
+    return max(1.0 / (1.0 - linear) - (1.0 - harmonic), 0.0)
 
 
-def _find_distances(network: FlowNetwork, open_cells: Mask, *, aspect: float, periodic: bool) -> Array:
+def _find_distances(network: FlowNetwork, open_cells: Mask) -> Array:
     """Return the distance of each cell of the network to the contact, in cells; infinite without any."""
     from scipy import ndimage
 
     if open_cells.all():
         return np.full(network.cells.size, math.inf)
-    beyond = min(_MAX_PADDING_CELLS, open_cells.shape[1]) if periodic else 0
-    extended = np.pad(open_cells, ((0, 0), (beyond, beyond)), mode="wrap") if beyond else open_cells
-    side = math.sqrt(aspect)
+    pairs = zip(network.wraps, network.shape, strict=True)
+    beyond = [min(_MAX_PADDING_CELLS, count) if wraps else 0 for wraps, count in pairs]
+    extended = np.pad(open_cells, [(count, count) for count in beyond], mode="wrap")
+    side = math.sqrt(network.resolved_aspect)
     distances = ndimage.distance_transform_edt(extended, sampling=(1.0 / side, side))
-    inside = distances[:, beyond : beyond + open_cells.shape[1]]
-    return np.asarray(inside[np.divmod(network.cells, open_cells.shape[1])], dtype=np.float64)
+    i, j = np.divmod(network.cells, network.shape[1])
+    return np.asarray(distances[i + beyond[0], j + beyond[1]], dtype=np.float64)

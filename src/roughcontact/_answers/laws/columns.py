@@ -1,7 +1,8 @@
-"""The columns of a law over the load, each with its uncertainty, and power laws where they hold."""
+"""The columns of a law of an interface, each with its uncertainty, and power laws of the load where they hold."""
 
 from __future__ import annotations
 
+import abc
 import math
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -102,37 +103,82 @@ def _fit(pressures: Array, values: Array, relative: Array) -> PowerFit | None:
 
 @attrs.frozen(eq=False)
 class LawColumn:
-    """A quantity over the load.
+    """A quantity over the load, or over the separation.
 
     Attributes
     ----------
     name, unit
         Its name, and its SI unit; empty for a ratio.
     values
-        Shape (loads,), in the unit.
+        Shape (rows,), in the unit.
     uncertainties
-        One standard deviation of each value, shape (loads,), in the unit.
+        One standard deviation of each value by the grid, shape (rows,), in the unit.
+    sampling
+        One standard deviation between places of the surface, shape (rows,), in the unit; None where it is not known.
     """
 
     name: str
     unit: str
     values: Array = attrs.field(converter=read_only, repr=outlined)
     uncertainties: Array = attrs.field(converter=read_only, repr=outlined)
+    sampling: Array | None = attrs.field(
+        default=None, converter=attrs.converters.optional(read_only), repr=outlined
+    )
+
+
+class ColumnTable(TableResult):
+    """Columns with uncertainties over a load or a separation, which the files of a law hold."""
+
+    __slots__ = ()
+
+    columns: Mapping[str, LawColumn]
+    description: tuple[str, ...]
+    warnings: tuple[str, ...]
+
+    @abc.abstractmethod
+    def _list_rows(self) -> Mapping[str, tuple[str, Array]]:
+        """Return unit and values of what the columns are given over, by name."""
+
+    def __getitem__(self, name: str) -> LawColumn:
+        if name not in self.columns:
+            raise InputError.unknown("column of the law", name, self.columns)
+        return self.columns[name]
+
+    def table(self) -> Table:
+        """Return all rows; see `roughcontact.typing.Table`."""
+        units = {name: unit for name, (unit, _) in self._list_rows().items() if unit}
+        columns: dict[str, Any] = {name: values for name, (_, values) in self._list_rows().items()}
+        for name, column in self.columns.items():
+            pairs = zip(column.values.tolist(), column.uncertainties.tolist(), strict=True)
+            columns[name] = [Estimate(value, uncertainty, column.unit) for value, uncertainty in pairs]
+            if column.sampling is not None:
+                columns[f"{name}_sampling"] = column.sampling
+                units[f"{name}_sampling"] = column.unit
+        return Table(columns, units)
+
+    def to_table(self) -> dict[str, Array]:
+        """Return all numbers by the names of their columns, such as ``area``, ``area_uncertainty``."""
+        table = {name: values for name, (_, values) in self._list_rows().items()}
+        for name, column in self.columns.items():
+            table |= {name: column.values, f"{name}_uncertainty": column.uncertainties}
+            table |= {} if column.sampling is None else {f"{name}_sampling": column.sampling}
+        return table
+
+    def _list_head(self) -> Sequence[str]:
+        return self.description
 
 
 @attrs.frozen(eq=False)
-class LawTable(TableResult):
-    """The columns of a law of an interface, which its files hold; see `InterfaceLaw`."""
+class LawTable(ColumnTable):
+    """The columns of a law of an interface over the load; see `InterfaceLaw`."""
 
     pressures: Array = attrs.field(converter=read_only)
     columns: Mapping[str, LawColumn]
     description: tuple[str, ...]
     warnings: tuple[str, ...]
 
-    def __getitem__(self, name: str) -> LawColumn:
-        if name not in self.columns:
-            raise InputError.unknown("column of the law", name, self.columns)
-        return self.columns[name]
+    def _list_rows(self) -> Mapping[str, tuple[str, Array]]:
+        return {"pressure": ("Pa", self.pressures)}
 
     def fit(self, name: str) -> PowerFit | None:
         """Return the power law of a column over the widest range of loads in which it holds; None without one.
@@ -142,27 +188,9 @@ class LawTable(TableResult):
         column = self[name]
         return fit_power(self.pressures, column.values, column.uncertainties)
 
-    def table(self) -> Table:
-        """Return a row for each load; see `roughcontact.typing.Table`."""
-        columns: dict[str, Any] = {"pressure": self.pressures}
-        for name, column in self.columns.items():
-            pairs = zip(column.values.tolist(), column.uncertainties.tolist(), strict=True)
-            columns[name] = [Estimate(value, uncertainty, column.unit) for value, uncertainty in pairs]
-        return Table(columns, {"pressure": "Pa"})
-
-    def _list_head(self) -> Sequence[str]:
-        return self.description
-
     def _list_notes(self) -> Sequence[str]:
         fits = {name: self.fit(name) for name in self.columns}
         return [f"{name}: {found}" for name, found in fits.items() if found is not None]
-
-    def to_table(self) -> dict[str, Array]:
-        """Return all numbers by the names of their columns, ``pressure``, ``area``, ``area_uncertainty`` and so on."""
-        table = {"pressure": self.pressures}
-        for name, column in self.columns.items():
-            table |= {name: column.values, f"{name}_uncertainty": column.uncertainties}
-        return table
 
 
 def interpolation_warning(pressures: Array, largest: float) -> tuple[str, ...]:

@@ -81,7 +81,7 @@ class InterfaceLaw(LawTable):
         units
             ``"SI"``, or ``"mm"``: mm, N, tonne, s, K, in which a pressure is in MPa.
         """
-        _write(path, formats.write_abaqus(self, name, conductance, electrical, units))
+        write_lines(path, formats.write_abaqus(self, name, conductance, electrical, units))
 
     def to_ansys(
         self,
@@ -107,7 +107,7 @@ class InterfaceLaw(LawTable):
         units
             As of `to_abaqus`.
         """
-        _write(path, formats.write_ansys(self, name, conductance, units))
+        write_lines(path, formats.write_ansys(self, name, conductance, units))
 
     def to_calculix(
         self,
@@ -121,7 +121,7 @@ class InterfaceLaw(LawTable):
 
         A row whose overclosure is less than 1e-10 above the one before is omitted: CalculiX would change it.
         """
-        _write(path, formats.write_calculix(self, name, conductance, units))
+        write_lines(path, formats.write_calculix(self, name, conductance, units))
 
     def to_comsol(
         self,
@@ -146,7 +146,7 @@ class InterfaceLaw(LawTable):
         units
             As of `to_abaqus`.
         """
-        _write(path, formats.write_comsol(self, table, conductance, units))
+        write_lines(path, formats.write_comsol(self, table, conductance, units))
 
     def to_moose(
         self,
@@ -176,8 +176,8 @@ class InterfaceLaw(LawTable):
         if target.suffix != ".csv":
             raise InputError.about("The table of MOOSE", str(target), "a file that ends in .csv")
         table, blocks = formats.write_moose(self, target.name, name, conductance, min_gap, units)
-        _write(target, table)
-        _write(target.with_suffix(".i"), blocks)
+        write_lines(target, table)
+        write_lines(target.with_suffix(".i"), blocks)
 
     def plot(self, column: str = "stiffness", axes: Any = None, *, dark: bool = False) -> Any:
         """Draw a column over the pressure with a band of two standard deviations, and its power law (extra ``plot``).
@@ -199,7 +199,8 @@ class InterfaceLaw(LawTable):
         return find_view("law")(self.pressures, self[column], self.fit(column), axes, checks.flag(dark, "dark="))
 
 
-def _write(path: str | os.PathLike[str], lines: list[str]) -> None:
+def write_lines(path: str | os.PathLike[str], lines: list[str]) -> None:
+    """Write lines of ASCII to a file, completely or not at all."""
     with replacing(checks.path(path, "The file")) as partial:
         partial.write_text("\n".join([*lines, ""]), encoding="ascii", errors="replace", newline="\n")
 
@@ -342,6 +343,14 @@ def _make_column(name: str, row: list[Estimate], nominal: float) -> LawColumn:
 
 def _describe(problem: ContactProblem) -> tuple[str, ...]:
     """Return what was solved, in ASCII and plain numbers, for the comments of files."""
+    return (
+        "Law of a rough interface by roughcontact: all pressures are nominal, force over nominal area.",
+        *describe_domain(problem),
+    )
+
+
+def describe_domain(problem: ContactProblem) -> tuple[str, ...]:
+    """Return modulus, limit and domain of a periodic contact, in ASCII and plain numbers."""
     plan = problem.plan
     grid = plan.grid
     limit = float(np.min(plan.pressure_limit))
@@ -349,7 +358,6 @@ def _describe(problem: ContactProblem) -> tuple[str, ...]:
     size = " x ".join(f"{side:g}" for side in grid.size)
     cells = " x ".join(map(str, grid.shape))
     return (
-        "Law of a rough interface by roughcontact: all pressures are nominal, force over nominal area.",
         f"Contact modulus E* {plan.modulus:g} Pa, {capped}, periodic domain of {size} m with {cells} cells.",
         *([FIRST_LOADING] if math.isfinite(limit) else []),
     )

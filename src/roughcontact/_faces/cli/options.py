@@ -26,6 +26,9 @@ from roughcontact.errors import Argument, InputError, Spell, write_number
 _SPELLED = {"displacement": "displacements to --tangential", "tangential_force": "forces to --tangential"}
 # Arguments with several parts, each of which is given by an option of its own.
 _GIVEN_ONE_BY_ONE = {"laws": "law"}
+# Steps of a range of separations below these: a straight line between rows is then within 1 % of the flow factors.
+_SEPARATION_STEPS = ((2.5, 0.25), (4.0, 0.5))
+_MAX_SEPARATION = 100.0
 # Most characters of a wrong argument that are shown.
 _MAX_SHOWN_CHARACTERS = 80
 # Most loads of a range.
@@ -143,16 +146,22 @@ def add_problem(parser: argparse.ArgumentParser, *, study: bool = False) -> None
     _add_method(parser)
 
 
-def add_interface(parser: argparse.ArgumentParser) -> None:
-    """Declare an interface of measured height maps that repeats, and its loads."""
-    parser.usage = "%(prog)s MAP [MAP] (--young E | --material NAME)\n           --loads FROM..TO [options]"
+def add_interface(parser: argparse.ArgumentParser, *, of_film: bool = False) -> None:
+    """Declare an interface of measured height maps that repeats, and its loads, or the separations of a film."""
+    rows = "--separation FROM..TO" if of_film else "--loads FROM..TO"
+    parser.usage = f"%(prog)s MAP [MAP] (--young E | --material NAME)\n           {rows} [options]"
     maps = _add_maps(parser, study=False)
     mirror = "repeat maps that do not repeat, mirrored at their borders"
     maps.add_argument("--mirror-borders", action="store_true", help=mirror)
     _add_pair(parser)
-    loads = "mean pressures, as a range or one by one: 4MPa..40MPa; in a range each is at most 1.6 times the last"
-    group = parser.add_argument_group("loads")
-    group.add_argument("--loads", type=_pressures, nargs="+", metavar="P", required=True, help=loads)
+    if of_film:
+        what = "distances of the mean planes over Sq, as a range or one by one: 0.5..4; its steps grow from 0.25 to 1"
+        group = parser.add_argument_group("separations")
+        group.add_argument("--separation", type=_separations, nargs="+", metavar="H", required=True, help=what)
+    else:
+        loads = "mean pressures, as a range or one by one: 4MPa..40MPa; in a range each is at most 1.6 times the last"
+        group = parser.add_argument_group("loads")
+        group.add_argument("--loads", type=_pressures, nargs="+", metavar="P", required=True, help=loads)
     _add_materials(parser, study=False)
     _add_method(parser, boundary=False)
     parser.set_defaults(adhesion=None, law=None, boundary=str(Boundary.PERIODIC))
@@ -170,6 +179,22 @@ def _pressures(text: str) -> list[float]:
     if count > _MAX_LOADS:
         raise argparse.ArgumentTypeError(f"{text[:_MAX_SHOWN_CHARACTERS]!r} needs more than {_MAX_LOADS} loads")
     return [float(one) for one in np.geomspace(*ends, count + 1)]
+
+
+def _separations(text: str) -> list[float]:
+    """Return the separations of a text, for argparse: one, or a range such as ``0.5..4``."""
+    low, dots, high = text.partition("..")
+    if not dots:
+        return [NUMBER(low)]
+    at, end = NUMBER(low), NUMBER(high)
+    if not 0.0 < at < end <= _MAX_SEPARATION:
+        shown = f"{text[:_MAX_SHOWN_CHARACTERS]!r} is not a range up to {_MAX_SEPARATION:g}"
+        raise argparse.ArgumentTypeError(f"{shown}; write it like 0.5..4")
+    found = []
+    while at < end * (1.0 - 1e-9):
+        found.append(at)
+        at += next((step for limit, step in _SEPARATION_STEPS if at < limit), 1.0)
+    return [*found, end]
 
 
 def _add_method(parser: argparse.ArgumentParser, *, boundary: bool = True) -> None:
