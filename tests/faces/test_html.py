@@ -245,8 +245,7 @@ class TestSweep:
         assert places == sorted(places)
         assert words.index("The largest load") < words.index("Figures") < words.index("problem.solve(pressure=200e6)")
         assert len(list(tree.iter("img"))) == sum(
-            rc.panels[name].subject in ("solution", "sweep") and rc.panels[name].fits(sweep[0])
-            for name in rc.panels
+            rc.panels[name].subject in ("solution", "sweep") and rc.panels[name].fits(sweep[0]) for name in rc.panels
         )
 
     @pytest.mark.usefixtures("plain")

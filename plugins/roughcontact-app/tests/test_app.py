@@ -1689,7 +1689,7 @@ def test_the_fields_of_a_material_are_those_of_a_script(volume, prefix):
 @pytest.mark.parametrize(
     ("given", "setting", "sentence"),
     [
-        ({"material_plastic_yield_stress": ""}, "_yield_stress", "The yield stress of the body is missing: fill it in."),
+        ({"material_plastic_yield_stress": ""}, "_yield_stress", "The yield stress of the body is missing: fill"),
         ({"material_plastic_yield_stress": "-1"}, "_yield_stress", "of the body must be above 0, but got -1 MPa."),
         ({"material_plastic_accuracy": "2"}, "_accuracy", "above 0, at most 1"),
         ({**SWIFT, "material_plastic_hardening_swift_hardening_power": "2"}, "_swift_hardening_power", "at most 1"),
@@ -1708,13 +1708,13 @@ def test_the_fields_of_a_material_are_those_of_a_script(volume, prefix):
             "_tabulated_hardening_strain",
             "The number of values of the strain of the hardening of the body must be at most 40, but got 41.",
         ),
-        ({**TABLE, "material_plastic_yield_stress": "900"}, "_tabulated_hardening_strain", "contradicts the yield stress"),
+        ({**TABLE, "material_plastic_yield_stress": "900"}, "_tabulated_hardening_strain", "contradicts the yield"),
         ({"counterbody": "deformable", "counterbody_hardness": "2"}, "material", "count its flow twice"),
-        ({"layers": "1"}, "layers", "Layers beside a plastic body are not known: choose no layers, or another material."),
+        ({"layers": "1"}, "layers", "Layers beside a plastic body are not known: choose no layers, or another"),
         ({"adhesion": "exponential"}, "material", "Plastic flow is not solved with 'Adhesion': omit one of them."),
         ({"boundary": "wrapped"}, "material", "A wrapped boundary has the nearest images of the pressure alone"),
         ({"poisson": "0.5"}, "material", "a Poisson's ratio below 0.5"),
-        ({"load": "fretting"}, "material", "Friction with the material 'plastic' is not known: choose another material,"),
+        ({"load": "fretting"}, "material", "Friction with the material 'plastic' is not known: choose another"),
         ({"law_archard": "yes", "law_archard_coefficient": "1e-16"}, "material", "other laws: omit archard."),
     ],
 )

@@ -91,9 +91,7 @@ def describe_sweep(sweep: Sweep, asked: Mapping[str, Sequence[Any]]) -> list[dic
     if not any(addition.kind == "laws" for addition in sweep.states[0].added):
         return answers
     rows = _describe_rows([LoadPath(states=(one,), increments=(1,)).table() for one in sweep.states])
-    return [
-        {**answer, "quantities": [*answer["quantities"], *row]} for row, answer in zip(rows, answers, strict=True)
-    ]
+    return [{**answer, "quantities": [*answer["quantities"], *row]} for row, answer in zip(rows, answers, strict=True)]
 
 
 def _describe_rows(tables: Sequence[Table]) -> list[list[dict[str, Any]]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 from collections.abc import Collection, Iterable
 from typing import Any
 
@@ -64,9 +65,7 @@ def read_material(settings: Settings, prefix: str, whose: str) -> dict[str, Any]
     return table
 
 
-def _read_fields(
-    settings: Settings, prefix: str, cls: type, asked: Iterable[MaterialField], of: str
-) -> dict[str, Any]:
+def _read_fields(settings: Settings, prefix: str, cls: type, asked: Iterable[MaterialField], of: str) -> dict[str, Any]:
     """Return the fields of a part that are given; `of` ends what a sentence calls one."""
     found: dict[str, Any] = {}
     for one in asked:
@@ -138,7 +137,8 @@ def list_typical() -> dict[str, dict[str, str]]:
 def _write_material(one: Material) -> dict[str, str] | None:
     """Return the settings of a material; None if the page cannot ask for it."""
     if isinstance(one, (Elastic, ElasticPerfectlyPlastic)):
-        hardness = write_quantity(one.hardness, "GPa") if isinstance(one, ElasticPerfectlyPlastic) else ""
+        limit = one.pressure_limit
+        hardness = write_quantity(limit, "GPa") if isinstance(limit, float) and math.isfinite(limit) else ""
         found = {"material": "elastic", "hardness": hardness, "hardness_unit": "GPa"}
         return found | _write_shared(one, ("young", "poisson"))
     form = MATERIAL_FORMS.get(materials.name_of(type(one)) or "")

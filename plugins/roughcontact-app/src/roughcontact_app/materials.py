@@ -85,9 +85,7 @@ def _list_forms() -> dict[str, PartForm]:
     return found
 
 
-def _describe(
-    name: str, cls: type, setting: str, page: Mapping[str, str], *, has_parts: bool
-) -> PartForm | None:
+def _describe(name: str, cls: type, setting: str, page: Mapping[str, str], *, has_parts: bool) -> PartForm | None:
     """Return the form of a part; None if the page cannot ask for a field that it needs.
 
     Parameters
@@ -114,8 +112,8 @@ def _describe(
         elif one.is_needed and one.name not in shared:
             return None
     summary = summarize(cls)
-    label = name.replace("-", " ")
-    return PartForm(name, label if has_parts else label.capitalize(), summary[:1].lower() + summary[1:], shared, tuple(fields))
+    label = name.replace("-", " ") if has_parts else name.replace("-", " ").capitalize()
+    return PartForm(name, label, summary[:1].lower() + summary[1:], shared, tuple(fields))
 
 
 def _describe_field(one: PartField, setting: str, *, has_parts: bool) -> MaterialField | None:
@@ -126,8 +124,7 @@ def _describe_field(one: PartField, setting: str, *, has_parts: bool) -> Materia
         return MaterialField(attrs.evolve(field, label=f"{field.label}{default}"), one.is_needed, one.is_list)
     known = find_parts(one.kind) if has_parts else {}
     forms = (
-        _describe(name, cls, f"{field.setting}_{_in_setting(name)}", {}, has_parts=False)
-        for name, cls in known.items()
+        _describe(name, cls, f"{field.setting}_{_in_setting(name)}", {}, has_parts=False) for name, cls in known.items()
     )
     parts = tuple(form for form in forms if form is not None)
     return MaterialField(field, one.is_needed, parts=parts) if parts else None

@@ -284,9 +284,7 @@ def path_values(settings: Settings) -> tuple[dict[str, Any], dict[str, Any], flo
     return {settings["load"]: loads if len(loads) > 1 else loads[0]}, passed, accuracy
 
 
-def list_values(
-    settings: Settings, name: str, several: str, kind: str = "", *, signed: bool = False
-) -> list[float]:
+def list_values(settings: Settings, name: str, several: str, kind: str = "", *, signed: bool = False) -> list[float]:
     """Return the numbers of a setting in SI units; one that states its own unit is read as on the command line.
 
     Without a kind they are numbers without a unit.

@@ -70,11 +70,10 @@ _TOGETHER = (
 # Time that a solve takes at least, s; and that of a fretting cycle, of unlike and of like materials: at least, s, and
 # over what more a solve takes. Measured on balls and rough surfaces of 64 to 512 cells along a side.
 _MINIMUM_OF_SOLVE = 0.1
-# The same of a process that is solved together with the contact: 500 to 6000 of a ball on steel that flows, on 32 to 128
-# cells along a side.
-_COST_COUPLED = (0.3, 1800.0)
 _COST_UNLIKE = (2.0, 450.0)
 _COST_LIKE = (0.4, 70.0)
+# The same of a process that is solved together with the contact: 500 to 6000 of balls on steel that flows below them.
+_COST_COUPLED = (0.3, 1800.0)
 # Increments of a step that a path with friction takes at most; and what another path takes from one time or sliding
 # distance to the next, over a solve: 5.9 and 6.5 on rough surfaces of 512 cells along a side, less on smaller ones.
 _MOST_INCREMENTS = 16

@@ -152,12 +152,10 @@ def _outline(axes: Any, ends: Array, depths: Array, flowed: Array, color: str) -
 
     inside = np.pad(flowed, 1)
     lines = [
-        ((ends[i], depths[k]), (ends[i + 1], depths[k]))
-        for k, i in np.argwhere(inside[:-1, 1:-1] != inside[1:, 1:-1])
+        ((ends[i], depths[k]), (ends[i + 1], depths[k])) for k, i in np.argwhere(inside[:-1, 1:-1] != inside[1:, 1:-1])
     ]
     lines += [
-        ((ends[i], depths[k]), (ends[i], depths[k + 1]))
-        for k, i in np.argwhere(inside[1:-1, :-1] != inside[1:-1, 1:])
+        ((ends[i], depths[k]), (ends[i], depths[k + 1])) for k, i in np.argwhere(inside[1:-1, :-1] != inside[1:-1, 1:])
     ]
     if lines:
         axes.add_collection(LineCollection(lines, colors=color, linewidths=1.0, label="has flowed"), autolim=False)

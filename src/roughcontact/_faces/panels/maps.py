@@ -18,7 +18,7 @@ from roughcontact.errors.door import guarded
 
 # Ratio of the sides above which a domain is not drawn in true proportions: too narrow to be seen.
 _MAX_TRUE_ASPECT = 6.0
-# The same of a plane over the depth, whose colour bar is no higher than it, and its ratio where it is not true.
+# The same of a plane over the depth, beside which a colour bar stands, and its ratio where it is not true.
 _MAX_TRUE_SHALLOWNESS = 3.5
 _SHALLOW_ASPECT = 2.0
 # Percentiles between which the colours lie if a few pits or spikes would use most of them: where the range of all

@@ -157,7 +157,7 @@ function addMaterial({ name, label, summary, shared, fields }) {
   document.getElementById("other-materials").append(place);
 }
 
-const summarized = (text) => element("p", `${text[0].toUpperCase()}${text.slice(1)}.`, { class: "help" });
+const summarized = (text) => element("p", `${text[0].toUpperCase()}${text.slice(1)}.`, { class: "help summary" });
 
 // The field of a number or a list, or the choice of a part with the fields of each.
 function partFields({ field, is_needed: isNeeded, is_list: isList, parts }) {
