@@ -5,7 +5,7 @@ for              names
 ===============  ==================================================================================================
 input            `build_problem`, `build_part`, `build_layer`, `build_response`; what a response asks for,
                  `describe_response`, `ResponseForm`; a part in a line, `summarize`, and its fields, `list_fields`,
-                 `PartField`; typical materials by name, `TYPICAL`
+                 `PartField`, and the parts that one may hold, `find_parts`; typical materials by name, `TYPICAL`
 the machine      `available_threads`, `limit_address_space`
 a run            `prepare_path`, `run_sweep`, `ask_states`
 words            `name_load`, `list_quantities`, `describe_other_places`, `gather_warnings`, `exceeds_metals`,
@@ -34,6 +34,7 @@ from roughcontact._work.studies import (
     build_problem,
     build_response,
     describe_response,
+    find_parts,
     list_answer_warnings,
     tabulate_answers,
     write_report,
@@ -52,6 +53,7 @@ __all__ = [
     "describe_other_places",
     "describe_response",
     "exceeds_metals",
+    "find_parts",
     "gather_warnings",
     "limit_address_space",
     "list_answer_warnings",

@@ -12,6 +12,7 @@ from roughcontact._faces.panels.curves import scale_axes as scale_axes
 from roughcontact._faces.panels.figures import make_figure as make_figure
 from roughcontact._faces.panels.maps import draw_map as draw_map
 from roughcontact._faces.panels.maps import draw_mask as draw_mask
+from roughcontact._faces.panels.maps import draw_section as draw_section
 from roughcontact._faces.panels.maps import name_colors as name_colors
 from roughcontact._faces.panels.theme import DARK as DARK
 from roughcontact._faces.panels.theme import LIGHT as LIGHT

@@ -93,10 +93,10 @@ class TestPage:
         assert text_of(tree.findall(".//pre")[-1]) == " ".join(plan.split())
 
     def test_figures_are_all_panels_of_solutions_with_the_answer_in_words(self, page):
-        _, text = page
+        solution, text = page
         shown = read(text).findall(".//figure")
         assert len(shown) == sum(
-            rc.panels[name].subject == "solution" and not rc.panels[name].needs_adhesion for name in rc.panels
+            rc.panels[name].subject == "solution" and rc.panels[name].fits(solution) for name in rc.panels
         )
         for figure in shown:
             image = figure.find("img")
@@ -245,8 +245,7 @@ class TestSweep:
         assert places == sorted(places)
         assert words.index("The largest load") < words.index("Figures") < words.index("problem.solve(pressure=200e6)")
         assert len(list(tree.iter("img"))) == sum(
-            rc.panels[name].subject in ("solution", "sweep") and not rc.panels[name].needs_adhesion
-            for name in rc.panels
+            rc.panels[name].subject in ("solution", "sweep") and rc.panels[name].fits(sweep[0]) for name in rc.panels
         )
 
     @pytest.mark.usefixtures("plain")

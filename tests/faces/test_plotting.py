@@ -22,9 +22,10 @@ from roughcontact.testing.strategies import height_maps, problems
 from scenes import make_problem, make_rough
 
 STEEL = rc.Elastic(210e9, 0.3)
+# Of elastic bodies that do not attract each other.
+PLAIN = [name for name in rc.panels if rc.panels[name].needs_law is None and not rc.panels[name].needs_adhesion]
 BY_SUBJECT = {
-    kind: [name for name in rc.panels if rc.panels[name].subject == kind and not rc.panels[name].needs_adhesion]
-    for kind in ("solution", "surface", "sweep")
+    kind: [name for name in PLAIN if rc.panels[name].subject == kind] for kind in ("solution", "surface", "sweep")
 }
 
 

@@ -280,6 +280,7 @@ SKIPPED |= {"require_memory_of_solve", "run_sweep", "name_load", "list_quantitie
 SKIPPED |= {"describe_other_places", "prepare_path", "summarize"}
 SKIPPED |= {
     "describe_response",
+    "find_parts",
     "build_layer",
     "build_part",
     "build_response",

@@ -214,7 +214,7 @@ FIGURE_SCENES = {
 def test_every_figure_of_a_solution_follows_the_contact(name, move):
     scene = FIGURE_SCENES[name]
     one, other = scene.solve(), move.apply(scene).solve()
-    for panel in (name for name, cls in CLASSES.items() if cls.subject == "solution" and not cls.needs_adhesion):
+    for panel in (name for name, cls in CLASSES.items() if cls.subject == "solution" and cls.fits(one)):
         drawn, moved = panel, panel
         if panel == "profile" and move.exchanges_axes:
             drawn, moved = rc.panels.create(panel, axis=0), rc.panels.create(panel, axis=1)

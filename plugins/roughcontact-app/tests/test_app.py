@@ -28,11 +28,11 @@ import pytest
 import roughcontact as rc
 from roughcontact._solve.solution.plausibility import PLAUSIBILITY_RULES
 from roughcontact._solve.solution.summary import list_all_warnings
-from roughcontact.faces import gather_warnings, write_column
+from roughcontact.faces import TYPICAL, gather_warnings, write_column
 from roughcontact.typing import Step
 
-from roughcontact_app import AppServer, Session, laws, preview, scene, work
-from roughcontact_app.answers import describe_solutions, list_warnings, make_table, tabulate_path
+from roughcontact_app import AppServer, Session, laws, materials, preview, scene, work
+from roughcontact_app.answers import describe_solutions, describe_sweep, list_warnings, make_table, tabulate_path
 from roughcontact_app.command import _shown
 from roughcontact_app.connections import LIMIT
 from roughcontact_app.outputs import make_law
@@ -966,13 +966,13 @@ def test_the_report_opens_alone_and_runs_no_script(solved):
 
 
 @pytest.mark.slow
-def test_there_is_a_picture_of_each_panel(solved):
+def test_there_is_a_picture_of_each_panel(solved, sweep):
     client, state = solved
     pictures = {one["panel"]: one["file"] for one in state["outputs"] if one["role"] == "picture"}
     assert set(pictures) == {
         name
         for name in rc.panels
-        if rc.panels[name].subject in ("sweep", "solution") and not rc.panels[name].needs_adhesion
+        if rc.panels[name].subject in ("sweep", "solution") and rc.panels[name].fits(sweep[0])
     }
     assert next(iter(pictures)) == "area-load"
     for file in pictures.values():
@@ -1630,6 +1630,163 @@ def test_laws_come_from_the_registry():
     ]
 
 
+# A body that flows below its surface, by a plug-in that the page does not name.
+FLOWS = {"surface": "sphere", "radius": "1", "side": "65", "cells": "16", "load": "force", "load_unit": "N"}
+FLOWS |= {"loads": "2 0", "path": "yes", "material": "plastic", "material_plastic_yield_stress": "1000"}
+SWIFT = {"material_plastic_hardening": "swift-hardening", "material_plastic_hardening_swift_hardening_strain": "0.005"}
+SWIFT |= {"material_plastic_hardening_swift_hardening_power": "0.2"}
+TABLE = {"material_plastic_hardening": "tabulated-hardening"}
+TABLE |= {"material_plastic_hardening_tabulated_hardening_strain": "0 0.01 0.1"}
+TABLE |= {"material_plastic_hardening_tabulated_hardening_stress": "1 1100MPa 1.25"}
+TABLE |= {"material_plastic_hardening_tabulated_hardening_stress_unit": "GPa"}
+
+
+@pytest.fixture
+def volume():
+    """The plug-in with the material, without which nothing of it can be tried."""
+    return pytest.importorskip("roughcontact_volume")
+
+
+def test_a_body_that_flows_is_that_of_a_script(client, volume):
+    steel = volume.Plastic(210e9, 0.3, 1e9, volume.SwiftHardening(0.005, 0.2))
+    problem = rc.ContactProblem(rc.Body(rc.SphereSurface(1e-3), steel), grid=rc.Grid((16, 16), 65e-6))
+    expected = problem.path(force=[2.0, 0.0])
+    plan = client.post("api/plan", {**FLOWS, **SWIFT})
+    assert plan["solves"] == 2
+    assert 0.2 < plan["seconds"] < 20.0
+    state = client.wait(client.post("api/runs", {**FLOWS, **SWIFT})["id"])
+    assert (state["phase"], state["notes"]) == ("done", []), state
+    assert all(answer["certified"] for answer in state["answers"])
+    values = [{one["name"]: one["value"] for one in answer["quantities"]} for answer in state["answers"]]
+    table = expected.table().columns
+    for name in ("approach", "plastic_strain", "plastic_depth", "imprint_depth", "residual_stress"):
+        assert [one[name.replace("_", " ")] for one in values] == list(table[name])
+    panels = {one["panel"]: one for one in state["outputs"] if one["role"] == "picture"}
+    assert {"plastic-zone", "residual-stress", "total-stress"} < set(panels)
+    drawn = client.post("api/state", {"run": state["id"], "panel": "residual-stress", "state": 2})
+    assert client.get(f"pictures/{drawn['picture']}")[:4] == b"\x89PNG"
+    # A single load is a first loading, and has the numbers of the flow, too.
+    (answer,) = describe_sweep(rc.results.Sweep((expected[0],)), {})
+    found = {one["name"]: one["value"] for one in answer["quantities"]}
+    assert found["plastic strain"] == table["plastic_strain"][0]
+    assert found["contact area"] == expected[0].area().value
+
+
+@pytest.mark.parametrize("prefix", ["", "counterbody_"])
+def test_the_fields_of_a_material_are_those_of_a_script(volume, prefix):
+    given = {name: text for name, text in FLOWS.items() if not name.startswith("material")}
+    own = {**TABLE, "material": "plastic", "material_plastic_yield_stress": "1", "material_plastic_accuracy": "0.01"}
+    own |= {"young": "70", "poisson": "0.33", "material_plastic_yield_stress_unit": "GPa"}
+    given |= {"counterbody": "deformable"} | {f"{prefix}{name}": text for name, text in own.items()}
+    settings = read_settings(given)
+    problem = make_problem(settings, make_scene(settings, None))
+    hardening = volume.TabulatedHardening([0.0, 0.01, 0.1], [1e9, 1.1e9, 1.25e9])
+    materials = problem.body.material, problem.counterbody.material
+    assert materials[prefix == "counterbody_"] == volume.Plastic(70e9, 0.33, 1e9, hardening, accuracy=0.01)
+    assert materials[prefix == ""] == rc.Elastic(210e9, 0.3)
+
+
+@pytest.mark.parametrize(
+    ("given", "setting", "sentence"),
+    [
+        ({"material_plastic_yield_stress": ""}, "_yield_stress", "The yield stress of the body is missing: fill"),
+        ({"material_plastic_yield_stress": "-1"}, "_yield_stress", "of the body must be above 0, but got -1 MPa."),
+        ({"material_plastic_accuracy": "2"}, "_accuracy", "above 0, at most 1"),
+        ({**SWIFT, "material_plastic_hardening_swift_hardening_power": "2"}, "_swift_hardening_power", "at most 1"),
+        (
+            {**SWIFT, "material_plastic_hardening_swift_hardening_strain": " "},
+            "_swift_hardening_strain",
+            "The strain of the hardening of the body is missing: fill it in.",
+        ),
+        (
+            {**TABLE, "material_plastic_hardening_tabulated_hardening_stress": "1 1.1"},
+            "_tabulated_hardening_strain",
+            "A table of hardening has a stress for each strain, but there are 3 strains and 2 stresses.",
+        ),
+        (
+            {**TABLE, "material_plastic_hardening_tabulated_hardening_strain": " ".join(map(str, range(41)))},
+            "_tabulated_hardening_strain",
+            "The number of values of the strain of the hardening of the body must be at most 40, but got 41.",
+        ),
+        ({**TABLE, "material_plastic_yield_stress": "900"}, "_tabulated_hardening_strain", "contradicts the yield"),
+        ({"counterbody": "deformable", "counterbody_hardness": "2"}, "material", "count its flow twice"),
+        ({"layers": "1"}, "layers", "Layers beside a plastic body are not known: choose no layers, or another"),
+        ({"adhesion": "exponential"}, "material", "Plastic flow is not solved with 'Adhesion': omit one of them."),
+        ({"boundary": "wrapped"}, "material", "A wrapped boundary has the nearest images of the pressure alone"),
+        ({"poisson": "0.5"}, "material", "a Poisson's ratio below 0.5"),
+        ({"load": "fretting"}, "material", "Friction with the material 'plastic' is not known: choose another"),
+        ({"law_archard": "yes", "law_archard_coefficient": "1e-16"}, "material", "other laws: omit archard."),
+    ],
+)
+def test_what_does_not_fit_a_body_that_flows_is_said_at_its_setting(client, volume, given, setting, sentence):
+    refused = client.post("api/plan", {**FLOWS, **given}, 422)
+    assert sentence in refused["error"]
+    assert not PYTHON.search(refused["error"])
+    assert refused["setting"].endswith(setting)
+
+
+def test_no_other_part_and_no_other_size_is_taken(client, volume):
+    wrong = {"material_plastic_yield_stress": "1e99", "material_plastic_hardening": "sphere", "material": "rigid"}
+    refused = [client.refusal("api/plan", {**FLOWS, name: text}) for name, text in wrong.items()]
+    assert "but got 1e99 MPa: check its unit." in refused[0]
+    assert "must be one of none, linear-hardening, " in refused[1]
+    assert "must be one of elastic, viscoelastic, " in refused[2]
+
+
+class Filler(rc.typing.Part):
+    """What fills a sponge."""
+
+
+@attrs.frozen
+class Sand(Filler):
+    """Grains."""
+
+    grain: float = attrs.field(metadata={"unit": "m"})
+    shape: dict = attrs.field(factory=dict)
+
+
+@attrs.frozen
+class Sponge(rc.Material):
+    """A material of a test."""
+
+    young: float = attrs.field(metadata={"unit": "Pa"})
+    strengths: tuple[float, ...] = attrs.field(metadata={"unit": "Pa"})
+    filler: Filler
+    lifetime: float | None = attrs.field(default=None, metadata={"unit": "s"})
+    wetness: float = 0.5
+    colour: str = "yellow"
+
+    compliance = property(lambda self: 1.0 / self.young)
+    pressure_limit = property(lambda self: math.inf)
+
+
+@attrs.frozen
+class Cloth(Sponge):
+    """One that needs a word, for which the page cannot ask."""
+
+    weave: str = attrs.field(kw_only=True)
+
+
+def test_materials_come_from_the_registry(monkeypatch):
+    rc.materials.register("sponge of a test")(Sponge)
+    rc.materials.register("cloth of a test")(Cloth)
+    monkeypatch.setattr(materials, "find_parts", lambda kind: {"sand": Sand} if kind is Filler else {})
+    try:
+        forms = materials._list_forms()
+    finally:
+        del rc.materials._classes["sponge of a test"], rc.materials._classes["cloth of a test"]
+    assert "cloth of a test" not in forms
+    form = forms["sponge of a test"]
+    assert (form.label, form.summary, form.shared) == ("sponge of a test", "a material of a test", ("young",))
+    strengths, filler, lifetime, wetness = form.fields
+    assert (strengths.field.kind, strengths.is_list, strengths.is_needed) == ("pressure", True, True)
+    assert filler.choices == ("sand",)
+    assert [one.field.name for one in filler.parts[0].fields] == ["grain"]
+    assert (lifetime.field.label, lifetime.field.kind) == ("Lifetime (empty: none)", "time")
+    assert (wetness.field.label, wetness.is_needed) == ("Wetness (empty: 0.5)", False)
+    assert materials.list_material_choices({"sponge": form}) == {"material_sponge_of_a_test_filler": ("sand",)}
+
+
 def test_the_progress_of_a_path_only_grows(tmp_path):
     sent = []
     work.run({"kind": "solve", "upload": None, "settings": WORN, "folder": str(tmp_path)}, sent.append)
@@ -1696,9 +1853,13 @@ def test_refusals_have_the_numbers_and_units_of_the_page(client, given, sentence
 
 
 def test_typical_materials_are_those_of_the_library(client):
-    found = json.loads(client.get("api/start"))["materials"]
-    assert found["glass"] == ["70", "0.22", "5.5"]
-    assert found["rubber"] == ["0.004", "0.495", ""]
+    found = json.loads(client.get("api/start"))["typical"]
+    units = {"young_unit": "GPa", "hardness_unit": "GPa"}
+    assert found["glass"] == {"material": "elastic", "young": "70", "poisson": "0.22", "hardness": "5.5", **units}
+    assert found["rubber"] == {"material": "elastic", "young": "0.004", "poisson": "0.495", "hardness": "", **units}
+    for name, texts in found.items():
+        settings = read_settings({**texts, "surface": "sphere", "cells": "8"})
+        assert make_problem(settings, make_scene(settings, None)).body.material == TYPICAL[name]
     assert rc.Body(rc.FlatSurface(), "glass").material.hardness == 5.5e9
 
 

@@ -790,3 +790,61 @@ def test_a_path_and_a_slider_over_its_states(page, scheme):
         "1e-10mm2/N",
     )
     assert page.driver.find_element(By.NAME, "law_archard").is_selected()
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_a_material_of_a_plug_in_flows_and_is_seen_over_the_depth(page, scheme):
+    pytest.importorskip("roughcontact_volume")
+    page.driver.execute_cdp_cmd(
+        "Emulation.setEmulatedMedia", {"features": [{"name": "prefers-color-scheme", "value": scheme}]}
+    )
+    size = {"width": 390, "height": 844, "deviceScaleFactor": 1, "mobile": True}
+    page.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+    page.open()
+    own = "material_plastic_hardening_swift_hardening_power"
+    for name, text in {"surface": "sphere", "radius": "1", "side": "65", "cells": "16", "load": "force"}.items():
+        page.set(name, text)
+    assert page.find("hardness").is_displayed()
+    assert not page.find("material_plastic_yield_stress").is_displayed()
+    # The counterbody has the same fields.
+    page.set("counterbody", "deformable")
+    page.set("counterbody_material", "plastic")
+    assert page.find(f"counterbody_{own.replace('_swift_hardening_power', '')}").is_displayed()
+    page.set("counterbody", "rigid")
+    page.set("material", "plastic")
+    assert (page.find("young").is_displayed(), page.find("hardness").is_displayed()) == (True, False)
+    page.until(lambda: page.text("wrong") == "The yield stress of the body is missing: fill it in.")
+    assert page.find("material_plastic_yield_stress").get_attribute("aria-invalid") == "true"
+    page.set("material_plastic_yield_stress", "1000")
+    assert not page.find(own).is_displayed()
+    page.set("material_plastic_hardening", "swift-hardening")
+    page.set(own.replace("power", "strain"), "0.005")
+    page.set(own, "2")
+    page.until(lambda: "The power of hardening must be" in page.text("wrong"))
+    page.set(own, "0.2")
+    page.set("loads", "2 0")
+    page.set("path", "yes")
+    page.until(lambda: "2 states, about" in page.text("plan"))
+    assert not page.is_wider_than_the_screen()
+    page.find("solve").click()
+    page.until(lambda: page.text("headline").startswith("2 states of the path; at the end a contact area of"))
+    hard = "plastic, E 210 GPa, ν 0.3, yield stress 1000 MPa, swift hardening (strain 0.005; power 0.2)"
+    assert hard in page.text("run-subject")
+    image = page.driver.find_element(By.CSS_SELECTOR, "#picture img")
+    seen = set()
+    for panel in ("plastic zone", "residual stress", "total stress"):
+        button = f"//*[@id='panel-buttons']/button[.='{panel}']"
+        page.until(lambda button=button: page.driver.find_element(By.XPATH, button)).click()
+        page.until(lambda panel=panel: f"The {panel} of state 2, 0 N" in image.get_attribute("alt"))
+        page.until(lambda: int(image.get_attribute("naturalWidth")) > 100)
+        seen.add(image.get_attribute("src"))
+    assert len(seen) == 3
+    assert not page.is_wider_than_the_screen()
+    assert page.driver.find_element(By.CSS_SELECTOR, "[data-quantity='plastic strain']")
+    page.open(page.driver.current_url)
+    assert (page.setting("material"), page.setting("material_plastic_hardening"), page.setting(own)) == (
+        "plastic",
+        "swift-hardening",
+        "0.2",
+    )
+    assert page.find(own).is_displayed()

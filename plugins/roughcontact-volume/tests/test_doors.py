@@ -12,6 +12,7 @@ import sys
 import time
 from pathlib import Path
 
+import attrs
 import numpy as np
 import pytest
 import roughcontact as rc
@@ -24,10 +25,13 @@ from roughcontact_volume import (
     Inclusion,
     Inclusions,
     Plastic,
+    PlasticZonePanel,
     ResidualStress,
+    ResidualStressPanel,
     Sphere,
     StrainedRegion,
     SwiftHardening,
+    TotalStressPanel,
     VoceHardening,
 )
 
@@ -135,6 +139,66 @@ def test_wrong_fields_of_a_command_are_named(ball, capsys, fields, sentence):
     status, _, err = solve(capsys, ball, "--force", "3N", *material)
     assert status == 2
     assert sentence in " ".join(err.split())
+
+
+class TestPanels:
+    """What is drawn in a plane below a surface that has flowed."""
+
+    def draw(self, state, panel, dark=False):
+        """Return the axes, and the values that they show, NaN where there are none."""
+        pyplot = pytest.importorskip("matplotlib.pyplot")
+        axes = state.plot(panel, dark=dark)
+        pyplot.close(axes.figure)
+        return axes, np.ma.filled(axes.collections[0].get_array().astype(float), np.nan)
+
+    @pytest.mark.parametrize("axis", [0, 1])
+    def test_the_plane_goes_through_the_deepest_point(self, path, axis):
+        zone = path[2].response("plastic-zone")
+        axes, shown = self.draw(path[2], PlasticZonePanel(axis=axis))
+        strain = zone.accumulated_strain
+        deepest = np.flatnonzero(strain.any(axis=(1, 2)))[-1]
+        _, i, j = np.unravel_index(strain[deepest].argmax(), (1, *GRID.shape))
+        expected = strain[:, :, j] if axis == 0 else strain[:, i]
+        count = min(len(shown), len(expected))
+        np.testing.assert_array_equal(np.nan_to_num(shown)[:count], expected[:count])
+        assert not np.nan_to_num(shown[deepest + 1 :]).any()
+        assert axes.get_xlim() == pytest.approx([-0.5e6 * GRID.size[axis], 0.5e6 * GRID.size[axis]])
+        low, high = axes.get_ylim()
+        assert high == 0.0
+        assert low > 1e6 * zone.depth.value
+
+    def test_of_a_turned_domain_the_other_plane_is_the_same(self, path):
+        body = attrs.evolve(path[2].origin.scene, grid=rc.Grid(GRID.shape[::-1], GRID.size[::-1]))
+        turned = body.path(force=LOADS)
+        states = path[2], turned[2]
+        one, other = (self.draw(state, TotalStressPanel(axis=axis))[1] for axis, state in enumerate(states))
+        np.testing.assert_allclose(other, one, rtol=0.02)
+
+    def test_stress_is_that_of_the_responses_at_a_place(self, path):
+        row = 3
+        place = float(GRID.y[0, row])
+        for name, cls in (("residual-stress", ResidualStressPanel), ("total-stress", TotalStressPanel)):
+            axes, shown = self.draw(path[2], cls(position=place), dark=True)
+            stress = path[2].response(name).von_mises[:, :, row]
+            np.testing.assert_allclose(shown * {"MPa": 1e6, "GPa": 1e9}[axes.child_axes[0].get_ylabel()[-3:]], stress)
+        with pytest.raises(rc.InputError, match="within 55 µm of the centre"):
+            self.draw(path[2], TotalStressPanel(position="60um"))
+
+    def test_where_nothing_has_flowed_there_is_no_strain(self):
+        state = make_problem().solve(force="0.1N")
+        axes, shown = self.draw(state, "plastic-zone")
+        assert np.isnan(shown).all()
+        assert "nothing has flowed" in [text.get_text() for text in axes.get_legend().get_texts()][-1]
+        assert np.nanmax(self.draw(state, "total-stress")[1]) > 0.0
+
+    def test_other_contacts_have_none(self, path):
+        flat = rc.Body(rc.FlatSurface(), rc.Elastic("210GPa", 0.3))
+        elastic = rc.ContactProblem(BALL, flat, grid=GRID).solve(force=1.0)
+        for name in ("plastic-zone", "residual-stress", "total-stress"):
+            assert rc.panels[name].fits(path[0])
+            assert not rc.panels[name].fits(elastic)
+            with pytest.raises(rc.InputError, match="Neither body flows"):
+                elastic.plot(name)
 
 
 def test_hardenings_have_a_form():

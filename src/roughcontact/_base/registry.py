@@ -14,11 +14,11 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from importlib.metadata import EntryPoint, entry_points
 from types import MappingProxyType
-from typing import Any, Generic, TypeVar, get_type_hints
+from typing import Any, Generic, TypeVar, get_args, get_type_hints
 
 import attrs
 
-from roughcontact._base.arrays import Pair
+from roughcontact._base.arrays import Array, Pair
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 from roughcontact.errors.warning import warn
@@ -303,6 +303,11 @@ class PartField:
     def is_pair(self) -> bool:
         """Whether it is one number or two."""
         return bool(self.kind == Pair)
+
+    @property
+    def is_list(self) -> bool:
+        """Whether it is a list of numbers."""
+        return self.unit is not None and (Ellipsis in get_args(self.kind) or bool(self.kind == Array))
 
     @property
     def text_unit(self) -> str | None:

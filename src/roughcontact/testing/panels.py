@@ -19,6 +19,8 @@ _SUBJECTS = ("solution", "surface", "sweep")
 
 def _list_subjects(panel: Panel) -> Iterator[tuple[str, Any]]:
     """Yield the subjects on which a panel is tried, with their names; none if its kind of subject is unknown."""
+    if panel.needs_law is not None:
+        raise DoesNotApply(f"it draws states with the law {panel.needs_law.__name__} alone, of which the kit has none")
     rough = rough_contact(0.05)
     if panel.subject == "solution":
         names = "a rough surface", "a plastic rough surface on a free boundary", "a sphere", "full contact"

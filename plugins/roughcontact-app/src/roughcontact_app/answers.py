@@ -22,7 +22,7 @@ from roughcontact.faces import (
     tabulate_answers,
     write_column,
 )
-from roughcontact.results import AdhesionCycle, LoadPath
+from roughcontact.results import AdhesionCycle, LoadPath, Sweep
 from roughcontact.results import Path as StatePath
 from roughcontact.typing import Table, si
 
@@ -74,23 +74,39 @@ def describe_path(path: LoadPath, asked: Mapping[str, Sequence[Any]]) -> list[di
 
     `asked` is what responses have answered for each state, by their names.
     """
-    table = path.table()
+    rows = _describe_rows([path.table()])
+    answers = describe_solutions(path.states, asked)
+    return [
+        {**answer, "load": f"state {number}", "quantities": [*row, *answer["quantities"]]}
+        for number, (row, answer) in enumerate(zip(rows, answers, strict=True), start=1)
+    ]
+
+
+def describe_sweep(sweep: Sweep, asked: Mapping[str, Sequence[Any]]) -> list[dict[str, Any]]:
+    """Return the answer at each load, a first loading, with the numbers of the laws that its materials bring.
+
+    `asked` is what responses have answered, one for each solution, by their names.
+    """
+    answers = describe_solutions(sweep.states, asked)
+    if not any(addition.kind == "laws" for addition in sweep.states[0].added):
+        return answers
+    rows = _describe_rows([LoadPath(states=(one,), increments=(1,)).table() for one in sweep.states])
+    return [{**answer, "quantities": [*answer["quantities"], *row]} for row, answer in zip(rows, answers, strict=True)]
+
+
+def _describe_rows(tables: Sequence[Table]) -> list[list[dict[str, Any]]]:
+    """Return the numbers of the states in tables of the same columns, but for those that each answer has."""
+    units = tables[0].units
     columns = {
-        name.replace("_", " "): [_estimate(one, table.units.get(name, "")) for one in column]
-        for name, column in table.columns.items()
+        name.replace("_", " "): [_estimate(one, units.get(name, "")) for table in tables for one in table.columns[name]]
+        for name in tables[0].columns
         if name not in _IN_ANSWERS
     }
     texts = {name: write_column(column) for name, column in columns.items()}
+    count = sum(len(table.columns["force"]) for table in tables)
     return [
-        {
-            **answer,
-            "load": f"state {number + 1}",
-            "quantities": [
-                *(_describe(name, column[number], texts[name][number]) for name, column in columns.items()),
-                *answer["quantities"],
-            ],
-        }
-        for number, answer in enumerate(describe_solutions(path.states, asked))
+        [_describe(name, column[number], texts[name][number]) for name, column in columns.items()]
+        for number in range(count)
     ]
 
 

@@ -146,6 +146,9 @@ class CourseOutputs(PathOutputs[LoadPath]):
         yield self._write_path
         yield partial(self._offer_states, "pressure")
         yield partial(self._offer_states, "gap")
+        for name in _panels_of("solution", self.path[-1]):
+            if panels[name].needs_law is not None:
+                yield partial(self._offer_states, name)
         yield partial(_write_report, self.path, self.folder, self.asked)
         yield self._animate
 
@@ -234,7 +237,7 @@ def _panels_of(subject: str, solution: ContactSolution) -> list[str]:
         # A broken plug-in must not keep the others from being drawn.
         with contextlib.suppress(RoughContactError):
             panel = panels.create(name)
-            if panel.subject == subject and (solution.tension is not None or not panel.needs_adhesion):
+            if panel.subject == subject and panel.fits(solution):
                 found.append(name)
     first = [name for name in _FIRST[subject] if name in found]
     return first + [name for name in found if name not in first]

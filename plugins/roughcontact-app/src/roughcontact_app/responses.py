@@ -32,7 +32,7 @@ _LABELS = {
 
 @attrs.frozen
 class FormField:
-    """A field of a response on the page: its setting, its label, the kind of its quantity, and its first unit.
+    """A field of a part on the page: its setting, its label, the kind of its quantity, and its first unit.
 
     ``has_unit``: its text may state a unit.
     """

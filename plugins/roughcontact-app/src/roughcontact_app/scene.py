@@ -12,6 +12,7 @@ import numpy as np
 from roughcontact import (
     Boundary,
     ContactProblem,
+    CoupledProcess,
     Elastic,
     ElasticPerfectlyPlastic,
     Grid,
@@ -27,10 +28,12 @@ from roughcontact import (
     surfaces,
 )
 from roughcontact.errors import InputError, MissingPackage, RoughContactError
-from roughcontact.faces import TYPICAL, build_layer, build_problem, list_fields
+from roughcontact.faces import build_layer, build_problem, list_fields
 from roughcontact.solving import require_memory_of_solve
 from roughcontact.typing import Load, Pair, RawMap, read_raw
 
+from roughcontact_app.material_fields import read_material
+from roughcontact_app.materials import MATERIAL_FORMS, name_material
 from roughcontact_app.settings import (
     DEFAULTS,
     PREFIXES,
@@ -255,6 +258,22 @@ def _read_fields(settings: Settings, units: Mapping[str, str | None], prefix: st
     return found
 
 
+def require_solvable(settings: Settings, problem: ContactProblem) -> None:
+    """Raise `InputError` where what the material of a body does with its contact is not solved with the rest."""
+    for prefix, name in zip(PREFIXES, ("body", "counterbody"), strict=True):
+        material = getattr(problem, name).material
+        laws = material.bring_laws(name)
+        is_known = not laws and hasattr(material, "poisson")
+        if settings["load"] == "fretting" and settings[f"{prefix}material"] in MATERIAL_FORMS and not is_known:
+            words = name_material(settings[f"{prefix}material"])
+            sentence = f"Friction with the material '{words}' is not known: choose another material, or another load."
+            raise WrongSetting(sentence, f"{prefix}material")
+        for law in laws:
+            if isinstance(law, CoupledProcess):
+                with reading(f"{prefix}material"):
+                    law.start(problem)
+
+
 def make_loads(settings: Settings, problem: ContactProblem) -> tuple[Load, ...]:
     """Return the loads that the bodies can carry, or raise `InputError`.
 
@@ -378,11 +397,15 @@ def _make_synthetic(settings: Settings) -> Surface:
 
 
 def _describe_material(settings: Settings, prefix: str, whose: str) -> dict[str, Any]:
-    if settings[f"{prefix}material"] == "viscoelastic":
+    kind = settings[f"{prefix}material"]
+    if kind != "elastic":
         for name in PREFIXES:
             if settings[f"{name}layers"] != "0":
-                sentence = "Layers beside a viscoelastic body are not known: choose no layers, or another material."
-                raise WrongSetting(sentence, f"{name}layers")
+                sentence = f"Layers beside a {name_material(kind)} body are not known: choose no layers, or another "
+                raise WrongSetting(f"{sentence}material.", f"{name}layers")
+    if kind in MATERIAL_FORMS:
+        return read_material(settings, prefix, whose)
+    if kind == "viscoelastic":
         series: dict[str, Any] = {
             "moduli": list_values(settings, f"{prefix}moduli", f"moduli of {whose}", "modulus"),
             "times": list_values(settings, f"{prefix}relaxation", f"relaxation times of {whose}", "time"),
@@ -395,16 +418,3 @@ def _describe_material(settings: Settings, prefix: str, whose: str) -> dict[str,
     with reading(f"{prefix}poisson"):
         Elastic(material["young"], material["poisson"])
     return material
-
-
-def list_materials() -> dict[str, list[str]]:
-    """Return Young's modulus, GPa, Poisson's ratio and hardness, GPa, of typical materials, as texts for the form."""
-    return {
-        name: [
-            f"{1e-9 * one.young:g}",
-            f"{one.poisson:g}",
-            f"{1e-9 * one.hardness:g}" if isinstance(one, ElasticPerfectlyPlastic) else "",
-        ]
-        for name, one in TYPICAL.items()
-        if isinstance(one, (Elastic, ElasticPerfectlyPlastic))
-    }

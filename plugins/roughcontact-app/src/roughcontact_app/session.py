@@ -15,9 +15,11 @@ from roughcontact.errors import InputError
 from roughcontact_app.folder import PrivateFolder
 from roughcontact_app.jobs import Jobs
 from roughcontact_app.laws import LAW_BOXES
+from roughcontact_app.material_fields import list_typical
+from roughcontact_app.materials import MATERIAL_FORMS
 from roughcontact_app.page import Page
 from roughcontact_app.responses import TICK_BOXES
-from roughcontact_app.scene import EXAMPLES, list_materials
+from roughcontact_app.scene import EXAMPLES
 from roughcontact_app.settings import DEFAULTS, Settings, read_settings
 from roughcontact_app.uploads import StoredFile, Uploads, known_endings
 
@@ -56,7 +58,8 @@ class Session:
         return {
             "defaults": DEFAULTS,
             "examples": list(EXAMPLES),
-            "materials": list_materials(),
+            "typical": list_typical(),
+            "materials": [attrs.asdict(form) for form in MATERIAL_FORMS.values()],
             "endings": known_endings(),
             "responses": [attrs.asdict(box) for box in TICK_BOXES.values()],
             "laws": [attrs.asdict(box) for box in LAW_BOXES.values()],

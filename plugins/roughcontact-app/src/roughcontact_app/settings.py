@@ -16,6 +16,7 @@ from roughcontact.typing import quantity as reader_of
 from roughcontact.typing import si
 
 from roughcontact_app.laws import LAW_BOXES
+from roughcontact_app.materials import MATERIAL_FORMS, list_material_choices, list_material_defaults
 from roughcontact_app.responses import TICK_BOXES, TickBox, list_choices, list_defaults
 from roughcontact_app.words import end_sentence
 
@@ -121,6 +122,7 @@ DEFAULTS: dict[str, str] = {
     "boundary": "free",
     **{name: text for prefix in PREFIXES for name, text in _split_units(_OF_FILE | _OF_MATERIAL, prefix).items()},
     **{name: text for prefix in PREFIXES for name, text in list_layer_defaults(prefix).items()},
+    **{f"{prefix}{name}": text for prefix in PREFIXES for name, text in list_material_defaults(MATERIAL_FORMS).items()},
     **list_defaults([*TICK_BOXES.values(), *LAW_BOXES.values()]),
     "scheme": "light",
 }
@@ -131,7 +133,8 @@ _CHOICES_OF_BODY = {
     "non_measured": ("refuse", "fill", "keep"),
     "form": ("none", "plane", "quadratic", "sphere"),
     "layers": tuple(map(str, range(MOST_LAYERS + 1))),
-    "material": ("elastic", "viscoelastic"),
+    "material": ("elastic", "viscoelastic", *MATERIAL_FORMS),
+    **list_material_choices(MATERIAL_FORMS),
 }
 _CHOICES = {
     "surface": ("example", "file", "self-affine", "wavy", "sphere"),
@@ -207,6 +210,11 @@ def plain(settings: Settings, name: str, label: str) -> float:
         return float(_decimal(settings[name], label))
 
 
+def plain_or_text(text: str, label: str, *, has_unit: bool) -> float | str:
+    """Return a number, or a text with a unit, which is read as on the command line."""
+    return text if has_unit and _WITH_UNIT.fullmatch(text) else float(_decimal(text, label))
+
+
 def quantity(
     settings: Settings,
     name: str,
@@ -222,6 +230,12 @@ def quantity(
         return _quantity(
             settings[name], label, kind, _unit(settings, unit or f"{name}_unit", kind), zero, signed=signed
         )
+
+
+def write_quantity(value: float, unit: str = "") -> str:
+    """Return a number in SI units as the text of a setting, in one of the units that the page offers."""
+    exponent = next((known[unit] for known in UNITS.values() if unit in known), 0)
+    return f"{float(Decimal(repr(float(value))).scaleb(-exponent)):.12g}"
 
 
 def whole(settings: Settings, name: str, label: str) -> int:
@@ -270,19 +284,25 @@ def path_values(settings: Settings) -> tuple[dict[str, Any], dict[str, Any], flo
     return {settings["load"]: loads if len(loads) > 1 else loads[0]}, passed, accuracy
 
 
-def list_values(settings: Settings, name: str, several: str, kind: str) -> list[float]:
-    """Return the numbers of a setting in SI units; one that states its own unit is read as on the command line."""
+def list_values(settings: Settings, name: str, several: str, kind: str = "", *, signed: bool = False) -> list[float]:
+    """Return the numbers of a setting in SI units; one that states its own unit is read as on the command line.
+
+    Without a kind they are numbers without a unit.
+    """
     with reading(name):
         texts = _BETWEEN_NUMBERS.split(settings[name].strip("; \t"))
         if len(texts) > _MOST_LOADS:
             raise InputError.about(f"The number of {several}", len(texts), f"at most {_MOST_LOADS}")
+        label = f"Each of the {several}"
+        if not kind:
+            return [float(_decimal(text, label)) for text in texts]
         unit = _unit(settings, f"{name}_unit", kind)
-        return [_read_value(text, f"Each of the {several}", kind, unit) for text in texts]
+        return [_read_value(text, label, kind, unit, signed=signed) for text in texts]
 
 
-def _read_value(text: str, label: str, kind: str, unit: str) -> float:
+def _read_value(text: str, label: str, kind: str, unit: str, *, signed: bool) -> float:
     if not _WITH_UNIT.fullmatch(text):
-        return _quantity(text, label, kind, unit, True)
+        return _quantity(text, label, kind, unit, True, signed=signed)
     try:
         return reader_of(next(iter(UNITS[kind])))(text)
     except argparse.ArgumentTypeError as error:
@@ -370,11 +390,7 @@ def _fields_of(settings: Settings, box: TickBox) -> dict[str, Any]:
         with reading(field.setting):
             if len(texts) > _PAIR:
                 raise InputError(f"{label} has {len(texts)} numbers: give one, or one for each of both bodies.")
-            # A text with a unit is read as on the command line.
-            numbers = [
-                text if field.has_unit and _WITH_UNIT.fullmatch(text) else float(_decimal(text, label))
-                for text in texts
-            ]
+            numbers = [plain_or_text(text, label, has_unit=field.has_unit) for text in texts]
         found[field.name] = numbers if len(numbers) > 1 else numbers[0]
     return found
 

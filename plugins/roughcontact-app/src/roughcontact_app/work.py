@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
-from roughcontact import ContactProblem, ContactSolution, FrictionalPath, ProjectedConjugateGradient
+from roughcontact import ContactProblem, ContactSolution, CoupledProcess, FrictionalPath, ProjectedConjugateGradient
 from roughcontact.errors import InputError, RoughContactError
 from roughcontact.faces import prepare_path, run_sweep
 from roughcontact.plotting import panels
@@ -21,7 +21,7 @@ from roughcontact_app.answers import (
     describe_cycle,
     describe_fretting,
     describe_path,
-    describe_solutions,
+    describe_sweep,
     list_warnings,
 )
 from roughcontact_app.outputs import CourseOutputs, Outputs, PathOutputs, draw
@@ -29,7 +29,16 @@ from roughcontact_app.preview import describe as describe_surface
 from roughcontact_app.progress import Progress
 from roughcontact_app.responses import ask, ask_states
 from roughcontact_app.roughness import describe_roughness
-from roughcontact_app.scene import Scene, ShownSurface, Upload, inspect_file, make_loads, make_problem, make_scene
+from roughcontact_app.scene import (
+    Scene,
+    ShownSurface,
+    Upload,
+    inspect_file,
+    make_loads,
+    make_problem,
+    make_scene,
+    require_solvable,
+)
 from roughcontact_app.settings import (
     PREFIXES,
     Settings,
@@ -53,12 +62,18 @@ _CORRECTED = (
     "transform timed here, "
     "corrected by the runs before."
 )
+_TOGETHER = (
+    "The time is that of the solve, without what is ticked, pictures and report. What the material changes is solved "
+    "together with the contact, in steps that it finds itself: it may be a fifth or five times that."
+)
 
 # Time that a solve takes at least, s; and that of a fretting cycle, of unlike and of like materials: at least, s, and
 # over what more a solve takes. Measured on balls and rough surfaces of 64 to 512 cells along a side.
 _MINIMUM_OF_SOLVE = 0.1
 _COST_UNLIKE = (2.0, 450.0)
 _COST_LIKE = (0.4, 70.0)
+# The same of a process that is solved together with the contact: 500 to 6000 of balls on steel that flows below them.
+_COST_COUPLED = (0.3, 1800.0)
 # Increments of a step that a path with friction takes at most; and what another path takes from one time or sliding
 # distance to the next, over a solve: 5.9 and 6.5 on rough surfaces of 512 cells along a side, less on smaller ones.
 _MOST_INCREMENTS = 16
@@ -164,12 +179,13 @@ def _plan(settings: Settings, uploads: Uploads, calibration: float) -> dict[str,
     problem, loads = _prepare(settings, uploads)
     asked_responses(settings)
     plan = problem.plan
+    together = _has_coupled(problem)
     return {
         "loads": [str(load) for load in loads],
         "solves": _count_solves(settings, problem, loads),
-        "seconds": calibration * _estimate_seconds(settings, problem, loads),
+        "seconds": (1.0 if together else calibration) * _estimate_seconds(settings, problem, loads),
         "memory": f"{binary(plan.memory_at(0.0))} at light contact, at most {binary(plan.memory)}",
-        "basis": _BASIS if calibration == 1.0 else _CORRECTED,
+        "basis": _TOGETHER if together else _BASIS if calibration == 1.0 else _CORRECTED,
         "text": str(problem.explain()),
         "warnings": [end_sentence(text) for text in plan.warnings],
     }
@@ -178,6 +194,7 @@ def _plan(settings: Settings, uploads: Uploads, calibration: float) -> dict[str,
 def _prepare(settings: Settings, uploads: Uploads) -> tuple[ContactProblem, tuple[Load, ...]]:
     """Return the problem, of a path with the laws that its materials bring, and its loads."""
     problem = make_problem(settings, _scene(settings, uploads))
+    require_solvable(settings, problem)
     if not is_path(settings):
         return problem, make_loads(settings, problem)
     normal, passed, accuracy = path_values(settings)
@@ -205,7 +222,7 @@ def _solve(settings: Settings, uploads: Uploads, folder: Path, send: Send) -> di
     outputs: Outputs | PathOutputs[Any]
     if isinstance(result, Sweep):
         asked, problems = ask(asked_responses(settings), result.states)
-        answers = describe_solutions(result.states, asked)
+        answers = describe_sweep(result, asked)
         outputs = Outputs(result, asked, answers, folder, dark)
     elif isinstance(result, LoadPath):
         asked, problems = ask_states(asked_responses(settings), result.states)
@@ -217,8 +234,9 @@ def _solve(settings: Settings, uploads: Uploads, folder: Path, send: Send) -> di
         describe: Callable[..., dict[str, Any]] = describe_cycle if is_cycle else describe_fretting
         answers = [describe(result, asked)]
         outputs = PathOutputs(result, asked, "cycle" if is_cycle else "loop", folder, dark)
-    # The cost of a fretting cycle and of a path depends on the answer: it says nothing of the time of other runs.
-    ratio = ratio if isinstance(result, (Sweep, AdhesionCycle)) else None
+    # The cost of a fretting cycle, of a path and of a coupled process depends on the answer: it says nothing of the
+    # time of other runs.
+    ratio = ratio if isinstance(result, (Sweep, AdhesionCycle)) and not _has_coupled(problem) else None
     found = {"answers": answers, "warnings": [*list_warnings(answers), *problems]}
     send({"phase": "drawing", "text": "Pictures and tables follow.", "ratio": ratio, **found})
     return {"notes": _write_all(outputs, send)}
@@ -243,13 +261,21 @@ def list_forces(problem: ContactProblem, most: float) -> list[tuple[float, float
 
 
 def _estimate_seconds(settings: Settings, problem: ContactProblem, loads: tuple[Load, ...]) -> float:
+    seconds = problem.plan.seconds
+    if _has_coupled(problem):
+        minimum, ratio = _COST_COUPLED
+        seconds = minimum + ratio * max(seconds - _MINIMUM_OF_SOLVE, 0.0)
     if is_path(settings):
         passes = bool(settings["time"] or settings["sliding"])
-        return len(loads) * (_INCREMENTS if passes else 1) * problem.plan.seconds
+        return len(loads) * (_INCREMENTS if passes else 1) * seconds
     if settings["load"] != "fretting":
-        return _count_solves(settings, problem, loads) * problem.plan.seconds
+        return _count_solves(settings, problem, loads) * seconds
     minimum, ratio = _COST_UNLIKE if _are_unlike(problem) else _COST_LIKE
-    return minimum + ratio * max(problem.plan.seconds - _MINIMUM_OF_SOLVE, 0.0)
+    return minimum + ratio * max(seconds - _MINIMUM_OF_SOLVE, 0.0)
+
+
+def _has_coupled(problem: ContactProblem) -> bool:
+    return any(isinstance(law, CoupledProcess) for law in problem.laws)
 
 
 def _are_unlike(problem: ContactProblem) -> bool:

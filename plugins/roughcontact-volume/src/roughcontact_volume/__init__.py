@@ -10,6 +10,7 @@ from roughcontact_volume.layered_stress import LayeredStress
 from roughcontact_volume.material_field import MaterialField, draw_moduli
 from roughcontact_volume.operators import VolumeOperators
 from roughcontact_volume.own_yield import FindOwnYield
+from roughcontact_volume.panels import PlasticZonePanel, ResidualStressPanel, TotalStressPanel
 from roughcontact_volume.plastic import Plastic
 from roughcontact_volume.plastic_zone import FindImprint, FindPlasticZone, Imprint, PlasticZone
 from roughcontact_volume.shakedown import Passes, judge_passes
@@ -37,12 +38,15 @@ __all__ = [
     "Plastic",
     "PlasticFlow",
     "PlasticZone",
+    "PlasticZonePanel",
     "ResidualStress",
+    "ResidualStressPanel",
     "Shape",
     "Sphere",
     "StrainedRegion",
     "SwiftHardening",
     "TabulatedHardening",
+    "TotalStressPanel",
     "VoceHardening",
     "VolumeOperators",
     "draw_moduli",

@@ -6,10 +6,12 @@ from typing import Any
 
 import numpy as np
 import roughcontact as rc
+from roughcontact.errors import argument
 
 from roughcontact_volume.yielding import Yielding
 
 _KERNELS = (rc.Love, rc.FourierHalfSpace)
+_INCOMPRESSIBLE = 0.5
 
 
 def require_possible(problem: Any) -> None:
@@ -22,10 +24,14 @@ def require_possible(problem: Any) -> None:
     if any(np.isfinite(np.asarray(material.pressure_limit)).any() for material in materials):
         raise rc.InputError(
             "A hardness beside a Plastic body would count its flow twice, as the limit of the pressure that the flow "
-            "below the surface gives by itself: make the other body Elastic."
+            "below the surface gives by itself: omit the hardness."
         )
     if any(isinstance(material, rc.Viscoelastic) for material in materials):
         raise rc.InputError("Plastic flow is not solved together with relaxation: make the other body Elastic.")
+    if problem.adhesion is not None:
+        raise rc.InputError(f"Plastic flow is not solved with {argument('adhesion')}: omit one of them.")
+    if any(isinstance(material, Yielding) and material.poisson >= _INCOMPRESSIBLE for material in materials):
+        raise rc.InputError("Plastic flow is solved for a Poisson's ratio below 0.5, such as 0.49: choose that.")
     _require_half_space(problem, "make the body Elastic")
     if problem.boundary is rc.Boundary.WRAPPED:
         raise rc.InputError(
@@ -33,7 +39,7 @@ def require_possible(problem: Any) -> None:
             "choose 'free' or 'periodic'."
         )
     if len(problem.laws) > 1:
-        others = ", ".join(repr(law) for law in problem.laws if not law.of_material)
+        others = ", ".join(rc.laws.name_of(type(law)) or repr(law) for law in problem.laws if not law.of_material)
         raise rc.InputError(f"Plastic flow is not solved together with other laws: omit {others}.")
 
 

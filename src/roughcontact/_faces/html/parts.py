@@ -60,7 +60,7 @@ class Picture:
 def draw_panels(kind: str, subject: ContactSolution | Sweep) -> Iterator[Picture]:
     """Yield each registered panel of a kind of subject; a panel that refuses or fails says why."""
     solution = subject if isinstance(subject, ContactSolution) else subject.states[0]
-    names = (name for name in panels if _draws(name, kind, solution.tension is not None))
+    names = (name for name in panels if _draws(name, kind, solution))
     first = _PANEL_ORDER[kind]
     for name in sorted(names, key=lambda name: (first.index(name) if name in first else len(first), name)):
         caption = (inspect.getdoc(panels[name]) or name).partition("\n\n")[0].replace("\n", " ")
@@ -79,9 +79,9 @@ def draw_curve(subject: StatePath) -> Picture:
     return picture
 
 
-def _draws(name: str, kind: str, attracts: bool) -> bool:
+def _draws(name: str, kind: str, solution: ContactSolution) -> bool:
     try:
-        return panels[name].subject == kind and (attracts or not panels[name].needs_adhesion)
+        return panels[name].subject == kind and panels[name].fits(solution)
     # A plug-in that cannot be imported.
     except Exception:
         return False

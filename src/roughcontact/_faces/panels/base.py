@@ -7,6 +7,7 @@ from typing import Any, ClassVar
 
 from roughcontact._base.checks import Part
 from roughcontact._base.registry import Registry
+from roughcontact._solve.solution import Law
 
 
 class Panel(Part, abc.ABC):
@@ -18,6 +19,8 @@ class Panel(Part, abc.ABC):
         The kind of subject: ``"solution"``, ``"surface"`` (then `draw` gets a `SampledSurface`) or ``"sweep"``.
     needs_adhesion
         Whether it draws only surfaces that attract each other.
+    needs_law
+        Class of the laws of which it draws what they have changed, of states with such a law alone; None without one.
 
     Examples
     --------
@@ -31,6 +34,14 @@ class Panel(Part, abc.ABC):
 
     subject: ClassVar[str] = "solution"
     needs_adhesion: ClassVar[bool] = False
+    needs_law: ClassVar[type[Law] | None] = None
+
+    @classmethod
+    def fits(cls, solution: Any) -> bool:
+        """Return whether a `ContactSolution`, or the first one of a sweep, has what it needs."""
+        laws = [law for addition in solution.added for law in getattr(addition, "laws", ())]
+        has_law = cls.needs_law is None or any(isinstance(law, cls.needs_law) for law in laws)
+        return has_law and (solution.tension is not None or not cls.needs_adhesion)
 
     @abc.abstractmethod
     def draw(self, subject: Any, axes: Any) -> None:

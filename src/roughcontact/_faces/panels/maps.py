@@ -10,7 +10,7 @@ import numpy as np
 from roughcontact._answers.areas import LevelSet
 from roughcontact._base.arrays import Array, Mask
 from roughcontact._base.units import prefixed
-from roughcontact._faces.panels.curves import add_key
+from roughcontact._faces.panels.curves import add_key, scale_axes
 from roughcontact._faces.panels.theme import plain_logarithms, theme_of
 from roughcontact._parts.grid import Grid
 from roughcontact._solve.solution import ContactSolution
@@ -18,6 +18,9 @@ from roughcontact.errors.door import guarded
 
 # Ratio of the sides above which a domain is not drawn in true proportions: too narrow to be seen.
 _MAX_TRUE_ASPECT = 6.0
+# The same of a plane over the depth, beside which a colour bar stands, and its ratio where it is not true.
+_MAX_TRUE_SHALLOWNESS = 3.5
+_SHALLOW_ASPECT = 2.0
 # Percentiles between which the colours lie if a few pits or spikes would use most of them: where the range of all
 # values is more than this ratio times the range between the percentiles.
 _COLOR_PERCENTILES = (0.1, 99.9)
@@ -108,6 +111,47 @@ def draw_map(
     return image
 
 
+@guarded
+def draw_section(
+    axes: Any, values: Array, grid: Grid, interfaces: Array, label: str, unit: str, *, axis: int = 0
+) -> Any:
+    """Draw a field of layers below a surface in a plane over the depth, with a colour bar from zero, and return it.
+
+    Proportions are true unless the plane is too shallow to be seen so.
+
+    Parameters
+    ----------
+    axes
+        Axes of matplotlib.
+    values
+        The field, at least zero, shape (layers, cells along the plane), in SI units; NaN where nothing is drawn.
+    grid
+        The cells of a layer.
+    interfaces
+        Depths between the layers, from the surface on, shape (layers + 1,), m.
+    label, unit
+        Name of the field, and its SI unit, empty without one, for the colour bar.
+    axis
+        0 for a plane along x, 1 for one along y.
+    """
+    half = 0.5 * grid.size[axis]
+    length, length_unit = length_scale(grid)
+    highest = float(np.nanmax(values, initial=0.0))
+    factor, named = prefixed(highest, unit) if unit else (1.0, "")
+    ends = length * np.linspace(-half, half, values.shape[1] + 1)
+    depths = length * interfaces
+    image = axes.pcolormesh(
+        ends, depths, factor * values, cmap="viridis", vmin=0.0, vmax=factor * highest or 1.0, rasterized=True
+    )
+    scale_axes(axes, x=f"{'xy'[axis]}, {length_unit}", y=f"depth, {length_unit}")
+    axes.grid(False)
+    axes.set(xlim=(ends[0], ends[-1]), ylim=(depths[-1], 0.0))
+    ratio = 2.0 * half / float(interfaces[-1])
+    axes.set_aspect(1.0 if ratio <= _MAX_TRUE_SHALLOWNESS else ratio / _SHALLOW_ASPECT)
+    add_colorbar(axes, image, f"{label}, {named}" if named else label, "neither")
+    return image
+
+
 def _find_limits(values: Array, limits: tuple[float, float] | None, logarithmic: bool) -> tuple[float, float, str]:
     known = values[np.isfinite(values)]
     if not known.size:
@@ -142,7 +186,8 @@ def add_colorbar(axes: Any, image: Any, label: str, extend: str) -> None:
     else:
         left, right = axes.get_xlim()
         low, high = axes.get_ylim()
-        ratio = (right - left) / (high - low) if axes.get_aspect() == 1.0 else 1.0
+        # The depth of a section grows downwards.
+        ratio = (right - left) / abs(high - low) if axes.get_aspect() == 1.0 else 1.0
         width = _COLORBAR_WIDTH / ratio**0.5
         bar = figure.colorbar(image, cax=axes.inset_axes((1.0 + 0.6 * width, 0.0, width, 1.0)), extend=extend)
     if isinstance(image.norm, LogNorm):

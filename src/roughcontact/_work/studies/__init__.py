@@ -17,6 +17,7 @@ from roughcontact._work.studies.coatings import LAYERED as LAYERED
 from roughcontact._work.studies.coatings import find_layer_class as find_layer_class
 from roughcontact._work.studies.form import Form as Form
 from roughcontact._work.studies.form import build_problem as build_problem
+from roughcontact._work.studies.form import find_parts as find_parts
 from roughcontact._work.studies.record import Record as Record
 from roughcontact._work.studies.result import StudyNames as StudyNames
 from roughcontact._work.studies.result import StudyResult as StudyResult

@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import inspect
 from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from pathlib import Path
 from types import NoneType, UnionType
 from typing import Any, TypeVar, Union, get_args, get_origin
@@ -80,7 +81,7 @@ class Form:
         return None
 
     def _read(self, kind: Any, value: Any, place: str) -> Any:
-        if get_origin(kind) in (Union, UnionType):
+        if _is_union(kind):
             members = [one for one in get_args(kind) if one is not NoneType]
             if value is None or (value == "auto" and str in members):
                 return value
@@ -272,6 +273,42 @@ def build_problem(table: Mapping[str, Any]) -> ContactProblem:
         is_sentence = str(error).endswith((".", "..."))
         raise error if is_sentence else InputError(f"The table of the problem cannot be used: {error.marked}.")
     return problem
+
+
+@guarded
+def find_parts(kind: Any) -> dict[str, type]:
+    """Return the classes that a field of a part may hold, by registered name; empty where it holds no part.
+
+    A class that is of no registered kind, such as the hardening of a material, may be listed under the entry points
+    ``roughcontact.parts``. Plug-ins that cannot be loaded are omitted.
+
+    Parameters
+    ----------
+    kind
+        The type by which the field is annotated: `PartField.kind`.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> rc.faces.find_parts(rc.Surface)["sphere"].__name__
+    'SphereSurface'
+    """
+    members = [one for one in get_args(kind) if one is not NoneType] if _is_union(kind) else [kind]
+    found = {}
+    for base in (one for one in members if isinstance(one, type) and get_origin(one) is None):
+        registry = _registry_of(base)
+        if registry is None and not _is_inner_part(base):
+            continue
+        for name in parts if registry is None else registry:
+            with suppress(InputError):
+                cls = parts[name] if registry is None else registry[name]
+                if issubclass(cls, base):
+                    found[name] = cls
+    return found
+
+
+def _is_union(kind: Any) -> bool:
+    return get_origin(kind) in (Union, UnionType)
 
 
 def join(place: str, name: str) -> str:

@@ -216,7 +216,7 @@ function listen() {
 async function begin() {
   try {
     const start = await get("api/start");
-    settings.prepare(start.defaults, start.examples, start.materials, start.responses, start.laws);
+    settings.prepare(start);
     for (const file of files) file.input.accept = start.endings.join(",");
   } catch (error) {
     showNoSurface(error.message);

@@ -19,8 +19,9 @@ UNITS.cycle = UNITS.fretting = UNITS.pressure;
 const FIRST_LOADS = { pressure: ["100", "MPa"], force: ["1", "N"], approach: ["0.1", "um"], cycle: ["100", "MPa"], fretting: ["100", "MPa"] };
 const FORMS = { plane: "its plane", quadratic: "its form of second degree", sphere: "its sphere" };
 let defaults = {};
-// Young's modulus, GPa, Poisson's ratio and hardness, GPa, of typical materials by name.
-let materials = {};
+// Settings of typical materials by name, and what the page asks for of materials of plug-ins.
+let typical = {};
+let materials = [];
 
 export const darkness = matchMedia("(prefers-color-scheme: dark)");
 
@@ -29,55 +30,66 @@ function fill(select, options) {
 }
 
 // The page's own first values are those of the server, so that the link can omit them.
-export function prepare(first, examples, typical, responses, laws) {
-  materials = typical;
+export function prepare(start) {
+  ({ typical, materials } = start);
   copyFieldsOfMap();
+  for (const one of materials) addMaterial(one);
+  copyFieldsOfBody();
   for (const place of form.querySelectorAll("[data-layers]")) addLayers(place);
-  for (const one of responses) addTickBox("responses", one);
-  for (const one of laws) addTickBox("laws", one);
-  fill(form.elements.example, Object.fromEntries(examples.map((name) => [name, name.replaceAll("_", " ")])));
+  for (const one of start.responses) addTickBox("responses", one);
+  for (const one of start.laws) addTickBox("laws", one);
+  fill(form.elements.example, Object.fromEntries(start.examples.map((name) => [name, name.replaceAll("_", " ")])));
   for (const select of form.querySelectorAll("[data-units]")) fill(select, UNITS[select.dataset.units]);
-  for (const select of form.querySelectorAll("[data-preset]")) {
-    fill(select, { "": "choose", ...Object.fromEntries(Object.keys(materials).map((name) => [name, name])) });
-    select.addEventListener("change", () => choosePreset(select));
-  }
-  defaults = first;
+  for (const select of form.querySelectorAll("[data-preset]")) select.addEventListener("change", () => choosePreset(select));
+  defaults = start.defaults;
   write({});
 }
 
-function choosePreset(select) {
-  const values = materials[select.value];
-  if (!values) return;
-  const prefix = select.dataset.preset;
-  form.elements[`${prefix}young`].value = values[0];
-  form.elements[`${prefix}young_unit`].value = "GPa";
-  form.elements[`${prefix}poisson`].value = values[1];
-  form.elements[`${prefix}hardness`].value = values[2];
-  form.elements[`${prefix}hardness_unit`].value = "GPa";
+function choosePreset({ value, dataset: { preset: prefix } }) {
+  for (const [name, text] of Object.entries(typical[value] || {})) setText(form.elements[prefix + name], text);
 }
 
-// A name stands only beside its own numbers.
+// Typical values of the material that is chosen; a name stands only beside its own numbers.
 function showPresets() {
   for (const select of form.querySelectorAll("[data-preset]")) {
-    const text = (name) => form.elements[`${select.dataset.preset}${name}`].value.trim();
-    const found = Object.entries(materials).find(([, [young, poisson, hardness]]) =>
-      text("young") === young && text("poisson") === poisson && text("hardness") === hardness &&
-      text("young_unit") === "GPa" && (!hardness || text("hardness_unit") === "GPa"));
-    select.value = found ? found[0] : "";
+    const text = (name) => textOf(form.elements[select.dataset.preset + name]).trim();
+    const fitting = Object.keys(typical).filter((name) => typical[name].material === text("material"));
+    const names = ["", ...fitting];
+    if (names.join() !== [...select.options].map((option) => option.value).join()) {
+      fill(select, Object.fromEntries(names.map((name) => [name, name || "choose"])));
+    }
+    // The unit of an empty field does not count.
+    const isEmpty = (values, name) => name.endsWith("_unit") && !values[name.replace(/_unit$/, "")];
+    const holds = (values) => Object.keys(values).every((name) => isEmpty(values, name) || text(name) === values[name]);
+    select.value = fitting.find((name) => holds(typical[name])) || "";
+    select.closest(".field").hidden = !fitting.length;
   }
 }
 
-// The second map has the fields of the first, whose names begin with its prefix.
+// The counterbody and its map have the fields of the body, whose names begin with its prefix.
 const OTHER = "counterbody_";
+
+function copyField(field) {
+  const copy = field.cloneNode(true);
+  for (const part of [copy, ...copy.querySelectorAll("*")]) {
+    for (const name of ["id", "name", "for", "aria-describedby", "data-when"]) {
+      if (part.hasAttribute(name)) part.setAttribute(name, OTHER + part.getAttribute(name));
+    }
+    if (part.dataset.preset !== undefined) part.dataset.preset = OTHER;
+    if (part.hasAttribute("aria-label")) part.setAttribute("aria-label", `${part.getAttribute("aria-label")} of the counterbody`);
+  }
+  return copy;
+}
+
+function copyFieldsOfBody() {
+  for (const field of form.querySelectorAll("#material-fields > :not(legend, [data-layers])")) {
+    document.getElementById(`${OTHER}material-fields`).append(copyField(field));
+  }
+}
 
 function copyFieldsOfMap() {
   for (const field of form.querySelectorAll("[data-map]")) {
-    const copy = field.cloneNode(true);
-    for (const part of [copy, ...copy.querySelectorAll("*")]) {
-      for (const name of ["id", "name", "for", "aria-describedby"]) {
-        if (part.hasAttribute(name)) part.setAttribute(name, OTHER + part.getAttribute(name));
-      }
-    }
+    const copy = copyField(field);
     copy.dataset.when = `${OTHER}surface=file`;
     copy.dataset.map = OTHER;
     document.getElementById(`${OTHER}fields`).append(copy);
@@ -119,18 +131,46 @@ function addTickBox(place, { setting, label, summary, fields, axis }) {
   words.append(element("b", label), element("span", summary, { class: "help" }));
   line.append(element("input", "", { type: "checkbox", name: setting, value: "yes" }), words);
   const below = element("div", "", { "data-when": `${setting}=yes`, class: "ticked" });
-  for (const one of fields) {
-    const row = element("span", "", { class: "row" });
-    row.append(element("input", "", { id: one.setting, name: one.setting, inputmode: "decimal" }));
-    if (one.kind) row.append(element("select", "", { name: `${one.setting}_unit`, "aria-label": `Unit of the ${one.label}`, "data-units": one.kind }));
-    below.append(labelled(one.setting, one.label, row));
-  }
+  for (const one of fields) below.append(numberField(one));
   if (axis) {
     const select = element("select", "", { id: axis, name: axis });
     fill(select, { x: "x", y: "y" });
     below.append(labelled(axis, "Axis", select));
   }
   document.getElementById(place).append(line, ...(below.children.length ? [below] : []));
+}
+
+// The field of a number, or of several.
+function numberField({ setting, label, kind }, inputmode = "decimal") {
+  const row = element("span", "", { class: "row" });
+  row.append(element("input", "", { id: setting, name: setting, inputmode }));
+  if (kind) row.append(element("select", "", { name: `${setting}_unit`, "aria-label": `Unit of the ${label}`, "data-units": kind }));
+  return labelled(setting, label, row);
+}
+
+// A material of a plug-in, whose fields stand below the choice of the material, beside those that many have.
+function addMaterial({ name, label, summary, shared, fields }) {
+  form.elements.material.append(new Option(label, name));
+  for (const field of shared) form.querySelector(`[data-shared=${field}]`).dataset.when += ` ${name}`;
+  const place = element("div", "", { "data-when": `material=${name}` });
+  place.append(summarized(summary), ...fields.flatMap(partFields));
+  document.getElementById("other-materials").append(place);
+}
+
+const summarized = (text) => element("p", `${text[0].toUpperCase()}${text.slice(1)}.`, { class: "help summary" });
+
+// The field of a number or a list, or the choice of a part with the fields of each.
+function partFields({ field, is_needed: isNeeded, is_list: isList, parts }) {
+  if (!parts.length) return [numberField(isList ? { ...field, label: `${field.label}: several, with blanks between them` } : field, isList ? "text" : "decimal")];
+  const { setting, label } = field;
+  const select = element("select", "", { id: setting, name: setting });
+  fill(select, { ...(isNeeded ? {} : { none: "none" }), ...Object.fromEntries(parts.map((part) => [part.name, part.label])) });
+  const below = parts.map((part) => {
+    const made = element("div", "", { "data-when": `${setting}=${part.name}`, class: "ticked" });
+    made.append(summarized(part.summary), ...part.fields.flatMap(partFields));
+    return made;
+  });
+  return [labelled(setting, label, select), ...below];
 }
 
 function labelled(id, text, control) {
@@ -210,7 +250,8 @@ const needsOf = (facts) => facts && {
 export function showFields(facts) {
   for (const part of form.querySelectorAll("[data-when]")) {
     const [name, values] = part.dataset.when.split("=");
-    const wanted = values.split(" ").includes(textOf(form.elements[name]));
+    // A registered name may have blanks.
+    const wanted = ` ${values} `.includes(` ${textOf(form.elements[name])} `);
     part.hidden = !wanted || (part.dataset.need !== undefined && !needsOf(facts[part.dataset.map])?.[part.dataset.need]);
   }
   showPresets();
@@ -283,12 +324,27 @@ function describeOther(values, of) {
   return parts.join(" ");
 }
 
+// What is given of the fields of a part, in words.
+function describeFields(fields, values, of, prefix) {
+  return fields.flatMap(({ field, parts }) => {
+    const text = values[`${prefix}${field.setting}`];
+    const part = parts.find((one) => one.name === text);
+    if (parts.length) return part ? [`${part.label.toLowerCase()} (${describeFields(part.fields, values, of, prefix).join("; ")})`] : [];
+    return text ? [`${field.name.replaceAll("_", " ")} ${field.kind ? of(`${prefix}${field.setting}`) : text}`] : [];
+  });
+}
+
 // What a run has solved, in a line.
 export function describe(values) {
   const of = (name, unit = `${name}_unit`) => `${values[name]} ${values[unit].replace(/^u/, "µ")}`;
   const material = (prefix) => {
     const hard = values[`${prefix}hardness`] ? `hardness ${of(`${prefix}hardness`)}` : "elastic";
     if (values[`${prefix}material`] === "viscoelastic") return `moduli ${of(`${prefix}moduli`)} relaxing in ${of(`${prefix}relaxation`)}`;
+    const other = materials.find(({ name }) => name === values[`${prefix}material`]);
+    if (other) {
+      const shared = { young: () => `E ${of(`${prefix}young`)}`, poisson: () => `ν ${values[`${prefix}poisson`]}` };
+      return [other.label, ...other.shared.map((name) => shared[name]()), ...describeFields(other.fields, values, of, prefix)].join(", ");
+    }
     return `E ${of(`${prefix}young`)}, ν ${values[`${prefix}poisson`]}, ${hard}`;
   };
   const parts = [subjectOf(values)];

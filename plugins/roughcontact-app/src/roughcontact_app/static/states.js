@@ -45,7 +45,7 @@ export class States {
     try {
       const { picture } = await post("api/state", { run, panel, state });
       if (run === this.run && panel === this.panel) {
-        this.viewer.show(`pictures/${picture}`, `The ${panel} of ${this.names[state - 1]}`, !isNew);
+        this.viewer.show(`pictures/${picture}`, `The ${panel.replaceAll("-", " ")} of ${this.names[state - 1]}`, !isNew);
       }
     } catch (error) {
       problem = error.message;
