@@ -13,6 +13,7 @@ import roughcontact as rc
 from roughcontact.results import Condition
 from roughcontact.typing import Array, LoadIncrement
 
+from roughcontact_volume.cell_maximum import find_imprint_error
 from roughcontact_volume.judgement import judge_flow
 from roughcontact_volume.measures import measure_flow
 from roughcontact_volume.refusals import require_possible
@@ -24,6 +25,8 @@ from roughcontact_volume.yielding import Yielding
 _TOLERANCE = 1e-4
 # Difference of two loads, over them, below which they are the same: then substeps change nothing.
 _SAME_LOAD = 1e-6
+# Of the error of the imprint by the cells, what the approach and the mean gap under a force err.
+_SHARE_OF_IMPRINT = 0.3
 _FIELDS = tuple(attrs.fields_dict(PlasticState))
 
 
@@ -125,10 +128,19 @@ class PlasticFlow(rc.CoupledProcess):
         return judge_flow(problem.plan.grid, problem.boundary, self._find_material(problem), pressure, _read(after))
 
     def list_errors(self, state: Any, memory: Mapping[str, Array]) -> Mapping[str, float]:
-        """Return the errors of maximum pressure, approach and mean gap by the substeps."""
+        """Return the errors of maximum pressure, approach and mean gap by the substeps, and by the cells of the flow.
+
+        Of a contact that is to fit an imprint of another depth the pressure differs by E* times this over the size of
+        the zone, and the approach by less than it.
+        """
         pressure, approach, _, imprint = memory["step_errors"].tolist()
-        errors = {"approach": approach, "mean-gap": math.hypot(approach, imprint)}
-        return {"peak-pressure": pressure, **errors} if state.pressure.any() else errors
+        deeper, depth = find_imprint_error(state.grid, memory["accumulated_strain"], memory["imprint"])
+        moved = math.hypot(approach, _SHARE_OF_IMPRINT * deeper)
+        errors = {"approach": moved, "mean-gap": math.hypot(moved, imprint)}
+        if not state.pressure.any():
+            return errors
+        by_cells = state.modulus * deeper / depth if depth > 0.0 else 0.0
+        return {"peak-pressure": math.hypot(pressure, by_cells), **errors}
 
     def explain_limits(self, memory: Mapping[str, Array]) -> Mapping[str, str]:
         """Return what a body that has flowed asks of responses; see `Law.explain_limits`."""
