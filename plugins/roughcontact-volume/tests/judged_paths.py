@@ -17,8 +17,8 @@ from judge import WEIGHTS, HalfSpace, State, Verdict, judge
 from roughcontact_volume import LinearHardening, Plastic, SwiftHardening, TabulatedHardening, VoceHardening
 from roughcontact_volume.box import list_layers
 
-# Admissible violations of the flow on a periodic boundary, and where an axis is free, whose images are removed but for a
-# thousandth of the residual stress, and of the contact, whose tolerance follows that of the flow.
+# Admissible violations of the flow on a periodic boundary and of one with a free axis, whose images are removed but for
+# a thousandth of the residual stress, and of the contact, whose tolerance follows that of the flow.
 FLOW = {"periodic": 5e-4, "free": 1e-2, "free-periodic": 1e-2, "periodic-free": 1e-2}
 CONTACT = 1e-4
 
