@@ -52,7 +52,7 @@ def find_cell_maximum(
     value = float(values[layer, i, j])
     by_cells = sum(_find_rise(values, (layer, i, j), axis) for axis in range(3))
     depth = 0.5 * float(interfaces[layer] + interfaces[layer + 1])
-    spread = min(math.hypot(by_cells, step_error * value), max(most - value, _TOLERANCE * value))
+    spread = min(math.hypot(by_cells, step_error * value), max(0.5 * (most - value), _TOLERANCE * value))
     return CellMaximum(value, spread, float(grid.x[i, 0]), float(grid.y[0, j]), depth)
 
 
