@@ -29,8 +29,11 @@ LENGTH, BELOW = 4.0, 9
 POINTS = 24
 # Aliases of a wave that are summed up, of which two sums are extrapolated.
 ALIASES = 64
-# Two periods of a body that is free beyond its cells, over these cells or the depth of its layers.
-FREE_PERIODS = (3, 5)
+# Images along an axis that repeats beside one that is free, of which three sums are extrapolated.
+IMAGES = (5, 10, 20)
+# Two periods of a body that is free beyond its cells, over these cells or the depth of its layers, by its free axes:
+# images act with the third power of their distance, lines of them with the second.
+LONG_PERIODS = {1: (9, 15), 2: (3, 5)}
 
 
 def _lobatto() -> tuple[Array, Array, Array]:
@@ -176,6 +179,28 @@ def stress_below_cells(
     return np.stack(layers, axis=1)
 
 
+@lru_cache(maxsize=8)
+def stress_below_repeated_cells(
+    shape: tuple[int, int], spacing: tuple[float, float], thicknesses: tuple[float, ...], poisson: float, axis: int
+) -> Array:
+    """Return the same where the cells repeat along an axis: of three numbers of images, extrapolated.
+
+    Stresses fall with the square of the distance, so that those of farther images fall with their number, and its
+    square.
+    """
+    n = shape[axis]
+    sums = []
+    for images in IMAGES:
+        wide = (shape[0] * (images + 1), shape[1]) if axis == 0 else (shape[0], shape[1] * (images + 1))
+        table = np.moveaxis(stress_below_cells(wide, spacing, thicknesses, poisson), 2 + axis, -1)
+        start = n * images
+        total = sum(table[..., start + m * n :][..., : 2 * n - 1] for m in range(-images, images + 1))
+        sums.append(np.moveaxis(total, -1, 2 + axis))
+    counts = np.array([images + 0.5 for images in IMAGES])
+    weights = np.linalg.solve([counts**0, 1 / counts, 1 / counts**2], [1, 0, 0])
+    return np.tensordot(weights, sums, axes=1)
+
+
 def displacement_of_cells(shape: tuple[int, int], spacing: tuple[float, float]) -> Array:
     """Return the displacement by a unit pressure on a cell, times E*, by the distance, (2 nx - 1, 2 ny - 1)."""
     x, y = (np.arange(1 - n, n) * side for n, side in zip(shape, spacing, strict=True))
@@ -209,12 +234,12 @@ def displacement_of_waves(shape: tuple[int, int], spacing: tuple[float, float]) 
 
 
 class HalfSpace(NamedTuple):
-    """A half-space in layers below cells; lengths and stresses are in any units."""
+    """A half-space in layers below cells, which repeat along x and along y or not, in any units."""
 
     shape: tuple[int, int]
     spacing: tuple[float, float]
     thicknesses: tuple[float, ...]
-    is_periodic: bool
+    repeats: tuple[bool, bool]
     young: float
     poisson: float
 
@@ -222,41 +247,50 @@ class HalfSpace(NamedTuple):
         unit = self.spacing[0]
         return (1.0, self.spacing[1] / unit), tuple(t / unit for t in self.thicknesses), self.poisson
 
-    def _transfer(self, fields: Array, period: tuple[int, int], columns: slice) -> Array:
-        """Return the rows of the response by columns of fields, in units of the shear modulus and of a cell's side."""
-        matrices = respond_to_waves(period, *self._in_sides())[..., columns]
-        waves = np.moveaxis(np.fft.rfft2(fields, period), 0, -1)[..., None]
-        waves = np.moveaxis((matrices @ waves)[..., 0], -1, 0)
-        return np.fft.irfft2(waves, period)[:, : self.shape[0], : self.shape[1]]
-
-    def _love(self) -> Array:
-        return stress_below_cells(self.shape, *self._in_sides())
-
-    def find_stress(self, strain: Array) -> Array:
-        """Return the stress of an eigenstrain, mean over each layer, shape (6, nz, nx, ny).
-
-        A free half-space is that of two long periods, extrapolated: images act with the third power of their distance.
-        """
-        rows = np.swapaxes(strain, 0, 1).reshape(-1, *self.shape)
+    def _extrapolate(self, find: Callable[[tuple[int, int]], Array]) -> Array:
+        """Return what a function gives of a period: of two long ones, extrapolated, along axes that do not repeat."""
+        free = self.repeats.count(False)
+        if not free:
+            return find(self.shape)
         depth = sum(self.thicknesses)
         reach = [max(n, math.ceil(depth / side)) for n, side in zip(self.shape, self.spacing, strict=True)]
         odd = [n + 1 - n % 2 for n in reach]
-        multiples = (1,) if self.is_periodic else FREE_PERIODS
-        found = []
-        for multiple in multiples:
-            period = self.shape if self.is_periodic else (multiple * odd[0], multiple * odd[1])
-            found.append(self._transfer(rows, period, slice(-1))[:-1])
-        if not self.is_periodic:
-            found[0] = found[1] + (found[1] - found[0]) / ((multiples[1] / multiples[0]) ** 3 - 1)
+        shorter, longer = (
+            find((self.shape[0] if self.repeats[0] else m * odd[0], self.shape[1] if self.repeats[1] else m * odd[1]))
+            for m in LONG_PERIODS[free]
+        )
+        first, second = LONG_PERIODS[free]
+        return longer + (longer - shorter) / ((second / first) ** (free + 1) - 1)
+
+    def _transfer(self, fields: Array, columns: slice, rows: slice) -> Array:
+        """Return the rows of the response by columns of fields, in units of the shear modulus and of a cell's side."""
+
+        def find(period: tuple[int, int]) -> Array:
+            matrices = respond_to_waves(period, *self._in_sides())[..., rows, columns]
+            waves = np.moveaxis(np.fft.rfft2(fields, period), 0, -1)[..., None]
+            waves = np.moveaxis((matrices @ waves)[..., 0], -1, 0)
+            return np.fft.irfft2(waves, period)[:, : self.shape[0], : self.shape[1]]
+
+        return self._extrapolate(find)
+
+    def _love(self) -> Array:
+        if any(self.repeats):
+            return stress_below_repeated_cells(self.shape, *self._in_sides(), self.repeats.index(True))
+        return stress_below_cells(self.shape, *self._in_sides())
+
+    def find_stress(self, strain: Array) -> Array:
+        """Return the stress of an eigenstrain, mean over each layer, shape (6, nz, nx, ny)."""
+        rows = np.swapaxes(strain, 0, 1).reshape(-1, *self.shape)
+        found = self._transfer(rows, slice(-1), slice(-1))
         shear = self.young / 2 / (1 + self.poisson)
-        return shear * np.swapaxes(found[0].reshape(-1, 6, *self.shape), 0, 1)
+        return shear * np.swapaxes(found.reshape(-1, 6, *self.shape), 0, 1)
 
     def displace(self, strain: Array) -> Array:
         """Return the displacement of the surface by an eigenstrain, into the body, shape (nx, ny)."""
         unit = self.spacing[0]
-        if self.is_periodic:
+        if all(self.repeats):
             rows = np.swapaxes(strain, 0, 1).reshape(-1, *self.shape)
-            return unit * self._transfer(rows, self.shape, slice(-1))[-1]
+            return unit * self._transfer(rows, slice(-1), slice(-1, None))[0]
         total = np.zeros(self.shape)
         for component, table in enumerate(self._love()):
             for layer, thickness in enumerate(self.thicknesses):
@@ -266,18 +300,26 @@ class HalfSpace(NamedTuple):
 
     def press(self, pressure: Array) -> Array:
         """Return the stress by a pressure, mean over each layer, shape (6, nz, nx, ny)."""
-        if self.is_periodic:
+        if all(self.repeats):
             # The pressure is a load, and the work of unit strains is by stresses over the shear modulus.
-            found = self._transfer(pressure[None], self.shape, slice(-1, None))[:-1]
+            found = self._transfer(pressure[None], slice(-1, None), slice(-1))
             return np.swapaxes(found.reshape(-1, 6, *self.shape), 0, 1)
         layers = [[convolve(table, pressure, "valid", "direct") for table in tables] for tables in self._love()]
         return np.array(layers)
 
     def sink(self, pressure: Array, modulus: float) -> Array:
-        """Return the elastic displacement by a pressure, of both bodies, shape (nx, ny)."""
-        if self.is_periodic:
-            symbol = displacement_of_waves(self.shape, self.spacing)
-            return np.fft.irfft2(symbol * np.fft.rfft2(pressure), self.shape) / modulus
+        """Return the elastic displacement by a pressure, of both bodies, shape (nx, ny).
+
+        Where one axis is free it is but for a constant.
+        """
+        if any(self.repeats):
+
+            def find(period: tuple[int, int]) -> Array:
+                symbol = displacement_of_waves(period, self.spacing)
+                found = np.fft.irfft2(symbol * np.fft.rfft2(pressure, period), period)
+                return found[: self.shape[0], : self.shape[1]]
+
+            return self._extrapolate(lambda period: find(period) - find(period).mean()) / modulus
         return convolve(displacement_of_cells(self.shape, self.spacing), pressure, "valid", "direct") / modulus
 
 

@@ -1,6 +1,6 @@
 """Random paths of loads on bodies that yield, each of their states judged by code of its own.
 
-python plugins/roughcontact-volume/tests/judged_paths.py [number of paths] [first seed]
+python plugins/roughcontact-volume/tests/judged_paths.py [number of paths] [first seed] [boundary]
 """
 
 from __future__ import annotations
@@ -17,16 +17,16 @@ from judge import WEIGHTS, HalfSpace, State, Verdict, judge
 from roughcontact_volume import LinearHardening, Plastic, SwiftHardening, TabulatedHardening, VoceHardening
 from roughcontact_volume.box import list_layers
 
-# Admissible violations of the flow on a periodic and on a free boundary, where images are removed but for a
-# thousandth of the residual stress, and of the contact, whose tolerance follows that of the flow.
-FLOW = {"periodic": 5e-4, "free": 1e-2}
+# Admissible violations of the flow on a periodic boundary and of one with a free axis, whose images are removed but for
+# a thousandth of the residual stress, and of the contact, whose tolerance follows that of the flow.
+FLOW = {"periodic": 5e-4, "free": 1e-2, "free-periodic": 1e-2, "periodic-free": 1e-2}
 CONTACT = 1e-4
 
 
 class Drawn:
     """A rigid surface on a flat that yields, and the loads of a path."""
 
-    def __init__(self, seed: int) -> None:
+    def __init__(self, seed: int, boundary: str | None = None) -> None:
         rng = np.random.default_rng(seed)
         self.rng = rng
         modulus, unit = 10 ** rng.uniform(-3, 11), 10 ** rng.uniform(-7, -2)
@@ -38,7 +38,8 @@ class Drawn:
         self.shape = tuple(rng.integers(5, 10, 2).tolist())
         ratio = 6 ** rng.uniform(-1, 1)
         self.grid = rc.Grid(self.shape, (unit * self.shape[0], unit * ratio * self.shape[1]))
-        self.boundary = str(rng.choice(["free", "periodic"]))
+        drawn = str(rng.choice(["free", "periodic"]))
+        self.boundary = boundary or drawn
         self.heights, force = self._draw_heights(modulus)
         factors = np.append(1.0, rng.choice([0.0, 0.3, 0.8, 1.0, 1.3, 1.6], 4))
         self.forces = (force * factors).tolist()
@@ -94,9 +95,9 @@ def size_of(strain: Any) -> Any:
     return np.sqrt(2 / 3 * np.einsum("c,c...->...", WEIGHTS, strain**2))
 
 
-def judge_path(seed: int) -> tuple[list[str], int, int]:
-    """Return the faults of a random path, the number of its states, and of those that flow."""
-    drawn = Drawn(seed)
+def judge_path(seed: int, boundary: str | None = None) -> tuple[list[str], int, int]:
+    """Return the faults of a random path, the number of its states, and of those that flow; on a drawn boundary."""
+    drawn = Drawn(seed, boundary)
     shifts = {"shift": drawn.shifts} if drawn.boundary == "periodic" else {}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", rc.errors.ContactWarning)
@@ -133,7 +134,7 @@ def _judge(drawn: Drawn, pressure: Any, memory: Any, shift: tuple[int, int]) -> 
         drawn.shape,
         drawn.grid.spacing,
         tuple(list_layers(drawn.grid, len(accumulated)).tolist()),
-        drawn.boundary == "periodic",
+        rc.Boundary(drawn.boundary).repeats,
         drawn.material.young,
         drawn.material.poisson,
     )
@@ -152,10 +153,11 @@ def _judge(drawn: Drawn, pressure: Any, memory: Any, shift: tuple[int, int]) -> 
 
 def main() -> None:
     """Judge as many paths as are asked for."""
-    count, first = (int(word) for word in (*sys.argv[1:], *("100", "0")[len(sys.argv) - 1 :]))
+    words = sys.argv[1:]
+    count, first = (int(word) for word in (*words[:2], *("100", "0")[len(words) :]))
     states = flowing = false = 0
     for seed in range(first, first + count):
-        faults, judged, flowed = judge_path(seed)
+        faults, judged, flowed = judge_path(seed, *words[2:])
         states, flowing, false = states + judged, flowing + flowed, false + bool(faults)
         print(*faults, sep="\n", end="\n" if faults else "", flush=True)
     print(f"{count} paths, {states} states, {flowing} of them with flow: {false} paths with faults")

@@ -18,3 +18,12 @@ def test_no_state_of_a_path_is_false(seed):
 @pytest.mark.parametrize("seed", range(100, 120))
 def test_no_state_of_more_paths_is_false(seed):
     assert judge_path(seed)[0] == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("boundary", ["free-periodic", "periodic-free"])
+def test_no_state_on_a_mixed_boundary_is_false(boundary):
+    faults, states, flowing = judge_path(70003, boundary)
+    assert faults == []
+    assert states == 5
+    assert flowing > 0

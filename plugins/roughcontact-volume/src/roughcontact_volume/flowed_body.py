@@ -11,7 +11,9 @@ from roughcontact.results import WarningText
 from roughcontact.typing import Array, Load, LoadIncrement
 
 from roughcontact_volume.box import find_operators, list_layers
+from roughcontact_volume.cell_maximum import find_cell_maximum
 from roughcontact_volume.flow import PlasticFlow
+from roughcontact_volume.judgement import find_at_border
 from roughcontact_volume.substeps import PlasticState
 from roughcontact_volume.yielding import Yielding
 
@@ -95,6 +97,13 @@ class FlowedBody:
         deepest = float(np.abs(self.flow.imprint).max())
         return float(self.step_errors[3]) / deepest if deepest > 0.0 else 0.0
 
+    def find_largest_yield_stress(self) -> float:
+        """Return the yield stress of the largest accumulated strain, and what this may be more, Pa."""
+        strain = self.flow.accumulated_strain
+        interfaces = np.concatenate(([0.0], np.cumsum(self.thicknesses)))
+        largest = find_cell_maximum(strain, self.grid, interfaces, self.step_error)
+        return float(self.material.find_yield_stress(np.array([largest.value + largest.uncertainty]))[0])
+
     def find_stress(self, *, is_loaded: bool) -> Array:
         """Return the residual stress, mean over each layer, shape (6, nz, nx, ny), Pa, or that with the pressure."""
         operators = find_operators(self.grid, self.boundary, self.flow.layers, self.material)
@@ -107,6 +116,9 @@ class FlowedBody:
         found = []
         if not self.is_certified:
             found.append(WarningText("the contact is not certified", "convergence"))
+        if find_at_border(self.flow.accumulated_strain, self.boundary) > 0.0:
+            text = "the body flows at the free border, beyond which nothing lies: enlarge the grid"
+            found.append(WarningText(text, "grid"))
         largest = float(self.flow.accumulated_strain.max())
         if largest > _LARGEST_SMALL_STRAIN:
             text = (

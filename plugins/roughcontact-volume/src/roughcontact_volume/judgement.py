@@ -49,7 +49,7 @@ def judge_flow(
     highest = float(state.accumulated_strain.max())
     size = max(float(find_norm(state.plastic_strain[:, layer]).max()) for layer in range(state.layers))
     trace = float(np.abs(state.plastic_strain[:3].sum(axis=0)).max())
-    at_border = _find_at_border(state.accumulated_strain, boundary)
+    at_border = find_at_border(state.accumulated_strain, boundary)
     return [
         Condition("plastic flow", max(one.find_error() for one in layers), _FLOW, tolerance=_MAX_ERROR),
         Condition("yield", max(one.find_excess() for one in layers), _YIELD, judges=False),
@@ -95,7 +95,7 @@ class _LastFlow:
         return float(np.max(1.0 - product / (find_norm(deviator) * find_norm(flow)), initial=0.0))
 
 
-def _find_at_border(strain: Array, boundary: rc.Boundary) -> float:
+def find_at_border(strain: Array, boundary: rc.Boundary) -> float:
     """Return the largest value in the outermost cells along axes at whose ends the domain is free."""
     found = 0.0
     for axis, is_free in enumerate(boundary.free_axes, 1):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from argparse import ArgumentTypeError
 from collections.abc import Mapping
@@ -34,6 +35,8 @@ class LayeredStress:
         The components xx, yy, zz, yz, xz, xy, shape (6, nz, nx, ny), Pa.
     step_error
         Error by the substeps of the loads, over the largest stress.
+    most
+        Von Mises stress that a body which flows exceeds nowhere, Pa.
     warnings
         Why the stress must not be trusted, in sentences; empty without a reason.
     """
@@ -42,6 +45,7 @@ class LayeredStress:
     interfaces: Array
     components: Array = attrs.field(repr=False)
     step_error: float = 0.0
+    most: float = math.inf
     warnings: tuple[str, ...] = ()
 
     @property
@@ -58,9 +62,10 @@ class LayeredStress:
     def maximum(self) -> StressMaximum:
         """The largest von Mises stress of a cell, and its place.
 
-        Its uncertainty is that by the substeps, and by the cells.
+        Its uncertainty is that by the substeps, and by the cells; with the pressure no stress is beyond the yield
+        stress.
         """
-        found = find_cell_maximum(self.von_mises, self.grid, self.interfaces, self.step_error)
+        found = find_cell_maximum(self.von_mises, self.grid, self.interfaces, self.step_error, self.most)
         return StressMaximum(found.value, found.uncertainty, found.x, found.y, found.depth, warnings=self.warnings)
 
     @property

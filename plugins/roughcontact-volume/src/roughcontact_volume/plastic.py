@@ -26,8 +26,9 @@ class Plastic(Yielding):
         A `Hardening`; a number or text is a hardening modulus, Pa; None: perfectly plastic.
     accuracy
         Admissible change of maximum pressure, approach, force and imprint, over their size, by a doubling of the
-        substeps of an increment of the load. The errors that are left are among the numbers of a state. From one load
-        to twice that, the default takes two to four substeps, 0.005 eight to sixteen.
+        substeps of an increment of the load, over which the strain is then extrapolated. The errors that are left are
+        among the numbers of a state. From one load to twice that, the default takes two to four substeps, 0.005 eight
+        to sixteen.
 
     Examples
     --------

@@ -65,7 +65,8 @@ class FindResidualStress(rc.Response[LayeredStress]):
         deeper = attrs.evolve(body, flow=body.flow.deepen(max(count, body.flow.layers)))
         stress = deeper.find_stress(is_loaded=self.is_loaded)[:, :count]
         interfaces = np.concatenate(([0.0], np.cumsum(deeper.thicknesses)))[: count + 1]
-        return LayeredStress(body.grid, interfaces, stress, body.step_error, body.warnings)
+        most = body.find_largest_yield_stress() if self.is_loaded else math.inf
+        return LayeredStress(body.grid, interfaces, stress, body.step_error, most, body.warnings)
 
 
 @attrs.frozen

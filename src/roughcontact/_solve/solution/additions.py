@@ -116,7 +116,7 @@ class Addition(abc.ABC):
         return {}
 
     def list_errors(self, state: Any) -> dict[str, float]:
-        """Return what it adds to the uncertainty of responses of a state, by registered name and in their unit."""
+        """Return what it adds to the uncertainty of ``"area"`` and of responses, by registered name, in their unit."""
         return {}
 
     @property

@@ -48,6 +48,7 @@ from roughcontact._solve.solution.theory import Stickiness, TheoryBeside, compar
 from roughcontact.errors import InputError
 
 T = TypeVar("T")
+E = TypeVar("E", bound=Estimate)
 
 
 @attrs.frozen(eq=False, kw_only=True)
@@ -81,9 +82,10 @@ class ContactAnswers(ShearFields):
         # The default area is kept, because every number and response needs it.
         if isinstance(estimator, str) and estimator == DEFAULT_AREA:
             found = self._default_area
-            return self._keep(f"area, {kind}", lambda: judge_area(self, found, kind))
+            return self._keep(f"area, {kind}", lambda: self._add_errors(judge_area(self, found, kind), "area"))
         area = self._estimate_area(areas.resolve(estimator))
-        return judge(self, area, kind, lambda one: one.area(estimator, uncertainty="model"))
+        judged = judge(self, area, kind, lambda one: one.area(estimator, uncertainty="model"))
+        return self._add_errors(judged, "area")
 
     def _choose_uncertainty(self, uncertainty: str | None) -> str:
         return self.uncertainty if uncertainty is None else choice(uncertainty, "The uncertainty", list(UNCERTAINTIES))
@@ -248,12 +250,11 @@ class ContactAnswers(ShearFields):
                 "Solved again the contact has no traction: with friction this answer is that of the model."
             )
         judged = judge(self, found, kind, lambda one: one.response(asked, uncertainty="model"), asked.flagged_factor)
-        return self._add_errors(judged, asked)
+        return self._add_errors(judged, responses.name_of(type(asked)) or "")
 
-    def _add_errors(self, found: Estimate, asked: Any) -> Estimate:
-        """Return a number with what laws add to its uncertainty."""
-        name = responses.name_of(type(asked))
-        errors = [error for one in self.added if (error := one.list_errors(self).get(name or "", 0.0))]
+    def _add_errors(self, found: E, name: str) -> E:
+        """Return a number of a name with what laws add to its uncertainty."""
+        errors = [error for one in self.added if (error := one.list_errors(self).get(name, 0.0))]
         return attrs.evolve(found, uncertainty=math.hypot(found.uncertainty, *errors)) if errors else found
 
     def _add_traction(self, asked: Any) -> Any:

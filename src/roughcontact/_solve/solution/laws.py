@@ -110,7 +110,7 @@ class Law(Part, abc.ABC):
         return {}
 
     def list_errors(self, state: Any, memory: Memory) -> Mapping[str, float]:
-        """Return what it adds to the uncertainty of responses of a state, by registered name and in their unit."""
+        """Return what it adds to the uncertainty of ``"area"`` and of responses, by registered name, in their unit."""
         return {}
 
     def explain_limits(self, memory: Memory) -> Mapping[str, str]:
