@@ -12,6 +12,7 @@ import sys
 import time
 from pathlib import Path
 
+import attrs
 import numpy as np
 import pytest
 import roughcontact as rc
@@ -176,6 +177,31 @@ def test_a_residual_stress_has_a_form(ball, capsys):
     residual = ResidualStress(["0um", "50um"], ["-400MPa", "0MPa"])
     expected = rc.ContactProblem(steel).solve(force="3N").response(FirstYield("1GPa", residual=residual))
     assert found["force"]["value"] == pytest.approx(expected.force.value)
+
+
+def test_a_material_that_has_a_residual_stress_has_a_form(ball, capsys, tmp_path):
+    residual = {"depth": ["0um", "50um"], "stress": ["-400MPa", "0MPa"]}
+    material = {"type": "plastic", "young": "210GPa", "poisson": 0.3, "yield_stress": "1GPa", "residual": residual}
+    body = {"surface": {"type": "sphere", "radius": "1mm"}, "material": material}
+    found = build_problem({"body": body, "grid": GRID}).body.material
+    assert found == Plastic("210GPa", 0.3, "1GPa", residual=ResidualStress(["0um", "50um"], ["-400MPa", "0MPa"]))
+    given = f"{FIELDS} residual.type=residual-stress residual.depth=0um,50um residual.stress=-400MPa,0MPa"
+    material = ("--material", "rigid", "--counterbody-material", "plastic", "--counterbody-fields", *given.split())
+    file = tmp_path / "path.npz"
+    _, _, err = solve(capsys, ball, "--loads", "3N", "0N", "--path", *material, "-o", file, "--residual-stress")
+    assert err == ""
+    again = rc.load(file)
+    assert again[1].origin.scene.counterbody.material == attrs.evolve(STEEL, residual=found.residual)
+
+
+def test_a_command_asks_one_of_two_bodies_that_flow(ball, capsys):
+    both = [word for side in ("", "counterbody-") for word in (f"--{side}material", "plastic", f"--{side}fields", *FIELDS.split())]
+    status, out, err = solve(capsys, ball, "--force", "3N", *both, "--plastic-zone", "body=counterbody", "--json")
+    assert status in (0, 3), err
+    zone = json.loads(out)["responses"]["plastic-zone"]
+    assert zone["largest_strain"]["value"] > 1e-4
+    _, _, err = solve(capsys, ball, "--force", "3N", *both, "--plastic-zone")
+    assert "say which with body='body' or 'counterbody'" in " ".join(err.split())
 
 
 SCRIPT = """

@@ -296,10 +296,6 @@ class TestRefusals:
         ("make", "sentence"),
         [
             (
-                lambda problem: attrs.evolve(problem, body=attrs.evolve(problem.body, material=Plastic(1e9, 0.3, 1e7))),
-                "Both bodies are Plastic",
-            ),
-            (
                 lambda problem: attrs.evolve(
                     problem,
                     body=attrs.evolve(problem.body, material=rc.ElasticPerfectlyPlastic(210e9, 0.3, 5e9)),

@@ -69,7 +69,9 @@ def find_yield_depth(grid: rc.Grid, boundary: rc.Boundary, material: Yielding, p
     """
     ends = probe_layers(grid)
     largest = find_largest_below(grid, boundary, material, pressure)
-    deep = np.flatnonzero(largest > _LOWEST_STRESS * material.yield_stress)
+    # Of what is left to the yield stress where the body has a residual stress.
+    rest = find_equivalent(material.find_residual(ends))
+    deep = np.flatnonzero(largest > rest + _LOWEST_STRESS * (material.yield_stress - rest))
     if not deep.size:
         return 0.0
     lowest = int(deep[-1])
@@ -87,10 +89,36 @@ def probe_layers(grid: rc.Grid) -> Array:
 
 
 def find_largest_below(grid: rc.Grid, boundary: rc.Boundary, material: Yielding, pressure: Array) -> Array:
-    """Return the largest von Mises stress in each of `probe_layers` of an elastic half-space, Pa."""
-    layers = tuple(probe_layers(grid).tolist())
-    stress = make_operators(grid, boundary, layers, material.young, material.poisson).press(pressure)
+    """Return the largest von Mises stress in each of `probe_layers` of a body that never flowed, Pa."""
+    layers = probe_layers(grid)
+    stress = make_operators(grid, boundary, tuple(layers.tolist()), material.young, material.poisson).press(pressure)
+    stress += material.find_residual(layers)[:, :, np.newaxis, np.newaxis]
     return np.asarray(find_equivalent(stress).max(axis=(1, 2)))
+
+
+def find_stress(
+    grid: rc.Grid, boundary: rc.Boundary, material: Yielding, strain: Array, pressure: Array | None = None
+) -> Array:
+    """Return the stress in the layers of a box, mean over each, shape (6, nz, nx, ny), Pa.
+
+    Parameters
+    ----------
+    grid, boundary
+        The grid of the surface and its boundary.
+    material
+        The material, whose own residual stress is part of it.
+    strain
+        The plastic strain, shape (6, nz, nx, ny).
+    pressure
+        The pressure, Pa, shape (nx, ny); None: that of an unloaded body.
+    """
+    operators = find_operators(grid, boundary, strain.shape[1], material)
+    stress = operators.find_stress(strain) if strain.any() else np.zeros(operators.shape)
+    if pressure is not None and pressure.any():
+        stress += operators.press(pressure)
+    if material.residual is not None:
+        stress += material.find_residual(operators.thicknesses)[:, :, np.newaxis, np.newaxis]
+    return stress
 
 
 def find_operators(grid: rc.Grid, boundary: rc.Boundary, count: int, material: Yielding) -> VolumeOperators:

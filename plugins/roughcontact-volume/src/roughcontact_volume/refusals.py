@@ -7,18 +7,12 @@ from typing import Any
 import numpy as np
 import roughcontact as rc
 
-from roughcontact_volume.yielding import Yielding
-
 _KERNELS = (rc.Love, rc.FourierHalfSpace)
 
 
 def require_possible(problem: Any) -> None:
     """Raise `InputError` where a problem has another part with which plastic flow is not solved."""
     materials = (problem.body.material, problem.counterbody.material)
-    if all(isinstance(material, Yielding) for material in materials):
-        raise rc.InputError(
-            "Both bodies are Plastic, but only one of them may flow below its surface: make the harder one Elastic."
-        )
     if any(np.isfinite(np.asarray(material.pressure_limit)).any() for material in materials):
         raise rc.InputError(
             "A hardness beside a Plastic body would count its flow twice, as the limit of the pressure that the flow "
