@@ -195,7 +195,8 @@ def test_a_material_that_has_a_residual_stress_has_a_form(ball, capsys, tmp_path
 
 
 def test_a_command_asks_one_of_two_bodies_that_flow(ball, capsys):
-    both = [word for side in ("", "counterbody-") for word in (f"--{side}material", "plastic", f"--{side}fields", *FIELDS.split())]
+    sides = ("", "counterbody-")
+    both = [word for one in sides for word in (f"--{one}material", "plastic", f"--{one}fields", *FIELDS.split())]
     status, out, err = solve(capsys, ball, "--force", "3N", *both, "--plastic-zone", "body=counterbody", "--json")
     assert status in (0, 3), err
     zone = json.loads(out)["responses"]["plastic-zone"]

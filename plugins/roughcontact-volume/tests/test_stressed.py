@@ -6,8 +6,14 @@ import pytest
 import roughcontact as rc
 from roughcontact.responses import FirstYield
 
-from roughcontact_volume import FindOwnYield, FindResidualStress, FindTotalStress, Plastic, ResidualStress
-from roughcontact_volume import VolumeOperators as Operators
+from roughcontact_volume import (
+    FindOwnYield,
+    FindResidualStress,
+    FindTotalStress,
+    Plastic,
+    ResidualStress,
+    VolumeOperators,
+)
 from test_process import FIRST_FORCE, FIRST_RADIUS, LIMIT, POISSON, RADIUS, YOUNG, make_ball, numbers, read
 
 
@@ -48,7 +54,7 @@ def test_work_of_a_cycle_counts_the_energy_that_the_residual_stress_has_won():
 
 
 def test_rolling_relieves_tension_and_leaves_compression():
-    """A ball rolls once along a track of a flat that is peened, ground, or neither, at twice the load of first yield."""
+    """A ball rolls once over a flat that is peened, ground, or neither, at twice the load of first yield."""
     grid = rc.Grid((20, 10), (8.0 * FIRST_RADIUS, 4.0 * FIRST_RADIUS))
     track = [(cells, 0) for cells in (-4, -2, 0, 2, 4)]
     common = {"grid": grid, "of": "body", "boundary": "periodic", "hardening": None, "accuracy": 1.0}
@@ -81,7 +87,7 @@ class TestAnswers:
     def test_stress_is_that_of_the_pressure_the_strain_and_the_material(self, path):
         state = path[1]
         total, left = (state.response(ask(depth=3.0 * FIRST_RADIUS)) for ask in (FindTotalStress, FindResidualStress))
-        operators = Operators(state.grid, rc.Boundary.FREE, np.diff(total.interfaces), YOUNG, POISSON)
+        operators = VolumeOperators(state.grid, rc.Boundary.FREE, np.diff(total.interfaces), YOUNG, POISSON)
         strain = np.zeros(operators.shape)
         known = read(state)["plastic_strain"][:, : strain.shape[1]]
         strain[:, : known.shape[1]] = known
@@ -99,7 +105,7 @@ class TestAnswers:
         assert numbers(path[0])["residual_stress"] == 0.5 * LIMIT
         assert numbers(path[0])["residual_energy"] == 0.0
         assert path[0].response(FindResidualStress(depth=FIRST_RADIUS)).von_mises.max() > 0.4 * LIMIT
-        with pytest.raises(rc.InputError, match="has a residual stress.*'total-stress'"):
+        with pytest.raises(rc.InputError, match="has a residual stress"):
             path[0].stress(body="counterbody")
 
     def test_hold_after_saving(self, path, tmp_path):

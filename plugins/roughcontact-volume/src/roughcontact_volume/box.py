@@ -9,6 +9,7 @@ import numpy as np
 import roughcontact as rc
 from roughcontact.typing import Array, si
 
+from roughcontact_volume.kept_stress import take_stress
 from roughcontact_volume.operators import VolumeOperators
 from roughcontact_volume.radial_return import find_equivalent
 from roughcontact_volume.yielding import Yielding
@@ -113,7 +114,7 @@ def find_stress(
         The pressure, Pa, shape (nx, ny); None: that of an unloaded body.
     """
     operators = find_operators(grid, boundary, strain.shape[1], material)
-    stress = operators.find_stress(strain) if strain.any() else np.zeros(operators.shape)
+    stress = take_stress(operators, strain) if strain.any() else np.zeros(operators.shape)
     if pressure is not None and pressure.any():
         stress += operators.press(pressure)
     if material.residual is not None:

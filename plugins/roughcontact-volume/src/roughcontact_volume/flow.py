@@ -79,7 +79,7 @@ class PlasticFlow(rc.CoupledProcess):
     """
 
     of: str = attrs.field(default="body", converter=_of)
-    is_stressed: bool = attrs.field(default=False, kw_only=True)
+    is_stressed: bool = attrs.field(default=False, kw_only=True, repr=False)
 
     rates: ClassVar[tuple[str, ...]] = ()
     of_material: ClassVar[bool] = True
@@ -121,7 +121,8 @@ class PlasticFlow(rc.CoupledProcess):
 
     def change_gap(self, problem: Any, increment: LoadIncrement, memory: Mapping[str, Array]) -> Array:
         """Return the imprints where their bodies lie, m; see `Law.change_gap`."""
-        return np.sum([_place(side, increment, self.read(memory, side)["imprint"]) for side in self.sides], axis=0)
+        placed = [_place(side, increment, self.read(memory, side)["imprint"]) for side in self.sides]
+        return np.asarray(np.sum(placed, axis=0))
 
     def settle(
         self, problem: Any, press: Any, increment: LoadIncrement, memory: Mapping[str, Array]
@@ -129,7 +130,9 @@ class PlasticFlow(rc.CoupledProcess):
         """Return what is remembered after an increment of the load, in substeps that its answers ask for."""
         grid = problem.plan.grid
         bodies = [
-            FlowingBody(_find_material(problem, side), partial(_place, side, increment), partial(_back, side, increment))
+            FlowingBody(
+                _find_material(problem, side), partial(_place, side, increment), partial(_back, side, increment)
+            )
             for side in self.sides
         ]
         march = SubstepMarch(grid, problem.boundary, tuple(bodies), press, _TOLERANCE)
@@ -187,7 +190,7 @@ class PlasticFlow(rc.CoupledProcess):
     def list_numbers(self, state: Any, memory: Mapping[str, Array]) -> Mapping[str, Any]:
         """Return the size of the plastic zone of each body, what flowed in it, and what is left of it."""
         problem = state.origin.scene
-        found = {}
+        found: dict[str, Any] = {}
         for side in self.sides:
             known = self.read(memory, side)
             numbers = measure_flow(

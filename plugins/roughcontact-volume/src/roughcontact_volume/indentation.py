@@ -172,7 +172,8 @@ def _find_energies(state: Any) -> tuple[float, float, float]:
     """Return the plastic work, the energy of the residual stress, and that of the pressure, of both bodies, J."""
     numbers = [pair for added in state.added for pair in added.list_numbers(state).items()]
     work, left = (
-        sum(value[0] for name, value in numbers if name.startswith(word)) for word in ("plastic_work", "residual_energy")
+        sum(value[0] for name, value in numbers if name.startswith(word))
+        for word in ("plastic_work", "residual_energy")
     )
     pressed = 0.5 * float(np.einsum("xy,xy->", state.pressure, state.displacement)) * state.grid.cell_area
     return work, left, pressed

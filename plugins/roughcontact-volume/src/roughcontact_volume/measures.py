@@ -8,8 +8,9 @@ import numpy as np
 import roughcontact as rc
 from roughcontact.typing import Array
 
-from roughcontact_volume.box import find_stress, list_layers
-from roughcontact_volume.radial_return import find_equivalent
+from roughcontact_volume.box import find_operators, list_layers
+from roughcontact_volume.kept_stress import keep_stress
+from roughcontact_volume.radial_return import WEIGHTS, find_equivalent
 from roughcontact_volume.substeps import ANSWERS, PlasticState
 from roughcontact_volume.yielding import Yielding
 
@@ -32,13 +33,16 @@ def measure_flow(
     stress = 0.0 if given is None else given.find_largest(float(thicknesses.sum()) if flowed.any() else 0.0)
     energy = 0.0
     if flowed.any():
-        residual = find_stress(grid, boundary, material, state.plastic_strain)
-        largest = max(float(find_equivalent(residual[:, layer]).max()) for layer in range(state.layers))
+        operators = find_operators(grid, boundary, state.layers, material)
+        residual = operators.find_stress(state.plastic_strain)
+        known = material.find_residual(thicknesses)[:, :, np.newaxis, np.newaxis]
+        largest = max(float(find_equivalent(residual[:, z] + known[:, z]).max()) for z in range(state.layers))
         stress = max(stress, largest)
-        # Of a residual stress r that was given it is -<e, r + T e / 2>.
-        residual += material.find_residual(thicknesses)[:, :, np.newaxis, np.newaxis]
-        product = np.einsum("c,czxy,czxy->z", (1.0, 1.0, 1.0, 2.0, 2.0, 2.0), residual, state.plastic_strain)
+        product = np.einsum("c,czxy,czxy->z", WEIGHTS, residual, state.plastic_strain)
         energy = -0.5 * float(np.einsum("z,z->", volumes, product))
+        # A residual stress r that was given adds -<r, e>.
+        energy -= float(np.einsum("z,cz,czxy->", volumes, known[..., 0, 0], state.plastic_strain))
+        keep_stress(operators, state.plastic_strain, residual)
     return {
         "plastic_volume": (float(np.einsum("z,z->", volumes, flowed.sum(axis=(1, 2)))), "m3"),
         "plastic_depth": (float(thicknesses[: np.flatnonzero(in_layers)[-1] + 1].sum()) if flowed.any() else 0.0, "m"),

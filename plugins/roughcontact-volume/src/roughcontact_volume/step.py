@@ -94,7 +94,8 @@ class FlowingCells:
         stiffness = 2.0 * self.material.shear_modulus
         # Layer by layer, which takes the memory of one.
         trials = (find_equivalent(stress[:, layer] + stiffness * field[:, layer]) for layer in range(len(limit)))
-        return np.flatnonzero(np.concatenate([(trial > most).ravel() for trial, most in zip(trials, limit, strict=True)]))
+        yielding = [(trial > most).ravel() for trial, most in zip(trials, limit, strict=True)]
+        return np.flatnonzero(np.concatenate(yielding))
 
     def find_flow(self, stress: Array, iterate: Flow) -> Array:
         """Return the increment of some cells that follows from their stress, shape (6, cells); see `find_flow`."""

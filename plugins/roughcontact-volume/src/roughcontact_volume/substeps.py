@@ -182,9 +182,7 @@ class SubstepMarch:
     contact: Any = None
     pressure: Array | None = None
 
-    def settle(
-        self, states: tuple[PlasticState, ...], *, is_divisible: bool
-    ) -> tuple[tuple[PlasticState, ...], Array]:
+    def settle(self, states: tuple[PlasticState, ...], *, is_divisible: bool) -> tuple[tuple[PlasticState, ...], Array]:
         """Return the states after the increment, and the errors of the answers by its substeps, shape (3 + bodies,).
 
         Where the load does not change, an increment is not divisible.
