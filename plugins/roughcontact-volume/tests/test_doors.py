@@ -187,11 +187,10 @@ def test_a_material_that_has_a_residual_stress_has_a_form(ball, capsys, tmp_path
     assert found == Plastic("210GPa", 0.3, "1GPa", residual=ResidualStress(["0um", "50um"], ["-400MPa", "0MPa"]))
     given = f"{FIELDS} residual.type=residual-stress residual.depth=0um,50um residual.stress=-400MPa,0MPa"
     material = ("--material", "rigid", "--counterbody-material", "plastic", "--counterbody-fields", *given.split())
-    file = tmp_path / "path.npz"
-    _, _, err = solve(capsys, ball, "--loads", "3N", "0N", "--path", *material, "-o", file, "--residual-stress")
-    assert err == ""
-    again = rc.load(file)
-    assert again[1].origin.scene.counterbody.material == attrs.evolve(STEEL, residual=found.residual)
+    file = tmp_path / "state.npz"
+    status, _, err = solve(capsys, ball, "--force", "0.1N", *material, "-o", file)
+    assert status in (0, 3), err
+    assert rc.load(file).origin.scene.counterbody.material == attrs.evolve(STEEL, residual=found.residual)
 
 
 def test_a_command_asks_one_of_two_bodies_that_flow(ball, capsys):

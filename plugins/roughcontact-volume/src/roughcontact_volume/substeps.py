@@ -208,15 +208,19 @@ class SubstepMarch:
         return run.states, _estimate_errors(change, before)
 
     def _choose_boxes(self, states: tuple[PlasticState, ...]) -> tuple[PlasticState, ...]:
-        """Return the states, fresh ones in a box that is as deep as the last contact yields them, if it does."""
+        """Return the states, fresh ones in a box that is as deep as the last contact yields them, if it does.
+
+        Below a box that has grown from above a residual stress may yield too.
+        """
         found = []
         for body, state in zip(self.bodies, states, strict=True):
             depth = 0.0
-            if state.is_fresh:
+            if state.is_fresh or body.material.residual is not None:
                 pressure = body.place_back(self.contact.pressure)
                 depth = find_yield_depth(self.grid, self.boundary, body.material, pressure)
             # The lowest layer must not flow, so that there are two at least.
-            found.append(state.deepen(max(2, count_layers(self.grid, depth))) if depth else state)
+            count = max(2, count_layers(self.grid, depth)) if depth else 0
+            found.append(state.deepen(count) if count > state.layers else state)
         return tuple(found)
 
     def _run(self, begin: tuple[PlasticState, ...], guesses: Sequence[tuple[Flow, ...]]) -> _Run:
