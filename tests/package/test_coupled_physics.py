@@ -172,6 +172,23 @@ def test_a_material_brings_its_law_and_no_other_one():
         press(Springs())
 
 
+def test_materials_of_both_bodies_bring_a_process_that_joins():
+    class Joined(Springs):
+        def join(self, other):
+            return Joined(self.value + other.value)
+
+    class Both(Bedded):
+        def bring_laws(self, side):
+            return (Joined(self.softness),)
+
+    ball = rc.Body(rc.SphereSurface(radius=1e-3), Both(3e-17))
+    problem = rc.ContactProblem(ball, rc.Body(rc.FlatSurface(), Both(1e-17)), grid=GRID)
+    assert problem.laws == (Joined(4e-17),)
+    alone = attrs.evolve(problem, counterbody=rc.Body(rc.FlatSurface(), STEEL))
+    assert alone.laws == (Joined(3e-17),)
+    assert rc.ContactProblem(**problem.parts).laws == problem.laws
+
+
 @pytest.mark.parametrize(
     ("others", "sentence"),
     [

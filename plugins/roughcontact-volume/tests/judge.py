@@ -324,7 +324,10 @@ class HalfSpace(NamedTuple):
 
 
 class State(NamedTuple):
-    """What is returned of one step: pressure and gap before contact, plastic strain and its accumulated size."""
+    """What is returned of one step: pressure and gap before contact, plastic strain and its accumulated size.
+
+    Beside the plastic strain a stress may act that was given, shape (6, nz).
+    """
 
     pressure: Array
     heights: Array
@@ -334,6 +337,7 @@ class State(NamedTuple):
     accumulated_before: Array
     accumulated: Array
     yield_stress: Callable[[Array], Array]
+    given_stress: Array | None = None
 
 
 class Verdict(NamedTuple):
@@ -363,6 +367,8 @@ class Verdict(NamedTuple):
 def judge(body: HalfSpace, state: State) -> Verdict:
     """Return by how much a state violates the yield function, the rule of flow, and the conditions of contact."""
     stress = body.press(state.pressure) + body.find_stress(state.strain)
+    if state.given_stress is not None:
+        stress += state.given_stress[:, :, None, None]
     deviator = stress.copy()
     deviator[:3] -= stress[:3].mean(axis=0)
     mises = np.sqrt(1.5 * np.einsum("c,cijk->ijk", WEIGHTS, deviator**2))

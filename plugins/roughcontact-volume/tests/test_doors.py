@@ -242,6 +242,31 @@ def test_a_residual_stress_has_a_form(ball, capsys):
     assert found["force"]["value"] == pytest.approx(expected.force.value)
 
 
+def test_a_material_that_has_a_residual_stress_has_a_form(ball, capsys, tmp_path):
+    residual = {"depth": ["0um", "50um"], "stress": ["-400MPa", "0MPa"]}
+    material = {"type": "plastic", "young": "210GPa", "poisson": 0.3, "yield_stress": "1GPa", "residual": residual}
+    body = {"surface": {"type": "sphere", "radius": "1mm"}, "material": material}
+    found = build_problem({"body": body, "grid": GRID}).body.material
+    assert found == Plastic("210GPa", 0.3, "1GPa", residual=ResidualStress(["0um", "50um"], ["-400MPa", "0MPa"]))
+    given = f"{FIELDS} residual.type=residual-stress residual.depth=0um,50um residual.stress=-400MPa,0MPa"
+    material = ("--material", "rigid", "--counterbody-material", "plastic", "--counterbody-fields", *given.split())
+    file = tmp_path / "state.npz"
+    status, _, err = solve(capsys, ball, "--force", "0.1N", *material, "-o", file)
+    assert status in (0, 3), err
+    assert rc.load(file).origin.scene.counterbody.material == attrs.evolve(STEEL, residual=found.residual)
+
+
+def test_a_command_asks_one_of_two_bodies_that_flow(ball, capsys):
+    sides = ("", "counterbody-")
+    both = [word for one in sides for word in (f"--{one}material", "plastic", f"--{one}fields", *FIELDS.split())]
+    status, out, err = solve(capsys, ball, "--force", "3N", *both, "--plastic-zone", "body=counterbody", "--json")
+    assert status in (0, 3), err
+    zone = json.loads(out)["responses"]["plastic-zone"]
+    assert zone["largest_strain"]["value"] > 1e-4
+    _, _, err = solve(capsys, ball, "--force", "3N", *both, "--plastic-zone")
+    assert "say which with body='body' or 'counterbody'" in " ".join(err.split())
+
+
 SCRIPT = """
 import sys
 sys.path[:0] = {folders!r}

@@ -2,13 +2,15 @@
 
 import pytest
 
-from judged_paths import judge_path
+from judged_paths import KINDS, judge_path
 
 
 # 201: it yields in the uppermost layer alone.
-@pytest.mark.parametrize("seed", [1, 4, 201])
-def test_no_state_of_a_path_is_false(seed):
-    faults, states, flowing = judge_path(seed)
+@pytest.mark.parametrize(
+    ("seed", "kind"), [(1, "plain"), (4, "plain"), (201, "plain"), (302, "stressed"), (302, "both")]
+)
+def test_no_state_of_a_path_is_false(seed, kind):
+    faults, states, flowing = judge_path(seed, kind)
     assert faults == []
     assert states == 5
     assert flowing > 0
@@ -17,13 +19,13 @@ def test_no_state_of_a_path_is_false(seed):
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(100, 120))
 def test_no_state_of_more_paths_is_false(seed):
-    assert judge_path(seed)[0] == []
+    assert judge_path(seed, KINDS[seed % 3])[0] == []
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("boundary", ["free-periodic", "periodic-free"])
 def test_no_state_on_a_mixed_boundary_is_false(boundary):
-    faults, states, flowing = judge_path(70003, boundary)
+    faults, states, flowing = judge_path(70003, boundary=boundary)
     assert faults == []
     assert states == 5
     assert flowing > 0

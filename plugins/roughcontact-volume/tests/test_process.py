@@ -296,10 +296,6 @@ class TestRefusals:
         ("make", "sentence"),
         [
             (
-                lambda problem: attrs.evolve(problem, body=attrs.evolve(problem.body, material=Plastic(1e9, 0.3, 1e7))),
-                "Both bodies are Plastic",
-            ),
-            (
                 lambda problem: attrs.evolve(
                     problem,
                     body=attrs.evolve(problem.body, material=rc.ElasticPerfectlyPlastic(210e9, 0.3, 5e9)),
@@ -371,3 +367,17 @@ def test_hardening_bounds_the_strain():
         for one in (LinearHardening(0.0), SwiftHardening(0.005, 0.5))
     )
     assert 0.0 < hard < 0.8 * soft
+
+
+def test_conditions_take_the_stress_of_the_numbers(path, monkeypatch):
+    state = path[3]
+    law, memory = state.added[0].laws[0], read(state)
+    products = []
+    find_stress = VolumeOperators.find_stress
+    monkeypatch.setattr(VolumeOperators, "find_stress", lambda *some: products.append(some) or find_stress(*some))
+    increment = LoadIncrement(rc.typing.Load("force", state.force))
+    for count in (1, 2):
+        assert law.list_numbers(state, memory) == state.added[0].numbers
+        found = {one.name: one for one in law.judge(make_ball(), state, increment, memory, memory)}
+        assert found["plastic flow"] == state.certificate["plastic flow"]
+        assert len(products) == count

@@ -13,7 +13,7 @@ from roughcontact_volume.radial_return import (
     find_flow,
     find_multiplier,
 )
-from roughcontact_volume.step import solve_step
+from roughcontact_volume.step import NO_FLOW, FlowingCells, solve_step
 
 EACH = [
     LinearHardening(0.0),
@@ -28,11 +28,17 @@ def make_material(hardening):
     return Plastic("200GPa", 0.25, "1GPa", hardening)
 
 
+def solve_one(find_stress, strain, material, tolerance, start=NO_FLOW):
+    """Return the step of a single body."""
+    cells = FlowingCells(material, strain, start)
+    return solve_step(lambda flows, error: [find_stress(flows[0], error)], [cells], tolerance)
+
+
 def find_step(body_stress, strain, material, tolerance, *start):
     """Return the flow of a step as a field, and its evaluations."""
-    step = solve_step(body_stress, strain, material, tolerance, *start)
+    step = solve_one(body_stress, strain, material, tolerance, *start)
     assert step.error <= tolerance
-    return step.flow.fill(strain.shape), step.evaluations
+    return step.flows[0].fill(strain.shape), step.evaluations
 
 
 def draw_stress(count, seed=0):
@@ -142,22 +148,36 @@ def test_step_from_a_guess_finds_the_same():
     material = make_material("4GPa")
     body = _Coupled(material, 12)
     strain = np.zeros((12, 1, 1))
-    first = solve_step(body.find_stress, strain, material, 1e-9).flow
+    (first,) = solve_one(body.find_stress, strain, material, 1e-9).flows
     again, _ = find_step(body.find_stress, strain, material, 1e-9, first.halve())
     assert again == pytest.approx(first.fill(strain.shape), abs=1e-8 * np.abs(first.values).max())
 
 
+def test_bodies_in_one_step_are_one_body_of_all_their_cells():
+    material = make_material("4GPa")
+    body = _Coupled(material, 12)
+    together, _ = find_step(body.find_stress, np.zeros((12, 1, 1)), material, 1e-10)
+
+    def find_stresses(flows, error):
+        stress = body.find_stress(np.concatenate(flows, axis=1))
+        return stress[:, :5], stress[:, 5:]
+
+    step = solve_step(find_stresses, [FlowingCells(material, np.zeros((count, 1, 1))) for count in (5, 7)], 1e-10)
+    apart = [flow.fill((count, 1, 1)) for flow, count in zip(step.flows, (5, 7), strict=True)]
+    assert np.concatenate(apart, axis=1) == pytest.approx(together, abs=1e-9 * np.abs(together).max())
+
+
 def test_elastic_step_needs_one_stress():
     material = make_material("4GPa")
-    step = solve_step(lambda flow, error: np.full((6, 3, 2, 2), 1e7), np.zeros((3, 2, 2)), material, 1e-4)
+    step = solve_one(lambda flow, error: np.full((6, 3, 2, 2), 1e7), np.zeros((3, 2, 2)), material, 1e-4)
     assert step.evaluations == 1
-    assert not step.flow.is_any
+    assert not step.flows[0].is_any
 
 
 def test_a_step_that_is_given_up_states_its_error():
     material = make_material(None)
     rng = np.random.default_rng(5)
-    step = solve_step(lambda flow, error: 5e9 * rng.standard_normal((6, 1, 1, 1)), np.zeros((1, 1, 1)), material, 1e-4)
+    step = solve_one(lambda flow, error: 5e9 * rng.standard_normal((6, 1, 1, 1)), np.zeros((1, 1, 1)), material, 1e-4)
     assert step.error > 1e-4
 
 

@@ -2,7 +2,7 @@
 
 from roughcontact_volume.between_mixtures import InclusionAnswers, find_inclusion_answers
 from roughcontact_volume.flow import PlasticFlow
-from roughcontact_volume.given_strains import ResidualStress, StrainedRegion
+from roughcontact_volume.given_strains import StrainedRegion
 from roughcontact_volume.hardening import Hardening, LinearHardening, SwiftHardening, TabulatedHardening, VoceHardening
 from roughcontact_volume.inclusions import Inclusion, Inclusions
 from roughcontact_volume.indentation import Indentation, find_indentation
@@ -13,6 +13,7 @@ from roughcontact_volume.own_yield import FindOwnYield
 from roughcontact_volume.panels import PlasticZonePanel, ResidualStressPanel, TotalStressPanel
 from roughcontact_volume.plastic import Plastic
 from roughcontact_volume.plastic_zone import FindImprint, FindPlasticZone, Imprint, PlasticZone
+from roughcontact_volume.residual_stress import ResidualStress
 from roughcontact_volume.shakedown import Passes, judge_passes
 from roughcontact_volume.shapes import Cuboid, Ellipsoid, Shape, Sphere
 from roughcontact_volume.stress_answers import FindResidualStress, FindTotalStress

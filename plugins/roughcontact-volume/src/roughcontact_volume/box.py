@@ -9,6 +9,7 @@ import numpy as np
 import roughcontact as rc
 from roughcontact.typing import Array, si
 
+from roughcontact_volume.kept_stress import take_stress
 from roughcontact_volume.operators import VolumeOperators
 from roughcontact_volume.radial_return import find_equivalent
 from roughcontact_volume.yielding import Yielding
@@ -56,7 +57,7 @@ def require_depth(grid: rc.Grid, depth: float) -> None:
 
 
 def find_yield_depth(grid: rc.Grid, boundary: rc.Boundary, material: Yielding, pressure: Array) -> float:
-    """Return the depth down to which an elastic half-space is near its yield stress, m; zero where it is nowhere.
+    """Return the depth down to which a body that never flowed is near its yield stress, m; zero where it is nowhere.
 
     Parameters
     ----------
@@ -67,15 +68,32 @@ def find_yield_depth(grid: rc.Grid, boundary: rc.Boundary, material: Yielding, p
     pressure
         The pressure, Pa, shape (nx, ny).
     """
-    ends = probe_layers(grid)
-    largest = find_largest_below(grid, boundary, material, pressure)
-    deep = np.flatnonzero(largest > _LOWEST_STRESS * material.yield_stress)
-    if not deep.size:
+    thicknesses = probe_layers(grid)
+    bottoms = np.cumsum(thicknesses)
+    stress = _press_probe(grid, boundary, material, pressure)
+    pairs = zip(bottoms - thicknesses, bottoms, strict=True)
+    deep = [z for z, (top, bottom) in enumerate(pairs) if _is_near_yield(material, stress[:, z], top, bottom)]
+    if not deep:
         return 0.0
-    lowest = int(deep[-1])
-    if lowest == len(ends) - 1:
+    if deep[-1] == len(bottoms) - 1:
         require_depth(grid, math.inf)
-    return float(np.cumsum(ends)[lowest])
+    return float(bottoms[deep[-1]])
+
+
+def _is_near_yield(material: Yielding, stress: Array, top: float, bottom: float) -> bool:
+    """Return whether a stress, shape (6, nx, ny), Pa, and the residual stress at any depth of a layer are near it."""
+    given = material.residual
+    if given is None:
+        return bool(find_equivalent(stress).max() > _LOWEST_STRESS * material.yield_stress)
+    # The von Mises stress is convex: between points of the residual stress, where that is linear, it is less.
+    points = np.concatenate(([top], given.depth[(given.depth > top) & (given.depth < bottom)], [bottom]))
+    for own in given.find_stress(points).T:
+        rest = float(find_equivalent(own))
+        most = find_equivalent(stress + own[:, np.newaxis, np.newaxis]).max()
+        # Of what the residual stress leaves to the yield stress.
+        if most > rest + _LOWEST_STRESS * (material.yield_stress - rest):
+            return True
+    return False
 
 
 def probe_layers(grid: rc.Grid) -> Array:
@@ -87,10 +105,41 @@ def probe_layers(grid: rc.Grid) -> Array:
 
 
 def find_largest_below(grid: rc.Grid, boundary: rc.Boundary, material: Yielding, pressure: Array) -> Array:
-    """Return the largest von Mises stress in each of `probe_layers` of an elastic half-space, Pa."""
-    layers = tuple(probe_layers(grid).tolist())
-    stress = make_operators(grid, boundary, layers, material.young, material.poisson).press(pressure)
+    """Return the largest von Mises stress in each of `probe_layers` of a body that never flowed, Pa."""
+    stress = _press_probe(grid, boundary, material, pressure)
+    stress += material.find_residual(probe_layers(grid))[:, :, np.newaxis, np.newaxis]
     return np.asarray(find_equivalent(stress).max(axis=(1, 2)))
+
+
+def _press_probe(grid: rc.Grid, boundary: rc.Boundary, material: Yielding, pressure: Array) -> Array:
+    """Return the stress by a pressure in `probe_layers`, shape (6, nz, nx, ny), Pa."""
+    layers = tuple(probe_layers(grid).tolist())
+    return make_operators(grid, boundary, layers, material.young, material.poisson).press(pressure)
+
+
+def find_stress(
+    grid: rc.Grid, boundary: rc.Boundary, material: Yielding, strain: Array, pressure: Array | None = None
+) -> Array:
+    """Return the stress in the layers of a box, mean over each, shape (6, nz, nx, ny), Pa.
+
+    Parameters
+    ----------
+    grid, boundary
+        The grid of the surface and its boundary.
+    material
+        The material, whose own residual stress is part of it.
+    strain
+        The plastic strain, shape (6, nz, nx, ny).
+    pressure
+        The pressure, Pa, shape (nx, ny); None: that of an unloaded body.
+    """
+    operators = find_operators(grid, boundary, strain.shape[1], material)
+    stress = take_stress(operators, strain) if strain.any() else np.zeros(operators.shape)
+    if pressure is not None and pressure.any():
+        stress += operators.press(pressure)
+    if material.residual is not None:
+        stress += material.find_residual(operators.thicknesses)[:, :, np.newaxis, np.newaxis]
+    return stress
 
 
 def find_operators(grid: rc.Grid, boundary: rc.Boundary, count: int, material: Yielding) -> VolumeOperators:

@@ -10,16 +10,22 @@ import roughcontact as rc
 from roughcontact.results import WarningText
 from roughcontact.typing import Array, Load, LoadIncrement
 
-from roughcontact_volume.box import find_operators, list_layers
+from roughcontact_volume.box import find_stress, list_layers
 from roughcontact_volume.cell_maximum import find_cell_maximum
 from roughcontact_volume.flow import PlasticFlow
 from roughcontact_volume.judgement import find_at_border
+from roughcontact_volume.shapes import read_side
 from roughcontact_volume.substeps import PlasticState
 from roughcontact_volume.yielding import Yielding
 
 # Largest accumulated strain beyond which strains are not small: a ball has it where the radius of its contact is a
 # tenth of its own.
 _LARGEST_SMALL_STRAIN = 0.03
+
+
+def read_body(value: str | None) -> str | None:
+    """Return the name of a body, or None: the one that flows; or raise `InputError`."""
+    return None if value is None else read_side(value, "The body")
 
 
 @attrs.frozen(eq=False)
@@ -54,42 +60,47 @@ class FlowedBody:
     side: str
 
     @classmethod
-    def of(cls, state: Any) -> Self:
-        """Return that of a `ContactSolution`; `InputError` if none of its bodies flows, or its problem is unknown."""
+    def list_of(cls, state: Any) -> tuple[Self, ...]:
+        """Return those of a `ContactSolution`; `InputError` if none of its bodies flows, or its problem is unknown."""
         for addition in state.added:
             for law, memory in zip(getattr(addition, "laws", ()), getattr(addition, "memory", ()), strict=True):
                 if isinstance(law, PlasticFlow):
-                    return cls._read(state, law, memory, addition.shift)
+                    return tuple(cls._read(state, law.read(memory, side), side, addition.shift) for side in law.sides)
         raise rc.InputError("Neither body flows below its surface: give one of them the material Plastic.")
 
     @classmethod
-    def _read(cls, state: Any, law: PlasticFlow, memory: Any, shift: tuple[int, int]) -> Self:
+    def of(cls, state: Any, body: str | None = None) -> Self:
+        """Return that of a side, or the one that flows; `InputError` if that one does not, or both do."""
+        found = {one.side: one for one in cls.list_of(state)}
+        if body is None and len(found) > 1:
+            raise rc.InputError("Both bodies flow below their surfaces: say which with body='body' or 'counterbody'.")
+        if body is not None and body not in found:
+            raise rc.InputError(f"The {body} does not flow below its surface: give it the material Plastic.")
+        return found[body] if body else next(iter(found.values()))
+
+    @classmethod
+    def _read(cls, state: Any, memory: Any, side: str, shift: tuple[int, int]) -> Self:
         problem = state.origin.scene
         pressure = state.pressure
-        if law.of == "counterbody":
+        if side == "counterbody":
             increment = LoadIncrement(Load("force", state.force), shift=shift)
             pressure = np.asarray(increment.place_back(pressure))
         flow = PlasticState(**{name: memory[name] for name in attrs.fields_dict(PlasticState)})
         return cls(
             problem.plan.grid,
             problem.boundary,
-            getattr(problem, law.of).material,
+            getattr(problem, side).material,
             flow,
             pressure,
             memory["step_errors"],
             state.status.success,
-            law.of,
+            side,
         )
 
     @property
     def thicknesses(self) -> Array:
         """Thicknesses of the layers of the box, shape (nz,), m."""
         return list_layers(self.grid, self.flow.layers)
-
-    @property
-    def has_flowed(self) -> bool:
-        """Whether any cell has flowed."""
-        return bool(self.flow.accumulated_strain.any())
 
     @property
     def step_error(self) -> float:
@@ -106,9 +117,8 @@ class FlowedBody:
 
     def find_stress(self, *, is_loaded: bool) -> Array:
         """Return the residual stress, mean over each layer, shape (6, nz, nx, ny), Pa, or that with the pressure."""
-        operators = find_operators(self.grid, self.boundary, self.flow.layers, self.material)
-        stress = operators.find_stress(self.flow.plastic_strain) if self.has_flowed else np.zeros(operators.shape)
-        return stress + operators.press(self.pressure) if is_loaded and self.pressure.any() else stress
+        pressure = self.pressure if is_loaded else None
+        return find_stress(self.grid, self.boundary, self.material, self.flow.plastic_strain, pressure)
 
     @property
     def warnings(self) -> tuple[WarningText, ...]:

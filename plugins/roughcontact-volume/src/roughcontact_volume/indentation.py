@@ -143,20 +143,20 @@ def find_indentation(path: Sequence[Any]) -> Indentation:
         raise rc.InputError("The path carries no load that would indent anything.")
     if np.any(getattr(path, "shift", 0)):
         raise rc.InputError("The indenter moves along the path: give one without shift=.")
-    bodies = [FlowedBody.of(state) for state in states]
+    bodies = [FlowedBody.list_of(state) for state in states]
     top = max(range(len(states)), key=lambda place: states[place].force)
-    state, body = states[top], bodies[top]
+    state = states[top]
     stiffness = state.stiffness(unloading=True)
     area = state.area()
     force = state.force
-    read_area = _read_area(state, stiffness, float(body.step_errors[1]))
+    read_area = _read_area(state, stiffness, float(bodies[top][0].step_errors[1]))
     modulus = 0.5 * math.sqrt(math.pi) * stiffness.value / math.sqrt(read_area.value)
     relative = math.hypot(stiffness.uncertainty / stiffness.value, 0.5 * read_area.uncertainty / read_area.value)
-    warnings: dict[str, None] = dict.fromkeys(text for one in bodies for text in one.warnings)
+    warnings: dict[str, None] = dict.fromkeys(text for some in bodies for one in some for text in one.warnings)
     warnings |= dict.fromkeys((*stiffness.warnings, *area.warnings, *read_area.warnings))
     return Indentation(
         states,
-        np.array([_find_energies(one, other) for one, other in zip(states, bodies, strict=True)]),
+        np.array([_find_energies(one) for one in states]),
         stiffness,
         rc.Estimate(area.value, area.uncertainty, "m2", area.warnings),
         _divide_force(force, area),
@@ -168,11 +168,15 @@ def find_indentation(path: Sequence[Any]) -> Indentation:
     )
 
 
-def _find_energies(state: Any, body: FlowedBody) -> tuple[float, float, float]:
-    """Return the plastic work, the energy of the residual stress, and that of the pressure, J."""
-    numbers = next(one for one in (added.list_numbers(state) for added in state.added) if "plastic_work" in one)
-    pressed = 0.5 * float(np.einsum("xy,xy->", state.pressure, state.displacement)) * body.grid.cell_area
-    return numbers["plastic_work"][0], numbers["residual_energy"][0], pressed
+def _find_energies(state: Any) -> tuple[float, float, float]:
+    """Return the plastic work, the energy of the residual stress, and that of the pressure, of both bodies, J."""
+    numbers = [pair for added in state.added for pair in added.list_numbers(state).items()]
+    work, left = (
+        sum(value[0] for name, value in numbers if name.startswith(word))
+        for word in ("plastic_work", "residual_energy")
+    )
+    pressed = 0.5 * float(np.einsum("xy,xy->", state.pressure, state.displacement)) * state.grid.cell_area
+    return work, left, pressed
 
 
 def _divide_force(force: float, area: rc.Estimate) -> rc.Estimate:

@@ -8,7 +8,7 @@ import roughcontact as rc
 from roughcontact.results import Condition
 from roughcontact.typing import Array
 
-from roughcontact_volume.box import find_largest_below, find_operators
+from roughcontact_volume.box import find_largest_below, find_stress
 from roughcontact_volume.radial_return import (
     WEIGHTS,
     find_accumulated,
@@ -41,9 +41,7 @@ def judge_flow(
             Condition("plastic flow", beyond, _FLOW, tolerance=_MAX_ERROR),
             Condition("yield", beyond, _YIELD, judges=False),
         ]
-    operators = find_operators(grid, boundary, state.layers, material)
-    stress = operators.find_stress(state.plastic_strain)
-    stress += operators.press(pressure)
+    stress = find_stress(grid, boundary, material, state.plastic_strain, pressure)
     # Layer by layer, which takes the memory of one.
     layers = [_LastFlow.of(stress, state, material, layer) for layer in range(state.layers)]
     highest = float(state.accumulated_strain.max())

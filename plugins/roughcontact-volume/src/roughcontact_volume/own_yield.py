@@ -8,6 +8,7 @@ import attrs
 import roughcontact as rc
 from roughcontact.responses import FirstYield, YieldPoint
 
+from roughcontact_volume.flowed_body import read_body
 from roughcontact_volume.yielding import Yielding
 
 # Mean pressure over the yield stress from which the load is searched where the contact has none.
@@ -18,7 +19,13 @@ _FIRST_PRESSURE = 1e-3
 class FindOwnYield(rc.Response[YieldPoint]):
     """Load at which a body of the material `Plastic` first yields, of fresh surfaces, whatever the state.
 
-    It is the response ``"first-yield"`` of the same bodies if they were elastic, at the yield stress of the material.
+    It is the response ``"first-yield"`` of the same bodies if they were elastic, at the yield stress of the material
+    and with its residual stress.
+
+    Parameters
+    ----------
+    body
+        ``"body"`` or ``"counterbody"``; None: the one that flows.
 
     Examples
     --------
@@ -32,6 +39,8 @@ class FindOwnYield(rc.Response[YieldPoint]):
     True
     """
 
+    body: str | None = attrs.field(default=None, converter=read_body, kw_only=True)
+
     holds_with: ClassVar[frozenset[str]] = frozenset({"shear"})
     reads: ClassVar[str] = "state"
     memory_arrays: ClassVar[float] = 54.0  # solves at other loads, and the stress of each
@@ -39,13 +48,23 @@ class FindOwnYield(rc.Response[YieldPoint]):
     def respond(self, solution: Any) -> YieldPoint:
         """Return the load; see `Response.respond`."""
         problem: Any = None if solution.origin is None else solution.origin.scene
-        for side in ("body", "counterbody"):
-            body = getattr(problem, side, None)
-            if body is not None and isinstance(body.material, Yielding):
-                material = body.material
-                elastic = rc.Body(body.surface, rc.Elastic(material.young, material.poisson))
-                twin = attrs.evolve(problem, laws=(), **{side: elastic})
-                force = solution.force or _FIRST_PRESSURE * material.yield_stress * solution.grid.area
-                found: YieldPoint = twin.solve(force=force).response(FirstYield(material.yield_stress, body=side))
-                return found
-        raise rc.InputError("Neither body yields: give one of them the material Plastic, or ask for 'first-yield'.")
+        sides = {side: getattr(problem, side, None) for side in ("body", "counterbody")}
+        yielding = {side: one for side, one in sides.items() if one and isinstance(one.material, Yielding)}
+        if not yielding:
+            raise rc.InputError("Neither body yields: give one of them the material Plastic, or ask for 'first-yield'.")
+        if self.body is None and len(yielding) > 1:
+            raise rc.InputError("Both bodies yield: say which with body='body' or 'counterbody'.")
+        asked = self.body or next(iter(yielding))
+        if asked not in yielding:
+            raise rc.InputError(f"The {asked} does not yield: give it the material Plastic, or ask for 'first-yield'.")
+        material = yielding[asked].material
+        elastic = {side: rc.Body(one.surface, _without_flow(one.material)) for side, one in yielding.items()}
+        twin = attrs.evolve(problem, laws=(), **elastic)
+        force = solution.force or _FIRST_PRESSURE * material.yield_stress * solution.grid.area
+        response = FirstYield(material.yield_stress, body=asked, residual=material.residual)
+        found: YieldPoint = twin.solve(force=force).response(response)
+        return found
+
+
+def _without_flow(material: Yielding) -> rc.Elastic:
+    return rc.Elastic(material.young, material.poisson)

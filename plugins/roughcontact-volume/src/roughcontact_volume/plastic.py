@@ -29,6 +29,9 @@ class Plastic(Yielding):
         substeps of an increment of the load, over which the strain is then extrapolated. The errors that are left are
         among the numbers of a state. From one load to twice that, the default takes two to four substeps, 0.005 eight
         to sixteen.
+    residual
+        A `ResidualStress` that it has below its surface before any load, everywhere below the yield stress; None:
+        it has none. It adds to the stress that makes it flow, and flow relaxes it.
 
     Examples
     --------
@@ -40,4 +43,4 @@ class Plastic(Yielding):
 
     def bring_laws(self, side: str) -> tuple[PlasticFlow]:
         """Return the process by which it flows, on a side; see `Material.bring_laws`."""
-        return (PlasticFlow(side),)
+        return (PlasticFlow(side, is_stressed=self.residual is not None),)

@@ -12,7 +12,7 @@ import roughcontact as rc
 from roughcontact.typing import Array, Table, si
 
 from roughcontact_volume.cell_maximum import CellMaximum, find_cell_maximum
-from roughcontact_volume.flowed_body import FlowedBody
+from roughcontact_volume.flowed_body import FlowedBody, read_body
 from roughcontact_volume.vtk_file import write_layers
 
 # Standard deviation of a border that lies anywhere in its cell, over the side of the cell.
@@ -123,6 +123,11 @@ class PlasticZone:
 class FindPlasticZone(rc.Response[PlasticZone]):
     """The plastic zone below a surface that has flowed: its volume, depth and strain.
 
+    Parameters
+    ----------
+    body
+        ``"body"`` or ``"counterbody"``; None: the one that flows.
+
     Examples
     --------
     >>> import roughcontact as rc
@@ -135,12 +140,14 @@ class FindPlasticZone(rc.Response[PlasticZone]):
     True
     """
 
+    body: str | None = attrs.field(default=None, converter=read_body, kw_only=True)
+
     holds_with: ClassVar[frozenset[str]] = frozenset({"shear"})
     reads: ClassVar[str] = "state"
 
     def respond(self, solution: Any) -> PlasticZone:
         """Return the zone; see `Response.respond`."""
-        body = FlowedBody.of(solution)
+        body = FlowedBody.of(solution, self.body)
         interfaces = np.concatenate(([0.0], np.cumsum(body.thicknesses)))
         flow = body.flow
         return PlasticZone(
@@ -194,6 +201,11 @@ class FindImprint(rc.Response[Imprint]):
     `LoadPath.bodies` returns the bodies with these heights: pressed again as of another problem they have neither the
     residual stress nor the hardening, which `LoadPath.extend` keeps.
 
+    Parameters
+    ----------
+    body
+        ``"body"`` or ``"counterbody"``; None: the one that flows.
+
     Examples
     --------
     >>> import roughcontact as rc
@@ -206,12 +218,14 @@ class FindImprint(rc.Response[Imprint]):
     True
     """
 
+    body: str | None = attrs.field(default=None, converter=read_body, kw_only=True)
+
     holds_with: ClassVar[frozenset[str]] = frozenset({"shear"})
     reads: ClassVar[str] = "state"
 
     def respond(self, solution: Any) -> Imprint:
         """Return the imprint; see `Response.respond`."""
-        zone = FindPlasticZone().respond(solution)
+        zone = FindPlasticZone(body=self.body).respond(solution)
         largest = zone.largest
         relative = largest.uncertainty / largest.value if largest.value > 0.0 else 0.0
-        return Imprint(zone.grid, FlowedBody.of(solution).flow.imprint, relative, zone.warnings)
+        return Imprint(zone.grid, FlowedBody.of(solution, self.body).flow.imprint, relative, zone.warnings)

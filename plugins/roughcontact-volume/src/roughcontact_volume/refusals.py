@@ -17,10 +17,6 @@ _INCOMPRESSIBLE = 0.5
 def require_possible(problem: Any) -> None:
     """Raise `InputError` where a problem has another part with which plastic flow is not solved."""
     materials = (problem.body.material, problem.counterbody.material)
-    if all(isinstance(material, Yielding) for material in materials):
-        raise rc.InputError(
-            "Both bodies are Plastic, but only one of them may flow below its surface: make the harder one Elastic."
-        )
     if any(np.isfinite(np.asarray(material.pressure_limit)).any() for material in materials):
         raise rc.InputError(
             "A hardness beside a Plastic body would count its flow twice, as the limit of the pressure that the flow "

@@ -11,7 +11,7 @@ import numpy as np
 import roughcontact as rc
 from roughcontact.typing import Array, Mask, Table
 
-from roughcontact_volume.flowed_body import FlowedBody
+from roughcontact_volume.flowed_body import FlowedBody, read_body
 from roughcontact_volume.substeps import deepen
 
 # New strain of a pass over the accumulated one, below which passes shake down.
@@ -61,7 +61,7 @@ class Passes:
         return "\n".join([text, *(f"warning: {one}" for one in self.warnings)])
 
 
-def judge_passes(path: Sequence[Any], places: int) -> Passes:
+def judge_passes(path: Sequence[Any], places: int, body: str | None = None) -> Passes:
     """Return whether the passes of a load along a track shake down.
 
     Parameters
@@ -70,6 +70,8 @@ def judge_passes(path: Sequence[Any], places: int) -> Passes:
         A `LoadPath` with ``shift=``, whose places are those of one pass, repeated.
     places
         Number of places of a pass.
+    body
+        ``"body"`` or ``"counterbody"``; None: the one that flows.
 
     References
     ----------
@@ -91,7 +93,8 @@ def judge_passes(path: Sequence[Any], places: int) -> Passes:
     if not whole or len(states) < 2 * places or len(states) % places:
         allowed = f"a whole number of which the {len(states)} places of the path are at least twice a multiple"
         raise rc.InputError.about("The number of places of a pass", places, allowed)
-    bodies = [FlowedBody.of(state) for state in states]
+    asked = read_body(body)
+    bodies = [FlowedBody.of(state, asked) for state in states]
     middle = _find_middle(bodies[:places])
     layers = bodies[-1].flow.layers
     strains = [np.zeros((layers, *middle.shape))]

@@ -11,7 +11,7 @@ import roughcontact as rc
 from roughcontact.typing import Array, Length
 
 from roughcontact_volume.box import count_layers
-from roughcontact_volume.flowed_body import FlowedBody
+from roughcontact_volume.flowed_body import FlowedBody, read_body
 from roughcontact_volume.layered_stress import LayeredStress
 
 
@@ -31,12 +31,15 @@ def _depth(value: Length | None) -> float | None:
 class FindResidualStress(rc.Response[LayeredStress]):
     r"""The residual stress below a surface that has flowed, :math:`T \varepsilon` of its plastic strain.
 
-    It is what an unloaded body has, and what it has below its load beside the stress of the pressure.
+    It is what an unloaded body has, and what it has below its load beside the stress of the pressure. That which the
+    material had before any load is part of it.
 
     Parameters
     ----------
     depth
         Depth down to which it is found, m; None: twice that of the plastic zone.
+    body
+        ``"body"`` or ``"counterbody"``; None: the one that flows.
 
     Examples
     --------
@@ -53,6 +56,7 @@ class FindResidualStress(rc.Response[LayeredStress]):
     """
 
     depth: float | None = attrs.field(default=None, converter=_depth, metadata={"unit": "m"})
+    body: str | None = attrs.field(default=None, converter=read_body, kw_only=True)
 
     holds_with: ClassVar[frozenset[str]] = frozenset({"shear"})
     reads: ClassVar[str] = "state"
@@ -60,7 +64,7 @@ class FindResidualStress(rc.Response[LayeredStress]):
 
     def respond(self, solution: Any) -> LayeredStress:
         """Return the stress; see `Response.respond`."""
-        body = FlowedBody.of(solution)
+        body = FlowedBody.of(solution, self.body)
         count = count_layers(body.grid, 2.0 * _find_depth(body) if self.depth is None else self.depth)
         deeper = attrs.evolve(body, flow=body.flow.deepen(max(count, body.flow.layers)))
         stress = deeper.find_stress(is_loaded=self.is_loaded)[:, :count]
@@ -78,6 +82,8 @@ class FindTotalStress(FindResidualStress):
     depth
         Depth down to which it is found, m; None: twice that of the plastic zone, or twice the radius of a disc as large
         as the contact if nothing has flowed.
+    body
+        ``"body"`` or ``"counterbody"``; None: the one that flows.
 
     Examples
     --------

@@ -6,10 +6,12 @@ import math
 from typing import Any
 
 import attrs
+import numpy as np
 import roughcontact as rc
-from roughcontact.typing import Array, Quantity
+from roughcontact.typing import Array, Quantity, si
 
 from roughcontact_volume.hardening import Hardening, LinearHardening, check_number, check_stress
+from roughcontact_volume.residual_stress import ResidualStress
 
 
 def _young(value: Quantity) -> float:
@@ -42,6 +44,12 @@ def _hardening(value: Any) -> Hardening:
     )
 
 
+def _residual(value: Any) -> ResidualStress | None:
+    if value is None or isinstance(value, ResidualStress):
+        return value
+    raise rc.InputError.about("The residual stress of a material", value, "None or a ResidualStress(depth, stress)")
+
+
 @attrs.frozen
 class Yielding(rc.Material):
     """An elastic material with a yield stress that hardens; see `Plastic`, which flows in a contact."""
@@ -51,9 +59,16 @@ class Yielding(rc.Material):
     yield_stress: float = attrs.field(converter=_yield_stress, metadata={"unit": "Pa"})
     hardening: Hardening = attrs.field(default=None, converter=_hardening)
     accuracy: float = attrs.field(default=0.02, converter=_accuracy, kw_only=True, metadata={"unit": ""})
+    residual: ResidualStress | None = attrs.field(default=None, converter=_residual, kw_only=True)
 
     def __attrs_post_init__(self) -> None:
         self.hardening.require_fitting(self.yield_stress)
+        largest = 0.0 if self.residual is None else self.residual.find_largest()
+        if largest >= self.yield_stress:
+            raise rc.InputError(
+                f"The residual stress alone makes the material yield: its von Mises stress is {si(largest, 'Pa')}, the "
+                f"yield stress {si(self.yield_stress, 'Pa')}."
+            )
 
     @property
     def compliance(self) -> float:
@@ -77,6 +92,12 @@ class Yielding(rc.Material):
     def find_slope(self, strain: Array) -> Array:
         """Return its derivative by the strain, Pa."""
         return self.hardening.find_slope(self.yield_stress, strain)
+
+    def find_residual(self, thicknesses: Array) -> Array:
+        """Return the residual stress that it has without any flow, mean over layers, shape (6, nz), Pa."""
+        if self.residual is None:
+            return np.zeros((6, len(thicknesses)))
+        return self.residual.find_mean_stress(thicknesses)
 
     def find_work(self, strain: Array) -> Array:
         """Return the plastic work per volume until an accumulated plastic strain, J/m3."""

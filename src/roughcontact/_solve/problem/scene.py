@@ -19,7 +19,7 @@ from roughcontact._solve.problem.body import RIGID_FLAT, Body, InitialGap, find_
 from roughcontact._solve.problem.memory import require_memory_of_solve
 from roughcontact._solve.problem.plan import SolvePlan, choose_convolver, make_plan
 from roughcontact._solve.problem.task import prepare_convolution, prepare_shear, pressure_unit
-from roughcontact._solve.solution import Law, Process, as_laws
+from roughcontact._solve.solution import Law, Process, as_laws, join_laws
 from roughcontact._solve.solvers import Solver
 from roughcontact.errors import InputError
 
@@ -129,7 +129,7 @@ class Scene:
 
     def _list_brought_laws(self) -> tuple[Law, ...]:
         sides = {"body": self.body, "counterbody": self.counterbody}
-        return as_laws([law for side, body in sides.items() for law in body.material.bring_laws(side)])
+        return join_laws(as_laws([law for side, body in sides.items() for law in body.material.bring_laws(side)]))
 
     @property
     def chosen(self) -> tuple[type, ...]:

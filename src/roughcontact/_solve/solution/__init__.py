@@ -39,6 +39,7 @@ from roughcontact._solve.solution.laws import Memory as Memory
 from roughcontact._solve.solution.laws import Press as Press
 from roughcontact._solve.solution.laws import Process as Process
 from roughcontact._solve.solution.laws import as_laws as as_laws
+from roughcontact._solve.solution.laws import join_laws as join_laws
 from roughcontact._solve.solution.laws import laws as laws
 from roughcontact._solve.solution.load_increment import MAX_SHIFT as MAX_SHIFT
 from roughcontact._solve.solution.load_increment import LoadIncrement as LoadIncrement

@@ -271,8 +271,30 @@ class CoupledProcess(Process):
         """Return a memory as it is: `settle` has found that after the increment."""
         return memory
 
+    def join(self, other: CoupledProcess) -> CoupledProcess | None:
+        """Return the process that is this one and another one of a contact, solved together; by default None.
+
+        So the materials of body and counterbody may each bring one (`Material.bring_laws`), though a contact is solved
+        with one alone.
+        """
+        return None
+
 
 laws: Registry[Law] = Registry(Law, "law", "roughcontact.laws")
+
+
+def join_laws(brought: Sequence[Law]) -> tuple[Law, ...]:
+    """Return laws that materials bring, those in one that are solved together."""
+    found: list[Law] = []
+    for law in brought:
+        for place, other in enumerate(found):
+            both = other.join(law) if isinstance(other, CoupledProcess) and isinstance(law, CoupledProcess) else None
+            if both is not None:
+                found[place] = both
+                break
+        else:
+            found.append(law)
+    return tuple(found)
 
 
 def as_laws(given: object) -> tuple[Law, ...]:
