@@ -3,7 +3,14 @@
 from roughcontact_volume.between_mixtures import InclusionAnswers, find_inclusion_answers
 from roughcontact_volume.flow import PlasticFlow
 from roughcontact_volume.given_strains import ResidualStress, StrainedRegion
-from roughcontact_volume.hardening import Hardening, LinearHardening, SwiftHardening, TabulatedHardening, VoceHardening
+from roughcontact_volume.hardening import (
+    Hardening,
+    LinearHardening,
+    LudwikHardening,
+    SwiftHardening,
+    TabulatedHardening,
+    VoceHardening,
+)
 from roughcontact_volume.inclusions import Inclusion, Inclusions
 from roughcontact_volume.indentation import Indentation, find_indentation
 from roughcontact_volume.layered_stress import LayeredStress
@@ -13,6 +20,7 @@ from roughcontact_volume.own_yield import FindOwnYield
 from roughcontact_volume.plastic import Plastic
 from roughcontact_volume.plastic_zone import FindImprint, FindPlasticZone, Imprint, PlasticZone
 from roughcontact_volume.shakedown import Passes, judge_passes
+from roughcontact_volume.shakedown_load import ShakedownLoad, find_shakedown_load
 from roughcontact_volume.shapes import Cuboid, Ellipsoid, Shape, Sphere
 from roughcontact_volume.stress_answers import FindResidualStress, FindTotalStress
 
@@ -32,12 +40,14 @@ __all__ = [
     "Indentation",
     "LayeredStress",
     "LinearHardening",
+    "LudwikHardening",
     "MaterialField",
     "Passes",
     "Plastic",
     "PlasticFlow",
     "PlasticZone",
     "ResidualStress",
+    "ShakedownLoad",
     "Shape",
     "Sphere",
     "StrainedRegion",
@@ -48,5 +58,6 @@ __all__ = [
     "draw_moduli",
     "find_inclusion_answers",
     "find_indentation",
+    "find_shakedown_load",
     "judge_passes",
 ]

@@ -11,8 +11,9 @@ import attrs
 import numpy as np
 import roughcontact as rc
 from roughcontact.results import Condition
-from roughcontact.typing import Array, LoadIncrement
+from roughcontact.typing import Array, Load, LoadIncrement
 
+from roughcontact_volume.forecast import forecast_flow
 from roughcontact_volume.judgement import judge_flow
 from roughcontact_volume.measures import measure_flow
 from roughcontact_volume.refusals import require_possible
@@ -140,15 +141,19 @@ class PlasticFlow(rc.CoupledProcess):
             "inner flow": "the body may flow as the load changes: ask for the stiffness on unloading",
         }
 
+    def explain_work(self, problem: Any, load: Load | None) -> Iterable[tuple[str, str]]:
+        """Return the box that a load takes, its memory, and the stresses that are computed; see `Law.explain_work`."""
+        return forecast_flow(problem, self.of, self._find_material(problem), load)
+
     def divide(self, problem: Any, memory: Mapping[str, Array]) -> tuple[float | Array, float | Array]:
         """Return the imprint as what its body has lost of its heights, m."""
         return (memory["imprint"], 0.0) if self.of == "body" else (0.0, memory["imprint"])
 
     def list_numbers(self, state: Any, memory: Mapping[str, Array]) -> Mapping[str, Any]:
         """Return the size of the plastic zone, what flowed in it, and what is left of it."""
-        problem = state.origin.scene
+        problem, kinds = state.origin.scene, state.origin.load
         material = self._find_material(problem)
-        return measure_flow(problem.plan.grid, problem.boundary, material, _read(memory), memory["step_errors"])
+        return measure_flow(problem.plan.grid, problem.boundary, material, _read(memory), memory["step_errors"], kinds)
 
     def _find_material(self, problem: Any) -> Yielding:
         material = (problem.body if self.of == "body" else problem.counterbody).material

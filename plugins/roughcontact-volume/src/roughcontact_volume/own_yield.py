@@ -8,6 +8,7 @@ import attrs
 import roughcontact as rc
 from roughcontact.responses import FirstYield, YieldPoint
 
+from roughcontact_volume.forecast import make_elastic
 from roughcontact_volume.yielding import Yielding
 
 # Mean pressure over the yield stress from which the load is searched where the contact has none.
@@ -43,8 +44,7 @@ class FindOwnYield(rc.Response[YieldPoint]):
             body = getattr(problem, side, None)
             if body is not None and isinstance(body.material, Yielding):
                 material = body.material
-                elastic = rc.Body(body.surface, rc.Elastic(material.young, material.poisson))
-                twin = attrs.evolve(problem, laws=(), **{side: elastic})
+                twin = make_elastic(problem, side)
                 force = solution.force or _FIRST_PRESSURE * material.yield_stress * solution.grid.area
                 found: YieldPoint = twin.solve(force=force).response(FirstYield(material.yield_stress, body=side))
                 return found
