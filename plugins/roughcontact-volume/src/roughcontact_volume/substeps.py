@@ -83,12 +83,16 @@ def deepen(values: Array, count: int) -> Array:
 
 @attrs.frozen(eq=False)
 class _Run:
-    """An increment in substeps: the state at its begin, the flow in each, the state and the contact at its end."""
+    """An increment in substeps: the state at its begin, the flow in each, the state and the contact at its end.
+
+    It ends before the increment does where a flow is not found, which the conditions of its state then say.
+    """
 
     begin: PlasticState
     flows: tuple[Flow, ...]
     state: PlasticState
     contact: Any
+    is_whole: bool
 
     def differ(self, other: _Run) -> tuple[Array, float]:
         """Return the differences of the answers from those of another run, shape (4,), and the largest relative one."""
@@ -156,7 +160,7 @@ class SubstepMarch:
             if state.layers == 1:
                 return state, unchanged
         run = self._run(state, (NO_FLOW,))
-        if not is_divisible or not run.flows[0].is_any:
+        if not is_divisible or not run.flows[0].is_any or not run.is_whole:
             return run.state if run.flows[0].is_any else state, unchanged
         before, change = unchanged, unchanged
         while len(run.flows) < _MAX_SUBSTEPS:
@@ -164,7 +168,7 @@ class SubstepMarch:
             finer = self._run(run.begin, halves)
             before, (change, largest) = change, finer.differ(run)
             run = finer
-            if largest <= accuracy:
+            if largest <= accuracy or not run.is_whole:
                 break
         return run.state, _estimate_errors(change, before)
 
@@ -181,7 +185,7 @@ class SubstepMarch:
         while True:
             run = self._follow(begin, guesses)
             flowed = run.state.accumulated_strain - deepen(begin.accumulated_strain, run.state.layers)
-            if not flowed[-1].any():
+            if not flowed[-1].any() or not run.is_whole:
                 return run
             begin = begin.deepen(count_deeper(self.grid, begin.layers))
             guesses = run.flows
@@ -205,18 +209,15 @@ class SubstepMarch:
                 return stress
 
             step = solve_step(find_stress, state.accumulated_strain, self.material, self.tolerance, guess)
-            if step.error > self.tolerance:
-                raise rc.NotConverged(
-                    f"The plastic flow is not found after {step.evaluations} stresses: it errs by {step.error:.1e}.",
-                    self.contact,
-                )
             flows.append(step.flow)
             flow = step.flow.fill(state.accumulated_strain.shape)
             total = strain + flow
             state = PlasticState(
                 total, state.accumulated_strain + find_accumulated(flow), flow, operators.displace(total)
             )
-        return _Run(begin, tuple(flows), state, self.contact)
+            if step.error > self.tolerance:
+                return _Run(begin, tuple(flows), state, self.contact, is_whole=False)
+        return _Run(begin, tuple(flows), state, self.contact, is_whole=True)
 
     def _touch(self, imprint: Array, part: float, error: float) -> None:
         wanted = _CONTACT_TOLERANCE * max(self.tolerance, min(error, 1.0))
