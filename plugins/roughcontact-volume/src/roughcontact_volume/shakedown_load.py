@@ -39,8 +39,8 @@ class ShakedownLoad:
     @property
     def above(self) -> tuple[float, Passes]:
         """The smallest load that flows in every pass, N, and its passes."""
-        least = self.below[0]
-        return next(one for one in self.trials if one[0] > least and one[1].verdict == _FLOWING)
+        smallest = self.below[0]
+        return next(one for one in self.trials if one[0] > smallest and one[1].verdict == _FLOWING)
 
     @property
     def force(self) -> rc.Estimate:
