@@ -277,6 +277,41 @@ def test_a_study_does_not_forget_a_load_that_failed(tmp_path):
     assert "remembers the state at the load before it" in found[2].message
 
 
+def test_a_study_unloads_bodies_that_remember(worn, tmp_path):
+    law = Wear(1e-17)
+    small = rc.Grid((16, 16), 100e-6)
+    study = rc.Study(problems={"ball": press(law, Lubricant("0MPa"), grid=small)}, force=["1N", "2N"])
+    table = study.run(tmp_path / "share").table()
+    # A number of a law has its uncertainty beside it.
+    assert (table.columns["share_uncertainty"], table.units["share_uncertainty"]) == ([0.0, 0.0], "")
+    assert "worn_volume_uncertainty" not in table.columns
+    unloaded = rc.Study(problems={"ball": press(law, grid=small)}, force=["1N", "0N", "1N"]).run(tmp_path / "rest")
+    assert [record.status for record in unloaded] == 3 * ["CONVERGED"]
+    first, rest, last = (record.numbers["worn_volume"][0] for record in unloaded)
+    assert first == rest == pytest.approx(0.5 * last)
+    for problem, forces in ((press(law), ["0N", "1N"]), (press(), ["1N", "0N"]), (press(law), ["1N", "-1N"])):
+        with pytest.raises(rc.InputError, match=r"Problem '0': .* finite number"):
+            rc.Study(problems={"0": problem}, force=forces)
+
+
+@attrs.frozen
+class Costly(Lubricant):
+    """One that says what it takes."""
+
+    def explain_work(self, problem, load):
+        yield "cost", "unknown" if load is None else f"two solves at {load} on {problem.plan.grid.cells} cells"
+
+
+def test_a_plan_says_what_a_law_takes():
+    problem = press(Costly(1e6))
+    assert problem.explain().splitlines()[-1] == "cost       unknown"
+    assert problem.explain(force="2N").splitlines()[-1] == "cost       two solves at force 2 N on 1024 cells"
+    assert press().explain(pressure="1MPa") == press().explain()
+    assert "two solves at force 3 N" in rc.Study(problems={"0": problem}, force=["1N", "3N"]).explain()
+    with pytest.raises(rc.InputError, match="force"):
+        problem.explain(force=-1.0)
+
+
 def test_the_command_follows_the_loads(worn, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     np.savez("ball.npz", heights=press().body.heights(GRID), size=GRID.size)

@@ -57,6 +57,33 @@ force = [0.01]
         _, _, err = run("solve", tmp_path / "map.npz", "--force", "1N", "--material", "bras")
         assert "brass" in err
 
+    def test_those_of_installed_distributions(self, tmp_path, monkeypatch):
+        (tmp_path / "somebody_elses_metals.py").write_text(
+            "import roughcontact as rc\nMETAL = rc.Elastic('30GPa', 0.4)\nOTHER = 1\n"
+        )
+        for number, points in enumerate(("lead = {0}:METAL\ntin = {0}:OTHER\nbrass = {0}:METAL", "zinc = {0}:METAL")):
+            metadata = tmp_path / f"metals_{number}-1.0.dist-info"
+            metadata.mkdir()
+            (metadata / "METADATA").write_text(f"Metadata-Version: 2.1\nName: metals-{number}\nVersion: 1.0\n")
+            gold = ("METAL", "OTHER")[number]
+            text = f"[roughcontact.typical]\n{points}\ngold = {{0}}:{gold}\nno = {{0}}:ABSENT\n"
+            (metadata / "entry_points.txt").write_text(text.format("somebody_elses_metals"))
+        monkeypatch.syspath_prepend(tmp_path)
+        found = type(TYPICAL)({"brass": TYPICAL["brass"]})
+        assert {"lead", "tin", "brass", "zinc", "gold"} < {*found}
+        assert len(found) == len([*found])
+        assert "lead" in found
+        assert found["lead"] == found["zinc"] == rc.Elastic(30e9, 0.4)
+        # What ships is not replaced.
+        assert found["brass"].young == 100e9
+        for name, sentence in (
+            ("tin", "The typical material 'tin' must be a Material"),
+            ("gold", "is claimed by"),
+            ("no", "cannot be loaded: AttributeError"),
+        ):
+            with pytest.raises(rc.InputError, match=sentence):
+                found[name]
+
     def test_any_registered_material_on_the_command_line(self, tmp_path, run):
         np.savez(tmp_path / "map.npz", heights=rc.WavySurface(1e-7, 5e-5).heights(GRID), size=GRID.size)
         command = ("solve", tmp_path / "map.npz", "--force", "0.01N", "--json")

@@ -24,6 +24,7 @@ from roughcontact_volume import (
     Cuboid,
     Inclusion,
     Inclusions,
+    LudwikHardening,
     Plastic,
     PlasticZonePanel,
     ResidualStress,
@@ -40,7 +41,7 @@ BALL = rc.Body(rc.ParaboloidSurface("1mm"), rc.Rigid())
 STEEL = Plastic("210GPa", 0.3, "1GPa", SwiftHardening(strain=0.005, power=0.2), accuracy=0.5)
 HARDENING = "hardening.type=swift-hardening hardening.strain=0.005 hardening.power=0.2"
 FIELDS = f"young=210GPa poisson=0.3 yield=1GPa {HARDENING} accuracy=0.5"
-LOADS = ("3N", "1N", "4N")
+LOADS = ("3N", "0N", "4N")
 STUDY = """
 [problems.dent]
 grid = {shape = [11, 9], size = ["90um", "110um"]}
@@ -57,7 +58,7 @@ yield_stress = "1GPa"
 hardening = {type = "swift-hardening", strain = 0.005, power = 0.2}
 accuracy = 0.5
 [study]
-force = ["3N", "1N", "4N"]
+force = ["3N", "0N", "4N"]
 """
 
 
@@ -120,6 +121,23 @@ def test_a_command_follows_a_path_and_reports_it(ball, path, capsys, tmp_path):
     assert all(word in text for word in words)
     assert main(["info", str(file)]) == 0
     assert "residual stress" in capsys.readouterr().out
+
+
+def test_a_typical_metal_and_the_plan_of_a_command(ball, capsys, tmp_path):
+    material = ("--material", "rigid", "--counterbody-material", "4340-steel", "--dry-run")
+    for path in ((), ("--path",)):
+        status, out, err = solve(capsys, ball, "--loads", *LOADS[::2], *path, *material)
+        assert status == 0, err
+        assert "layers to" in out
+        assert "at force 4 N" in " ".join(out.split())
+    body = {"surface": "flat", "material": "4340-steel"}
+    sphere = {"surface": {"type": "sphere", "radius": "1mm"}, "material": "rigid"}
+    found = build_problem({"body": sphere, "counterbody": body, "grid": GRID}).counterbody.material
+    assert found == Plastic("210GPa", 0.3, "792MPa", LudwikHardening("510MPa", 0.26))
+    # Below a layer its flow is not solved: it is refused, not forgotten.
+    layered = {**body, "layers": {"young": "400GPa", "poisson": 0.2, "thickness": "2um"}}
+    with pytest.raises(rc.InputError, match="homogeneous half-space"):
+        build_problem({"body": sphere, "counterbody": layered, "grid": GRID}).solve(force="3N")
 
 
 @pytest.mark.parametrize(

@@ -5,13 +5,22 @@ import numpy as np
 import pytest
 import roughcontact as rc
 
-from roughcontact_volume import LinearHardening, Plastic, SwiftHardening, TabulatedHardening, VoceHardening
+from roughcontact_volume import (
+    LinearHardening,
+    LudwikHardening,
+    Plastic,
+    SwiftHardening,
+    TabulatedHardening,
+    VoceHardening,
+)
+from roughcontact_volume.radial_return import find_multiplier
 
 STRAINS = np.array([0.0, 1e-6, 1e-3, 0.013, 0.05, 0.4])
 EACH = [
     LinearHardening(0.0),
     LinearHardening("4GPa"),
     SwiftHardening(strain=0.005, power=0.2),
+    LudwikHardening("510MPa", power=0.26),
     VoceHardening("1.5GPa", strain=0.02),
     TabulatedHardening(strain=[0.01, 0.03, 0.1], stress=["1.2GPa", "1.4GPa", "1.45GPa"]),
     TabulatedHardening(strain=[0.0, 0.03], stress=["1GPa", "1.4GPa"]),
@@ -48,7 +57,7 @@ class TestHardening:
 def test_swift_and_linear_at_a_point():
     assert make_material(SwiftHardening(0.01, 0.5)).find_yield_stress(0.03) == pytest.approx(2e9)
     assert make_material("4GPa").find_yield_stress(0.1) == pytest.approx(1.4e9)
-    assert make_material(EACH[4]).find_yield_stress(np.array([0.005, 0.02, 5.0])) == pytest.approx(
+    assert make_material(EACH[5]).find_yield_stress(np.array([0.005, 0.02, 5.0])) == pytest.approx(
         [1.1e9, 1.3e9, 1.45e9]
     )
 
@@ -105,3 +114,26 @@ def test_refuses(make, sentence):
 def test_values_are_frozen():
     with pytest.raises(attrs.exceptions.FrozenInstanceError):
         make_material().poisson = 0.2
+
+
+@pytest.mark.parametrize(
+    ("name", "stress", "added", "power"),
+    [
+        ("OFHC-copper", 90e6, 292e6, 0.31),
+        ("2024-T351-aluminium", 265e6, 426e6, 0.34),
+        ("1006-steel", 350e6, 275e6, 0.36),
+        ("4340-steel", 792e6, 510e6, 0.26),
+    ],
+)
+def test_typical_metals_have_the_constants_of_johnson_and_cook(name, stress, added, power):
+    material = rc.Body(rc.FlatSurface(), name).material
+    for strain in (0.002, 0.1, 1.0):
+        assert material.find_yield_stress(strain) == pytest.approx(stress + added * strain**power)
+
+
+def test_the_return_from_a_fresh_material_whose_slope_is_steep():
+    material = make_material(LudwikHardening("3GPa", power=0.05))
+    trial = np.array([1.0 + 1e-9, 1.001, 1.5, 10.0]) * 1e9
+    flow = find_multiplier(trial, np.zeros(4), material)
+    assert np.all(flow > 0.0)
+    assert trial - 3.0 * material.shear_modulus * flow == pytest.approx(material.find_yield_stress(flow), rel=1e-12)

@@ -62,6 +62,22 @@ class TestFirstYield:
         assert found.pressure.max() == pytest.approx(1.6 * LIMIT * 1.1 ** (1.0 / 3.0), rel=0.02)
 
 
+class TestForecast:
+    def test_says_the_box_that_the_solve_takes(self):
+        problem = make_ball(accuracy=1.0)
+        found = problem.solve(force=2.0 * FIRST_FORCE)
+        rows = problem.explain(force=2.0 * FIRST_FORCE).splitlines()[-2:]
+        layers = read(found)["accumulated_strain"].shape[0]
+        depth = list_layers(problem.plan.grid, layers).sum()
+        assert rows[0].startswith(f"box        {layers} layers to {depth * 1e6:.4g} µm at force")
+        assert rows[1].startswith("flow       about 10 stresses")
+
+    def test_of_loads_that_do_not_flow_or_are_refused(self):
+        assert "stays below the yield stress" in make_ball().explain(force=0.5 * FIRST_FORCE)
+        assert "box        refused: A wrapped" in make_ball(boundary="wrapped").explain(force=FIRST_FORCE)
+        assert "name a load" in make_ball().explain()
+
+
 class TestLoading:
     def test_unloading_is_elastic(self, path):
         first, half, rest, _ = map(read, path)
@@ -90,6 +106,8 @@ class TestLoading:
         by_pressure = problem.solve(pressure=path[0].mean_pressure)
         assert by_pressure.pressure == pytest.approx(path[0].pressure, abs=1e-4 * LIMIT)
         by_approach = problem.solve(approach=path[0].approach)
+        assert "step_error_of_approach" not in numbers(by_approach)
+        assert numbers(by_approach)["step_error_of_force"] > 0.0
         # Its steps are equal in approach.
         assert by_approach.force == pytest.approx(path[0].force, rel=0.01)
 
@@ -97,6 +115,7 @@ class TestLoading:
         force = 5.0 * FIRST_FORCE
         coarse, fine = (make_ball(cells=11, width=5.0, accuracy=one).solve(force=force) for one in (0.5, 0.02))
         stated = numbers(coarse)
+        assert "step_error_of_force" not in stated
         for error, one, other in (
             (stated["step_error_of_approach"], coarse.approach, fine.approach),
             (stated["step_error_of_maximum_pressure"], coarse.pressure.max(), fine.pressure.max()),
@@ -330,7 +349,11 @@ class TestRefusals:
 
     def test_a_flow_that_is_not_found(self, monkeypatch):
         monkeypatch.setattr("roughcontact_volume.step._MAX_EVALUATIONS", 2)
-        with pytest.raises(rc.NotConverged, match="not found after 2 stresses"):
+        found = make_ball().solve(force=5.0 * FIRST_FORCE, throw=False)
+        assert not found.status.success
+        assert not found.certificate["plastic flow"].holds
+        assert "not converged" in str(found.area())
+        with pytest.raises(rc.NotConverged, match="plastic flow"):
             make_ball().solve(force=5.0 * FIRST_FORCE)
 
     def test_a_side_of_another_name(self):

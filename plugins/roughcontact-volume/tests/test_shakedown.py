@@ -1,14 +1,16 @@
-"""Passes of a ball along a track."""
+"""Passes of a ball along a track, and the load at which they do not shake down any more."""
 
+import sys
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
 import roughcontact as rc
 
-from roughcontact_volume import judge_passes
-from roughcontact_volume.shakedown import _judge
-from test_process import FIRST_FORCE, FIRST_RADIUS, make_ball, read
+from roughcontact_volume import find_shakedown_load, judge_passes
+from roughcontact_volume.shakedown import Passes, judge_strains
+from test_process import FIRST_FORCE, FIRST_RADIUS, LIMIT, make_ball, read
 
 PLACES = 5
 
@@ -53,7 +55,7 @@ def test_loads_below_first_yield_leave_nothing():
     ],
 )
 def test_verdicts(new, verdict):
-    assert _judge(np.array(new), np.cumsum(new)) == verdict
+    assert judge_strains(np.array(new), np.cumsum(new)) == verdict
 
 
 @pytest.mark.parametrize("places", [0, 2, 5, True, 1.5])
@@ -61,3 +63,74 @@ def test_numbers_of_places_that_are_none(places):
     path = roll(0.5 * FIRST_FORCE, passes=1)
     with pytest.raises(rc.InputError, match="number of places of a pass"):
         judge_passes(path, places)
+
+
+def make_passes(verdict):
+    return Passes(np.array([1e-3]), np.array([1e-3]), verdict, 1e9)
+
+
+class TestLoad:
+    """Between shakedown and flow in every pass, with verdicts that are given."""
+
+    @staticmethod
+    def find(monkeypatch, shaken, flowing, force=(1.0, 16.0), **others):
+        def roll(problem, places, one, most):
+            verdict = "shakes down" if one < shaken else "flows in every pass" if one > flowing else "undecided"
+            return make_passes(verdict)
+
+        monkeypatch.setattr("roughcontact_volume.shakedown_load._roll", roll)
+        return find_shakedown_load(make_ball(of="body", boundary="periodic"), [(0, 0)], force, **others)
+
+    def test_is_enclosed(self, monkeypatch):
+        found = self.find(monkeypatch, 5.0, 5.0, within=0.1)
+        below, above = found.below[0], found.above[0]
+        assert below < 5.0 <= above <= 1.1 * below
+        assert found.force.value == 0.5 * (below + above)
+        assert found.force.uncertainty == pytest.approx((above - below) / np.sqrt(12.0))
+        assert not found.force.warnings
+        assert found.table().columns["force"] == sorted(found.table().columns["force"])
+
+    def test_undecided_loads_are_left_between(self, monkeypatch):
+        found = self.find(monkeypatch, 4.0, 6.0, within=0.1)
+        assert found.below[0] < 4.0 < 6.0 < found.above[0] < 6.0 * 1.1
+        assert found.below[0] > 4.0 / 1.1
+        assert "undecided" in found.force.warnings[0]
+
+    @pytest.mark.parametrize(
+        ("force", "others", "sentence"),
+        [
+            ((8.0, 16.0), {}, "smaller force, at which they shake down"),
+            ((1.0, 4.0), {}, "larger force, at which they flow in every pass"),
+            ((4.0, 1.0), {}, "the smaller one first"),
+            ((1.0,), {}, "two, the smaller one first"),
+            ((1.0, 16.0), {"passes": 3}, "number of passes at a force"),
+            ((1.0, 16.0), {"within": 0.0}, "admissible ratio of two forces"),
+        ],
+    )
+    def test_bad_input(self, monkeypatch, force, others, sentence):
+        with pytest.raises(rc.InputError, match=sentence):
+            self.find(monkeypatch, 5.0, 5.0, force, **others)
+
+
+@pytest.mark.slow
+def test_pressure_of_hertz_that_is_held_shakes_down_up_to_the_limit_of_johnson(monkeypatch):
+    monkeypatch.setattr(sys, "path", [str(Path(__file__).parents[1]), *sys.path])
+    from measure_shakedown import move_pressure
+
+    # Contact Mechanics (1985), section 9.2: the alternating shear of a circular contact, 0.214 of its pressure, is k at
+    # 4.68 k.
+    assert move_pressure(0.95 * 4.68)[0] == "shakes down"
+    assert move_pressure(1.05 * 4.68, passes=5)[0] == "flows in every pass"
+
+
+@pytest.mark.slow
+def test_load_of_a_ball_that_sinks_into_its_track():
+    """On a finer grid it is 8.84 times the load of first yield (`measure_shakedown.py`)."""
+    radius = 8.84 ** (1.0 / 3.0) * FIRST_RADIUS
+    grid = rc.Grid((28, 20), (7.0 * radius, 5.0 * radius))
+    problem = make_ball(grid=grid, of="body", boundary="periodic", accuracy=1.0, hardening=None)
+    track = [(cells, 0) for cells in (-6, -4, -2, 0, 2, 4, 6)]
+    found = find_shakedown_load(problem, track, (7.4 * FIRST_FORCE, 10.5 * FIRST_FORCE), within=0.5)
+    assert found.force.value == pytest.approx(8.95 * FIRST_FORCE)
+    # Johnson's limit of a contact that is 1.4 times as wide as long is 4.24 k.
+    assert found.peak_pressure.value * np.sqrt(3.0) / LIMIT == pytest.approx(4.33, rel=0.05)

@@ -3,7 +3,14 @@
 from roughcontact_volume.between_mixtures import InclusionAnswers, find_inclusion_answers
 from roughcontact_volume.flow import PlasticFlow
 from roughcontact_volume.given_strains import StrainedRegion
-from roughcontact_volume.hardening import Hardening, LinearHardening, SwiftHardening, TabulatedHardening, VoceHardening
+from roughcontact_volume.hardening import (
+    Hardening,
+    LinearHardening,
+    LudwikHardening,
+    SwiftHardening,
+    TabulatedHardening,
+    VoceHardening,
+)
 from roughcontact_volume.inclusions import Inclusion, Inclusions
 from roughcontact_volume.indentation import Indentation, find_indentation
 from roughcontact_volume.layered_stress import LayeredStress
@@ -15,6 +22,7 @@ from roughcontact_volume.plastic import Plastic
 from roughcontact_volume.plastic_zone import FindImprint, FindPlasticZone, Imprint, PlasticZone
 from roughcontact_volume.residual_stress import ResidualStress
 from roughcontact_volume.shakedown import Passes, judge_passes
+from roughcontact_volume.shakedown_load import ShakedownLoad, find_shakedown_load
 from roughcontact_volume.shapes import Cuboid, Ellipsoid, Shape, Sphere
 from roughcontact_volume.stress_answers import FindResidualStress, FindTotalStress
 
@@ -34,6 +42,7 @@ __all__ = [
     "Indentation",
     "LayeredStress",
     "LinearHardening",
+    "LudwikHardening",
     "MaterialField",
     "Passes",
     "Plastic",
@@ -42,6 +51,7 @@ __all__ = [
     "PlasticZonePanel",
     "ResidualStress",
     "ResidualStressPanel",
+    "ShakedownLoad",
     "Shape",
     "Sphere",
     "StrainedRegion",
@@ -53,5 +63,6 @@ __all__ = [
     "draw_moduli",
     "find_inclusion_answers",
     "find_indentation",
+    "find_shakedown_load",
     "judge_passes",
 ]

@@ -11,9 +11,10 @@ import attrs
 import numpy as np
 import roughcontact as rc
 from roughcontact.results import Condition
-from roughcontact.typing import Array, LoadIncrement
+from roughcontact.typing import Array, Load, LoadIncrement
 
 from roughcontact_volume.cell_maximum import find_imprint_error
+from roughcontact_volume.forecast import forecast_flow
 from roughcontact_volume.judgement import judge_flow
 from roughcontact_volume.measures import measure_flow
 from roughcontact_volume.refusals import require_possible
@@ -199,6 +200,12 @@ class PlasticFlow(rc.CoupledProcess):
             "inner flow": "the body may flow as the load changes: ask for the stiffness on unloading",
         }
 
+    def explain_work(self, problem: Any, load: Load | None) -> Iterable[tuple[str, str]]:
+        """Return the box that a load takes, its memory, and the stresses that are computed; see `Law.explain_work`."""
+        for side in self.sides:
+            for name, text in forecast_flow(problem, _find_material(problem, side), load):
+                yield f"{name} of the {side}" if self.of == "both" else name, text
+
     def divide(self, problem: Any, memory: Mapping[str, Array]) -> tuple[float | Array, float | Array]:
         """Return the imprints as what their bodies have lost of their heights, m."""
         lost = {side: self.read(memory, side)["imprint"] for side in self.sides}
@@ -206,12 +213,13 @@ class PlasticFlow(rc.CoupledProcess):
 
     def list_numbers(self, state: Any, memory: Mapping[str, Array]) -> Mapping[str, Any]:
         """Return the size of the plastic zone of each body, what flowed in it, and what is left of it."""
-        problem = state.origin.scene
+        problem, kinds = state.origin.scene, state.origin.load
         found: dict[str, Any] = {}
         for side in self.sides:
             known = self.read(memory, side)
+            material = _find_material(problem, side)
             numbers = measure_flow(
-                problem.plan.grid, problem.boundary, _find_material(problem, side), _read(known), known["step_errors"]
+                problem.plan.grid, problem.boundary, material, _read(known), known["step_errors"], kinds
             )
             found |= {name if name in _COMMON else self._name(name, side): one for name, one in numbers.items()}
         return found

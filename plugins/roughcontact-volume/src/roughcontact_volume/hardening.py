@@ -12,6 +12,8 @@ from roughcontact.typing import Array, Part, Quantity
 
 # Largest number in SI units that a material may have: powers of it stay within float64.
 _MAX_MAGNITUDE = 1e60
+# Strain up to which a power whose slope is unbounded at zero is replaced by its chord.
+_STRAIGHT = 1e-4
 
 
 def check_stress(value: Quantity, what: str = "A stress", *, zero: bool = False) -> float:
@@ -47,6 +49,14 @@ def _strain(value: float) -> float:
 
 def _power(value: float) -> float:
     return check_number(value, "The power of hardening", "", zero=True, most=1.0)
+
+
+def _ludwik_modulus(value: Quantity) -> float:
+    return check_stress(value, "The stress that a plastic strain of one adds", zero=True)
+
+
+def _ludwik_power(value: float) -> float:
+    return check_number(value, "The power of hardening", "", most=1.0)
 
 
 def _list(values: Sequence[Quantity], what: str, unit: str) -> tuple[float, ...]:
@@ -169,6 +179,57 @@ class SwiftHardening(Hardening):
         """Return the plastic work per volume, J/m3."""
         power = self.power + 1.0
         return initial * self.strain / power * np.expm1(power * np.log1p(strain / self.strain))
+
+
+@attrs.frozen
+class LudwikHardening(Hardening):
+    r"""A yield stress to which a power of the strain is added: :math:`Y = Y_0 + B \kappa^n`.
+
+    It is the static part of the model of Johnson and Cook, with the constants :math:`A = Y_0`, B and n. Its slope is
+    unbounded at a strain of zero: up to 1e-4, a twentieth of the 0.2 % at which yield stresses are read, it rises
+    straight.
+
+    Parameters
+    ----------
+    modulus
+        The stress B that a strain of one adds, Pa, at least zero.
+    power
+        The power n, above zero, at most 1.
+
+    References
+    ----------
+    Johnson, Cook, Eng. Fract. Mech. 21 (1985) 31-48, https://doi.org/10.1016/0013-7944(85)90052-9
+
+    Examples
+    --------
+    >>> from roughcontact_volume import LudwikHardening
+    >>> f"{LudwikHardening('300MPa', power=0.5).find_yield_stress(100e6, 0.25) / 1e6:.0f} MPa"
+    '250 MPa'
+    """
+
+    modulus: float = attrs.field(converter=_ludwik_modulus, metadata={"unit": "Pa"})
+    power: float = attrs.field(converter=_ludwik_power, metadata={"unit": ""})
+
+    @property
+    def _first_slope(self) -> float:
+        return float(self.modulus * _STRAIGHT ** (self.power - 1.0))
+
+    def find_yield_stress(self, initial: float, strain: Array) -> Array:
+        """Return the yield stress, Pa; see `Hardening.find_yield_stress`."""
+        power = self.modulus * np.maximum(strain, _STRAIGHT) ** self.power
+        return initial + np.where(strain < _STRAIGHT, self._first_slope * strain, power)
+
+    def find_slope(self, initial: float, strain: Array) -> Array:
+        """Return its derivative, Pa."""
+        power = self.power * self.modulus * np.maximum(strain, _STRAIGHT) ** (self.power - 1.0)
+        return np.asarray(np.where(strain < _STRAIGHT, self._first_slope, power))
+
+    def find_work(self, initial: float, strain: Array) -> Array:
+        """Return the plastic work per volume, J/m3."""
+        power = self.power + 1.0
+        straight = 0.5 * self._first_slope * np.minimum(strain, _STRAIGHT) ** 2
+        beyond = self.modulus / power * (np.maximum(strain, _STRAIGHT) ** power - _STRAIGHT**power)
+        return np.asarray(initial * strain + straight + beyond)
 
 
 @attrs.frozen

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 import numpy as np
 import roughcontact as rc
@@ -14,16 +14,25 @@ from roughcontact_volume.radial_return import WEIGHTS, find_equivalent
 from roughcontact_volume.substeps import ANSWERS, PlasticState
 from roughcontact_volume.yielding import Yielding
 
+# What is given with a load of a kind, and has no error.
+_GIVEN = {"pressure": "force", "force": "force", "approach": "approach"}
+
 
 def measure_flow(
-    grid: rc.Grid, boundary: rc.Boundary, material: Yielding, state: PlasticState, step_errors: Array
+    grid: rc.Grid,
+    boundary: rc.Boundary,
+    material: Yielding,
+    state: PlasticState,
+    step_errors: Array,
+    kinds: Collection[str],
 ) -> Mapping[str, rc.Estimate | tuple[float, str]]:
     """Return the numbers of a state by name, each with its unit.
 
     These are the volume of the plastic zone, m3, its depth, m, the largest accumulated strain, the plastic work, J, the
     largest von Mises stress of the residual stress, Pa, and the energy that it has won, J, the depth of the imprint and
-    the height of its pile-up, m; and the errors that are left by the substeps.
+    the height of its pile-up, m; and the errors that are left by the substeps, but for what loads of these kinds give.
     """
+    loaded = {_GIVEN[kind] for kind in kinds}
     thicknesses = list_layers(grid, state.layers)
     flowed = state.accumulated_strain > 0.0
     volumes = thicknesses * grid.cell_area
@@ -55,5 +64,6 @@ def measure_flow(
         **{
             f"step_error_of_{name.replace(' ', '_')}": (error, unit)
             for (name, unit), error in zip(ANSWERS.items(), step_errors.tolist(), strict=True)
+            if name not in loaded
         },
     }

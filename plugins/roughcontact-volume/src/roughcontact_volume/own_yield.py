@@ -9,6 +9,7 @@ import roughcontact as rc
 from roughcontact.responses import FirstYield, YieldPoint
 
 from roughcontact_volume.flowed_body import read_body
+from roughcontact_volume.forecast import make_elastic
 from roughcontact_volume.yielding import Yielding
 
 # Mean pressure over the yield stress from which the load is searched where the contact has none.
@@ -58,13 +59,8 @@ class FindOwnYield(rc.Response[YieldPoint]):
         if asked not in yielding:
             raise rc.InputError(f"The {asked} does not yield: give it the material Plastic, or ask for 'first-yield'.")
         material = yielding[asked].material
-        elastic = {side: rc.Body(one.surface, _without_flow(one.material)) for side, one in yielding.items()}
-        twin = attrs.evolve(problem, laws=(), **elastic)
+        twin = make_elastic(problem)
         force = solution.force or _FIRST_PRESSURE * material.yield_stress * solution.grid.area
         response = FirstYield(material.yield_stress, body=asked, residual=material.residual)
         found: YieldPoint = twin.solve(force=force).response(response)
         return found
-
-
-def _without_flow(material: Yielding) -> rc.Elastic:
-    return rc.Elastic(material.young, material.poisson)

@@ -36,6 +36,8 @@ class Passes:
         ``"stays elastic"``: nothing flows; ``"shakes down"``: the last pass adds less than a thousandth of the
         accumulated strain; ``"flows in every pass"``: it adds as much as the one before but for a fifth; else
         ``"undecided"``.
+    peak_pressure
+        Largest pressure of the last pass, Pa.
     warnings
         Why it must not be trusted, in sentences; empty without a reason.
     """
@@ -43,6 +45,7 @@ class Passes:
     new_strain: Array
     accumulated_strain: Array
     verdict: str
+    peak_pressure: float
     warnings: tuple[str, ...] = ()
 
     def table(self) -> Table:
@@ -93,24 +96,48 @@ def judge_passes(path: Sequence[Any], places: int, body: str | None = None) -> P
     if not whole or len(states) < 2 * places or len(states) % places:
         allowed = f"a whole number of which the {len(states)} places of the path are at least twice a multiple"
         raise rc.InputError.about("The number of places of a pass", places, allowed)
-    asked = read_body(body)
-    bodies = [FlowedBody.of(state, asked) for state in states]
-    middle = _find_middle(bodies[:places])
-    layers = bodies[-1].flow.layers
-    strains = [np.zeros((layers, *middle.shape))]
-    strains += [deepen(body.flow.accumulated_strain, layers) for body in bodies[places - 1 :: places]]
-    new = np.array([np.max((after - before)[:, middle]) for before, after in pairwise(strains)])
-    total = np.array([one[:, middle].max() for one in strains[1:]])
-    warnings = tuple(dict.fromkeys(text for body in bodies for text in body.warnings))
-    return Passes(new, total, _judge(new, total), warnings)
+    count = PassCount(read_body(body))
+    for first in range(0, len(states), places):
+        count.add(states[first : first + places])
+    return count.judge()
 
 
-def _judge(new: Array, total: Array) -> str:
+@attrs.define(eq=False)
+class PassCount:
+    """What is kept of the passes of a load, one after the other: the strain after each, not their states."""
+
+    body: str | None = None
+    strains: list[Array] = attrs.field(factory=list)
+    middle: Mask | None = None
+    peak_pressure: float = 0.0
+    warnings: tuple[str, ...] = ()
+
+    def add(self, states: Sequence[Any]) -> None:
+        """Add the states of the next pass."""
+        bodies = [FlowedBody.of(state, self.body) for state in states]
+        if self.middle is None:
+            self.middle = _find_middle(bodies)
+        self.strains.append(bodies[-1].flow.accumulated_strain)
+        self.peak_pressure = max(float(body.pressure.max()) for body in bodies)
+        self.warnings = tuple(dict.fromkeys((*self.warnings, *(text for body in bodies for text in body.warnings))))
+
+    def judge(self) -> Passes:
+        """Return whether they shake down."""
+        middle, layers = self.middle, len(self.strains[-1])
+        after = [np.zeros(self.strains[-1].shape), *(deepen(one, layers) for one in self.strains)]
+        new = np.array([np.max((two - one)[:, middle]) for one, two in pairwise(after)])
+        total = np.array([one[:, middle].max() for one in after[1:]])
+        return Passes(new, total, judge_strains(new, total), self.peak_pressure, self.warnings)
+
+
+def judge_strains(new: Array, total: Array) -> str:
+    """Return the verdict on passes, from the strain that each adds and that after each; see `Passes`."""
     if total[-1] == 0.0:
         return "stays elastic"
     if new[-1] <= _SHAKEN_DOWN * total[-1]:
         return "shakes down"
-    return "flows in every pass" if abs(new[-1] - new[-2]) < _SAME_FLOW * new[-2] else "undecided"
+    flows = len(new) > 1 and abs(new[-1] - new[-2]) < _SAME_FLOW * new[-2]
+    return "flows in every pass" if flows else "undecided"
 
 
 def _find_middle(bodies: Sequence[FlowedBody]) -> Mask:

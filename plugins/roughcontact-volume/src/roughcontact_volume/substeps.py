@@ -95,13 +95,15 @@ def deepen(values: Array, count: int) -> Array:
 class _Run:
     """An increment in substeps: the states at its begin, the flows in each, the states and the contact at its end.
 
-    Each is a tuple of all bodies.
+    Each is a tuple of all bodies. It ends before the increment does where a flow is not found, which the conditions of
+    its states then say.
     """
 
     begin: tuple[PlasticState, ...]
     flows: tuple[tuple[Flow, ...], ...]
     states: tuple[PlasticState, ...]
     contact: Any
+    is_whole: bool
 
     @property
     def is_flowing(self) -> bool:
@@ -220,18 +222,21 @@ class SubstepMarch:
             if all(state.is_fresh for state in states):
                 return states, unchanged
         run = self._run(states, [(NO_FLOW,) * len(states)])
-        if not is_divisible or not run.is_flowing:
+        if not is_divisible or not run.is_flowing or not run.is_whole:
             return run.states if run.is_flowing else states, unchanged
         accuracy = min(body.material.accuracy for body in self.bodies)
         before, change = unchanged, unchanged
         while len(run.flows) < _MAX_SUBSTEPS:
             coarser, run = run, self._run(run.begin, run.halve())
             before, (change, largest) = change, run.differ(coarser)
-            if largest <= accuracy:
+            if largest <= accuracy or not run.is_whole:
                 break
+        if not run.is_whole:
+            return run.states, _estimate_errors(change, before)
         of_each = zip(run.begin, zip(*run.flows, strict=True), zip(*coarser.flows, strict=True), strict=True)
         extrapolated = self._run(tuple(_extrapolate(*one) for one in of_each), run.flows[-1:])
-        return extrapolated.states, _estimate_errors(change, before)
+        states = extrapolated.states if extrapolated.is_whole else run.states
+        return states, _estimate_errors(change, before)
 
     def _choose_boxes(self, states: tuple[PlasticState, ...]) -> tuple[PlasticState, ...]:
         """Return the states, fresh ones in a box that is as deep as the last contact yields them, if it does.
@@ -256,6 +261,8 @@ class SubstepMarch:
         """
         while True:
             run = self._follow(begin, guesses)
+            if not run.is_whole:
+                return run
             deeper = tuple(map(self._deepen, begin, run.states))
             begin = self._choose_boxes(deeper)
             if all(one is other for one, other in zip(begin, run.begin, strict=True)):
@@ -287,11 +294,6 @@ class SubstepMarch:
 
             cells = [FlowingCells(*one) for one in zip(materials, known, (guess[k] for k in active), strict=True)]
             step = solve_step(find_stresses, cells, self.tolerance)
-            if step.error > self.tolerance:
-                raise rc.NotConverged(
-                    f"The plastic flow is not found after {step.evaluations} stresses: it errs by {step.error:.1e}.",
-                    self.contact,
-                )
             flows = [NO_FLOW] * len(states)
             after = list(states)
             for place, flow in zip(active, step.flows, strict=True):
@@ -299,7 +301,9 @@ class SubstepMarch:
                 after[place] = self._flow(place, states[place], flow)
             every.append(tuple(flows))
             states = tuple(after)
-        return _Run(begin, tuple(every), states, self.contact)
+            if step.error > self.tolerance:
+                return _Run(begin, tuple(every), states, self.contact, is_whole=False)
+        return _Run(begin, tuple(every), states, self.contact, is_whole=True)
 
     def _flow(self, place: int, state: PlasticState, flow: Flow) -> PlasticState:
         """Return the state of a body after a flow."""

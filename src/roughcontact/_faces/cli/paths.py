@@ -46,6 +46,7 @@ from roughcontact._solve.problem import (
     Increment,
     LoadPath,
     describe_estimate,
+    explain_loads,
     explain_with_friction,
     find_path_inputs,
     list_cycles,
@@ -183,9 +184,9 @@ class Course(abc.ABC):
         """Take any responses that are asked for, unless a subclass refuses some."""
         return
 
-    def explain(self, problem: rc.ContactProblem) -> str:
+    def explain(self, problem: rc.ContactProblem, loads: Sequence[Load]) -> str:
         """Return the plan, in words."""
-        return problem.explain()
+        return explain_loads(problem, loads)
 
     @abc.abstractmethod
     def require(self, problem: rc.ContactProblem, loads: Sequence[Load]) -> tuple[Load, ...]:
@@ -292,11 +293,11 @@ class ChangingSurfaces(Course):
         if self._friction is not None:
             _require_shear(asked)
 
-    def explain(self, problem: rc.ContactProblem) -> str:
+    def explain(self, problem: rc.ContactProblem, loads: Sequence[Load]) -> str:
         """Return the plan of a state, or of all with friction, in words, with the laws that remember."""
         scene = remember_changes(problem)
         if self._friction is None:
-            return scene.explain()
+            return explain_loads(scene, loads)
         return explain_with_friction(scene.plan, self._friction.law, len(self._passed["sliding"]))
 
     def require(self, problem: rc.ContactProblem, loads: Sequence[Load]) -> tuple[Load, ...]:
@@ -369,7 +370,7 @@ class LoadsAlong(Course):
         """Refuse a response that means nothing for a state with a tangential traction."""
         _require_shear(asked)
 
-    def explain(self, problem: rc.ContactProblem) -> str:
+    def explain(self, problem: rc.ContactProblem, loads: Sequence[Load]) -> str:
         """Return the plan of a path or of steady sliding, in words."""
         require_frictional(problem)
         # A path begins with the state under the normal load alone.

@@ -42,7 +42,7 @@ from roughcontact._faces.cli.required_load import ANSWER, refuse_for_wanted, sol
 from roughcontact._faces.cli.responses import add_responses, ask, refuse_pull_off, responses_of
 from roughcontact._parts.grid import Load
 from roughcontact._parts.surfaces import find_maps
-from roughcontact._solve.problem import run_solve, sweep_loads, tolerance_within
+from roughcontact._solve.problem import explain_loads, run_solve, sweep_loads, tolerance_within
 from roughcontact._solve.solution import UNCERTAINTIES
 
 
@@ -134,7 +134,7 @@ examples:
         else:
             loads = tuple(problem.require_load(**load.arguments) for load in loads)
         if options.explain or options.dry_run:
-            plan = fit(problem.explain() if course is None else course.explain(problem))
+            plan = fit(explain_loads(problem, loads) if course is None else course.explain(problem, loads))
             print(plan, end="\n" if options.dry_run else "\n\n", file=sys.stderr if piped else None)
         if options.dry_run:
             return 0

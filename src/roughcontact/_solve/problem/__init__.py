@@ -57,6 +57,7 @@ from roughcontact._solve.problem.load_path import read_load_path as read_load_pa
 from roughcontact._solve.problem.load_path import require_used as require_used
 from roughcontact._solve.problem.load_path import run_load_path as run_load_path
 from roughcontact._solve.problem.load_path import save_load_path as save_load_path
+from roughcontact._solve.problem.loads import explain_loads as explain_loads
 from roughcontact._solve.problem.loads import order_loads as order_loads
 from roughcontact._solve.problem.loads import solve_next as solve_next
 from roughcontact._solve.problem.loads import sweep_loads as sweep_loads

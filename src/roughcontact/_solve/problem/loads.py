@@ -57,6 +57,12 @@ def sweep_loads(problem: Scene, solve: Solve, loads: tuple[Load, ...]) -> Sweep:
     return follow_loads(solve, loads) if problem.remembers else run_sweep(solve, loads)
 
 
+def explain_loads(problem: Scene, loads: Sequence[Load]) -> str:
+    """Return the plan of a problem at the largest of some loads, which may be none, in words."""
+    largest = max(loads, key=lambda load: load.value, default=None)
+    return problem.explain() if largest is None else problem.explain(**largest.arguments)
+
+
 def order_loads(problem: Scene, loads: Sequence[Load]) -> Sequence[int]:
     """Return the positions of loads in the order in which they are solved: theirs, where a state depends on others."""
     return range(len(loads)) if problem.remembers else order_of_solving(loads)

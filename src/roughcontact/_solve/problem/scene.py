@@ -11,7 +11,8 @@ import numpy as np
 from roughcontact._base.arrays import Array
 from roughcontact._base.checks import MAX_MAGNITUDE, instance_of, numbers
 from roughcontact._base.machine import limit_of_memory, thread_count
-from roughcontact._parts.grid import Boundary, Grid, as_boundary
+from roughcontact._base.units import Force, Length, PlainText, Pressure
+from roughcontact._parts.grid import Boundary, Grid, Load, as_boundary
 from roughcontact._parts.interactions import Interaction
 from roughcontact._parts.kernels import InfluenceKernel
 from roughcontact._solve.convolvers import Convolver, PreparedConvolution, ShearConvolution
@@ -169,9 +170,23 @@ class Scene:
             self.convolution.apply(self.convolution.from_numpy(field)) * self.plan.peak_to_valley
         )
 
-    def explain(self) -> str:
-        """Return the parts of a solve, and its omitted steps with their reasons, in words."""
-        return str(self.plan)
+    def explain(
+        self, *, pressure: Pressure | None = None, force: Force | None = None, approach: Length | None = None
+    ) -> str:
+        """Return the parts of a solve, and its omitted steps with their reasons, in words.
+
+        Parameters
+        ----------
+        pressure, force, approach
+            The load of the solve; all None: not known. With it laws may say more of their work, such as `Plastic` of
+            `roughcontact-volume`, which solves an elastic contact for it.
+        """
+        given = {"pressure": pressure, "force": force, "approach": approach}
+        load = None
+        if any(value is not None for value in given.values()):
+            load = (Load.of if self.adhesion is None else Load.signed)(**given)
+        rows = [row for law in self.laws for row in law.explain_work(self, load)]
+        return PlainText("\n".join([str(self.plan), *(f"{label:<10} {text}" for label, text in rows)]))
 
     def __repr__(self) -> str:
         bodies = " on ".join(type(body.surface).__name__ for body in (self.body, self.counterbody))

@@ -12,6 +12,7 @@ from roughcontact._base.arrays import Array
 from roughcontact._base.checks import Part
 from roughcontact._base.registry import Registry
 from roughcontact._base.units import Estimate
+from roughcontact._parts.grid import Load
 from roughcontact._parts.kernels import InfluenceKernel
 from roughcontact._solve.solution.additions import Condition
 from roughcontact._solve.solution.load_increment import LoadIncrement
@@ -120,6 +121,18 @@ class Law(Part, abc.ABC):
         the load changes under ``"inner flow"``, and one that changes the moduli there under ``"inner moduli"``.
         """
         return {}
+
+    def explain_work(self, problem: Any, load: Load | None) -> Iterable[tuple[str, str]]:
+        """Return what it takes of a solve, in rows of the plan: a word, and what it says; by default nothing.
+
+        Parameters
+        ----------
+        problem
+            The `ContactProblem`.
+        load
+            The load of the solve; None: it is not known.
+        """
+        return ()
 
     def list_conditions(self, state: Any, memory: Memory) -> Iterable[Condition]:
         """Return its conditions of the certificate, recomputed from the fields of a state."""

@@ -9,7 +9,7 @@ import attrs
 
 from roughcontact._base.archive.plain import parts
 from roughcontact._parts.kernels import InfluenceKernel, kernels
-from roughcontact._parts.materials import TYPICAL, Elastic, Material, Rigid
+from roughcontact._parts.materials import TYPICAL, Elastic, ElasticPerfectlyPlastic, Material, Rigid
 from roughcontact.errors import InputError, MissingPackage, argument
 
 # Reads an entry of a table by its kind and its place; see `Form.read`.
@@ -58,7 +58,7 @@ def read_layers(table: Mapping[str, Any], read: Read) -> Mapping[str, Any]:
             return table
         if not layers:
             raise InputError.about(f"The layers of the {name}", given, "one layer or more, from the surface downwards")
-        if isinstance(side.get("material"), str) and material in TYPICAL.values():
+        if side.get("material") in TYPICAL and isinstance(material, ElasticPerfectlyPlastic):
             material = _without_hardness(material)
         on_rigid = isinstance(material, Rigid)
         own = _without_hardness(layers[0]) if on_rigid else material

@@ -14,6 +14,7 @@ from roughcontact._parts.grid import Load
 from roughcontact._solve.problem import (
     ContactProblem,
     SolvePlan,
+    explain_loads,
     order_loads,
     solve_next,
 )
@@ -88,9 +89,9 @@ class Loading(abc.ABC):
         """Return what is warned of beside this state."""
         return ()
 
-    def explain(self, problem: ContactProblem) -> str:
-        """Return the plan of a load, in words."""
-        return problem.explain()
+    def explain(self, problem: ContactProblem, loads: Sequence[Load]) -> str:
+        """Return the plan of the largest load, in words."""
+        return explain_loads(problem, loads)
 
     def memory_of(self, plan: SolvePlan) -> int:
         """Return the peak memory of a load, bytes."""
@@ -123,9 +124,10 @@ class SingleLoads(Loading):
     uncertainty: str = "auto"
 
     def require(self, problem: ContactProblem, loads: Sequence[Load]) -> None:
-        """Raise `InputError` unless a problem carries the loads."""
+        """Raise `InputError` unless a problem carries the loads; where it remembers, it may be unloaded."""
         for load in loads:
-            problem.require_load(**load.arguments)
+            if load.value != 0.0 or not problem.remembers:
+                problem.require_load(**load.arguments)
 
     def order(self, problem: ContactProblem, loads: Sequence[Load]) -> Sequence[int]:
         """Return the positions from the largest load down; in their order where a state depends on those before."""
@@ -167,8 +169,12 @@ SINGLE_LOADS = SingleLoads()
 
 
 def list_law_numbers(state: ContactSolution) -> dict[str, tuple[float, str]]:
-    """Return the numbers of the laws of a state by name, each with its unit."""
+    """Return the numbers of the laws of a state by name, each with its unit, and behind it its uncertainty."""
     effect = state._find_added(Governed)
-    numbers = {} if effect is None else effect.numbers
-    pairs = {name: (one.value, one.unit) if isinstance(one, Estimate) else one for name, one in numbers.items()}
-    return {name: (float(value), unit) for name, (value, unit) in pairs.items()}
+    found: dict[str, tuple[float, str]] = {}
+    for name, one in ({} if effect is None else effect.numbers).items():
+        value, unit = (one.value, one.unit) if isinstance(one, Estimate) else one
+        found[name] = (float(value), unit)
+        if isinstance(one, Estimate):
+            found[f"{name}_uncertainty"] = (float(one.uncertainty), unit)
+    return found

@@ -24,6 +24,7 @@ from roughcontact._solve.problem import (
     describe_loads,
     describe_part,
     describe_value,
+    explain_loads,
     explain_with_friction,
     list_places,
     list_targets,
@@ -147,7 +148,7 @@ class LoadsAlong(Loading):
         warnings: tuple[str, ...] = found.warnings
         return warnings
 
-    def explain(self, problem: ContactProblem) -> str:
+    def explain(self, problem: ContactProblem, loads: Sequence[Load]) -> str:
         """Return the plan of a path, in words."""
         return explain_with_friction(problem.plan, self.friction, 1 + len(self.loads))
 
@@ -268,9 +269,9 @@ class PassingUnder(Loading):
             "numbers": list_law_numbers(found[-1]),
         }
 
-    def explain(self, problem: ContactProblem) -> str:
+    def explain(self, problem: ContactProblem, loads: Sequence[Load]) -> str:
         """Return the plan of a state with the laws that remember, in words."""
-        return remember_changes(problem).explain()
+        return explain_loads(remember_changes(problem), loads)
 
     def memory_of(self, plan: SolvePlan) -> int:
         """Return the peak memory of a path with all its states, bytes."""

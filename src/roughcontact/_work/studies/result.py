@@ -321,8 +321,16 @@ class StudyResult(TableResult):
             columns["area that sticks"] = [_estimate(*pair, "m2") for pair in stick]
         units = {"load": self._load_unit, "mean pressure": "Pa", "approach": "m"}
         for name, unit in self._law_units.items():
-            columns[words := name.replace("_", " ")] = [record.numbers.get(name, _NO_NUMBER)[0] for record in rows]
-            units |= {words: unit}
+            if (of := name.removesuffix("_uncertainty")) != name and of in self._law_units:
+                continue
+            words = name.replace("_", " ")
+            spread = f"{name}_uncertainty"
+            values, spreads = ([one.numbers.get(key, _NO_NUMBER)[0] for one in rows] for key in (name, spread))
+            if spread in self._law_units:
+                columns[words] = [Estimate(*pair, unit) for pair in zip(values, spreads, strict=True)]
+            else:
+                columns[words] = values
+                units |= {words: unit}
         for name in self._answer_units:
             columns[name.replace("_", " ")] = [record.estimates.get(name) for record in rows]
         given = {record.control for record in rows}

@@ -22,7 +22,7 @@ from roughcontact._base.units import Force, Length, PlainText, Pressure, binary,
 from roughcontact._parts.grid import Load
 from roughcontact._parts.interactions import FrictionLaw
 from roughcontact._solve.problem import PATH_ACCURACY, ContactProblem
-from roughcontact._solve.solution import DEFAULT_AREA, UNCERTAINTIES, Response, areas, solution_key
+from roughcontact._solve.solution import DEFAULT_AREA, UNCERTAINTIES, CoupledProcess, Response, areas, solution_key
 from roughcontact._work.studies.answers import Question, read_responses
 from roughcontact._work.studies.axes import BuiltProblems
 from roughcontact._work.studies.chain import DRAFT, Chain, Unbuilt, name_full_disk, remove_draft
@@ -83,11 +83,13 @@ def describe_study(
         ("memory", f"at most {binary(max(memory))} for one solve"),
         ("time", f"about {_format_time(seconds)} in one process on this machine, within a factor of three"),
     ]
+    if any(isinstance(law, CoupledProcess) for plan in plans for law in plan.laws):
+        rows.append(("", "for the contacts alone: what laws take stands with each problem"))
     if sampled:
         rows.append(("", "if all problems are like the first"))
     own = loading.list_rows()
     rows = [*rows[: len(lists)], *own[:1], *rows[len(lists) :], *own[1:]]
-    texts = [f"{name}:\n{loading.explain(problem)}" for name, problem in known]
+    texts = [f"{name}:\n{loading.explain(problem, loads)}" for name, problem in known]
     return PlainText("\n\n".join([*texts, "\n".join(f"{label:<10} {text}" for label, text in rows)]))
 
 
@@ -294,10 +296,10 @@ class Study:
     def loads(self) -> tuple[Load, ...]:
         """The loads, of one kind."""
         # Problems that a function builds are asked one by one, when they are solved.
-        attract = isinstance(self.problems, BuiltProblems) or any(
-            problem.adhesion is not None for problem in self.problems.values()
-        )
-        sequence = Load.signed_sequence if attract else Load.sequence
+        built = isinstance(self.problems, BuiltProblems)
+        attract = built or any(problem.adhesion is not None for problem in self.problems.values())
+        unloads = not built and any(map(self.loading.follows, self.problems.values()))
+        sequence = Load.signed_sequence if attract else Load.resting_sequence if unloads else Load.sequence
         return sequence(pressure=self.pressure, force=self.force, approach=self.approach)
 
     @property
