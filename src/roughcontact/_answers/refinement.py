@@ -190,8 +190,8 @@ def extrapolate(
     >>> import roughcontact as rc
     >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Elastic(young=210e9, poisson=0.3))
     >>> problem = rc.ContactProblem(ball, grid=rc.Grid((32, 32), 100e-6))
-    >>> print(rc.extrapolate(problem, force=1.0).area)
-    (689.257 +- 0.018) µm2, (6.89257 +- 0.00018) % of nominal [blend]
+    >>> print(rc.extrapolate(problem, force=1.2).area)
+    (778.328 +- 0.023) µm2, (7.78328 +- 0.00023) % of nominal [blend]
     """
     levels = integer(levels, "The number of grids", at_least=2)
     on_step = callback(on_step, "on_step=", "step")

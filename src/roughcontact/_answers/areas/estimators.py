@@ -222,8 +222,8 @@ class Hertz(AreaEstimator):
     >>> import roughcontact as rc
     >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Elastic(young=210e9, poisson=0.3))
     >>> problem = rc.ContactProblem(ball, grid=rc.Grid((32, 32), 100e-6))
-    >>> print(problem.solve(force=1.0).area("hertz"))
-    (689.255 +- 0.018) µm2, (6.89255 +- 0.00018) % of nominal [hertz]
+    >>> print(problem.solve(force=1.2).area("hertz"))
+    (778.331 +- 0.023) µm2, (7.78331 +- 0.00023) % of nominal [hertz]
     """
 
     expects = frozenset({"summits", "roots"})
@@ -264,8 +264,8 @@ class Blend(AreaEstimator):
     >>> import roughcontact as rc
     >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Elastic(young=210e9, poisson=0.3))
     >>> problem = rc.ContactProblem(ball, grid=rc.Grid((32, 32), 100e-6))
-    >>> print(problem.solve(force=1.0).area("blend"))
-    (689.255 +- 0.018) µm2, (6.89255 +- 0.00018) % of nominal [blend]
+    >>> print(problem.solve(force=1.2).area("blend"))
+    (778.331 +- 0.023) µm2, (7.78331 +- 0.00023) % of nominal [blend]
     """
 
     expects = frozenset({"summits", "roots"})
