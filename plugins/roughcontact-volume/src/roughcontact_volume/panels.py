@@ -9,7 +9,7 @@ import attrs
 import numpy as np
 import roughcontact as rc
 from roughcontact.plotting import add_key, draw_section, theme_of
-from roughcontact.typing import Array, Length, si
+from roughcontact.typing import Array, Length, Mask, si
 
 from roughcontact_volume.box import count_layers, list_layers
 from roughcontact_volume.flow import PlasticFlow
@@ -24,7 +24,7 @@ _DRAWN_DEPTH = 2.0
 def _axis(value: object) -> int:
     if isinstance(value, bool) or value not in (0, 1):
         raise rc.InputError.about("The axis of a plane", value, "0 for a plane along x or 1 for one along y")
-    return int(value)  # type: ignore[call-overload, no-any-return]
+    return 1 if value else 0
 
 
 def _position(value: Length | None) -> float | None:
@@ -84,7 +84,7 @@ class PlasticZonePanel(rc.Panel):
         image = draw_section(axes, shown, zone.grid, interfaces, self.quantity, self.unit, axis=self.axis)
         ends, depths = image.get_coordinates()[0, :, 0], image.get_coordinates()[:, 0, 1]
         _outline(axes, ends, depths, strain > 0.0, theme.edge)
-        touching = self._cut(pressure[np.newaxis] > 0.0, row)[0]
+        touching = self._cut(pressure[np.newaxis], row)[0] > 0.0
         _mark_contact(axes, ends, touching, theme.limit)
         where = f"{'yx'[self.axis]} = {si(place, 'm', 3)}".replace("-", "−")
         axes.plot([], [], " ", label=where if strain.any() else f"{where}, nothing has flowed")
@@ -146,7 +146,7 @@ def _fit(strain: Array, count: int) -> Array:
     return np.pad(strain, ((0, max(0, count - len(strain))), (0, 0), (0, 0)))[:count]
 
 
-def _outline(axes: Any, ends: Array, depths: Array, flowed: Array, color: str) -> None:
+def _outline(axes: Any, ends: Array, depths: Array, flowed: Mask, color: str) -> None:
     """Draw the border of the cells that have flowed, of a plane, shape (layers, cells), if there are any."""
     from matplotlib.collections import LineCollection
 
@@ -161,7 +161,7 @@ def _outline(axes: Any, ends: Array, depths: Array, flowed: Array, color: str) -
         axes.add_collection(LineCollection(lines, colors=color, linewidths=1.0, label="has flowed"), autolim=False)
 
 
-def _mark_contact(axes: Any, ends: Array, touching: Array, color: str) -> None:
+def _mark_contact(axes: Any, ends: Array, touching: Mask, color: str) -> None:
     """Draw the contact on the surface, of cells along a plane, shape (cells,), if there is any."""
     from matplotlib.collections import LineCollection
 
