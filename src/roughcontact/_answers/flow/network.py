@@ -135,7 +135,9 @@ class FlowNetwork:
 
     def _find_end_flows(self, pressure: Array) -> tuple[Array, Array]:
         """Return the flow into each cell at the inlet, and out of each cell at the outlet."""
-        return self.ends.inlet_conductance * (1.0 - pressure[self.ends.inlet]), self.ends.outlet_conductance * pressure[self.ends.outlet]
+        return self.ends.inlet_conductance * (1.0 - pressure[self.ends.inlet]), self.ends.outlet_conductance * pressure[
+            self.ends.outlet
+        ]
 
     def residual(self, pressure: Array) -> Array:
         """Return the flow into each cell less the flow out of it."""

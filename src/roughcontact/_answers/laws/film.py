@@ -42,7 +42,7 @@ _MIN_WAVES = 2.5
 _SMOOTH = 1e-6
 _NO_SHEAR = (
     "Both walls are rough and touch, or one alone would at some separation: the shear flow factors then change while "
-    "they slide, and are not known. The columns phi_s are left out."
+    "they slide, and are not known. The columns phi_s are omitted."
 )
 
 
@@ -112,8 +112,7 @@ class FilmLaw(ColumnTable):
 
         References
         ----------
-        Greenwood and Tripp, Proc. Inst. Mech. Eng. 185 (1970) 625-633,
-        https://doi.org/10.1243/PIME_PROC_1970_185_069_02;
+        Greenwood and Tripp, Proc. Inst. Mech. Eng. 185 (1971) 625-633;
         Persson, Phys. Rev. Lett. 99 (2007) 125502, https://doi.org/10.1103/PhysRevLett.99.125502;
         Patir and Cheng, J. Lubr. Technol. 100 (1978) 12-17, https://doi.org/10.1115/1.3453103
         """
@@ -227,8 +226,7 @@ def film_law(
 
     References
     ----------
-    Patir and Cheng, J. Lubr. Technol. 100 (1978) 12-17, https://doi.org/10.1115/1.3453103, and 101 (1979) 220-229,
-    https://doi.org/10.1115/1.3453329
+    Patir and Cheng, J. Lubr. Technol. 100 (1978) 12-17, https://doi.org/10.1115/1.3453103, and 101 (1979) 220-230
 
     Examples
     --------

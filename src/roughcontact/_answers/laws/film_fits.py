@@ -1,9 +1,9 @@
-"""Constants of Greenwood and Tripp, of Persson, and of Patir and Cheng that are nearest to the columns of a film law."""
+"""Constants of Greenwood and Tripp, Persson, and Patir and Cheng that are nearest to the columns of a film law."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 import attrs
 import numpy as np
@@ -82,13 +82,16 @@ def _fit_persson(x: Array, y: Array) -> tuple[dict[str, float], Array]:
 def _fit_greenwood_tripp(x: Array, y: Array) -> tuple[dict[str, float], Array]:
     from scipy.optimize import least_squares
 
+    def miss(constants: Array) -> Array:
+        return np.asarray(predict(constants) - y)
+
     def predict(constants: Array) -> Array:
         level, offset, log_sigma = constants
         return np.asarray(level + log_five_halves((x - offset) / math.exp(log_sigma)))
 
     start = np.array([float(np.mean(y - log_five_halves(x))), 0.0, 0.0])
     bounds = [-np.inf, -_MAX_OFFSET, -_MAX_LOG_SIGMA], [np.inf, _MAX_OFFSET, _MAX_LOG_SIGMA]
-    found = least_squares(lambda constants: predict(constants) - y, start, bounds=bounds, x_scale=(1.0, 0.3, 0.1)).x
+    found = least_squares(miss, start, bounds=bounds, x_scale=(1.0, 0.3, 0.1)).x
     constants = {"factor": math.exp(found[0]), "offset": float(found[1]), "sigma": math.exp(found[2])}
     return constants, predict(found)
 
@@ -127,13 +130,16 @@ def fit_peklenik(separations: Array, along: Array, across: Array) -> FilmFit:
     def predict(log_peklenik: float) -> Array:
         return np.concatenate([patir_cheng(x, sign * log_peklenik) for sign in (1.0, -1.0)])
 
+    def squares(one: float) -> float:
+        return float(np.sum((predict(one) - factors) ** 2))
+
     limit = math.log(9.0)
-    squares: Callable[[float], float] = lambda one: float(np.sum((predict(one) - factors) ** 2))
     starts = np.linspace(-limit, limit, 25)
     best = starts[int(np.argmin([squares(one) for one in starts]))]
     bounds = max(best - 0.2, -limit), min(best + 0.2, limit)
     found = float(minimize_scalar(squares, bounds=bounds, method="bounded").x)
-    misfit = float(np.abs(predict(found) / factors - 1.0).max(where=factors > 0.0, initial=0.0))
+    flows = factors > 0.0
+    misfit = float(np.abs(predict(found)[flows] / factors[flows] - 1.0).max(initial=0.0))
     return FilmFit("patir-cheng", {"peklenik": math.exp(found)}, (float(x.min()), float(x.max())), misfit)
 
 

@@ -68,7 +68,8 @@ def write_comsol(law: ColumnTable, separations: Array, columns: object, units: s
         f"{_COMSOL_COMMENT} Argument: separation in {length}; functions: {named}",
     ]
     heading = [f"{_COMSOL_COMMENT} separation", *chosen]
-    return [*lines, *_write_rows(heading, [separations * scale, *(values * factor for _, values, _, factor in converted)])]
+    functions = (values * factor for _, values, _, factor in converted)
+    return [*lines, *_write_rows(heading, [separations * scale, *functions])]
 
 
 def write_json(law: ColumnTable, separations: Array, rms_heights: Sequence[float]) -> list[str]:
