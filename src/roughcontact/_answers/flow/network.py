@@ -105,7 +105,8 @@ class FlowNetwork:
         from scipy import sparse
 
         c = self.conductance
-        first, second = self.faces.first, self.faces.second
+        first = self.faces.first
+        second = self.faces.second
         right = self.gather((self.ends.inlet, self.ends.inlet_conductance))
         diagonal = right + self.gather((first, c), (second, c), (self.ends.outlet, self.ends.outlet_conductance))
         each = np.arange(self.cells.size, dtype=np.int32)

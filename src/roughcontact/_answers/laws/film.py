@@ -11,7 +11,7 @@ import numpy as np
 
 from roughcontact._answers.laws.columns import ColumnTable, LawColumn
 from roughcontact._answers.laws.film_fits import FilmFit, fit_peklenik, fit_pressure
-from roughcontact._answers.laws.film_formats import write_comsol, write_json, write_text
+from roughcontact._answers.laws.film_formats import tabulate_column, write_comsol, write_json
 from roughcontact._answers.laws.film_rows import (
     FilmRow,
     count_waves,
@@ -119,7 +119,7 @@ class FilmLaw(ColumnTable):
         model = choice(model, "The model", _MODELS)
         if model == "patir-cheng":
             return fit_peklenik(self.separations, self["phi_xx"].values, self["phi_yy"].values)
-        return fit_pressure(model, self.separations, self["asperity_pressure"].values, self.modulus)
+        return fit_pressure(model, self.separations, self["asperity_pressure"], self.modulus)
 
     def to_text(self, path: str | os.PathLike[str], column: str, *, units: str = "SI") -> None:
         """Write two plain columns below one line of names: the separation and a column.
@@ -133,7 +133,7 @@ class FilmLaw(ColumnTable):
         units
             ``"SI"``, or ``"mm"``: mm and MPa.
         """
-        write_lines(path, write_text(self, self._lengths, column, units))
+        write_lines(path, tabulate_column(self, self._lengths, column, units))
 
     def to_comsol(
         self, path: str | os.PathLike[str], *, columns: Iterable[str] | None = None, units: str = "SI"

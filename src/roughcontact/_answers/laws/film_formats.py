@@ -37,7 +37,7 @@ def _write_rows(heading: Sequence[str], columns: Sequence[Array]) -> list[str]:
     return [" ".join(heading), *rows]
 
 
-def write_text(law: ColumnTable, separations: Array, name: str, units: str) -> list[str]:
+def tabulate_column(law: ColumnTable, separations: Array, name: str, units: str) -> list[str]:
     """Return a heading and two columns: the separation and one function."""
     system = unit_system(units)
     column = law[name]
