@@ -7,8 +7,8 @@ Needs a separate environment with the other package, which is not a dependency o
     ROUGHCONTACT_PEERS=peers/bin/python python docs/studies/compare_flow.py
 
 Both let liquid flow through sides alone. Elimination gives the exact flow of our equations; the other package gets the
-loosest tolerance of a ladder with which its flow is within 0.1 % of its own at a tight one. CPU time on one thread, ours
-before and after the other's, whose compiled functions have been called before.
+loosest tolerance of a ladder with which its flow is within 0.1 % of its own at a tight one. CPU time on one thread,
+ours before and after the other's, whose compiled functions have been called before.
 """
 
 from __future__ import annotations

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import math
 
 import numpy as np
 import pytest
@@ -85,7 +84,7 @@ def test_the_construction_of_patir_and_cheng_has_their_factors():
     for seed in range(2):
         noise = np.random.default_rng(seed).normal(size=(cells, cells))
         heights = ndimage.uniform_filter(noise, side, mode="wrap")
-        heights /= heights.std()
+        heights = (heights - heights.mean()) / heights.std()
         found.append([])
         for separation in (3.0, 2.0):
             gap = np.maximum(separation - heights, 0.0)
@@ -93,5 +92,4 @@ def test_the_construction_of_patir_and_cheng_has_their_factors():
             found[-1].append(0.5 * np.trace(factors.pressure))
     theirs = patir_cheng(np.array([3.0, 2.0]), 0.0)
     assert theirs == pytest.approx([0.832, 0.706], abs=1e-3)
-    np.testing.assert_allclose(np.mean(found, axis=0), theirs, atol=0.04)
-    assert math.isfinite(theirs[0])
+    np.testing.assert_allclose(np.mean(found, axis=0), theirs, atol=0.03)

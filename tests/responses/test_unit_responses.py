@@ -217,9 +217,7 @@ def test_the_uncertainty_of_a_flow_by_the_rule_and_the_walls(aspect):
     open_cells = np.ones((3, 1), dtype=bool)
     assert np.isinf(_find_distances(network, open_cells)).all()
     rule = _compare_rules(network, faces, flow)
-    assert estimate_uncertainty(network, faces, lost, open_cells, gap_error=0.0) == pytest.approx(
-        0.27 * rule
-    )
+    assert estimate_uncertainty(network, faces, lost, open_cells, gap_error=0.0) == pytest.approx(0.27 * rule)
     more = estimate_uncertainty(network, faces, lost, open_cells, gap_error=0.01)
     by_gap = 3.0 * 0.01 * np.sum(lost / np.array([0.5, 1.0, 0.5])) / flow
     assert more == pytest.approx(math.hypot(0.27 * rule, by_gap))

@@ -12,7 +12,7 @@ from roughcontact._answers.flow.periodic import PeriodicFlow, solve_periodic
 from roughcontact._base.arrays import Array, Mask
 from roughcontact._parts.grid import Grid
 
-# Fraction of the uncertainty of a leakage that a flow factor has: at a given separation the load errs instead of the gap.
+# Fraction of the uncertainty of a leakage that a flow factor has: at a given separation the load errs, not the gap.
 # And weights of what the uncertainty of a shear flow factor is made of: the change of rule of the film in the faces,
 # and the relative uncertainty of the flow. All were set on 6 rough surfaces at four separations, of 3 and 6 cells in
 # the shortest wave, so that the uncertainty is about twice the rms error.

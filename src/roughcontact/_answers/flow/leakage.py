@@ -404,9 +404,7 @@ def _judge_closure(solution: ContactSolution, open_cells: Mask, axis: int) -> tu
     return ()
 
 
-def _judge_uncertainty(
-    relative: float, of_creases: float, of_mean_gap: float, of_holes: float
-) -> tuple[str, ...]:
+def _judge_uncertainty(relative: float, of_creases: float, of_mean_gap: float, of_holes: float) -> tuple[str, ...]:
     """Return why the flow may err by more than 10 %, from its relative standard deviation and parts of it."""
     of_gap = math.hypot(of_creases, of_mean_gap)
     if of_holes > max(_MAX_CREASE_STD, of_gap):

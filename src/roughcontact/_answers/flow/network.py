@@ -105,7 +105,8 @@ class FlowNetwork:
         from scipy import sparse
 
         c = self.conductance
-        first, second = self.faces.first, self.faces.second
+        first = self.faces.first
+        second = self.faces.second
         right = self.gather((self.ends.inlet, self.ends.inlet_conductance))
         diagonal = right + self.gather((first, c), (second, c), (self.ends.outlet, self.ends.outlet_conductance))
         each = np.arange(self.cells.size, dtype=np.int32)
@@ -135,7 +136,9 @@ class FlowNetwork:
 
     def _find_end_flows(self, pressure: Array) -> tuple[Array, Array]:
         """Return the flow into each cell at the inlet, and out of each cell at the outlet."""
-        return self.ends.inlet_conductance * (1.0 - pressure[self.ends.inlet]), self.ends.outlet_conductance * pressure[self.ends.outlet]
+        return self.ends.inlet_conductance * (1.0 - pressure[self.ends.inlet]), self.ends.outlet_conductance * pressure[
+            self.ends.outlet
+        ]
 
     def residual(self, pressure: Array) -> Array:
         """Return the flow into each cell less the flow out of it."""

@@ -81,9 +81,7 @@ def solve_periodic(gap: Array, open_cells: Mask, *, aspect: float) -> PeriodicFl
     area = aspect * math.prod(network.shape)
     cubes = np.einsum("f,if,jf->ij", network.conductance, drops, drops) / area
     films = faces.find_films() / math.prod(network.shape)
-    sums = [
-        [films[part] @ given[part] / step for given in drops] for part, step in zip(crossed, steps, strict=True)
-    ]
+    sums = [[films[part] @ given[part] / step for given in drops] for part, step in zip(crossed, steps, strict=True)]
     return PeriodicFlow(network, drops, cubes, np.array(sums))
 
 

@@ -121,9 +121,7 @@ class LawColumn:
     unit: str
     values: Array = attrs.field(converter=read_only, repr=outlined)
     uncertainties: Array = attrs.field(converter=read_only, repr=outlined)
-    sampling: Array | None = attrs.field(
-        default=None, converter=attrs.converters.optional(read_only), repr=outlined
-    )
+    sampling: Array | None = attrs.field(default=None, converter=attrs.converters.optional(read_only), repr=outlined)
 
 
 class ColumnTable(TableResult):

@@ -11,7 +11,7 @@ import numpy as np
 
 from roughcontact._answers.laws.columns import ColumnTable, LawColumn
 from roughcontact._answers.laws.film_fits import FilmFit, fit_peklenik, fit_pressure
-from roughcontact._answers.laws.film_formats import write_comsol, write_json, write_text
+from roughcontact._answers.laws.film_formats import tabulate_column, write_comsol, write_json
 from roughcontact._answers.laws.film_rows import (
     FilmRow,
     count_waves,
@@ -42,7 +42,7 @@ _MIN_WAVES = 2.5
 _SMOOTH = 1e-6
 _NO_SHEAR = (
     "Both walls are rough and touch, or one alone would at some separation: the shear flow factors then change while "
-    "they slide, and are not known. The columns phi_s are left out."
+    "they slide, and are not known. The columns phi_s are omitted."
 )
 
 
@@ -112,15 +112,14 @@ class FilmLaw(ColumnTable):
 
         References
         ----------
-        Greenwood and Tripp, Proc. Inst. Mech. Eng. 185 (1970) 625-633,
-        https://doi.org/10.1243/PIME_PROC_1970_185_069_02;
+        Greenwood and Tripp, Proc. Inst. Mech. Eng. 185 (1971) 625-633;
         Persson, Phys. Rev. Lett. 99 (2007) 125502, https://doi.org/10.1103/PhysRevLett.99.125502;
         Patir and Cheng, J. Lubr. Technol. 100 (1978) 12-17, https://doi.org/10.1115/1.3453103
         """
         model = choice(model, "The model", _MODELS)
         if model == "patir-cheng":
             return fit_peklenik(self.separations, self["phi_xx"].values, self["phi_yy"].values)
-        return fit_pressure(model, self.separations, self["asperity_pressure"].values, self.modulus)
+        return fit_pressure(model, self.separations, self["asperity_pressure"], self.modulus)
 
     def to_text(self, path: str | os.PathLike[str], column: str, *, units: str = "SI") -> None:
         """Write two plain columns below one line of names: the separation and a column.
@@ -134,7 +133,7 @@ class FilmLaw(ColumnTable):
         units
             ``"SI"``, or ``"mm"``: mm and MPa.
         """
-        write_lines(path, write_text(self, self._lengths, column, units))
+        write_lines(path, tabulate_column(self, self._lengths, column, units))
 
     def to_comsol(
         self, path: str | os.PathLike[str], *, columns: Iterable[str] | None = None, units: str = "SI"
@@ -227,8 +226,7 @@ def film_law(
 
     References
     ----------
-    Patir and Cheng, J. Lubr. Technol. 100 (1978) 12-17, https://doi.org/10.1115/1.3453103, and 101 (1979) 220-229,
-    https://doi.org/10.1115/1.3453329
+    Patir and Cheng, J. Lubr. Technol. 100 (1978) 12-17, https://doi.org/10.1115/1.3453103, and 101 (1979) 220-230
 
     Examples
     --------

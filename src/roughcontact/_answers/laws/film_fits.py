@@ -1,19 +1,21 @@
-"""Constants of Greenwood and Tripp, of Persson, and of Patir and Cheng that are nearest to the columns of a film law."""
+"""Constants of Greenwood and Tripp, Persson, and Patir and Cheng that are nearest to the columns of a film law."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 import attrs
 import numpy as np
 
+from roughcontact._answers.laws.columns import LawColumn
 from roughcontact._base.arrays import Array, Pair
 from roughcontact._base.units import ShownAsPrinted
 from roughcontact.errors import InputError
 
-# Smallest number of separations with contact of a fit of three constants and of two.
+# Smallest number of separations with contact of a fit, and smallest relative uncertainty of a row.
 _MIN_ROWS = 4
+_MIN_RELATIVE_STD = 0.02
 # Largest offset over Sq, and largest logarithm of sigma over Sq or its inverse, of Greenwood and Tripp: without bounds
 # the three constants grow without end where an exponential is nearer.
 _MAX_OFFSET = 2.0
@@ -59,28 +61,35 @@ class FilmFit(ShownAsPrinted):
         return f"{self.model}: {found}; from {low:g} to {high:g} Sq, within {100.0 * self.misfit:.2g} %"
 
 
-def fit_pressure(model: str, separations: Array, pressures: Array, modulus: float) -> FilmFit:
+def fit_pressure(model: str, separations: Array, column: LawColumn, modulus: float) -> FilmFit:
     """Return the constants of a law of the asperity pressure, by least squares of its logarithm.
 
-    Greenwood and Tripp: p = factor E* F_5/2((H - offset) / sigma); Persson: p = factor E* exp(-H / decay).
+    Rows weigh by their relative uncertainty, by grid and places, of 2 % at least. Greenwood and Tripp: p = factor E*
+    F_5/2((H - offset) / sigma); Persson: p = factor E* exp(-H / decay).
     """
-    carries = pressures > 0.0
+    carries = column.values > 0.0
     if np.count_nonzero(carries) < _MIN_ROWS:
         raise InputError(f"A fit of the asperity pressure needs {_MIN_ROWS} separations with contact: give more.")
     x = separations[carries]
-    y = np.log(pressures[carries] / modulus)
-    found, fitted = (_fit_greenwood_tripp if model == "greenwood-tripp" else _fit_persson)(x, y)
+    pressures = column.values[carries]
+    y = np.log(pressures / modulus)
+    spread = column.uncertainties if column.sampling is None else np.hypot(column.uncertainties, column.sampling)
+    weights = 1.0 / np.maximum(spread[carries] / pressures, _MIN_RELATIVE_STD)
+    found, fitted = (_fit_greenwood_tripp if model == "greenwood-tripp" else _fit_persson)(x, y, weights)
     misfit = float(np.abs(np.expm1(fitted - y)).max())
     return FilmFit(model, found, (float(x.min()), float(x.max())), misfit)
 
 
-def _fit_persson(x: Array, y: Array) -> tuple[dict[str, float], Array]:
-    slope, level = np.polyfit(x, y, 1)
+def _fit_persson(x: Array, y: Array, weights: Array) -> tuple[dict[str, float], Array]:
+    slope, level = np.polyfit(x, y, 1, w=weights)
     return {"factor": math.exp(level), "decay": -1.0 / float(slope)}, np.asarray(level + slope * x)
 
 
-def _fit_greenwood_tripp(x: Array, y: Array) -> tuple[dict[str, float], Array]:
+def _fit_greenwood_tripp(x: Array, y: Array, weights: Array) -> tuple[dict[str, float], Array]:
     from scipy.optimize import least_squares
+
+    def miss(constants: Array) -> Array:
+        return np.asarray(weights * (predict(constants) - y))
 
     def predict(constants: Array) -> Array:
         level, offset, log_sigma = constants
@@ -88,7 +97,7 @@ def _fit_greenwood_tripp(x: Array, y: Array) -> tuple[dict[str, float], Array]:
 
     start = np.array([float(np.mean(y - log_five_halves(x))), 0.0, 0.0])
     bounds = [-np.inf, -_MAX_OFFSET, -_MAX_LOG_SIGMA], [np.inf, _MAX_OFFSET, _MAX_LOG_SIGMA]
-    found = least_squares(lambda constants: predict(constants) - y, start, bounds=bounds, x_scale=(1.0, 0.3, 0.1)).x
+    found = least_squares(miss, start, bounds=bounds, x_scale=(1.0, 0.3, 0.1)).x
     constants = {"factor": math.exp(found[0]), "offset": float(found[1]), "sigma": math.exp(found[2])}
     return constants, predict(found)
 
@@ -127,13 +136,16 @@ def fit_peklenik(separations: Array, along: Array, across: Array) -> FilmFit:
     def predict(log_peklenik: float) -> Array:
         return np.concatenate([patir_cheng(x, sign * log_peklenik) for sign in (1.0, -1.0)])
 
+    def squares(one: float) -> float:
+        return float(np.sum((predict(one) - factors) ** 2))
+
     limit = math.log(9.0)
-    squares: Callable[[float], float] = lambda one: float(np.sum((predict(one) - factors) ** 2))
     starts = np.linspace(-limit, limit, 25)
     best = starts[int(np.argmin([squares(one) for one in starts]))]
     bounds = max(best - 0.2, -limit), min(best + 0.2, limit)
     found = float(minimize_scalar(squares, bounds=bounds, method="bounded").x)
-    misfit = float(np.abs(predict(found) / factors - 1.0).max(where=factors > 0.0, initial=0.0))
+    flows = factors > 0.0
+    misfit = float(np.abs(predict(found)[flows] / factors[flows] - 1.0).max(initial=0.0))
     return FilmFit("patir-cheng", {"peklenik": math.exp(found)}, (float(x.min()), float(x.max())), misfit)
 
 

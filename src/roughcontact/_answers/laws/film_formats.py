@@ -37,7 +37,7 @@ def _write_rows(heading: Sequence[str], columns: Sequence[Array]) -> list[str]:
     return [" ".join(heading), *rows]
 
 
-def write_text(law: ColumnTable, separations: Array, name: str, units: str) -> list[str]:
+def tabulate_column(law: ColumnTable, separations: Array, name: str, units: str) -> list[str]:
     """Return a heading and two columns: the separation and one function."""
     system = unit_system(units)
     column = law[name]
@@ -68,7 +68,8 @@ def write_comsol(law: ColumnTable, separations: Array, columns: object, units: s
         f"{_COMSOL_COMMENT} Argument: separation in {length}; functions: {named}",
     ]
     heading = [f"{_COMSOL_COMMENT} separation", *chosen]
-    return [*lines, *_write_rows(heading, [separations * scale, *(values * factor for _, values, _, factor in converted)])]
+    functions = (values * factor for _, values, _, factor in converted)
+    return [*lines, *_write_rows(heading, [separations * scale, *functions])]
 
 
 def write_json(law: ColumnTable, separations: Array, rms_heights: Sequence[float]) -> list[str]:

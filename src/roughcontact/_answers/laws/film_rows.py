@@ -103,7 +103,7 @@ def _fill(gap: Array, open_cells: Mask) -> float:
 
 def _judge_factors(factors: FlowFactors) -> list[str]:
     """Return why the flow along an axis must not be trusted."""
-    found = []
+    found: list[str] = []
     for axis, name in enumerate("xy"):
         value = float(factors.pressure[axis, axis])
         relative = float(factors.pressure_std[axis, axis]) / value if value > _MIN_FACTOR else 0.0

@@ -8,7 +8,7 @@ import textwrap
 import attrs
 import numpy as np
 
-from roughcontact._answers.laws.columns import LawTable
+from roughcontact._answers.laws.columns import ColumnTable, LawTable
 from roughcontact._base.arrays import Array
 from roughcontact._base.checks import choice, flag, number
 from roughcontact.errors import InputError
@@ -67,7 +67,7 @@ def keyword_name(name: object) -> str:
     return name
 
 
-def describe(law: LawTable, mark: str) -> list[str]:
+def describe(law: ColumnTable, mark: str) -> list[str]:
     """Return what was solved and the warnings, as comments."""
     texts = [*law.description, *(f"Warning: {text}" for text in law.warnings)]
     return [f"{mark} {line}" for text in texts for line in textwrap.wrap(text, _COMMENT_WIDTH)]

@@ -63,9 +63,7 @@ examples:
         return DOUBTFUL if law.warnings else 0
 
 
-def _plan_writers(
-    options: argparse.Namespace, maps: list[Path]
-) -> list[tuple[Callable[[FilmLaw, Path], None], Path]]:
+def _plan_writers(options: argparse.Namespace, maps: list[Path]) -> list[tuple[Callable[[FilmLaw, Path], None], Path]]:
     """Return what will be written, with its files; `InputError` before anything is solved."""
     planned: list[tuple[Callable[[FilmLaw, Path], None], Path]] = []
     for text in options.output:

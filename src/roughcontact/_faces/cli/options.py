@@ -186,7 +186,8 @@ def _separations(text: str) -> list[float]:
     low, dots, high = text.partition("..")
     if not dots:
         return [NUMBER(low)]
-    at, end = NUMBER(low), NUMBER(high)
+    at = NUMBER(low)
+    end = NUMBER(high)
     if not 0.0 < at < end <= _MAX_SEPARATION:
         shown = f"{text[:_MAX_SHOWN_CHARACTERS]!r} is not a range up to {_MAX_SEPARATION:g}"
         raise argparse.ArgumentTypeError(f"{shown}; write it like 0.5..4")
