@@ -7,7 +7,7 @@ of what is wrong, so that the true value lies a third of the difference beyond. 
 is named.
 
 States whose contact reaches a free border, of which they warn, are omitted. Prints for each number how many errors
-there are, the share of them within one and two standard deviations, the median error, relative, the median uncertainty
+there are, the fraction of them within one and two standard deviations, the median error, relative, the median uncertainty
 over it, and the scenes beyond two.
 """
 
