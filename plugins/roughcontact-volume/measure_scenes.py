@@ -1,14 +1,14 @@
 """Measure how often the stated uncertainties hold: of a body that flows, loaded, unloaded and loaded again.
 
 ``python measure_scenes.py [SCENES] [SEED] [FILE]`` draws balls, ellipsoids, wedges and rough surfaces (60 and seed 2 by
-default; constants were set on seed 1) on free, periodic and mixed boundaries, under a path of three loads. It solves
-each on its grid, and on cells half as long with half the admissible change by the substeps. That leaves about a quarter
-of what is wrong, so that the true value lies a third of the difference beyond. True values are kept in the file, if one
-is named.
+default; constants were set on other scenes and on the first 33 of these) on free, periodic and mixed boundaries, under
+a path of three loads. It solves each on its grid, and on cells half as long with half the admissible change by the
+substeps. That leaves about a quarter of what is wrong, so that the true value lies a third of the difference beyond.
+True values are kept in the file, if one is named.
 
 States whose contact reaches a free border, of which they warn, are omitted. Prints for each number how many errors
-there are, the share of them within one and two standard deviations, the median error, relative, the median uncertainty
-over it, and the scenes beyond two.
+there are, the fraction of them within one and two standard deviations, the median error, relative, the median
+uncertainty over it, and the scenes beyond two.
 """
 
 from __future__ import annotations
