@@ -116,7 +116,10 @@ class TestAnswers:
         found, expected = (state.origin.scene.counterbody.material for state in (again, path[1]))
         assert found == expected
         assert hash(found) == hash(expected)
-        assert found != make_stressed(0.1).counterbody.material
+        other = attrs.evolve(make_peened(), counterbody=make_stressed(0.1).counterbody)
+        assert found != other.counterbody.material
+        with pytest.raises(rc.InputError, match="plastic flow is violated"):
+            other.verify(again)
 
 
 @pytest.mark.parametrize(

@@ -311,7 +311,10 @@ def verify_laws(problem: Scene, solution: ContactSolution) -> tuple[InitialGap, 
         raise InputError("Its laws are not those of its problem.")
     if effect is None:
         return problem._gap, problem.plan
-    again = effect.repeat(problem, solution)
+    assert solution.origin is not None
+    # What laws give of its fields is that of this problem, not of the one that it states.
+    asked = attrs.evolve(solution, origin=attrs.evolve(solution.origin, problem=problem.parts, source=problem))
+    again = effect.repeat(problem, asked)
     effect.require_same(again)
     gap = problem._find_gap(effect.shift)
     plan = stiffen_plan(displace_plan(problem.plan, gap), again.stiffening)
