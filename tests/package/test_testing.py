@@ -52,6 +52,9 @@ MADE = {
     "limited-coulomb": [rc.LimitedCoulomb(0.3, 2e8), rc.LimitedCoulomb(0.3, 0.1 * HARDNESS)],
     "short-range": [rc.ShortRange(0.05)],
     "van-der-waals": [rc.VanDerWaals(0.03, 3e-10)],
+    "non-gaussian": [
+        rc.NonGaussianSurface(hurst=0.8, rms_height=1e-7, longest=20e-6, shortest=3e-6, seed=1, skewness=-0.5)
+    ],
     "self-affine": [rc.SelfAffineSurface(hurst=0.8, rms_height=1e-7, longest=20e-6, shortest=3e-6, seed=1)],
     "sphere": [rc.SphereSurface(1e-2)],
     "sum": [rc.WavySurface(1e-6, 1e-5) + rc.SphereSurface(1e-2)],

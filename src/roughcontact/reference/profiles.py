@@ -26,7 +26,7 @@ _MIN_POINTS = 32
 # Autocorrelation at which the length of correlation ends, and its multiple up to which squares are summed.
 _CORRELATION_END = 0.05
 _CORRELATION_LENGTHS = 4.0
-# Standard deviations of the correlation of independent lines that is no chance.
+# Standard deviations of the correlation of independent lines from which on it is not by chance.
 _CHANCE = 3.0
 # Independent heights of a line below which waves longer than the line matter to Sq.
 _FEW_HEIGHTS = 30.0
@@ -214,7 +214,7 @@ class _Lines:
         correlation = _correlate(heights)
         end = int(np.argmax(correlation <= 0.0)) or correlation.size
         independent = heights.shape[1] / (1.0 + 2.0 * float(correlation[1:end].sum()))
-        # Mean and slope of a line take the share of two of its independent heights.
+        # Mean and slope of a line take the fraction of two of its independent heights.
         return cls(first, second, min(2.0 / independent, 0.5))
 
 

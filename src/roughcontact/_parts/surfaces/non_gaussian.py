@@ -60,8 +60,8 @@ def _bearing(value: Any) -> Bearing | None:
     allowed = (
         "a pair of lists, levels (m) and the fractions of the surface above them, as (curve.levels, curve.fractions)"
     )
-    is_pair = isinstance(value, (tuple, list, np.ndarray)) and len(value) == 2
-    lists = [numbers(one, what, allowed) for one in value] if is_pair else []
+    is_list = isinstance(value, (tuple, list)) or (isinstance(value, np.ndarray) and value.ndim > 0)
+    lists = [numbers(one, what, allowed) for one in value] if is_list and len(value) == 2 else []
     if not lists or any(one.ndim != 1 or one.size < 2 or not np.isfinite(one).all() for one in lists):
         raise InputError.about(what, value, allowed)
     if lists[0].size != lists[1].size:
@@ -253,7 +253,7 @@ def _find_parameters(skewness: float, kurtosis: float) -> Pair:
     stretched = np.arcsinh(nodes)
 
     def miss(parameters: Array) -> Array:
-        values = np.sinh((stretched + parameters[0]) / math.exp(parameters[1]))
+        values = np.sinh((stretched + parameters[0]) / np.exp(parameters[1]))
         values -= weights @ values
         square = weights @ values**2
         return np.array([weights @ values**3 / square**1.5 - skewness, (weights @ values**4 / square**2 - kurtosis)])

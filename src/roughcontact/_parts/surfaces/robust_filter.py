@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -32,7 +33,7 @@ _TERMS = ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
 # Cells whose normal equations are solved at once.
 _CELLS_PER_BLOCK = 2**14
 # Peak memory in float64 arrays of the padded map; measured.
-_ARRAYS_IN_MEMORY = 28.0
+_ARRAYS_IN_MEMORY = 34.0
 
 
 def smooth_robustly(
@@ -82,7 +83,7 @@ def smooth_robustly(
     return np.asarray(middle + means)
 
 
-def _transform_weights(count: int, reach: int, step: float, transform: object) -> list[npt.NDArray[np.complex128]]:
+def _transform_weights(count: int, reach: int, step: float, transform: Any) -> list[npt.NDArray[np.complex128]]:
     """Return the transforms of the weights along an axis times powers 0 to 4 of the distance, in widths."""
     cells = np.arange(-reach, reach + 1)
     # A mean at a cell takes the points beyond it: the weights are mirrored for a convolution.
@@ -92,7 +93,7 @@ def _transform_weights(count: int, reach: int, step: float, transform: object) -
     for power in range(5):
         kernel = np.zeros(count)
         np.add.at(kernel, cells % count, weights * distance**power)
-        found.append(transform(kernel))  # type: ignore[operator]
+        found.append(transform(kernel))
     return found
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
 import attrs
 import numpy as np
@@ -12,6 +12,7 @@ from roughcontact._base.arrays import Array, Mask
 from roughcontact._base.machine import require_memory, split
 from roughcontact._base.units import WarningText, percent, si
 from roughcontact._parts.grid import Grid
+from roughcontact._parts.surfaces.statistics import FORM_DEGREE, polynomial
 from roughcontact.errors import InputError
 
 # Distance of the outermost points that a tip touches at one place, cells along an axis, up to which they are one
@@ -90,10 +91,14 @@ def make_tip(heights: Array, grid: Grid, radius: float, *, periodic: bool) -> Ti
     return Tip(rise, inside)
 
 
-def describe_restoring(radius: float, certain: float, sharp: float, rms_height: float) -> str:
-    """Return how a map was restored, in words: radius and rms height of details sharper than the tip, and Sq, m."""
+def describe_restoring(radius: float, certain: float, traced: Array, again: Array) -> str:
+    """Return in words how a map was restored, and whether it differs much from what the tip traces of the result."""
     text = f"restored below a tip of radius {si(radius, 'm')}, certain at {percent(certain)} of its points"
-    return f"{text}; {_SHARP}, of {si(sharp, 'm', 2)} rms, lost" if sharp > _MAX_SHARP * rms_height else text
+    sharp = float(np.sqrt(np.mean((traced - again) ** 2)))
+    degree = min(FORM_DEGREE, min(traced.shape) - 1)
+    rms_height = float(np.std(traced - polynomial(traced, degree, None)))
+    limit = max(_MAX_SHARP * rms_height, _TOUCH_TOLERANCE * float(np.ptp(traced)))
+    return f"{text}; {_SHARP}, of {si(sharp, 'm', 2)} rms, lost" if sharp > limit else text
 
 
 def list_tip_warnings(history: Iterable[str]) -> tuple[str, ...]:
@@ -129,11 +134,13 @@ def restore(traced: Array, tip: Tip, *, periodic: bool, non_measured: Mask | Non
     return _apply(grey_erosion, known, traced, tip, np.inf, periodic=periodic)
 
 
-def _apply(operation: object, known: Array, heights: Array, tip: Tip, beyond: float, *, periodic: bool) -> Array:
+def _apply(
+    operation: Callable[..., Array], known: Array, heights: Array, tip: Tip, beyond: float, *, periodic: bool
+) -> Array:
     """Return heights after a grey operation under the tip; where nothing is known in its reach they stay."""
     require_memory(8.0 * _ARRAYS_IN_MEMORY * heights.size, "The path of a tip over the map", "choose fewer cells")
     mode = "wrap" if periodic else "constant"
-    found = operation(known, footprint=tip.inside, structure=-tip.rise, mode=mode, cval=beyond)  # type: ignore[operator]
+    found = operation(known, footprint=tip.inside, structure=-tip.rise, mode=mode, cval=beyond)
     return np.where(np.isfinite(found), found, heights)
 
 

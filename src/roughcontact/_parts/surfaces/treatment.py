@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import abc
-import math
 from collections.abc import Callable, Sequence
 from typing import Any, Self
 
@@ -194,8 +193,8 @@ class TreatedMap(Surface):
 
         .. math:: m(x) = \max_d \left( z(x + d) - R + \sqrt{R^2 - d^2} \right)
 
-        Its summits are blunt and its area too large: by a fifth where the radius of the tip is half of that of the rms
-        curvature.
+        Its summits are blunt and the area of a contact is too large: by a sixth where R is half of the inverse rms of
+        z_xx + z_yy.
 
         Parameters
         ----------
@@ -233,7 +232,7 @@ class TreatedMap(Surface):
         surely touched, and `certain_fraction` states the others. The area of a contact on it states which fraction lies
         on certain points, is warned of below 0.9, and has its uncertainty widened. Restore a map before its form is
         subtracted or it is filtered for long waves, and state the radius of the tip as it is, worn: with one that is
-        30 % off the area is 5 to 20 % off.
+        30 % off the area is up to 20 % off.
 
         Parameters
         ----------
@@ -269,15 +268,14 @@ class TreatedMap(Surface):
         tip = stylus.make_tip(self._heights, grid, radius, periodic=self.periodic)
         found = stylus.restore(self._heights, tip, periodic=self.periodic, non_measured=lost)
         again = stylus.trace(found, tip, periodic=self.periodic, non_measured=lost)
-        sharp = float(np.sqrt(np.mean((self._heights - again) ** 2)))
         certain = stylus.find_certain(self._heights, found, tip, noise_std, periodic=self.periodic, non_measured=lost)
-        text = stylus.describe_restoring(radius, float(certain.mean()), sharp, float(self._heights.std()))
+        text = stylus.describe_restoring(radius, float(certain.mean()), self._heights, again)
         return self._change(heights=found, uncertain=~certain, history=(*self.history, text))
 
     @property
-    def certain_fraction(self) -> float:
-        """Fraction of the points that the tip of a stylus has surely touched; nan if the map was not `restored`."""
-        return math.nan if self.uncertain is None else 1.0 - float(self.uncertain.mean())
+    def certain_fraction(self) -> float | None:
+        """Fraction of the points that the tip of a stylus has surely touched; None if the map was not `restored`."""
+        return None if self.uncertain is None else 1.0 - float(self.uncertain.mean())
 
 
 def _check_radius(value: Quantity) -> float:

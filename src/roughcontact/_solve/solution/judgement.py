@@ -133,7 +133,7 @@ def judge_tip(area: Area, solution: Any, uncertain: Mask) -> Area:
 
 def _widen_by_tip(area: Area) -> Area:
     """Return an area whose uncertainty has that of its surface below a tip too, where there was one."""
-    if math.isnan(area.certain_fraction):
+    if area.certain_fraction is None:
         return area
     lost = _UNCERTAIN_AREA_STD * (1.0 - area.certain_fraction)
     return attrs.evolve(

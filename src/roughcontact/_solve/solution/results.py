@@ -327,7 +327,7 @@ class Area(Estimate):
         Area of each of the solution's patches, shape (count,), m2, without summits in contact between the cells; None
         where the estimator does not give them.
     certain_fraction
-        Fraction of the contact on points that the tip of a stylus has surely touched; nan unless a map was `restored`
+        Fraction of the contact on points that the tip of a stylus has surely touched; None unless a map was `restored`
         below its tip.
 
     Examples
@@ -350,7 +350,7 @@ class Area(Estimate):
     patches: Array | None = attrs.field(
         default=None, converter=attrs.converters.optional(read_only), kw_only=True, eq=False, repr=False
     )
-    certain_fraction: float = attrs.field(default=math.nan, kw_only=True)
+    certain_fraction: float | None = attrs.field(default=None, kw_only=True)
 
     def __str__(self) -> str:
         factor, unit = prefixed(max(self.value, self.uncertainty), "m", 2)
