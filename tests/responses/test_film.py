@@ -49,10 +49,11 @@ class TestWaves:
 
     amplitudes = np.array([0.8, 0.5, 0.2])
 
+    @pytest.mark.parametrize("width", [6, 1])
     @pytest.mark.parametrize("turned", [False, True])
-    def test_waves_are_exact_along_both_axes(self, turned):
-        heights = np.tile(wave(64)[:, :1], (1, 6))
-        size = (SIDE, 0.37 * SIDE)
+    def test_waves_are_exact_along_both_axes(self, turned, width):
+        heights = np.tile(wave(64)[:, :1], (1, width))
+        size = (SIDE, 0.37 * SIDE if width > 1 else SIDE / 64.0)
         problem = pair(heights.T, size[::-1]) if turned else pair(heights, size)
         separations = math.sqrt(2.0) / self.amplitudes
         law, pressure, shear = ask(problem, separations)

@@ -105,7 +105,7 @@ def _pair(
 ) -> tuple[RealArray, RealArray, Array, Array, Array]:
     """Return cells, films and weights of the faces that are crossed along an axis, those over the border last."""
     parts = [(_slice(axis, None, -1), _slice(axis, 1, None))]
-    if wrapped and film.shape[axis] > 1:
+    if wrapped:
         parts.append((_slice(axis, -1, None), _slice(axis, None, 1)))
     found = []
     for one, other in parts:

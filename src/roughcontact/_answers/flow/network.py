@@ -104,9 +104,10 @@ class FlowNetwork:
         """Return the matrix of the flow balance of each cell, in CSR, and its right side for the inlet at 1."""
         from scipy import sparse
 
-        c = self.conductance
         first = self.faces.first
         second = self.faces.second
+        # A single line of cells that wraps joins each cell to itself: nothing is exchanged.
+        c = np.where(first == second, 0.0, self.conductance)
         right = self.gather((self.ends.inlet, self.ends.inlet_conductance))
         diagonal = right + self.gather((first, c), (second, c), (self.ends.outlet, self.ends.outlet_conductance))
         each = np.arange(self.cells.size, dtype=np.int32)

@@ -10,16 +10,16 @@ import numpy as np
 
 from roughcontact._answers.laws.columns import LawColumn
 from roughcontact._base.arrays import Array, Pair
-from roughcontact._base.units import ShownAsPrinted
+from roughcontact._base.units import ShownAsPrinted, percent
 from roughcontact.errors import InputError
 
 # Smallest number of separations with contact of a fit, and smallest relative uncertainty of a row.
 _MIN_ROWS = 4
 _MIN_RELATIVE_STD = 0.02
-# Largest offset over Sq, and largest logarithm of sigma over Sq or its inverse, of Greenwood and Tripp: without bounds
-# the three constants grow without end where an exponential is nearer.
-_MAX_OFFSET = 2.0
-_MAX_LOG_SIGMA = math.log(2.0)
+# Offset over Sq, and logarithm of sigma over Sq, that Greenwood and Tripp's constants have by themselves, one standard
+# deviation: without them the three constants grow without end where an exponential is nearer.
+_OFFSET_STD = 1.0
+_LOG_SIGMA_STD = 0.3
 # Separation over Sq from which Patir and Cheng's construction, without deformation, is meant.
 _MIN_PATIR_CHENG = 1.5
 # Their fits by Peklenik's number: 1 - C exp(-r H) up to 1, and 1 + C H^-r beyond.
@@ -58,7 +58,7 @@ class FilmFit(ShownAsPrinted):
     def __str__(self) -> str:
         found = ", ".join(f"{name} {value:.4g}" for name, value in self.constants.items())
         low, high = self.separations
-        return f"{self.model}: {found}; from {low:g} to {high:g} Sq, within {100.0 * self.misfit:.2g} %"
+        return f"{self.model}: {found}; from {low:g} to {high:g} Sq, within {percent(self.misfit)}"
 
 
 def fit_pressure(model: str, separations: Array, column: LawColumn, modulus: float) -> FilmFit:
@@ -89,15 +89,14 @@ def _fit_greenwood_tripp(x: Array, y: Array, weights: Array) -> tuple[dict[str, 
     from scipy.optimize import least_squares
 
     def miss(constants: Array) -> Array:
-        return np.asarray(weights * (predict(constants) - y))
+        return np.append(weights * (predict(constants) - y), constants[1:] / (_OFFSET_STD, _LOG_SIGMA_STD))
 
     def predict(constants: Array) -> Array:
         level, offset, log_sigma = constants
         return np.asarray(level + log_five_halves((x - offset) / math.exp(log_sigma)))
 
     start = np.array([float(np.mean(y - log_five_halves(x))), 0.0, 0.0])
-    bounds = [-np.inf, -_MAX_OFFSET, -_MAX_LOG_SIGMA], [np.inf, _MAX_OFFSET, _MAX_LOG_SIGMA]
-    found = least_squares(miss, start, bounds=bounds, x_scale=(1.0, 0.3, 0.1)).x
+    found = least_squares(miss, start, x_scale=(1.0, 0.3, 0.1)).x
     constants = {"factor": math.exp(found[0]), "offset": float(found[1]), "sigma": math.exp(found[2])}
     return constants, predict(found)
 
