@@ -14,6 +14,7 @@ from roughcontact_volume import (
     FindTotalStress,
     Plastic,
     PlasticFlow,
+    PlasticZonePanel,
     find_indentation,
     judge_passes,
 )
@@ -152,3 +153,9 @@ class TestAnswers:
         for side in SIDES:
             found, expected = (read_side(one, side)["plastic_strain"] for one in (again, path[0]))
             assert np.array_equal(found, expected)
+
+
+def test_panels_show_the_deeper_plastic_zone():
+    state = make_pair(attrs.evolve(STEEL, yield_stress=1e15), STEEL, cells=7).solve(force=2.0 * FIRST_FORCE)
+    assert state.plot("plastic-zone").get_legend().get_texts()[-1].get_text().endswith(", counterbody")
+    assert "nothing has flowed" in state.plot(PlasticZonePanel(body="body")).get_legend().get_texts()[-1].get_text()

@@ -186,7 +186,7 @@ def _plan(settings: Settings, uploads: Uploads, calibration: float) -> dict[str,
         "seconds": (1.0 if together else calibration) * _estimate_seconds(settings, problem, loads),
         "memory": f"{binary(plan.memory_at(0.0))} at light contact, at most {binary(plan.memory)}",
         "basis": _TOGETHER if together else _BASIS if calibration == 1.0 else _CORRECTED,
-        "text": str(problem.explain()),
+        "text": str(problem.explain(**max(loads, key=lambda load: load.value).arguments)),
         "warnings": [end_sentence(text) for text in plan.warnings],
     }
 

@@ -13,7 +13,7 @@ from roughcontact.typing import Array, Length, Mask, si
 
 from roughcontact_volume.box import count_layers, list_layers
 from roughcontact_volume.flow import PlasticFlow
-from roughcontact_volume.flowed_body import FlowedBody
+from roughcontact_volume.flowed_body import FlowedBody, read_body
 from roughcontact_volume.plastic_zone import FindPlasticZone, PlasticZone
 from roughcontact_volume.stress_answers import FindResidualStress, FindTotalStress
 
@@ -50,6 +50,8 @@ class PlasticZonePanel(rc.Panel):
     position
         Place of the plane on the other axis, in the frame of the body, m; None: through the cell with the largest
         strain of the deepest layer that has flowed, or through the maximum pressure where nothing has.
+    body
+        ``"body"`` or ``"counterbody"``; None: the one that flows, of two that of the deeper plastic zone.
 
     Examples
     --------
@@ -65,6 +67,7 @@ class PlasticZonePanel(rc.Panel):
 
     axis: int = attrs.field(default=0, converter=_axis)
     position: float | None = attrs.field(default=None, converter=_position, metadata={"unit": "m"})
+    body: str | None = attrs.field(default=None, converter=read_body, kw_only=True)
 
     needs_law: ClassVar[type[rc.Law] | None] = PlasticFlow
     quantity: ClassVar[str] = "accumulated plastic strain"
@@ -72,10 +75,11 @@ class PlasticZonePanel(rc.Panel):
 
     def draw(self, subject: Any, axes: Any) -> None:
         """Draw a solution; see `Panel.draw`."""
-        zone = FindPlasticZone().respond(subject)
-        pressure = FlowedBody.of(subject).pressure
+        side = self.body or _find_deeper(subject)
+        zone = FindPlasticZone(body=side).respond(subject)
+        pressure = FlowedBody.of(subject, side).pressure
         row, place = self._find_row(zone, pressure)
-        interfaces, values = self.find_values(subject)
+        interfaces, values = self.find_values(subject, side)
         shown = self._cut(values, row)
         strain = self._cut(_fit(zone.accumulated_strain, len(shown)), row)
         theme = theme_of(axes)
@@ -87,12 +91,13 @@ class PlasticZonePanel(rc.Panel):
         touching = self._cut(pressure[np.newaxis], row)[0] > 0.0
         _mark_contact(axes, ends, touching, theme.limit)
         where = f"{'yx'[self.axis]} = {si(place, 'm', 3)}".replace("-", "−")
+        where += f", {side}" if len(FlowedBody.list_of(subject)) > 1 else ""
         axes.plot([], [], " ", label=where if strain.any() else f"{where}, nothing has flowed")
         add_key(axes)
 
-    def find_values(self, subject: Any) -> tuple[Array, Array]:
+    def find_values(self, subject: Any, side: str) -> tuple[Array, Array]:
         """Return depths between layers, shape (nz + 1,), m, and what is drawn in them, shape (nz, nx, ny)."""
-        zone = FindPlasticZone().respond(subject)
+        zone = FindPlasticZone(body=side).respond(subject)
         count = count_layers(zone.grid, _DRAWN_DEPTH * zone.depth.value or float(zone.interfaces[-1]))
         interfaces = np.concatenate(([0.0], np.cumsum(list_layers(zone.grid, count))))
         return interfaces, _fit(zone.accumulated_strain, count)
@@ -127,9 +132,9 @@ class ResidualStressPanel(PlasticZonePanel):
     unit: ClassVar[str] = "Pa"
     response: ClassVar[type[FindResidualStress]] = FindResidualStress
 
-    def find_values(self, subject: Any) -> tuple[Array, Array]:
+    def find_values(self, subject: Any, side: str) -> tuple[Array, Array]:
         """Return what is drawn, Pa; see `PlasticZonePanel.find_values`."""
-        found = self.response().respond(subject)
+        found = self.response(body=side).respond(subject)
         return found.interfaces, found.von_mises
 
 
@@ -139,6 +144,12 @@ class TotalStressPanel(ResidualStressPanel):
 
     quantity: ClassVar[str] = "von Mises stress"
     response: ClassVar[type[FindResidualStress]] = FindTotalStress
+
+
+def _find_deeper(subject: Any) -> str:
+    """Return the side of the body that flows, of two that of the deeper plastic zone."""
+    sides = [one.side for one in FlowedBody.list_of(subject)]
+    return max(sides, key=lambda side: FindPlasticZone(body=side).respond(subject).depth.value)
 
 
 def _fit(strain: Array, count: int) -> Array:
