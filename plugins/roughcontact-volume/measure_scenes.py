@@ -6,8 +6,9 @@ a path of three loads. It solves each on its grid, and on cells half as long wit
 substeps. That leaves about a quarter of what is wrong, so that the true value lies a third of the difference beyond.
 True values are kept in the file, if one is named.
 
-States whose contact reaches a free border, of which they warn, and those after them are omitted. A body that does not
-flow on its grid, but on the finer one, errs by infinitely many. Prints for each number how many errors there are, the fraction of them within one and two standard deviations, the median error, relative, the median
+States whose contact reaches a free border, of which they warn, and those after them are omitted. A body that flows on
+the finer grid alone has stated nothing, and errs by infinitely many uncertainties. Prints for each number how many
+errors there are, the fraction of them within one and two standard deviations, the median error, relative, the median
 uncertainty over it, and the scenes beyond two.
 """
 
