@@ -50,8 +50,6 @@ _LARGE_PATCH_CELLS = 100
 _MIN_TRACED_LENGTH = 0.65
 # Numbers of cells below which a patch may be a part of another one, or other patches may be missing beside it.
 _SMALL_PATCH_CELLS = (4, 9)
-# Relative standard deviation of the length from which it may err by more than 10 %: it is mostly too large.
-_MAX_SILENT_LENGTH_STD = 0.07
 # Relative standard deviation of the length by the sides of the cells around worn spots. Set on draw 1 of
 # benchmarks/memory_classes.py: median error 0.013, at most 0.08.
 _WORN_LENGTH_ERROR = 0.04
@@ -175,7 +173,7 @@ class EdgeLength(Quantity):
             sharp_std,
             networks,
         )
-        return warn_if_uncertain(length, std, "m", pass_on_warnings(area), _MAX_SILENT_LENGTH_STD)
+        return warn_if_uncertain(length, std, "m", pass_on_warnings(area))
 
 
 def _is_line(solution: ContactSolution) -> bool:
