@@ -45,6 +45,7 @@ from roughcontact._answers.subsurface.maximum import (
     judge_depth,
     with_interfaces,
 )
+from roughcontact._answers.subsurface.summit import judge_by_summit
 from roughcontact._base import checks
 from roughcontact._base.arrays import Array, RealArray, Waves, frozen_array, read_only
 from roughcontact._base.checks import number
@@ -250,6 +251,8 @@ class Stress(ShownAsPrinted, Answer):
         if at_surface and self.traction is not None and (self.depths == 0.0).any():
             found = self._compare_with_edge(found, measure)
         found = self._judge_place(found)
+        if self.traction is None and self.residual is None and isinstance(self._kernel, HalfSpaceStress):
+            found = judge_by_summit(found, self.solution, self.poisson, measure)
         return attrs.evolve(found, warnings=(*self.warnings, *found.warnings))
 
     def _judge_place(self, found: StressMaximum) -> StressMaximum:
