@@ -224,22 +224,23 @@ def _fit_quadratics(solution: ContactSolution, highest: IntArray, sharpness: Arr
     difference = np.hypot(0.5 * (fxx - fyy), fxy) / here
     across = np.abs(mean + difference)
     skew = np.hypot(_THIRD_DIFFERENCE @ along_x, _THIRD_DIFFERENCE @ along_y) / here
-    first, second, third, fourth = calibration.PEAK_ERROR
+    first, skewed, cubic = calibration.PEAK_ERROR
     blunt = calibration.BLUNT_PEAK_ERROR * np.clip(-sharpness / calibration.BLUNT_SHARPNESS, 0.0, 1.0)
     # Along a straight strip all cells have the same error; on an oblique ridge the highest cell lies nearer its crest.
     alike = np.minimum(np.abs(fxx), np.abs(fyy)) < _MAX_STRIP_BEND_RATIO * np.maximum(np.abs(fxx), np.abs(fyy))
     oblique = np.where(peaked, fxy**2 / np.where(peaked, fxx * fyy, 1.0), 0.0)
-    uneven = (second + blunt) * across + third * skew + fourth * across**3
+    uneven = blunt * across + skewed * skew + cubic * across**3
     error = across * (np.where(alike, calibration.STRIP_PEAK_FACTOR, 1.0) * first + (1.0 - 0.5 * oblique) * uneven)
     error = np.where(alike, np.hypot(error, calibration.STRAIGHT_PEAK_STD * np.abs(across) ** 0.75), error)
-    inner = np.minimum.reduce([along_x[1], along_x[3], along_y[1], along_y[3]]) > _MIN_INNER_PRESSURE * here
-    inner &= ~_find_cut(solution, highest)
-    # A parabola through an open cell is too low.
+    # A parabola through an open cell is too low, where heights vary from cell to cell.
+    open_ = np.minimum.reduce([along_x[1], along_x[3], along_y[1], along_y[3]]) <= _MIN_INNER_PRESSURE * here
+    open_ |= _find_cut(solution, highest)
     compact, ridge, single = calibration.OPEN_NEIGHBOUR_ERROR
     slender = 1.0 - np.clip((mean - difference) / np.where(across > 0.0, across, 1.0), 0.0, 1.0)
     row = (np.maximum(along_x[1], along_x[3]) == 0.0) | (np.maximum(along_y[1], along_y[3]) == 0.0)
     lacking = compact + ridge * slender * np.where(row, 2.0, 1.0) + single / solution.patches.cells
-    error = np.where(inner, error, np.maximum(error, lacking))
+    lacking *= min(curvature_resolution(solution), 1.0) ** 2
+    error = np.where(open_, np.maximum(error, lacking), error)
     return np.sqrt(np.maximum(top - excess, 0.0)), error
 
 
