@@ -8,7 +8,7 @@ import attrs
 import numpy as np
 
 from roughcontact._answers.areas import calibration
-from roughcontact._answers.areas.calibration import TIP_RISE_DEFICIT
+from roughcontact._answers.areas.calibration import TIP_RISE_DEFICIT, TIP_RISE_ERROR
 from roughcontact._answers.areas.cells import NEIGHBOUR_STEPS, find_cut_cells, find_straight_rows
 from roughcontact._answers.areas.edges import MAX_RIDGE_LAY, is_diagonal
 from roughcontact._answers.areas.initial_gap import (
@@ -113,7 +113,7 @@ def find_rise(
         )
         tops = near[:, _POLYNOMIAL_REACH, _POLYNOMIAL_REACH] - np.minimum(rises, _bound_rise(near))
         rise = max(highest - float(tops.min()), 0.0)
-        return rise, 0.0
+        return rise, TIP_RISE_ERROR * rise
     near = near[summits]
     rough, fine = (_interpolate(near, reach) for reach in (_POLYNOMIAL_REACH - 1, _POLYNOMIAL_REACH))
     here = near[:, _POLYNOMIAL_REACH, _POLYNOMIAL_REACH]
@@ -130,7 +130,7 @@ def find_rise(
     tip, pointed = fit_hyperboloid(near[best][beside, beside])
     if tip is not None:
         rise = max(highest - tip, 0.0)
-        return rise, 0.0
+        return rise, TIP_RISE_ERROR * rise
     rise = max(highest - float(fine[best]), 0.0)
     # Polynomials lack part of the height of tips between a cone and a paraboloid.
     lacking = pointed * (rise + TIP_RISE_DEFICIT[0] * _find_bend(near[best]))

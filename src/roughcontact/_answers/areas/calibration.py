@@ -171,8 +171,8 @@ STRIP_PEAK_FACTOR = 3.0
 # the side of a cell. Set on lines on stiff and soft coatings, of 4 to 400 cells.
 STRAIGHT_PEAK_STD = 0.004
 RESIDUAL_PEAK_STD = 0.08
-# Smallest relative standard deviation where a neighbour is open, over the square of the ratio up to one: of compact
-# patches; its increase on ridges (twice on rows of single cells); and its increase times the number of cells; no unit.
+# Smallest relative standard deviation where a neighbour is open, in wide contacts times the square of the ratio up to
+# one: of compact patches; its increase on ridges (twice on rows of single cells); and its increase times the number of cells; no unit.
 OPEN_NEIGHBOUR_ERROR = (0.1, 0.12, 4.0)
 # Relative standard deviation for tips: the sharpness from which a part of it is added, the sharpness from which all of
 # it is added, and its size times the fourth root of the number of cells; no unit. Set on r^1.5.
@@ -253,6 +253,8 @@ CUT_NON_MEASURED_EXCESS = (0.06, 0.03)
 # Length of the edge that is not traced where it meets a border that cuts the contact, cells for each such place, and
 # its standard deviation. Set on rough contacts.
 UNTRACED_CUT_LENGTH = (0.9, 0.6)
+# Relative standard deviation of the height of a tip, no unit.
+TIP_RISE_ERROR = 0.03
 # Deficit of the height of a tip between a cone and a paraboloid by polynomials, over how pointed it is: the fraction of
 # the second differences that is added to the height, set on tips r^1.25 to r^1.75, and the relative standard deviation
 # of the deficit: bumps like a Gaussian may look pointed and have none.
