@@ -242,7 +242,8 @@ def _fit_quadratics(solution: ContactSolution, highest: IntArray, sharpness: Arr
     row = (np.maximum(along_x[1], along_x[3]) == 0.0) | (np.maximum(along_y[1], along_y[3]) == 0.0)
     lacking = compact + ridge * slender * np.where(row, 2.0, 1.0) + single / solution.patches.cells
     # Where the grid resolves the heights, only of contacts one or two cells wide.
-    narrow = np.minimum(np.count_nonzero(along_x, axis=0), np.count_nonzero(along_y, axis=0)) <= _NARROW_CELLS
+    across_cells = [np.count_nonzero(line > _MIN_INNER_PRESSURE * here, axis=0) for line in (along_x, along_y)]
+    narrow = np.minimum(*across_cells) <= _NARROW_CELLS
     lacking *= np.where(narrow, 1.0, min(curvature_resolution(solution), 1.0) ** 2)
     error = np.where(open_, np.maximum(error, lacking), error)
     return np.sqrt(np.maximum(top - excess, 0.0)), error
