@@ -142,7 +142,7 @@ def test_the_maximum_shear_below_a_ball_is_hertzs(seed):
 
 
 @pytest.mark.parametrize(("radius", "sides"), [(0.8, (1.0, 1.0)), (1.6, (1.0, 0.6)), (2.7, (0.5, 1.0))])
-def test_below_a_ball_of_few_cells_the_maximum_is_hertzs(radius, sides):
+def test_below_a_ball_on_a_coarse_grid_the_maximum_is_hertzs(radius, sides):
     """Uniform pressure on its cells has a maximum that is up to 30 % off."""
     solution, hertz, _ = press_ball(radius, (24, 24), sides=sides, place=(0.31, -0.17))
     value, depth = maximum_on_axis(NU)
@@ -154,7 +154,7 @@ def test_below_a_ball_of_few_cells_the_maximum_is_hertzs(radius, sides):
 
 
 @pytest.mark.parametrize("radii", [(8.0, 1.0), (1.0, 3.0)])
-def test_below_an_ellipse_of_few_cells_the_maximum_is_that_of_fine_ones(radii):
+def test_below_an_ellipse_on_a_coarse_grid_the_maximum_is_that_of_a_fine_one(radii):
     body = rc.Body(rc.ParaboloidSurface(tuple(RADIUS * radius for radius in radii), center=(1e-6, 2e-6)), STEEL)
     coarse, fine = (
         rc.ContactProblem(body, grid=rc.Grid((n, n), 4e-4), threads=1).solve(force=2.0).stress() for n in (20, 160)
