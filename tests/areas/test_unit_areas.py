@@ -405,8 +405,8 @@ def test_an_area_is_that_of_its_patches_and_at_most_nominal():
     assert more.value == 1200.0
     np.testing.assert_allclose(more.patches, [1400.0 * 1200.0 / 1500.0])
     edges = attrs.evolve(edges, border=0.0)
-    sure = total_area(solution, np.array([0.0, 200.0]), np.zeros(2), 9.9, edges, "")
-    unsure = total_area(solution, np.array([0.0, 200.0]), np.zeros(2), 10.1, edges, "")
+    sure = total_area(solution, np.array([0.0, 200.0]), np.zeros(2), 13.9, edges, "")
+    unsure = total_area(solution, np.array([0.0, 200.0]), np.zeros(2), 14.1, edges, "")
     assert (len(sure.warnings), len(unsure.warnings)) == (0, 1)
 
 

@@ -55,8 +55,8 @@ def test_the_maximum_of_hertzs_pressure_between_the_cells(cell):
         value, error = _fit_quadratics(solution, highest, np.zeros(1))
         assert value[0] == pytest.approx(peak, rel=1e-9)
         bend = 2.0 * max(grid.spacing) ** 2 / a**2 * (peak / solution.pressure.max()) ** 2
-        first, second, _, fourth = calibration.PEAK_ERROR
-        assert error[0] == pytest.approx(bend * (first + second * bend + fourth * bend**3), rel=1e-6)
+        first, _, cubic = calibration.PEAK_ERROR
+        assert error[0] == pytest.approx(bend * (first + cubic * bend**3), rel=1e-6)
         assert solution.peak_pressure().value == pytest.approx(peak, rel=2e-3)
 
 
@@ -72,8 +72,8 @@ def test_a_strip_has_the_maximum_of_its_parabola_across_it_and_a_wider_error(axi
     assert value[0] == pytest.approx(1.0, rel=1e-9)
     assert solution.pressure.max() < 1.0 - 1e-5
     bend = 2.0 * (grid.spacing[axis] / 8.0) ** 2 / square.max()
-    first, second, _, fourth = calibration.PEAK_ERROR
-    along = bend * (calibration.STRIP_PEAK_FACTOR * first + second * bend + fourth * bend**3)
+    first, _, cubic = calibration.PEAK_ERROR
+    along = bend * (calibration.STRIP_PEAK_FACTOR * first + cubic * bend**3)
     edges = calibration.STRAIGHT_PEAK_STD * bend**0.75
     assert error[0] == pytest.approx(np.hypot(along, edges), rel=1e-6)
 

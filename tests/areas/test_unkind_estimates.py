@@ -109,11 +109,11 @@ def test_smooth_contacts_are_within_two_standard_deviations_that_are_no_larger_t
     found, finer = (case.solve(refinement).response(answer) for refinement in (1, 2))
     assert abs(found.value - finer.value) <= 2.0 * found.uncertainty
     assert smallest * found.value < found.uncertainty < largest * found.value
-    assert bool(found.warnings) == (found.uncertainty > 0.05 * found.value and answer != "perimeter")
+    assert bool(found.warnings) == (found.uncertainty > 0.07 * found.value)
 
 
 def test_numbers_that_the_grid_determines_do_not_repeat_that_it_hardly_determines_the_area():
-    solution = edged_classes.draw_case("rough", 301, 4).solve()
+    solution = edged_classes.draw_case("lay", 7401, 2).solve()
     assert [text.rule for text in solution.area().warnings] == ["uncertainty"]
     for answer in ("approach", "mean-gap"):
         found = solution.response(answer)
@@ -121,8 +121,9 @@ def test_numbers_that_the_grid_determines_do_not_repeat_that_it_hardly_determine
         assert found.uncertainty < 0.02 * found.value
 
 
-def test_the_stress_of_ridges_one_cell_wide_is_as_uncertain_as_the_pressure_of_their_cells():
+def test_the_stress_of_contacts_one_cell_wide_is_known_by_their_summits():
+    """By their cells it erred by a tenth and more."""
     case = edged_classes.draw_case("double-wave", 303, 7)
     found, finer = (case.solve(refinement).stress().maximum_shear for refinement in (1, 2))
-    assert 0.1 * found.value < abs(found.value - finer.value) <= 2.0 * found.uncertainty
-    assert any("depends on the grid" in text for text in found.warnings)
+    assert abs(found.value - finer.value) <= 2.0 * found.uncertainty < 0.1 * found.value
+    assert not any("depends on the grid" in text for text in found.warnings)

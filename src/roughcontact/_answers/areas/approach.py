@@ -8,7 +8,7 @@ import attrs
 import numpy as np
 
 from roughcontact._answers.areas import calibration
-from roughcontact._answers.areas.calibration import RISE_ERROR, TIP_RISE_DEFICIT, TIP_RISE_ERROR
+from roughcontact._answers.areas.calibration import TIP_RISE_DEFICIT, TIP_RISE_ERROR
 from roughcontact._answers.areas.cells import NEIGHBOUR_STEPS, find_cut_cells, find_straight_rows
 from roughcontact._answers.areas.edges import MAX_RIDGE_LAY, is_diagonal
 from roughcontact._answers.areas.initial_gap import (
@@ -124,7 +124,7 @@ def find_rise(
     if beyond.any():
         # Polynomials swing beside creases and the edges of lands: possibly nothing rises at all.
         rise = max(highest - float(fine[best]), 0.0)
-        std = 0.5 * float(bounds[best]) if beyond[best] else RISE_ERROR * abs(float(fine[best] - rough[best]))
+        std = 0.5 * float(bounds[best]) if beyond[best] else abs(float(fine[best] - rough[best]))
         return rise, max(std, 0.5 * rise)
     beside = slice(_POLYNOMIAL_REACH - TIP_REACH, _POLYNOMIAL_REACH + TIP_REACH + 1)
     tip, pointed = fit_hyperboloid(near[best][beside, beside])
@@ -134,7 +134,7 @@ def find_rise(
     rise = max(highest - float(fine[best]), 0.0)
     # Polynomials lack part of the height of tips between a cone and a paraboloid.
     lacking = pointed * (rise + TIP_RISE_DEFICIT[0] * _find_bend(near[best]))
-    return rise + lacking, math.hypot(RISE_ERROR * float(fine[best] - rough.min()), TIP_RISE_DEFICIT[1] * lacking)
+    return rise + lacking, math.hypot(float(fine[best] - rough.min()), TIP_RISE_DEFICIT[1] * lacking)
 
 
 def _gather_highest(gap: Array, measured: Array, boundary: Boundary) -> tuple[Array, Mask]:
@@ -416,8 +416,7 @@ def _find_spread(bend: Bend, cells: Array) -> float:
     squares = float(np.sum(bend.load**2))
     unlike = min(1.0, float(np.sum(bend.load * bend.spread)) ** 2 + bend.load.size * squares - 1.0)
     number = 1.0 + (1.0 / squares - 1.0) * unlike
-    equal, different = calibration.SMALL_PATCH_GAP_STD
-    few = (equal + (different - equal) * unlike) * float(np.sum(bend.load / np.sqrt(cells)))
+    few = calibration.SMALL_PATCH_GAP_STD * float(np.sum(bend.load / np.sqrt(cells)))
     ratio = min(bend.resolution, 1.0)
     own = (calibration.PATCH_GAP_STD + few * (1.0 + ratio)) / math.sqrt(number)
     edge = calibration.SATURATED_GAP_STD * bend.saturated**2 * bend.width / number

@@ -18,6 +18,7 @@ from typing import Any, TypeVar
 import attrs
 import numpy as np
 
+from roughcontact._answers.areas.edges import MAX_RELATIVE_STD
 from roughcontact._answers.areas.phases import solve_with
 from roughcontact._base.arrays import Array, Mask
 from roughcontact._base.units import Estimate, WarningText, percent, si
@@ -54,8 +55,6 @@ _AGREEMENT = 2.0
 # Largest growth of the area by extrapolation: beyond, noise alone decides what touches, and the area may be any. Set on
 # smooth surfaces, which grow by up to 1.4, and on flat lands and pillars, whose true areas are up to 20 times as large.
 _MAX_GROWTH = 1.6
-# Relative standard deviation by noise from which a number is said to be uncertain.
-_MAX_RELATIVE_STD = 0.05
 _RULE = "noise"
 
 
@@ -135,7 +134,7 @@ class Noise(Estimate):
     def _widen(self, found: Number, std: float) -> Number:
         """Return an answer with a standard deviation by noise in its own."""
         warnings = tuple(text for text in found.warnings if getattr(text, "rule", "") != _RULE)
-        if std > _MAX_RELATIVE_STD * abs(found.value):
+        if std > MAX_RELATIVE_STD * abs(found.value):
             relative = std / abs(found.value) if found.value else math.inf
             noise = si(self.value, "m", 3)
             text = f"noise of {noise} in the heights changes this by about {percent(relative)}: filter it"

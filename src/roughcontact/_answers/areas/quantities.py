@@ -50,8 +50,6 @@ _LARGE_PATCH_CELLS = 100
 _MIN_TRACED_LENGTH = 0.65
 # Numbers of cells below which a patch may be a part of another one, or other patches may be missing beside it.
 _SMALL_PATCH_CELLS = (4, 9)
-# Relative standard deviation of the length from which it may err by more than 10 %: it is mostly too large.
-_MAX_SILENT_LENGTH_STD = 0.07
 # Relative standard deviation of the length by the sides of the cells around worn spots. Set on draw 1 of
 # benchmarks/memory_classes.py: median error 0.013, at most 0.08.
 _WORN_LENGTH_ERROR = 0.04
@@ -144,16 +142,12 @@ class EdgeLength(Quantity):
         one_way = (1.0 - lay) ** 3
         uneven = calibration.UNEVEN_LENGTH_ERROR * edges.curvature_resolution * float(np.sum(lobed))
         uneven += (0.5 + one_way) * lost
-        along, all_round = calibration.NARROW_LENGTH_ERROR
         narrow = float(np.sum(lobed / (1.0 + (edges.width[1:] / calibration.NARROW_PATCH_WIDTH) ** 2)))
-        narrow = (along * one_way + all_round * (1.0 - one_way)) * edges.curvature_resolution * narrow
+        narrow *= calibration.NARROW_LENGTH_ERROR * one_way * edges.curvature_resolution
         relative = math.hypot(calibration.LENGTH_ERROR, 0.5 * area.uncertainty / area.value)
         diagonal = 0.0
         if length > 0.0 and is_diagonal(solution, lay):
-            width = 2.0 * min(area.value, solution.grid.area - area.value) / (length * step)
-            diagonal = (
-                calibration.DIAGONAL_LENGTH_ERROR * length * (1.0 + calibration.DIAGONAL_STRIP_WIDTH / max(width, 1.0))
-            )
+            diagonal = calibration.DIAGONAL_LENGTH_ERROR * length
         untraced = float(edges.untraced_std.sum())
         crossings = count_crossings(solution) * step
         length += calibration.UNTRACED_CUT_LENGTH[0] * crossings + exact + sharp
@@ -175,7 +169,7 @@ class EdgeLength(Quantity):
             sharp_std,
             networks,
         )
-        return warn_if_uncertain(length, std, "m", pass_on_warnings(area), _MAX_SILENT_LENGTH_STD)
+        return warn_if_uncertain(length, std, "m", pass_on_warnings(area))
 
 
 def _is_line(solution: ContactSolution) -> bool:
@@ -254,15 +248,9 @@ class MeanGap(Quantity):
         beyond = _correct_mean(gap, solution.boundary)
         outside = 1.0 if not solution.boundary.has_free_axis else 1.0 - area.fraction
         cut, cut_std = find_cut_shift(solution)
-        part = (1.0 - area.fraction) ** calibration.CUT_GAP_EXPONENT
+        part = 1.0 - area.fraction
         value = float(np.mean(gap)) + beyond - shift * outside + cut * part
-        uncertainty = math.hypot(
-            std * outside,
-            filled.mean_std,
-            cut_std * part,
-            calibration.MEAN_CORRECTION_ERROR * beyond,
-            find_lost_std(solution),
-        )
+        uncertainty = math.hypot(std * outside, filled.mean_std, cut_std * part, find_lost_std(solution))
         if solution.contact.all():
             # The rest of the gap is the error of the solve.
             return Estimate(max(value, 0.0), math.hypot(uncertainty, float(np.ptp(gap))), "m", pass_on_warnings(area))

@@ -9,6 +9,7 @@ import attrs
 import numpy as np
 
 from roughcontact._answers.areas.cells import find_spanning_patches
+from roughcontact._answers.areas.edges import MAX_RELATIVE_STD
 from roughcontact._answers.subsurface.field import (
     StressField,
     find_largest,
@@ -39,8 +40,6 @@ _PEAK_WEIGHT = 0.7
 # Weight of the difference of that pressure from the highest of the cells, over the latter. Set on 106 smooth contacts:
 # ridges one to two cells wide lack 37 to 57 % of the pressure and 32 to 47 % of the stress.
 _CELL_WEIGHT = 0.49
-# Relative standard deviation of the maximum from which it may err by more than 10 %.
-_MAX_RELATIVE_STD = 0.05
 # Relative error of a maximum at the surface inside a contact, where cells may smooth a larger one at its edge.
 _SURFACE_ERROR = 0.03
 # Distance of the depths on both sides of an interface, over its depth: that of rounding.
@@ -224,18 +223,23 @@ def judge_depth(found: StressMaximum, solution: ContactSolution) -> StressMaximu
     relative = found.uncertainty / found.value
     if find_spanning_patches(solution).any():
         relative = math.hypot(relative, _STRAIGHT_STD / max(cells, 1.0) ** 1.5)
-    warnings = found.warnings
     if cells < MIN_DEPTH_CELLS:
         peak = solution.peak_pressure(uncertainty="model")
         # The stress is that of the pressure of the cells, whose highest may be far from the maximum between them.
         highest = solution.parts.highest(float(np.max(solution.pressure)))
         lacking = _CELL_WEIGHT * (peak.value / highest - 1.0)
         relative = math.hypot(relative, _PEAK_WEIGHT * peak.uncertainty / peak.value, lacking)
-    if cells < MIN_DEPTH_CELLS and relative > _MAX_RELATIVE_STD:
-        place = f"only {cells:.2g} cells below" if cells > 0.0 else "at"
-        text = f"the maximum lies {place} the surface, where it depends on the grid"
-        warnings = (*warnings, WarningText(text, "resolution", cells))
-    return attrs.evolve(found, uncertainty=relative * found.value, warnings=warnings)
+    return warn_of_depth(attrs.evolve(found, uncertainty=relative * found.value), solution)
+
+
+def warn_of_depth(found: StressMaximum, solution: ContactSolution) -> StressMaximum:
+    """Return a maximum with a warning if it is near the surface and may err by more than 10 %."""
+    cells = found.depth / max(solution.grid.resolved.spacing)
+    if cells >= MIN_DEPTH_CELLS or found.uncertainty <= MAX_RELATIVE_STD * found.value:
+        return found
+    place = f"only {cells:.2g} cells below" if cells > 0.0 else "at"
+    text = f"the maximum lies {place} the surface, where it depends on the grid"
+    return attrs.evolve(found, warnings=(*found.warnings, WarningText(text, "resolution", cells)))
 
 
 def default_depths(solution: ContactSolution) -> Array:

@@ -45,6 +45,7 @@ from roughcontact._answers.subsurface.maximum import (
     judge_depth,
     with_interfaces,
 )
+from roughcontact._answers.subsurface.summit import judge_by_summit
 from roughcontact._base import checks
 from roughcontact._base.arrays import Array, RealArray, Waves, frozen_array, read_only
 from roughcontact._base.checks import number
@@ -250,14 +251,22 @@ class Stress(ShownAsPrinted, Answer):
         if at_surface and self.traction is not None and (self.depths == 0.0).any():
             found = self._compare_with_edge(found, measure)
         found = self._judge_place(found)
+        if self.traction is None and self.residual is None and isinstance(self._kernel, HalfSpaceStress):
+            found = judge_by_summit(found, self.solution, self.poisson, measure)
         return attrs.evolve(found, warnings=(*self.warnings, *found.warnings))
 
     def _judge_place(self, found: StressMaximum) -> StressMaximum:
         """Return a maximum that is as uncertain as its place, at sharp edges or some cells below the surface."""
         near = found.depth < MIN_DEPTH_CELLS * max(self._grid.resolved.spacing)
-        if self._reaches_border or ((near or found.warnings) and self._has_sharp_edge):
-            return attrs.evolve(found, uncertainty=abs(found.value), warnings=(*found.warnings, _SHARP_EDGE_WARNING))
+        # Beyond a wrapped border nothing lies for the stress, whose pressure is bounded there.
+        if self._reaches_border and (self.solution.boundary is Boundary.WRAPPED or self._has_sharp_edge):
+            return self._warn_of_edge(found)
+        if (near or found.warnings) and self._has_sharp_edge:
+            return self._warn_of_edge(found)
         return judge_depth(found, self.solution)
+
+    def _warn_of_edge(self, found: StressMaximum) -> StressMaximum:
+        return attrs.evolve(found, uncertainty=abs(found.value), warnings=(*found.warnings, _SHARP_EDGE_WARNING))
 
     def _compare_with_edge(self, found: StressMaximum, measure: Measure) -> StressMaximum:
         """Return the larger one of a maximum between the cells and the peak at an edge, which the cells smooth."""
@@ -278,7 +287,6 @@ class Stress(ShownAsPrinted, Answer):
     @property
     def _reaches_border(self) -> bool:
         boundary = self.solution.boundary
-        # Beyond a wrapped border nothing lies for the stress either.
         borders = Boundary.FREE if boundary is Boundary.WRAPPED else boundary
         return any(border.any() for border in list_borders(self.solution.contact, borders))
 
