@@ -115,6 +115,7 @@ nitpick_ignore_regex = [
     (r"py:class", r"roughcontact\.(errors\.sentence\.Argument|_parts\.materials\.isotropic\._Isotropic)"),
     (r"py:class", r"roughcontact\._solve\.problem\.slabs\.(arrays\.Extent|contact\.T)|types\.SimpleNamespace"),
     (r"py:class", r"roughcontact\._solve\.problem\.load_(path\.S|march\.Place)"),
+    (r"py:class", r"roughcontact\._parts\.surfaces\.(synthetic\.SpectralSurface|treatment\.TreatedMap)"),
 ]
 
 

@@ -26,8 +26,8 @@ class Film(Command):
     epilog = """
 examples:
   roughcontact film map.npz --young 210GPa --separation 0.5..4 --csv
-  roughcontact film map.npz --young 210GPa --separation 0.5..6 --mirror-borders \\
-      -o film.csv --comsol film.txt --units mm
+  roughcontact film map.npz --young 210GPa --separation 0.5..6 \\
+      --mirror-borders -o film.csv --comsol film.txt --units mm
 """
 
     def declare(self, parser: argparse.ArgumentParser) -> None:
