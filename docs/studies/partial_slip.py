@@ -49,7 +49,8 @@ def mindlin(cells: int, fraction: float) -> tuple[float, float, float]:
 
 
 def make_rows(radii: tuple[int, ...] = (3, 6, 12, 24), draws: int = 8) -> list[list[str]]:
-    rows = [["contact radius, cells", *(f"{name}, %" for name in ("stick radius", "displacement", "energy"))]]
+    names = ("stick radius", "displacement", "energy")
+    rows = [["contact radius, cells", "Q / (µ P)", *(f"{name}, %" for name in names)]]
     for cells in some_of(radii, 0, 1, 2):
         errors = []
         for place in np.random.default_rng(cells).uniform(-0.5, 0.5, (draws, 2)):
@@ -58,7 +59,10 @@ def make_rows(radii: tuple[int, ...] = (3, 6, 12, 24), draws: int = 8) -> list[l
             values = [(math.sqrt(f.stick_area.value / math.pi), f.displacement.value, f.energy.value) for f in found]
             errors.append(np.divide(values, [mindlin(cells, fraction) for fraction in FRACTIONS]) - 1)
         rms = 100 * np.sqrt(np.mean(np.square(errors), axis=0))
-        rows.append([str(cells), *(" / ".join(f"{error:.2g}" for error in column) for column in rms.T)])
+        rows += [
+            [str(cells), f"{fraction:g}", *(f"{error:.2g}" for error in row)]
+            for fraction, row in zip(FRACTIONS, rms, strict=True)
+        ]
     return rows
 
 
@@ -110,7 +114,7 @@ def main(cells: int = 256, points: int = 16, folder: Path = FIGURES) -> None:
     figure.savefig(folder / "partial_slip.png", dpi=110)
 
 
-SHOWN = ("contact radius, cells", "displacement, %", "energy, %")
+SHOWN = ("contact radius, cells", "Q / (µ P)", "displacement, %", "energy, %")
 TABLES = {"partial-slip": DocTable(make_rows, seconds=12, units=3, shown=pick(SHOWN, ("3", "6", "12")))}
 
 if __name__ == "__main__":

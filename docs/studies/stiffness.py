@@ -55,21 +55,23 @@ def hertz(radii: tuple[float, float], force: float) -> float:
     return float(math.pi * MODULUS * axis / ellipk(m))
 
 
-def summarize(found: list[rc.Estimate]) -> str:
-    """Return mean and root mean square of errors, the mean uncertainty, %, and the fraction within two, %."""
+SUMMARY = ["mean error, %", "rms error, %", "mean uncertainty, %", "within two, %"]
+
+
+def summarize(found: list[rc.Estimate]) -> list[str]:
+    """Return the cells of `SUMMARY` for errors with their uncertainties, over the value."""
     errors, stds = (100 * np.array([getattr(one, name) for one in found]) for name in ("value", "uncertainty"))
     inside = 100 * np.mean(np.abs(errors) <= 2 * stds)
-    return f"{errors.mean():+.2f} / {np.sqrt(np.mean(errors**2)):.2f} / {stds.mean():.2f} / {inside:.0f}"
+    return [f"{errors.mean():+.2f}", f"{np.sqrt(np.mean(errors**2)):.2f}", f"{stds.mean():.2f}", f"{inside:.0f}"]
 
 
 def make_balls(radii: tuple[int, ...] = (3, 6, 12, 24), draws: int = 12) -> list[list[str]]:
-    rows = [["radius, cells", "ball", "ball on cells 1 x 2", "radii 1 : 4"]]
+    rows = [["radius, cells", "contact", *SUMMARY]]
     for cells in some_of(radii, 0, 1, 2):
-        rng, row = np.random.default_rng(100 + cells), [str(cells)]
-        for ratio, aspect in ((1.0, 1.0), (1.0, 2.0), (4.0, 1.0)):
+        rng = np.random.default_rng(100 + cells)
+        for name, ratio, aspect in (("ball", 1.0, 1.0), ("ball on cells 1 x 2", 1.0, 2.0), ("radii 1 : 4", 4.0, 1.0)):
             places = rng.uniform(-0.5, 0.5, (draws, 2))
-            row.append(summarize([press_ball(cells, place, ratio, aspect) for place in places]))
-        rows.append(row)
+            rows.append([str(cells), name, *summarize([press_ball(cells, place, ratio, aspect) for place in places])])
     return rows
 
 
@@ -87,7 +89,7 @@ def rough(cells: int, hurst: float, seed: int, boundary: str = "periodic", *, wi
 def make_rough(
     seeds: tuple[int, ...] = (11, 12, 13, 14), grids: tuple[int, ...] = (64, 128, 256), fine: int = 512
 ) -> list[list[str]]:
-    rows = [["boundary, p/(E* slope)", *(f"{cells // 16} cells a shortest wave" for cells in grids)]]
+    rows = [["boundary, p/(E* slope)", "cells a shortest wave", *SUMMARY]]
     for boundary, load in (*(("periodic", load) for load in (0.01, 0.05, 0.2, 0.6)), ("free", 0.02), ("free", 0.2)):
         found: dict[int, list[rc.Estimate]] = {cells: [] for cells in grids}
         for seed in seeds:
@@ -99,7 +101,7 @@ def make_rough(
                 for cells, one in zip(grids, others, strict=True):
                     error, std = one.value / exact.value - 1, one.uncertainty / exact.value
                     found[cells].append(rc.Estimate(error, std, ""))
-        rows.append([f"{boundary}, {load:g}", *(summarize(found[cells]) for cells in grids)])
+        rows += [[f"{boundary}, {load:g}", str(cells // 16), *summarize(found[cells])] for cells in grids]
     return rows
 
 
