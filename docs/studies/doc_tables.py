@@ -99,19 +99,17 @@ def pick(columns: Sequence[str] = (), lines: Sequence[str] = ()) -> Callable[[Ro
     return choose
 
 
-def gather(
-    groups: Mapping[str, Sequence[str]], columns: Mapping[str, str], join: Callable[[Sequence[str]], str] | None = None
-) -> Callable[[Rows], Rows]:
+def gather(groups: Mapping[str, Sequence[str]], columns: Mapping[str, str]) -> Callable[[Rows], Rows]:
     """Return a line for each group of lines, given by their first cells, with the range of each column over them.
 
-    `columns` has the headings of the page by those of the file, that of the groups first; `join` replaces `span`.
+    `columns` has the headings of the page by those of the file, that of the groups first.
     """
 
     def choose(rows: Rows) -> Rows:
         first, *others = columns
         by_name = {row[0]: dict(zip(rows[0], row, strict=True)) for row in rows[1:]}
         lines = [
-            [name, *((join or span)([by_name[member][column] for member in members]) for column in others)]
+            [name, *(span([by_name[member][column] for member in members]) for column in others)]
             for name, members in groups.items()
         ]
         return [[columns[first], *(columns[column] for column in others)], *lines]

@@ -7,16 +7,20 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
 
-from doc_tables import DocTable, gather, span, write_tables
+from doc_tables import DocTable, Rows, span, write_tables
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
 
 import area_classes
 import quantity_classes
+
+# What is stated of a quantity in a class: the 95th percentile of the errors, the fraction of them within two standard
+# deviations, and the median uncertainty over the median error.
+PARTS = ("error, %", "within two", "u/e")
 
 
 def make_rows(folder: Path | None = None, unkind: bool = False) -> list[list[str]]:
@@ -26,7 +30,7 @@ def make_rows(folder: Path | None = None, unkind: bool = False) -> list[list[str
         )
         for name in quantity_classes.NAMES
     }
-    rows = [["class", *(name.replace("-", " ") for name in found)]]
+    rows = [["class", *(f"{name.replace('-', ' ')}: {part}" for name in found for part in PARTS)]]
     for name in (*quantity_classes.CLASSES, *quantity_classes.UNKIND):
         if not any(name in table for table in found.values()):
             continue
@@ -34,11 +38,11 @@ def make_rows(folder: Path | None = None, unkind: bool = False) -> list[list[str
         for table in found.values():
             row = table.get(name)
             if row is None:
-                cells.append("")
+                cells += [""] * len(PARTS)
                 continue
-            ratio = "-" if math.isnan(row["ratio"]) else f"{row['ratio']:.1f}"
+            ratio = "" if math.isnan(row["ratio"]) else f"{row['ratio']:.1f}"
             error = 100 * row["95 %"] if row["95 %"] > area_classes.DIGITS else 0.0
-            cells.append(f"{error:.2g}; {row['within 2']:.2f}; {ratio}")
+            cells += [f"{error:.2g}", f"{row['within 2']:.2f}", ratio]
         rows.append([name, *cells])
     return rows
 
@@ -68,26 +72,28 @@ UNKIND_CONTACTS = {
     "lines": ("lines",),
 }
 # The columns of the page.
-COLUMNS = {
-    "class": "contact",
+QUANTITIES = {
     "peak pressure": "maximum pressure",
     **{name: name for name in ("perimeter", "approach", "mean gap")},
 }
 
 
-def join(cells: Sequence[str]) -> str:
-    """Return the range of the errors of some cells and their smallest fraction within two standard deviations."""
-    filled = [cell.split("; ") for cell in cells if cell]
-    if not filled:
-        return ""
-    return f"{span([error for error, _, _ in filled])}; {min(float(within) for _, within, _ in filled):.2f}"
+def show(contacts: Mapping[str, Sequence[str]], rows: Rows) -> Rows:
+    """Return a line for groups of classes: the range of the errors, and the smallest fraction within two, %."""
+    by_name = {row[0]: dict(zip(rows[0], row, strict=True)) for row in rows[1:]}
+    shown = [["contact", *(f"{name}, %" for name in QUANTITIES.values()), "within two, %"]]
+    for contact, classes in contacts.items():
+        errors = [span([by_name[name][f"{one}: error, %"] for name in classes]) for one in QUANTITIES]
+        fractions = [by_name[name][f"{one}: within two"] for name in classes for one in QUANTITIES]
+        shown.append([contact, *errors, f"{100 * min(float(one) for one in fractions if one):.0f}"])
+    return shown
 
 
 def make_tables(folder: Path | None = None) -> dict[str, DocTable]:
     return {
-        "quantities": DocTable(partial(make_rows, folder), seconds=900, shown=gather(CONTACTS, COLUMNS, join)),
+        "quantities": DocTable(partial(make_rows, folder), seconds=900, shown=partial(show, CONTACTS)),
         "quantities-unkind": DocTable(
-            partial(make_rows, folder, unkind=True), seconds=90, shown=gather(UNKIND_CONTACTS, COLUMNS, join)
+            partial(make_rows, folder, unkind=True), seconds=90, shown=partial(show, UNKIND_CONTACTS)
         ),
     }
 
