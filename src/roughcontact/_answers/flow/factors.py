@@ -74,7 +74,7 @@ def find_flow_factors(
     """
     found = _find_factors(gap, open_cells, grid, separation, gap_error)
     strides = [2 if count >= _MIN_CELLS else 1 for count in grid.shape]
-    # Of an odd number the last cell is left out.
+    # Of an odd number the last cell is omitted.
     chosen = tuple(
         slice(None, count - count % stride, stride) for count, stride in zip(grid.shape, strides, strict=True)
     )

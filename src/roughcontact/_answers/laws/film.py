@@ -40,8 +40,8 @@ _SHOWN = ("asperity_pressure", "area", "phi_xx", "phi_yy", "phi_s_xx", "phi_s_yy
 _MIN_WAVES = 2.5
 # A wall counts as smooth if its rms height is below this fraction of the other's.
 _SMOOTH = 1e-6
-# Student's distribution: four quarters tell the scatter of a tensor to a third, and a deviation is to be within two of it
-# as often as of a scatter that is known. That of pressure and area, which the joints of the quarters raise, is not.
+# After Student's distribution: four quarters tell the scatter of a tensor to a third, and deviations are to be within
+# two of it as often as of one that is known. That of pressure and area the joints of the quarters raise enough.
 _STUDENT = 1.4
 # Weight of the uncertainty of the pressure: its errors at small separations are systematic.
 _PRESSURE_WEIGHT = 1.3
@@ -358,8 +358,8 @@ def _make_component(
     if scatter is not None:
         # Off the diagonal that of both axes stands beside its own: of isotropic roughness it is half as large.
         along, across = scatter[:, 0, 0], scatter[:, 1, 1]
-        least = 0.0 if place[0] == place[1] else 0.5 * np.sqrt(along * across)
-        scatter = _STUDENT * np.maximum(scatter[:, place[0], place[1]], least)
+        floor = 0.0 if place[0] == place[1] else 0.5 * np.sqrt(along * across)
+        scatter = _STUDENT * np.maximum(scatter[:, place[0], place[1]], floor)
     values, stds = (gather(rows, end)[:, place[0], place[1]] for end in ("", "_std"))
     return LawColumn(f"{name}_{component}", "", values, np.abs(stds), scatter)
 
