@@ -357,8 +357,7 @@ def _make_component(
     scatter = _find_scatter([gather(part) for part in parts])
     if scatter is not None:
         # Off the diagonal that of both axes stands beside its own: of isotropic roughness it is half as large.
-        along, across = scatter[:, 0, 0], scatter[:, 1, 1]
-        floor = 0.0 if place[0] == place[1] else 0.5 * np.sqrt(along * across)
+        floor = 0.0 if place[0] == place[1] else 0.5 * np.sqrt(scatter[:, 0, 0] * scatter[:, 1, 1])
         scatter = _STUDENT * np.maximum(scatter[:, place[0], place[1]], floor)
     values, stds = (gather(rows, end)[:, place[0], place[1]] for end in ("", "_std"))
     return LawColumn(f"{name}_{component}", "", values, np.abs(stds), scatter)
