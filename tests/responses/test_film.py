@@ -217,6 +217,44 @@ def test_uncertainties_hold_on_a_finer_grid_and_other_places_differ_more():
         assert other.sampling is None
 
 
+def test_uncertainties_hold_in_creased_grooves():
+    """Oblique grooves with a sharp bottom, five cells wide, whose flow errs by several per cent."""
+
+    def groove(cells):
+        x = (np.arange(cells) + 0.5) / cells
+        part = np.abs((x[:, np.newaxis] + 2.0 * x + 0.37) % 1.0 - 0.5)
+        return np.minimum(1e-6 * (16.0 * part - 2.0), 0.0)
+
+    z, finer = groove(48), groove(192)
+    h = 2.0 * np.std(z)
+    laws = [rc.film_law(pair(one), [h / np.std(one), 3.0 * h / np.std(one)], sampling=False) for one in (z, finer)]
+    for name in ("phi_xx", "phi_yy", "phi_xy", "phi_fp_xx", "phi_fp_yy"):
+        coarse, fine = (law[name] for law in laws)
+        errors = np.abs(coarse.values - fine.values)
+        assert (errors < 2.0 * coarse.uncertainties).all(), name
+        assert (fine.uncertainties < coarse.uncertainties).all(), name
+
+
+def test_nothing_flows_across_ridges_that_never_end():
+    x = np.linspace(0.0, 2.0 * np.pi, 32, endpoint=False)
+    heights = 1e-6 * (np.cos(2.0 * x[:, np.newaxis]) + 0.2 * np.cos(x[:, np.newaxis] + 2.0 * x))
+    law, pressure, shear = ask(pair(heights), [0.7, 5.0])
+    assert pressure[0, 0, 0] == 0.0
+    assert pressure[0, 1, 1] > 1.0
+    assert law["phi_xx"].uncertainties[0] == 0.0
+    assert shear[0, 0, 0] == pytest.approx(0.7, rel=1e-12)
+
+
+def test_mirror_images_are_no_other_places():
+    z = rough(33)[:, :32]
+    size = SIDE, 32 / 33 * SIDE
+    mirrored = np.block([[z, z[:, ::-1]], [z[::-1], z[::-1, ::-1]]])
+    one = rc.film_law(pair(z, size), [1.0, 2.0])
+    law = rc.film_law(pair(mirrored, (2.0 * size[0], 2.0 * size[1])), [1.0, 2.0])
+    for name in ("asperity_pressure", "area", "phi_xx", "phi_xy", "phi_s_yy"):
+        np.testing.assert_allclose(law[name].sampling, one[name].sampling, rtol=1e-5, err_msg=name)
+
+
 def test_a_hardness_changes_the_film_less_than_the_separation():
     hard = rc.ElasticPerfectlyPlastic(210e9, 0.3, hardness=1e9)
     law = rc.film_law(pair(rough(32), material=hard), [0.75, 1.0, 1.5, 2.5], sampling=False)

@@ -40,6 +40,11 @@ _SHOWN = ("asperity_pressure", "area", "phi_xx", "phi_yy", "phi_s_xx", "phi_s_yy
 _MIN_WAVES = 2.5
 # A wall counts as smooth if its rms height is below this fraction of the other's.
 _SMOOTH = 1e-6
+# After Student's distribution: four quarters tell the scatter of a tensor to a third, and deviations are to be within
+# two of it as often as of one that is known. That of pressure and area the joints of the quarters raise enough.
+_STUDENT = 1.4
+# Weight of the uncertainty of the pressure: its errors at small separations are systematic.
+_PRESSURE_WEIGHT = 1.3
 _NO_SHEAR = (
     "Both walls are rough and touch, or one alone would at some separation: the shear flow factors then change while "
     "they slide, and are not known. The columns phi_s are omitted."
@@ -316,8 +321,11 @@ def _make_columns(
 
     pressure, area, film = (gather(name) for name in ("pressure", "area", "film"))
     gap_std = gather("gap_std")
-    pressure_std = _find_slope(pressure, lengths, rms) * gap_std
-    area_std = np.hypot(gather("area_std"), _find_slope(area, lengths, rms) * gap_std)
+    area_std = gather("area_std")
+    # An error of the edge is one of the load, too, nearly in proportion.
+    edge = pressure * area_std / np.where(area > 0.0, area, 1.0)
+    pressure_std = _PRESSURE_WEIGHT * np.hypot(_find_slope(pressure, lengths, rms) * gap_std, edge)
+    area_std = np.hypot(area_std, _find_slope(area, lengths, rms) * gap_std)
     change = np.gradient(film, lengths)
     change_std = 2.0 * gather("film_std") / np.min(np.diff(lengths))
     columns = [
@@ -344,10 +352,15 @@ def _make_component(
     place = _COMPONENTS[component]
 
     def gather(of: Sequence[FilmRow], end: str = "") -> Array:
-        return np.array([getattr(row.factors, f"{key}{end}")[place] for row in of])
+        return scale * np.array([getattr(row.factors, f"{key}{end}") for row in of])
 
-    scatter = _find_scatter([abs(scale) * gather(part) for part in parts])
-    return LawColumn(f"{name}_{component}", "", scale * gather(rows), abs(scale) * gather(rows, "_std"), scatter)
+    scatter = _find_scatter([gather(part) for part in parts])
+    if scatter is not None:
+        # Off the diagonal that of both axes stands beside its own: of isotropic roughness it is half as large.
+        floor = 0.0 if place[0] == place[1] else 0.5 * np.sqrt(scatter[:, 0, 0] * scatter[:, 1, 1])
+        scatter = _STUDENT * np.maximum(scatter[:, place[0], place[1]], floor)
+    values, stds = (gather(rows, end)[:, place[0], place[1]] for end in ("", "_std"))
+    return LawColumn(f"{name}_{component}", "", values, np.abs(stds), scatter)
 
 
 def _make_shear(

@@ -20,6 +20,8 @@ from roughcontact._solve.solution import ContactSolution
 # Relative uncertainty from which a flow factor gets a warning, and the factor below which nothing flows to speak of.
 _MAX_RELATIVE_STD = 0.1
 _MIN_FACTOR = 0.05
+# Difference from its mirror image, over the rms height, up to which a map was mirrored at its borders.
+_MIRRORED = 1e-6
 
 
 @attrs.frozen(eq=False)
@@ -114,21 +116,33 @@ def _judge_factors(factors: FlowFactors) -> list[str]:
 
 
 def make_quarters(problem: ContactProblem) -> list[ContactProblem]:
-    """Return the problems of the four quarters of the pair, each repeated beyond its borders; none of small grids."""
+    """Return the problems of the four quarters of the pair, each repeated beyond its borders; none of small grids.
+
+    Mirror images are no other places: of a pair that was mirrored at its borders the quarters are those of one image.
+    """
     grid = problem.plan.grid
-    halves = tuple(count // 2 for count in grid.shape)
+    heights = _take_one_image(-problem.initial_gap)
+    halves = tuple(count // 2 for count in heights.shape)
     if min(halves) < 2:
         return []
-    heights = -problem.initial_gap
     size = tuple(half * step for half, step in zip(halves, grid.spacing, strict=True))
     found = []
-    for i in (0, grid.shape[0] - halves[0]):
-        for j in (0, grid.shape[1] - halves[1]):
+    for i in (0, heights.shape[0] - halves[0]):
+        for j in (0, heights.shape[1] - halves[1]):
             part = heights[i : i + halves[0], j : j + halves[1]]
             body = Body(HeightMap(part, size=size, periodic=True), problem.body.material)
             counterbody = Body(FlatSurface(), problem.counterbody.material)
             found.append(attrs.evolve(problem, body=body, counterbody=counterbody, grid=None))
     return found
+
+
+def _take_one_image(heights: Array) -> Array:
+    """Return the half along each axis of heights that are their own mirror image there."""
+    limit = _MIRRORED * float(np.std(heights))
+    for axis, count in enumerate(heights.shape):
+        if np.abs(heights - np.flip(heights, axis)).max() <= limit:
+            heights = np.take(heights, range((count + 1) // 2), axis)
+    return heights
 
 
 def find_wall_shear(heights: Array, separation: float, problem: ContactProblem) -> FlowFactors | None:
