@@ -285,6 +285,7 @@ TABLES = {
     "adhesion-cost": DocTable(
         make_cost_rows,
         seconds=15,
+        units=2,
         shown=pick(["cells", "mean pressure / E*", "without", "work 2", "work 16"], ["1024 x 1024"]),
     ),
     "adhesion-cycle": DocTable(make_cycle_rows, seconds=60, shown=pick(lines=("256 x 256", "512 x 512"))),

@@ -364,6 +364,7 @@ TABLES = {
         make_cost_rows,
         seconds=25,
         timed=("tangential solve, normal solves", "step, normal solves"),
+        units=2,
         shown=pick(lines=("5", "21")),
     ),
 }
