@@ -70,14 +70,14 @@ def test_the_object_has_the_answers_of_a_script(run):
 
 def test_the_text_ends_with_what_a_script_prints(run):
     """Each warning is said once, and other places of the map after the answers that know of them."""
-    status, out, _ = run(*LOADED, "--force", "20mN", "--stiffness", "--stress", "depths=1um")
+    status, out, _ = run(*LOADED, "--force", "20mN", "--stiffness", "--stress", "depths=300nm")
     assert status in (0, 3)
     solution = solve(force=20e-3)
     words = " ".join(out.split())
     stiffness = solution.stiffness()
     number, *_ = str(stiffness).split("; uncertain")
     assert f"stiffness {number} stress stress at 1 depth" in words
-    stress = solution.stress([1e-6]).maximum
+    stress = solution.stress([3e-7]).maximum
     number, *reasons = " ".join(str(stress).split()).split("; uncertain: ")
     assert number in words
     assert reasons == list(stress.warnings) != []
