@@ -20,7 +20,7 @@ from roughcontact_volume import Plastic, VolumeOperators, find_shakedown_load
 from roughcontact_volume.box import find_operators, list_layers
 from roughcontact_volume.radial_return import find_accumulated
 from roughcontact_volume.shakedown import judge_strains
-from roughcontact_volume.step import solve_step
+from roughcontact_volume.step import FlowingCells, solve_step
 
 LIMIT, YOUNG, POISSON, RADIUS = 1e9, 200e9, 0.3, 1e-3
 SHEAR_LIMIT = LIMIT / np.sqrt(3.0)
@@ -74,10 +74,12 @@ def move_pressure(ratio: float, cells: int = 5, step: int = 1, passes: int = 8) 
         before = total
         for stress in stresses:
 
-            def find_stress(flow: Array, error: float, stress: Array = stress, strain: Array = strain) -> Array:
-                return operators.find_stress(strain + flow) + stress
+            def find_stresses(
+                flows: list[Array], error: float, stress: Array = stress, strain: Array = strain
+            ) -> list[Array]:
+                return [operators.find_stress(strain + flows[0]) + stress]
 
-            flow = solve_step(find_stress, total, MATERIAL, 1e-4).flow.fill(total.shape)
+            flow = solve_step(find_stresses, [FlowingCells(MATERIAL, total)], 1e-4).flows[0].fill(total.shape)
             strain, total = strain + flow, total + find_accumulated(flow)
         new.append(float((total - before)[:, middle].max()))
     return judge_strains(np.array(new), np.cumsum(new)), new
