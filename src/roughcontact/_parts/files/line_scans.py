@@ -130,8 +130,8 @@ def read_profile(
         found = length * float(positions[-1] - positions[0]) / (positions.size - 1)
         if step is not None and not math.isclose(found, step, rel_tol=_SPACING_TOLERANCE):
             raise InputError(
-                f"The points in {file.name} are {si(found, 'm')} apart, which is not the spacing given: leave "
-                f"{argument('spacing')} out, or give {argument('position_unit', 'mm')}."
+                f"The points in {file.name} are {si(found, 'm')} apart, which is not the spacing given: omit "
+                f"{argument('spacing')}, or give {argument('position_unit', 'mm')}."
             )
         step = found
     elif position_unit is not None:
@@ -176,5 +176,5 @@ def _find_unit(stated: str, given: Length | str | None, name: str, what: str, fi
     text = f"1{given}" if isinstance(given, str) and given[:1].isalpha() else given
     unit = number(text, f"The unit of the {what}", "m", above=0.0)
     if known is not None and not math.isclose(known, unit, rel_tol=_SPACING_TOLERANCE):
-        raise InputError(f"The file {file.name} states its own unit of the {what}: leave {argument(name)} out.")
+        raise InputError(f"The file {file.name} states its own unit of the {what}: omit {argument(name)}.")
     return unit, si(unit, "m")
