@@ -39,6 +39,8 @@ MEMORY, ENDLESS = 2**31, 60
 LONGEST = 600
 
 HAS_TOPOGRAPHY = find_spec("SurfaceTopography") is not None
+# Calls that need a package which is not installed: the seeds draw among all, so that each means the same everywhere.
+ABSENT = set() if HAS_TOPOGRAPHY else {"HeightMap.from_topography"}
 GRID = rc.Grid((8, 8), 1e-3)
 WAVE = rc.WavySurface(1e-6, 1e-3)
 STEEL = rc.Elastic(210e9, 0.3)
@@ -339,8 +341,6 @@ def collect():
             if method[0] != "_" or method in ("__add__", "__getitem__", "__contains__"):
                 calls[f"{name}.{method}"] = getattr(thing, method)
     calls["ContactSolution.load"] = rc.ContactSolution.load
-    if not HAS_TOPOGRAPHY:
-        del calls["HeightMap.from_topography"]
     return {name: call for name, call in calls.items() if name not in SKIPPED and parameters(call)}
 
 
@@ -527,7 +527,7 @@ def test_every_argument_has_a_good_value():
 
 
 @pytest.mark.usefixtures("no_pictures")
-@pytest.mark.parametrize("name", CALLABLE)
+@pytest.mark.parametrize("name", sorted(CALLABLE.keys() - ABSENT))
 def test_good_values_are_accepted(name, folder):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
@@ -538,7 +538,7 @@ def check_calls(seeds):
     faults = []
     for seed in seeds:
         name, arguments, labels = make_call(seed)
-        if found := fault(name, arguments):
+        if name not in ABSENT and (found := fault(name, arguments)):
             faults.append(f"seed {seed}: {name} with {labels}: {found}")
     assert not faults, f"{len(faults)} faults\n" + "\n".join(faults)
 

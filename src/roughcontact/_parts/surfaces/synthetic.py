@@ -339,7 +339,7 @@ class SelfAffineSurface(SpectralSurface):
         # Waves that count in the rms value alone may be shorter than two cells.
         places = np.minimum(waves % ny, -waves % ny)
         ky = waves[(columns.start <= places) & (places < columns.stop)]
-        self.require_grid(grid, ky.size / waves.size)
+        self._require_grid(grid, ky.size / waves.size)
         modes = self._waves(grid, ky, across)
         spectrum = np.zeros((nx, columns.stop - columns.start), dtype=np.complex128)
         resolved = 2 * ky <= ny
@@ -349,8 +349,11 @@ class SelfAffineSurface(SpectralSurface):
         np.add.at(spectrum, np.ix_(-kx % nx, ky[limit] - columns.start), np.conj(modes[:, limit]))
         return spectrum
 
-    def require_grid(self, grid: Grid, part: float = 1.0) -> None:
-        """Refuse a grid that is too coarse, or one of which a part does not fit into memory."""
+    def require_grid(self, grid: Grid) -> None:
+        """Refuse a grid that is too coarse, or on which the heights do not fit into memory."""
+        self._require_grid(grid, 1.0)
+
+    def _require_grid(self, grid: Grid, part: float) -> None:
         nyquist = max(2.0 * step for step in grid.spacing)
         if self.shortest < nyquist * (1 - _WAVELENGTH_TOLERANCE):
             allowed = f"at least two cells ({si(nyquist, 'm')}) on this grid"
