@@ -17,7 +17,8 @@ import numpy as np
 import numpy.typing as npt
 
 from roughcontact._base.arrays import Array, Pair, RealArray, frozen_array
-from roughcontact._base.units import EXAMPLES, Quantity, parse_quantity
+from roughcontact._base.quantities import EXAMPLES, parse_quantity
+from roughcontact._base.units import Quantity
 from roughcontact.errors import InputError, NoSuchItem
 from roughcontact.errors.door import outside
 

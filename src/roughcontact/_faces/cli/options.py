@@ -14,8 +14,9 @@ import numpy as np
 
 from roughcontact._answers.laws import MAX_LOAD_RATIO
 from roughcontact._base.checks import INFINITE
+from roughcontact._base.quantities import parse_quantity, quantity
 from roughcontact._base.registry import PartField
-from roughcontact._base.units import parse_quantity, quantity, si
+from roughcontact._base.units import si
 from roughcontact._faces.cli.help import add_group
 from roughcontact._parts.files import list_reader_options
 from roughcontact._parts.grid import Boundary, Load

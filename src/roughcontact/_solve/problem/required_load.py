@@ -11,7 +11,8 @@ from typing import Any
 import attrs
 
 from roughcontact._base.checks import number
-from roughcontact._base.units import EXAMPLES, Estimate, ShownAsPrinted, WarningText, parse_quantity, si
+from roughcontact._base.quantities import EXAMPLES, parse_quantity
+from roughcontact._base.units import Estimate, ShownAsPrinted, WarningText, si
 from roughcontact._parts.grid import Load
 from roughcontact._parts.surfaces import rms_slope
 from roughcontact._solve.problem.find_load import LoadSearch, SolveFromPressure, TriedLoad
