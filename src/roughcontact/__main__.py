@@ -12,9 +12,9 @@ import warnings
 from collections.abc import Sequence
 
 from roughcontact import __version__
-from roughcontact._base.units import fit, printable
+from roughcontact._base.units import fit
 from roughcontact._faces.cli import Command, commands
-from roughcontact._faces.cli.help import Parser, tell
+from roughcontact._faces.cli.help import Parser, tell, wrap
 from roughcontact._faces.cli.options import spell_options
 from roughcontact.errors import InputError, MissingPackage, NotConverged, RoughContactError, UnexpectedError, shorten
 from roughcontact.errors.door import translated
@@ -27,7 +27,7 @@ _NEGATIVE = re.compile(r"-[.\d]")
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; return the exit status: 1 for no certified answer, 2 for wrong input, 3 for warnings."""
     _prepare_streams()
-    warnings.formatwarning = lambda message, *_, **__: f"roughcontact: {printable(str(message))}\n"
+    warnings.formatwarning = lambda message, *_, **__: f"{wrap(f'roughcontact: {message}')}\n"
     given = list(sys.argv[1:] if arguments is None else arguments)
     call = f"The command {shorten(given[0], 40)}" if given else "The command"
     try:
@@ -66,15 +66,15 @@ def _answer(given: Sequence[str]) -> int:
         parser = _overview()
         if not given:
             parser.print_help()
-            return _NO_COMMAND
+            return _NO_ARGUMENTS
         parser.parse_args(given)
         parser.error("name a command")
     finally:
         sys.stdout.flush()
 
 
-# The exit status without a command, of which the help is shown.
-_NO_COMMAND = 2
+# The exit status without a command, or without arguments that it needs: the help is shown.
+_NO_ARGUMENTS = 2
 # The exit status when whoever reads the output has closed it: 128 and the number of SIGPIPE, as shells state it.
 _PIPE_CLOSED = 141
 _EPILOG = """
@@ -112,6 +112,9 @@ def _run(name: str, arguments: Sequence[str]) -> int:
     except Exception as error:
         raise InputError(f"The command {name!r} cannot declare its arguments: {error}") from error
     parser.offer_topics()
+    if not arguments and parser.needs_arguments:
+        parser.print_help()
+        return _NO_ARGUMENTS
     # A number with a minus is a value, not an option; a blank before it says so to argparse.
     options = parser.parse_args([f" {text}" if _NEGATIVE.match(text) else text for text in arguments])
     try:

@@ -26,9 +26,8 @@ page shows, in `roughcontact.faces`.
 from roughcontact._base.archive import replacing
 from roughcontact._base.arrays import Array, IntArray, Mask, Pair, RealArray
 from roughcontact._base.checks import Part
-from roughcontact._base.quantities import quantity
 from roughcontact._base.tables import Table
-from roughcontact._base.units import Force, Length, Pressure, Quantity, binary, si
+from roughcontact._base.units import Force, Length, Pressure, Quantity, binary, quantity, si
 from roughcontact._faces.cli import Command
 from roughcontact._parts.files import RawMap, read_raw
 from roughcontact._parts.grid import Load

@@ -17,8 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from roughcontact._base.arrays import Array, Pair, RealArray, frozen_array
-from roughcontact._base.quantities import EXAMPLES, parse_quantity
-from roughcontact._base.units import Quantity
+from roughcontact._base.units import EXAMPLES, Quantity, has_unit, parse_quantity, read_unit
 from roughcontact.errors import InputError, NoSuchItem
 from roughcontact.errors.door import outside
 
@@ -47,7 +46,7 @@ def number(
     Parameters
     ----------
     value
-        The value given by the user: a number in SI units, or a text with a unit such as ``"210GPa"``.
+        The value given by the user: a number in SI units, a text with a unit such as ``"210GPa"``, or a quantity.
     what, unit
         The name of the quantity and its SI unit, for the sentence.
     above, at_least, at_most
@@ -65,6 +64,8 @@ def number(
     ]
     limits = " and ".join(filter(None, bounds))
     allowed = "a finite number" + (f", {limits}" if limits else "") + (f" ({unit})" if unit else "")
+    if has_unit(value):
+        value = without_unit(value, what, unit)
     if isinstance(value, str) and unit and unit in EXAMPLES:
         with contextlib.suppress(ValueError):
             value = parse_quantity(value, unit)
@@ -90,6 +91,22 @@ def number(
     return result
 
 
+def without_unit(value: object, what: str, unit: str) -> Any:
+    """Return the numbers of a quantity of pint, or of a list of them, in an SI unit; anything else as it is.
+
+    `InputError` if it is of another dimension.
+    """
+    if isinstance(value, (list, tuple)) and any(map(has_unit, value)):
+        read = [without_unit(one, what, unit) for one in value]
+        return tuple(read) if isinstance(value, tuple) else read
+    if not has_unit(value):
+        return value
+    try:
+        return read_unit(value, unit)
+    except ValueError as error:
+        raise InputError(f"{what}: {error}.") from error
+
+
 def number_or_array(value: object, what: str, unit: str = "", *, zero: bool = False) -> float | Array:
     """Return a number above zero, or a read-only array (nx, ny) of such numbers, or raise `InputError`.
 
@@ -103,6 +120,7 @@ def number_or_array(value: object, what: str, unit: str = "", *, zero: bool = Fa
         Whether zero is allowed.
     """
     bound = "at least 0" if zero else "above 0"
+    value = without_unit(value, what, unit)
     if isinstance(value, str) and unit:
         try:
             value = parse_quantity(value, unit)
@@ -170,8 +188,9 @@ def pair(
     at_least: float | None = None,
 ) -> Pair:
     """Return one value or two as an (x, y) pair of finite floats, or raise `InputError`."""
-    is_list = isinstance(value, (tuple, list)) or (isinstance(value, np.ndarray) and value.ndim > 0)
-    items: list[Any] = list(value) if is_list else [value, value]  # type: ignore[arg-type]
+    plain = without_unit(value, what, unit)
+    is_list = isinstance(plain, (tuple, list)) or (isinstance(plain, np.ndarray) and plain.ndim > 0)
+    items: list[Any] = list(plain) if is_list else [plain, plain]
     if len(items) != 2:
         raise InputError.about(what, value, f"one value or two, (x, y) ({unit or 'no unit'})")
     x, y = (number(item, what, unit, above=above, at_least=at_least) for item in items)
@@ -237,8 +256,12 @@ def callback(value: object, what: str, *given: str) -> Callable[..., Any] | None
     return outside(value)
 
 
-def numbers(values: object, what: str, allowed: str) -> Array:
-    """Return `values` as an array of float64, or raise `InputError` if it is something else."""
+def numbers(values: object, what: str, allowed: str, unit: str = "") -> Array:
+    """Return `values` as an array of float64, or raise `InputError` if it is something else.
+
+    Quantities of pint are read in the unit, without one as plain numbers.
+    """
+    values = without_unit(values, what, unit)
     try:
         # numpy would omit an imaginary part, with a warning, and read texts and times as numbers.
         if np.asarray(values).dtype.kind not in "biufO":
@@ -280,6 +303,7 @@ def heights_array(values: npt.ArrayLike, *, nan: bool = False) -> Array:
     finite (missing points of a measurement, usually).
     """
     what = "The height map"
+    values = without_unit(values, what, "m")
     if isinstance(values, np.ma.MaskedArray) and np.ma.is_masked(values):
         values = np.ma.filled(np.ma.asarray(values, dtype=np.float64), np.nan)
     try:
@@ -353,6 +377,7 @@ class _TextReader:
 
     def read(self, value: Any, *, is_word: bool) -> Any:
         """Return a value with its texts, also those in lists, as numbers in SI units; words may be kept."""
+        value = without_unit(value, self.what, self.unit)
         if isinstance(value, (list, tuple)) and any(isinstance(one, str) for one in value):
             return type(value)(self.read(one, is_word=False) for one in value)
         if not isinstance(value, str):

@@ -19,6 +19,9 @@ from roughcontact.errors.sentence import write_number as write_number
 
 # Characters of a value that a message repeats.
 _MAX_VALUE_CHARACTERS = 80
+# Characters of known names that a sentence has, and how many of more names it has.
+_MAX_NAMES_CHARACTERS = 400
+_NEAREST_NAMES = 8
 # A word longer than any path in a message, and the maximum length of a message, characters.
 _LONG_WORD = re.compile(r"\S{500,}")
 _MAX_SENTENCE_CHARACTERS = 4000
@@ -83,12 +86,40 @@ class InputError(RoughContactError, ValueError):
         return cls(f"{sentence} {advice}" if advice else sentence)
 
     @classmethod
-    def unknown(cls, kind: str, name: object, known: Iterable[str]) -> InputError:
-        """Compose the sentence for a name that is not known, with the closest known one."""
-        names = sorted(known)
-        close = difflib.get_close_matches(str(name)[:_MAX_VALUE_CHARACTERS].lower(), names, n=1, cutoff=0.5)
-        guess = f" Did you mean {close[0]!r}?" if close else ""
-        return cls(f"There is no {kind} named {short(name)}.{guess} Known: {', '.join(names) or 'none'}.")
+    def unknown(cls, kind: str, name: object, known: Iterable[str], listed: str = "") -> InputError:
+        """Compose the sentence for a name that is not known, with those that may be meant.
+
+        Parameters
+        ----------
+        kind
+            What the names are of.
+        name
+            The name that was given.
+        known
+            The names that there are.
+        listed
+            What lists all names, where they are too many for a sentence.
+        """
+        return cls(f"There is no {kind} named {short(name)}.{name_known(name, known, listed)}")
+
+
+def name_known(name: object, known: Iterable[str], listed: str = "") -> str:
+    """Return what a sentence says of the names that there are, behind that one is not known; it begins with a blank.
+
+    Those that may be meant come first: names of which it is a word, or the closest one. Of names that are too many for
+    a sentence only the closest are said, and `listed`, which lists all.
+    """
+    names = sorted(known)
+    word = str(name)[:_MAX_VALUE_CHARACTERS].lower()
+    meant = [one for one in names if word in re.split(r"[\W_]+", one.lower())]
+    meant = meant or difflib.get_close_matches(word, names, n=1, cutoff=0.5)
+    *others, last = map(repr, meant or [""])
+    guess = f" Did you mean {', '.join(others)}{' or ' if others else ''}{last}?" if meant else ""
+    text = ", ".join(names) or "none"
+    if len(text) > _MAX_NAMES_CHARACTERS:
+        nearest = difflib.get_close_matches(word, names, n=_NEAREST_NAMES, cutoff=0.0)
+        text = f"{', '.join(nearest)} and {len(names) - len(nearest)} others{listed and f' ({listed} lists them)'}"
+    return f"{guess} Known: {text}."
 
 
 class ContactWarning(UserWarning):

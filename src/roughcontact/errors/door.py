@@ -35,7 +35,8 @@ _OF_CALL = re.compile(r"([\w.<>]+)\(\) (takes|missing|got) ")
 _OF_ATTRS = re.compile(r"(Length of )?'\w+' must |.*<\w+ validator")
 # The special methods that are public operations; the others belong to Python.
 _OPERATIONS = {"__init__", "__str__", "__repr__", "__add__", "__getitem__", "__iter__", "__len__", "__contains__"}
-_OPERATIONS |= {"__call__", "__getattr__"}
+_OPERATIONS |= {"__call__", "__getattr__", "__format__", "__mul__", "__rmul__", "__truediv__", "__neg__", "__radd__"}
+_OPERATIONS |= {"__sub__", "__rsub__"}
 
 
 class _Thread(threading.local):

@@ -221,7 +221,7 @@ class _Lines:
 def read_lines(values: Any, what: str) -> Array:
     """Return lines less their mean lines, shape (lines, points), m, or raise `InputError`."""
     allowed = f"heights of shape (points,) or (lines, points), m, with at least {_MIN_POINTS} points"
-    heights = np.atleast_2d(numbers(values, what, allowed))
+    heights = np.atleast_2d(numbers(values, what, allowed, "m"))
     if heights.ndim != 2 or heights.shape[1] < _MIN_POINTS or not np.isfinite(heights).all():
         raise InputError.about(what, values, allowed)
     place = np.arange(heights.shape[1]) - 0.5 * (heights.shape[1] - 1)

@@ -165,7 +165,7 @@ def bearing_area(heights: Array, levels: Array | None = None) -> BearingCurve:
     rough = rough - rough.mean()
     what = "The levels"
     allowed = "a list of finite numbers (m)"
-    at = np.linspace(rough.min(), rough.max(), 101) if levels is None else numbers(levels, what, allowed)
+    at = np.linspace(rough.min(), rough.max(), 101) if levels is None else numbers(levels, what, allowed, "m")
     if at.ndim != 1 or not np.isfinite(at).all():
         raise InputError.about(what, levels, allowed)
     parts = np.array([_find_fractions(part, at) for part in split_map(rough)])

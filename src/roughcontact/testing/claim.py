@@ -14,9 +14,9 @@ import numpy as np
 from roughcontact._base.archive.plain import describe, key_of, missing_classes, rebuild
 from roughcontact._base.arrays import RealArray
 from roughcontact._base.checks import choice
-from roughcontact._base.quantities import parse_quantity
 from roughcontact._base.registry import Registry, registries
 from roughcontact._base.tables import Table
+from roughcontact._base.units import parse_quantity
 from roughcontact.errors import InputError
 from roughcontact.plotting import panels
 from roughcontact.testing.problems import ChangedContact

@@ -42,7 +42,7 @@ def read_depths(value: Any) -> Array | None:
     """Return depths, shape (depths,), m, or raise `InputError`."""
     if value is None:
         return None
-    depths = np.atleast_1d(numbers(value, "The depths", _ALLOWED_DEPTHS))
+    depths = np.atleast_1d(numbers(value, "The depths", _ALLOWED_DEPTHS, "m"))
     if depths.ndim != 1 or depths.size == 0 or not np.all((depths >= 0.0) & (depths <= 1e60)):
         raise InputError.about("The depths", value, _ALLOWED_DEPTHS)
     return frozen_array(depths)
@@ -50,7 +50,7 @@ def read_depths(value: Any) -> Array | None:
 
 def read_traction(value: Any) -> Array | None:
     """Return a traction, whose shape is not checked, or raise `InputError`."""
-    return None if value is None else frozen_array(numbers(value, "The traction", _ALLOWED_TRACTION))
+    return None if value is None else frozen_array(numbers(value, "The traction", _ALLOWED_TRACTION, "Pa"))
 
 
 def coefficient(value: Any) -> Array | None:

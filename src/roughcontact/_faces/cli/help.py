@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import difflib
+import os
 import re
 import shutil
 import sys
@@ -12,10 +14,11 @@ from collections.abc import Sequence
 from typing import Any, NoReturn
 
 from roughcontact._base.units import WIDTH, printable
-from roughcontact.errors import shorten
+from roughcontact.errors import name_known, shorten
 
-# The topic of all options.
+# The topic of all options, and the option that asks for it.
 _ALL = "all"
+_HELP_ALL = "--help-all"
 # Column from which on the texts of options stand, characters.
 _TEXT_COLUMN = 27
 # Most characters of a wrong argument's sentence.
@@ -23,14 +26,21 @@ _MAX_SENTENCE_CHARACTERS = 400
 
 
 def tell(sentence: str) -> None:
-    """Print a sentence on standard error; on a terminal it is wrapped at blanks, since terminals break inside words."""
+    """Print a sentence on standard error."""
+    print(wrap(sentence), file=sys.stderr)
+
+
+def wrap(sentence: str) -> str:
+    """Return a sentence for standard error; on a terminal it is wrapped at blanks, since terminals break words."""
     text = printable(sentence)
-    if sys.stderr.isatty():
-        lines = text.split("\n")
-        width = max(shutil.get_terminal_size().columns - 1, 20)
-        kept = (textwrap.wrap(line, width, break_long_words=False, break_on_hyphens=False) or [""] for line in lines)
-        text = "\n".join(part for several in kept for part in several)
-    print(text, file=sys.stderr)
+    if not sys.stderr.isatty():
+        return text
+    columns = 80
+    # Of the terminal that shows it: standard output may go to a file.
+    with contextlib.suppress(OSError, ValueError):
+        columns = os.get_terminal_size(sys.stderr.fileno()).columns
+    width = max(shutil.get_terminal_size(fallback=(columns, 24)).columns - 1, 20)
+    return textwrap.fill(text, width, break_long_words=False, break_on_hyphens=False)
 
 
 def add_group(parser: argparse.ArgumentParser, title: str, topic: str = "") -> Any:
@@ -40,10 +50,22 @@ def add_group(parser: argparse.ArgumentParser, title: str, topic: str = "") -> A
     return group
 
 
+def leave_to(topic: str, *options: Any) -> None:
+    """Leave single options of a group to ``--help TOPIC``."""
+    for option in options:
+        option.topic = topic
+
+
+def show(*options: Any) -> None:
+    """Show single options of a topic in the short help too."""
+    for option in options:
+        option.is_shown = True
+
+
 class Parser(argparse.ArgumentParser):
     """A parser whose errors do not repeat thousands of characters, and that takes -1N for a value, not an option.
 
-    Its help leaves groups with a topic to ``--help TOPIC``.
+    Its help leaves options with a topic to ``--help TOPIC``.
     """
 
     def __init__(self, **others: Any) -> None:
@@ -59,16 +81,23 @@ class Parser(argparse.ArgumentParser):
         """The titles of the groups of each topic."""
         found: dict[str, list[str]] = {}
         for group in self._action_groups:
-            if topic := getattr(group, "topic", ""):
-                found.setdefault(topic, []).append(group.title or "")
+            for topic in dict.fromkeys(_topic_of(option, group) for option in group._group_actions):
+                if topic:
+                    found.setdefault(topic, []).append(group.title or "")
         return found
+
+    @property
+    def needs_arguments(self) -> bool:
+        """Whether it refuses a call without arguments."""
+        return any(action.required for action in self._actions)
 
     def offer_topics(self) -> None:
         """Let ``--help`` take a topic, if there are some."""
         if self.topics:
             self._help.nargs = "?"
             self._help.metavar = "TOPIC"
-            self._help.help = f"show this help, or the options of a topic: {', '.join((*self.topics, _ALL))}"
+            self._help.help = f"show this help, or the options of a topic: {', '.join(self.topics)}"
+            self.add_argument(_HELP_ALL, action=_Help, nargs=0, const=_ALL, help="show the help of all options")
 
     def format_help(self) -> str:
         """Return the help of the topic, or in short without one."""
@@ -78,20 +107,24 @@ class Parser(argparse.ArgumentParser):
             formatter.add_usage(self.usage, self._actions, self._mutually_exclusive_groups)
             formatter.add_text(self.description)
         for group in self._action_groups:
-            topic = getattr(group, "topic", "")
-            if self.topic == _ALL or topic == ("" if is_short else self.topic):
-                formatter.start_section(group.title)
-                formatter.add_arguments(group._group_actions)
-                formatter.end_section()
+            formatter.start_section(group.title)
+            formatter.add_arguments([one for one in group._group_actions if self._shows(one, group, is_short)])
+            formatter.end_section()
         if is_short:
             formatter.add_text(self._name_topics())
         if is_short or self.topic == _ALL:
             formatter.add_text(self.epilog)
         return formatter.format_help()
 
+    def _shows(self, option: argparse.Action, group: Any, is_short: bool) -> bool:
+        topic = _topic_of(option, group)
+        if is_short:
+            return not topic or getattr(option, "is_shown", False)
+        return self.topic in (_ALL, topic)
+
     def _name_topics(self) -> str:
         lines = [f"  --help {topic:11} {', '.join(titles)}" for topic, titles in self.topics.items()]
-        return "\n".join(["more options:", *lines, f"  --help {_ALL:11} all of them"]) if lines else ""
+        return "\n".join(["more options:", *lines, f"  {_HELP_ALL:18} all of them"]) if lines else ""
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
         """Parse arguments, after naming the option that is meant by one that does not exist."""
@@ -105,11 +138,22 @@ class Parser(argparse.ArgumentParser):
                     self.error(f"there is no option {name}; did you mean {close[0]}?")
         return super().parse_known_args(args, namespace)
 
+    def _check_value(self, action: argparse.Action, value: Any) -> None:
+        """Refuse a word that is none of the choices of an option, and name those that may be meant."""
+        if action.choices is not None and value not in action.choices:
+            known = name_known(value, map(str, action.choices))
+            raise argparse.ArgumentError(action, f"there is no {shorten(repr(value), 80)}.{known}")
+
     def error(self, message: str) -> NoReturn:
         """Print the usage and what is wrong, and exit with 2."""
         self.print_usage(sys.stderr)
         tell(f"{self.prog}: error: {shorten(message, _MAX_SENTENCE_CHARACTERS)}")
         raise SystemExit(2)
+
+
+def _topic_of(option: argparse.Action, group: Any) -> str:
+    topic: str = getattr(option, "topic", getattr(group, "topic", ""))
+    return topic
 
 
 class _Help(argparse.Action):
@@ -119,7 +163,7 @@ class _Help(argparse.Action):
         super().__init__(option_strings, argparse.SUPPRESS, default=argparse.SUPPRESS, **others)
 
     def __call__(self, parser: Any, namespace: Any, values: Any, option_string: str | None = None) -> None:
-        parser.topic = values if isinstance(values, str) else ""
+        parser.topic = self.const or (values if isinstance(values, str) else "")
         parser.print_help()
         parser.exit()
 

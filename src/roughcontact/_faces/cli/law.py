@@ -16,6 +16,7 @@ from roughcontact._base.machine.progress import count_done
 from roughcontact._base.units import fit
 from roughcontact._faces.cli import DOUBTFUL, Command
 from roughcontact._faces.cli.answers import PICTURES, describe_responses, require_place, write_csv, write_json
+from roughcontact._faces.cli.help import leave_to
 from roughcontact._faces.cli.options import add_interface, add_shape
 from roughcontact._faces.cli.problem import problem_of
 from roughcontact._faces.cli.progress import show_progress
@@ -57,7 +58,10 @@ examples:
         ):
             programs.add_argument(f"--{name}", metavar="FILE", help=what)
         programs.add_argument("--units", choices=("SI", "mm"), default="SI", help="units of these files (SI)")
-        programs.add_argument("--name", default="ROUGH", metavar="NAME", help="name of the interaction (ROUGH)")
+        called = programs.add_argument(
+            "--name", default="ROUGH", metavar="NAME", help="name of the interaction (ROUGH)"
+        )
+        leave_to("output", called)
         output = parser.add_argument_group("output")
         add_shape(output)
         files = f"table or picture to write: {', '.join(_ENDINGS)}; may be repeated"

@@ -25,7 +25,7 @@ from roughcontact._faces.cli.answers import (
     to_json,
     to_text,
 )
-from roughcontact._faces.cli.options import METRE, add_reading, converter_of, whole_number
+from roughcontact._faces.cli.options import METRE, add_reading, converter_of, describe_option, whole_number
 from roughcontact._faces.cli.paths import path_to_json, path_to_text
 from roughcontact._faces.cli.problem import read_map
 from roughcontact._faces.panels.figures import save_figure
@@ -181,11 +181,13 @@ examples:
                         nargs="+" if field.is_pair else None,
                         required=field.is_needed,
                         metavar="V",
-                        help=texts.get(field.name, "").replace("%", "%%"),
+                        help=describe_option(texts.get(field.name, ""), field.unit).replace("%", "%%"),
                     )
             grid = own.add_argument_group("grid")
             grid.add_argument("--shape", type=whole_number, nargs=2, required=True, metavar=("NX", "NY"), help="cells")
-            grid.add_argument("--size", type=METRE, nargs="+", required=True, metavar="L", help="sides, one or x y")
+            grid.add_argument(
+                "--size", type=METRE, nargs="+", required=True, metavar="L", help="sides, one or x y: 5mm"
+            )
             grid.add_argument("--periodic", action="store_true", help="it repeats, as self-affine does by itself")
             own.add_argument_group("output").add_argument(
                 "-o",

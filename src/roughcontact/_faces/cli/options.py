@@ -14,10 +14,9 @@ import numpy as np
 
 from roughcontact._answers.laws import MAX_LOAD_RATIO
 from roughcontact._base.checks import INFINITE
-from roughcontact._base.quantities import parse_quantity, quantity
 from roughcontact._base.registry import PartField
-from roughcontact._base.units import si
-from roughcontact._faces.cli.help import add_group
+from roughcontact._base.units import EXAMPLES, parse_quantity, quantity, si
+from roughcontact._faces.cli.help import add_group, leave_to, show
 from roughcontact._parts.files import list_reader_options
 from roughcontact._parts.grid import Boundary, Load
 from roughcontact._parts.materials import TYPICAL, materials
@@ -67,7 +66,7 @@ def add_shape(output: Any) -> None:
     shape = output.add_mutually_exclusive_group()
     shape.add_argument("--json", action="store_true", help="print one JSON object, in SI units")
     shape.add_argument("--csv", action="store_true", help="print a header and a row for each load, in SI units")
-    shape.add_argument("-q", "--quiet", action="store_true", help="print nothing but errors")
+    leave_to("output", shape.add_argument("-q", "--quiet", action="store_true", help="print nothing but errors"))
 
 
 def converter_of(field: PartField) -> Callable[[str], Any] | None:
@@ -82,6 +81,13 @@ def converter_of(field: PartField) -> Callable[[str], Any] | None:
     convert = quantity(field.unit or "")
     # The class reads the word of an infinite number, or refuses it.
     return lambda text: text if text == INFINITE else convert(text)
+
+
+def describe_option(text: str, unit: str | None) -> str:
+    """Return what is said of a field, with an example of how its number is written in place of the SI unit."""
+    if not unit or unit not in EXAMPLES:
+        return text
+    return re.sub(rf", {re.escape(unit)}(?=[.;:,]|$)", f", such as {EXAMPLES[unit]}", text, count=1)
 
 
 def whole_number(text: str) -> int:
@@ -127,9 +133,9 @@ def add_problem(parser: argparse.ArgumentParser, *, study: bool = False) -> None
         wanted = "the load of an answer: area=0.1mm2, area=10%%, stiffness=1GN/m, leakage=1mm3/s viscosity=1mPa.s ..."
         load.add_argument("--solve-for", nargs="+", metavar=("NAME=VALUE", "FIELD=VALUE"), help=wanted)
         path = "loading and unloading between two approaches, with --adhesion: -0.1um 0.5um"
-        load.add_argument("--cycle", type=METRE, nargs=2, metavar=("FROM", "TO"), help=path)
+        leave_to("adhesion", load.add_argument("--cycle", type=METRE, nargs=2, metavar=("FROM", "TO"), help=path))
     _add_materials(parser, study)
-    adhesion = parser.add_argument_group("adhesion")
+    adhesion = add_group(parser, "adhesion", "adhesion")
     adhesion.add_argument(
         "--adhesion",
         nargs="+",
@@ -297,21 +303,28 @@ def add_accuracy(parser: argparse.ArgumentParser) -> None:
 
 def _add_materials(parser: argparse.ArgumentParser, study: bool) -> None:
     for prefix, body, poisson in (("", "body", "0.3"), ("counterbody-", "counterbody", "the body's")):
-        group = add_group(parser, f"material of the {body}", prefix.rstrip("-"))
+        group = add_group(parser, f"material of the {body}", "materials")
         rigid = " (rigid)" if prefix else ""
         choice = group.add_mutually_exclusive_group(required=not (prefix or study))
         named = f"typical values by name, such as 'bearing steel', or a material with --{prefix}fields{rigid}"
-        choice.add_argument(f"--{prefix}material", choices=(*TYPICAL, *materials), metavar="NAME", help=named)
         modulus = f"Young's modulus, such as 210GPa{rigid}"
-        choice.add_argument(f"--{prefix}young", type=_PASCAL, metavar="E", help=modulus)
+        usual = [
+            choice.add_argument(f"--{prefix}material", choices=(*TYPICAL, *materials), metavar="NAME", help=named),
+            choice.add_argument(f"--{prefix}young", type=_PASCAL, metavar="E", help=modulus),
+        ]
         relaxes = "with a modulus that relaxes: moduli=1MPa,3MPa times=10ms poisson=0.5"
         choice.add_argument(f"--{prefix}viscoelastic", nargs="+", metavar="FIELD=VALUE", help=relaxes)
         fields = "fields of such a material: young=210GPa poisson=0.3"
         group.add_argument(f"--{prefix}fields", nargs="+", metavar="FIELD=VALUE", help=fields)
-        group.add_argument(f"--{prefix}poisson", type=NUMBER, metavar="NU", help=f"Poisson's ratio ({poisson})")
-        group.add_argument(f"--{prefix}hardness", type=_PASCAL, metavar="H", help="hardness, such as 6GPa (elastic)")
+        own = [
+            group.add_argument(f"--{prefix}poisson", type=NUMBER, metavar="NU", help=f"Poisson's ratio ({poisson})"),
+            group.add_argument(
+                f"--{prefix}hardness", type=_PASCAL, metavar="H", help="hardness, such as 6GPa (elastic)"
+            ),
+        ]
         layer = "a layer, from the surface downwards; may be repeated: young=400GPa poisson=0.25 thickness=2um (none)"
         group.add_argument(f"--{prefix}layer", action="append", nargs="+", metavar="FIELD=VALUE", help=layer)
+        show(*usual, *(() if prefix else own))
 
 
 def _add_maps(parser: argparse.ArgumentParser, study: bool) -> argparse._ArgumentGroup:
@@ -331,12 +344,12 @@ def _add_maps(parser: argparse.ArgumentParser, study: bool) -> argparse._Argumen
             help=f"--{name} of the counterbody, if different",
         )
     shape = maps.add_mutually_exclusive_group()
-    shape.add_argument("--ball", type=METRE, metavar="R", help="add a sphere of this radius to the body")
+    shape.add_argument("--ball", type=METRE, metavar="R", help="add a sphere of this radius, such as 5mm, to the body")
     shape.add_argument(
         "--roller",
         type=METRE,
         metavar="R",
-        help="add a cylinder of this radius, along y, or along x with --boundary periodic-free",
+        help="add a cylinder of this radius, such as 5mm, along y, or along x with --boundary periodic-free",
     )
     return maps
 
@@ -350,21 +363,29 @@ def add_reading(parser: argparse.ArgumentParser) -> None:
 def _add_treatment(parser: argparse.ArgumentParser, topic: str = "") -> argparse._ArgumentGroup:
     """Declare how a height map is read."""
     maps: argparse._ArgumentGroup = add_group(parser, "height maps", topic)
-    maps.add_argument("--size", type=METRE, nargs="+", metavar="L", help="side lengths, one or x y (the file's)")
-    maps.add_argument("--cell", type=METRE, nargs="+", metavar="L", help="distance of the points, in place of --size")
-    maps.add_argument("--unit", type=_unit, metavar="U", help="unit of the heights, such as 1um (the file's)")
+    sides = "side lengths, one or x y, such as 5mm (the file's)"
+    show(maps.add_argument("--size", type=METRE, nargs="+", metavar="L", help=sides))
+    maps.add_argument(
+        "--cell", type=METRE, nargs="+", metavar="L", help="distance of the points, such as 1um, in place of --size"
+    )
+    show(maps.add_argument("--unit", type=_unit, metavar="U", help="unit of the heights, such as 1um (the file's)"))
     treatments = ("refuse", "fill", "keep")
     maps.add_argument("--non-measured", choices=treatments, default="refuse", help="non-measured points (refuse)")
     for name, (field, what) in list_reader_options().items():
         convert = converter_of(field) or str
-        maps.add_argument(f"--{name.replace('_', '-')}", type=convert, metavar=name[0].upper(), help=what)
+        text = describe_option(what, field.unit)
+        maps.add_argument(f"--{name.replace('_', '-')}", type=convert, metavar=name[0].upper(), help=text)
     tip = "radius of the stylus tip that has traced the map, taken away from it, such as 2um"
     maps.add_argument("--tip-radius", type=METRE, metavar="R", help=tip)
     maps.add_argument(
         "--detrend", type=_form, metavar="FORM", help="mean, plane, sphere or degree of a polynomial to subtract"
     )
-    maps.add_argument("--shortest", type=METRE, metavar="L", help="cut-off below which waves are filtered out (none)")
-    maps.add_argument("--longest", type=METRE, metavar="L", help="cut-off above which waves are filtered out (none)")
+    maps.add_argument(
+        "--shortest", type=METRE, metavar="L", help="waves shorter than this, such as 8um, are filtered out (none)"
+    )
+    maps.add_argument(
+        "--longest", type=METRE, metavar="L", help="waves longer than this, such as 0.8mm, are filtered out (none)"
+    )
     maps.add_argument("--robust", action="store_true", help="filters that grooves and spikes do not move")
     return maps
 
@@ -381,7 +402,9 @@ def _add_pair(parser: argparse.ArgumentParser) -> None:
     )
     pair.add_argument("--rotation", type=_ANGLE, metavar="A", help="rotation of the counterbody, such as 30deg")
     pair.add_argument("--mirror", action="store_true", help="turn the counterbody over, x to -x")
-    pair.add_argument("--domain", type=METRE, nargs="+", metavar="L", help="side lengths, one or x y (the overlap)")
+    pair.add_argument(
+        "--domain", type=METRE, nargs="+", metavar="L", help="side lengths, one or x y, such as 1mm (the overlap)"
+    )
 
 
 def _place(text: str) -> tuple[float, float]:

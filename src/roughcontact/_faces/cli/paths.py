@@ -15,8 +15,7 @@ import numpy as np
 import roughcontact as rc
 from roughcontact._base import checks
 from roughcontact._base.machine.progress import ChangeProgress, count_done
-from roughcontact._base.quantities import parse_quantity
-from roughcontact._base.units import fit, si
+from roughcontact._base.units import fit, parse_quantity, si
 from roughcontact._faces.cli.answers import (
     describe_responses,
     describe_rows,

@@ -13,6 +13,7 @@ from roughcontact._base.archive import replacing
 from roughcontact._base.units import fit
 from roughcontact._faces.cli import Command
 from roughcontact._faces.cli.answers import describe_rows, write_json
+from roughcontact._faces.cli.help import leave_to
 from roughcontact._faces.cli.options import NUMBER, whole_number
 from roughcontact._faces.cli.problem import Scene, add_scenes, read_scenes
 from roughcontact._faces.cli.progress import show_progress
@@ -47,14 +48,16 @@ examples:
         compared.add_argument("--areas", nargs="+", metavar="NAME", help="area estimators (blend cell-count)")
         compared.add_argument("--kernels", nargs="+", metavar="NAME", help="kernels (as --kernel)")
         compared.add_argument("--solvers", nargs="+", metavar="NAME", help="solvers (as --solver)")
-        compared.add_argument("--tolerances", type=NUMBER, nargs="+", metavar="T", help="tolerances of the solvers")
-        compared.add_argument(
-            "--interpolation",
-            choices=("bilinear", "fourier", "mean"),
-            default="bilinear",
-            help="interpolation of the maps on other grids (bilinear)",
+        tolerances = "tolerances of the solvers"
+        interpolation = "interpolation of the maps on other grids (bilinear)"
+        timed = "timed solves per case (3)"
+        kinds = ("bilinear", "fourier", "mean")
+        leave_to(
+            "method",
+            compared.add_argument("--tolerances", type=NUMBER, nargs="+", metavar="T", help=tolerances),
+            compared.add_argument("--interpolation", choices=kinds, default=kinds[0], help=interpolation),
+            compared.add_argument("--repeats", type=whole_number, default=3, metavar="R", help=timed),
         )
-        compared.add_argument("--repeats", type=whole_number, default=3, metavar="R", help="timed solves per case (3)")
         folder = "contact-report"
         parser.add_argument("-o", "--output", default=folder, metavar="FOLDER", help=f"output folder ({folder})")
         parser.add_argument("--json", action="store_true", help="print one JSON object: inputs, reference and cases")

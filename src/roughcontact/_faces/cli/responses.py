@@ -10,9 +10,8 @@ from typing import Any
 import roughcontact as rc
 from roughcontact._answers.linear.stiffness import find_pull_off_once
 from roughcontact._base.machine.progress import ChangeProgress
-from roughcontact._base.quantities import EXAMPLES
 from roughcontact._base.registry import PartField
-from roughcontact._base.units import si
+from roughcontact._base.units import EXAMPLES, si
 from roughcontact._faces.cli.help import add_group
 from roughcontact._faces.cli.problem import make_part
 from roughcontact._solve.problem import OnStateToPullOff, problem_of

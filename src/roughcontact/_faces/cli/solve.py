@@ -28,7 +28,7 @@ from roughcontact._faces.cli.answers import (
     write_late,
     write_outputs,
 )
-from roughcontact._faces.cli.help import add_group, tell
+from roughcontact._faces.cli.help import add_group, leave_to, tell
 from roughcontact._faces.cli.options import add_accuracy, add_problem, add_shape, refuse, whole_number
 from roughcontact._faces.cli.paths import find_course, plan_path_outputs, write_path
 from roughcontact._faces.cli.problem import loads_of, problem_of, set_tolerance
@@ -90,10 +90,11 @@ examples:
             "edges and rough heights)",
         )
         output = parser.add_argument_group("output")
-        output.add_argument("--area", metavar="NAME", help="area estimator to report besides the default")
+        other = output.add_argument("--area", metavar="NAME", help="area estimator to report besides the default")
         add_shape(output)
         output.add_argument("--explain", action="store_true", help="print the plan first: cells, memory, threads, ...")
-        output.add_argument("--dry-run", action="store_true", help="print the plan, and solve nothing")
+        dry = output.add_argument("--dry-run", action="store_true", help="print the plan, and solve nothing")
+        leave_to("output", other, dry)
         output.add_argument(
             "-o",
             "--output",

@@ -46,6 +46,8 @@ examples:
             help="its fields, in SI units, such as young=200e9 poisson=0.3",
         )
         parser.add_argument("--json", action="store_true", help="print one JSON object: the part and its claims")
+        rows = (fit(f"  {kind:19} {', '.join(registry)}") for kind, registry in KINDS.items())
+        parser.epilog = "\n".join([parser.epilog or "", "", "names:", *rows])
 
     def run(self, options: argparse.Namespace) -> int:
         """Return 0, or 1 if a claim does not hold."""
@@ -55,7 +57,8 @@ examples:
         kinds = [kind for kind, names in candidates.items() if options.name in names]
         if not kinds:
             what = KINDS[options.kind].kind if options.kind else "part"
-            raise InputError.unknown(what, options.name, set().union(*candidates.values()))
+            known = set().union(*candidates.values())
+            raise InputError.unknown(what, options.name, known, "'roughcontact check --help'")
         fields = dict(_field(text) for text in options.fields)
         parts = [_create(KINDS[kind], options.name, fields) for kind in kinds]
         reports = [check(part, kind) for part, kind in zip(parts, kinds, strict=True)]

@@ -116,13 +116,15 @@ def read_surface(
     8 x 4 cells on 8 µm x 4 µm
     """
     choice(non_measured, "The treatment of non-measured points", TREATMENTS)
+    sides: Any = checks.without_unit(size, "The size of the height map", "m")
+    meant: Any = checks.without_unit(unit, "The unit of the heights", "m")
     file = checks.path(path, "The height map")
     raw = read_raw(file, reader, **options)
-    given = _choose_size(_find_size(size, cell, raw), raw, unit, file)
+    given = _choose_size(_find_size(sides, cell, raw), raw, meant, file)
     _require_fitting(raw, given, file)
     heights, mask, done = complete(raw.heights, f"the file {file.name}", non_measured)
     surface = HeightMap(heights, given, periodic=raw.periodic, non_measured=mask)
-    scale = _unit(raw, unit, file)
+    scale = _unit(raw, meant, file)
     told = scale if raw.unit is None else raw.unit
     in_units = f", heights in units of {si(told, 'm')}"
     if unit is None and raw.unit is None:
@@ -220,7 +222,7 @@ def _reader_for(file: Path) -> str:
     return _FALLBACK_READER
 
 
-def _require_fitting(raw: RawMap, size: Length | Sequence[Length], file: Path) -> None:
+def _require_fitting(raw: RawMap, size: Any, file: Path) -> None:
     """Refuse a size that contradicts the points in the file.
 
     A row for each x does not make the cells square, but one for each y does: the user must say which it is. Or the

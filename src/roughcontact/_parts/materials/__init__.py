@@ -8,8 +8,8 @@ from roughcontact._parts.materials.isotropic import PairConstants as PairConstan
 from roughcontact._parts.materials.isotropic import Rigid as Rigid
 from roughcontact._parts.materials.isotropic import combined_pressure_limit as combined_pressure_limit
 from roughcontact._parts.materials.isotropic import contact_modulus as contact_modulus
-from roughcontact._parts.materials.isotropic import materials as materials
 from roughcontact._parts.materials.isotropic import pair_constants as pair_constants
 from roughcontact._parts.materials.typical import TYPICAL as TYPICAL
+from roughcontact._parts.materials.typical import materials as materials
 from roughcontact._parts.materials.typical import resolve_material as resolve_material
 from roughcontact._parts.materials.viscoelastic import Viscoelastic as Viscoelastic

@@ -11,7 +11,6 @@ import numpy as np
 
 from roughcontact._base.arrays import Array, read_only, restore_state
 from roughcontact._base.checks import Part, number, number_or_array
-from roughcontact._base.registry import Registry
 from roughcontact._base.units import Quantity
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
@@ -65,9 +64,6 @@ class Material(Part, abc.ABC):
             Laws (`Law`) of classes with `Law.of_material`, such as a process by which the material yields.
         """
         return ()
-
-
-materials = Registry(Material, "material", "roughcontact.materials")
 
 
 def contact_modulus(one: Material, other: Material) -> float:

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import re
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
 from importlib.metadata import EntryPoint, entry_points
 
-from roughcontact._parts.materials.isotropic import Elastic, ElasticPerfectlyPlastic, Material, materials
-from roughcontact.errors import InputError
+from roughcontact._base.registry import Registry
+from roughcontact._parts.materials.isotropic import Elastic, ElasticPerfectlyPlastic, Material
+from roughcontact.errors import InputError, NoSuchField
 
 _GROUP = "roughcontact.typical"
+# What stands before the name of an attribute that would begin with a digit, such as that of 1006 steel.
+_BEFORE_DIGIT = "grade_"
 # Young's modulus, Pa, Poisson's ratio, and Vickers hardness, Pa, as typical in textbooks, rounded. Polymers have no
 # hardness here: they creep, so that it depends on time.
 _OWN: Mapping[str, Material] = {
@@ -82,6 +86,49 @@ def _load(claims: Mapping[str, EntryPoint]) -> Material:
 
 
 TYPICAL: Mapping[str, Material] = TypicalMaterials(_OWN)
+
+
+class MaterialRegistry(Registry[Material]):
+    """The classes of materials by name, and typical materials as attributes: ``rc.materials.bearing_steel``.
+
+    The attribute of a typical material is its name with underscores; ``grade_`` stands before a digit. A word that
+    several names have, such as ``steel``, is refused.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> rc.materials.bearing_steel
+    ElasticPerfectlyPlastic(young=210000000000.0, poisson=0.3, hardness=7000000000.0)
+    >>> rc.materials.steel
+    Traceback (most recent call last):
+        ...
+    roughcontact.InputError: There is no material named 'steel'. Did you mean 'bearing_steel', 'stainless_steel' or ...
+    """
+
+    def __getattr__(self, name: str) -> Material:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        known = self._list_typical()
+        if name not in known:
+            raise NoSuchField.unknown("material", name, known)
+        return TYPICAL[known[name]]
+
+    def __dir__(self) -> Iterable[str]:
+        return [*super().__dir__(), *self._list_typical()]
+
+    def __repr__(self) -> str:
+        return f"{super().__repr__()}\ntypical ones: {', '.join(self._list_typical())}"
+
+    def _list_typical(self) -> dict[str, str]:
+        """Return the names of the typical materials by those of their attributes."""
+        found = {}
+        for name in TYPICAL:
+            attribute = re.sub(r"\W+", "_", name)
+            found[f"{_BEFORE_DIGIT}{attribute}" if attribute[:1].isdigit() else attribute] = name
+        return found
+
+
+materials = MaterialRegistry(Material, "material", "roughcontact.materials")
 
 
 def resolve_material(choice: object) -> Material:

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from roughcontact._base.arrays import Array, Mask, Pair, frozen_array, read_only, restore_state
-from roughcontact._base.checks import choice, instance_of, integer, measured_heights, pair
+from roughcontact._base.checks import choice, instance_of, integer, measured_heights, pair, without_unit
 from roughcontact._base.registry import find_view
 from roughcontact._base.units import Quantity, fit, printable, si
 from roughcontact._parts.grid import Grid
@@ -41,9 +41,11 @@ _DEGREE_OF_FORM = {"mean": 0, "plane": 1}
 
 
 def _size(value: Quantity | Sequence[Quantity], height_map: Any) -> Pair:
-    sides = pair(value, "The size of the height map", "m", above=0.0)
+    what = "The size of the height map"
+    given: Any = without_unit(value, what, "m")
+    sides = pair(given, what, "m", above=0.0)
     nx, ny = height_map.values.shape
-    if nx != ny and np.size(value) == 1:
+    if nx != ny and np.size(given) == 1:
         raise InputError(
             f"A height map of {nx} x {ny} points needs both sides, {argument('size', 'x', 'y', unit='m')}, "
             f"but got one: with square cells it is {si(sides[0], 'm')} x {si(sides[0] * ny / nx, 'm')} large."

@@ -61,7 +61,8 @@ def _bearing(value: Any) -> Bearing | None:
         "a pair of lists, levels (m) and the fractions of the surface above them, as (curve.levels, curve.fractions)"
     )
     is_list = isinstance(value, (tuple, list)) or (isinstance(value, np.ndarray) and value.ndim > 0)
-    lists = [numbers(one, what, allowed) for one in value] if is_list and len(value) == 2 else []
+    is_pair = is_list and len(value) == 2
+    lists = [numbers(value[0], what, allowed, "m"), numbers(value[1], what, allowed)] if is_pair else []
     if not lists or any(one.ndim != 1 or one.size < 2 or not np.isfinite(one).all() for one in lists):
         raise InputError.about(what, value, allowed)
     if lists[0].size != lists[1].size:
@@ -95,9 +96,11 @@ class NonGaussianSurface(SpectralSurface):
         Hurst exponent, 0 to 1.
     shortest, longest
         Shortest and longest wavelength, across the lay if there is one, m.
-    rms_height, rms_slope
-        Exactly one: root mean square of the height, m, or of the gradient's magnitude; none with a bearing curve whose
-        rms height is taken.
+    rms_height
+        Root mean square of the height, m; exactly one of this and the slope, or none with a bearing curve whose rms
+        height is taken.
+    rms_slope
+        Root mean square of the gradient's magnitude.
     rolloff
         Wavelength of the roll-off, across the lay, m; by default the longest wavelength.
     peklenik

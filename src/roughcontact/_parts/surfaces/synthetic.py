@@ -266,8 +266,10 @@ class SelfAffineSurface(SpectralSurface):
         Hurst exponent, 0 to 1.
     shortest, longest
         Shortest and longest wavelength, across the lay if there is one, m.
-    rms_height, rms_slope
-        Exactly one: root mean square of the height, m, or of the gradient's magnitude.
+    rms_height
+        Root mean square of the height, m; exactly one of this and the slope.
+    rms_slope
+        Root mean square of the gradient's magnitude.
     rolloff
         Wavelength of the roll-off, across the lay, m; by default the longest wavelength.
     peklenik

@@ -11,8 +11,7 @@ from typing import Any
 import attrs
 
 from roughcontact._base.checks import number
-from roughcontact._base.quantities import EXAMPLES, parse_quantity
-from roughcontact._base.units import Estimate, ShownAsPrinted, WarningText, si
+from roughcontact._base.units import EXAMPLES, Estimate, ShownAsPrinted, WarningText, has_unit, parse_quantity, si
 from roughcontact._parts.grid import Load
 from roughcontact._parts.surfaces import rms_slope
 from roughcontact._solve.problem.find_load import LoadSearch, SolveFromPressure, TriedLoad
@@ -186,7 +185,7 @@ class _WantedAnswer:
         is_area = isinstance(response, AreaEstimator)
         if is_area:
             self._wanted = self._read_area(wanted)
-        elif not isinstance(wanted, str):
+        elif not isinstance(wanted, str) and not has_unit(wanted):
             self._wanted = number(wanted, f"The wanted {name}", above=0.0)
         # Over the typical pressure, so that a power of two in the modulus changes no bit.
         typical = plan.modulus * rms_slope(problem.initial_gap, plan.grid)
@@ -219,6 +218,8 @@ class _WantedAnswer:
     def _read_text(self, unit: str) -> float:
         """Return a wanted answer that is given as a text, in the unit of the answers."""
         what = f"The wanted {self._name}"
+        if has_unit(self._given):
+            return number(self._given, what, unit, above=0.0)
         text = str(self._given)
         # A conductance has the units of a thermal one, but may be an electrical one.
         unit_of_text = "W/K or S" if unit == "W/K" else unit

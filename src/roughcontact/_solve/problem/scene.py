@@ -161,7 +161,7 @@ class Scene:
             Shape (nx, ny), m; on a periodic boundary its mean is zero.
         """
         allowed = f"a number or an array of shape {self.plan.grid.shape}, finite (Pa)"
-        given = numbers(pressure, "The pressure", allowed)
+        given = numbers(pressure, "The pressure", allowed, "Pa")
         if given.shape not in ((), self.plan.grid.shape) or not np.abs(given).max() <= MAX_MAGNITUDE:
             raise InputError.about("The pressure", pressure, allowed)
         unit = pressure_unit(self.plan)

@@ -291,7 +291,7 @@ class ContactFields(AskedOf):
         """Return the effective contact modulus E*, Pa, of pressure waves with these wave numbers, rad/m."""
         allowed = "a number or an array of numbers above 0 (rad/m)"
         given = wavenumber
-        wavenumber = numbers(wavenumber, "The wave number", allowed)
+        wavenumber = numbers(wavenumber, "The wave number", allowed, "rad/m")
         if not (wavenumber > 0.0).all():
             raise InputError.about("The wave number", given, allowed)
         if self.moduli is None:

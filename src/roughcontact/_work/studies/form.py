@@ -15,8 +15,8 @@ import attrs
 from roughcontact._base.archive.plain import parts
 from roughcontact._base.arrays import Pair
 from roughcontact._base.checks import INFINITE, Part
-from roughcontact._base.quantities import parse_quantity
 from roughcontact._base.registry import Registry, list_fields, registries
+from roughcontact._base.units import parse_quantity
 from roughcontact._parts.files import list_reader_options, read_surface
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._parts.materials import materials, resolve_material

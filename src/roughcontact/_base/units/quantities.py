@@ -7,7 +7,7 @@ import math
 import re
 from collections.abc import Callable
 from decimal import Decimal
-from typing import TypeAlias
+from typing import Any, Protocol, TypeAlias, TypeGuard
 
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
@@ -155,6 +155,33 @@ def quantity(unit: str) -> Callable[[str], float]:
             raise ArgumentTypeError(str(error)) from error
 
     return convert
+
+
+class HasUnit(Protocol):
+    """A number or an array with a unit of its own, as packages for units have them: pint, and those that act as it."""
+
+    @property
+    def magnitude(self) -> Any:
+        """The numbers, in the unit."""
+
+    def to(self, other: Any, /) -> Any:
+        """Return the same in another unit, or raise an error if its dimension is another one."""
+
+
+def has_unit(value: object) -> TypeGuard[HasUnit]:
+    """Return whether a value has a unit of its own."""
+    return all(hasattr(type(value), name) for name in ("magnitude", "to", "to_base_units"))
+
+
+def read_unit(value: HasUnit, unit: str) -> Any:
+    """Return the numbers of a value with a unit of its own in an SI unit; `ValueError` if it has another dimension."""
+    # What may stand behind a unit is an example.
+    for one in unit.partition(",")[0].split(" or "):
+        # Each package has errors of its own for another dimension, and for a unit that it does not know.
+        with contextlib.suppress(Exception):
+            name = re.sub(r"(?<=[a-z])(?=\d)", "**", one.replace("Ohm", "ohm"))
+            return value.to(name or "dimensionless").magnitude
+    raise _refusal(str(value), f"is not a quantity in units of {unit}" if unit else "is not a plain number", unit)
 
 
 def _refusal(text: str, reason: str, unit: str) -> ValueError:

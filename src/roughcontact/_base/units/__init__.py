@@ -11,12 +11,19 @@ from typing import Any, TypeAlias, final
 import attrs
 import numpy as np
 
+from roughcontact._base.units.quantities import EXAMPLES as EXAMPLES
+from roughcontact._base.units.quantities import HasUnit as HasUnit
+from roughcontact._base.units.quantities import has_unit as has_unit
+from roughcontact._base.units.quantities import parse_quantity as parse_quantity
+from roughcontact._base.units.quantities import quantity as quantity
+from roughcontact._base.units.quantities import read_unit as read_unit
+from roughcontact.errors import InputError, requiring
 from roughcontact.errors.door import guarded
 from roughcontact.errors.warning import Answer
 
 _PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T", 15: "P"}
 # Areas and volumes, whose prefix is raised to the power behind it; and units with another power or an inverse.
-_AREA_OR_VOLUME = re.compile(r"m([23])\b")
+_AREA_OR_VOLUME = re.compile(r"m([23])\b(.*)")
 _UNIT_WITH_POWER = re.compile(r"[^\W\d]+\d|1/")
 
 # Decimals beyond which a number is written with an exponent.
@@ -33,8 +40,8 @@ _LINE_LABEL = re.compile(r"\s*(?:\S(?:\S| (?! ))*\s{2,})?")
 # A blank behind a number, before a unit, and behind the sign of an uncertainty; and the blank that is not broken.
 _UNBREAKABLE_BLANK = re.compile(r"(?<=\d) (?=%|[fpnµmkMGT]?(?:m[23]?|Pa|N|s)\b|\+- )|(?<=\+-) ")
 _NO_BREAK = "\N{NO-BREAK SPACE}"
-# A number in SI units, or a text with a unit such as "210GPa"; the name says of what.
-Quantity: TypeAlias = float | str
+# A number in SI units, a text with a unit such as "210GPa", or a quantity of pint; the name says of what.
+Quantity: TypeAlias = float | str | HasUnit
 Length: TypeAlias = Quantity
 Pressure: TypeAlias = Quantity
 Force: TypeAlias = Quantity
@@ -72,7 +79,8 @@ def with_spread(value: float, uncertainty: float) -> str:
         return f"{value:.5g}"
     decimals = 1 - math.floor(math.log10(uncertainty))
     if abs(decimals) > _MAX_DECIMALS:
-        return f"({value:.5g} +- {uncertainty:.2g})"
+        digits = decimals + 1 + math.floor(math.log10(abs(value))) if value else 1
+        return f"({value:.{max(1, digits)}g} +- {uncertainty:.2g})"
     # Zero has no sign.
     texts = (f"{round(number, decimals) + 0.0:.{max(0, decimals)}f}" for number in (value, uncertainty))
     return f"({' +- '.join(texts)})"
@@ -110,9 +118,10 @@ def prefixed(largest: float, unit: str, power: int = 1) -> tuple[float, str]:
     """
     thousands = 0
     if 0.0 < largest < math.inf:
-        # An area of 0.5 µm² is not 500000 nm².
-        thousands = 3 * math.floor((math.log10(largest) + 2 * (power - 1)) / (3 * power) + 1e-9)
-    exponent = min(max(thousands, min(_PREFIXES)), max(_PREFIXES))
+        # As `si` has them: an area of 0.5 µm² is not 500000 nm².
+        shift = power if power > 1 else 0
+        thousands = 3 * math.floor((math.log10(largest) + shift) / (3 * power) + 1e-9)
+    exponent = min(max(thousands, min(_PREFIXES)), max(_PREFIXES) if power == 1 else 0)
     return 10.0 ** (-exponent * power), f"{_PREFIXES[exponent]}{unit}{_SUPERSCRIPTS[power]}"
 
 
@@ -212,6 +221,15 @@ def _hold(found: float | None) -> Deferred:
 class Estimate(ShownAsPrinted, Answer):
     """A number with its uncertainty.
 
+    It is scaled by numbers, and added to and subtracted from numbers in its unit, which are taken as exact, and others
+    of its unit. How the errors of two answers are correlated is not known: those of one solution, or of solutions on
+    one grid, have the same cells and heights. The uncertainty of a sum or a difference is therefore the sum of the
+    uncertainties, which bounds it whatever the correlation: the standard deviation of a sum is at most the sum of the
+    standard deviations, and exactly that where both errors grow together. Products and quotients of two are refused;
+    for errors that are known to be independent use `to_ufloat`.
+
+    A format is that of a number, for value and uncertainty in the SI unit: ``f"{estimate:.3e}"``.
+
     Attributes
     ----------
     value
@@ -234,7 +252,12 @@ class Estimate(ShownAsPrinted, Answer):
     >>> stiffness = rc.Estimate(12.3e6, 0.2e6, "N/m")
     >>> print(stiffness)
     12.3 MN/m +- 1.6 %
+    >>> print(2 * stiffness, stiffness + stiffness, f"{stiffness:.2e}", sep="; ")
+    24.6 MN/m +- 1.6 %; 24.6 MN/m +- 1.6 %; (1.23e+07 +- 2.00e+05) N/m
     """
+
+    # Numbers of numpy leave the operations to this class.
+    __array_ufunc__ = None
 
     value: float
     uncertainty: float
@@ -255,6 +278,104 @@ class Estimate(ShownAsPrinted, Answer):
     def _reasons(self) -> str:
         """Why the value must not be trusted, at the end of a line."""
         return "".join(f"; uncertain: {warning}" for warning in self.warnings)
+
+    def __mul__(self, factor: float) -> Estimate:
+        factor = self._read_number(factor, "multiplied by", "a number")
+        return Estimate(
+            self.value * factor,
+            self.uncertainty * abs(factor),
+            self.unit,
+            self.warnings,
+            relative_sampling=self._relative_sampling,
+        )
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, divisor: float) -> Estimate:
+        divisor = self._read_number(divisor, "divided by", "a number other than 0")
+        if divisor == 0.0:
+            raise InputError.about("What an estimate is divided by", divisor, "a number other than 0")
+        return Estimate(
+            self.value / divisor,
+            self.uncertainty / abs(divisor),
+            self.unit,
+            self.warnings,
+            relative_sampling=self._relative_sampling,
+        )
+
+    def __neg__(self) -> Estimate:
+        return self * -1.0
+
+    def __add__(self, other: float | Estimate) -> Estimate:
+        if not isinstance(other, Estimate):
+            exact = self._read_number(other, "added to", f"a number or an estimate ({self.unit or 'no unit'})")
+            other = Estimate(exact, 0.0, self.unit, relative_sampling=0.0)
+        if other.unit != self.unit:
+            units = " and ".join(repr(one) if one else "no unit" for one in (self.unit, other.unit))
+            raise InputError(f"Estimates of different units cannot be added: {units}.")
+        total = self.value + other.value
+        parts = (self, other)
+
+        def find_sampling() -> float | None:
+            spreads = [one.sampling for one in parts]
+            known = [spread for spread in spreads if spread is not None]
+            return sum(known) / abs(total) if len(known) == len(parts) and total else None
+
+        return Estimate(
+            total,
+            self.uncertainty + other.uncertainty,
+            self.unit,
+            tuple(dict.fromkeys((*self.warnings, *other.warnings))),
+            relative_sampling=Deferred(find_sampling),
+        )
+
+    __radd__ = __add__
+
+    def __sub__(self, other: float | Estimate) -> Estimate:
+        return self + (-other)
+
+    def __rsub__(self, other: float) -> Estimate:
+        return -self + other
+
+    def _read_number(self, value: object, how: str, allowed: str) -> float:
+        if isinstance(value, Estimate):
+            raise InputError(
+                f"An estimate cannot be {how} another one: how their errors are correlated is not known. If they are "
+                "independent, to_ufloat() of each gives numbers of the package uncertainties."
+            )
+        is_number = isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
+        if not is_number or not math.isfinite(value):  # type: ignore[arg-type]
+            raise InputError.about(f"What an estimate is {how}", value, allowed)
+        return float(value)  # type: ignore[arg-type]
+
+    def to_ufloat(self) -> Any:
+        """Return a number of the package uncertainties, in the SI unit: independent of all others.
+
+        Raises
+        ------
+        MissingPackage
+            If the package is not installed.
+
+        Examples
+        --------
+        >>> import roughcontact as rc
+        >>> try:
+        ...     number = rc.Estimate(12.0, 0.5, "N").to_ufloat()
+        ... except rc.MissingPackage as error:
+        ...     print(error)
+        """
+        with requiring("Numbers of uncertainties need that package: pip install 'roughcontact[uncertainties]'."):
+            import uncertainties
+        return uncertainties.ufloat(self.value, self.uncertainty)
+
+    def __format__(self, spec: str) -> str:
+        if not spec:
+            return str(self)
+        try:
+            texts = [format(number, spec) for number in (self.value, self.uncertainty)]
+        except ValueError as error:
+            raise InputError.about("The format of an estimate", spec, "that of a number, such as '.3g'") from error
+        return f"({' +- '.join(texts)}) {self.unit}".rstrip()
 
     def __str__(self) -> str:
         if not self.unit:
@@ -281,12 +402,14 @@ def write_column(column: Sequence[Estimate]) -> list[str]:
 
 def scale_column(column: Sequence[Estimate]) -> tuple[list[str], str]:
     """Return the numbers of `write_column` without their unit, and the unit."""
-    base, power = ("m", 2) if column[0].unit == "m2" else (column[0].unit, 1)
+    unit = column[0].unit
+    raised = _AREA_OR_VOLUME.fullmatch(unit)
+    base, power, rest = ("m", int(raised[1]), raised[2]) if raised else (unit, 1, "")
     sizes = [size for one in column if 0.0 < (size := max(abs(one.value), one.uncertainty)) < math.inf]
     middle = math.sqrt(min(sizes)) * math.sqrt(max(sizes)) if sizes else 0.0
-    # A prefix before m3/s or 1/m would be read as one inside the power.
+    # A prefix before 1/m would be read as one inside the power.
     factor, unit = (1.0, base) if not base or has_power(base) else prefixed(middle, base, power)
-    return [_write(one, factor) for one in column], unit
+    return [_write(one, factor) for one in column], f"{unit}{rest}"
 
 
 def _write(one: Estimate, factor: float) -> str:
