@@ -291,6 +291,11 @@ def _is_mapped(values: object) -> bool:
     return mapped and isinstance(values, mmap.mmap)
 
 
+def is_labelled(value: object) -> bool:
+    """Return whether a value is an array with named axes, as of xarray."""
+    return all(hasattr(type(value), name) for name in ("dims", "coords", "attrs"))
+
+
 def measured_heights(values: npt.ArrayLike) -> Array:
     """Return `heights_array` of heights that may be NaN or masked, but not everywhere."""
     return heights_array(values, nan=True)
@@ -303,6 +308,11 @@ def heights_array(values: npt.ArrayLike, *, nan: bool = False) -> Array:
     finite (missing points of a measurement, usually).
     """
     what = "The height map"
+    if is_labelled(values):
+        raise InputError(
+            "The height map is an array with named axes: read_surface takes it with its axes, size and units. Give "
+            "its values, indexed [x, y] and in m, to use them alone."
+        )
     values = without_unit(values, what, "m")
     if isinstance(values, np.ma.MaskedArray) and np.ma.is_masked(values):
         values = np.ma.filled(np.ma.asarray(values, dtype=np.float64), np.nan)

@@ -286,8 +286,13 @@ def gather(one: NamedArray, arrays: Mapping[str, NamedArray], texts: Mapping[str
     return _find_places(found, one, arrays) or _find_sides(found, one.values.shape, arrays)
 
 
+def name_axis(name: str) -> str:
+    """Return ``"x"`` or ``"y"`` for the name of an axis; empty for another one."""
+    return _AXES.get(name.rpartition("/")[2].lower(), "")
+
+
 def _name_first(axes: tuple[str, ...]) -> str:
-    names = [_AXES.get(name.rpartition("/")[2].lower(), "") for name in axes]
+    names = list(map(name_axis, axes))
     return names[0] if sorted(names) == ["x", "y"] else ""
 
 

@@ -6,7 +6,6 @@ import contextlib
 import inspect
 import logging
 import math
-import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -21,6 +20,7 @@ from roughcontact._base.registry import PartField, describe_fields, list_fields
 from roughcontact._base.units import Length, si
 from roughcontact._parts.files.base import RawMap, SurfaceReader, find_foreign, readers
 from roughcontact._parts.files.bounds import HDF5_SIGNATURE
+from roughcontact._parts.files.labelled import call_array, read_labelled
 from roughcontact._parts.surfaces import TREATMENTS, HeightMap, complete
 from roughcontact.errors import InputError, RoughContactError, Sentence, argument, shorten
 from roughcontact.errors.door import guarded
@@ -60,7 +60,7 @@ _MAX_SIDE = 1.0
 
 @guarded
 def read_surface(
-    path: str | os.PathLike[str],
+    path: Any,
     *,
     size: Length | Sequence[Length] | None = None,
     cell: Length | Sequence[Length] | None = None,
@@ -69,13 +69,15 @@ def read_surface(
     reader: str | SurfaceReader = "auto",
     **options: Any,
 ) -> HeightMap:
-    """Return the height map in a file, m, positive outward.
+    """Return the height map in a file, or in an array of xarray, m, positive outward.
 
     Parameters
     ----------
     path
         The file. npz, npy and text files have heights in m, first index x, where they state nothing else; those of
-        instruments are read by the package SurfaceTopography.
+        instruments are read by the package SurfaceTopography. Or a `xarray.DataArray` with the axes x and y in any
+        order: the size of its map follows from its places along them, which are evenly spaced, and its units from the
+        attribute ``units`` of the places and of the heights.
     size
         Sides of the domain (x, y) or of both, m; needed where the file does not state it, and checked
         where it does.
@@ -98,8 +100,8 @@ def read_surface(
     Raises
     ------
     InputError
-        If there is no such file, it cannot be read, non-measured points are refused, the size is unknown, or only a row
-        for each y would make the cells square, and ``rows=`` is not given.
+        If there is no such file, it or the array cannot be read, non-measured points are refused, size or unit are
+        unknown, or only a row for each y would make the cells square, and ``rows=`` is not given.
     MissingPackage
         If the package that reads such files is not installed.
 
@@ -118,13 +120,12 @@ def read_surface(
     choice(non_measured, "The treatment of non-measured points", TREATMENTS)
     sides: Any = checks.without_unit(size, "The size of the height map", "m")
     meant: Any = checks.without_unit(unit, "The unit of the heights", "m")
-    file = checks.path(path, "The height map")
-    raw = read_raw(file, reader, **options)
-    given = _choose_size(_find_size(sides, cell, raw), raw, meant, file)
-    _require_fitting(raw, given, file)
-    heights, mask, done = complete(raw.heights, f"the file {file.name}", non_measured)
+    raw, called, named = _read_any(path, reader, options)
+    given = _choose_size(_find_size(sides, cell, raw), raw, meant, called)
+    _require_fitting(raw, given, called)
+    heights, mask, done = complete(raw.heights, f"the {called}", non_measured)
     surface = HeightMap(heights, given, periodic=raw.periodic, non_measured=mask)
-    scale = _unit(raw, meant, file)
+    scale = _unit(raw, meant, called)
     told = scale if raw.unit is None else raw.unit
     in_units = f", heights in units of {si(told, 'm')}"
     if unit is None and raw.unit is None:
@@ -133,8 +134,25 @@ def read_surface(
     # Free the heights of the file before new ones are made.
     del raw, heights
     values = surface.values if scale == 1.0 else surface.values * scale
-    _LOGGER.info("read %s%s: %s%s", file.name, done, surface.grid, in_units)
-    return attrs.evolve(surface, heights=values, history=(f"read from {file.name}{done}: {surface.grid}{in_units}",))
+    _LOGGER.info("read %s%s: %s%s", named, done, surface.grid, in_units)
+    return attrs.evolve(surface, heights=values, history=(f"read from {named}{done}: {surface.grid}{in_units}",))
+
+
+def _read_any(path: Any, reader: str | SurfaceReader, options: dict[str, Any]) -> tuple[RawMap, str, str]:
+    """Return the map in a file or an array, what sentences call that, and its name."""
+    if not checks.is_labelled(path):
+        file = checks.path(path, "The height map")
+        return read_raw(file, reader, **options), f"file {file.name}", file.name
+    called = call_array(path)
+    if reader != "auto":
+        raise InputError(f"The {called} needs no reader: omit {argument('reader')}.")
+    no_data = options.pop("no_data", None)
+    if options:
+        raise InputError.unknown("option of an array with named axes", next(iter(options)), ["no_data"])
+    try:
+        return read_labelled(path, no_data), called, f"the {called}"
+    except InputError as error:
+        raise InputError(f"The {called} cannot be used: {error.marked.rstrip('.')}.") from error
 
 
 @guarded
@@ -222,7 +240,7 @@ def _reader_for(file: Path) -> str:
     return _FALLBACK_READER
 
 
-def _require_fitting(raw: RawMap, size: Any, file: Path) -> None:
+def _require_fitting(raw: RawMap, size: Any, called: str) -> None:
     """Refuse a size that contradicts the points in the file.
 
     A row for each x does not make the cells square, but one for each y does: the user must say which it is. Or the
@@ -242,7 +260,7 @@ def _require_fitting(raw: RawMap, size: Any, file: Path) -> None:
         and abs(turned[0] / turned[1] - 1.0) <= _SQUARE_CELL_TOLERANCE
     ):
         raise InputError(
-            f"The file {file.name} has {nx} rows of {ny} numbers: on {si(sides[0], 'm')} x {si(sides[1], 'm')}, a row "
+            f"The {called} has {nx} rows of {ny} numbers: on {si(sides[0], 'm')} x {si(sides[1], 'm')}, a row "
             f"for each x makes cells of {si(cells[0], 'm')} x {si(cells[1], 'm')}, a row for each y square ones of "
             f"{si(turned[0], 'm')}. Say which it is: {argument('rows', 'y')}, or {argument('rows', 'x')}."
         )
@@ -252,7 +270,7 @@ def _require_fitting(raw: RawMap, size: Any, file: Path) -> None:
     may_differ = steps == (1.0, 1.0) and abs(turned[1] / turned[0] - 1.0) > _STEP_TOLERANCE
     if abs(cells[0] / cells[1] * steps[1] / steps[0] - 1.0) > _STEP_TOLERANCE and not may_differ:
         raise InputError(
-            f"The points in {file.name} are {steps[0]:.6g} and {steps[1]:.6g} apart along x and y, but on "
+            f"The points in the {called} are {steps[0]:.6g} and {steps[1]:.6g} apart along x and y, but on "
             f"{si(sides[0], 'm')} x {si(sides[1], 'm')} its {nx} x {ny} points would be {si(cells[0], 'm')} and "
             f"{si(cells[1], 'm')} apart: give the sides of x and of y in this order, or name the columns above the "
             "points."
@@ -260,7 +278,7 @@ def _require_fitting(raw: RawMap, size: Any, file: Path) -> None:
     for axis, side, cell, count, step in zip("xy", sides, cells, (nx, ny), raw.partial, strict=True):
         if step is not None and abs(cell / step - 1.0) > _STEP_TOLERANCE:
             raise InputError(
-                f"The points in {file.name} are {si(step, 'm')} apart along {axis}, but on a side of {si(side, 'm')} "
+                f"The points in the {called} are {si(step, 'm')} apart along {axis}, but on a side of {si(side, 'm')} "
                 f"its {count} points would be {si(cell, 'm')} apart: give the sides of x and of y in this order, or "
                 "leave that statement out."
             )
@@ -289,18 +307,18 @@ def _find_size(
 
 
 def _choose_size(
-    size: Length | Sequence[Length] | None, raw: RawMap, unit: Length | str | None, file: Path
+    size: Length | Sequence[Length] | None, raw: RawMap, unit: Length | str | None, called: str
 ) -> Length | Sequence[Length]:
     """Return the size of the map, as given or stated; `InputError` if there is none, or if they differ."""
     if raw.size is not None and max(raw.size) > _MAX_SIDE and size is None:
         raise InputError(
-            f"The file {file.name} states sides of {raw.size[0]:g} and {raw.size[1]:g} m, more than "
+            f"The {called} states sides of {raw.size[0]:g} and {raw.size[1]:g} m, more than "
             f"{_MAX_SIDE:g} m, so that they may be in another unit: give {argument('size', 'x', 'y', unit='m')}."
         )
     if raw.size is not None and max(raw.size) <= _MAX_SIDE:
         if size is not None and not np.allclose(_as_sides(size), raw.size, rtol=_SIZE_TOLERANCE, atol=0.0):
             raise InputError(
-                f"The file {file.name} states its own size, {si(raw.size[0], 'm')} x {si(raw.size[1], 'm')}, "
+                f"The {called} states its own size, {si(raw.size[0], 'm')} x {si(raw.size[1], 'm')}, "
                 f"which is not the size given: leave {argument('size')} out."
             )
         return raw.size
@@ -311,21 +329,21 @@ def _choose_size(
     in_metres = unit is None and not raw.metric and not raw.needs_unit
     taken = f" Its heights are taken as m: give {argument('unit', 'um')} too if they are µm." if in_metres else ""
     raise InputError(
-        f"The file {file.name} does not state the size of its domain{known}: give "
+        f"The {called} does not state the size of its domain{known}: give "
         f"{argument('size', 'x', 'y', unit='m')}, or "
         f"{argument('cell')}, the distance of its points.{taken}"
     )
 
 
-def _unit(raw: RawMap, given: float | str | None, file: Path) -> float:
+def _unit(raw: RawMap, given: float | str | None, called: str) -> float:
     if given is None and raw.needs_unit:
         raise InputError(
-            f"The heights in {file.name} are numbers without a unit: give what one of them means, m, such as "
+            f"The heights in the {called} are numbers without a unit: give what one of them means, m, such as "
             f"{argument('unit', 1e-9, unit='m')}."
         )
     if given is None and raw.unit_hint:
         raise InputError(
-            f"The file {file.name} states {shorten(raw.unit_hint.strip(), _MAX_HINT_CHARACTERS)!a}, which may be the "
+            f"The {called} states {shorten(raw.unit_hint.strip(), _MAX_HINT_CHARACTERS)!a}, which may be the "
             f"unit of its heights: give {argument('unit', 'nm')}, for example, or {argument('unit', 1)} if they are "
             "metres."
         )
@@ -340,5 +358,5 @@ def _unit(raw: RawMap, given: float | str | None, file: Path) -> float:
     if not raw.metric:
         return unit
     if raw.unit is None or not math.isclose(raw.unit, unit, rel_tol=_SIZE_TOLERANCE):
-        raise InputError(f"The file {file.name} states its own unit of height: leave {argument('unit')} out.")
+        raise InputError(f"The {called} states its own unit of height: leave {argument('unit')} out.")
     return 1.0
