@@ -29,6 +29,7 @@ from roughcontact._answers.areas import (
 )
 from roughcontact._answers.laws import film_law, interface_law
 from roughcontact._answers.refinement import beyond_resolution, extrapolate, on_grid
+from roughcontact._base.machine.programs import show_versions
 from roughcontact._base.registry import publish
 from roughcontact._parts.files import SurfaceReader, read_profile, read_surface, readers
 from roughcontact._parts.grid import Boundary, Grid
@@ -94,7 +95,7 @@ from roughcontact._solve.solvers import (
     solvers,
 )
 from roughcontact._work.processes import run_in
-from roughcontact._work.reports import error_vs_time, stability
+from roughcontact._work.reports import cite, error_vs_time, stability
 from roughcontact._work.studies import Study
 from roughcontact.errors import (
     ContactWarning,
@@ -197,6 +198,7 @@ __all__ = [
     "WavySurface",
     "areas",
     "beyond_resolution",
+    "cite",
     "convolvers",
     "error_vs_time",
     "extrapolate",
@@ -217,6 +219,7 @@ __all__ = [
     "readers",
     "responses",
     "run_in",
+    "show_versions",
     "solvers",
     "stability",
     "surfaces",

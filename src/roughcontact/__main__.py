@@ -11,7 +11,7 @@ import sys
 import warnings
 from collections.abc import Sequence
 
-from roughcontact import __version__
+from roughcontact import __version__, show_versions
 from roughcontact._base.units import fit
 from roughcontact._faces.cli import Command, commands
 from roughcontact._faces.cli.help import Parser, tell, wrap
@@ -67,8 +67,14 @@ def _answer(given: Sequence[str]) -> int:
         if not given:
             parser.print_help()
             return _NO_ARGUMENTS
-        parser.parse_args(given)
-        parser.error("name a command")
+        options = parser.parse_args(given)
+        if not options.version:
+            parser.error("name a command")
+        if options.verbose:
+            show_versions()
+        else:
+            print(f"roughcontact {__version__}")
+        return 0
     finally:
         sys.stdout.flush()
 
@@ -148,12 +154,14 @@ def _overview() -> argparse.ArgumentParser:
             lines.append(f"  {name:12}(cannot be loaded: 'roughcontact {name}' says why)")
     parser = argparse.ArgumentParser(
         prog="roughcontact",
-        usage="roughcontact [-h] [--version] COMMAND ...",
+        usage="roughcontact [-h] [--version [--verbose]] COMMAND ...",
         description="Contact of rough surfaces.",
         epilog="\n".join(["commands (each has a --help of its own):", *lines, _EPILOG]),
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("--version", action="version", version=f"roughcontact {__version__}")
+    parser.add_argument("--version", action="store_true", help="show the version and exit")
+    detailed = "with --version, also show those of packages and plug-ins, threads and memory"
+    parser.add_argument("--verbose", action="store_true", help=detailed)
     return parser
 
 

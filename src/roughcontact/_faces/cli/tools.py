@@ -127,6 +127,7 @@ def _all_commands() -> argparse.ArgumentParser:
     """Return one parser of all commands that can be loaded."""
     parser = argparse.ArgumentParser(prog="roughcontact")
     parser.add_argument("--version", action="store_true")
+    parser.add_argument("--verbose", action="store_true")
     known = parser.add_subparsers()
     for name in commands:
         try:

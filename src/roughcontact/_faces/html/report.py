@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import functools
-import inspect
-import re
 from collections.abc import Iterable, Iterator, Sequence
 from datetime import date
 from pathlib import Path
@@ -60,21 +58,9 @@ from roughcontact._solve.solution import (
     note_loads,
     versions,
 )
+from roughcontact._work.reports import list_methods, list_references, write_bibtex
 from roughcontact._work.studies import Answers, add_answers, list_answer_warnings
 
-# As in CITATION.cff (tests/faces/test_unit_html.py compares them); the year as in the licence.
-TITLE = "roughcontact"
-AUTHORS = "The roughcontact developers"
-YEAR = 2026
-ADDRESS = "https://github.com/roughcontact/roughcontact"
-PAPER = "A numerical-analytical approach to determining the real contact area of rough surface contact"
-JOURNAL = "Tribology - Materials, Surfaces & Interfaces"
-PAPER_YEAR = 2020
-PAPER_DOI = "10.1080/17515831.2020.1720382"
-# Where in a book a formula stands.
-_PLACE_IN_BOOK = re.compile(r", (?:sections?|sec\.|eqs?\.) .*")
-_REFERENCES_HEADING = "References\n----------\n"
-_DOI = re.compile(r"https://doi\.org/(10\.[^\s;,]+[^\s;,.)])")
 # Nothing is fetched and nothing runs, whatever a text of the page holds.
 _SECURITY_POLICY = "default-src 'none'; img-src data:; style-src 'unsafe-inline'"
 _NO_FIGURES = "Figures need matplotlib: pip install 'roughcontact[plot]', then write the report again."
@@ -84,52 +70,6 @@ _LEFT = {"style": "text-align: left; vertical-align: top"}
 # Cells up to which a notebook shows a picture unasked.
 _MAX_PICTURE_CELLS = 2**20
 _NO_ANSWERS: Answers = MappingProxyType({})
-
-
-@attrs.frozen
-class Reference:
-    """One thing to cite.
-
-    Attributes
-    ----------
-    text
-        The reference, without its address.
-    address
-        Where it is found.
-    """
-
-    text: str
-    address: str
-
-
-def list_references(version: str, parts: Iterable[object]) -> list[Reference]:
-    """Return the references to cite: the program, its paper, and the DOIs in the docstrings of parts."""
-    found = [
-        Reference(f"{AUTHORS} ({YEAR}). {TITLE} {version} [software].", ADDRESS),
-        Reference(f"{PAPER}. {JOURNAL} ({PAPER_YEAR}).", f"https://doi.org/{PAPER_DOI}"),
-    ]
-    for part in parts:
-        found += _references_in(inspect.getdoc(type(part)) or "")
-    return list({one.address: one for one in reversed(found)}.values())[::-1]
-
-
-def write_bibtex(version: str) -> str:
-    """Return the program as an entry of BibTeX."""
-    fields = {"author": f"{{{AUTHORS}}}", "title": TITLE, "version": version, "year": YEAR, "url": ADDRESS}
-    lines = "".join(f"  {name} = {{{value}}},\n" for name, value in fields.items())
-    return f"@software{{{TITLE},\n{lines}}}"
-
-
-def _references_in(docstring: str) -> list[Reference]:
-    """Return the references of a docstring: the text before each DOI in its section of references."""
-    _, _, section = docstring.partition(_REFERENCES_HEADING)
-    found = []
-    start = 0
-    for doi in _DOI.finditer(section := section.partition("\n\n")[0]):
-        text = _PLACE_IN_BOOK.sub("", " ".join(section[start : doi.start()].split()).strip(" ,;-"))
-        found.append(Reference(f"{text}.", f"https://doi.org/{doi[1]}"))
-        start = doi.end() + 1
-    return found
 
 
 @final
@@ -327,8 +267,7 @@ def _show_script(script: str) -> str:
 
 def _make_citation(problem: ContactProblem | None) -> str:
     made = versions()["roughcontact"]
-    methods = [] if problem is None else [problem.plan.kernel, problem.plan.solver]
-    references = list_references(made, [*methods, areas.resolve(DEFAULT_AREA)])
+    references = list_references(made, [areas.resolve(DEFAULT_AREA)] if problem is None else list_methods(problem))
     texts = (
         element("li", f"{escape(one.text)} {element('a', escape(one.address), href=one.address)}") for one in references
     )
