@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import doctest
 import inspect
+import os
 import re
 import sys
 from importlib.util import find_spec
@@ -164,15 +165,39 @@ def show_cached_properties() -> None:
                 cls.__slots__ = tuple(name for name in cls.__slots__ if name not in hidden)
 
 
+README = r"^```\{include\} ((?:\.\./)+plugins/[\w/-]*README\.md)\n```$"
+
+
+def find_pages_of_plugins(docs: Path) -> dict[Path, Path]:
+    """Which page shows the README of a plug-in."""
+    pages = {docs.parent / "plugins/roughcontact-app/README.md": docs / "start/app.md"}
+    for page in docs.glob("*/*.md"):
+        for readme in re.findall(README, page.read_text(encoding="utf-8"), re.M):
+            pages[Path(os.path.normpath(page.parent / readme))] = page
+    return pages
+
+
 def on_the_site(app: Sphinx, docname: str, source: list[str]) -> None:
     """Turn links to the files beside this folder, which GitHub shows, to the pages that include them."""
-    up = "../" * docname.count("/")
-    for link, page in (
-        ("README.md#", "trust/standing.md#"),
-        ("README.md)", "index.md)"),
-        ("CHANGELOG.md)", "changes.md)"),
-    ):
-        source[0] = source[0].replace(f"]({up}../{link}", f"]({up}{page}")
+    docs = Path(app.srcdir).resolve()
+    here = (docs / docname).parent
+    shown = {docs.parent / "README.md": docs / "index.md", docs.parent / "CHANGELOG.md": docs / "changes.md"}
+    shown |= find_pages_of_plugins(docs)
+
+    def relink(text: str, folder: Path) -> str:
+        def turn(link: re.Match[str]) -> str:
+            target = Path(os.path.normpath(folder / link[1]))
+            return f"]({Path(os.path.relpath(shown.get(target, target), here)).as_posix()}{link[2]})"
+
+        return re.sub(r"\]\(([^):#]+)((?:#[^)]*)?)\)", turn, text)
+
+    def include(found: re.Match[str]) -> str:
+        readme = Path(os.path.normpath(here / found[1]))
+        app.env.note_dependency(readme)
+        return relink(readme.read_text(encoding="utf-8"), readme.parent)
+
+    if (docs / f"{docname}.md").exists():
+        source[0] = re.sub(README, include, relink(source[0], here), flags=re.M)
 
 
 def list_names(app: Sphinx, docname: str, source: list[str]) -> None:
