@@ -11,6 +11,7 @@ import inspect
 import os
 import re
 import sys
+import tomllib
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -49,6 +50,7 @@ html_title = f"roughcontact {release}"
 html_copy_source = False
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
+html_search_scorer = str(Path(__file__).parent / "scorer.js")
 
 # Prompts and output are not copied.
 copybutton_prompt_text = r">>> |\.\.\. |\$ "
@@ -200,6 +202,16 @@ def on_the_site(app: Sphinx, docname: str, source: list[str]) -> None:
         source[0] = re.sub(README, include, relink(source[0], here), flags=re.M)
 
 
+def add_words(app: Sphinx, docname: str, source: list[str]) -> None:
+    """Enter the words of search.toml in the index of a page, which the search reads, below its title."""
+    table = Path(app.srcdir) / "search.toml"
+    words = tomllib.loads(table.read_text(encoding="utf-8")).get(docname)
+    if words:
+        app.env.note_dependency(table)
+        entries = ", ".join(f"! {word}" for word in words)
+        source[0] = re.sub(r"^(# .*\n)", rf"\1\n```{{index}} {entries}\n```\n", source[0], count=1, flags=re.M)
+
+
 def list_names(app: Sphinx, docname: str, source: list[str]) -> None:
     """Add the names of each page of the reference to its index, with the first sentence of each."""
     if docname != "api/index":
@@ -233,6 +245,7 @@ def setup(app: Sphinx) -> None:
     app.connect("missing-reference", plain_name)
     app.connect("html-page-context", fetch_nothing)
     app.connect("source-read", on_the_site)
+    app.connect("source-read", add_words)
     app.connect("source-read", list_names)
 
 
