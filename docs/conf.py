@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import doctest
 import inspect
+import os
 import re
 import sys
+import tomllib
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -48,6 +50,7 @@ html_title = f"roughcontact {release}"
 html_copy_source = False
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
+html_search_scorer = str(Path(__file__).parent / "scorer.js")
 
 # Prompts and output are not copied.
 copybutton_prompt_text = r">>> |\.\.\. |\$ "
@@ -164,15 +167,49 @@ def show_cached_properties() -> None:
                 cls.__slots__ = tuple(name for name in cls.__slots__ if name not in hidden)
 
 
+README = r"^```\{include\} ((?:\.\./)+plugins/[\w/-]*README\.md)\n```$"
+
+
+def find_pages_of_plugins(docs: Path) -> dict[Path, Path]:
+    """Which page shows the README of a plug-in."""
+    pages = {docs.parent / "plugins/roughcontact-app/README.md": docs / "start/app.md"}
+    for page in docs.glob("*/*.md"):
+        for readme in re.findall(README, page.read_text(encoding="utf-8"), re.M):
+            pages[Path(os.path.normpath(page.parent / readme))] = page
+    return pages
+
+
 def on_the_site(app: Sphinx, docname: str, source: list[str]) -> None:
     """Turn links to the files beside this folder, which GitHub shows, to the pages that include them."""
-    up = "../" * docname.count("/")
-    for link, page in (
-        ("README.md#", "trust/standing.md#"),
-        ("README.md)", "index.md)"),
-        ("CHANGELOG.md)", "changes.md)"),
-    ):
-        source[0] = source[0].replace(f"]({up}../{link}", f"]({up}{page}")
+    docs = Path(app.srcdir).resolve()
+    here = (docs / docname).parent
+    shown = {docs.parent / "README.md": docs / "index.md", docs.parent / "CHANGELOG.md": docs / "changes.md"}
+    shown |= find_pages_of_plugins(docs)
+
+    def relink(text: str, folder: Path) -> str:
+        def turn(link: re.Match[str]) -> str:
+            target = Path(os.path.normpath(folder / link[1]))
+            return f"]({Path(os.path.relpath(shown.get(target, target), here)).as_posix()}{link[2]})"
+
+        return re.sub(r"\]\(([^):#]+)((?:#[^)]*)?)\)", turn, text)
+
+    def include(found: re.Match[str]) -> str:
+        readme = Path(os.path.normpath(here / found[1]))
+        app.env.note_dependency(readme)
+        return relink(readme.read_text(encoding="utf-8"), readme.parent)
+
+    if (docs / f"{docname}.md").exists():
+        source[0] = re.sub(README, include, relink(source[0], here), flags=re.M)
+
+
+def add_words(app: Sphinx, docname: str, source: list[str]) -> None:
+    """Enter the words of search.toml in the index of a page, which the search reads, below its title."""
+    table = Path(app.srcdir) / "search.toml"
+    words = tomllib.loads(table.read_text(encoding="utf-8")).get(docname)
+    if words:
+        app.env.note_dependency(table)
+        entries = ", ".join(f"! {word}" for word in words)
+        source[0] = re.sub(r"^(# .*\n)", rf"\1\n```{{index}} {entries}\n```\n", source[0], count=1, flags=re.M)
 
 
 def list_names(app: Sphinx, docname: str, source: list[str]) -> None:
@@ -208,6 +245,7 @@ def setup(app: Sphinx) -> None:
     app.connect("missing-reference", plain_name)
     app.connect("html-page-context", fetch_nothing)
     app.connect("source-read", on_the_site)
+    app.connect("source-read", add_words)
     app.connect("source-read", list_names)
 
 

@@ -8,9 +8,9 @@ Needs a separate environment with the other codes (none is a dependency of ours;
     peers/bin/python docs/studies/compare_codes.py
 
 slippy 0.5.2 asks for a numpy before 1.21, but its solver runs with newer ones. What is not installed is omitted.
-It writes the table of the README, ours by numpy alone. `--small` writes that of grids of 64 to 256 cells a side, by
+It writes the table of docs/trust/standing.md, ours by numpy alone. `--small` writes that of grids of 64 to 256 cells a side, by
 numpy alone and compiled by the plug-in: all codes run by turns, and the medians count. `--only` and `--largest` print a
-choice of the lines of the README. `--friction` compares the first step of a path with friction, of which ASPHER alone
+choice of the lines of that table. `--friction` compares the first step of a path with friction, of which ASPHER alone
 has histories (like materials).
 
 Ours runs at its default tolerance. Each other code gets the loosest tolerance of a ladder, three to a factor of ten,
@@ -75,7 +75,7 @@ def make_rough(cells: int, seed: int = 0) -> np.ndarray:
 
 
 def make_cases(largest: int) -> list[Case]:
-    """Return the contacts of the README's table, up to a number of cells along a side."""
+    """Return the contacts of the table, up to a number of cells along a side."""
     cases = [Case(f"x = 0.05, {n}", make_rough(n), 0.05 * SLOPE) for n in (512, 1024, 2048) if n <= largest]
     if largest >= 1024:
         cases += [Case(f"x = {x}, 1024", make_rough(1024), x * SLOPE, long=x < 1.5) for x in (0.2, 1.0, 1.5, 3.0)]
@@ -507,7 +507,7 @@ def compare_in_process(name: str, options: list[str]) -> dict[str, Run]:
 
 
 def make_rows(largest: int = 1024, only: str = "") -> list[list[str]]:
-    """Return the table of the README, CPU times on one thread."""
+    """Return the table, CPU times on one thread."""
     rows = [["case", *COLUMNS]]
     for case in make_cases(largest):
         if only not in case.name:

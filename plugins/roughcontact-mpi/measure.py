@@ -1,4 +1,4 @@
-"""Measure contacts on slabs beside the solver of one process: `python measure.py` prints the tables of the README.
+"""Measure contacts on slabs beside the solver of one process: `python measure.py` prints two tables.
 
 Work is what each process computes outside of calls of MPI, in which it spins while it waits; the largest of all counts.
 Memory is the peak of numpy's arrays in a solve, over the float64 arrays of the slab, without the heights.

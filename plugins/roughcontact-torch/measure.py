@@ -1,4 +1,4 @@
-"""The tables of README.md: `python measure.py [CELLS ...]`, on each device that there is.
+"""The default solver on tensors beside numpy's arrays: `python measure.py [CELLS ...]`, on each device that there is.
 
 Times are medians of three solves, by turns on numpy's arrays and on tensors, in one process on one thread. With
 `masked` first: the work of the default solver on numpy's arrays beside that of the masked one on tensors. With `slabs`

@@ -1,4 +1,4 @@
-"""Kernels and bytes of the masked solver in README.md, without a GPU: `python measure_bytes.py [CELLS]`.
+"""Kernels and bytes of the masked solver, counted without a GPU: `python measure_bytes.py [CELLS]`.
 
 First those of an iteration, one operation at a time and compiled, and of a whole solve; then the time in which an H100
 moves the bytes, computed. Compilation takes about a minute for each case.

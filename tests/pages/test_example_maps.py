@@ -99,8 +99,8 @@ def test_the_files_are_written_once(tmp_path, capsys):
     assert all(path.stat().st_mtime_ns == time for path, time in times.items())
 
 
-def test_the_line_of_the_readme_gives_a_contact_whose_area_is_known(tmp_path, monkeypatch, capsys):
-    text = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
+def test_the_first_command_gives_a_contact_whose_area_is_known(tmp_path, monkeypatch, capsys):
+    text = (Path(__file__).parents[2] / "docs" / "start" / "getting_started.md").read_text(encoding="utf-8")
     (line,) = re.findall(r"^roughcontact (solve ball.npz ring.npz .*)$", text, re.M)
     monkeypatch.chdir(tmp_path)
     rc.examples.write()

@@ -114,6 +114,8 @@ def test_scripts_of_the_pages_run(page, place):
     done = run([sys.executable, "-W", "error", "-c", (ALLOW if page.stem in WARNED else "") + script], place)
     assert done.returncode == 0, done.stderr
     assert ("ContactWarning" in done.stderr) == (page.stem in WARNED)
+    if page.stem == "README":
+        assert [done.stdout] == blocks_of(page, "text")
     if page.stem == "tutorial_conductance":
         assert (place / "ground_on_aluminium.inp").read_text("ascii").count("*GAP CONDUCTANCE, PRESSURE") == 1
 

@@ -5,6 +5,7 @@ It is built once for all tests here: `.ci/run docs` gives them to one process.
 
 from __future__ import annotations
 
+import csv
 import importlib.util
 import json
 import re
@@ -153,3 +154,41 @@ def test_examples_of_the_site_run(site):
     build("doctest", site)
     summary = (site / "doctest" / "output.txt").read_text(encoding="utf-8")
     assert int(re.search(r"(\d+) tests?\b", summary[summary.index("Doctest summary") :])[1]) >= 15
+
+
+def find_pages(index, query):
+    """The pages that the search lists, the best first, by the weights of Sphinx's searchtools.js and docs/scorer.js."""
+    query, names, titles = query.lower(), index["docnames"], index["titles"]
+    english = pytest.importorskip("sphinx.search.en").SearchEnglish({})
+    terms = {english.stem(word) for word in re.findall(r"\w+", query) if word not in english.stopwords}
+    found = []
+    for title, places in index["alltitles"].items():
+        if query in title.lower() and 2 * len(query) >= len(title):
+            found += [(round(15 * len(query) / len(title)) + (titles[file] == title), file) for file, _ in places]
+    for entry, places in index["indexentries"].items():
+        if query in entry and 2 * len(query) >= len(entry):
+            found += [(round(100 * len(query) / len(entry)), file) for file, _, main in places if main]
+    files = []
+    for term in terms:
+        scores = {}
+        for table, whole, part in (("terms", 5, 2), ("titleterms", 15, 7)):
+            others = [] if term in index[table] or len(term) < 3 else [one for one in index[table] if term in one]
+            for score, one in [(whole, term), *((part, other) for other in others)]:
+                listed = index[table].get(one, [])
+                scores |= dict.fromkeys([listed] if isinstance(listed, int) else listed, score)
+        files.append(scores)
+    found += [(max(scores[file] for scores in files), file) for file in set.intersection(*map(set, files))]
+    less = {"api": 7, "changes": 8, "auto_gallery": 3}
+    ordered = sorted((less.get(names[file].split("/")[0], 0) - score, titles[file].lower(), file) for score, file in found)
+    return list(dict.fromkeys(names[file] for *_, file in ordered))
+
+
+def test_the_search_finds_the_page_of_each_question(site):
+    text = (site / "html" / "searchindex.js").read_text(encoding="utf-8")
+    index = json.loads(text.removeprefix("Search.setIndex(").removesuffix(")"))
+    with (Path(__file__).parent / "questions.csv").open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == 30
+    for column in ("words", "other words"):
+        ranks = {row[column]: find_pages(index, row[column]).index(row["page"]) for row in rows}
+        assert sum(rank < 4 for rank in ranks.values()) >= 28, ranks
