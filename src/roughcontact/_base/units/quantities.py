@@ -170,7 +170,7 @@ class HasUnit(Protocol):
 
 def has_unit(value: object) -> TypeGuard[HasUnit]:
     """Return whether a value has a unit of its own."""
-    return all(hasattr(type(value), name) for name in ("magnitude", "to", "to_base_units"))
+    return all(hasattr(type(value), name) for name in ("to", "to_base_units"))
 
 
 def read_unit(value: HasUnit, unit: str) -> Any:

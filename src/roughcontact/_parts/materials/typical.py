@@ -123,7 +123,7 @@ class MaterialRegistry(Registry[Material]):
         """Return the names of the typical materials by those of their attributes."""
         found = {}
         for name in TYPICAL:
-            attribute = re.sub(r"\W+", "_", name)
+            attribute = re.sub(r"\W+", "_", name).strip("_")
             found[f"{_BEFORE_DIGIT}{attribute}" if attribute[:1].isdigit() else attribute] = name
         return found
 
