@@ -7,7 +7,7 @@ import math
 import re
 from collections.abc import Callable
 from decimal import Decimal
-from typing import Any, Protocol, TypeAlias, TypeGuard
+from typing import Any, Protocol, TypeAlias, TypeGuard, runtime_checkable
 
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
@@ -157,6 +157,7 @@ def quantity(unit: str) -> Callable[[str], float]:
     return convert
 
 
+@runtime_checkable
 class HasUnit(Protocol):
     """A number or an array with a unit of its own, as packages for units have them: pint, and those that act as it."""
 
