@@ -1,4 +1,4 @@
-"""Results in pandas, xarray, VTK and SurfaceTopography: the same numbers at the same places; short in notebooks."""
+"""Results in pandas, xarray, VTK and SurfaceTopography, and what comes from there: the same numbers and places."""
 
 from __future__ import annotations
 
@@ -268,6 +268,117 @@ class Topography:
         factor = {"m": 1.0, "µm": 1e-6}[self.unit] / {"m": 1.0}[unit]
         sizes = tuple(factor * side for side in self.physical_sizes)
         return attrs.evolve(self, values=self.values * factor, unit=unit, physical_sizes=sizes)
+
+
+class TestUnits:
+    """Quantities of pint, wherever a text with a unit may stand."""
+
+    @pytest.fixture
+    def pint(self):
+        return pytest.importorskip("pint").UnitRegistry().Quantity
+
+    def test_they_mean_what_texts_mean(self, pint):
+        given = {"Pa": pint(210, "GPa"), "m": pint(5, "mm"), "J/m2": pint(50, "mJ/m**2"), "rad": pint(30, "deg")}
+        assert rc.Elastic(given["Pa"], pint(30, "percent")).young == pytest.approx(210e9)
+        assert rc.SphereSurface(given["m"]).radius == pytest.approx(5e-3)
+        assert rc.ShortRange(work=given["J/m2"]).work == pytest.approx(0.05)
+        rough = {"hurst": 0.8, "rms_slope": 0.1, "shortest": pint(5, "um"), "longest": "50um", "lay": given["rad"]}
+        assert rc.SelfAffineSurface(**rough).lay == pytest.approx(np.pi / 6.0)
+        for size in (pint([300, 200], "um"), (pint(0.3, "mm"), "0.2mm")):
+            assert rc.Grid((24, 16), size).size == pytest.approx(GRID.size)
+            found = rc.HeightMap(pint(1e6 * ROUGH.heights(GRID), "um"), size=size)
+            np.testing.assert_allclose(found.values, ROUGH.heights(GRID))
+        forces = [state.force for state in PROBLEM.sweep(force=pint([0.5, 1.0], "N"))]
+        assert forces == pytest.approx([0.5, 1.0])
+        assert SOLUTION.stress(depths=pint([1, 2], "um")).depths == pytest.approx([1e-6, 2e-6])
+        flow = SOLUTION.leakage(viscosity=pint(1, "mPa*s"), pressure_drop=pint(1, "bar"))
+        assert flow.value == SOLUTION.leakage(viscosity="1mPa.s", pressure_drop="1bar").value
+        assert SOLUTION.conductance(conductivity=pint(45, "W/m/K")).value == SOLUTION.conductance(conductivity=45).value
+        wanted = PROBLEM.solve_for(area=pint(0.002, "mm**2"))
+        stiff = PROBLEM.solve_for(stiffness=pint(2, "MN/m"))
+        assert stiff.wanted == pytest.approx(2e6)
+        assert wanted.wanted == pytest.approx(0.002e-6)
+
+    def test_of_another_dimension_they_are_refused(self, pint):
+        for call in (rc.SphereSurface, lambda one: rc.Grid((8, 8), one), lambda one: rc.Elastic(one, 0.3)):
+            with pytest.raises(rc.InputError, match="'3 newton' is not a quantity in units of"):
+                call(pint(3, "N"))
+        with pytest.raises(rc.InputError, match="not a plain number"):
+            rc.Elastic(1e9, pint(3, "N"))
+
+    def test_of_uncertainties(self):
+        uncertainties = pytest.importorskip("uncertainties")
+        found = SOLUTION.stiffness().to_ufloat() / SOLUTION.area().to_ufloat()
+        assert isinstance(found, uncertainties.UFloat)
+        assert found.nominal_value == pytest.approx(SOLUTION.stiffness().value / SOLUTION.area().value)
+
+
+def make_array(axes=("x", "y"), heights="um", places="mm", **stated):
+    """Return the rough heights as an array of xarray, in these units."""
+    xarray = pytest.importorskip("xarray")
+    units = {} if places is None else {"units": places}
+    along = {axis: (axis, 1e3 * getattr(GRID, axis).ravel(), units) for axis in "xy"}
+    stated |= {} if heights is None else {"units": heights}
+    return xarray.DataArray(1e6 * ROUGH.heights(GRID), dims=("x", "y"), coords=along, attrs=stated, name="z").transpose(
+        *axes
+    )
+
+
+class TestArraysOfXarray:
+    HEIGHTS = ROUGH.heights(GRID)
+
+    @pytest.mark.parametrize("axes", ["xy", "yx"])
+    def test_axes_sides_and_units_are_its_own(self, axes):
+        array = make_array(axes)
+        for same in (array, array.isel(y=slice(None, None, -1)), array.expand_dims("t")):
+            found = rc.read_surface(same)
+            assert found.grid.matches(GRID)
+            np.testing.assert_allclose(found.values, self.HEIGHTS, rtol=1e-12)
+            assert found.history[0].startswith("read from the array 'z': 24 x 16 cells")
+
+    def test_gaps_are_non_measured_points(self):
+        array = make_array().where(lambda heights: heights < heights.quantile(0.9))
+        with pytest.raises(rc.InputError, match="array 'z' 39 of 384 points were not measured"):
+            rc.read_surface(array)
+        assert rc.read_surface(array, non_measured="keep").non_measured.sum() == 39
+
+    def test_what_a_solution_gives_is_read_again(self):
+        found = rc.read_surface(SOLUTION.to_xarray()["gap"])
+        assert found.grid.matches(GRID)
+        np.testing.assert_array_equal(found.values, SOLUTION.gap)
+
+    def test_what_it_does_not_state_may_be_given(self):
+        found = rc.read_surface(make_array(heights=None, places=None), unit="um", size=GRID.size)
+        np.testing.assert_allclose(found.values, self.HEIGHTS, rtol=1e-12)
+
+    @pytest.mark.parametrize(
+        ("change", "words"),
+        [
+            (lambda: make_array(heights=None), "heights in the array 'z' are numbers without a unit"),
+            (lambda: make_array(heights="Pa"), "states values in 'Pa', which is not a known unit of length"),
+            (lambda: make_array(places=None), "array 'z' does not state the size of its domain"),
+            (lambda: make_array(places="s"), "apart in 's'"),
+            (lambda: make_array().isel(x=[0, 1, 2, 5]), "its positions x are not regular"),
+            (lambda: make_array().rename(x="a"), "its axes, 'a', 'y', must be two, named 'x' and 'y'"),
+            (lambda: make_array().isel(x=0), "its axes, 'y', must be two"),
+            (lambda: make_array(scale=2.0), "'scale = 2.0', which changes what its numbers mean"),
+            (lambda: make_array(positive="down"), "'positive = down', which changes"),
+            (lambda: make_array().to_dataset(), "it is a set of arrays: give one of them, such as 'z'"),
+            (lambda: make_array() > 0, "it must hold real numbers"),
+        ],
+    )
+    def test_what_it_does_not_say_is_refused(self, change, words):
+        with pytest.raises(rc.InputError, match=words):
+            rc.read_surface(change())
+
+    def test_options_of_files_are_refused(self):
+        for options in ({"reader": "npz"}, {"skip_rows": 2}, {"unit": "nm"}, {"size": 1e-3}):
+            with pytest.raises(rc.InputError):
+                rc.read_surface(make_array(), **options)
+
+    def test_its_axes_are_never_taken_for_others(self):
+        with pytest.raises(rc.InputError, match="an array with named axes: read_surface takes it"):
+            rc.HeightMap(make_array("yx"), size=1e-3)
 
 
 class TestTopography:

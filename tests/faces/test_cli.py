@@ -417,28 +417,6 @@ def test_without_a_command_the_help_is_shown(capsys):
     assert printed.err == ""
 
 
-def test_the_help_of_solve_is_short_and_has_topics(capsys, monkeypatch):
-    monkeypatch.setenv("COLUMNS", "80")
-
-    def read(*topic):
-        with pytest.raises(SystemExit) as ended:
-            main(["solve", "--help", *topic])
-        assert ended.value.code == 0
-        return capsys.readouterr().out
-
-    short = read()
-    everything = read("all")
-    assert len(short.splitlines()) <= 90
-    assert {"--layer", "--boundary", "--force"} <= set(re.findall(r"--[\w-]+", short))
-    options = set(re.findall(r"^  (?:-\w[^-]*, )?(--[\w-]+)", everything, re.M))
-    topics = re.findall(r"^  --help (\w+)", short, re.M)
-    told = "".join(map(read, topics[:-1])) + short
-    assert topics[-1] == "all"
-    assert options <= set(re.findall(r"--[\w-]+", told))
-    # A text that names none, such as a map, gets the short help.
-    assert read("map.npz") == short
-
-
 def test_a_long_error_breaks_at_blanks_on_a_terminal(capsys, monkeypatch):
     monkeypatch.setenv("COLUMNS", "40")
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)

@@ -348,7 +348,7 @@ class TestSurface:
             (["sphere", "--radius", "1um", "--shape", "8", "8", "--size", "1mm"], "does not cover the domain"),
             (["sphere", "--shape", "8", "8", "--size", "1um"], "required: --radius"),
             (["sphere", "--radius", "1mm", "--shape", "8", "8", "--size", "1um", "-o", "x.txt"], ".npz, .pdf, .png"),
-            (["cone"], "invalid choice: 'cone'"),
+            (["cone"], "there is no 'cone'. Known: flat, "),
         ],
     )
     def test_refusals(self, run, arguments, words):

@@ -19,6 +19,7 @@ from decimal import Decimal
 from fractions import Fraction
 from importlib.util import find_spec
 from pathlib import Path
+from typing import ClassVar
 
 import attrs
 import numpy as np
@@ -106,7 +107,8 @@ GOOD = {
 # ... where the same name means something else.
 GOOD_FOR = {
     "SphereSurface.plot": {"grid": GRID, "panel": "map"}, "ContactSolution.plot": {"panel": "patch-sizes"},
-    "Estimate": {"value": 1.0, "uncertainty": 0.1, "unit": "m"},
+    "Estimate": {"value": 1.0, "uncertainty": 0.1, "unit": "m"}, "Estimate.__add__": {"other": 1.0},
+    "cite": {"style": "bibtex"},
     "DCFFT.prepare": {"kernel": BOUND, "boundary": rc.Boundary.FREE},
     "CircularFFT.prepare": {"kernel": BOUND},
     "Direct.prepare": {"kernel": BOUND, "boundary": rc.Boundary.FREE},
@@ -169,6 +171,26 @@ class Raising:
 
 class Text(str):
     __slots__ = ()
+
+
+class ForeignQuantity:
+    """What seems to have a unit, but converts to none."""
+
+    def to(self, other):
+        raise KeyError(other)
+
+    to_base_units = to
+
+
+class ForeignArray:
+    """What seems to have named axes, but no numbers."""
+
+    dims = ("x", "y")
+    ndim = 2
+    shape = (8, 8)
+    coords: ClassVar = {}
+    attrs: ClassVar = {"units": 3}
+    name = data = None
 
 
 class Failing(rc.Surface):
@@ -253,6 +275,7 @@ BAD = {
         "kernel": rc.FourierHalfSpace(), "paper solver": rc.PolonskyKeer(), "estimator": rc.Perimeter(), "map": MAP,
         "failing surface": Failing(), "failing body": rc.Body(Failing(), STEEL), "wrong kernel": WrongKernel(),
         "wrong estimator": WrongEstimator(), "hard": HARD,
+        "quantity": ForeignQuantity(), "array with axes": ForeignArray(),
     }.items()
 }  # fmt: skip
 BAD |= {
@@ -315,7 +338,8 @@ OBJECTS = {
     "CircularFFT": rc.CircularFFT(), "Direct": rc.Direct(), "PolonskyKeer": rc.PolonskyKeer(),
     "ProjectedConjugateGradient": rc.ProjectedConjugateGradient(), "SpectralGradient": rc.SpectralGradient(),
     "Blend": rc.Blend(), "LevelSet": rc.LevelSet(), "Overlap": rc.Overlap(), "UniformRise": rc.UniformRise(),
-    "PlacedMap": rc.PlacedMap(MAP), "InterfaceLaw": LAW, "FilmLaw": FILM, "SphereSurface": rc.SphereSurface(1.0),
+    "PlacedMap": rc.PlacedMap(MAP), "Estimate": rc.Estimate(1.0, 0.1, "m"),
+    "InterfaceLaw": LAW, "FilmLaw": FILM, "SphereSurface": rc.SphereSurface(1.0),
 }  # fmt: skip
 
 

@@ -13,7 +13,7 @@ import pytest
 ROOT = Path(__file__).parents[2]
 STRAY = (".env", "passwords.txt", "src/.env", "src/{package}/.env", "tests/.netrc", "build.log")
 # Of the repository alone.
-UNPUBLISHED = (".git", ".pre-commit-config.yaml", ".zenodo.json", "paper/", "recipe/")
+UNPUBLISHED = (".dockerignore", ".git", "Dockerfile", ".pre-commit-config.yaml", ".zenodo.json", "paper/", "recipe/")
 
 
 @pytest.mark.parametrize(

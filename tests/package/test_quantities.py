@@ -260,3 +260,57 @@ def test_the_mean_gap_over_a_summit_beside_a_free_border_is_uncertain(place, bou
         problem = rc.ContactProblem(rc.Body(surface, rc.Elastic(1.0, 0.0)), boundary=kinds)
         found.append(problem.solve(pressure=2e-4).response("mean-gap"))
     assert abs(found[0].value - found[1].value) < 2.0 * found[0].uncertainty < 0.3 * found[1].value
+
+
+UNITS = {"mm": ("m", 1e-3), "GPa": ("Pa", 1e9), "mJ/m2": ("J/m**2", 1e-3), "1": ("dimensionless", 1.0)}
+
+
+class Measured:
+    """A number with a unit of its own, as packages for units have it."""
+
+    def __init__(self, magnitude, unit):
+        self.magnitude = magnitude
+        self.unit = unit
+
+    def to_base_units(self):
+        return self.to(UNITS[self.unit][0])
+
+    def to(self, other):
+        base, factor = UNITS[self.unit]
+        if other != base:
+            raise ArithmeticError(f"{self.unit} is no {other}")
+        return Measured(self.magnitude * factor, other)
+
+    def __repr__(self):
+        return f"{self.magnitude} {self.unit}"
+
+
+class TestOtherPackages:
+    """What acts as a quantity of pint is read where a text with a unit is; tests/faces/test_bridges.py has pint's."""
+
+    def test_it_is_read_in_the_unit_of_the_field(self):
+        assert rc.Elastic(Measured(210, "GPa"), Measured(0.3, "1")) == rc.Elastic(210e9, 0.3)
+        assert rc.Grid((8, 4), [Measured(1, "mm"), "0.5mm"]).size == (1e-3, 5e-4)
+        assert rc.Grid((8, 4), Measured(np.array([1.0, 0.5]), "mm")).size == (1e-3, 5e-4)
+        assert rc.Exponential(work=Measured(50, "mJ/m2"), range="2nm").work == 0.05
+        heights = np.random.default_rng(0).random((8, 8))
+        found = rc.HeightMap(Measured(heights, "mm"), size=Measured(1, "mm"))
+        np.testing.assert_array_equal(found.values, 1e-3 * heights)
+
+    @pytest.mark.parametrize(
+        "call",
+        [
+            lambda: rc.Elastic(Measured(1, "mm"), 0.3),
+            lambda: rc.Elastic(1e9, Measured(1, "mm")),
+            lambda: rc.Grid((8, 8), Measured(1, "GPa")),
+            lambda: rc.Grid((8, 8), ["1mm", Measured(1, "GPa")]),
+            lambda: rc.SphereSurface(Measured(1, "GPa")),
+            lambda: rc.SphereSurface(Measured(None, "mm")),
+            lambda: rc.Exponential(work=Measured(1, "mm"), range=1e-9),
+            lambda: rc.HeightMap(Measured(np.ones((8, 8)), "GPa"), size=1e-3),
+            lambda: rc.reference.texture(Measured(np.ones((8, 8)), "GPa"), rc.Grid((8, 8), 1e-3)),
+        ],
+    )
+    def test_of_another_dimension_it_is_refused(self, call):
+        with pytest.raises(rc.InputError, match=r"is not a (quantity in units of|plain number)"):
+            call()

@@ -172,7 +172,9 @@ class TestTable:
     def test_its_repr_is_a_table(self):
         lines = repr(rc.materials).splitlines()
         assert lines[0] == f"material: {len(rc.materials)} subclasses of Material"
-        rows = dict(line.split() for line in lines[1:])
+        *shown, typical = lines[1:]
+        assert typical.startswith("typical ones: bearing_steel, ")
+        rows = dict(line.split() for line in shown)
         assert list(rows) == list(rc.materials)
         assert rows["rigid"].endswith(":Rigid")
 
@@ -202,3 +204,31 @@ class TestTable:
         with pytest.raises(rc.InputError, match="Pass an instance, not the class"):
             rc.kernels.resolve(rc.Love)
         assert rc.kernels.resolve("love") == rc.Love()
+
+
+class TestTypicalMaterials:
+    def test_they_are_attributes_that_are_completed(self):
+        assert rc.materials.bearing_steel == rc.faces.TYPICAL["bearing steel"]
+        assert rc.Body(rc.FlatSurface(), rc.materials.PTFE).material == rc.Body(rc.FlatSurface(), "PTFE").material
+        named = [name for name in dir(rc.materials) if isinstance(getattr(rc.materials, name, None), rc.Material)]
+        assert len(named) == len(rc.faces.TYPICAL)
+        assert all(name.isidentifier() for name in named)
+
+    def test_those_of_plug_ins_too(self, monkeypatch):
+        added = {"1006-steel": rc.Elastic(2e11, 0.3), "bronze (CuSn8)": rc.Elastic(1e11, 0.3)}
+        monkeypatch.setattr(rc.faces.TYPICAL, "_known", {**rc.faces.TYPICAL._known, **added})
+        assert rc.materials.grade_1006_steel == added["1006-steel"]
+        assert rc.materials.bronze_CuSn8 == added["bronze (CuSn8)"]
+
+    def test_a_word_of_several_names_them(self):
+        with pytest.raises(rc.InputError, match=r"Did you mean 'bearing_steel', .*or 'structural_steel'") as caught:
+            rc.materials.steel  # noqa: B018
+        assert isinstance(caught.value, AttributeError)
+        assert not hasattr(rc.materials, "steel")
+        with pytest.raises(rc.InputError, match=r"Did you mean 'bearing steel', .*or 'structural steel'"):
+            rc.Body(rc.FlatSurface(), "steel")
+
+    def test_the_registry_stays_one(self):
+        assert "bearing steel" not in rc.materials
+        assert not hasattr(rc.materials, "__wrapped__")
+        assert not hasattr(rc.kernels, "bearing_steel")

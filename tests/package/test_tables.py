@@ -67,11 +67,12 @@ class TestText:
             assert number * factor == pytest.approx(value, abs=0.1 * relative * value)
             assert uncertainty * factor == pytest.approx(relative * value, rel=0.06)
 
-    def test_no_prefix_is_read_as_one_inside_a_power(self):
-        """0.2 mm3/s is not 0.2e-3 m3/s."""
+    def test_a_prefix_is_one_inside_a_power(self):
+        """200 mm3/s are 200e-9 m3/s; before an inverse there is none."""
         text = Table({"leakage": [rc.Estimate(2e-7, 1e-8, "m3/s")]}).to_text()
-        assert text.splitlines()[0].strip() == "leakage, m3/s"
-        assert float(text.splitlines()[1].split()[0]) == pytest.approx(2e-7)
+        assert text.splitlines()[0].strip() == "leakage, mm3/s"
+        assert float(text.splitlines()[1].split()[0]) == pytest.approx(200.0)
+        assert Table({"curvature": [rc.Estimate(2e5, 1e3, "1/m")]}).to_text().split()[:2] == ["curvature,", "1/m"]
 
     def test_answers_of_several_units_have_theirs_beside_them(self):
         answers = {"contact area": AREAS[0], "maximum pressure": rc.Estimate(1.2e9, 3e7, "Pa")}

@@ -7,7 +7,7 @@ import math
 import re
 from collections.abc import Callable
 from decimal import Decimal
-from typing import Any, Protocol, TypeAlias, TypeGuard
+from typing import Any, Protocol, TypeAlias, TypeGuard, runtime_checkable
 
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
@@ -157,6 +157,7 @@ def quantity(unit: str) -> Callable[[str], float]:
     return convert
 
 
+@runtime_checkable
 class HasUnit(Protocol):
     """A number or an array with a unit of its own, as packages for units have them: pint, and those that act as it."""
 
@@ -170,7 +171,7 @@ class HasUnit(Protocol):
 
 def has_unit(value: object) -> TypeGuard[HasUnit]:
     """Return whether a value has a unit of its own."""
-    return all(hasattr(type(value), name) for name in ("magnitude", "to", "to_base_units"))
+    return all(hasattr(type(value), name) for name in ("to", "to_base_units"))
 
 
 def read_unit(value: HasUnit, unit: str) -> Any:

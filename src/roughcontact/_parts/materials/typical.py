@@ -102,7 +102,7 @@ class MaterialRegistry(Registry[Material]):
     >>> rc.materials.steel
     Traceback (most recent call last):
         ...
-    roughcontact.InputError: There is no material named 'steel'. Did you mean 'bearing_steel', 'stainless_steel' or ...
+    roughcontact.errors.NoSuchField: There is no material named 'steel'. Did you mean 'bearing_steel', 'stainless_steel' or ...
     """
 
     def __getattr__(self, name: str) -> Material:
@@ -123,7 +123,7 @@ class MaterialRegistry(Registry[Material]):
         """Return the names of the typical materials by those of their attributes."""
         found = {}
         for name in TYPICAL:
-            attribute = re.sub(r"\W+", "_", name)
+            attribute = re.sub(r"\W+", "_", name).strip("_")
             found[f"{_BEFORE_DIGIT}{attribute}" if attribute[:1].isdigit() else attribute] = name
         return found
 

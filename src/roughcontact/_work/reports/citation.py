@@ -66,8 +66,8 @@ def cite(*used: object, style: str = "text") -> str:
     Parameters
     ----------
     *used
-        What was used: solutions, paths, problems, parts, or registered names such as ``"hertz"``. Of a solution
-        these are its kernel, convolver and solver, its materials, surfaces and laws, and the default area. Their
+        What was used: solutions, paths, problems, parts, their classes or registered names, such as ``"hertz"``. Of a
+        solution these are its kernel, convolver and solver, its materials, surfaces and laws, and the default area. Their
         references are those of their docstrings that have a DOI.
     style
         ``"text"``, a line for each reference, or ``"bibtex"``.
@@ -102,9 +102,8 @@ def cite(*used: object, style: str = "text") -> str:
 
 
 def list_methods(problem: ContactProblem) -> list[object]:
-    """Return the parts by which a problem is solved, and the default area."""
-    surfaces = [side.surface for side in (problem.body, problem.counterbody)]
-    return [*_walk(problem.plan), *(part for one in surfaces for part in _walk(one)), areas.resolve(DEFAULT_AREA)]
+    """Return the parts of a problem, those by which it is solved before what it is made of, and the default area."""
+    return [*_walk(problem.plan), *_walk(problem), areas.resolve(DEFAULT_AREA)]
 
 
 def list_references(version: str, parts: Iterable[object]) -> list[Reference]:
@@ -141,9 +140,11 @@ def _list_parts(used: object) -> list[object]:
         if not named:
             raise InputError.unknown("part", used, {name for registry in known for name in registry})
         return named
+    if isinstance(used, type) and issubclass(used, Part):
+        return [used]
     if isinstance(used, Part):
         return list(_walk(used))
-    raise InputError.about("What is cited", used, "a solution, a path, a problem, a part or a registered name")
+    raise InputError.about("What is cited", used, "a solution, a path, a problem, a part, its class or its name")
 
 
 def _walk(value: object) -> Iterator[object]:
