@@ -50,6 +50,7 @@ html_title = f"roughcontact {release}"
 html_copy_source = False
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
+html_js_files = ["sidebar.js"]
 html_search_scorer = str(Path(__file__).parent / "scorer.js")
 
 # Prompts and output are not copied.

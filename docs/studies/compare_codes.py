@@ -8,10 +8,10 @@ Needs a separate environment with the other codes (none is a dependency of ours;
     peers/bin/python docs/studies/compare_codes.py
 
 slippy 0.5.2 asks for a numpy before 1.21, but its solver runs with newer ones. What is not installed is omitted.
-It writes the table of docs/trust/standing.md, ours by numpy alone. `--small` writes that of grids of 64 to 256 cells a side, by
-numpy alone and compiled by the plug-in: all codes run by turns, and the medians count. `--only` and `--largest` print a
-choice of the lines of that table. `--friction` compares the first step of a path with friction, of which ASPHER alone
-has histories (like materials).
+It writes the table of docs/trust/standing.md, ours by numpy alone. `--small` writes that of grids of 64 to 256 cells a
+side, by numpy alone and compiled by the plug-in: all codes run by turns, and the medians count. `--only` and
+`--largest` print a choice of the lines of the first table. `--friction` compares the first step of a path with
+friction, of which ASPHER alone has histories (like materials).
 
 Ours runs at its default tolerance. Each other code gets the loosest tolerance of a ladder, three to a factor of ten,
 with which `measure_violation` finds it as good as ours, or 1e-6 of the rms height if ours is better. CPU time on one

@@ -1,9 +1,9 @@
 """Error against run time on the paper's wave at 100 MPa: one solve on N x N cells, each area estimator.
 
-Writes docs/figures/error_vs_time.png and its table in docs/trust/standing.md. At N = 160, 200, 240, 260 and 320 a wave has a
-whole number of cells, and every summit meets the grid in the same way; on the other grids their errors average. Times
-are CPU times of the solve and its area, kernel included, medians over repeats after a warm-up. The converged values
-come from plugins/roughcontact-paper, which must be installed.
+Writes docs/figures/error_vs_time.png and its table in docs/trust/standing.md. At N = 160, 200, 240, 260 and 320 a
+wave has a whole number of cells, and every summit meets the grid in the same way; on the other grids their errors
+average. Times are CPU times of the solve and its area, kernel included, medians over repeats after a warm-up. The
+converged values come from plugins/roughcontact-paper, which must be installed.
 
     python docs/studies/error_vs_time.py
 """

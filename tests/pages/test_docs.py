@@ -102,12 +102,34 @@ def test_every_figure_has_its_script():
         assert any(f'savefig("{name}.png")' in page.read_text(encoding="utf-8") for page in DOCS.rglob("tutorial_*.md"))
 
 
-@pytest.mark.parametrize("page", [pytest.param(page, id=page.stem) for page in PAGES])
-def test_no_page_is_longer_than_a_reader_stays(page):
+def count_words(page):
     """Words outside code and tables; references are looked up, not read."""
     text = re.sub(r"^(`{3,})\w*.*?^\1$|^\$\$.*?^\$\$$", "", page.read_text(encoding="utf-8"), flags=re.S | re.M)
     lines = [line for line in text.splitlines() if not line.startswith(("|", "<!--"))]
-    assert len(" ".join(lines).split()) <= 1200
+    return len(" ".join(lines).split())
+
+
+READMES = sorted(ROOT.glob("plugins/**/README.md"))
+
+
+def name(page):
+    return f"{page.parent.name}/{page.stem}"
+
+
+@pytest.mark.parametrize("page", [pytest.param(page, id=name(page)) for page in (*PAGES, *READMES)])
+def test_no_page_is_longer_than_a_reader_stays(page):
+    assert count_words(page) <= 1200
+
+
+def test_all_pages_together_are_no_longer_than_a_book():
+    assert sum(map(count_words, (*PAGES, *READMES))) <= 36_000
+
+
+@pytest.mark.parametrize("readme", READMES, ids=name)
+def test_the_site_has_a_page_for_each_plugin(readme):
+    if readme.parent.name != "roughcontact-app":
+        includes = f"plugins/{readme.relative_to(ROOT / 'plugins').as_posix()}\n"
+        assert any(includes in page.read_text(encoding="utf-8") for page in PAGES)
 
 
 def test_the_pages_are_in_five_parts():

@@ -179,7 +179,9 @@ def find_pages(index, query):
         files.append(scores)
     found += [(max(scores[file] for scores in files), file) for file in set.intersection(*map(set, files))]
     less = {"api": 7, "changes": 8, "auto_gallery": 3}
-    ordered = sorted((less.get(names[file].split("/")[0], 0) - score, titles[file].lower(), file) for score, file in found)
+    ordered = sorted(
+        (less.get(names[file].split("/")[0], 0) - score, titles[file].lower(), file) for score, file in found
+    )
     return list(dict.fromkeys(names[file] for *_, file in ordered))
 
 
