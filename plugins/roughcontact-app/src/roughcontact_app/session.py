@@ -20,7 +20,7 @@ from roughcontact_app.materials import MATERIAL_FORMS
 from roughcontact_app.page import Page
 from roughcontact_app.responses import TICK_BOXES
 from roughcontact_app.scene import EXAMPLES
-from roughcontact_app.settings import DEFAULTS, Settings, read_settings
+from roughcontact_app.settings import DEFAULTS, FIRST, Settings, read_settings
 from roughcontact_app.uploads import StoredFile, Uploads, known_endings
 
 # Bytes that reading a file may take: some for libraries, and a multiple of its bytes, of which a height may have one.
@@ -57,6 +57,7 @@ class Session:
         threading.Thread(target=self._prepare, args=(page,), daemon=True).start()
         return {
             "defaults": DEFAULTS,
+            "first": FIRST,
             "examples": list(EXAMPLES),
             "typical": list_typical(),
             "materials": [attrs.asdict(form) for form in MATERIAL_FORMS.values()],

@@ -88,7 +88,7 @@ def list_layer_defaults(prefix: str) -> dict[str, str]:
     return found
 
 
-# What the form holds at first; each setting has its text here and no other is taken.
+# What a link or a request that does not say otherwise holds; each setting has its text here and no other is taken.
 DEFAULTS: dict[str, str] = {
     "surface": "example",
     "example": "ground_ring",
@@ -125,6 +125,14 @@ DEFAULTS: dict[str, str] = {
     **{f"{prefix}{name}": text for prefix in PREFIXES for name, text in list_material_defaults(MATERIAL_FORMS).items()},
     **list_defaults([*TICK_BOXES.values(), *LAW_BOXES.values()]),
     "scheme": "light",
+}
+# The scene with which the page opens: a ball on a plane of bearing steel; Hertz's contact radius is 55 µm.
+FIRST: dict[str, str] = {
+    "surface": "sphere",
+    **_split_units({"radius": "5 mm", "side": "220 um"}),
+    "counterbody": "deformable",
+    **{f"{prefix}hardness": "7" for prefix in PREFIXES},
+    **{"load": "force", "loads": "5", "load_unit": "N"},
 }
 # Kinds of loads that have values.
 _LOADS = ("force", "pressure", "approach")
