@@ -8,12 +8,10 @@ const wishFor = ({ name, digest }) => `Choose or drop the file of this link agai
 
 export class MapFile {
   // The prefix is that of its settings and places; kind is the setting that says whether the map is solved.
-  constructor(prefix, kind, onChange) {
+  constructor(prefix, kind, onChange, onChoose) {
     Object.assign(this, { prefix, kind, onChange });
     this.input = byId(`${prefix}file-input`);
-    this.input.addEventListener("change", () => {
-      if (this.input.files.length) this.take(this.input.files[0]);
-    });
+    this.input.addEventListener("change", () => onChoose(this, [...this.input.files]));
     this.forget();
   }
 
@@ -33,6 +31,7 @@ export class MapFile {
   async take(file) {
     this.reading = file;
     for (const place of ["refusal", "note"]) say(place, "");
+    byId(`g-${this.prefix ? "counterbody" : "surface"}`).open = true;
     this.say(`Reading ${file.name} ...`);
     this.onChange();
     try {

@@ -13,20 +13,42 @@ export class Viewer {
     this.image = document.createElement("img");
     this.image.draggable = false;
     this.frame.append(this.image);
+    this.problem = document.createElement("p");
+    this.problem.className = "alert";
+    this.problem.hidden = true;
+    this.problem.setAttribute("role", "alert");
+    this.image.addEventListener("load", () => this.frame.classList.remove("skeleton"));
+    this.image.addEventListener("error", () => this.fail());
     this.scaleText = document.createElement("span");
     this.scaleText.className = "help";
-    place.replaceChildren(this.frame, this.makeButtons());
+    place.replaceChildren(this.problem, this.frame, this.makeButtons());
     this.pointers = new Map();
     this.listen();
     this.reset();
   }
 
-  // Another picture of the same kind may keep what is zoomed in.
+  // Another picture of the same kind may keep what is zoomed in; until it is here, there is a blank in its place.
   show(address, text, keepsView = false) {
-    this.image.src = address;
+    if (this.image.getAttribute("src") !== address) {
+      this.frame.classList.toggle("skeleton", !keepsView);
+      this.image.src = address;
+    }
     this.image.alt = text;
-    this.place.hidden = false;
+    this.problem.hidden = true;
+    this.frame.hidden = this.place.hidden = false;
     if (!keepsView) this.reset();
+  }
+
+  // The picture may be asked for again: its tab opened anew.
+  async fail() {
+    const address = this.image.getAttribute("src");
+    if (!address) return;
+    const { error = "" } = await fetch(address).then((answer) => answer.json()).catch(() => ({}));
+    if (this.image.getAttribute("src") !== address) return;
+    this.image.removeAttribute("src");
+    this.problem.textContent = error || "This picture could not be drawn.";
+    this.problem.hidden = false;
+    this.frame.hidden = true;
   }
 
   hide() {
