@@ -9,7 +9,7 @@ export class Viewer {
     this.frame.className = "frame";
     this.frame.tabIndex = 0;
     this.frame.setAttribute("role", "group");
-    this.frame.setAttribute("aria-label", `${label}. Plus and minus zoom, arrows move, 0 shows all.`);
+    this.frame.setAttribute("aria-label", `${label}. Plus and minus zoom, arrows move, 0 shows all; the wheel zooms after a click.`);
     this.image = document.createElement("img");
     this.image.draggable = false;
     this.frame.append(this.image);
@@ -61,13 +61,14 @@ export class Viewer {
     const actions = [
       ["+", "Zoom in", () => this.zoom(1.5)],
       ["−", "Zoom out", () => this.zoom(1 / 1.5)],
-      ["Show all", "", () => this.reset()],
+      ["⤢", "Show all", () => this.reset()],
     ];
     for (const [text, label, act] of actions) {
       const button = document.createElement("button");
       button.type = "button";
       button.textContent = text;
-      if (label) button.setAttribute("aria-label", label);
+      button.title = label;
+      button.setAttribute("aria-label", label);
       button.addEventListener("click", act);
       row.append(button);
     }
@@ -157,6 +158,6 @@ export class Viewer {
     // A finger moves what is zoomed in, and otherwise scrolls the page.
     this.frame.classList.toggle("zoomed", this.scale > 1);
     this.image.style.imageRendering = this.scale > 3 ? "pixelated" : "auto";
-    this.scaleText.textContent = `${this.scale.toFixed(1)} times; the wheel zooms after a click`;
+    this.scaleText.textContent = this.scale > 1 ? `${this.scale.toFixed(1)} times` : "";
   }
 }

@@ -64,7 +64,7 @@ function describeMaterial(values, of, prefix) {
 
 function summarizeMaterial(values, of, prefix) {
   const name = nameMaterial(values, prefix);
-  if (values[`${prefix}material`] === "elastic") return [name, of(`${prefix}young`), `ν ${values[`${prefix}poisson`]}`].filter(Boolean).join(", ");
+  if (values[`${prefix}material`] === "elastic") return [name, of(`${prefix}young`), `ν\u00a0${values[`${prefix}poisson`]}`].filter(Boolean).join(", ");
   return name || describeMaterial(values, of, prefix);
 }
 
