@@ -9,6 +9,7 @@ import csv
 import os
 import shutil
 import threading
+from importlib import resources
 from pathlib import Path
 
 import numpy as np
@@ -89,8 +90,13 @@ class Page:
     def find(self, name):
         return self.reveal(self.driver.find_element(By.ID, name))
 
+    def click(self, element):
+        # Solve stands before what is at the bottom of the form, or of a small screen.
+        self.driver.execute_script("arguments[0].scrollIntoView({ block: 'center' })", element)
+        element.click()
+
     def tick(self, name):
-        self.reveal(self.driver.find_element(By.NAME, name)).click()
+        self.click(self.reveal(self.driver.find_element(By.NAME, name)))
 
     def is_answered(self):
         return self.driver.find_elements(By.CSS_SELECTOR, "#answer:not([hidden]) .tile")
@@ -112,9 +118,7 @@ class Page:
 
     def download(self, name):
         link = self.until(lambda: self.driver.find_elements(By.CSS_SELECTOR, f"a[download='{name}']"))
-        # Solve stands before what is at the bottom of a small screen.
-        self.driver.execute_script("arguments[0].scrollIntoView({ block: 'center' })", link[0])
-        link[0].click()
+        self.click(link[0])
         return self.until(lambda: next(iter(self.downloads.glob(name)), None))
 
     def setting(self, name):
@@ -128,6 +132,15 @@ class Page:
 
     def until_planned(self):
         self.until(lambda: "for the solve" in self.text("plan"))
+
+    def emulate(self, width, height, scheme="light"):
+        size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 500}
+        self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+        emulation = {"features": [{"name": "prefers-color-scheme", "value": scheme}]}
+        self.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", emulation)
+
+    def bottom(self, name):
+        return self.driver.execute_script(f"return document.getElementById('{name}').getBoundingClientRect().bottom")
 
     def is_wider_than_the_screen(self):
         return self.driver.execute_script("return document.documentElement.scrollWidth > innerWidth")
@@ -166,6 +179,136 @@ def surface():
 
 def write_table(surface):
     return "\n".join(",".join(f"{value:.6f}" for value in row) for row in 1e6 * surface.values)
+
+
+def test_it_opens_with_an_answer_of_a_known_contact(page):
+    page.emulate(1280, 900)
+    page.open()
+    page.until(page.is_answered)
+    hertz = rc.reference.hertz_sphere(5.0, 5e-3, 210e9 / (2 * (1 - 0.3**2)))
+    assert page.value("contact area") == pytest.approx(hertz.area, rel=1e-4)
+    assert page.value("maximum pressure") == pytest.approx(hertz.p_max, rel=1e-4)
+    assert page.value("approach") == pytest.approx(hertz.approach, rel=2e-4)
+    assert page.text("verdict").startswith("✓ Certified")
+    assert page.text("numbers").count("Hertz") == 3
+    assert not page.find("warnings").is_displayed()
+    # All of it is on one screen, and the focus is where it was.
+    page.until(lambda: page.find("picture").is_displayed() and page.find("picture").size["height"] > 200)
+    page.until(lambda: not page.find("progress").is_displayed())
+    for name in ("settings", "numbers", "picture", "downloads"):
+        assert page.bottom(name) < 900, name
+    stops = []
+    while not stops or stops[-1] != "solve":
+        ActionChains(page.driver).send_keys(Keys.TAB).perform()
+        stops.append(page.driver.switch_to.active_element.get_attribute("id"))
+        assert len(stops) <= 8, stops
+    # Whoever comes again finds the same run.
+    before = page.text("run-subject")
+    page.open()
+    page.until(page.is_answered)
+    assert page.text("run-subject") == before
+    page.set("loads", "6")
+    page.find("solve").click()
+    page.until(lambda: page.text("headline") == "At 6 N:")
+    # Off the closed form nothing is said of it.
+    page.set("boundary", "periodic")
+    page.until_planned()
+    page.find("solve").click()
+    page.until(lambda: "periodic" in page.text("run-subject") and page.is_answered())
+    assert "Hertz" not in page.text("numbers") + page.text("verdict")
+
+
+def test_two_maps_are_chosen_at_once(page, surface, tmp_path):
+    paths = [tmp_path / name for name in ("first.npz", "second.npz", "third.npz")]
+    for path in paths:
+        np.savez(path, heights=surface.values, size=SIZE)
+    page.open_example().find("file-input").send_keys("\n".join(map(str, paths)))
+    page.until(lambda: "first.npz, 48 x 40 points" in page.text("file-shown"))
+    page.until(lambda: "second.npz, 48 x 40 points" in page.text("counterbody_file-shown"))
+    assert page.text("note") == "There are two bodies: of these 3 files the first two are read."
+    page.until_planned()
+    assert (page.text("s-surface"), page.text("s-counterbody")) == ("map first.npz", "map second.npz")
+    assert (page.setting("surface"), page.setting("counterbody_surface")) == ("file", "file")
+    page.until(lambda: page.find("counterbody-picture").is_displayed())
+
+
+def test_a_picture_is_fetched_when_its_tab_is_opened(page):
+    page.open_example()
+    for name, text in {"surface": "wavy", "cells": "48", "side": "50", "loads": "20"}.items():
+        page.set(name, text)
+    page.until_planned()
+    page.find("solve").click()
+    fetched = "return performance.getEntriesByType('resource').map(({ name }) => name.split('/').pop())"
+    page.until(lambda: page.driver.find_elements(By.ID, "tab-patches"))
+    page.until(lambda: "pressure.png" in page.driver.execute_script(fetched))
+    assert "gap.png" not in page.driver.execute_script(fetched)
+    image = page.find("picture").find_element(By.TAG_NAME, "img")
+    page.find("tab-gap").click()
+    page.until(lambda: "gap.png" in page.driver.execute_script(fetched))
+    page.until(lambda: int(image.get_attribute("naturalWidth")) > 100 and image.is_displayed())
+    assert "gap of this contact" in image.get_attribute("alt")
+    # One that does not come is missed in words, and the next one is shown again.
+    page.driver.execute_cdp_cmd("Network.enable", {})
+    page.driver.execute_cdp_cmd("Network.setBlockedURLs", {"urls": ["*/patches.png"]})
+    page.find("tab-patches").click()
+    page.until(lambda: "This picture could not be drawn." in page.text("picture"))
+    page.find("tab-gap").click()
+    page.until(lambda: image.is_displayed() and "could not be drawn" not in page.text("picture"))
+    # What the test has blocked is logged.
+    page.driver.get_log("browser")
+
+
+def test_a_curve_is_read_by_keys_and_pointer(page):
+    page.open_example()
+    for name, text in {"surface": "wavy", "cells": "48", "side": "50", "loads": "40 10 20"}.items():
+        page.set(name, text)
+    page.until_planned()
+    page.find("solve").click()
+    page.until(lambda: page.text("headline") == "3 loads solved; at 20 MPa:")
+    curve = page.find("curve")
+    page.until(lambda: curve.size["height"] > 200)
+    curve.send_keys(Keys.END)
+    rows = page.driver.find_elements(By.CSS_SELECTOR, "#answer-table tbody tr")
+    # In the order of the loads, whatever that of the form.
+    for key, row in ((Keys.HOME, rows[1]), (Keys.ARROW_RIGHT, rows[2]), (Keys.END, rows[0])):
+        curve.send_keys(key)
+        load, area = (
+            row.find_element(By.CSS_SELECTOR, f"[data-quantity='{name}']").text
+            for name in ("mean pressure", "contact area")
+        )
+        assert page.text("curve-point").startswith(f"mean pressure {load} MPa: contact area {area}")
+    Select(page.find("curve-quantity")).select_by_value("maximum pressure")
+    ActionChains(page.driver).move_to_element(curve).perform()
+    page.until(lambda: "MPa: maximum pressure " in page.text("curve-point"))
+
+
+@pytest.mark.parametrize("width", [1280, 390])
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_it_has_no_fault_of_accessibility(page, scheme, width):
+    folder = resources.files(pytest.importorskip("axe_core_python"))
+    axe = (folder / "axe.min.js").read_text(encoding="utf-8")
+
+    def check():
+        page.until(lambda: page.driver.find_element(By.TAG_NAME, "body").get_attribute("aria-busy") is None)
+        page.driver.execute_script(axe)
+        found = page.driver.execute_async_script("axe.run().then(arguments[0])")
+        return [(fault["id"], fault["nodes"][0]["html"]) for fault in found["violations"]]
+
+    page.emulate(width, 900, scheme)
+    page.open()
+    page.until(page.is_answered)
+    page.until(lambda: not page.find("progress").is_displayed())
+    assert check() == []
+    # With all that is folded, a wrong value, and a curve.
+    page.set("loads", "1 2 4")
+    page.until_planned()
+    page.find("solve").click()
+    page.until(lambda: page.text("headline").startswith("3 loads solved"))
+    page.until(lambda: not page.find("progress").is_displayed())
+    page.driver.execute_script("for (const one of document.querySelectorAll('details')) one.open = true")
+    page.set("young", "-1")
+    page.until(lambda: page.driver.find_elements(By.ID, "wrong"))
+    assert check() == []
 
 
 def test_a_map_is_dropped_solved_and_reported(page, surface, tmp_path):
@@ -528,10 +671,7 @@ def test_a_link_restores_the_settings_and_asks_for_the_file(page, surface, serve
 
 def test_it_fits_390_pixels_in_light_and_dark(page):
     for scheme in ("light", "dark"):
-        emulation = {"features": [{"name": "prefers-color-scheme", "value": scheme}]}
-        page.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", emulation)
-        size = {"width": 390, "height": 844, "deviceScaleFactor": 1, "mobile": True}
-        page.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+        page.emulate(390, 844, scheme)
         page.open_example()
         page.set("surface", "wavy")
         page.set("loads", "50 80")
@@ -636,14 +776,14 @@ def test_a_picture_is_zoomed_by_wheel_and_buttons(page):
 
 
 def test_solve_is_in_view_and_a_swipe_over_a_picture_scrolls_the_page(page):
-    def emulate(width, height):
-        size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 500}
-        page.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
-
-    emulate(1280, 900)
+    page.emulate(1280, 900)
     page.open_example().until_planned()
-    assert page.driver.execute_script("return solve.getBoundingClientRect().bottom") < 900
-    emulate(390, 844)
+    # However much is open.
+    for group in page.driver.find_elements(By.CLASS_NAME, "group"):
+        page.reveal(group)
+    assert page.bottom("solve") < 900
+    page.emulate(390, 844)
+    assert page.bottom("solve") < 844
     page.driver.execute_cdp_cmd("Emulation.setTouchEmulationEnabled", {"enabled": True})
     picture = page.find("surface-picture").find_element(By.CLASS_NAME, "frame")
 
@@ -773,10 +913,7 @@ def test_the_progress_of_a_fretting_cycle_of_unlike_materials(page):
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_a_path_and_a_slider_over_its_states(page, scheme):
-    emulation = {"features": [{"name": "prefers-color-scheme", "value": scheme}]}
-    page.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", emulation)
-    size = {"width": 390, "height": 844, "deviceScaleFactor": 1, "mobile": True}
-    page.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+    page.emulate(390, 844, scheme)
     page.open_example()
     for name, text in {"surface": "sphere", "radius": "1", "side": "100", "cells": "32", "load": "force"}.items():
         page.set(name, text)
@@ -840,11 +977,7 @@ def test_a_path_and_a_slider_over_its_states(page, scheme):
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_a_material_of_a_plug_in_flows_and_is_seen_over_the_depth(page, scheme):
     pytest.importorskip("roughcontact_volume")
-    page.driver.execute_cdp_cmd(
-        "Emulation.setEmulatedMedia", {"features": [{"name": "prefers-color-scheme", "value": scheme}]}
-    )
-    size = {"width": 390, "height": 844, "deviceScaleFactor": 1, "mobile": True}
-    page.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+    page.emulate(390, 844, scheme)
     page.open_example()
     own = "material_plastic_hardening_swift_hardening_power"
     for name, text in {"surface": "sphere", "radius": "1", "side": "65", "cells": "16", "load": "force"}.items():

@@ -81,7 +81,6 @@ export class MapFile {
   // Takes up the file of settings that a link has brought; returns what to say of it.
   async restore() {
     this.forget();
-    this.input.value = "";
     const { [`${this.prefix}file`]: digest, [`${this.prefix}file_name`]: name } = settings.read();
     const known = settings.isFile(this.kind) && digest ? await post(`api/file?body=${this.prefix}`, digest).catch(() => ({ here: false })) : null;
     this.say("");

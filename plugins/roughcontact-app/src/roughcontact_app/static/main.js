@@ -22,6 +22,8 @@ let timer = 0;
 
 // Of two files that are chosen at once the first is for the body, the second for the counterbody.
 function takeFiles(file, chosen) {
+  // The same file may be chosen again when it has changed.
+  file.input.value = "";
   if (chosen.length > 1) files.forEach((one, index) => one.take(chosen[index]));
   else if (chosen.length) file.take(chosen[0]);
   if (chosen.length > files.length) say("note", `There are two bodies: of these ${chosen.length} files the first two are read.`);
@@ -55,6 +57,7 @@ function showForm() {
 function allowSolve() {
   const file = missing();
   byId("solve").disabled = starting || Boolean(file);
+  byId("solve").textContent = starting ? "Starting …" : "Solve";
   const why = file?.reading ? `Solve waits until ${file.reading.name} is read.` : "There is no surface to solve: choose another file, or another surface.";
   say("solve-why", file ? why : "");
 }
@@ -252,7 +255,6 @@ function listen() {
     depth = 0;
     byId("veil").hidden = true;
     const file = files[event.target.closest?.("#g-counterbody") ? 1 : 0];
-    file.input.value = "";
     takeFiles(file, [...(event.dataTransfer?.files || [])]);
   });
 }

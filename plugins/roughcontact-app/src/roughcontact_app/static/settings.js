@@ -82,7 +82,7 @@ export function markWrong({ setting = "", message = "" } = {}) {
   control.setAttribute("aria-invalid", "true");
   control.setAttribute("aria-errormessage", "wrong");
   control.closest("details").open = true;
-  (control.closest(".field") || control.parentElement).append(element("p", message, { class: "wrong", id: "wrong" }));
+  (control.closest(".field") || control.parentElement).append(element("p", message, { class: "wrong", id: "wrong", role: "alert" }));
 }
 
 const needsOf = (facts) => facts && {
