@@ -126,14 +126,6 @@ DEFAULTS: dict[str, str] = {
     **list_defaults([*TICK_BOXES.values(), *LAW_BOXES.values()]),
     "scheme": "light",
 }
-# The scene with which the page opens: a ball on a plane of bearing steel; Hertz's contact radius is 55 µm.
-FIRST: dict[str, str] = {
-    "surface": "sphere",
-    **_split_units({"radius": "5 mm", "side": "220 um"}),
-    "counterbody": "deformable",
-    **{f"{prefix}hardness": "7" for prefix in PREFIXES},
-    **{"load": "force", "loads": "5", "load_unit": "N"},
-}
 # Kinds of loads that have values.
 _LOADS = ("force", "pressure", "approach")
 _CHOICES_OF_BODY = {
