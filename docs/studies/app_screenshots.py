@@ -1,4 +1,4 @@
-"""The figure of docs/start/app.md: the page with an answer, in Debian's headless Chromium, by selenium.
+"""The figure of docs/start/app.md: the page as it opens, with its answer, in Debian's headless Chromium, by selenium.
 
 Writes docs/figures/app.png. Takes a minute.
 """
@@ -17,27 +17,24 @@ from selenium.webdriver.support.ui import WebDriverWait
 from roughcontact_app import AppServer, Session
 
 FIGURE = Path(__file__).parents[1] / "figures" / "app.png"
-# Seconds, and pixels.
+# Seconds, and pixels: one screen.
 PATIENCE = 180
-BORDER = 150
+SCREEN = {"width": 1280, "height": 900, "deviceScaleFactor": 1, "mobile": False}
 
 
 def draw(address, profile):
     options = webdriver.ChromeOptions()
     options.binary_location = "/usr/bin/chromium"
-    for flag in ("headless=new", "no-sandbox", "disable-gpu", "window-size=1280,1800", f"user-data-dir={profile}"):
+    for flag in ("headless=new", "no-sandbox", "disable-gpu", "hide-scrollbars", f"user-data-dir={profile}"):
         options.add_argument(f"--{flag}")
     driver = webdriver.Chrome(options=options, service=Service("/usr/bin/chromedriver"))
     wait = WebDriverWait(driver, PATIENCE)
     try:
+        driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", SCREEN)
         driver.get(address)
-        wait.until(lambda page: "for the solve" in page.find_element(By.ID, "plan").text)
-        driver.find_element(By.ID, "solve").click()
         wait.until(lambda page: page.find_element(By.CSS_SELECTOR, "#picture img").size["height"] > 100)
+        wait.until(lambda page: "for the solve" in page.find_element(By.ID, "plan").text)
         wait.until(lambda page: not page.find_element(By.ID, "progress").is_displayed())
-        # The window shows the whole page, and some for its own border.
-        driver.set_window_size(1280, driver.execute_script("return document.documentElement.scrollHeight") + BORDER)
-        driver.execute_script("scrollTo(0, 0)")
         FIGURE.write_bytes(driver.get_screenshot_as_png())
     finally:
         driver.quit()

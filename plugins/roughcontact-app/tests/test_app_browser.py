@@ -9,6 +9,7 @@ import csv
 import os
 import shutil
 import threading
+from importlib import resources
 from pathlib import Path
 
 import numpy as np
@@ -77,14 +78,34 @@ class Page:
             lambda _: condition()
         )
 
+    def open_example(self):
+        """Open the page by a link to the built-in example: nothing is solved before Solve is pressed."""
+        return self.open(f"{self.address}#surface=example")
+
+    def reveal(self, element):
+        """Open the group of a part of the form."""
+        self.driver.execute_script("const group = arguments[0].closest('.group'); if (group) group.open = true", element)
+        return element
+
     def find(self, name):
-        return self.driver.find_element(By.ID, name)
+        return self.reveal(self.driver.find_element(By.ID, name))
+
+    def click(self, element):
+        # Solve stands before what is at the bottom of the form, or of a small screen.
+        self.driver.execute_script("arguments[0].scrollIntoView({ block: 'center' })", element)
+        element.click()
+
+    def tick(self, name):
+        self.click(self.reveal(self.driver.find_element(By.NAME, name)))
+
+    def is_answered(self):
+        return self.driver.find_elements(By.CSS_SELECTOR, "#answer:not([hidden]) .tile")
 
     def text(self, name):
         return self.find(name).text
 
     def set(self, name, text):
-        element = self.driver.find_element(By.NAME, name)
+        element = self.reveal(self.driver.find_element(By.NAME, name))
         if element.tag_name == "select":
             Select(element).select_by_value(text)
         else:
@@ -97,7 +118,7 @@ class Page:
 
     def download(self, name):
         link = self.until(lambda: self.driver.find_elements(By.CSS_SELECTOR, f"a[download='{name}']"))
-        link[0].click()
+        self.click(link[0])
         return self.until(lambda: next(iter(self.downloads.glob(name)), None))
 
     def setting(self, name):
@@ -112,6 +133,15 @@ class Page:
     def until_planned(self):
         self.until(lambda: "for the solve" in self.text("plan"))
 
+    def emulate(self, width, height, scheme="light"):
+        size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 500}
+        self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+        emulation = {"features": [{"name": "prefers-color-scheme", "value": scheme}]}
+        self.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", emulation)
+
+    def bottom(self, name):
+        return self.driver.execute_script(f"return document.getElementById('{name}').getBoundingClientRect().bottom")
+
     def is_wider_than_the_screen(self):
         return self.driver.execute_script("return document.documentElement.scrollWidth > innerWidth")
 
@@ -125,7 +155,7 @@ def page(server, tmp_path):
     options.binary_location = CHROMIUM
     downloads = tmp_path / "downloads"
     downloads.mkdir()
-    flags = "headless=new no-sandbox disable-gpu disable-quic no-first-run disable-background-networking"
+    flags = "headless=new no-sandbox disable-gpu disable-quic no-first-run disable-background-networking window-size=1280,900"
     for flag in (*flags.split(), "disable-component-update", "disable-sync", f"user-data-dir={tmp_path / 'profile'}"):
         options.add_argument(f"--{flag}")
     options.add_experimental_option("prefs", {"download.default_directory": str(downloads)})
@@ -151,9 +181,139 @@ def write_table(surface):
     return "\n".join(",".join(f"{value:.6f}" for value in row) for row in 1e6 * surface.values)
 
 
+def test_it_opens_with_an_answer_of_a_known_contact(page):
+    page.emulate(1280, 900)
+    page.open()
+    page.until(page.is_answered)
+    hertz = rc.reference.hertz_sphere(5.0, 5e-3, 210e9 / (2 * (1 - 0.3**2)))
+    assert page.value("contact area") == pytest.approx(hertz.area, rel=1e-4)
+    assert page.value("maximum pressure") == pytest.approx(hertz.p_max, rel=1e-4)
+    assert page.value("approach") == pytest.approx(hertz.approach, rel=2e-4)
+    assert page.text("verdict").startswith("✓ Certified")
+    assert page.text("numbers").count("Hertz") == 3
+    assert not page.find("warnings").is_displayed()
+    # All of it is on one screen, and the focus is where it was.
+    page.until(lambda: page.find("picture").is_displayed() and page.find("picture").size["height"] > 200)
+    page.until(lambda: not page.find("progress").is_displayed())
+    for name in ("settings", "numbers", "picture", "downloads"):
+        assert page.bottom(name) < 900, name
+    stops = []
+    while not stops or stops[-1] != "solve":
+        ActionChains(page.driver).send_keys(Keys.TAB).perform()
+        stops.append(page.driver.switch_to.active_element.get_attribute("id"))
+        assert len(stops) <= 8, stops
+    # Whoever comes again finds the same run.
+    before = page.text("run-subject")
+    page.open()
+    page.until(page.is_answered)
+    assert page.text("run-subject") == before
+    page.set("loads", "6")
+    page.find("solve").click()
+    page.until(lambda: page.text("headline") == "At 6 N:")
+    # Off the closed form nothing is said of it.
+    page.set("boundary", "periodic")
+    page.until_planned()
+    page.find("solve").click()
+    page.until(lambda: "periodic" in page.text("run-subject") and page.is_answered())
+    assert "Hertz" not in page.text("numbers") + page.text("verdict")
+
+
+def test_two_maps_are_chosen_at_once(page, surface, tmp_path):
+    paths = [tmp_path / name for name in ("first.npz", "second.npz", "third.npz")]
+    for path in paths:
+        np.savez(path, heights=surface.values, size=SIZE)
+    page.open_example().find("file-input").send_keys("\n".join(map(str, paths)))
+    page.until(lambda: "first.npz, 48 x 40 points" in page.text("file-shown"))
+    page.until(lambda: "second.npz, 48 x 40 points" in page.text("counterbody_file-shown"))
+    assert page.text("note") == "There are two bodies: of these 3 files the first two are read."
+    page.until_planned()
+    assert (page.text("s-surface"), page.text("s-counterbody")) == ("map first.npz", "map second.npz")
+    assert (page.setting("surface"), page.setting("counterbody_surface")) == ("file", "file")
+    page.until(lambda: page.find("counterbody-picture").is_displayed())
+
+
+def test_a_picture_is_fetched_when_its_tab_is_opened(page):
+    page.open_example()
+    for name, text in {"surface": "wavy", "cells": "48", "side": "50", "loads": "20"}.items():
+        page.set(name, text)
+    page.until_planned()
+    page.find("solve").click()
+    fetched = "return performance.getEntriesByType('resource').map(({ name }) => name.split('/').pop())"
+    page.until(lambda: page.driver.find_elements(By.ID, "tab-patches"))
+    page.until(lambda: "pressure.png" in page.driver.execute_script(fetched))
+    assert "gap.png" not in page.driver.execute_script(fetched)
+    image = page.find("picture").find_element(By.TAG_NAME, "img")
+    page.find("tab-gap").click()
+    page.until(lambda: "gap.png" in page.driver.execute_script(fetched))
+    page.until(lambda: int(image.get_attribute("naturalWidth")) > 100 and image.is_displayed())
+    assert "gap of this contact" in image.get_attribute("alt")
+    # One that does not come is missed in words, and the next one is shown again.
+    page.driver.execute_cdp_cmd("Network.enable", {})
+    page.driver.execute_cdp_cmd("Network.setBlockedURLs", {"urls": ["*/patches.png"]})
+    page.find("tab-patches").click()
+    page.until(lambda: "This picture could not be drawn." in page.text("picture"))
+    page.find("tab-gap").click()
+    page.until(lambda: image.is_displayed() and "could not be drawn" not in page.text("picture"))
+    # What the test has blocked is logged.
+    page.driver.get_log("browser")
+
+
+def test_a_curve_is_read_by_keys_and_pointer(page):
+    page.open_example()
+    for name, text in {"surface": "wavy", "cells": "48", "side": "50", "loads": "40 10 20"}.items():
+        page.set(name, text)
+    page.until_planned()
+    page.find("solve").click()
+    page.until(lambda: page.text("headline") == "3 loads solved; at 20 MPa:")
+    curve = page.find("curve")
+    page.until(lambda: curve.size["height"] > 200)
+    curve.send_keys(Keys.END)
+    rows = page.driver.find_elements(By.CSS_SELECTOR, "#answer-table tbody tr")
+    # In the order of the loads, whatever that of the form.
+    for key, row in ((Keys.HOME, rows[1]), (Keys.ARROW_RIGHT, rows[2]), (Keys.END, rows[0])):
+        curve.send_keys(key)
+        load, area = (
+            row.find_element(By.CSS_SELECTOR, f"[data-quantity='{name}']").text
+            for name in ("mean pressure", "contact area")
+        )
+        assert page.text("curve-point").startswith(f"mean pressure {load} MPa: contact area {area}")
+    Select(page.find("curve-quantity")).select_by_value("maximum pressure")
+    ActionChains(page.driver).move_to_element(curve).perform()
+    page.until(lambda: "MPa: maximum pressure " in page.text("curve-point"))
+
+
+@pytest.mark.parametrize("width", [1280, 390])
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_it_has_no_fault_of_accessibility(page, scheme, width):
+    folder = resources.files(pytest.importorskip("axe_core_python"))
+    axe = (folder / "axe.min.js").read_text(encoding="utf-8")
+
+    def check():
+        page.until(lambda: page.driver.find_element(By.TAG_NAME, "body").get_attribute("aria-busy") is None)
+        page.driver.execute_script(axe)
+        found = page.driver.execute_async_script("axe.run().then(arguments[0])")
+        return [(fault["id"], fault["nodes"][0]["html"]) for fault in found["violations"]]
+
+    page.emulate(width, 900, scheme)
+    page.open()
+    page.until(page.is_answered)
+    page.until(lambda: not page.find("progress").is_displayed())
+    assert check() == []
+    # With all that is folded, a wrong value, and a curve.
+    page.set("loads", "1 2 4")
+    page.until_planned()
+    page.find("solve").click()
+    page.until(lambda: page.text("headline").startswith("3 loads solved"))
+    page.until(lambda: not page.find("progress").is_displayed())
+    page.driver.execute_script("for (const one of document.querySelectorAll('details')) one.open = true")
+    page.set("young", "-1")
+    page.until(lambda: page.driver.find_elements(By.ID, "wrong"))
+    assert check() == []
+
+
 def test_a_map_is_dropped_solved_and_reported(page, surface, tmp_path):
     table = write_table(surface)
-    page.open().drop(table, "ring <1>.csv")
+    page.open_example().drop(table, "ring <1>.csv")
     page.until(lambda: "not the size of its domain" in page.text("surface-problem"))
     assert "ring <1>.csv, 48 x 40 points" in page.text("file-shown")
     # It is said where the button is, too: the surface may be out of view.
@@ -169,7 +329,7 @@ def test_a_map_is_dropped_solved_and_reported(page, surface, tmp_path):
         page.set(name, text)
     page.until_planned()
     page.find("solve").click()
-    page.until(lambda: page.text("headline").startswith("Contact area"))
+    page.until(page.is_answered)
     path = tmp_path / "ring.csv"
     path.write_text(table)
     expected = rc.read_surface(path, size=SIZE, unit=1e-6).detrend("plane")
@@ -191,7 +351,7 @@ def test_a_map_is_dropped_solved_and_reported(page, surface, tmp_path):
 def test_a_second_map_is_dropped_placed_and_solved(page, surface, tmp_path):
     path = tmp_path / "body.npz"
     np.savez(path, heights=surface.values, size=SIZE)
-    page.open().find("file-input").send_keys(str(path))
+    page.open_example().find("file-input").send_keys(str(path))
     page.until(lambda: "body.npz" in page.text("file-shown"))
     page.set("counterbody_surface", "file")
     page.until(lambda: "the height map of the counterbody is not here" in page.text("surface-problem"))
@@ -207,7 +367,7 @@ def test_a_second_map_is_dropped_placed_and_solved(page, surface, tmp_path):
     page.until(lambda: page.find("counterbody-picture").is_displayed())
     page.until_planned()
     page.find("solve").click()
-    page.until(lambda: page.text("headline").startswith("Contact area"))
+    page.until(page.is_answered)
     assert "body.npz, on other.csv shifted by -4, 0 µm rotated by 180° mirrored, " in page.text("run-subject")
     other = rc.HeightMap(np.loadtxt(write_table(surface).splitlines(), delimiter=",") * 1e-6, size=SIZE)
     pair = rc.match(surface, other, offset=(-4e-6, 0.0), rotation=np.pi, mirrored=True)
@@ -223,7 +383,7 @@ def test_a_second_map_is_dropped_placed_and_solved(page, surface, tmp_path):
 
 
 def test_a_file_is_chosen_and_a_bad_one_refused_in_words(page, surface, tmp_path):
-    page.open()
+    page.open_example()
     bad, good = tmp_path / "bad.csv", tmp_path / "good.npz"
     bad.write_text("1,2,3\n4,5\n")
     np.savez(good, heights=surface.values, size=SIZE)
@@ -243,7 +403,7 @@ def test_a_file_is_chosen_and_a_bad_one_refused_in_words(page, surface, tmp_path
 def test_solve_waits_for_the_file_and_needs_one_that_was_read(page, server, surface, monkeypatch):
     sent, read = threading.Event(), server.session.upload
     monkeypatch.setattr(server.session, "upload", lambda *file: read(*file) if sent.wait(PATIENCE) else None)
-    page.open().until_planned()
+    page.open_example().until_planned()
     page.set("boundary", "periodic")
     page.drop(write_table(surface), "ring.csv")
     page.until(lambda: page.text("solve-why") == "Solve waits until ring.csv is read.")
@@ -258,7 +418,7 @@ def test_solve_waits_for_the_file_and_needs_one_that_was_read(page, server, surf
     page.set("rows", "auto")
     assert page.find("solve").is_enabled()
     # What has changed beside the user's doing is said until he changes it himself.
-    assert page.text("boundary-note") == "It was periodic; for this surface it is now free."
+    assert page.text("boundary-note") == "The border was periodic; for this surface it is now free."
     page.set("boundary", "periodic")
     assert page.text("boundary-note") == ""
     page.set("boundary", "free")
@@ -284,7 +444,7 @@ def test_filled_points_are_counted_and_filling_is_of_one_file(page, surface, tmp
         heights = np.array(surface.values)
         heights[5, :missing] = np.nan
         np.savez(tmp_path / name, heights=heights, size=SIZE)
-    page.open().find("file-input").send_keys(str(tmp_path / "one.npz"))
+    page.open_example().find("file-input").send_keys(str(tmp_path / "one.npz"))
     page.until(lambda: page.find("non_measured").is_displayed())
     page.set("non_measured", "fill")
     page.until(lambda: "Non-measured points 3 of 1920, filled" in page.text("surface-table"))
@@ -295,12 +455,11 @@ def test_filled_points_are_counted_and_filling_is_of_one_file(page, surface, tmp
 
 
 def test_what_is_ticked_is_answered_and_reported(page):
-    page.open()
+    page.open_example()
     for name, text in {"surface": "wavy", "cells": "48", "side": "50", "loads": "20"}.items():
         page.set(name, text)
-    tick = {name: page.driver.find_element(By.NAME, f"ask_{name}") for name in ("stiffness", "conductance", "leakage")}
-    for box in tick.values():
-        box.click()
+    for name in ("stiffness", "conductance", "leakage"):
+        page.tick(f"ask_{name}")
     page.until(lambda: "Conductivity of body and counterbody (conductance) is missing" in page.text("plan"))
     for name, text in {
         "conductance_conductivity": "50 20",
@@ -311,7 +470,7 @@ def test_what_is_ticked_is_answered_and_reported(page):
     page.set("ask_leakage_axis", "y")
     page.until_planned()
     page.find("solve").click()
-    page.until(lambda: page.text("headline").startswith("Contact area"))
+    page.until(page.is_answered)
     assert page.text("run-subject").endswith("periodic; with conductance, leakage, stiffness.")
     body = rc.Body(rc.WavySurface(0.5e-6, 25e-6), rc.Elastic(210e9, 0.3))
     solution = rc.ContactProblem(body, grid=rc.Grid((48, 48), 50e-6), boundary="periodic").solve(pressure=20e6)
@@ -327,16 +486,17 @@ def test_what_is_ticked_is_answered_and_reported(page):
     assert page.driver.find_element(By.NAME, "ask_leakage").is_selected()
     assert page.setting("ask_leakage_axis") == "y"
     page.set("load", "fretting")
-    assert page.driver.find_element(By.NAME, "ask_leakage").is_displayed()
+    assert page.reveal(page.driver.find_element(By.NAME, "ask_leakage")).is_displayed()
+    assert "stiffness" in page.text("s-questions")
 
 
 def test_an_answer_says_how_much_other_places_differ(page):
-    page.open()
+    page.open_example()
     for name, text in {"surface": "self-affine", "cells": "64", "loads": "50 100"}.items():
         page.set(name, text)
     page.until_planned()
     page.find("solve").click()
-    page.until(lambda: page.text("headline") == "2 loads solved")
+    page.until(lambda: page.text("headline").startswith("2 loads solved; at "))
     # Of the last load, in one sentence.
     assert page.text("places").startswith("Other places of the surface, at 100 MPa: contact area ± ")
     assert ", maximum pressure ± " in page.text("places")
@@ -344,7 +504,7 @@ def test_an_answer_says_how_much_other_places_differ(page):
 
 
 def test_an_answer_says_what_it_answers(page):
-    page.open()
+    page.open_example()
     for name, text in {"surface": "wavy", "cells": "64", "loads": "20", "hardness": "7"}.items():
         page.set(name, text)
     page.until_planned()
@@ -397,14 +557,16 @@ def test_an_answer_says_what_it_answers(page):
 
 
 def test_what_is_wrong_is_said_under_its_field_and_what_is_old_is_marked(page):
-    page.open().until_planned()
+    page.open_example().until_planned()
     page.set("loads", "x")
-    assert page.driver.find_element(By.CSS_SELECTOR, "#h-run .updating").is_displayed()
+    # What is on its way has a blank in its place, which says nothing old.
+    assert page.driver.find_element(By.TAG_NAME, "body").get_attribute("aria-busy") == "true"
+    assert page.find("plan").value_of_css_property("color") == "rgba(0, 0, 0, 0)"
     page.until(lambda: page.text("wrong") == "The load must be a number such as 2.5, but got 'x'.")
     loads = page.find("loads")
     assert loads.get_attribute("aria-invalid") == "true"
     assert page.find("wrong").location["y"] > loads.location["y"]
-    assert not page.driver.find_element(By.CSS_SELECTOR, "#h-run .updating").is_displayed()
+    assert page.driver.find_element(By.TAG_NAME, "body").get_attribute("aria-busy") is None
     page.set("poisson", "0.7")
     page.until(lambda: "Poisson's ratio" in page.text("wrong"))
     assert page.find("poisson").get_attribute("aria-invalid") == "true"
@@ -413,10 +575,16 @@ def test_what_is_wrong_is_said_under_its_field_and_what_is_old_is_marked(page):
         page.set(name, text)
     page.until_planned()
     assert not page.driver.find_elements(By.ID, "wrong")
+    # A link brings a wrong value of a group that is closed: it opens, and no other does.
+    page.open(f"{page.address}#surface=sphere&young=-1")
+    page.until(lambda: page.driver.find_elements(By.ID, "wrong"))
+    groups = page.driver.find_elements(By.CSS_SELECTOR, ".group[open]")
+    assert [group.get_attribute("id") for group in groups] == ["g-materials"]
+    assert "Young's modulus of the body must be above 0" in groups[0].find_element(By.ID, "wrong").text
 
 
 def test_typical_values_and_links_do_what_they_say(page):
-    page.open()
+    page.open_example()
     preset = Select(page.find("preset"))
     preset.select_by_value("bearing steel")
     assert page.setting("hardness") == "7"
@@ -443,7 +611,7 @@ def test_typical_values_and_links_do_what_they_say(page):
 
 
 def test_a_run_is_cancelled(page):
-    page.open()
+    page.open_example()
     for name, text in {"surface": "self-affine", "cells": "1024", "loads": "60 61 62 63 64 65 66 67 68 69"}.items():
         page.set(name, text)
     page.until_planned()
@@ -455,7 +623,7 @@ def test_a_run_is_cancelled(page):
 
 
 def test_a_reload_in_the_middle_keeps_run_and_settings(page):
-    page.open()
+    page.open_example()
     for name, text in {
         "surface": "self-affine",
         "cells": "512",
@@ -468,7 +636,7 @@ def test_a_reload_in_the_middle_keeps_run_and_settings(page):
     page.find("solve").click()
     page.until(lambda: "run=" in page.driver.current_url and page.find("progress").is_displayed())
     page.driver.refresh()
-    page.until(lambda: page.text("headline") == "2 loads solved")
+    page.until(lambda: page.text("headline").startswith("2 loads solved; at "))
     assert page.driver.find_element(By.NAME, "poisson").get_attribute("value") == "0.27"
     assert page.driver.find_element(By.NAME, "cells").get_attribute("value") == "512"
     rows = page.driver.find_elements(By.CSS_SELECTOR, "#answer-table tbody tr")
@@ -503,25 +671,25 @@ def test_a_link_restores_the_settings_and_asks_for_the_file(page, surface, serve
 
 def test_it_fits_390_pixels_in_light_and_dark(page):
     for scheme in ("light", "dark"):
-        emulation = {"features": [{"name": "prefers-color-scheme", "value": scheme}]}
-        page.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", emulation)
-        size = {"width": 390, "height": 844, "deviceScaleFactor": 1, "mobile": True}
-        page.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
-        page.open()
+        page.emulate(390, 844, scheme)
+        page.open_example()
         page.set("surface", "wavy")
         page.set("loads", "50 80")
         page.until_planned()
         assert not page.is_wider_than_the_screen()
         page.find("solve").click()
-        page.until(lambda: page.text("headline") == "2 loads solved")
-        page.until(lambda: page.find("picture").is_displayed())
+        page.until(lambda: page.text("headline").startswith("2 loads solved; at "))
+        page.until(lambda: page.find("curves").is_displayed())
+        assert not page.is_wider_than_the_screen()
+        for group in page.driver.find_elements(By.CLASS_NAME, "group"):
+            page.reveal(group)
         assert not page.is_wider_than_the_screen()
         color = page.driver.execute_script("return getComputedStyle(document.body).backgroundColor")
         assert (sum(map(int, color[4:-1].split(", "))) < 200) is (scheme == "dark")
 
 
 def test_everything_is_done_from_the_keyboard(page):
-    page.open()
+    page.open_example()
     seen = []
 
     def tab_to(name):
@@ -530,23 +698,39 @@ def test_everything_is_done_from_the_keyboard(page):
             ActionChains(page.driver).send_keys(Keys.TAB).perform()
             active = page.driver.switch_to.active_element
             seen.append(active.get_attribute("id") or active.get_attribute("name") or active.get_attribute("class"))
+            seen[-1] = seen[-1] or active.tag_name
             outline = page.driver.execute_script("return getComputedStyle(arguments[0]).outlineStyle", active)
             assert outline != "none", f"{seen[-1]} does not show that it has the focus"
             if name in seen[-1]:
                 return active
         raise AssertionError(f"{name} is not reached: {seen}")
 
+    def open_group(name):
+        while True:
+            summary = tab_to("summary")
+            if summary.find_element(By.XPATH, "..").get_attribute("id") == name:
+                summary.send_keys(Keys.ENTER)
+                return
+
+    open_group("g-surface")
     tab_to("surface").send_keys("w")
-    page.until(lambda: page.find("amplitude").is_displayed())
+    page.until(lambda: page.driver.find_element(By.ID, "amplitude").is_displayed())
+    open_group("g-load")
     tab_to("loads").send_keys(Keys.CONTROL, "a")
     page.driver.switch_to.active_element.send_keys("40")
     page.until_planned()
-    assert seen.index("surface") < seen.index("amplitude") < seen.index("young") < seen.index("loads")
+    assert seen.index("surface") < seen.index("amplitude") < seen.index("loads")
     page.driver.switch_to.active_element.send_keys(Keys.ENTER)
-    page.until(lambda: page.text("headline").startswith("Contact area"))
+    page.until(page.is_answered)
     # The focus is where the answer begins.
     assert page.driver.switch_to.active_element.get_attribute("id") == "h-answer"
     page.until(lambda: page.find("picture").is_displayed())
+    # The pictures are one stop of the tabulator, and arrows go on from there.
+    page.until(lambda: page.driver.find_elements(By.ID, "tab-gap"))
+    tab_to("tab-pressure").send_keys(Keys.ARROW_RIGHT)
+    assert page.driver.switch_to.active_element.get_attribute("id") == "tab-gap"
+    assert page.find("panel").get_attribute("aria-labelledby") == "tab-gap"
+    page.until(lambda: "gap of this contact" in page.find("picture").find_element(By.TAG_NAME, "img").get_attribute("alt"))
     frame = tab_to("frame")
     frame.send_keys("+")
     frame.send_keys("+")
@@ -561,7 +745,7 @@ def test_everything_is_done_from_the_keyboard(page):
 
 
 def test_the_roughness_is_measured_when_it_is_opened(page):
-    page.open().until_planned()
+    page.open_example().until_planned()
     assert not page.driver.find_elements(By.CSS_SELECTOR, "[data-texture]")
     page.find("roughness").find_element(By.TAG_NAME, "summary").click()
     page.until(lambda: "±" in page.driver.find_element(By.CSS_SELECTOR, "[data-texture=Sq]").text)
@@ -572,7 +756,7 @@ def test_the_roughness_is_measured_when_it_is_opened(page):
 
 
 def test_a_picture_is_zoomed_by_wheel_and_buttons(page):
-    page.open()
+    page.open_example()
     page.until(lambda: page.find("surface-picture").is_displayed())
     frame = page.find("surface-picture").find_element(By.CLASS_NAME, "frame")
     image = frame.find_element(By.TAG_NAME, "img")
@@ -592,14 +776,14 @@ def test_a_picture_is_zoomed_by_wheel_and_buttons(page):
 
 
 def test_solve_is_in_view_and_a_swipe_over_a_picture_scrolls_the_page(page):
-    def emulate(width, height):
-        size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 500}
-        page.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
-
-    emulate(1280, 900)
-    page.open().until_planned()
-    assert page.driver.execute_script("return solve.getBoundingClientRect().bottom") < 900
-    emulate(390, 844)
+    page.emulate(1280, 900)
+    page.open_example().until_planned()
+    # However much is open.
+    for group in page.driver.find_elements(By.CLASS_NAME, "group"):
+        page.reveal(group)
+    assert page.bottom("solve") < 900
+    page.emulate(390, 844)
+    assert page.bottom("solve") < 844
     page.driver.execute_cdp_cmd("Emulation.setTouchEmulationEnabled", {"enabled": True})
     picture = page.find("surface-picture").find_element(By.CLASS_NAME, "frame")
 
@@ -646,7 +830,7 @@ def test_the_driver_is_the_system_own():
 
 
 def test_a_cycle_of_surfaces_that_attract_each_other(page):
-    page.open()
+    page.open_example()
     assert not page.find("cycle_from").is_displayed()
     for name, text in {"surface": "sphere", "radius": "6", "radius_unit": "um", "side": "6", "cells": "96"}.items():
         page.set(name, text)
@@ -657,11 +841,12 @@ def test_a_cycle_of_surfaces_that_attract_each_other(page):
     for name, text in {"adhesion": "exponential", "range": "30", "cycle_from": "-0.3", "cycle_to": "0.1"}.items():
         page.set(name, text)
     page.set("states", "9")
-    page.driver.find_element(By.NAME, "ask_stiffness").click()
+    page.tick("ask_stiffness")
     page.until(lambda: "17 states, about" in page.text("plan"))
     page.find("solve").click()
-    page.until(lambda: page.text("headline").startswith("Pull-off -1.4"))
-    assert "energy lost in the cycle" in page.text("headline")
+    page.until(lambda: page.text("numbers").startswith("Pull-off\n-1.4"))
+    assert page.text("headline") == "A cycle of approaches"
+    assert "Energy lost" in page.text("numbers")
     assert "approach from -0.3 to 0.1 µm and back" in page.text("run-subject")
     assert "exponential adhesion of 50 mJ/m², range 30 nm" in page.text("run-subject")
     assert page.text("run-subject").endswith("; with stiffness.")
@@ -679,7 +864,7 @@ def test_a_cycle_of_surfaces_that_attract_each_other(page):
 
 
 def test_a_fretting_cycle(page):
-    page.open()
+    page.open_example()
     assert not page.find("tangential_force").is_displayed()
     for name, text in {"surface": "sphere", "radius": "1", "side": "100", "cells": "32", "load": "fretting"}.items():
         page.set(name, text)
@@ -691,7 +876,7 @@ def test_a_fretting_cycle(page):
     # The time is said before anything is solved.
     page.until(lambda: "20 states, about" in page.text("plan"))
     page.find("solve").click()
-    page.until(lambda: page.text("headline").startswith("Energy lost in a cycle"))
+    page.until(lambda: page.text("numbers").startswith("Energy lost in a cycle"))
     assert "normal force 1 N, tangential force ±200 mN, friction 0.3" in page.text("run-subject")
     steel = rc.Elastic(210e9, 0.3)
     bodies = rc.Body(rc.SphereSurface(1e-3), steel), rc.Body(rc.FlatSurface(), steel)
@@ -715,7 +900,7 @@ def test_a_fretting_cycle(page):
 
 
 def test_the_progress_of_a_fretting_cycle_of_unlike_materials(page):
-    page.open()
+    page.open_example()
     for name, text in {"surface": "sphere", "radius": "1", "side": "100", "cells": "64", "load": "fretting"}.items():
         page.set(name, text)
     page.until(lambda: "3 states, about" in page.text("plan"))
@@ -728,22 +913,19 @@ def test_the_progress_of_a_fretting_cycle_of_unlike_materials(page):
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_a_path_and_a_slider_over_its_states(page, scheme):
-    emulation = {"features": [{"name": "prefers-color-scheme", "value": scheme}]}
-    page.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", emulation)
-    size = {"width": 390, "height": 844, "deviceScaleFactor": 1, "mobile": True}
-    page.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
-    page.open()
+    page.emulate(390, 844, scheme)
+    page.open_example()
     for name, text in {"surface": "sphere", "radius": "1", "side": "100", "cells": "32", "load": "force"}.items():
         page.set(name, text)
     assert not page.find("time").is_displayed()
     for name, text in {"loads": "4 0 2 4", "path": "yes", "hardness": "2", "sliding": "0 0.1 0.2 1"}.items():
         page.set(name, text)
     page.until(lambda: "give the problem a law that does" in page.text("plan"))
-    page.driver.find_element(By.NAME, "law_archard").click()
+    page.tick("law_archard")
     page.set("law_archard_coefficient", "1e-10mm2/N")
     page.until(lambda: "4 states, about" in page.text("plan"))
     page.find("solve").click()
-    page.until(lambda: page.text("headline").startswith("4 states of the path; at the end a contact area of"))
+    page.until(lambda: page.text("headline").startswith("4 states of the path; at the end:"))
     assert "4 0 2 4 N, a path, sliding 0 0.1 0.2 1 m, archard, E 210 GPa" in page.text("run-subject")
     page.until(lambda: page.find("picture").is_displayed())
     assert not page.find("path-states").is_displayed()
@@ -795,12 +977,8 @@ def test_a_path_and_a_slider_over_its_states(page, scheme):
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_a_material_of_a_plug_in_flows_and_is_seen_over_the_depth(page, scheme):
     pytest.importorskip("roughcontact_volume")
-    page.driver.execute_cdp_cmd(
-        "Emulation.setEmulatedMedia", {"features": [{"name": "prefers-color-scheme", "value": scheme}]}
-    )
-    size = {"width": 390, "height": 844, "deviceScaleFactor": 1, "mobile": True}
-    page.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
-    page.open()
+    page.emulate(390, 844, scheme)
+    page.open_example()
     own = "material_plastic_hardening_swift_hardening_power"
     for name, text in {"surface": "sphere", "radius": "1", "side": "65", "cells": "16", "load": "force"}.items():
         page.set(name, text)
@@ -827,7 +1005,7 @@ def test_a_material_of_a_plug_in_flows_and_is_seen_over_the_depth(page, scheme):
     page.until(lambda: "2 states, about" in page.text("plan"))
     assert not page.is_wider_than_the_screen()
     page.find("solve").click()
-    page.until(lambda: page.text("headline").startswith("2 states of the path; at the end a contact area of"))
+    page.until(lambda: page.text("headline").startswith("2 states of the path; at the end:"))
     hard = "plastic, E 210 GPa, ν 0.3, yield stress 1000 MPa, swift hardening (strain 0.005; power 0.2)"
     assert hard in page.text("run-subject")
     image = page.driver.find_element(By.CSS_SELECTOR, "#picture img")

@@ -26,6 +26,7 @@ from roughcontact.results import AdhesionCycle, LoadPath, Sweep
 from roughcontact.results import Path as StatePath
 from roughcontact.typing import Table, si
 
+from roughcontact_app.hertz import list_closed_form
 from roughcontact_app.responses import finite
 from roughcontact_app.words import end_sentence
 
@@ -63,6 +64,7 @@ def describe_solutions(
             "seconds": solution.seconds,
             "quantities": [_describe(name, one, next(columns[name])) for name, one in quantities.items()],
             "places": f"{place.replace('+-', '±')}." if place else "",
+            "closed_form": list_closed_form(solution, quantities),
             "warnings": [end_sentence(text) for text in (*_warn_of_hardness(solution), *warnings)],
         }
         for solution, (quantities, warnings), place in zip(solutions, found, places, strict=True)
@@ -76,8 +78,9 @@ def describe_path(path: LoadPath, asked: Mapping[str, Sequence[Any]]) -> list[di
     """
     rows = _describe_rows([path.table()])
     answers = describe_solutions(path.states, asked)
+    # No closed form is of a state that others went before.
     return [
-        {**answer, "load": f"state {number}", "quantities": [*row, *answer["quantities"]]}
+        {**answer, "load": f"state {number}", "quantities": [*row, *answer["quantities"]], "closed_form": {}}
         for number, (row, answer) in enumerate(zip(rows, answers, strict=True), start=1)
     ]
 

@@ -9,6 +9,7 @@ from roughcontact.errors import RoughContactError
 from roughcontact.faces import list_fields, summarize
 
 from roughcontact_app.responses import TickBox, make_fields
+from roughcontact_app.words import explain
 
 # What passes on a path of the page.
 _PASSING = ("time", "sliding")
@@ -26,9 +27,8 @@ def _list_boxes() -> dict[str, TickBox]:
             if name in _BROUGHT or not set(cls.rates) & set(_PASSING) or any(field.unit is None for field in needed):
                 continue
             setting = f"law_{name.replace('-', '_')}"
-            summary = summarize(cls)
             found[name] = TickBox(
-                setting, name.replace("-", " "), summary[:1].lower() + summary[1:], make_fields(setting, needed)
+                setting, name.replace("-", " "), explain("law", name, summarize(cls)), make_fields(setting, needed)
             )
     return found
 

@@ -14,6 +14,7 @@ from roughcontact.faces import PartField, find_parts, list_fields, summarize
 from roughcontact.typing import si
 
 from roughcontact_app.responses import FormField, make_fields
+from roughcontact_app.words import explain
 
 # The page has fields of its own for those that ship.
 _SHIPPED = ("elastic", "elastic-perfectly-plastic", "rigid", "viscoelastic")
@@ -111,9 +112,8 @@ def _describe(name: str, cls: type, setting: str, page: Mapping[str, str], *, ha
             fields.append(asked)
         elif one.is_needed and one.name not in shared:
             return None
-    summary = summarize(cls)
     label = name.replace("-", " ") if has_parts else name.replace("-", " ").capitalize()
-    return PartForm(name, label, summary[:1].lower() + summary[1:], shared, tuple(fields))
+    return PartForm(name, label, explain("material", name, summarize(cls)), shared, tuple(fields))
 
 
 def _describe_field(one: PartField, setting: str, *, has_parts: bool) -> MaterialField | None:

@@ -12,7 +12,7 @@ from roughcontact import ContactSolution, Response, faces, responses
 from roughcontact.errors import RoughContactError
 from roughcontact.faces import PartField, describe_response
 
-from roughcontact_app.words import end_sentence, in_words_of_page
+from roughcontact_app.words import end_sentence, explain, in_words_of_page
 
 # Those that are among the numbers of each answer; and one whose film, by default 10 nm, is not asked for.
 _OMITTED = ("approach", "mean-gap", "patches", "peak-pressure", "capacitance")
@@ -69,7 +69,7 @@ def _list_tick_boxes() -> dict[str, TickBox]:
             setting = f"ask_{name.replace('-', '_')}"
             fields = make_fields(setting, needed)
             axis = f"{setting}_axis" if any(field.name == "axis" for field in form.fields) else ""
-            found[name] = TickBox(setting, name.replace("-", " "), form.summary, fields, axis)
+            found[name] = TickBox(setting, name.replace("-", " "), explain("response", name, form.summary), fields, axis)
     return found
 
 

@@ -12,6 +12,7 @@ from typing import Any
 import attrs
 from roughcontact.errors import InputError
 
+from roughcontact_app.first import FIRST
 from roughcontact_app.folder import PrivateFolder
 from roughcontact_app.jobs import Jobs
 from roughcontact_app.laws import LAW_BOXES
@@ -57,6 +58,7 @@ class Session:
         threading.Thread(target=self._prepare, args=(page,), daemon=True).start()
         return {
             "defaults": DEFAULTS,
+            "first": FIRST,
             "examples": list(EXAMPLES),
             "typical": list_typical(),
             "materials": [attrs.asdict(form) for form in MATERIAL_FORMS.values()],

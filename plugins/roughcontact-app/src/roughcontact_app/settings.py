@@ -88,7 +88,7 @@ def list_layer_defaults(prefix: str) -> dict[str, str]:
     return found
 
 
-# What the form holds at first; each setting has its text here and no other is taken.
+# What a link or a request that does not say otherwise holds; each setting has its text here and no other is taken.
 DEFAULTS: dict[str, str] = {
     "surface": "example",
     "example": "ground_ring",

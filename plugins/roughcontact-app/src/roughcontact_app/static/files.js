@@ -8,12 +8,10 @@ const wishFor = ({ name, digest }) => `Choose or drop the file of this link agai
 
 export class MapFile {
   // The prefix is that of its settings and places; kind is the setting that says whether the map is solved.
-  constructor(prefix, kind, onChange) {
+  constructor(prefix, kind, onChange, onChoose) {
     Object.assign(this, { prefix, kind, onChange });
     this.input = byId(`${prefix}file-input`);
-    this.input.addEventListener("change", () => {
-      if (this.input.files.length) this.take(this.input.files[0]);
-    });
+    this.input.addEventListener("change", () => onChoose(this, [...this.input.files]));
     this.forget();
   }
 
@@ -33,6 +31,7 @@ export class MapFile {
   async take(file) {
     this.reading = file;
     for (const place of ["refusal", "note"]) say(place, "");
+    byId(`g-${this.prefix ? "counterbody" : "surface"}`).open = true;
     this.say(`Reading ${file.name} ...`);
     this.onChange();
     try {
@@ -82,7 +81,6 @@ export class MapFile {
   // Takes up the file of settings that a link has brought; returns what to say of it.
   async restore() {
     this.forget();
-    this.input.value = "";
     const { [`${this.prefix}file`]: digest, [`${this.prefix}file_name`]: name } = settings.read();
     const known = settings.isFile(this.kind) && digest ? await post(`api/file?body=${this.prefix}`, digest).catch(() => ({ here: false })) : null;
     this.say("");

@@ -7,17 +7,27 @@ import { follow } from "./run.js";
 import { listRuns } from "./runs.js";
 import * as settings from "./settings.js";
 import { showNoSurface, showRoughness, showSurface } from "./surface.js";
+import { isPath, summarize } from "./words.js";
 
 const { form } = settings;
 // Milliseconds after the last key until the server is asked.
 const DELAY = 350;
 // The maps of the body and of the counterbody.
-const files = [["", "surface"], ["counterbody_", "counterbody_surface"]].map((of) => new MapFile(...of, () => changed(0)));
+const files = [["", "surface"], ["counterbody_", "counterbody_surface"]].map((of) => new MapFile(...of, () => changed(0), takeFiles));
 // The run that is shown, its settings and its phase.
 let run = { id: "" };
 let starting = false;
 let changes = 0;
 let timer = 0;
+
+// Of two files that are chosen at once the first is for the body, the second for the counterbody.
+function takeFiles(file, chosen) {
+  // The same file may be chosen again when it has changed.
+  file.input.value = "";
+  if (chosen.length > 1) files.forEach((one, index) => one.take(chosen[index]));
+  else if (chosen.length) file.take(chosen[0]);
+  if (chosen.length > files.length) say("note", `There are two bodies: of these ${chosen.length} files the first two are read.`);
+}
 
 const missing = () => files.find((file) => file.isMissing);
 
@@ -29,7 +39,7 @@ function remember() {
 }
 
 function changed(delay = DELAY) {
-  settings.showFields(Object.fromEntries(files.map((file) => [file.prefix, file.facts])));
+  showForm();
   remember();
   allowSolve();
   clearTimeout(timer);
@@ -39,9 +49,15 @@ function changed(delay = DELAY) {
   timer = setTimeout(refresh, delay);
 }
 
+function showForm() {
+  settings.showFields(Object.fromEntries(files.map((file) => [file.prefix, file.facts])));
+  for (const [group, words] of Object.entries(summarize(settings.read()))) byId(`s-${group}`).textContent = words;
+}
+
 function allowSolve() {
   const file = missing();
   byId("solve").disabled = starting || Boolean(file);
+  byId("solve").textContent = starting ? "Starting …" : "Solve";
   const why = file?.reading ? `Solve waits until ${file.reading.name} is read.` : "There is no surface to solve: choose another file, or another surface.";
   say("solve-why", file ? why : "");
 }
@@ -66,7 +82,7 @@ async function refresh() {
     if (change !== changes) return;
     showNothing(error.message);
     settings.markWrong(error);
-    // The surface may be out of view.
+    // Its group may be closed, or out of view.
     byId("plan").textContent = error.message;
   } finally {
     if (change === changes) document.body.removeAttribute("aria-busy");
@@ -96,7 +112,7 @@ async function showPlan(values, change) {
     return;
   }
   if (change !== changes) return;
-  const solves = plan.solves > plan.loads.length || settings.isPath(values) ? "states" : "loads";
+  const solves = plan.solves > plan.loads.length || isPath(values) ? "states" : "loads";
   const loads = plan.solves > 1 ? `${plan.solves} ${solves}, about` : "About";
   byId("plan").textContent = `${loads} ${duration(plan.seconds)} for the solve, ${plan.memory}.`;
   byId("plan-basis").textContent = plan.basis;
@@ -109,26 +125,33 @@ function duration(seconds) {
   return seconds < 3600 ? `${Math.round(seconds / 60)} min` : `${(seconds / 3600).toFixed(1)} h`;
 }
 
-async function solve(event) {
+function solve(event) {
   event.preventDefault();
+  return start(true);
+}
+
+// Leads to its answer if somebody has asked for it.
+async function start(leads) {
   if (starting || missing()) return;
   say("refusal", "");
   starting = true;
   allowSolve();
   try {
-    showRun(await post("api/runs", settings.read()));
+    showRun(await post("api/runs", settings.read()), leads);
   } catch (error) {
     say("refusal", error.message);
+    settings.markWrong(error);
   } finally {
     starting = false;
     allowSolve();
   }
 }
 
-function showRun(state) {
+function showRun(state, leads = true) {
   run = state;
+  byId("unsolved").hidden = true;
   remember();
-  follow(run.id, noteRun);
+  follow(run.id, noteRun, leads);
   listRuns(run.id, showRun);
 }
 
@@ -146,16 +169,40 @@ async function restore(found) {
   settings.showFields({});
   const wishes = [];
   for (const file of files) wishes.push(await file.restore());
-  if (found.run) showRun({ id: found.run });
+  if (found.run) showRun({ id: found.run }, false);
+  else if (!run.id) showNoRun();
   changed(0);
   return ["The settings are restored.", ...wishes].filter(Boolean).join(" ");
 }
 
+function showNoRun() {
+  byId("run").hidden = true;
+  byId("unsolved").hidden = false;
+}
+
+// Without a link the page has a scene of its own, with its answer: that of a run before, if there is one.
+async function openFirst() {
+  showForm();
+  const { runs } = await get("api/runs");
+  const scheme = settings.read().scheme;
+  const known = runs.find((one) => one.phase === "done" && one.settings.scheme === scheme && !settings.differ(one.settings));
+  if (known) showRun(known, false);
+  else await start(false);
+  if (!run.id) showNoRun();
+  changed(0);
+}
+
 // The link is in the address.
 async function restoreAddress() {
+  if (location.hash.length < 2) {
+    await openFirst();
+    return;
+  }
   const found = settings.fromFragment(location.hash);
-  if (found.problem) changed(0);
-  else await restore(found);
+  if (found.problem) {
+    showNoRun();
+    changed(0);
+  } else await restore(found);
   say("note", found.problem);
 }
 
@@ -207,9 +254,8 @@ function listen() {
     event.preventDefault();
     depth = 0;
     byId("veil").hidden = true;
-    const file = files.find(({ prefix }) => prefix && event.target.closest?.(`#${prefix}drop`)) || files[0];
-    file.input.value = "";
-    if (event.dataTransfer?.files.length) file.take(event.dataTransfer.files[0]);
+    const file = files[event.target.closest?.("#g-counterbody") ? 1 : 0];
+    takeFiles(file, [...(event.dataTransfer?.files || [])]);
   });
 }
 

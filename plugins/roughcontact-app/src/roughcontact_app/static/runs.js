@@ -2,7 +2,7 @@
 
 import { get } from "./api.js";
 import { byId, element } from "./page.js";
-import { describe } from "./settings.js";
+import { describe } from "./words.js";
 
 export const ENDED = ["done", "failed", "cancelled"];
 // Milliseconds between two looks at runs that have not ended.

@@ -19,6 +19,8 @@ export function showSurface(surface) {
 
 function show(place, { warnings, rows, history, note = "", picture = "" }) {
   showList(byId(`${place}-warnings`), warnings);
+  // They are said in the group, which may be closed.
+  byId(`m-${place}`).textContent = warnings.length ? `${warnings.length} warning${warnings.length > 1 ? "s" : ""}` : "";
   const lines = rows.map(([name, text]) => {
     const row = element("tr");
     row.append(element("th", name, { scope: "row" }), element("td", text));
@@ -73,4 +75,5 @@ function describeRoughness({ of, rows, notes, pictures, basis }, several) {
 export function showNoSurface(problem) {
   showSurface(NOTHING);
   say("surface-problem", problem);
+  if (problem) byId("g-surface").open = true;
 }

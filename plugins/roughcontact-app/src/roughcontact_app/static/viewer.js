@@ -9,24 +9,46 @@ export class Viewer {
     this.frame.className = "frame";
     this.frame.tabIndex = 0;
     this.frame.setAttribute("role", "group");
-    this.frame.setAttribute("aria-label", `${label}. Plus and minus zoom, arrows move, 0 shows all.`);
+    this.frame.setAttribute("aria-label", `${label}. Plus and minus zoom, arrows move, 0 shows all; the wheel zooms after a click.`);
     this.image = document.createElement("img");
     this.image.draggable = false;
     this.frame.append(this.image);
+    this.problem = document.createElement("p");
+    this.problem.className = "alert";
+    this.problem.hidden = true;
+    this.problem.setAttribute("role", "alert");
+    this.image.addEventListener("load", () => this.frame.classList.remove("skeleton"));
+    this.image.addEventListener("error", () => this.fail());
     this.scaleText = document.createElement("span");
     this.scaleText.className = "help";
-    place.replaceChildren(this.frame, this.makeButtons());
+    place.replaceChildren(this.problem, this.frame, this.makeButtons());
     this.pointers = new Map();
     this.listen();
     this.reset();
   }
 
-  // Another picture of the same kind may keep what is zoomed in.
+  // Another picture of the same kind may keep what is zoomed in; until it is here, there is a blank in its place.
   show(address, text, keepsView = false) {
-    this.image.src = address;
+    if (this.image.getAttribute("src") !== address) {
+      this.frame.classList.toggle("skeleton", !keepsView);
+      this.image.src = address;
+    }
     this.image.alt = text;
-    this.place.hidden = false;
+    this.problem.hidden = true;
+    this.frame.hidden = this.place.hidden = false;
     if (!keepsView) this.reset();
+  }
+
+  // The picture may be asked for again: its tab opened anew.
+  async fail() {
+    const address = this.image.getAttribute("src");
+    if (!address) return;
+    const { error = "" } = await fetch(address).then((answer) => answer.json()).catch(() => ({}));
+    if (this.image.getAttribute("src") !== address) return;
+    this.image.removeAttribute("src");
+    this.problem.textContent = error || "This picture could not be drawn.";
+    this.problem.hidden = false;
+    this.frame.hidden = true;
   }
 
   hide() {
@@ -39,13 +61,14 @@ export class Viewer {
     const actions = [
       ["+", "Zoom in", () => this.zoom(1.5)],
       ["−", "Zoom out", () => this.zoom(1 / 1.5)],
-      ["Show all", "", () => this.reset()],
+      ["⤢", "Show all", () => this.reset()],
     ];
     for (const [text, label, act] of actions) {
       const button = document.createElement("button");
       button.type = "button";
       button.textContent = text;
-      if (label) button.setAttribute("aria-label", label);
+      button.title = label;
+      button.setAttribute("aria-label", label);
       button.addEventListener("click", act);
       row.append(button);
     }
@@ -135,6 +158,6 @@ export class Viewer {
     // A finger moves what is zoomed in, and otherwise scrolls the page.
     this.frame.classList.toggle("zoomed", this.scale > 1);
     this.image.style.imageRendering = this.scale > 3 ? "pixelated" : "auto";
-    this.scaleText.textContent = `${this.scale.toFixed(1)} times; the wheel zooms after a click`;
+    this.scaleText.textContent = this.scale > 1 ? `${this.scale.toFixed(1)} times` : "";
   }
 }

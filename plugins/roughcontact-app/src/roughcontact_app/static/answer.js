@@ -1,0 +1,136 @@
+// The answer of a run: its numbers with their uncertainty, its certificate, its warnings and its table.
+
+import { byId, element, say, showList } from "./page.js";
+import { isPath } from "./words.js";
+
+// Loads without a value of their own.
+export const CYCLES = ["cycle", "fretting"];
+// The quantity that a kind of load gives.
+export const GIVEN = { pressure: "mean pressure", force: "force", approach: "approach" };
+// What is shown first, if it is answered; of cycles all but the table's details.
+const FIRST = ["contact area", "maximum pressure", "approach", "stiffness"];
+const MOST_TILES = 4;
+// Parts of a value: an uncertainty above these is doubtful, and bad.
+const DOUBTFUL = 0.1;
+const BAD = 0.5;
+
+export const quantity = (answer, name) => answer.quantities.find((one) => one.name === name);
+
+export function renderAnswer(state) {
+  const last = state.answers.at(-1);
+  const many = state.answers.length > 1;
+  byId("answer").hidden = false;
+  byId("headline").textContent = headlineOf(state);
+  byId("numbers").replaceChildren(...tilesOf(last, state.settings).map((one) => tile(one, last)));
+  const failed = state.answers.filter((answer) => !answer.certified);
+  const statuses = [...new Set((failed.length ? failed : state.answers).map((answer) => answer.status))];
+  byId("verdict").replaceChildren(
+    element("strong", failed.length ? "✗ Not certified" : "✓ Certified"),
+    ` ${statuses.join("; ")}. ± is one standard deviation${isCompared(last) ? "; Hertz's closed form is that of the same ball" : ""}.`,
+  );
+  byId("verdict").className = failed.length ? "alert" : "";
+  say("places", last.places && `Other places of the surface${many ? `, at ${last.load}` : ""}: ${last.places}`);
+  showList(byId("warnings"), state.warnings);
+  byId("answer-table").replaceChildren(...(many ? curveRows(state) : singleRows(last)));
+  byId("look").classList.toggle("wide", many);
+}
+
+function headlineOf({ settings, answers }) {
+  if (CYCLES.includes(settings.load)) return settings.load === "cycle" ? "A cycle of approaches" : "A fretting cycle";
+  if (isPath(settings)) return `${answers.length} states of the path; at the end:`;
+  return answers.length > 1 ? `${answers.length} loads solved; at ${answers.at(-1).load}:` : `At ${answers[0].load}:`;
+}
+
+function tilesOf(answer, { load }) {
+  const wanted = FIRST.map((name) => quantity(answer, name)).filter((one) => one && one.name !== GIVEN[load]);
+  return (CYCLES.includes(load) ? answer.quantities : wanted).slice(0, MOST_TILES);
+}
+
+const isCompared = (answer) => Object.keys(answer.closed_form || {}).length > 0;
+
+// A quantity: its value, its uncertainty with a bar, and what a closed form says.
+function tile({ name, text, value, uncertainty }, answer) {
+  const made = element("div", "", { class: "tile" });
+  const [number, own] = separate(text);
+  made.append(element("dt", name), element("dd", number, { class: "number" }));
+  const part = value ? Math.abs(uncertainty / value) : 0;
+  if (own) {
+    made.append(element("dd", `± ${own}${value ? ` (${percent(part)})` : ""}`, { class: "help" }), barOf(part));
+  }
+  const known = answer.closed_form?.[name];
+  const fraction = name === "contact area" && quantity(answer, "contact area fraction");
+  // Of a ball the domain is chosen at will.
+  if (fraction && !known) made.append(element("dd", `${percent(fraction.value)} of nominal`, { class: "help" }));
+  if (known) made.append(element("dd", `Hertz ${known.text}${compare(value, known.value)}`, { class: "help" }));
+  return made;
+}
+
+// The value and the uncertainty of a text such as (2.5 ± 0.1) mm, each with the unit.
+function separate(text) {
+  const [, number, own, unit] = text.match(/^\(?(\S+) ± ([^\s)]+)\)?(.*)$/) || [];
+  return own === undefined ? [text, ""] : [`${number}${unit}`, `${own}${unit}`];
+}
+
+const percent = (part) => `${100 * part < 0.001 && part ? "below 0.001" : Number((100 * part).toPrecision(part < 0.1 ? 2 : 3))} %`;
+
+function compare(value, known) {
+  const part = value / known - 1;
+  return Math.abs(part) < 1e-5 ? ", the same to 0.001 %" : `, ${percent(Math.abs(part))} ${part > 0 ? "less" : "more"}`;
+}
+
+// As wide as the uncertainty on a line from nothing to twice the value.
+function barOf(part) {
+  const line = element("dd", "", { class: "line", "aria-hidden": "true" });
+  const band = element("span", "", { class: part >= BAD ? "bad" : part >= DOUBTFUL ? "doubtful" : "" });
+  const width = 100 * Math.min(part, 1);
+  band.style.left = `${50 - width / 2}%`;
+  band.style.width = `${width}%`;
+  line.append(band);
+  return line;
+}
+
+function singleRows(answer) {
+  const rows = answer.quantities.map((one) => {
+    const row = element("tr");
+    row.append(element("th", one.name, { scope: "row" }), element("td", one.text, { "data-quantity": one.name }));
+    row.lastChild.dataset.value = one.value;
+    return row;
+  });
+  return [element("caption", "The answer", { class: "unseen" }), body(rows)];
+}
+
+function body(rows) {
+  const made = element("tbody");
+  made.append(...rows);
+  return made;
+}
+
+// The number of a text, and its unit, which is that of its whole column.
+export function split({ text, unit }) {
+  const end = unit ? text.lastIndexOf(" ") : text.length;
+  return [text.slice(0, end), text.slice(end + 1)];
+}
+
+function curveRows(state) {
+  const names = state.answers[0].quantities.map((one) => one.name);
+  const order = ["mean pressure", "force", ...names.filter((name) => !["mean pressure", "force"].includes(name))];
+  const head = element("tr");
+  const titles = order.map((name) => [name, split(quantity(state.answers[0], name))[1]].filter(Boolean).join(", "));
+  head.append(...[...titles, "fields"].map((title) => element("th", title, { scope: "col" })));
+  const rows = state.answers.map((answer, index) => {
+    const row = element("tr");
+    for (const name of order) {
+      const one = quantity(answer, name);
+      const [number] = split(one);
+      // A load stands as it was given.
+      const isShort = one.uncertainty || name === GIVEN[state.settings.load] || !Number.isFinite(Number(number));
+      row.append(element("td", isShort ? number : String(Number(Number(number).toPrecision(3))), { "data-quantity": name }));
+      row.lastChild.dataset.value = one.value;
+    }
+    row.append(element("td", "", { "data-files": index }));
+    return row;
+  });
+  const top = element("thead");
+  top.append(head);
+  return [element("caption", isPath(state.settings) ? "The answers, a row for each state" : "The answers, a row for each load", { class: "unseen" }), top, body(rows)];
+}

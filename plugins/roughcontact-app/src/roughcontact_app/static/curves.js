@@ -1,0 +1,103 @@
+// The answers of several loads, or states, as a curve whose values are read by pointer or arrow keys.
+
+import { GIVEN, quantity, split } from "./answer.js";
+import { byId, element, say } from "./page.js";
+import { fill } from "./fields.js";
+import { isPath } from "./words.js";
+
+// Over a greater range than this the axes are logarithmic.
+const WIDE = 30;
+const HEIGHT = 300;
+
+const color = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+
+export class Curves {
+  constructor(place) {
+    this.place = place;
+    this.select = element("select", "", { id: "curve-quantity" });
+    this.select.addEventListener("change", () => this.draw());
+    const field = element("div", "", { class: "field" });
+    field.append(element("label", "Quantity", { for: "curve-quantity" }), this.select);
+    this.frame = element("div", "", { id: "curve", tabindex: "0", role: "group", "aria-label": "Curve. Left and right arrows read its points." });
+    this.frame.addEventListener("keydown", (event) => this.step(event));
+    place.append(field, this.frame, element("p", "", { id: "curve-point", role: "status", class: "shown" }));
+    new ResizeObserver(() => this.fit()).observe(place);
+  }
+
+  hide() {
+    this.place.hidden = true;
+  }
+
+  show({ answers, settings }) {
+    byId("picture").hidden = true;
+    this.place.hidden = false;
+    if (this.answers !== answers) {
+      const given = isPath(settings) ? "" : GIVEN[settings.load];
+      const counts = ({ name }) => name !== given && new Set(answers.map((answer) => quantity(answer, name).value)).size > 1;
+      const names = answers[0].quantities.filter(counts).map((one) => one.name);
+      fill(this.select, Object.fromEntries(names.map((name) => [name, name])));
+      if (names.includes("contact area")) this.select.value = "contact area";
+      Object.assign(this, { answers, given });
+    }
+    this.draw();
+  }
+
+  // The numbers of a quantity in the unit of its texts, by the order of what is given.
+  column(name) {
+    const all = this.order.map((answer) => quantity(answer, name));
+    const unit = split(all.find((one) => one.value) || all[0])[1];
+    const largest = all.reduce((one, other) => (Math.abs(other.value) > Math.abs(one.value) ? other : one));
+    const shown = Number(split(largest)[0].replace("(", "").split(" ")[0]);
+    const scale = shown && largest.value ? 10 ** Math.round(Math.log10(Math.abs(shown / largest.value))) : 1;
+    return { unit, title: unit ? `${name}, ${unit}` : name, values: all.map((one) => one.value * scale), errors: all.map((one) => one.uncertainty * scale), texts: all.map((one) => one.text) };
+  }
+
+  draw() {
+    const { answers, given } = this;
+    this.order = given ? [...answers].sort((one, other) => quantity(one, given).value - quantity(other, given).value) : answers;
+    const across = given ? this.column(given) : { title: "state", values: answers.map((_, index) => index + 1), texts: answers.map((answer) => answer.load) };
+    const up = this.column(this.select.value);
+    Object.assign(this, { across, up, at: -1 });
+    this.chart?.destroy();
+    this.chart = new uPlot(this.options(), [
+      across.values, up.values, up.values.map((value, index) => value + up.errors[index]), up.values.map((value, index) => value - up.errors[index]),
+    ], this.frame);
+    say("curve-point", "");
+  }
+
+  options() {
+    const axis = (label) => ({
+      label, stroke: color("--ink"), grid: { stroke: color("--faint"), width: 1 }, ticks: { stroke: color("--faint"), width: 1 },
+      font: "13px system-ui", labelFont: "13px system-ui", size: label === this.up.title ? 70 : 44, values: (_, marks) => marks.map((mark) => (mark === null ? "" : String(Number(mark.toPrecision(6))))),
+    });
+    const isWide = (values) => Math.min(...values) > 0 && Math.max(...values) > WIDE * Math.min(...values);
+    const scale = (values) => ({ time: false, distr: isWide(values) ? 3 : 1 });
+    const [accent, faint] = [color("--accent"), color("--faint")];
+    return {
+      width: this.place.clientWidth, height: HEIGHT, legend: { show: false }, scales: { x: scale(this.across.values), y: scale(this.up.values) },
+      cursor: { drag: { setScale: false, x: false, y: false }, points: { size: 11, fill: accent } },
+      axes: [axis(this.across.title), axis(this.up.title)],
+      bands: [{ series: [2, 3], fill: faint }],
+      series: [{}, { stroke: accent, width: 2, points: { show: true, size: 8, fill: accent } }, ...Array.from({ length: 2 }, () => ({ stroke: faint, width: 1, points: { show: false } }))],
+      hooks: { setCursor: [({ cursor: { idx } }) => { if (idx !== null && idx !== undefined) this.tell(idx); }] },
+    };
+  }
+
+  tell(index) {
+    this.at = index;
+    say("curve-point", `${this.given || "state"} ${this.given ? this.across.texts[index] : `${this.across.values[index]} (${this.across.texts[index]})`}: ${this.select.value} ${this.up.texts[index]}`);
+  }
+
+  step(event) {
+    const last = this.across.values.length - 1;
+    const to = { ArrowLeft: Math.max(this.at - 1, 0), ArrowRight: Math.min(this.at + 1, last), Home: 0, End: last }[event.key];
+    if (to === undefined || event.ctrlKey || event.metaKey || event.altKey) return;
+    event.preventDefault();
+    this.chart.setCursor({ left: this.chart.valToPos(this.across.values[to], "x"), top: this.chart.valToPos(this.up.values[to], "y") });
+    this.tell(to);
+  }
+
+  fit() {
+    if (this.chart && this.place.clientWidth) this.chart.setSize({ width: this.place.clientWidth, height: HEIGHT });
+  }
+}
