@@ -29,6 +29,8 @@ HOST = "127.0.0.1"
 _LONGEST_BODY = 1 << 16
 _SILENCE = 30.0
 _BLOCK = 1 << 18
+# Seconds after which a page that waits for another phase of a run is told how far it has come.
+_LOOK = 0.5
 # Characters of the name of a page.
 _LONGEST_NAME = 40
 # Bytes, and seconds, of a refused request that are read after the answer, so that the client sees it.
@@ -203,11 +205,14 @@ class _Handler(BaseHTTPRequestHandler):
         if job is None:
             raise Refusal(http.HTTPStatus.NOT_FOUND, "This run is not known here any more: solve again.")
         if name is None:
+            known = self._query("after")
+            if _LENGTH.fullmatch(known):
+                job.wait_past(int(known), _LOOK)
             self._send_json(jobs.describe(job))
             return
-        file = job.file(name)
-        if file is None:
+        if not job.offers(name):
             raise Refusal(http.HTTPStatus.NOT_FOUND, "This run has no such file.")
+        file = jobs.write_file(job, name)
         ending = name.rpartition(".")[2]
         extra = {"Content-Security-Policy": _REPORT_POLICY} if ending == "html" else {}
         if ending in ("csv", "gif", "npz"):

@@ -15,18 +15,13 @@ const PHASES = {
 const CYCLES = ["cycle", "fretting"];
 // The quantity that a kind of load gives.
 const GIVEN = { pressure: "mean pressure", force: "force", approach: "approach" };
-const INTERVAL = 400;
 let viewer;
 let states;
-let current = "";
 let shown = {};
-let timer = 0;
 
 export function follow(run, onChange) {
-  clearTimeout(timer);
   viewer ??= new Viewer(byId("picture"), "Picture of the answer");
   states ??= new States(viewer);
-  current = run;
   shown = { panel: "", phase: "", answers: 0, outputs: -1 };
   byId("run").hidden = false;
   for (const name of ["answer", "run-problem", "run-subject", "progress"]) byId(name).hidden = true;
@@ -37,18 +32,20 @@ export function follow(run, onChange) {
   poll(run, onChange);
 }
 
-async function poll(run, onChange) {
+// The server answers when the phase has changed since a version, or after half a second.
+async function poll(run, onChange, after = "") {
+  const mine = shown;
   let state;
   try {
-    state = await get(`runs/${run}`);
+    state = await get(`runs/${run}?after=${after}`);
   } catch (error) {
-    if (run === current) problem(error.message);
+    if (mine === shown) problem(error.message);
     return;
   }
-  if (run !== current) return;
+  if (mine !== shown) return;
   render(state);
   onChange(state);
-  if (!ENDED.includes(state.phase)) timer = setTimeout(() => poll(run, onChange), INTERVAL);
+  if (!ENDED.includes(state.phase)) poll(run, onChange, state.version);
 }
 
 function problem(text) {
