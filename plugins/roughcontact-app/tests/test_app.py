@@ -121,7 +121,7 @@ def serving(**options):
     session = Session(**options)
     try:
         with AppServer(session) as server:
-            thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.05}, daemon=True)
+            thread = threading.Thread(target=server.serve_forever, daemon=True)
             thread.start()
             yield server
             server.shutdown()

@@ -23,6 +23,8 @@ from roughcontact_app.forking import CONTEXT
 
 # Bytes of one message: answers and plans are thousands.
 _LONGEST = 4_000_000
+# Seconds for which the end of a process waits that is just being started.
+_PATIENCE = 0.2
 
 
 class TaskEnded(Exception):
@@ -112,27 +114,36 @@ class Worker:
     def end(self) -> None:
         """End the process, whatever it does: its task raises `TaskEnded`, the next one starts another."""
         with self._lock:
-            process = self._process
-            self._process = None
-            self.memory = 0
-        if process is not None:
-            process.kill()
-            process.join()
+            self._end()
 
     def close(self) -> None:
         """End the process for good."""
         self.is_closed = True
-        self.end()
+        # Whoever is just starting it ends it.
+        if self._lock.acquire(timeout=_PATIENCE):
+            try:
+                self._end()
+            finally:
+                self._lock.release()
+
+    def _end(self) -> None:
+        if self._process is not None:
+            self._process.kill()
+            self._process.join()
+        self._process = None
+        self.memory = 0
 
     def _started(self) -> Connection:
         with self._lock:
-            if self.is_closed:
-                raise TaskEnded("This was cancelled.")
-            if self._process is None or self._pipe is None or not self._process.is_alive():
+            if not self.is_closed and (self._process is None or self._pipe is None or not self._process.is_alive()):
                 self._pipe, theirs = CONTEXT.Pipe()
-                self._process = CONTEXT.Process(target=_serve, args=(theirs, self._is_warm), daemon=True)
-                self._process.start()
+                process = CONTEXT.Process(target=_serve, args=(theirs, self._is_warm), daemon=True)
+                process.start()
+                self._process = process
                 theirs.close()
+            if self.is_closed or self._pipe is None:
+                self._end()
+                raise TaskEnded("This was cancelled.")
             return self._pipe
 
 

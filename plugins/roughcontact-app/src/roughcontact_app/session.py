@@ -6,7 +6,6 @@ import json
 import secrets
 import threading
 from collections import OrderedDict
-from io import BufferedIOBase
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +21,7 @@ from roughcontact_app.page import Page
 from roughcontact_app.responses import TICK_BOXES
 from roughcontact_app.scene import EXAMPLES
 from roughcontact_app.settings import DEFAULTS, Settings, read_settings
-from roughcontact_app.uploads import StoredFile, Uploads, known_endings
+from roughcontact_app.uploads import PartialFile, StoredFile, Uploads, known_endings
 
 # Bytes that reading a file may take: some for libraries, and a multiple of its bytes, of which a height may have one.
 _LIBRARIES = 2**29
@@ -71,9 +70,9 @@ class Session:
             "laws": [attrs.asdict(box) for box in LAW_BOXES.values()],
         }
 
-    def upload(self, source: BufferedIOBase, size: int, name: str, page: str, body: str = "") -> dict[str, Any]:
-        """Return digest, name and facts of a file that a page sends for one of its bodies."""
-        return self._inspect(self.uploads.receive(source, size, name), page, body)
+    def upload(self, partial: PartialFile, page: str, body: str = "") -> dict[str, Any]:
+        """Return digest, name and facts of a file that a page has sent for one of its bodies."""
+        return self._inspect(self.uploads.finish(partial), page, body)
 
     def find_upload(self, digest: str, page: str, body: str = "") -> dict[str, Any]:
         """Return whether a file is still here, with its name and facts."""
