@@ -36,6 +36,7 @@ from roughcontact_app.answers import describe_solutions, describe_sweep, list_wa
 from roughcontact_app.command import _shown
 from roughcontact_app.connections import LIMIT
 from roughcontact_app.outputs import make_law
+from roughcontact_app.pool import Pool
 from roughcontact_app.process import TaskEnded, Worker
 from roughcontact_app.progress import Progress
 from roughcontact_app.responses import ask_states
@@ -120,7 +121,7 @@ def serving(**options):
     session = Session(**options)
     try:
         with AppServer(session) as server:
-            thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.05}, daemon=True)
+            thread = threading.Thread(target=server.serve_forever, daemon=True)
             thread.start()
             yield server
             server.shutdown()
@@ -1145,6 +1146,183 @@ def test_ended_runs_are_forgotten_with_their_files(client, server, monkeypatch):
     assert not folder.exists()
     assert client.request("GET", f"runs/{first}")[0] == 404
     client.post(f"api/cancel/{third}", {})
+
+
+# Processes that are used again, and files that are written when they are asked for
+
+
+def run_of(client, settings):
+    state = client.wait(client.post("api/runs", settings)["id"])
+    assert state["phase"] == "done", state
+    return state
+
+
+def process_for_runs(server):
+    """The process that the next run will have."""
+    pool = server.session.jobs._pool
+    wait_until(lambda: pool._idle and pool._idle[-1]._process)
+    return pool._idle[-1]._process
+
+
+def test_the_numbers_of_a_run_come_before_its_pictures(tmp_path):
+    seen = []
+
+    def send(event):
+        seen.append((set(event), sorted(path.name for path in tmp_path.iterdir())))
+
+    work.run({"kind": "solve", "upload": None, "settings": SMALL, "folder": str(tmp_path)}, send)
+    ((_, files),) = [one for one in seen if "answers" in one[0]]
+    assert files == []
+    assert "outputs" in next(names for names, _ in seen if "answers" in names)
+    assert seen[-1][0] == {"made"}
+    # Then the first picture, which somebody looks at; the others when they are.
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["pressure.png", "run.pickle"]
+
+
+def test_files_are_written_when_they_are_asked_for(client, server):
+    state = client.post("api/runs", {**SMALL, "amplitude": "0.6"})
+    while not state["outputs"]:
+        assert state["phase"] not in ("failed", "cancelled"), state
+        state = json.loads(client.get(f"runs/{state['id']}?after={state['version']}"))
+    # Early: the first one may be half done, and the run still has its process.
+    first, *others = (one["file"] for one in state["outputs"] if one["role"] == "picture")
+    for file in (others[-1], first):
+        assert client.get(f"runs/{state['id']}/{file}")[:4] == b"\x89PNG"
+    folder = server.session.jobs.find(state["id"]).folder
+    assert not {"report.html", "answers.csv", "solution-1.npz", others[0]} & {path.name for path in folder.iterdir()}
+    at_once, answers = [threading.Thread(target=lambda: answers.append(client.get(f"runs/{state['id']}/report.html")))
+                        for _ in range(3)], []  # fmt: skip
+    for thread in at_once:
+        thread.start()
+    for thread in at_once:
+        thread.join(PATIENCE)
+    assert len(answers) == 3
+    assert len(set(answers)) == 1
+
+
+def test_a_process_that_had_another_run_gives_the_same_bits(client, server):
+    first = run_of(client, SMALL)
+    process = process_for_runs(server)
+    run_of(client, {**SMALL, "surface": "self-affine", "shortest": "5", "loads": "50 80"})
+    again = run_of(client, SMALL)
+    assert process_for_runs(server) is process
+    assert [one["quantities"] for one in first["answers"]] == [one["quantities"] for one in again["answers"]]
+    # What was not asked for while the process had the first run comes from what that has saved.
+    for name in ("patches.png", "answers.csv"):
+        assert client.get(f"runs/{first['id']}/{name}") == client.get(f"runs/{again['id']}/{name}")
+    fields = []
+    for state in (first, again):
+        with np.load(io.BytesIO(client.get(f"runs/{state['id']}/solution-1.npz"))) as data:
+            fields.append(data["pressure"])
+    assert np.array_equal(*fields)
+
+
+def test_the_process_of_a_cancelled_run_is_gone(client, server):
+    process = process_for_runs(server)
+    run = client.post("api/runs", LONG)["id"]
+    client.wait(run, ("preparing", "solving"))
+    assert server.session.jobs.find(run).worker._process is process
+    client.post(f"api/cancel/{run}", {})
+    assert not process.is_alive()
+    # Cancelled again while another run goes on, it ends nothing.
+    other = client.post("api/runs", SMALL)["id"]
+    client.post(f"api/cancel/{run}", {})
+    assert client.wait(other)["phase"] == "done"
+    assert process_for_runs(server) is not process
+
+
+def test_a_process_that_died_is_replaced(client, server):
+    process = process_for_runs(server)
+    process.kill()
+    process.join()
+    state = run_of(client, SMALL)
+    other = process_for_runs(server)
+    assert other is not process
+    # So is one that dies at its run, which says so.
+    running = client.post("api/runs", LONG)["id"]
+    client.wait(running, ("preparing", "solving"))
+    other.kill()
+    failed = client.wait(running)
+    assert (failed["phase"], failed["outputs"]) == ("failed", [])
+    assert "ended before its time" in failed["error"]
+    assert client.get(f"runs/{state['id']}/gap.png")[:4] == b"\x89PNG"
+    assert run_of(client, SMALL)["answers"][0]["quantities"] == state["answers"][0]["quantities"]
+
+
+def test_a_process_that_has_grown_is_ended(client, server, monkeypatch):
+    process = process_for_runs(server)
+    monkeypatch.setattr("roughcontact_app.pool._MOST_MEMORY", 2**20)
+    state = run_of(client, SMALL)
+    process.join(PATIENCE)
+    assert not process.is_alive()
+    assert client.get(f"runs/{state['id']}/gap.png")[:4] == b"\x89PNG"
+
+
+def test_the_processes_for_runs_are_bounded():
+    pool = Pool(2, 1)
+    try:
+        with pool.lend("a") as first, pool.lend("b") as second:
+            first.start()
+            assert first is not second
+            with pytest.raises(TaskEnded, match="All processes have much to do"), pool.lend("c", 0.01):
+                pass
+        # One is kept, that which was used last.
+        assert pool._idle == [first]
+        assert second.is_closed
+        with pool.lend("a") as again:
+            assert again is first
+            pool.close()
+        assert first.is_closed
+        with pytest.raises(TaskEnded, match="cancelled"), pool.lend("a"):
+            pass
+    finally:
+        pool.close()
+
+
+def test_a_file_that_takes_too_long_is_given_up_and_made_later(client, server, monkeypatch):
+    state = run_of(client, SMALL)
+    monkeypatch.setattr(server.session.jobs, "_patience", 0.001)
+    status, _, body = client.request("GET", f"runs/{state['id']}/report.html")
+    assert status == 422
+    assert json.loads(body)["error"].startswith("Writing report.html took more than 0.001 s and was ended")
+    monkeypatch.undo()
+    assert client.get(f"runs/{state['id']}/report.html")[:15].lower() == b"<!doctype html>"
+
+
+def test_what_a_run_has_not_kept_is_said_so(client, server):
+    state = run_of(client, SMALL)
+    run_of(client, {**SMALL, "loads": "70"})
+    (server.session.jobs.find(state["id"]).folder / "run.pickle").unlink()
+    status, _, body = client.request("GET", f"runs/{state['id']}/profile.png")
+    assert (status, json.loads(body)["error"]) == (422, "The fields of this run are not here any more: solve again.")
+
+
+def test_a_page_waits_for_the_next_phase_of_a_run(client):
+    run = client.post("api/runs", LONG)
+    try:
+        solving = client.wait(run["id"], ("solving",))
+        # It is told in a moment how far the run has come, and at once when that ends.
+        later = json.loads(client.get(f"runs/{run['id']}?after={solving['version']}"))
+        assert (later["phase"], later["version"]) == ("solving", solving["version"])
+        for unknown in ("", "x", "-1", "9" * 40, "999"):
+            assert json.loads(client.get(f"runs/{run['id']}?after={unknown}"))["phase"] == "solving"
+    finally:
+        ended = client.post(f"api/cancel/{run['id']}", {})
+    assert ended["version"] > solving["version"]
+    assert json.loads(client.get(f"runs/{run['id']}?after={ended['version']}"))["phase"] == "cancelled"
+
+
+def test_scenes_are_shared_and_bounded(tmp_path, monkeypatch):
+    monkeypatch.setattr(work, "_WORTH_SHARING", 0.0)
+    sources = work.Sources(scenes=str(tmp_path))
+    all_settings = [read_settings({**SMALL, "amplitude": f"0.{number}"}) for number in range(1, 8)]
+    for settings in all_settings:
+        made = work._scene(settings, sources)
+    assert len(list(tmp_path.iterdir())) == work._SHARED
+    work._cached_scene.cache_clear()
+    shared = work._scene(all_settings[-1], sources)
+    assert shared is not made
+    assert np.array_equal(shared.surface.heights(shared.grid), made.surface.heights(made.grid))
 
 
 # Without a server

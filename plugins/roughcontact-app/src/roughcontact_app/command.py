@@ -42,11 +42,16 @@ examples:
 
     def run(self, options: argparse.Namespace) -> int:
         """Serve until Ctrl-C; return 0."""
+        from roughcontact_app.forking import start_ahead
+
+        # Its imports take seconds, as do those of this process.
+        start_ahead()
         from roughcontact_app import AppServer, Session
 
         with _ending_on_signals():
             try:
                 with contextlib.closing(Session()) as session, _open(AppServer, session, options.port) as server:
+                    session.prepare()
                     print(f"The page is at {server.address}\n{_ADVICE}", flush=True)
                     with contextlib.nullcontext() if options.no_browser else _shown(server.address, session.folder):
                         server.serve_forever()

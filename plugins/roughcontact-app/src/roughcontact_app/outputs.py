@@ -1,12 +1,13 @@
-"""The files of a run: the table, the solutions, the pictures, the report."""
+"""The files that may be asked for of a run: the table, the solutions, the pictures, the report."""
 
 from __future__ import annotations
 
 import contextlib
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any, Generic, TypeVar
+from typing import Any, Generic, TypeAlias, TypeVar
 
 import attrs
 import numpy as np
@@ -21,6 +22,8 @@ from roughcontact.typing import replacing
 from roughcontact_app.answers import make_table, tabulate_path
 
 P = TypeVar("P", bound=StatePath)
+# What the page is to know of a file, and what writes it.
+Step: TypeAlias = tuple[dict[str, Any], Callable[[], object]]
 
 # Dots beside those of a figure: a picture, 430 dots wide, is shown 750 pixels wide.
 _SHARPNESS = 3
@@ -28,9 +31,25 @@ _SHARPNESS = 3
 _FIRST = {"solution": ("pressure", "gap", "heights", "patches"), "sweep": ("area-load", "load-approach")}
 
 
+class Offers(ABC):
+    """What may be asked for of a run; each file is written when it is."""
+
+    @abstractmethod
+    def steps(self) -> Iterator[Step]:
+        """Yield what the page is to know of each file, in the order in which people want them, and what writes it."""
+
+    def list_files(self) -> list[dict[str, Any]]:
+        """Return what the page is to know of each file."""
+        return [about for about, _ in self.steps()]
+
+    def write(self, file: str) -> None:
+        """Write a file, or raise `RoughContactError`."""
+        next(write for about, write in self.steps() if about["file"] == file)()
+
+
 @attrs.frozen(eq=False)
-class Outputs:
-    """What is written of a run, in the order in which people want it.
+class Outputs(Offers):
+    """What may be asked for of solutions.
 
     Attributes
     ----------
@@ -52,44 +71,37 @@ class Outputs:
     folder: Path
     dark: bool
 
-    def steps(self) -> Iterator[Callable[[], dict[str, Any]]]:
-        """Yield functions that write a file and return what the page is to know of it."""
+    def steps(self) -> Iterator[Step]:
+        """Yield the table, the solutions and the pictures, of which the first is looked at first, and the report."""
         solutions = self.sweep.states
         largest = max(solutions, key=lambda solution: solution.force)
-        yield self._write_table
-        for index in range(len(solutions)):
-            yield partial(_write_solution, solutions, index, self.folder)
+        yield {"role": "table", "file": "answers.csv"}, self._write_table
+        yield from _offer_solutions(solutions, self.folder)
         drawn: list[tuple[Sweep | ContactSolution, str]] = []
         if len(solutions) > 1:
             drawn += [(self.sweep, name) for name in _panels_of("sweep", largest)]
         first, *others = drawn + [(largest, name) for name in _panels_of("solution", largest)]
-        yield partial(self._draw, *first)
-        yield partial(_write_report, self.sweep.states, self.folder, self.asked)
+        yield self._offer_picture(*first)
+        yield _offer_report(self.sweep.states, self.folder, self.asked)
         law = make_law(self.sweep, self.asked)
         for name in law.columns:
-            yield partial(self._draw_law, law, name)
+            panel = f"{name.replace(' ', '-')}-load"
+            yield _picture(panel), partial(draw, partial(law.plot, name, dark=self.dark), self.folder / f"{panel}.png")
         for subject, name in others:
-            yield partial(self._draw, subject, name)
+            yield self._offer_picture(subject, name)
 
-    def _write_table(self) -> dict[str, Any]:
+    def _write_table(self) -> None:
         with replacing(self.folder / "answers.csv") as unfinished:
             # The mark at the start lets spreadsheets read what is not ASCII.
             unfinished.write_text(make_table(self.answers), encoding="utf-8-sig", newline="")
-        return {"role": "table", "file": "answers.csv"}
 
-    def _draw(self, subject: Sweep | ContactSolution, name: str) -> dict[str, Any]:
-        draw(lambda: subject.plot(name, dark=self.dark), self.folder / f"{name}.png")
-        return {"role": "picture", "file": f"{name}.png", "panel": name}
-
-    def _draw_law(self, law: InterfaceLaw, name: str) -> dict[str, Any]:
-        panel = f"{name.replace(' ', '-')}-load"
-        draw(lambda: law.plot(name, dark=self.dark), self.folder / f"{panel}.png")
-        return {"role": "picture", "file": f"{panel}.png", "panel": panel}
+    def _offer_picture(self, subject: Sweep | ContactSolution, name: str) -> Step:
+        return _picture(name), partial(draw, partial(subject.plot, name, dark=self.dark), self.folder / f"{name}.png")
 
 
 @attrs.frozen(eq=False)
-class PathOutputs(Generic[P]):
-    """What is written of a path: the table of its states, its picture, all fields of one with friction, the report.
+class PathOutputs(Offers, Generic[P]):
+    """What may be asked for of a path: table, picture, report, and all fields of one with friction.
 
     Attributes
     ----------
@@ -109,54 +121,46 @@ class PathOutputs(Generic[P]):
     folder: Path
     dark: bool
 
-    def steps(self) -> Iterator[Callable[[], dict[str, Any]]]:
-        """Yield functions that write a file and return what the page is to know of it."""
-        yield self._write_table
-        yield self._draw
+    def steps(self) -> Iterator[Step]:
+        """Yield the table, the picture, the fields and the report."""
+        yield self._offer_table()
+        plot = partial(self.path.plot, dark=self.dark)
+        yield _picture(self.name), partial(draw, plot, self.folder / f"{self.name}.png")
         if isinstance(self.path, FrictionalPath):
-            yield self._write_path
-        yield partial(_write_report, self.path, self.folder, self.asked)
+            yield self._offer_path()
+        yield _offer_report(self.path, self.folder, self.asked)
 
-    def _write_table(self) -> dict[str, Any]:
-        tabulate_path(self.path, self.asked).to_csv(self.folder / f"{self.name}.csv")
-        return {"role": "table", "file": f"{self.name}.csv"}
+    def _offer_table(self) -> Step:
+        file = f"{self.name}.csv"
+        return {"role": "table", "file": file}, lambda: tabulate_path(self.path, self.asked).to_csv(self.folder / file)
 
-    def _draw(self) -> dict[str, Any]:
-        draw(lambda: self.path.plot(dark=self.dark), self.folder / f"{self.name}.png")
-        return {"role": "picture", "file": f"{self.name}.png", "panel": self.name}
-
-    def _write_path(self) -> dict[str, Any]:
-        self.path.save(self.folder / "path.npz")
-        return {"role": "path", "file": "path.npz"}
+    def _offer_path(self) -> Step:
+        return {"role": "path", "file": "path.npz"}, partial(self.path.save, self.folder / "path.npz")
 
 
 @attrs.frozen(eq=False)
 class CourseOutputs(PathOutputs[LoadPath]):
-    """What is written of a path on which the surfaces change: its states one by one, too, and a moving picture.
+    """What may be asked for of a path on which the surfaces change: its states one by one, too, and a moving picture.
 
-    Pictures of the states are not drawn before they are looked at.
+    Pictures of the states are drawn from their solutions.
     """
 
-    def steps(self) -> Iterator[Callable[[], dict[str, Any]]]:
-        """Yield functions that write a file and return what the page is to know of it."""
-        yield self._write_table
-        yield self._draw
-        for index in range(len(self.path)):
-            yield partial(_write_solution, self.path.states, index, self.folder)
-        yield self._write_path
-        yield partial(self._offer_states, "pressure")
-        yield partial(self._offer_states, "gap")
-        for name in _panels_of("solution", self.path[-1]):
-            if panels[name].needs_law is not None:
-                yield partial(self._offer_states, name)
-        yield partial(_write_report, self.path, self.folder, self.asked)
-        yield self._animate
+    def steps(self) -> Iterator[Step]:
+        """Yield the table, the picture of the path, its states, the report and the moving picture."""
+        yield self._offer_table()
+        yield _picture("course"), partial(draw, partial(draw_course, self.path, self.dark), self.folder / "course.png")
+        yield from _offer_solutions(self.path.states, self.folder)
+        about, save = self._offer_path()
+        yield about, save
+        shown = ["pressure", "gap"]
+        shown += [name for name in _panels_of("solution", self.path[-1]) if panels[name].needs_law is not None]
+        for panel in shown:
+            yield self._describe_states(panel), save
+        yield _offer_report(self.path, self.folder, self.asked)
+        animate = partial(self.path.animate, self.folder / "path.gif", dark=self.dark)
+        yield {"role": "animation", "file": "path.gif"}, animate
 
-    def _draw(self) -> dict[str, Any]:
-        draw(lambda: draw_course(self.path, self.dark), self.folder / "course.png")
-        return {"role": "picture", "file": "course.png", "panel": "course"}
-
-    def _offer_states(self, panel: str) -> dict[str, Any]:
+    def _describe_states(self, panel: str) -> dict[str, Any]:
         """Return that a panel of each state may be looked at, the names of the states, and the end of the colours."""
         _, places = self.path.label_states()
         numbers = [f"state {number}" for number in range(1, len(self.path) + 1)]
@@ -169,24 +173,21 @@ class CourseOutputs(PathOutputs[LoadPath]):
         fields = {"highest": highest} if panel == "pressure" and highest > 0.0 else {}
         return {"role": "picture", "file": "path.npz", "panel": panel, "states": names, "fields": fields}
 
-    def _animate(self) -> dict[str, Any]:
-        self.path.animate(self.folder / "path.gif", dark=self.dark)
-        return {"role": "animation", "file": "path.gif"}
+
+def _offer_solutions(states: Sequence[ContactSolution], folder: Path) -> Iterator[Step]:
+    for index, state in enumerate(states):
+        name = f"solution-{index + 1}.npz"
+        yield {"role": "solution", "file": name, "load": index}, partial(state.save, folder / name)
 
 
-def _write_solution(states: Sequence[ContactSolution], index: int, folder: Path) -> dict[str, Any]:
-    name = f"solution-{index + 1}.npz"
-    states[index].save(folder / name)
-    return {"role": "solution", "file": name, "load": index}
+def _offer_report(
+    subject: Sequence[ContactSolution] | StatePath, folder: Path, asked: Mapping[str, Sequence[Any]]
+) -> Step:
+    return {"role": "report", "file": "report.html"}, partial(write_report, subject, folder / "report.html", asked)
 
 
-def _write_report(
-    subject: Sequence[ContactSolution] | StatePath,
-    folder: Path,
-    asked: Mapping[str, Sequence[Any]],
-) -> dict[str, Any]:
-    write_report(subject, folder / "report.html", asked)
-    return {"role": "report", "file": "report.html"}
+def _picture(panel: str) -> dict[str, Any]:
+    return {"role": "picture", "file": f"{panel}.png", "panel": panel}
 
 
 def draw(plot: Callable[[], Any], path: Path) -> None:

@@ -27,6 +27,8 @@ class Page:
         # One change of the form after the other: the process keeps the last surface.
         self._maker = Worker()
         self.making = threading.RLock()
+        # The problem that was planned last; empty if there is none.
+        self.planned = ""
         self._lock = threading.Lock()
         self._idle = [Worker()]
         # What reads the file of a body, by its name.

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import json
-import multiprocessing
 import os
 import queue
 import signal
@@ -13,15 +12,19 @@ import time
 import warnings
 from collections.abc import Callable
 from multiprocessing.connection import Connection
+from pathlib import Path
 from typing import Any
 
 from roughcontact.errors import ContactWarning
 from roughcontact.errors.door import translated
 from roughcontact.faces import limit_address_space
 
+from roughcontact_app.forking import CONTEXT
+
 # Bytes of one message: answers and plans are thousands.
 _LONGEST = 4_000_000
-_CONTEXT = multiprocessing.get_context("spawn")
+# Seconds for which the end of a process waits that is just being started.
+_PATIENCE = 0.2
 
 
 class TaskEnded(Exception):
@@ -33,13 +36,29 @@ class TaskEnded(Exception):
 
 
 class Worker:
-    """A process that does one task after the other; it is started by the first."""
+    """A process that does one task after the other; it is started by the first.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    is_warm
+        Whether it solves a small contact when it starts, so that its first run need not wait for what that loads.
+
+    Attributes
+    ----------
+    held
+        The run whose solution it may hold; empty if there is none.
+    memory
+        Bytes that it had in use after its last task; 0 where the system does not say so.
+    """
+
+    def __init__(self, is_warm: bool = False) -> None:
+        self._is_warm = is_warm
+        self.held = ""
+        self.memory = 0
         self._lock = threading.Lock()
         self._process: Any = None
         self._pipe: Connection | None = None
-        self._closed = False
+        self.is_closed = False
 
     def start(self) -> None:
         """Start the process, so that the first task need not wait for it."""
@@ -80,6 +99,7 @@ class Worker:
                     self.end()
                     raise TaskEnded(late)
                 message = json.loads(pipe.recv_bytes(_LONGEST))
+                self.memory = message.get("memory", 0)
                 if "result" in message:
                     result: dict[str, Any] = message["result"]
                     return result
@@ -94,55 +114,71 @@ class Worker:
     def end(self) -> None:
         """End the process, whatever it does: its task raises `TaskEnded`, the next one starts another."""
         with self._lock:
-            process = self._process
-            self._process = None
-        if process is not None:
-            process.kill()
-            process.join()
+            self._end()
 
     def close(self) -> None:
         """End the process for good."""
-        self._closed = True
-        self.end()
+        self.is_closed = True
+        # Whoever is just starting it ends it.
+        if self._lock.acquire(timeout=_PATIENCE):
+            try:
+                self._end()
+            finally:
+                self._lock.release()
+
+    def _end(self) -> None:
+        if self._process is not None:
+            self._process.kill()
+            self._process.join()
+        self._process = None
+        self.memory = 0
 
     def _started(self) -> Connection:
         with self._lock:
-            if self._closed:
-                raise TaskEnded("This was cancelled.")
-            if self._process is None or self._pipe is None or not self._process.is_alive():
-                self._pipe, theirs = _CONTEXT.Pipe()
-                self._process = _CONTEXT.Process(target=_serve, args=(theirs,), daemon=True)
-                self._process.start()
+            if not self.is_closed and (self._process is None or self._pipe is None or not self._process.is_alive()):
+                self._pipe, theirs = CONTEXT.Pipe()
+                process = CONTEXT.Process(target=_serve, args=(theirs, self._is_warm), daemon=True)
+                process.start()
+                self._process = process
                 theirs.close()
+            if self.is_closed or self._pipe is None:
+                self._end()
+                raise TaskEnded("This was cancelled.")
             return self._pipe
 
 
-def _serve(pipe: Connection) -> None:
+def _serve(pipe: Connection, is_warm: bool) -> None:
     """Do the tasks that come through the pipe; runs in the process of a `Worker`."""
     # Ctrl-C in the terminal is for the server, which then ends its workers.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    os.environ["MPLBACKEND"] = "agg"
     # The page says what an answer warns of.
     warnings.simplefilter("ignore", ContactWarning)
     tasks: queue.Queue[bytes] = queue.Queue()
     threading.Thread(target=_receive, args=(pipe, tasks), daemon=True).start()
-    from roughcontact_app.work import run
+    from roughcontact_app.ready import work
 
-    # The first picture need not wait for it.
-    with contextlib.suppress(ImportError):
-        import matplotlib.pyplot  # noqa: F401
-
+    if is_warm:
+        # What is wrong here is said of the first run.
+        with contextlib.suppress(Exception):
+            work.warm_up()
     while True:
         task = json.loads(tasks.get())
         # A file may expand to more than its reader tells beforehand.
         limit_address_space(most=task.get("memory"))
         try:
-            message: dict[str, Any] = {"result": run(task, lambda event: _send(pipe, {"event": event}))}
+            message: dict[str, Any] = {"result": work.run(task, lambda event: _send(pipe, {"event": event}))}
         # Whatever a file or a plug-in does becomes a sentence.
         except Exception as error:
             known = translated(error, "The task")
             message = {"error": str(known), "setting": getattr(error, "setting", "")}
-        _send(pipe, message)
+        _send(pipe, message | {"memory": _count_bytes()})
+
+
+def _count_bytes() -> int:
+    """Return the memory that this process has in use; 0 where the system does not say so."""
+    with contextlib.suppress(OSError, ValueError):
+        return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+    return 0
 
 
 def _receive(pipe: Connection, tasks: queue.Queue[bytes]) -> None:

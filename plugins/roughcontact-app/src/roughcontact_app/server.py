@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
 import hmac
 import html
@@ -9,16 +10,23 @@ import http
 import json
 import re
 import socket
-import time
-from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+import threading
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from importlib import resources
 from typing import Any
-from urllib.parse import parse_qs
 
+import uvicorn
 from roughcontact.errors import RoughContactError
 from roughcontact.errors.door import translated
+from starlette.exceptions import HTTPException
+from starlette.requests import ClientDisconnect, Request
+from starlette.responses import JSONResponse, Response
+from starlette.routing import Route, Router
+from starlette.types import Message, Receive, Scope, Send
 
 from roughcontact_app import connections
+from roughcontact_app.jobs import Job
 from roughcontact_app.process import TaskEnded
 from roughcontact_app.session import Session
 from roughcontact_app.settings import PREFIXES
@@ -29,11 +37,14 @@ HOST = "127.0.0.1"
 _LONGEST_BODY = 1 << 16
 _SILENCE = 30.0
 _BLOCK = 1 << 18
+# Seconds after which a page that waits for another phase of a run is told how far it has come.
+_LOOK = 0.5
 # Characters of the name of a page.
 _LONGEST_NAME = 40
-# Bytes, and seconds, of a refused request that are read after the answer, so that the client sees it.
+# Bytes, seconds, and seconds without a byte, of a refused request that are read so that the client sees the answer.
 _DRAINED = 1 << 20
 _DRAINING = 2.0
+_DRAINED_SILENCE = 0.5
 _TYPES = {
     "css": "text/css; charset=utf-8",
     "csv": "text/csv; charset=utf-8",
@@ -44,32 +55,40 @@ _TYPES = {
     "png": "image/png",
     "svg": "image/svg+xml",
 }
-_POLICY = (
-    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; connect-src 'self'; form-action 'none'; "
-    "base-uri 'none'; frame-ancestors 'none'"
-)
+_HEADERS = {
+    "Content-Security-Policy": (
+        "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; connect-src 'self'; "
+        "form-action 'none'; base-uri 'none'; frame-ancestors 'none'"
+    ),
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Cache-Control": "no-store",
+    "Connection": "close",
+}
 # A report is a page of its own, without scripts, and reaches nothing.
 _REPORT_POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:; font-src data:; sandbox"
-_JSON = "application/json"
 # A sentence to a browser that has not found the page: it needs no other file.
 _PAGE = (
     '<!doctype html><html lang="en"><meta charset="utf-8"><meta name="viewport" content="width=device-width">'
     '<meta name="color-scheme" content="light dark"><title>roughcontact</title><h1>roughcontact</h1><p>{}</p></html>'
 )
-_LENGTH = re.compile(r"[0-9]{1,12}")
-_RUN = re.compile(r"(?P<run>[0-9a-f]{24})(?:/(?P<name>[a-z0-9-]+\.[a-z]+))?")
+_NUMBER = re.compile(r"[0-9]{1,12}")
+_NOT_FOUND = "There is nothing at this address, or this run is not known."
 
 
 class Refusal(Exception):
-    """A request that is not served: status and sentence; and where to ask instead, if that is known."""
+    """A request that is not served: status and sentence; the wrong setting, or where to ask instead, if known."""
 
-    def __init__(self, status: int, sentence: str, location: str = ""):
+    def __init__(self, status: int, sentence: str, setting: str = "", location: str = ""):
         super().__init__(sentence)
         self.status = status
+        self.setting = setting
         self.location = location
 
 
-class AppServer(ThreadingHTTPServer):
+class AppServer:
     """The page at an address of this machine, until it is closed.
 
     Parameters
@@ -80,239 +99,337 @@ class AppServer(ThreadingHTTPServer):
         The port; 0 for any that is free.
     """
 
-    daemon_threads = True
-    allow_reuse_address = False
-    request_queue_size = 2 * connections.LIMIT
-
     def __init__(self, session: Session, port: int = 0):
-        super().__init__((HOST, port), _Handler)
         self.session = session
-        folder = resources.files("roughcontact_app") / "static"
-        self.pages = {entry.name: entry.read_bytes() for entry in folder.iterdir() if entry.is_file()}
-        self.connections = connections.Connections()
+        self._socket = socket.create_server((HOST, port), backlog=2 * connections.LIMIT)
+        self.server_address: tuple[str, int] = self._socket.getsockname()
+        self.server_port = self.server_address[1]
+        application = _Application(session, self.server_port)
+        self.pages = application.pages
+        self.connections = application.connections
+        config = uvicorn.Config(
+            application,
+            http=connections.GuardedProtocol,
+            loop="asyncio",
+            ws="none",
+            interface="asgi3",
+            lifespan="off",
+            proxy_headers=False,
+            server_header=False,
+            # No log: paths hold the token.
+            access_log=False,
+            log_config=None,
+            log_level="critical",
+            timeout_graceful_shutdown=1,
+        )
+        self._server = uvicorn.Server(config)
+        self._application = application
+        self._ended = threading.Event()
+        # Signals come to the main thread alone, which waits.
+        threading.Thread(target=self._run, daemon=True).start()
 
-    @property
-    def hosts(self) -> tuple[str, ...]:
-        """The names of this server in requests: any other is that of an attacker's page (DNS rebinding)."""
-        return tuple(f"{name}:{self.server_port}" for name in (HOST, "localhost"))
+    def __enter__(self) -> AppServer:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.shutdown()
+        self._socket.close()
+        self._application.close()
 
     @property
     def address(self) -> str:
         """The link to the page, with its token."""
         return f"http://{HOST}:{self.server_port}/{self.session.token}/"
 
-    def process_request(self, request: Any, client_address: Any) -> None:
-        """Serve a request in a thread of its own."""
-        self.connections.add(request)
-        super().process_request(request, client_address)
+    def serve_forever(self) -> None:
+        """Wait until `shutdown`, or an exception in this thread such as that of Ctrl-C."""
+        # Windows tells of signals only between two waits.
+        while not self._ended.wait(0.5):
+            pass
 
-    def service_actions(self) -> None:
-        """Close what has not shown the token in time; called twice a second."""
-        super().service_actions()
-        self.connections.close_late()
+    def shutdown(self) -> None:
+        """Serve no more; what is being answered has a second."""
+        self._server.should_exit = True
+        self._ended.wait()
 
-    def shutdown_request(self, request: Any) -> None:
-        """Close a connection."""
-        self.connections.remove(request)
-        super().shutdown_request(request)
-
-    def handle_error(self, request: Any, client_address: Any) -> None:
-        """Say nothing of a client that went away."""
-
-
-class _Handler(BaseHTTPRequestHandler):
-    """One request; whatever it is, it ends in an answer or in a sentence."""
-
-    server: AppServer
-    timeout = connections.PATIENCE
-    server_version = "roughcontact"
-    sys_version = ""
-
-    def do_GET(self) -> None:
-        self._answer(self._get)
-
-    def do_POST(self) -> None:
-        self._answer(self._post)
-
-    def log_message(self, *_: Any) -> None:
-        """Write no log: paths hold the token."""
-
-    def send_error(self, code: int, message: str | None = None, explain: str | None = None) -> None:
-        """Send a sentence instead of a page; for what the base class refuses."""
-        self.close_connection = True
-        known = http.HTTPStatus(code).phrase
-        self._send(code, "text/plain; charset=utf-8", f"This request is not served: {known}.".encode())
-
-    def _answer(self, serve: Any) -> None:
+    def _run(self) -> None:
         try:
-            serve(self._admit())
-        except Refusal as refusal:
-            self._fail(refusal.status, str(refusal), {"Location": refusal.location} if refusal.location else None)
-        except (TaskEnded, RoughContactError) as error:
-            self._fail(http.HTTPStatus.UNPROCESSABLE_ENTITY, str(error), setting=getattr(error, "setting", ""))
-        except TimeoutError:
-            self._fail(http.HTTPStatus.REQUEST_TIMEOUT, "The request came too slowly.")
-        except ConnectionError:
-            self.close_connection = True
-        except Exception as error:
-            self._fail(http.HTTPStatus.INTERNAL_SERVER_ERROR, str(translated(error, "The page")))
+            self._server.run([self._socket])
+        finally:
+            self._ended.set()
 
-    def _admit(self) -> str:
+
+class _Application:
+    """What answers each request; whatever it is, that ends in an answer or in a sentence."""
+
+    def __init__(self, session: Session, port: int):
+        self._session = session
+        # Any other name of the host is that of an attacker's page (DNS rebinding).
+        self._hosts = tuple(f"{name}:{port}" for name in (HOST, "localhost"))
+        self.connections = connections.Connections()
+        folder = resources.files("roughcontact_app") / "static"
+        self.pages = {entry.name: entry.read_bytes() for entry in folder.iterdir() if entry.is_file()}
+        # What waits for a process holds up nobody else.
+        self._threads = ThreadPoolExecutor(connections.LIMIT, thread_name_prefix="request")
+        actions = {
+            "surface": session.show_surface,
+            "roughness": session.describe_roughness,
+            "plan": session.plan,
+            "state": session.draw_state,
+            "runs": session.start,
+        }
+        gets = {
+            "/": self._get_page,
+            "/api/start": self._get_start,
+            "/api/runs": self._get_runs,
+            "/pictures/{name}": self._get_picture,
+            "/runs/{run}": self._get_run,
+            "/runs/{run}/{name}": self._get_file,
+            "/{name}": self._get_page,
+        }
+        posts = {
+            **{f"/api/{name}": self._make_post(action) for name, action in actions.items()},
+            "/api/upload": self._post_upload,
+            "/api/file": self._post_file,
+            "/api/cancel/{run}": self._post_cancel,
+        }
+        routes = [Route(path, serve, methods=["GET"]) for path, serve in gets.items()]
+        routes += [Route(path, serve, methods=["POST"]) for path, serve in posts.items()]
+        self._router = Router(routes, redirect_slashes=False)
+
+    def close(self) -> None:
+        """Do nothing any more for requests whose time has ended."""
+        self._threads.shutdown(wait=False, cancel_futures=True)
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answer a request, in the interface ASGI."""
+        transport = scope["state"]["transport"]
+        try:
+            try:
+                # Starlette raises what it refuses where it finds an application.
+                below = {**scope, "path": f"/{self._admit(Request(scope), transport)}", "app": self}
+                await self._router(below, _receive_in_time(receive), _send_in_time(send))
+            except Exception as error:
+                await self._refuse(Request(scope, receive), send, _explain(error))
+        except TimeoutError:
+            # The client does not read the answer.
+            transport.abort()
+
+    def _admit(self, request: Request, transport: asyncio.Transport) -> str:
         """Return the path below the token, or raise `Refusal`."""
-        names = self.headers.get_all("Host", [])
-        if len(names) != 1 or names[0].lower() not in self.server.hosts:
+        host = request.headers.get("Host", "").lower()
+        if host not in self._hosts:
             raise Refusal(http.HTTPStatus.FORBIDDEN, f"Open the page as {HOST}: this server has no other name.")
-        path = self.path.partition("?")[0]
-        token, slash, rest = path.removeprefix("/").partition("/")
-        if not hmac.compare_digest(token.encode("utf-8", "replace"), self.server.session.token.encode()):
+        token, slash, rest = request.scope["path"].removeprefix("/").partition("/")
+        if not hmac.compare_digest(token.encode("utf-8", "replace"), self._session.token.encode()):
             raise Refusal(
                 http.HTTPStatus.FORBIDDEN,
                 "This link is not of the run of 'roughcontact app' that serves here: open the address that it has "
                 "printed. There, 'Restore from a link' takes the settings of an old link.",
             )
-        if not self.server.connections.admit(self.connection):
+        if not self.connections.admit(transport):
             raise Refusal(http.HTTPStatus.SERVICE_UNAVAILABLE, "There are too many requests at once: try it again.")
-        self.connection.settimeout(_SILENCE)
+        if request.method not in ("GET", "POST"):
+            raise Refusal(http.HTTPStatus.NOT_IMPLEMENTED, "The page sends no such request.")
         if not slash:
-            raise Refusal(http.HTTPStatus.FOUND, "The address of the page ends with a slash.", f"/{token}/")
-        origin = f"http://{names[0].lower()}"
-        if self.command == "POST" and self.headers.get_all("Origin", []) != [origin]:
+            sentence = "The address of the page ends with a slash."
+            raise Refusal(http.HTTPStatus.FOUND, sentence, location=f"/{token}/")
+        if request.method == "POST" and request.headers.getlist("Origin") != [f"http://{host}"]:
             raise Refusal(http.HTTPStatus.FORBIDDEN, "Only the page of this server may send this.")
-        return rest
+        return str(rest)
 
-    def _get(self, path: str) -> None:
-        session = self.server.session
-        folder, _, rest = path.partition("/")
-        if path == "" or path in self.server.pages:
-            name = path or "index.html"
-            self._send(200, _TYPES[name.rpartition(".")[2]], self.server.pages[name])
-        elif path == "api/start":
-            self._send_json(session.describe(self._page))
-        elif path == "api/runs":
-            self._send_json({"runs": session.jobs.list_names()})
-        elif folder == "pictures" and (picture := session.picture(rest)) is not None:
-            self._send(200, _TYPES["png"], picture)
-        elif folder == "runs" and (found := _RUN.fullmatch(rest)):
-            self._send_run(found["run"], found["name"])
+    async def _refuse(self, request: Request, send: Send, refusal: Refusal | None) -> None:
+        if refusal is None:
+            return
+        extra = {"Location": refusal.location} if refusal.location else {}
+        response: Response
+        # A person's browser asks for a page, the scripts of this page for JSON.
+        if request.method == "GET" and "text/html" in request.headers.get("Accept", ""):
+            page = _PAGE.format(html.escape(str(refusal)))
+            response = Response(page, refusal.status, extra, media_type=_TYPES["html"])
         else:
-            raise Refusal(http.HTTPStatus.NOT_FOUND, "There is nothing at this address.")
+            response = JSONResponse({"error": str(refusal), "setting": refusal.setting}, refusal.status, extra)
 
-    def _send_run(self, run: str, name: str | None) -> None:
-        jobs = self.server.session.jobs
-        job = jobs.find(run)
+        async def wait_for_client() -> None:
+            # A client that still sends gets the answer only if what it sends is read.
+            with contextlib.suppress(TimeoutError):
+                async with asyncio.timeout(_DRAINING):
+                    await _drain(request.receive)
+
+        await response(request.scope, request.receive, _send_in_time(send, wait_for_client))
+
+    async def _do(self, act: Callable[..., Any], *values: Any) -> Any:
+        """Return what a function returns that may wait for a process or a disk."""
+        return await asyncio.get_running_loop().run_in_executor(self._threads, act, *values)
+
+    async def _get_page(self, request: Request) -> Response:
+        name = request.path_params.get("name", "index.html")
+        if name not in self.pages:
+            raise Refusal(http.HTTPStatus.NOT_FOUND, _NOT_FOUND)
+        return _file_response(self.pages[name], name)
+
+    async def _get_start(self, request: Request) -> Response:
+        return JSONResponse(await self._do(self._session.describe, _name_of_page(request)))
+
+    async def _get_runs(self, request: Request) -> Response:
+        return JSONResponse({"runs": self._session.jobs.list_names()})
+
+    async def _get_picture(self, request: Request) -> Response:
+        picture = self._session.picture(request.path_params["name"])
+        if picture is None:
+            raise Refusal(http.HTTPStatus.NOT_FOUND, _NOT_FOUND)
+        return _file_response(picture, "picture.png")
+
+    async def _get_run(self, request: Request) -> Response:
+        job = self._find(request)
+        known = request.query_params.get("after", "")
+        if _NUMBER.fullmatch(known):
+            await self._do(job.wait_past, int(known), _LOOK)
+        return JSONResponse(self._session.jobs.describe(job))
+
+    async def _get_file(self, request: Request) -> Response:
+        job = self._find(request)
+        name = request.path_params["name"]
+        if not job.offers(name):
+            raise Refusal(http.HTTPStatus.NOT_FOUND, "This run has no such file.")
+        file = await self._do(self._session.jobs.write_file, job, name)
+        return _file_response(await self._do(file.read_bytes), name)
+
+    def _find(self, request: Request) -> Job:
+        job = self._session.jobs.find(request.path_params["run"])
         if job is None:
             raise Refusal(http.HTTPStatus.NOT_FOUND, "This run is not known here any more: solve again.")
-        if name is None:
-            self._send_json(jobs.describe(job))
-            return
-        file = job.file(name)
-        if file is None:
-            raise Refusal(http.HTTPStatus.NOT_FOUND, "This run has no such file.")
-        ending = name.rpartition(".")[2]
-        extra = {"Content-Security-Policy": _REPORT_POLICY} if ending == "html" else {}
-        if ending in ("csv", "gif", "npz"):
-            # The page's link names the file.
-            extra = {"Content-Disposition": "attachment"}
-        self._send(200, _TYPES[ending], file.read_bytes(), extra)
+        return job
 
-    def _post(self, path: str) -> None:
-        session = self.server.session
-        parts = path.split("/")
-        if path == "api/upload":
-            self._upload()
-            return
-        actions = {
-            "api/surface": session.show_surface,
-            "api/roughness": session.describe_roughness,
-            "api/plan": session.plan,
-            "api/state": session.draw_state,
-            "api/runs": session.start,
-        }
-        if path in actions:
-            self._send_json(actions[path](self._read_json(), self._page))
-        elif path == "api/file":
-            self._send_json(session.find_upload(str(self._read_json()), self._page, self._body))
-        elif parts[:2] == ["api", "cancel"] and (job := session.jobs.find("/".join(parts[2:]))):
-            self._read_json()
-            session.jobs.cancel(job)
-            self._send_json(session.jobs.describe(job))
-        else:
-            raise Refusal(http.HTTPStatus.NOT_FOUND, "There is nothing at this address, or this run is not known.")
+    def _make_post(self, action: Callable[[object, str], Any]) -> Callable[[Request], Any]:
+        async def post(request: Request) -> Response:
+            return JSONResponse(await self._do(action, await _read_json(request), _name_of_page(request)))
 
-    def _upload(self) -> None:
-        size = self._length()
+        return post
+
+    async def _post_upload(self, request: Request) -> Response:
+        size = _read_length(request)
+        uploads = self._session.uploads
         try:
-            self.server.session.uploads.require_size(size)
+            uploads.require_size(size)
         except RoughContactError as error:
             raise Refusal(http.HTTPStatus.REQUEST_ENTITY_TOO_LARGE, str(error)) from None
-        self._send_json(self.server.session.upload(self.rfile, size, self._query("name"), self._page, self._body))
+        with uploads.begin(size, request.query_params.get("name", "")) as partial:
+            async for block in request.stream():
+                await self._do(partial.write, block)
+            return JSONResponse(
+                await self._do(self._session.upload, partial, _name_of_page(request), _name_of_body(request))
+            )
 
-    def _query(self, name: str) -> str:
-        """Return what a request says behind the question mark; empty if it does not."""
-        return parse_qs(self.path.partition("?")[2], max_num_fields=4).get(name, [""])[0]
+    async def _post_file(self, request: Request) -> Response:
+        digest = str(await _read_json(request))
+        return JSONResponse(
+            await self._do(self._session.find_upload, digest, _name_of_page(request), _name_of_body(request))
+        )
 
-    @property
-    def _body(self) -> str:
-        """The beginning of the settings of the body that a file is for."""
-        named = self._query("body")
-        return named if named in PREFIXES else ""
+    async def _post_cancel(self, request: Request) -> Response:
+        job = self._find(request)
+        await _read_json(request)
+        await self._do(self._session.jobs.cancel, job)
+        return JSONResponse(self._session.jobs.describe(job))
 
-    @property
-    def _page(self) -> str:
-        """The name that a page has given itself; empty if it has none."""
-        return self.headers.get("X-Page", "")[:_LONGEST_NAME]
 
-    def _length(self) -> int:
-        lengths = self.headers.get_all("Content-Length", [])
-        if len(lengths) != 1 or not _LENGTH.fullmatch(lengths[0]) or "Transfer-Encoding" in self.headers:
-            raise Refusal(http.HTTPStatus.LENGTH_REQUIRED, "The request must state its length.")
-        return int(lengths[0])
+def _explain(error: Exception) -> Refusal | None:
+    """Return the refusal that an error of a request is; None where nobody waits for it."""
+    if isinstance(error, Refusal):
+        return error
+    if isinstance(error, HTTPException):
+        return Refusal(http.HTTPStatus.NOT_FOUND, _NOT_FOUND)
+    if isinstance(error, (TaskEnded, RoughContactError)):
+        return Refusal(http.HTTPStatus.UNPROCESSABLE_ENTITY, str(error), getattr(error, "setting", ""))
+    if isinstance(error, TimeoutError):
+        return Refusal(http.HTTPStatus.REQUEST_TIMEOUT, "The request came too slowly.")
+    if isinstance(error, (ClientDisconnect, ConnectionError)):
+        return None
+    return Refusal(http.HTTPStatus.INTERNAL_SERVER_ERROR, str(translated(error, "The page")))
 
-    def _read_json(self) -> Any:
-        size = self._length()
-        if size > _LONGEST_BODY:
-            raise Refusal(http.HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"Settings have at most {_LONGEST_BODY} bytes.")
-        body = self.rfile.read(size)
-        try:
-            return json.loads(body.decode())
-        except (ValueError, RecursionError):
-            raise Refusal(http.HTTPStatus.BAD_REQUEST, "The settings are not JSON.") from None
 
-    def _fail(self, status: int, sentence: str, extra: dict[str, str] | None = None, setting: str = "") -> None:
-        self.close_connection = True
-        # A person's browser asks for a page, the scripts of this page for JSON.
-        if self.command == "GET" and "text/html" in self.headers.get("Accept", ""):
-            self._send(status, _TYPES["html"], _PAGE.format(html.escape(sentence)).encode(), extra)
-        else:
-            self._send(status, _JSON, json.dumps({"error": sentence, "setting": setting}).encode(), extra)
-        # A client that still sends gets the answer only if what it sends is read.
-        self.connection.settimeout(1.0)
-        with contextlib.suppress(OSError):
-            self.connection.shutdown(socket.SHUT_WR)
-            left = _DRAINED
-            end = time.monotonic() + _DRAINING
-            while left > 0 and time.monotonic() < end and (block := self.connection.recv(min(left, 1 << 16))):
-                left -= len(block)
+def _name_of_page(request: Request) -> str:
+    """Return the name that a page has given itself; empty if it has none."""
+    return str(request.headers.get("X-Page", "")[:_LONGEST_NAME])
 
-    def _send_json(self, data: Any) -> None:
-        self._send(200, _JSON, json.dumps(data, allow_nan=False).encode())
 
-    def _send(self, status: int, kind: str, body: bytes, extra: dict[str, str] | None = None) -> None:
-        headers = {
-            "Content-Type": kind,
-            "Content-Length": str(len(body)),
-            "Content-Security-Policy": _POLICY,
-            "X-Content-Type-Options": "nosniff",
-            "Referrer-Policy": "no-referrer",
-            "Cross-Origin-Resource-Policy": "same-origin",
-            "Cross-Origin-Opener-Policy": "same-origin",
-            "Cache-Control": "no-store",
-            "Connection": "close",
-        }
-        self.send_response(status)
-        for name, value in (headers | (extra or {})).items():
-            self.send_header(name, value)
-        self.end_headers()
-        # The time without a byte begins anew with each block: over ssh a large file comes slowly.
+def _name_of_body(request: Request) -> str:
+    """Return the beginning of the settings of the body that a file is for."""
+    named = str(request.query_params.get("body", ""))
+    return named if named in PREFIXES else ""
+
+
+def _read_length(request: Request) -> int:
+    length = request.headers.get("Content-Length", "")
+    if not _NUMBER.fullmatch(length) or "Transfer-Encoding" in request.headers:
+        raise Refusal(http.HTTPStatus.LENGTH_REQUIRED, "The request must state its length.")
+    return int(length)
+
+
+async def _read_json(request: Request) -> Any:
+    if _read_length(request) > _LONGEST_BODY:
+        raise Refusal(http.HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"Settings have at most {_LONGEST_BODY} bytes.")
+    body = await request.body()
+    try:
+        return json.loads(body.decode())
+    except (ValueError, RecursionError):
+        raise Refusal(http.HTTPStatus.BAD_REQUEST, "The settings are not JSON.") from None
+
+
+def _file_response(content: bytes, name: str) -> Response:
+    ending = name.rpartition(".")[2]
+    extra = {"Content-Security-Policy": _REPORT_POLICY} if name == "report.html" else {}
+    if ending in ("csv", "gif", "npz"):
+        # The page's link names the file.
+        extra = {"Content-Disposition": "attachment"}
+    response = Response(content, headers=extra)
+    response.headers["Content-Type"] = _TYPES[ending]
+    return response
+
+
+def _receive_in_time(receive: Receive) -> Receive:
+    async def receive_in_time() -> Message:
+        async with asyncio.timeout(_SILENCE):
+            return await receive()
+
+    return receive_in_time
+
+
+def _send_in_time(send: Send, before_end: Callable[[], Any] | None = None) -> Send:
+    """Return what sends an answer with the headers that protect, and block by block.
+
+    The time without a byte begins anew with each block: over ssh a large file comes slowly. Before the answer ends,
+    `before_end` is waited for.
+    """
+
+    async def send_block(message: Message) -> None:
+        async with asyncio.timeout(_SILENCE):
+            await send(message)
+
+    async def send_in_time(message: Message) -> None:
+        if message["type"] == "http.response.start":
+            own = [(name.lower().encode(), value.encode()) for name, value in _HEADERS.items()]
+            given = {name for name, _ in message["headers"]}
+            headers = [*message["headers"], *(one for one in own if one[0] not in given)]
+            await send_block({**message, "headers": headers})
+            return
+        body = message.get("body", b"")
         for start in range(0, len(body), _BLOCK):
-            self.wfile.write(body[start : start + _BLOCK])
+            await send_block({**message, "body": body[start : start + _BLOCK], "more_body": True})
+        if not message.get("more_body", False):
+            if before_end is not None:
+                await before_end()
+            await send_block({"type": "http.response.body", "body": b"", "more_body": False})
+
+    return send_in_time
+
+
+async def _drain(receive: Receive) -> None:
+    left = _DRAINED
+    more = True
+    while more and left > 0:
+        async with asyncio.timeout(_DRAINED_SILENCE):
+            message = await receive()
+        left -= len(message.get("body", b""))
+        more = message.get("more_body", False)

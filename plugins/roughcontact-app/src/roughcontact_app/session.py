@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import secrets
 import threading
 from collections import OrderedDict
-from io import BufferedIOBase
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +22,7 @@ from roughcontact_app.page import Page
 from roughcontact_app.responses import TICK_BOXES
 from roughcontact_app.scene import EXAMPLES
 from roughcontact_app.settings import DEFAULTS, Settings, read_settings
-from roughcontact_app.uploads import StoredFile, Uploads, known_endings
+from roughcontact_app.uploads import PartialFile, StoredFile, Uploads, known_endings
 
 # Bytes that reading a file may take: some for libraries, and a multiple of its bytes, of which a height may have one.
 _LIBRARIES = 2**29
@@ -42,20 +42,25 @@ class Session:
         self.token = secrets.token_urlsafe(24)
         self._private = PrivateFolder()
         self.folder = self._private.path
-        parts = {name: self.folder / name for name in ("uploads", "surfaces", "runs")}
+        parts = {name: self.folder / name for name in ("uploads", "surfaces", "scenes", "runs")}
         for part in parts.values():
             part.mkdir(mode=0o700)
         self.uploads = Uploads(parts["uploads"])
-        self.jobs = Jobs(parts["runs"], slots)
+        self.jobs = Jobs(parts["runs"], slots, patience)
+        self._scenes = parts["scenes"]
         self._surfaces = parts["surfaces"]
         self._patience = patience
         self._pages: OrderedDict[str, Page] = OrderedDict()
         self._opening = threading.Lock()
         self._pictures: OrderedDict[str, bytes] = OrderedDict()
 
+    def prepare(self) -> None:
+        """Start the process of the first run, and return at once."""
+        threading.Thread(target=self.jobs.prepare, daemon=True).start()
+
     def describe(self, page: str) -> dict[str, Any]:
         """Return what a page must know at its start, and start what it will soon need."""
-        threading.Thread(target=self._prepare, args=(page,), daemon=True).start()
+        threading.Thread(target=self._start_processes, args=(page,), daemon=True).start()
         return {
             "defaults": DEFAULTS,
             "first": FIRST,
@@ -67,9 +72,9 @@ class Session:
             "laws": [attrs.asdict(box) for box in LAW_BOXES.values()],
         }
 
-    def upload(self, source: BufferedIOBase, size: int, name: str, page: str, body: str = "") -> dict[str, Any]:
-        """Return digest, name and facts of a file that a page sends for one of its bodies."""
-        return self._inspect(self.uploads.receive(source, size, name), page, body)
+    def upload(self, partial: PartialFile, page: str, body: str = "") -> dict[str, Any]:
+        """Return digest, name and facts of a file that a page has sent for one of its bodies."""
+        return self._inspect(self.uploads.finish(partial), page, body)
 
     def find_upload(self, digest: str, page: str, body: str = "") -> dict[str, Any]:
         """Return whether a file is still here, with its name and facts."""
@@ -106,8 +111,14 @@ class Session:
 
     def plan(self, data: object, page: str) -> dict[str, Any]:
         """Return what a run will do and cost."""
-        maker = self._page(page)
-        return maker.make(self._task("plan", read_settings(data), maker.folder), "Planning the solve")
+        return self._plan(read_settings(data), self._page(page))
+
+    def _plan(self, settings: Settings, maker: Page) -> dict[str, Any]:
+        task = self._task("plan", settings, maker.folder)
+        with maker.making:
+            found = maker.make(task, "Planning the solve")
+            maker.planned = _name_problem(task)
+        return found
 
     def draw_state(self, data: object, page: str) -> dict[str, Any]:
         """Return the name of the picture of a panel of a state of a path that has been followed."""
@@ -120,18 +131,21 @@ class Session:
             raise InputError("There is no picture of such a state here any more: solve again.")
         maker = self._page(page)
         task = self._task("state", job.settings, maker.folder) | {"panel": panel["panel"], "fields": panel["fields"]}
-        task["file"] = str(job.folder / f"solution-{number}.npz")
+        task["file"] = str(self.jobs.write_file(job, f"solution-{number}.npz"))
         with maker.making:
             return {"picture": self._keep(maker.folder / maker.make(task, "Drawing the state")["picture"])}
 
     def start(self, data: object, page: str) -> dict[str, Any]:
         """Start a run, and return what is known of it."""
         settings = read_settings(data)
-        # What cannot run is refused now, and not when its turn has come.
-        self.plan(data, page)
+        # What cannot run is refused now, and not when its turn has come; what the page has just planned can.
+        maker = self._page(page)
+        with maker.making:
+            if maker.planned != _name_problem(self._task("plan", settings, maker.folder)):
+                self._plan(settings, maker)
         return self.jobs.describe(self.jobs.add(settings, lambda folder: self._task("solve", settings, folder)))
 
-    def _prepare(self, page: str) -> None:
+    def _start_processes(self, page: str) -> None:
         self._page(page).start()
         self.jobs.prepare()
 
@@ -174,5 +188,11 @@ class Session:
             "upload": None if file is None else [str(file.path), file.name],
             "counterbody_upload": None if other is None else [str(other.path), other.name],
             "folder": str(folder),
+            "scenes": str(self._scenes),
             "calibration": self.jobs.calibration,
         }
+
+
+def _name_problem(task: dict[str, Any]) -> str:
+    """Return a text that differs where what is planned may differ."""
+    return json.dumps([task["settings"], task["upload"], task["counterbody_upload"]])

@@ -8,8 +8,9 @@ import re
 import secrets
 import threading
 import time
-from io import BufferedIOBase
+from collections.abc import Iterator
 from pathlib import Path
+from typing import IO
 
 import attrs
 from roughcontact import readers
@@ -22,8 +23,7 @@ _LARGEST = 1 << 29
 _LARGEST_SUM = 1 << 31
 # Fraction of the memory that a file may be: it is read into float64 and transformed.
 _OF_MEMORY = 0.25
-# Bytes that are read at a time, and characters of a name that are shown.
-_BLOCK = 1 << 16
+# Characters of a name that are shown.
 _SHOWN = 100
 # Seconds in which a file of the largest size must have come; it is sent on one machine.
 _PATIENCE = 300.0
@@ -45,6 +45,36 @@ class StoredFile:
     path: Path
     name: str
     size: int
+
+
+class PartialFile:
+    """A file that is being received: where it lies, the user's name for it, and the bytes that it will have."""
+
+    def __init__(self, file: IO[bytes], path: Path, name: str, size: int):
+        self._file = file
+        self.path = path
+        self.name = name
+        self.size = size
+        self._left = size
+        self._digest = hashlib.sha256()
+        self._end = time.monotonic() + _PATIENCE
+
+    def write(self, block: bytes) -> None:
+        """Add bytes, or raise `InputError` if they come too late or are too many."""
+        if time.monotonic() > self._end:
+            raise InputError(f"The file did not come within {_PATIENCE:g} s: send it again.")
+        self._left -= len(block)
+        if self._left < 0:
+            raise InputError("The file goes on beyond its stated length: send it again.")
+        self._digest.update(block)
+        self._file.write(block)
+
+    def close(self) -> str:
+        """Return the digest, or raise `InputError` if the file has ended early."""
+        self._file.close()
+        if self._left:
+            raise InputError(f"The file ended {self._left} bytes before its stated length: send it again.")
+        return self._digest.hexdigest()
 
 
 class Uploads:
@@ -71,30 +101,34 @@ class Uploads:
                 "larger maps are for a script."
             )
 
-    def receive(self, source: BufferedIOBase, size: int, name: str) -> StoredFile:
-        """Return the file whose bytes come from a source.
+    @contextlib.contextmanager
+    def begin(self, size: int, name: str) -> Iterator[PartialFile]:
+        """Give a file of so many bytes that is being received; it goes unless it is kept by `finish`."""
+        path = self._folder / f"{secrets.token_hex(8)}.partial"
+        try:
+            with path.open("xb") as file:
+                yield PartialFile(file, path, shown_name(name), size)
+        finally:
+            path.unlink(missing_ok=True)
+
+    def finish(self, partial: PartialFile) -> StoredFile:
+        """Return the file whose bytes have come.
 
         Raises
         ------
         InputError
-            If the source ends early, is too slow, or the file is too large or has the first bytes of something else.
+            If it ended early.
         """
-        self.require_size(size)
-        shown = shown_name(name)
-        partial = self._folder / f"{secrets.token_hex(8)}.partial"
-        try:
-            digest = _copy(source, size, partial)
-            path = self._folder / f"{digest[:16]}{_known_ending(shown)}"
-            with self._lock:
-                partial.replace(path)
-                before = self._files.pop(digest, None)
-                if before is not None and before.path != path:
-                    before.path.unlink(missing_ok=True)
-                self._files[digest] = StoredFile(digest, path, shown, size)
-                self._remove_oldest()
+        digest = partial.close()
+        path = self._folder / f"{digest[:16]}{_known_ending(partial.name)}"
+        with self._lock:
+            partial.path.replace(path)
+            before = self._files.pop(digest, None)
+            if before is not None and before.path != path:
+                before.path.unlink(missing_ok=True)
+            self._files[digest] = StoredFile(digest, path, partial.name, partial.size)
+            self._remove_oldest()
             return self._files[digest]
-        finally:
-            partial.unlink(missing_ok=True)
 
     def find(self, digest: str) -> StoredFile | None:
         """Return the file with a digest, if it is here."""
@@ -126,21 +160,3 @@ def _known_ending(name: str) -> str:
     """Return the known ending that a name has: a text of the server's, never of the client's; empty if none."""
     given = Path(name).suffix.lower()
     return next((ending for ending in known_endings() if ending == given), "")
-
-
-def _copy(source: BufferedIOBase, size: int, target: Path) -> str:
-    """Copy so many bytes into a new file and return their digest."""
-    digest = hashlib.sha256()
-    left = size
-    end = time.monotonic() + _PATIENCE
-    with target.open("xb") as file:
-        while left:
-            block = source.read(min(_BLOCK, left))
-            if not block:
-                raise InputError(f"The file ended {left} bytes before its stated length: send it again.")
-            if time.monotonic() > end:
-                raise InputError(f"The file did not come within {_PATIENCE:g} s: send it again.")
-            digest.update(block)
-            file.write(block)
-            left -= len(block)
-    return digest.hexdigest()

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
+import hashlib
 import json
+import os
+import pickle
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any
 
+import attrs
 import numpy as np
 from roughcontact import ContactProblem, ContactSolution, CoupledProcess, FrictionalPath, ProjectedConjugateGradient
 from roughcontact.errors import InputError, RoughContactError
@@ -24,7 +29,7 @@ from roughcontact_app.answers import (
     describe_sweep,
     list_warnings,
 )
-from roughcontact_app.outputs import CourseOutputs, Outputs, PathOutputs, draw
+from roughcontact_app.outputs import CourseOutputs, Offers, Outputs, PathOutputs, draw
 from roughcontact_app.preview import describe as describe_surface
 from roughcontact_app.progress import Progress
 from roughcontact_app.responses import ask, ask_states
@@ -81,9 +86,25 @@ _INCREMENTS = 6
 # States of a fretting cycle of like materials on the way to the first turn: half of those from turn to turn.
 _STATES_TO_TURN = 4
 
+# What is kept of the last run that was solved or asked for here, by its folder, and where each run is saved in its own.
+_HELD: dict[str, Offers] = {}
+_SAVED = "run.pickle"
+# Scenes that took longer to make, s, are shared between the processes: so many of them.
+_WORTH_SHARING = 0.02
+_SHARED = 4
+# What is solved ahead: whatever a first solve must load and plan is then there.
+_TINY = {"surface": "self-affine", "cells": "32", "shortest": "25"}
+
 Send = Callable[[dict[str, Any]], None]
-# The files of the body and of the counterbody.
-Uploads: TypeAlias = tuple[Upload | None, Upload | None]
+
+
+@attrs.frozen
+class Sources:
+    """What scenes are made of: the files of body and counterbody, and the folder of shared scenes."""
+
+    uploads: tuple[Upload | None, Upload | None] = (None, None)
+    scenes: str = ""
+
 
 # The beginnings of settings that the surface does not follow from: they do not make it anew.
 _MATERIAL = ("young", "poisson", "hardness", "material", "moduli", "relaxation")
@@ -115,14 +136,15 @@ def run(task: dict[str, Any], send: Send) -> dict[str, Any]:
     upload, counterbody = (
         None if task.get(name) is None else Upload(*task[name]) for name in ("upload", "counterbody_upload")
     )
-    uploads = upload, counterbody
+    sources = Sources((upload, counterbody), task.get("scenes", ""))
     settings = read_settings(task["settings"])
     kinds: dict[str, Callable[[], dict[str, Any]]] = {
         "inspect": lambda: dict(inspect_file(upload)) if upload else {},
-        "surface": lambda: _show_surfaces(settings, uploads, Path(task["folder"])),
-        "roughness": lambda: _describe_roughness(settings, uploads, Path(task["folder"])),
-        "plan": lambda: _plan(settings, uploads, task["calibration"]),
-        "solve": lambda: _solve(settings, uploads, Path(task["folder"]), send),
+        "surface": lambda: _show_surfaces(settings, sources, Path(task["folder"])),
+        "roughness": lambda: _describe_roughness(settings, sources, Path(task["folder"])),
+        "plan": lambda: _plan(settings, sources, task["calibration"]),
+        "solve": lambda: _solve(settings, sources, Path(task["folder"]), send),
+        "file": lambda: _write_file(task["folder"], task["file"]),
         "state": lambda: _draw_state(settings, task),
     }
     try:
@@ -131,20 +153,43 @@ def run(task: dict[str, Any], send: Send) -> dict[str, Any]:
         raise WrongSetting(in_words_of_page(error), getattr(error, "setting", "")) from error
 
 
+def warm_up() -> None:
+    """Solve a contact, so that the first run need not load and plan what that takes."""
+    problem, loads = _prepare(read_settings(_TINY), Sources())
+    describe_sweep(_run(problem, loads, lambda _: None), {})
+
+
 @functools.lru_cache(maxsize=1)
-def _cached_scene(key: str, uploads: Uploads) -> Scene:
-    return make_scene(read_settings(json.loads(key)), *uploads)
+def _cached_scene(key: str, sources: Sources) -> Scene:
+    if not sources.scenes:
+        return make_scene(read_settings(json.loads(key)), *sources.uploads)
+    shared = Path(sources.scenes) / f"{hashlib.sha256(f'{key} {sources.uploads}'.encode()).hexdigest()}.pickle"
+    # This session has written it, in its private folder.
+    with contextlib.suppress(OSError), shared.open("rb") as file:
+        kept: Scene = pickle.load(file)
+        return kept
+    started = time.perf_counter()
+    made = make_scene(read_settings(json.loads(key)), *sources.uploads)
+    if time.perf_counter() - started > _WORTH_SHARING:
+        # Where the disk is full, each process makes its own.
+        with contextlib.suppress(OSError):
+            unfinished = shared.with_suffix(f".{os.getpid()}")
+            unfinished.write_bytes(pickle.dumps(made, pickle.HIGHEST_PROTOCOL))
+            unfinished.replace(shared)
+            for old in sorted(shared.parent.glob("*.pickle"), key=lambda one: one.stat().st_mtime)[:-_SHARED]:
+                old.unlink(missing_ok=True)
+    return made
 
 
-def _scene(settings: Settings, uploads: Uploads) -> Scene:
-    """Return the scene: the last one, if its settings have not changed."""
+def _scene(settings: Settings, sources: Sources) -> Scene:
+    """Return the scene: the last one of this process, or of another, if its settings have not changed."""
     own = {name: text for name, text in settings.items() if name not in _OTHERS and not name.startswith(_OF_OTHERS)}
-    return _cached_scene(json.dumps(own), uploads)
+    return _cached_scene(json.dumps(own), sources)
 
 
-def _show_surfaces(settings: Settings, uploads: Uploads, folder: Path) -> dict[str, Any]:
+def _show_surfaces(settings: Settings, sources: Sources, folder: Path) -> dict[str, Any]:
     """Return what is shown of the surface of the body, and under ``counterbody`` of that of the other."""
-    scene = _scene(settings, uploads)
+    scene = _scene(settings, sources)
     dark = settings["scheme"] == "dark"
     shown = _show(scene, scene.body, folder / "surface.png", dark)
     if scene.counterbody is not None:
@@ -162,8 +207,8 @@ def _show(scene: Scene, one: ShownSurface, picture: Path, dark: bool) -> dict[st
     return shown
 
 
-def _describe_roughness(settings: Settings, uploads: Uploads, folder: Path) -> dict[str, Any]:
-    scene = _scene(settings, uploads)
+def _describe_roughness(settings: Settings, sources: Sources, folder: Path) -> dict[str, Any]:
+    scene = _scene(settings, sources)
     both = {"body": scene.body, "counterbody": scene.counterbody}
     dark = settings["scheme"] == "dark"
     return {
@@ -175,8 +220,8 @@ def _describe_roughness(settings: Settings, uploads: Uploads, folder: Path) -> d
     }
 
 
-def _plan(settings: Settings, uploads: Uploads, calibration: float) -> dict[str, Any]:
-    problem, loads = _prepare(settings, uploads)
+def _plan(settings: Settings, sources: Sources, calibration: float) -> dict[str, Any]:
+    problem, loads = _prepare(settings, sources)
     asked_responses(settings)
     plan = problem.plan
     together = _has_coupled(problem)
@@ -191,9 +236,9 @@ def _plan(settings: Settings, uploads: Uploads, calibration: float) -> dict[str,
     }
 
 
-def _prepare(settings: Settings, uploads: Uploads) -> tuple[ContactProblem, tuple[Load, ...]]:
+def _prepare(settings: Settings, sources: Sources) -> tuple[ContactProblem, tuple[Load, ...]]:
     """Return the problem, of a path with the laws that its materials bring, and its loads."""
-    problem = make_problem(settings, _scene(settings, uploads))
+    problem = make_problem(settings, _scene(settings, sources))
     require_solvable(settings, problem)
     if not is_path(settings):
         return problem, make_loads(settings, problem)
@@ -202,9 +247,10 @@ def _prepare(settings: Settings, uploads: Uploads) -> tuple[ContactProblem, tupl
     return problem, tuple(place.load for place in places)
 
 
-def _solve(settings: Settings, uploads: Uploads, folder: Path, send: Send) -> dict[str, Any]:
+def _solve(settings: Settings, sources: Sources, folder: Path, send: Send) -> dict[str, Any]:
     send({"phase": "preparing"})
-    problem, loads = _prepare(settings, uploads)
+    _HELD.clear()
+    problem, loads = _prepare(settings, sources)
     forecast = _estimate_seconds(settings, problem, loads)
     started = time.perf_counter()
     result: Sweep | AdhesionCycle | FrictionalPath | LoadPath
@@ -219,7 +265,7 @@ def _solve(settings: Settings, uploads: Uploads, folder: Path, send: Send) -> di
     ratio: float | None = (time.perf_counter() - started) / forecast
     send({"phase": "evaluating", "fraction": 1.0, "text": "The contact is solved; areas and uncertainties follow."})
     dark = settings["scheme"] == "dark"
-    outputs: Outputs | PathOutputs[Any]
+    outputs: Offers
     if isinstance(result, Sweep):
         asked, problems = ask(asked_responses(settings), result.states)
         answers = describe_sweep(result, asked)
@@ -237,9 +283,35 @@ def _solve(settings: Settings, uploads: Uploads, folder: Path, send: Send) -> di
     # The cost of a fretting cycle, of a path and of a coupled process depends on the answer: it says nothing of the
     # time of other runs.
     ratio = ratio if isinstance(result, (Sweep, AdhesionCycle)) and not _has_coupled(problem) else None
-    found = {"answers": answers, "warnings": [*list_warnings(answers), *problems]}
-    send({"phase": "drawing", "text": "Pictures and tables follow.", "ratio": ratio, **found})
-    return {"notes": _write_all(outputs, send)}
+    files = outputs.list_files()
+    found = {"answers": answers, "warnings": [*list_warnings(answers), *problems], "outputs": files}
+    send({"phase": "drawing", "text": "The first picture follows.", "ratio": ratio, **found})
+    notes = []
+    first = next(one["file"] for one in files if one["role"] == "picture")
+    try:
+        outputs.write(first)
+        send({"made": first})
+    except RoughContactError as error:
+        notes.append(in_words_of_page(error))
+    _HELD[str(folder)] = outputs
+    # What holds a part of a plug-in that cannot be saved is there until this process has another run.
+    with contextlib.suppress(pickle.PicklingError, AttributeError, TypeError), (folder / _SAVED).open("wb") as file:
+        pickle.dump(outputs, file, pickle.HIGHEST_PROTOCOL)
+    return {"notes": notes}
+
+
+def _write_file(folder: str, name: str) -> dict[str, Any]:
+    """Write a file of a run that is done."""
+    if folder not in _HELD:
+        _HELD.clear()
+        try:
+            # This session has written it, in its private folder.
+            with (Path(folder) / _SAVED).open("rb") as file:
+                _HELD[folder] = pickle.load(file)
+        except (EOFError, OSError, pickle.UnpicklingError):
+            raise InputError("The fields of this run are not here any more: solve again.") from None
+    _HELD[folder].write(name)
+    return {}
 
 
 def _count_solves(settings: Settings, problem: ContactProblem, loads: tuple[Load, ...]) -> int:
@@ -280,17 +352,6 @@ def _has_coupled(problem: ContactProblem) -> bool:
 
 def _are_unlike(problem: ContactProblem) -> bool:
     return pair_constants(problem.body.material, problem.counterbody.material).beta != 0.0
-
-
-def _write_all(outputs: Outputs | PathOutputs[Any], send: Send) -> list[str]:
-    """Write all files of a run; return in sentences what cannot be written."""
-    notes = []
-    for write in outputs.steps():
-        try:
-            send(write())
-        except RoughContactError as error:
-            notes.append(in_words_of_page(error))
-    return notes
 
 
 def _run(problem: ContactProblem, loads: tuple[Load, ...], send: Send) -> Sweep:

@@ -11,18 +11,13 @@ const PHASES = {
   waiting: "Waiting", starting: "Starting", preparing: "Preparing", solving: "Solving", evaluating: "Evaluating",
   drawing: "Drawing", done: "Done", failed: "Failed", cancelled: "Cancelled",
 };
-const INTERVAL = 400;
 let pictures;
 // Whether somebody waits for the answer, and is led to it.
 let isAwaited = false;
-let current = "";
 let shown = {};
-let timer = 0;
 
 export function follow(run, onChange, leads) {
-  clearTimeout(timer);
   pictures ??= new Pictures();
-  current = run;
   isAwaited = leads;
   shown = { phase: "", answers: 0, outputs: -1 };
   byId("run").hidden = false;
@@ -33,18 +28,20 @@ export function follow(run, onChange, leads) {
   poll(run, onChange);
 }
 
-async function poll(run, onChange) {
+// The server answers when the phase has changed since a version, or after half a second.
+async function poll(run, onChange, after = "") {
+  const mine = shown;
   let state;
   try {
-    state = await get(`runs/${run}`);
+    state = await get(`runs/${run}?after=${after}`);
   } catch (error) {
-    if (run === current) problem(error.message);
+    if (mine === shown) problem(error.message);
     return;
   }
-  if (run !== current) return;
+  if (mine !== shown) return;
   render(state);
   onChange(state);
-  if (!ENDED.includes(state.phase)) timer = setTimeout(() => poll(run, onChange), INTERVAL);
+  if (!ENDED.includes(state.phase)) poll(run, onChange, state.version);
 }
 
 function problem(text) {
