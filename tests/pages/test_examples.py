@@ -10,6 +10,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import roughcontact as rc
@@ -76,9 +77,15 @@ COMMANDS = [
 
 @pytest.fixture(scope="session")
 def examples(tmp_path_factory):
-    """A folder of what the pages mention: the maps that the package makes, and the study file of the pages."""
+    """A folder of what the pages mention: maps that the package makes, study files of the pages, and line scans."""
     folder = tmp_path_factory.mktemp("examples")
     rc.examples.write(folder)
+    heights = rc.read_surface(folder / "map.npz").values
+    for name, lines in {"lines": heights[:, ::24], "one": heights[:, :1], "two": heights[:, 40:80:20]}.items():
+        rows = np.column_stack((1e-3 * np.arange(len(lines)), 1e6 * lines))
+        names = ["x (mm)", *(f"z{k} (um)" for k in range(lines.shape[1]))]
+        np.savetxt(folder / f"{name}.csv", rows, delimiter=",", header=",".join(names), comments="")
+    shutil.copy(folder / "two.csv", folder / "other.csv")
     study, friction, wear = blocks_of(ROOT / "docs" / "use" / "studies.md", "toml")
     for name in ("study.toml", "scenes.toml"):
         (folder / name).write_text(study, encoding="utf-8")

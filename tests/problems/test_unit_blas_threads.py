@@ -17,6 +17,7 @@ import warnings
 
 import numpy as np
 import roughcontact as rc
+from roughcontact._answers.flow.dissection import dissect
 
 warnings.simplefilter("ignore")
 surface = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.1, shortest=4e-6, longest=3e-4, seed=3)
@@ -45,6 +46,9 @@ problem = rc.ContactProblem(rc.Body(surface, steel), grid=rc.Grid((192, 160), 19
 solution = problem.solve(approach=3e-7)
 tell("given approach", solution.pressure, solution.force)
 tell("leakage", solution.leakage(axis=0, viscosity=1e-3, pressure_drop=1e5).value)
+random = np.random.default_rng(1)
+conductances = random.random((2, 300, 200))
+tell("dissection", dissect(np.full((300, 200), 1e-3), conductances).solve(random.random((60000, 2))))
 path = problem.path(force=[2.0, 2.0], tangential_force=[(0.0, 0.0), (0.2, 0.0)], friction=rc.Coulomb(0.3))
 tell("path", path[-1].shear)
 soft = rc.Body(surface, rc.Elastic(3e6, 0.5))

@@ -12,6 +12,7 @@ import roughcontact as rc
 from roughcontact._answers.flow.factors import find_flow_factors
 from roughcontact._answers.flow.periodic import find_endless_pieces, solve_periodic
 from roughcontact._answers.laws.film_fits import patir_cheng
+from roughcontact._answers.laws.film_rows import count_waves
 
 
 def endless_by_copies(open_cells):
@@ -93,3 +94,13 @@ def test_the_construction_of_patir_and_cheng_has_their_factors():
     theirs = patir_cheng(np.array([3.0, 2.0]), 0.0)
     assert theirs == pytest.approx([0.832, 0.706], abs=1e-3)
     np.testing.assert_allclose(np.mean(found, axis=0), theirs, atol=0.03)
+
+
+def test_waves_of_a_mirrored_domain_are_those_of_one_image():
+    surface = rc.SelfAffineSurface(hurst=0.8, rms_height=1e-6, shortest=0.1, longest=0.5, seed=4)
+    heights = surface.heights(rc.Grid((64, 48), (1.0, 0.75)))
+    along, across = count_waves(heights)
+    turned = np.concatenate((heights, heights[::-1]))
+    assert count_waves(turned) == pytest.approx((along, across), rel=0.2)
+    both = np.concatenate((turned, turned[:, ::-1]), axis=1)
+    assert count_waves(both) == pytest.approx((along, across), rel=0.2)

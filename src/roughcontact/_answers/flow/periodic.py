@@ -72,13 +72,15 @@ def solve_periodic(gap: Array, open_cells: Mask, *, aspect: float) -> PeriodicFl
     steps = 1.0, aspect
     crossed = slice(None, faces.along), slice(faces.along, None)
     drops = np.zeros((2, faces.first.size))
-    solve, _ = factor(network)
     for given, part, step in zip(drops, crossed, steps, strict=True):
         given[part] = step
-        # The second round takes away what rounding has left.
-        for _ in range(2):
-            flows = network.conductance * given
-            pressure = solve(network.gather((faces.second, flows), (faces.first, -flows)))
+    solve = factor(network)
+    # The second round takes away what rounding has left.
+    for _ in range(2):
+        flows = network.conductance * drops
+        balances = [network.gather((faces.second, one), (faces.first, -one)) for one in flows]
+        pressures = solve(np.stack(balances, axis=1))
+        for given, pressure in zip(drops, pressures.T, strict=True):
             given += pressure[faces.first] - pressure[faces.second]
     area = aspect * math.prod(network.shape)
     flows = np.einsum("f,if,if->i", network.conductance, drops, drops) / area

@@ -138,11 +138,15 @@ def make_quarters(problem: ContactProblem) -> list[ContactProblem]:
 
 def _take_one_image(heights: Array) -> Array:
     """Return the half along each axis of heights that are their own mirror image there."""
-    limit = _MIRRORED * float(np.std(heights))
-    for axis, count in enumerate(heights.shape):
-        if np.abs(heights - np.flip(heights, axis)).max() <= limit:
-            heights = np.take(heights, range((count + 1) // 2), axis)
+    for axis in _list_mirrored_axes(heights):
+        heights = np.take(heights, range((heights.shape[axis] + 1) // 2), axis)
     return heights
+
+
+def _list_mirrored_axes(heights: Array) -> list[int]:
+    """Return the axes along which heights are their own mirror image."""
+    limit = _MIRRORED * float(np.std(heights))
+    return [axis for axis in (0, 1) if np.abs(heights - np.flip(heights, axis)).max() <= limit]
 
 
 def find_wall_shear(heights: Array, separation: float, problem: ContactProblem) -> FlowFactors | None:
@@ -154,7 +158,10 @@ def find_wall_shear(heights: Array, separation: float, problem: ContactProblem) 
 
 
 def count_waves(heights: Array) -> tuple[float, float]:
-    """Return the mean number of waves along each side, weighted with the power of the heights."""
+    """Return the mean number of waves along each side, weighted with the power of the heights.
+
+    Of a domain that was mirrored at its borders those of one image count: the others are the same once more.
+    """
     power = np.abs(np.fft.fft2(heights - np.mean(heights))) ** 2
     total = float(power.sum())
     if total == 0.0:
@@ -162,4 +169,5 @@ def count_waves(heights: Array) -> tuple[float, float]:
     numbers = [np.abs(np.fft.fftfreq(count, 1.0 / count)) for count in heights.shape]
     along = float(np.sum(power.sum(axis=1) * numbers[0])) / total
     across = float(np.sum(power.sum(axis=0) * numbers[1])) / total
-    return along, across
+    mirrored = _list_mirrored_axes(heights)
+    return along / (2.0 if 0 in mirrored else 1.0), across / (2.0 if 1 in mirrored else 1.0)

@@ -98,10 +98,10 @@ def whole_number(text: str) -> int:
 
 
 NUMBER = quantity("")
-METRE, _PASCAL, _NEWTON, _ANGLE, _SECOND, _SPEED = (quantity(unit) for unit in ("m", "Pa", "N", "rad", "s", "m/s"))
+METRE, PASCAL, _NEWTON, _ANGLE, _SECOND, _SPEED = (quantity(unit) for unit in ("m", "Pa", "N", "rad", "s", "m/s"))
 
 
-def _unit(text: str) -> float:
+def length_unit(text: str) -> float:
     """Return the length that a height of one means, for argparse: ``um`` alone is ``1um``."""
     return METRE(f"1{text}" if text[:1].isalpha() else text)
 
@@ -124,7 +124,7 @@ def add_problem(parser: argparse.ArgumentParser, *, study: bool = False) -> None
     _add_maps(parser, study)
     _add_pair(parser)
     load = parser.add_argument_group("load, exactly one").add_mutually_exclusive_group(required=not study)
-    load.add_argument("--pressure", type=_PASCAL, metavar="P", help="nominal mean pressure, such as 100MPa")
+    load.add_argument("--pressure", type=PASCAL, metavar="P", help="nominal mean pressure, such as 100MPa")
     load.add_argument("--force", type=_NEWTON, metavar="F", help="normal force, such as 2.5N")
     load.add_argument("--approach", type=METRE, metavar="D", help="approach since first contact, such as 50nm")
     if not study:
@@ -178,8 +178,8 @@ def _pressures(text: str) -> list[float]:
     """Return the mean pressures of a text, for argparse: one, or a range such as ``4MPa..40MPa``."""
     low, dots, high = text.partition("..")
     if not dots:
-        return [_PASCAL(low)]
-    ends = _PASCAL(low), _PASCAL(high)
+        return [PASCAL(low)]
+    ends = PASCAL(low), PASCAL(high)
     if not 0.0 < ends[0] < ends[1]:
         raise argparse.ArgumentTypeError(f"{text[:_MAX_SHOWN_CHARACTERS]!r} is not a range; write it like 4MPa..40MPa")
     count = math.ceil(math.log(ends[1] / ends[0]) / math.log(MAX_LOAD_RATIO) - 1e-9)
@@ -310,7 +310,7 @@ def _add_materials(parser: argparse.ArgumentParser, study: bool) -> None:
         modulus = f"Young's modulus, such as 210GPa{rigid}"
         usual = [
             choice.add_argument(f"--{prefix}material", choices=(*TYPICAL, *materials), metavar="NAME", help=named),
-            choice.add_argument(f"--{prefix}young", type=_PASCAL, metavar="E", help=modulus),
+            choice.add_argument(f"--{prefix}young", type=PASCAL, metavar="E", help=modulus),
         ]
         relaxes = "with a modulus that relaxes: moduli=1MPa,3MPa times=10ms poisson=0.5"
         choice.add_argument(f"--{prefix}viscoelastic", nargs="+", metavar="FIELD=VALUE", help=relaxes)
@@ -319,7 +319,7 @@ def _add_materials(parser: argparse.ArgumentParser, study: bool) -> None:
         own = [
             group.add_argument(f"--{prefix}poisson", type=NUMBER, metavar="NU", help=f"Poisson's ratio ({poisson})"),
             group.add_argument(
-                f"--{prefix}hardness", type=_PASCAL, metavar="H", help="hardness, such as 6GPa (elastic)"
+                f"--{prefix}hardness", type=PASCAL, metavar="H", help="hardness, such as 6GPa (elastic)"
             ),
         ]
         layer = "a layer, from the surface downwards; may be repeated: young=400GPa poisson=0.25 thickness=2um (none)"
@@ -335,7 +335,7 @@ def _add_maps(parser: argparse.ArgumentParser, study: bool) -> argparse._Argumen
     maps.add_argument(
         "--resample", type=whole_number, nargs=2, metavar=("NX", "NY"), help="number of cells, bilinearly"
     )
-    for name, what in (("size", METRE), ("unit", _unit), ("tip-radius", METRE), ("detrend", _form)):
+    for name, what in (("size", METRE), ("unit", length_unit), ("tip-radius", METRE), ("detrend", _form)):
         maps.add_argument(
             f"--counterbody-{name}",
             type=what,
@@ -368,7 +368,7 @@ def _add_treatment(parser: argparse.ArgumentParser, topic: str = "") -> argparse
     maps.add_argument(
         "--cell", type=METRE, nargs="+", metavar="L", help="distance of the points, such as 1um, in place of --size"
     )
-    show(maps.add_argument("--unit", type=_unit, metavar="U", help="unit of the heights, such as 1um (the file's)"))
+    show(maps.add_argument("--unit", type=length_unit, metavar="U", help="unit of the heights, such as 1um (the file's)"))
     treatments = ("refuse", "fill", "keep")
     maps.add_argument("--non-measured", choices=treatments, default="refuse", help="non-measured points (refuse)")
     for name, (field, what) in list_reader_options().items():

@@ -116,7 +116,7 @@ def read_profile(
             f"The file {file.name} has lines of {lines.shape[1]} points: at least {_MIN_POINTS} are needed."
         )
     positions = None
-    if in_columns and len(lines) > 1 and (spacing is None or len(lines) == 2) and _is_even(lines[0]):
+    if in_columns and len(lines) > 1 and _is_even(lines[0]):
         positions = lines[0]
         lines = lines[1:]
     missing = int(np.count_nonzero(~np.isfinite(lines)))
