@@ -108,7 +108,7 @@ class Phases:
         """
         change = _root_mean_square(found.value, [ask(state).value for state in self.states])
         if self.flagged:
-            factor, part = (_FLAGGED_FACTOR, 1.0) if flagged_factor is None else (flagged_factor, _MIN_MODEL_PART)
+            factor, part = (flagged_factor, _MIN_MODEL_PART) if flagged_factor else (_FLAGGED_FACTOR, 1.0)
             return _with_uncertainty(found, max(factor * change, part * found.uncertainty))
         std = self.factor * change
         return _with_uncertainty(found, max(std, min(found.uncertainty, _MIN_STD * abs(found.value))))

@@ -52,7 +52,7 @@ def judge(solution: Any, found: E, kind: str, ask: Callable[[Any], Estimate], fl
     flagged_factor
         That of the response (`Response.flagged_factor`).
     """
-    if kind == "model":
+    if kind == "model" or (kind == "auto" and flagged_factor == 0.0):
         return found
     if kind == "noise":
         noisy: E = solution.response("noise").judge(solution, found, ask)

@@ -67,7 +67,7 @@ class Response(Part, abc.ABC, Generic[T_co]):
         pressure"``, the part that presses; or ``"state"``: all of the solution, with what laws have added to it.
     flagged_factor
         Its standard deviation over its change over two grids where sharp edges or rough heights are flagged; None for
-        one, and at least the standard deviation of the model.
+        one, and at least the standard deviation of the model; zero for that of the model, unless two grids are asked.
     memory_arrays
         Peak memory beyond the solution, in float64 arrays of the grid: what does not fit is refused.
 
