@@ -80,7 +80,7 @@ class PeakPressure(Quantity):
     """
 
     # Bounded maxima lie away from the edges and creases that both grids tell of.
-    flagged_factor = 0.0
+    flagged_factors = 0.0, 1.0
 
     def respond(self, solution: ContactSolution) -> Estimate:
         """Return the maximum pressure, its uncertainty and its sampling error."""
