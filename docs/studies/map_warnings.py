@@ -77,7 +77,8 @@ def spoiled(rng: np.random.Generator) -> Iterator[tuple[str, str, np.ndarray]]:
         for method in ("bilinear", "cubic"):
             yield f"upsampled {factor} times, {method}", "interpolation", resample(heights, factor, method)
     for width in (0.7, 1.0, 1.5, 2.0):
-        yield f"blurred by {width:g} cells", "blur", ndimage.gaussian_filter(heights, width)
+        # With the little noise that every instrument has.
+        yield f"blurred by {width:g} cells", "blur", ndimage.gaussian_filter(heights, width) + 1e-4 * rms * white
     blurred = ndimage.gaussian_filter(heights, 1.5)
     yield "blurred by 1.5 cells, noise of 0.5 % of Sq", "blur", blurred + 0.005 * rms * white
     smooth = draw(rng, 8.0)

@@ -98,7 +98,8 @@ def test_flagged_answers_have_the_larger_of_both_uncertainties(turned):
     assert turned.phases().flagged
     found, model = (turned.response("approach", uncertainty=kind) for kind in ("two grids", "model"))
     changes = [state.response("approach").value - found.value for state in turned.phases().states]
-    assert found.uncertainty == pytest.approx(max(model.uncertainty, math.sqrt(np.mean(np.square(changes)))), rel=1e-9)
+    half = 0.5 * math.sqrt(np.mean(np.square(changes)))
+    assert found.uncertainty == pytest.approx(max(model.uncertainty, half), rel=1e-9)
 
 
 def test_the_area_of_creases_and_edges_is_extrapolated(turned):
@@ -208,6 +209,18 @@ def test_flagged_contacts_are_judged_by_two_grids_unless_the_model_is_asked(turn
     assert model.area() == turned.area(uncertainty="model") != turned.area()
     assert model.explain() == "uncertainties by a model of the errors, as asked"
     assert all(state.uncertainty == "model" for state in turned.phases().states)
+
+
+def test_a_bounded_maximum_is_judged_by_the_model_unless_two_grids_are_asked():
+    """Of heights that are rough at the scale of the cells."""
+    rng = np.random.default_rng(4)
+    solution = solve(rough((48, 48), (1.0, 1.0)) + 2e-4 * rng.standard_t(2, (48, 48)), (1.0, 1.0), pressure=1e-2)
+    assert solution.response("flags").unresolved
+    assert not solution.response("flags").unbounded
+    peak, model, both = (solution.response("peak-pressure", uncertainty=kind) for kind in ("auto", "model", "two grids"))
+    assert peak == model
+    changes = [state.response("peak-pressure").value - peak.value for state in solution.phases().states]
+    assert both.uncertainty == pytest.approx(max(model.uncertainty, math.sqrt(np.mean(np.square(changes)))))
 
 
 def test_smooth_contacts_and_lost_points_are_judged_by_the_model():

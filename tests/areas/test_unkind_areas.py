@@ -105,6 +105,24 @@ def test_perimeters_of_light_contacts_with_a_lay_are_within_two():
     assert sum(ratio <= 2.0 for ratio in ratios) >= 10, max(ratios)
 
 
+def test_ridges_along_a_diagonal_are_as_long_as_on_a_finer_grid():
+    """Their ends are narrower than a cell."""
+    errors = []
+    for seed in range(6):
+        surface = rc.SelfAffineSurface(
+            hurst=0.8, rms_slope=0.1, shortest=1.0, longest=6.0, seed=40 + seed, peklenik=5.0, lay=np.pi / 4
+        )
+        body = rc.Body(surface, rc.Elastic(1.0, 0.0))
+        true, coarse = (
+            rc.ContactProblem(body, grid=rc.Grid((cells, cells), 12.0), boundary="periodic")
+            .solve(pressure=5e-4)
+            .response("perimeter")
+            for cells in (192, 48)
+        )
+        errors.append(coarse.value / true.value - 1.0)
+    assert abs(np.mean(errors)) < 0.06, errors
+
+
 @pytest.mark.parametrize("name", rather_slow(unkind_classes.CLASSES, WARNING))
 def test_an_area_that_errs_by_more_than_a_tenth_warns(name):
     for case in unkind_classes.CLASSES[name]("tuned"):

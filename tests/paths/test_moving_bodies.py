@@ -48,6 +48,13 @@ def flatten_by_hand(problem, moves, pressure):
     return fresh[0] - body, fresh[1] - counterbody
 
 
+def test_approach_and_mean_gap_add_up_to_one_height_wherever_the_bodies_are():
+    """That of the mean planes at the first touch, between the cells, of fresh bodies."""
+    path = pair_rough(ELASTIC, ELASTIC, laws=rc.Archard(1e-22)).path(pressure=5e6, shift=[(0, 0), (5, 3), (10, 6)])
+    heights = [sum(state.response(name).value for name in ("approach", "mean-gap")) for state in path]
+    assert heights[1:] == pytest.approx([heights[0]] * 2, rel=1e-9)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("materials", [(SOFT, HARD), (HARD, SOFT), (SOFT, SOFT)])
 @pytest.mark.parametrize("has_lost_points", [False, True])

@@ -193,9 +193,11 @@ LOST_LENGTH = 0.05
 # Relative standard deviation of the length of smooth edges, and of edges of several summits times the ratio, no unit.
 LENGTH_ERROR = 0.003
 UNEVEN_LENGTH_ERROR = 0.025
-# Relative standard deviation of the length of narrow patches over the ratio, on ridges of one direction, no unit. Set
-# on rough contacts with a lay.
-NARROW_LENGTH_ERROR = 2.0
+# Relative length of narrow patches that is lost at their ends, on ridges of one direction along a diagonal of the
+# grid, half of which is uncertain, and its standard deviation in any direction, no unit. Set on rough contacts with a
+# lay.
+LOST_END_LENGTH = 0.75
+NARROW_LENGTH_ERROR = 0.1
 # Width of patches, in cells of a disc, that halves it, by its square. Set on the same contacts.
 NARROW_PATCH_WIDTH = 4.0
 # Relative standard deviation of the length of an edge along the diagonals of the grid, no unit.

@@ -188,6 +188,13 @@ def measure_sides(solution: ContactSolution) -> float:
     return float(across * dy + along * dx)
 
 
+def measure_obliqueness(solution: ContactSolution) -> float:
+    """Return |sin 2t| of the mean direction t of the edge: one along a diagonal, zero along the grid or without edge."""
+    across, along = _count_both(solution, None) * np.array(solution.grid.spacing[::-1])
+    squares = float(across**2 + along**2)
+    return 2.0 * float(across * along) / squares if squares > 0.0 else 0.0
+
+
 def _count_both(solution: ContactSolution, of: Mask | None) -> IntArray:
     """Return the numbers of sides that face x, and y, shape (2,)."""
     both = _mark_sides(solution.contact, solution.boundary, of)

@@ -79,6 +79,9 @@ class PeakPressure(Quantity):
     Popov, Hess, Willert, Handbook of Contact Mechanics (2019), sec. 2.3.8, https://doi.org/10.1007/978-3-662-58709-6
     """
 
+    # Bounded maxima lie away from the edges and creases that both grids tell of.
+    flagged_factors = 0.0, 1.0
+
     def respond(self, solution: ContactSolution) -> Estimate:
         """Return the maximum pressure, its uncertainty and its sampling error."""
         # A study asks for it with its responses, its figures and its warnings.
@@ -110,7 +113,6 @@ class PeakPressure(Quantity):
         value = weight * np.where(np.isfinite(summit_std), summit, 0.0) + (1.0 - weight) * quadratic
         std = value * np.sqrt(weight) * np.where(np.isfinite(summit_std), summit_std, 0.0)
         std = np.where(weight > 0.0, std, value * quadratic_std)
-        std = np.hypot(std, value * _find_tip_error(patches.cells, sharpness))
         top = int(np.argmax(value))
         peak = float(value[top])
         is_bounded = _is_bounded(solution, highest[top])
@@ -120,7 +122,7 @@ class PeakPressure(Quantity):
             more = _UNBOUNDED_WARNING
         else:
             more = _BORDER_WARNING if not is_bounded and _is_highest_at_border(solution, highest[top]) else None
-        pointed = peak * _find_point_error(solution, highest[top : top + 1], int(patches.cells[top]))
+        pointed = peak * _find_tip_error(solution, highest[top : top + 1], int(patches.cells[top]), sharpness[top])
         if solution._is_changed:
             pointed = 0.0
             # What loads before have left is not a summit: the pressure may bend where the contact once ended.
@@ -159,23 +161,18 @@ def _find_sharpness(solution: ContactSolution, highest: IntArray) -> Array:
     return solution.parts.total(sharpness) / (curvature_resolution(solution) + calibration.MIN_RESOLUTION_RATIO)
 
 
-def _find_tip_error(cells: IntArray, sharpness: Array) -> Array:
-    """Return the relative error of the pressure at a tip, which rises between the cells, shape (count,)."""
-    first, certain, most = calibration.TIP_PEAK_ERROR
-    part = np.clip((sharpness - first) / (certain - first), 0.0, 1.0)
-    return np.asarray(most * part * cells**-0.25)
-
-
-def _find_point_error(solution: ContactSolution, highest: IntArray, cells: int) -> float:
-    """Return the relative error of the pressure at a tip that only its gap shows."""
+def _find_tip_error(solution: ContactSolution, highest: IntArray, cells: int, sharpness: float) -> float:
+    """Return the relative error of the pressure at a tip, which rises between the cells, also if only its gap shows."""
     near = _gather(solution, solution.initial_gap, highest, 2 * TIP_REACH)[..., 0]
     if _is_bell(near):
         return 0.0
+    first, certain, most = calibration.TIP_PEAK_ERROR
+    sharp = most * min(max((sharpness - first) / (certain - first), 0.0), 1.0)
     inner = slice(TIP_REACH, 3 * TIP_REACH + 1)
     pointed = fit_hyperboloid(near[inner, inner])[1]
-    certain, first, steep = calibration.POINTED_PEAK_ERROR
-    sharp = certain * min(pointed / first, 1.0) + steep * max(pointed - first, 0.0)
-    return float(sharp * cells**-0.25)
+    most, first, steep = calibration.POINTED_PEAK_ERROR
+    by_gap = most * min(pointed / first, 1.0) + steep * max(pointed - first, 0.0)
+    return math.hypot(sharp, by_gap) * float(cells) ** -0.25
 
 
 def _is_bell(near: Array) -> bool:

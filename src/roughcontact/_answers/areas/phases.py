@@ -43,8 +43,6 @@ _EXTRAPOLATED_FACTOR = 0.8
 _EXTRAPOLATION = 1.0 / 3.0
 # Uncertainty of an extrapolated area over that of a model, at least: lands along the grid are the same on both.
 _MIN_AREA_PART = 0.5
-# Uncertainty by both grids over that of a model, at least, where the former is better: the answers may agree by chance.
-_MIN_MODEL_PART = 0.1
 # Relative standard deviation by the tolerance of the solves, at least, unless that of one grid is less.
 _MIN_STD = 1e-4
 # Warnings that a model of the errors gives where it does not know them.
@@ -87,7 +85,10 @@ class Phases:
         return sum(state.convolutions for state in self.states)
 
     def judge(
-        self, found: Number, ask: Callable[[ContactSolution], Estimate], flagged_factor: float | None = None
+        self,
+        found: Number,
+        ask: Callable[[ContactSolution], Estimate],
+        flagged_factors: tuple[float, float] = (_FLAGGED_FACTOR, 1.0),
     ) -> Number:
         """Return an answer with the standard deviation by both grids.
 
@@ -97,8 +98,8 @@ class Phases:
             The answer of all points.
         ask
             Returns the answer of a solution.
-        flagged_factor
-            The factor where the contact is flagged, if it is another one (`roughcontact.Response.flagged_factor`).
+        flagged_factors
+            Those of the response, where the contact is flagged (`roughcontact.Response.flagged_factors`).
 
         Returns
         -------
@@ -108,8 +109,8 @@ class Phases:
         """
         change = _root_mean_square(found.value, [ask(state).value for state in self.states])
         if self.flagged:
-            factor, part = (_FLAGGED_FACTOR, 1.0) if flagged_factor is None else (flagged_factor, _MIN_MODEL_PART)
-            return _with_uncertainty(found, max(factor * change, part * found.uncertainty))
+            factor, part = flagged_factors
+            return _with_uncertainty(found, max((factor or _FLAGGED_FACTOR) * change, part * found.uncertainty))
         std = self.factor * change
         return _with_uncertainty(found, max(std, min(found.uncertainty, _MIN_STD * abs(found.value))))
 

@@ -142,7 +142,7 @@ class ContactConductance(Response[Conductance]):
 
     holds_with = frozenset({"tension", "shear"})
     fails_with = frozenset({"inner moduli"})
-    flagged_factor = 0.5
+    flagged_factors = 0.5, 0.1
     reads = "contact pressure"
 
     conductivity: Pair = attrs.field(converter=_conductivity, metadata={"plain_unit": _CONDUCTIVITY_UNIT})

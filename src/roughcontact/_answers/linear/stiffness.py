@@ -325,7 +325,7 @@ class Stiffness(Response[Estimate]):
     unloading: bool = attrs.field(default=False, converter=_unloading)
 
     holds_with = frozenset({"tension", "shear"})
-    flagged_factor = 0.5
+    flagged_factors = 0.5, 0.1
 
     @property
     def fails_with(self) -> frozenset[str]:  # type: ignore[override]

@@ -171,7 +171,7 @@ class TangentialStiffness(Response[Estimate]):
 
     memory_arrays = 49.0  # the symbols of shear
     fails_with = frozenset({"inner flow", "inner moduli"})
-    flagged_factor = 0.5
+    flagged_factors = 0.5, 0.1
 
     axis: int = attrs.field(default=0, converter=tangential_axis)
 

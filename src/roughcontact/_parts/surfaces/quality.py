@@ -209,9 +209,10 @@ def _judge_spectrum(part: Array, cell: float, unit: float) -> tuple[WarningText,
     warnings = []
     if steep.size or slopes[-1] < _BLUR_SLOPE:
         first = int(steep[0]) if steep.size else slopes.size - 1
-        if drops[first:].min() < _COMPUTED_DROP:
-            return ()
         floor = _MEAN_OVER_MEDIAN * float(np.median(power[wavenumbers > _BAND_EDGES[-1]]))
+        # No instrument has less noise than seven digits leave: such smooth heights were computed.
+        if drops[first:].min() < _COMPUTED_DROP or floor < _ZERO_FRACTION**3 * bands.max():
+            return ()
         noisy = floor > _FLOOR_FRACTION * bands[first + 1 :].min() and _shows_in_differences(part, floor)
         # Noise ends the fall.
         if not noisy or slopes[first : first + 2].min() > _CUT_SLOPE:

@@ -249,7 +249,7 @@ class ContactAnswers(ShearFields):
             raise InputError(
                 "Solved again the contact has no traction: with friction this answer is that of the model."
             )
-        judged = judge(self, found, kind, lambda one: one.response(asked, uncertainty="model"), asked.flagged_factor)
+        judged = judge(self, found, kind, lambda one: one.response(asked, uncertainty="model"), asked.flagged_factors)
         return self._add_errors(judged, responses.name_of(type(asked)) or "")
 
     def _add_errors(self, found: E, name: str) -> E:

@@ -36,7 +36,9 @@ _UNCERTAIN_AREA_STD = 1.0 / 3.0
 _CERTAIN_AREA_STD = 0.006
 
 
-def judge(solution: Any, found: E, kind: str, ask: Callable[[Any], Estimate], flagged_factor: float | None = None) -> E:
+def judge(
+    solution: Any, found: E, kind: str, ask: Callable[[Any], Estimate], flagged_factors: tuple[float, float] = (1.0, 1.0)
+) -> E:
     """Return an answer of the model with the uncertainty of a kind.
 
     Parameters
@@ -49,10 +51,10 @@ def judge(solution: Any, found: E, kind: str, ask: Callable[[Any], Estimate], fl
         A name of `UNCERTAINTIES`.
     ask
         Returns the answer of another solution.
-    flagged_factor
-        That of the response (`Response.flagged_factor`).
+    flagged_factors
+        Those of the response (`Response.flagged_factors`).
     """
-    if kind == "model":
+    if kind == "model" or (kind == "auto" and flagged_factors[0] == 0.0):
         return found
     if kind == "noise":
         noisy: E = solution.response("noise").judge(solution, found, ask)
@@ -63,7 +65,7 @@ def judge(solution: Any, found: E, kind: str, ask: Callable[[Any], Estimate], fl
     if phases is None or not is_bounded:
         return found
     try:
-        judged: E = phases.judge(found, ask, flagged_factor)
+        judged: E = phases.judge(found, ask, flagged_factors)
     except InputError:
         if kind == "auto":
             return found

@@ -65,9 +65,9 @@ class Response(Part, abc.ABC, Generic[T_co]):
     reads
         What its `pressure` is where there is tension: ``"total pressure"``, the normal contact as it is, or ``"contact
         pressure"``, the part that presses; or ``"state"``: all of the solution, with what laws have added to it.
-    flagged_factor
-        Its standard deviation over its change over two grids where sharp edges or rough heights are flagged; None for
-        one, and at least the standard deviation of the model.
+    flagged_factors
+        Its standard deviation where sharp edges or rough heights are flagged: over its change over two grids, zero for
+        that of the model unless two grids are asked; and at least over that of the model.
     memory_arrays
         Peak memory beyond the solution, in float64 arrays of the grid: what does not fit is refused.
 
@@ -90,7 +90,7 @@ class Response(Part, abc.ABC, Generic[T_co]):
     refusal: ClassVar[str] = "it knows no traction"
     fails_with: ClassVar[frozenset[str]] = frozenset()
     reads: ClassVar[str] = "total pressure"
-    flagged_factor: ClassVar[float | None] = None
+    flagged_factors: ClassVar[tuple[float, float]] = (1.0, 1.0)
     memory_arrays: ClassVar[float] = 12.0
 
     @abc.abstractmethod
