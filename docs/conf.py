@@ -116,6 +116,7 @@ nitpick_ignore_regex = [
     (r"py:class", r"(roughcontact\._answers\.flow\.network\.)?FlowNetwork"),
     (r"py:class", r"roughcontact\._(answers\.subsurface\.inputs\.SupportsResidualStress|base\.machine\.[ST])"),
     (r"py:class", r"(roughcontact\._base\.units\.)?Deferred|roughcontact\._work\.studies\.result\.SolvedAgain"),
+    (r"py:class", r"(roughcontact\._base\.units\.(quantities\.)?)?HasUnit"),
     (r"py:class", r"roughcontact\.(errors\.sentence\.Argument|_parts\.materials\.isotropic\._Isotropic)"),
     (r"py:class", r"roughcontact\._solve\.problem\.slabs\.(arrays\.Extent|contact\.T)|types\.SimpleNamespace"),
     (r"py:class", r"roughcontact\._solve\.problem\.load_(path\.S|march\.Place)"),

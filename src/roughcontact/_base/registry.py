@@ -319,7 +319,11 @@ class PartField:
 def list_fields(cls: type) -> dict[str, PartField]:
     """Return the arguments of a class by name; of one that is not of attrs their types are not known."""
     if not attrs.has(cls):
-        parameters = inspect.signature(cls).parameters
+        try:
+            parameters = inspect.signature(cls).parameters
+        except ValueError:
+            # Some classes of Python itself state none.
+            return {}
         return {name: PartField(name, Any, None, one.default is one.empty) for name, one in parameters.items()}
     try:
         hints = field_types(cls)

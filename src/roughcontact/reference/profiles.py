@@ -158,7 +158,7 @@ def profile(
     >>> heights = rough.heights(rc.Grid((512, 512), 512e-6))
     >>> found = rc.reference.profile(heights[:, ::100].T, 1e-6, isotropic=True)
     >>> print(found.Sdq)
-    0.105416 +- 0.0034
+    0.1054 +- 0.0034
     """
     step = number(spacing, "The spacing of the points", "m", above=0.0)
     is_isotropic = flag(isotropic, "isotropic=")

@@ -94,7 +94,7 @@ def find_percolation(problem: ContactProblem, *, axis: int = 0, within: float = 
     >>> problem = rc.ContactProblem(body, grid=rc.Grid((32, 32), 100e-6), boundary="periodic")
     >>> found = find_percolation(problem)
     >>> print(found.pressure)
-    6.8043 GPa +- 1.8 %
+    6.8 GPa +- 1.8 %
     """
     if not isinstance(problem, ContactProblem):
         raise InputError.about("What is solved", problem, "a ContactProblem")

@@ -377,11 +377,18 @@ class Estimate(ShownAsPrinted, Answer):
 
     def __str__(self) -> str:
         if not self.unit:
-            return f"{self.value:.6g} +- {self.uncertainty:.2g}{self._reasons}"
+            return f"{self.value:.{self._count_digits(6)}g} +- {self.uncertainty:.2g}{self._reasons}"
         if math.isinf(self.value):
             return f"{si(self.value, self.unit)}{self._reasons}"
         spread = percent(self.uncertainty / abs(self.value)) if self.value else si(self.uncertainty, self.unit)
-        return f"{si(self.value, self.unit, 5)} +- {spread}{self._reasons}"
+        return f"{si(self.value, self.unit, self._count_digits(5))} +- {spread}{self._reasons}"
+
+    def _count_digits(self, most: int) -> int:
+        """Return the significant digits that the first two of the uncertainty allow, from two to so many."""
+        if not (self.value and math.isfinite(self.value) and 0.0 < self.uncertainty < math.inf):
+            return most
+        digits = math.floor(math.log10(abs(self.value))) - math.floor(math.log10(self.uncertainty)) + 2
+        return min(most, max(2, digits))
 
 
 def without_reasons(text: str, estimates: Iterable[Estimate]) -> str:

@@ -165,6 +165,9 @@ class HasUnit(Protocol):
     def magnitude(self) -> Any:
         """The numbers, in the unit."""
 
+    def __float__(self) -> float:
+        """Return a number without a dimension; of another one it fails."""
+
     def to(self, other: Any, /) -> Any:
         """Return the same in another unit, or raise an error if its dimension is another one."""
 

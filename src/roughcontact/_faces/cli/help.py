@@ -35,11 +35,11 @@ def wrap(sentence: str) -> str:
     text = printable(sentence)
     if not sys.stderr.isatty():
         return text
-    columns = 80
-    # Of the terminal that shows it: standard output may go to a file.
+    columns = 0
+    # Of the terminal that shows it: standard output may go to a file. Some terminals state no width.
     with contextlib.suppress(OSError, ValueError):
         columns = os.get_terminal_size(sys.stderr.fileno()).columns
-    width = max(shutil.get_terminal_size(fallback=(columns, 24)).columns - 1, 20)
+    width = max(shutil.get_terminal_size(fallback=(columns or WIDTH, 24)).columns - 1, 20)
     return textwrap.fill(text, width, break_long_words=False, break_on_hyphens=False)
 
 

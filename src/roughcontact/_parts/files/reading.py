@@ -75,7 +75,7 @@ def read_surface(
     ----------
     path
         The file. npz, npy and text files have heights in m, first index x, where they state nothing else; those of
-        instruments are read by the package SurfaceTopography. Or a `xarray.DataArray` with the axes x and y in any
+        instruments are read by the package SurfaceTopography. Or a ``xarray.DataArray`` with the axes x and y in any
         order: the size of its map follows from its places along them, which are evenly spaced, and its units from the
         attribute ``units`` of the places and of the heights.
     size

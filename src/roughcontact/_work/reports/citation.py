@@ -66,9 +66,9 @@ def cite(*used: object, style: str = "text") -> str:
     Parameters
     ----------
     *used
-        What was used: solutions, paths, problems, parts, their classes or registered names, such as ``"hertz"``. Of a
-        solution these are its kernel, convolver and solver, its materials, surfaces and laws, and the default area. Their
-        references are those of their docstrings that have a DOI.
+        What was used: solutions, paths, problems, parts, their classes or registered names, such as ``"hertz"``. Of
+        a solution these are its kernel, convolver and solver, its materials, surfaces and laws, and the default area.
+        Their references are those of their docstrings that have a DOI.
     style
         ``"text"``, a line for each reference, or ``"bibtex"``.
 

@@ -260,7 +260,7 @@ def ask_states(
     >>> solution = rc.ContactProblem(ball, grid=rc.Grid((32, 32), 100e-6)).solve(force=1.0)
     >>> answers, reasons = ask_states({"perimeter": rc.responses.create("perimeter")}, [solution])
     >>> print(*answers["perimeter"], reasons)
-    93.067 µm +- 0.3 % {}
+    93.07 µm +- 0.3 % {}
     """
     found: dict[str, list[Any]] = {}
     reasons: dict[str, str] = {}
