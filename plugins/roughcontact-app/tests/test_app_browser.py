@@ -84,7 +84,7 @@ class Page:
 
     def reveal(self, element):
         """Open the group of a part of the form."""
-        self.driver.execute_script("const group = arguments[0].closest('.group'); if (group) group.open = true", element)
+        self.driver.execute_script("arguments[0].closest('.group')?.setAttribute('open', '')", element)
         return element
 
     def find(self, name):
@@ -155,9 +155,10 @@ def page(server, tmp_path):
     options.binary_location = CHROMIUM
     downloads = tmp_path / "downloads"
     downloads.mkdir()
-    flags = "headless=new no-sandbox disable-gpu disable-quic no-first-run disable-background-networking window-size=1280,900"
-    for flag in (*flags.split(), "disable-component-update", "disable-sync", f"user-data-dir={tmp_path / 'profile'}"):
+    flags = "headless=new no-sandbox disable-gpu disable-quic no-first-run disable-background-networking"
+    for flag in (*flags.split(), "disable-component-update", "disable-sync", "window-size=1280,900"):
         options.add_argument(f"--{flag}")
+    options.add_argument(f"--user-data-dir={tmp_path / 'profile'}")
     options.add_experimental_option("prefs", {"download.default_directory": str(downloads)})
     options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
     driver = webdriver.Chrome(options=options, service=Service(DRIVER))
@@ -730,7 +731,8 @@ def test_everything_is_done_from_the_keyboard(page):
     tab_to("tab-pressure").send_keys(Keys.ARROW_RIGHT)
     assert page.driver.switch_to.active_element.get_attribute("id") == "tab-gap"
     assert page.find("panel").get_attribute("aria-labelledby") == "tab-gap"
-    page.until(lambda: "gap of this contact" in page.find("picture").find_element(By.TAG_NAME, "img").get_attribute("alt"))
+    shown = page.find("picture").find_element(By.TAG_NAME, "img")
+    page.until(lambda: "gap of this contact" in shown.get_attribute("alt"))
     frame = tab_to("frame")
     frame.send_keys("+")
     frame.send_keys("+")
