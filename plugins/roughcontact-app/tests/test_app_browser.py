@@ -749,7 +749,7 @@ def test_everything_is_done_from_the_keyboard(page):
 def test_the_roughness_is_measured_when_it_is_opened(page):
     page.open_example().until_planned()
     assert not page.driver.find_elements(By.CSS_SELECTOR, "[data-texture]")
-    page.find("roughness").find_element(By.TAG_NAME, "summary").click()
+    page.click(page.find("roughness").find_element(By.TAG_NAME, "summary"))
     page.until(lambda: "±" in page.driver.find_element(By.CSS_SELECTOR, "[data-texture=Sq]").text)
     page.until(lambda: page.find("roughness-surfaces").find_element(By.CLASS_NAME, "pictures").size["height"] > 100)
     before = page.driver.find_element(By.CSS_SELECTOR, "[data-texture=Sq]").text
@@ -764,16 +764,16 @@ def test_a_picture_is_zoomed_by_wheel_and_buttons(page):
     image = frame.find_element(By.TAG_NAME, "img")
     page.until(lambda: image.size["height"] > 100)
     plus, minus, show_all = page.find("surface-picture").find_elements(By.TAG_NAME, "button")
-    plus.click()
+    page.click(plus)
     assert "scale(1.5)" in image.get_attribute("style")
-    minus.click()
+    page.click(minus)
     assert "scale(1)" in image.get_attribute("style")
     wheel = (
         "arguments[0].focus(); arguments[0].dispatchEvent(new WheelEvent('wheel', {deltaY: -300, cancelable: true}))"
     )
     page.driver.execute_script(wheel, frame)
     assert "scale(2.71" in image.get_attribute("style")
-    show_all.click()
+    page.click(show_all)
     assert "scale(1)" in image.get_attribute("style")
 
 
@@ -803,7 +803,7 @@ def test_solve_is_in_view_and_a_swipe_over_a_picture_scrolls_the_page(page):
         return page.driver.execute_script(top, picture)[0] - before
 
     assert swipe() > 40
-    page.find("surface-picture").find_element(By.TAG_NAME, "button").click()
+    page.click(page.find("surface-picture").find_element(By.TAG_NAME, "button"))
     assert swipe() == 0
 
 
@@ -846,9 +846,9 @@ def test_a_cycle_of_surfaces_that_attract_each_other(page):
     page.tick("ask_stiffness")
     page.until(lambda: "17 states, about" in page.text("plan"))
     page.find("solve").click()
-    page.until(lambda: page.text("numbers").startswith("Pull-off\n-1.4"))
+    page.until(lambda: page.text("numbers").lower().startswith("pull-off\n-1.4"))
     assert page.text("headline") == "A cycle of approaches"
-    assert "Energy lost" in page.text("numbers")
+    assert "energy lost" in page.text("numbers").lower()
     assert "approach from -0.3 to 0.1 µm and back" in page.text("run-subject")
     assert "exponential adhesion of 50 mJ/m², range 30 nm" in page.text("run-subject")
     assert page.text("run-subject").endswith("; with stiffness.")
@@ -878,7 +878,7 @@ def test_a_fretting_cycle(page):
     # The time is said before anything is solved.
     page.until(lambda: "20 states, about" in page.text("plan"))
     page.find("solve").click()
-    page.until(lambda: page.text("numbers").startswith("Energy lost in a cycle"))
+    page.until(lambda: page.text("numbers").lower().startswith("energy lost in a cycle"))
     assert "normal force 1 N, tangential force ±200 mN, friction 0.3" in page.text("run-subject")
     steel = rc.Elastic(210e9, 0.3)
     bodies = rc.Body(rc.SphereSurface(1e-3), steel), rc.Body(rc.FlatSurface(), steel)
