@@ -929,7 +929,8 @@ def test_a_path_and_a_slider_over_its_states(page, scheme):
     page.find("solve").click()
     page.until(lambda: page.text("headline").startswith("4 states of the path; at the end:"))
     assert "4 0 2 4 N, a path, sliding 0 0.1 0.2 1 m, archard, E 210 GPa" in page.text("run-subject")
-    page.until(lambda: page.find("picture").is_displayed())
+    # The course of the numbers comes first, as a curve.
+    page.until(lambda: page.find("curves").is_displayed())
     assert not page.find("path-states").is_displayed()
     image = page.driver.find_element(By.CSS_SELECTOR, "#picture img")
 
