@@ -938,7 +938,7 @@ def test_a_path_and_a_slider_over_its_states(page, scheme):
         page.until(lambda: page.driver.find_element(By.XPATH, f"//*[@id='panel-buttons']/button[.='{panel}']")).click()
 
     def until_other_than(before):
-        page.until(lambda: "pictures/" in image.get_attribute("src") and image.get_attribute("src") != before)
+        page.until(lambda: "pictures/" in (image.get_attribute("src") or "") and image.get_attribute("src") != before)
         page.until(lambda: page.find("picture").get_attribute("aria-busy") is None)
         page.until(lambda: int(image.get_attribute("naturalWidth")) > 100)
         return image.get_attribute("src")
