@@ -84,7 +84,7 @@ class Page:
 
     def reveal(self, element):
         """Open the group of a part of the form."""
-        self.driver.execute_script("const group = arguments[0].closest('.group'); if (group) group.open = true", element)
+        self.driver.execute_script("arguments[0].closest('.group')?.setAttribute('open', '')", element)
         return element
 
     def find(self, name):
@@ -155,9 +155,10 @@ def page(server, tmp_path):
     options.binary_location = CHROMIUM
     downloads = tmp_path / "downloads"
     downloads.mkdir()
-    flags = "headless=new no-sandbox disable-gpu disable-quic no-first-run disable-background-networking window-size=1280,900"
-    for flag in (*flags.split(), "disable-component-update", "disable-sync", f"user-data-dir={tmp_path / 'profile'}"):
+    flags = "headless=new no-sandbox disable-gpu disable-quic no-first-run disable-background-networking"
+    for flag in (*flags.split(), "disable-component-update", "disable-sync", "window-size=1280,900"):
         options.add_argument(f"--{flag}")
+    options.add_argument(f"--user-data-dir={tmp_path / 'profile'}")
     options.add_experimental_option("prefs", {"download.default_directory": str(downloads)})
     options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
     driver = webdriver.Chrome(options=options, service=Service(DRIVER))
@@ -730,7 +731,8 @@ def test_everything_is_done_from_the_keyboard(page):
     tab_to("tab-pressure").send_keys(Keys.ARROW_RIGHT)
     assert page.driver.switch_to.active_element.get_attribute("id") == "tab-gap"
     assert page.find("panel").get_attribute("aria-labelledby") == "tab-gap"
-    page.until(lambda: "gap of this contact" in page.find("picture").find_element(By.TAG_NAME, "img").get_attribute("alt"))
+    shown = page.find("picture").find_element(By.TAG_NAME, "img")
+    page.until(lambda: "gap of this contact" in shown.get_attribute("alt"))
     frame = tab_to("frame")
     frame.send_keys("+")
     frame.send_keys("+")
@@ -747,7 +749,7 @@ def test_everything_is_done_from_the_keyboard(page):
 def test_the_roughness_is_measured_when_it_is_opened(page):
     page.open_example().until_planned()
     assert not page.driver.find_elements(By.CSS_SELECTOR, "[data-texture]")
-    page.find("roughness").find_element(By.TAG_NAME, "summary").click()
+    page.click(page.find("roughness").find_element(By.TAG_NAME, "summary"))
     page.until(lambda: "±" in page.driver.find_element(By.CSS_SELECTOR, "[data-texture=Sq]").text)
     page.until(lambda: page.find("roughness-surfaces").find_element(By.CLASS_NAME, "pictures").size["height"] > 100)
     before = page.driver.find_element(By.CSS_SELECTOR, "[data-texture=Sq]").text
@@ -762,16 +764,16 @@ def test_a_picture_is_zoomed_by_wheel_and_buttons(page):
     image = frame.find_element(By.TAG_NAME, "img")
     page.until(lambda: image.size["height"] > 100)
     plus, minus, show_all = page.find("surface-picture").find_elements(By.TAG_NAME, "button")
-    plus.click()
+    page.click(plus)
     assert "scale(1.5)" in image.get_attribute("style")
-    minus.click()
+    page.click(minus)
     assert "scale(1)" in image.get_attribute("style")
     wheel = (
         "arguments[0].focus(); arguments[0].dispatchEvent(new WheelEvent('wheel', {deltaY: -300, cancelable: true}))"
     )
     page.driver.execute_script(wheel, frame)
     assert "scale(2.71" in image.get_attribute("style")
-    show_all.click()
+    page.click(show_all)
     assert "scale(1)" in image.get_attribute("style")
 
 
@@ -801,7 +803,7 @@ def test_solve_is_in_view_and_a_swipe_over_a_picture_scrolls_the_page(page):
         return page.driver.execute_script(top, picture)[0] - before
 
     assert swipe() > 40
-    page.find("surface-picture").find_element(By.TAG_NAME, "button").click()
+    page.click(page.find("surface-picture").find_element(By.TAG_NAME, "button"))
     assert swipe() == 0
 
 
@@ -844,9 +846,9 @@ def test_a_cycle_of_surfaces_that_attract_each_other(page):
     page.tick("ask_stiffness")
     page.until(lambda: "17 states, about" in page.text("plan"))
     page.find("solve").click()
-    page.until(lambda: page.text("numbers").startswith("Pull-off\n-1.4"))
+    page.until(lambda: page.text("numbers").lower().startswith("pull-off\n-1.4"))
     assert page.text("headline") == "A cycle of approaches"
-    assert "Energy lost" in page.text("numbers")
+    assert "energy lost" in page.text("numbers").lower()
     assert "approach from -0.3 to 0.1 µm and back" in page.text("run-subject")
     assert "exponential adhesion of 50 mJ/m², range 30 nm" in page.text("run-subject")
     assert page.text("run-subject").endswith("; with stiffness.")
@@ -876,7 +878,7 @@ def test_a_fretting_cycle(page):
     # The time is said before anything is solved.
     page.until(lambda: "20 states, about" in page.text("plan"))
     page.find("solve").click()
-    page.until(lambda: page.text("numbers").startswith("Energy lost in a cycle"))
+    page.until(lambda: page.text("numbers").lower().startswith("energy lost in a cycle"))
     assert "normal force 1 N, tangential force ±200 mN, friction 0.3" in page.text("run-subject")
     steel = rc.Elastic(210e9, 0.3)
     bodies = rc.Body(rc.SphereSurface(1e-3), steel), rc.Body(rc.FlatSurface(), steel)
@@ -927,7 +929,8 @@ def test_a_path_and_a_slider_over_its_states(page, scheme):
     page.find("solve").click()
     page.until(lambda: page.text("headline").startswith("4 states of the path; at the end:"))
     assert "4 0 2 4 N, a path, sliding 0 0.1 0.2 1 m, archard, E 210 GPa" in page.text("run-subject")
-    page.until(lambda: page.find("picture").is_displayed())
+    # The course of the numbers comes first, as a curve.
+    page.until(lambda: page.find("curves").is_displayed())
     assert not page.find("path-states").is_displayed()
     image = page.driver.find_element(By.CSS_SELECTOR, "#picture img")
 
@@ -935,7 +938,7 @@ def test_a_path_and_a_slider_over_its_states(page, scheme):
         page.until(lambda: page.driver.find_element(By.XPATH, f"//*[@id='panel-buttons']/button[.='{panel}']")).click()
 
     def until_other_than(before):
-        page.until(lambda: "pictures/" in image.get_attribute("src") and image.get_attribute("src") != before)
+        page.until(lambda: "pictures/" in (image.get_attribute("src") or "") and image.get_attribute("src") != before)
         page.until(lambda: page.find("picture").get_attribute("aria-busy") is None)
         page.until(lambda: int(image.get_attribute("naturalWidth")) > 100)
         return image.get_attribute("src")

@@ -64,7 +64,7 @@ def describe_solutions(
             "seconds": solution.seconds,
             "quantities": [_describe(name, one, next(columns[name])) for name, one in quantities.items()],
             "places": f"{place.replace('+-', '±')}." if place else "",
-            "closed_form": list_closed_form(solution, quantities),
+            "closed_form": list_closed_form(solution),
             "warnings": [end_sentence(text) for text in (*_warn_of_hardness(solution), *warnings)],
         }
         for solution, (quantities, warnings), place in zip(solutions, found, places, strict=True)

@@ -2,21 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
 import numpy as np
 from roughcontact import (
     Boundary,
     ContactSolution,
     Elastic,
     ElasticPerfectlyPlastic,
-    Estimate,
     FlatSurface,
     Rigid,
     SphereSurface,
 )
-from roughcontact.faces import write_column
 from roughcontact.reference import hertz_sphere
 
 _MATERIALS = (Elastic, ElasticPerfectlyPlastic, Rigid)
@@ -26,8 +21,8 @@ _MOST_CURVED = 0.1
 _PLAIN = {"kernel": "love", "boundary": Boundary.FREE}
 
 
-def list_closed_form(solution: ContactSolution, quantities: Mapping[str, Estimate]) -> dict[str, dict[str, Any]]:
-    """Return what Hertz's closed form says of quantities of an answer: value and text; empty where it does not hold.
+def list_closed_form(solution: ContactSolution) -> dict[str, float]:
+    """Return what Hertz's closed form says of a contact, in SI units by the names of an answer; empty where it has none.
 
     It holds for an elastic ball on a flat, without adhesion, layers and laws, whose contact lies within the domain.
 
@@ -39,21 +34,16 @@ def list_closed_form(solution: ContactSolution, quantities: Mapping[str, Estimat
     if ball is None:
         return {}
     found = hertz_sphere(solution.force, ball.radius, solution.modulus)
-    if found.semi_axes[0] > _MOST_CURVED * ball.radius:
+    radius = found.semi_axes[0]
+    if radius > _MOST_CURVED * ball.radius:
         return {}
-    values = {
+    stiffness = 2.0 * solution.modulus * radius
+    return {
         "contact area": found.area,
         "maximum pressure": found.p_max,
         "approach": found.approach,
-        "stiffness": 2.0 * solution.modulus * found.semi_axes[0],
+        "stiffness": stiffness,
     }
-    told = {}
-    for name, value in values.items():
-        if name in quantities:
-            one = quantities[name]
-            _, text = write_column([one, Estimate(value, one.uncertainty, one.unit)])
-            told[name] = {"value": value, "text": _without_uncertainty(text)}
-    return told
 
 
 def _find_ball(solution: ContactSolution) -> SphereSurface | None:
@@ -75,9 +65,3 @@ def _find_ball(solution: ContactSolution) -> SphereSurface | None:
     is_whole = np.count_nonzero(solution.pressure) == np.count_nonzero(inside)
     is_elastic = all(highest < float(np.min(body.material.pressure_limit)) for body in bodies)
     return ball if is_whole and is_elastic else None
-
-
-def _without_uncertainty(text: str) -> str:
-    """Return a text such as ``(1.5 ± 0.1) mm`` as ``1.5 mm``."""
-    value, mark, rest = text.partition(" ± ")
-    return f"{value.strip('(')} {rest.partition(' ')[2]}".strip() if mark else text

@@ -69,7 +69,9 @@ def _list_tick_boxes() -> dict[str, TickBox]:
             setting = f"ask_{name.replace('-', '_')}"
             fields = make_fields(setting, needed)
             axis = f"{setting}_axis" if any(field.name == "axis" for field in form.fields) else ""
-            found[name] = TickBox(setting, name.replace("-", " "), explain("response", name, form.summary), fields, axis)
+            found[name] = TickBox(
+                setting, name.replace("-", " "), explain("response", name, form.summary), fields, axis
+            )
     return found
 
 

@@ -50,7 +50,7 @@ _HELP = {
     "material": {
         "foam": "An open-cell foam, by the density of its cells: soft at first, then they collapse.",
         "plastic": "A metal that flows below its surface where the stress reaches its yield stress.",
-        "transversely-isotropic": "Stiff in another way down than along the surface, such as wood or a hexagonal crystal.",
+        "transversely-isotropic": "Not as stiff downwards as along the surface: wood, a hexagonal crystal.",
         "linear-hardening": "The yield stress grows in proportion to the plastic strain.",
         "ludwik-hardening": "The yield stress grows by a power of the plastic strain.",
         "swift-hardening": "The yield stress is a power of the plastic strain and one from before.",

@@ -61,7 +61,7 @@ function tile({ name, text, value, uncertainty }, answer) {
   const fraction = name === "contact area" && quantity(answer, "contact area fraction");
   // Of a ball the domain is chosen at will.
   if (fraction && !known) made.append(element("dd", `${percent(fraction.value)} of nominal`, { class: "help" }));
-  if (known) made.append(element("dd", `Hertz ${known.text}${compare(value, known.value)}`, { class: "help" }));
+  if (known) made.append(element("dd", `Hertz ${write(known, number, value)}${compare(value, known)}`, { class: "help" }));
   return made;
 }
 
@@ -72,6 +72,13 @@ function separate(text) {
 }
 
 const percent = (part) => `${100 * part < 0.001 && part ? "below 0.001" : Number((100 * part).toPrecision(part < 0.1 ? 2 : 3))} %`;
+
+// A number in SI units in the unit and with the decimals of a text of another one.
+function write(known, text, value) {
+  const [, number, decimals = "", unit] = text.match(/^(-?\d+(?:\.(\d+))?)( .*)$/) || [];
+  if (!unit) return known.toPrecision(6);
+  return `${(known * 10 ** Math.round(Math.log10(number / value))).toFixed(decimals.length)}${unit}`;
+}
 
 function compare(value, known) {
   const part = value / known - 1;

@@ -3,6 +3,7 @@
 import { GIVEN, quantity, split } from "./answer.js";
 import { byId, element, say } from "./page.js";
 import { fill } from "./fields.js";
+import { darkness } from "./settings.js";
 import { isPath } from "./words.js";
 
 // Over a greater range than this the axes are logarithmic.
@@ -22,6 +23,8 @@ export class Curves {
     this.frame.addEventListener("keydown", (event) => this.step(event));
     place.append(field, this.frame, element("p", "", { id: "curve-point", role: "status", class: "shown" }));
     new ResizeObserver(() => this.fit()).observe(place);
+    // Its colours are those of the page.
+    darkness.addEventListener("change", () => { if (!place.hidden) this.draw(); });
   }
 
   hide() {
@@ -59,9 +62,8 @@ export class Curves {
     const up = this.column(this.select.value);
     Object.assign(this, { across, up, at: -1 });
     this.chart?.destroy();
-    this.chart = new uPlot(this.options(), [
-      across.values, up.values, up.values.map((value, index) => value + up.errors[index]), up.values.map((value, index) => value - up.errors[index]),
-    ], this.frame);
+    const ends = [1, -1].map((sign) => up.values.map((value, index) => value + sign * up.errors[index]));
+    this.chart = new uPlot(this.options(), [across.values, ...ends, up.values], this.frame);
     say("curve-point", "");
   }
 
@@ -70,15 +72,17 @@ export class Curves {
       label, stroke: color("--ink"), grid: { stroke: color("--faint"), width: 1 }, ticks: { stroke: color("--faint"), width: 1 },
       font: "13px system-ui", labelFont: "13px system-ui", size: label === this.up.title ? 70 : 44, values: (_, marks) => marks.map((mark) => (mark === null ? "" : String(Number(mark.toPrecision(6))))),
     });
-    const isWide = (values) => Math.min(...values) > 0 && Math.max(...values) > WIDE * Math.min(...values);
-    const scale = (values) => ({ time: false, distr: isWide(values) ? 3 : 1 });
+    const [least, most] = [Math.min, Math.max].map((end) => end(...this.across.values));
+    const isWide = least > 0 && most > WIDE * least && this.up.values.every((value, index) => value > this.up.errors[index]);
+    const scale = { time: false, distr: isWide ? 3 : 1 };
     const [accent, faint] = [color("--accent"), color("--faint")];
+    const end = { stroke: faint, width: 1, points: { show: false } };
     return {
-      width: this.place.clientWidth, height: HEIGHT, legend: { show: false }, scales: { x: scale(this.across.values), y: scale(this.up.values) },
+      width: this.place.clientWidth, height: HEIGHT, legend: { show: false }, scales: { x: scale, y: { ...scale } },
       cursor: { drag: { setScale: false, x: false, y: false }, points: { size: 11, fill: accent } },
       axes: [axis(this.across.title), axis(this.up.title)],
-      bands: [{ series: [2, 3], fill: faint }],
-      series: [{}, { stroke: accent, width: 2, points: { show: true, size: 8, fill: accent } }, ...Array.from({ length: 2 }, () => ({ stroke: faint, width: 1, points: { show: false } }))],
+      bands: [{ series: [1, 2], fill: faint }],
+      series: [{}, end, end, { stroke: accent, width: 2, points: { show: true, size: 8, fill: accent } }],
       hooks: { setCursor: [({ cursor: { idx } }) => { if (idx !== null && idx !== undefined) this.tell(idx); }] },
     };
   }
