@@ -37,7 +37,7 @@ HOST = "127.0.0.1"
 _LONGEST_BODY = 1 << 16
 _SILENCE = 30.0
 _BLOCK = 1 << 18
-# Seconds after which a page that waits for another phase of a run is told how far it has come.
+# Seconds after which a page that waits for another phase of a run has an answer anyway.
 _LOOK = 0.5
 # Characters of the name of a page.
 _LONGEST_NAME = 40
@@ -142,7 +142,7 @@ class AppServer:
 
     def serve_forever(self) -> None:
         """Wait until `shutdown`, or an exception in this thread such as that of Ctrl-C."""
-        # Windows tells of signals only between two waits.
+        # On Windows a signal comes only between two waits.
         while not self._ended.wait(0.5):
             pass
 
