@@ -7,7 +7,7 @@ input            `build_problem`, `build_part`, `build_layer`, `build_response`;
                  `describe_response`, `ResponseForm`; a part in a line, `summarize`, and its fields, `list_fields`,
                  `PartField`, and the parts that one may hold, `find_parts`; typical materials by name, `TYPICAL`
 the machine      `available_threads`, `limit_address_space`
-a run            `prepare_path`, `run_sweep`, `ask_states`
+a run            `explain_loads`, `prepare_path`, `run_sweep`, `ask_states`
 words            `name_load`, `list_quantities`, `describe_other_places`, `gather_warnings`, `exceeds_metals`,
                  `list_answer_warnings`
 tables, reports  `tabulate_answers`, `write_column`, `write_report`
@@ -18,7 +18,7 @@ from roughcontact._base.machine import available_threads, limit_address_space
 from roughcontact._base.registry import PartField, list_fields, summarize
 from roughcontact._base.units import write_column
 from roughcontact._parts.materials import TYPICAL
-from roughcontact._solve.problem import prepare_path, run_sweep
+from roughcontact._solve.problem import explain_loads, prepare_path, run_sweep
 from roughcontact._solve.solution import (
     describe_other_places,
     exceeds_metals,
@@ -53,6 +53,7 @@ __all__ = [
     "describe_other_places",
     "describe_response",
     "exceeds_metals",
+    "explain_loads",
     "find_parts",
     "gather_warnings",
     "limit_address_space",

@@ -302,7 +302,7 @@ SKIPPED |= {
 # Functions for commands and pages, which pass what they have made; one limits the memory of this process.
 SKIPPED |= {"si", "binary", "write_column", "available_memory", "available_threads", "limit_address_space"}
 SKIPPED |= {"require_memory_of_solve", "run_sweep", "name_load", "list_quantities", "gather_warnings", "exceeds_metals"}
-SKIPPED |= {"describe_other_places", "prepare_path", "summarize"}
+SKIPPED |= {"describe_other_places", "explain_loads", "prepare_path", "summarize"}
 SKIPPED |= {
     "describe_response",
     "find_parts",

@@ -31,8 +31,9 @@ ELSEWHERE = {
         "write_field",
     ): "an unfinished file of which each process writes its rows, renamed when it is complete",
     ("files.py", "_replace"): "a complete store, which is renamed",
-    ("uploads.py", "_copy"): "an unfinished file, renamed when it is complete",
+    ("uploads.py", "begin"): "an unfinished file, renamed when it is complete",
     ("output.py", "write_results"): "draws in memory first",
+    ("ready.py", "_draw_nothing"): "draws in memory",
     ("inputs.py", "_damaged"): "writes to a temporary folder",
     ("__main__.py", "_prepare_streams"): "throws away what a closed stream would print",
 }

@@ -357,6 +357,29 @@ def test_a_large_file_may_come_slowly(client, server, monkeypatch):
     assert received > 1 << 24
 
 
+def test_a_client_that_does_not_read_is_sent_away(client, server, monkeypatch):
+    monkeypatch.setattr("roughcontact_app.server._SILENCE", 0.3)
+    monkeypatch.setitem(server.pages, "large.css", bytes(1 << 25))
+    with connect(client) as connection:
+        connection.sendall(f"GET /{client.token}/large.css HTTP/1.1\r\nHost: 127.0.0.1:{client.port}\r\n\r\n".encode())
+        wait_until(lambda: server.connections._admitted)
+        wait_until(lambda: not server.connections._admitted)
+        received = 0
+        with contextlib.suppress(ConnectionError):
+            while block := connection.recv(1 << 20):
+                received += len(block)
+    assert received < 1 << 25
+
+
+@pytest.mark.parametrize("path", ["", "api/start"])
+def test_a_connection_has_one_request(client, path):
+    one = f"GET /{client.token}/{path} HTTP/1.1\r\nHost: 127.0.0.1:{client.port}\r\n\r\n".encode()
+    assert talk(client.port, one * 3).count(b"HTTP/1.1 ") == 1
+    # Nor is it one of another kind.
+    upgraded = one[:-2] + b"Connection: Upgrade\r\nUpgrade: websocket\r\nX-Forwarded-For: 1.2.3.4\r\n\r\n"
+    assert talk(client.port, upgraded).startswith(b"HTTP/1.1 200 ")
+
+
 def connect(client):
     return socket.create_connection(("127.0.0.1", client.port), timeout=PATIENCE)
 
@@ -1301,7 +1324,7 @@ def test_a_page_waits_for_the_next_phase_of_a_run(client):
     run = client.post("api/runs", LONG)
     try:
         solving = client.wait(run["id"], ("solving",))
-        # It is told in a moment how far the run has come, and at once when that ends.
+        # It learns in a moment how far the run has come, and at once when that ends.
         later = json.loads(client.get(f"runs/{run['id']}?after={solving['version']}"))
         assert (later["phase"], later["version"]) == ("solving", solving["version"])
         for unknown in ("", "x", "-1", "9" * 40, "999"):

@@ -56,6 +56,8 @@ class GuardedProtocol(H11Protocol):
     The application finds the connection as ``transport`` in the state of a request.
     """
 
+    app_state: dict[str, Any]
+
     def connection_made(self, transport: Any) -> None:
         """Take a connection as a stranger."""
         super().connection_made(transport)

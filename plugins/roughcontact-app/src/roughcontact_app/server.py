@@ -6,7 +6,6 @@ import asyncio
 import contextlib
 import hmac
 import html
-import http
 import json
 import re
 import socket
@@ -19,6 +18,7 @@ from typing import Any
 import uvicorn
 from roughcontact.errors import RoughContactError
 from roughcontact.errors.door import translated
+from starlette.datastructures import MutableHeaders
 from starlette.exceptions import HTTPException
 from starlette.requests import ClientDisconnect, Request
 from starlette.responses import JSONResponse, Response
@@ -37,12 +37,11 @@ HOST = "127.0.0.1"
 _LONGEST_BODY = 1 << 16
 _SILENCE = 30.0
 _BLOCK = 1 << 18
-# Seconds after which a page that waits for another phase of a run is told how far it has come.
+# Seconds after which a page that waits for another phase of a run has an answer anyway.
 _LOOK = 0.5
 # Characters of the name of a page.
 _LONGEST_NAME = 40
-# Bytes, seconds, and seconds without a byte, of a refused request that are read so that the client sees the answer.
-_DRAINED = 1 << 20
+# Seconds, and seconds without a byte, for which a refused request is read so that the client sees the answer.
 _DRAINING = 2.0
 _DRAINED_SILENCE = 0.5
 _TYPES = {
@@ -143,7 +142,7 @@ class AppServer:
 
     def serve_forever(self) -> None:
         """Wait until `shutdown`, or an exception in this thread such as that of Ctrl-C."""
-        # Windows tells of signals only between two waits.
+        # On Windows a signal comes only between two waits.
         while not self._ended.wait(0.5):
             pass
 
@@ -169,29 +168,27 @@ class _Application:
         self.connections = connections.Connections()
         folder = resources.files("roughcontact_app") / "static"
         self.pages = {entry.name: entry.read_bytes() for entry in folder.iterdir() if entry.is_file()}
-        # What waits for a process holds up nobody else.
+        # What waits for a process or a disk holds up nobody else.
         self._threads = ThreadPoolExecutor(connections.LIMIT, thread_name_prefix="request")
-        actions = {
-            "surface": session.show_surface,
-            "roughness": session.describe_roughness,
-            "plan": session.plan,
-            "state": session.draw_state,
-            "runs": session.start,
-        }
+        jobs = session.jobs
         gets = {
-            "/": self._get_page,
-            "/api/start": self._get_start,
-            "/api/runs": self._get_runs,
-            "/pictures/{name}": self._get_picture,
-            "/runs/{run}": self._get_run,
+            "/api/start": self._json(session.describe, _name_page),
+            "/api/runs": self._json(lambda: {"runs": jobs.list_names()}),
+            "/runs/{run}": self._json(self._describe_run, self._find_job, _read_version),
             "/runs/{run}/{name}": self._get_file,
+            "/pictures/{name}": self._get_picture,
             "/{name}": self._get_page,
+            "/": self._get_page,
         }
         posts = {
-            **{f"/api/{name}": self._make_post(action) for name, action in actions.items()},
+            "/api/surface": self._json(session.show_surface, _read_json, _name_page),
+            "/api/roughness": self._json(session.describe_roughness, _read_json, _name_page),
+            "/api/plan": self._json(session.plan, _read_json, _name_page),
+            "/api/state": self._json(session.draw_state, _read_json, _name_page),
+            "/api/runs": self._json(session.start, _read_json, _name_page),
+            "/api/file": self._json(session.find_upload, _read_json, _name_page, _name_body),
+            "/api/cancel/{run}": self._json(self._cancel, self._find_job, _read_json),
             "/api/upload": self._post_upload,
-            "/api/file": self._post_file,
-            "/api/cancel/{run}": self._post_cancel,
         }
         routes = [Route(path, serve, methods=["GET"]) for path, serve in gets.items()]
         routes += [Route(path, serve, methods=["POST"]) for path, serve in posts.items()]
@@ -204,13 +201,18 @@ class _Application:
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer a request, in the interface ASGI."""
         transport = scope["state"]["transport"]
+        request = Request(scope, receive)
         try:
             try:
-                # Starlette raises what it refuses where it finds an application.
-                below = {**scope, "path": f"/{self._admit(Request(scope), transport)}", "app": self}
+                # Where it finds an application, Starlette raises what it refuses.
+                below = {**scope, "path": f"/{self._admit(request, transport)}", "app": self}
                 await self._router(below, _receive_in_time(receive), _send_in_time(send))
+            except (ClientDisconnect, ConnectionError):
+                pass
             except Exception as error:
-                await self._refuse(Request(scope, receive), send, _explain(error))
+                # A client that still sends gets the answer only if what it sends is read.
+                in_time = _send_in_time(send, lambda: _drain(receive))
+                await _refuse(request, _explain(error))(scope, receive, in_time)
         except TimeoutError:
             # The client does not read the answer.
             transport.abort()
@@ -219,93 +221,64 @@ class _Application:
         """Return the path below the token, or raise `Refusal`."""
         host = request.headers.get("Host", "").lower()
         if host not in self._hosts:
-            raise Refusal(http.HTTPStatus.FORBIDDEN, f"Open the page as {HOST}: this server has no other name.")
+            raise Refusal(403, f"Open the page as {HOST}: this server has no other name.")
         token, slash, rest = request.scope["path"].removeprefix("/").partition("/")
         if not hmac.compare_digest(token.encode("utf-8", "replace"), self._session.token.encode()):
             raise Refusal(
-                http.HTTPStatus.FORBIDDEN,
+                403,
                 "This link is not of the run of 'roughcontact app' that serves here: open the address that it has "
                 "printed. There, 'Restore from a link' takes the settings of an old link.",
             )
         if not self.connections.admit(transport):
-            raise Refusal(http.HTTPStatus.SERVICE_UNAVAILABLE, "There are too many requests at once: try it again.")
+            raise Refusal(503, "There are too many requests at once: try it again.")
         if request.method not in ("GET", "POST"):
-            raise Refusal(http.HTTPStatus.NOT_IMPLEMENTED, "The page sends no such request.")
+            raise Refusal(501, "The page sends no such request.")
         if not slash:
-            sentence = "The address of the page ends with a slash."
-            raise Refusal(http.HTTPStatus.FOUND, sentence, location=f"/{token}/")
+            raise Refusal(302, "The address of the page ends with a slash.", location=f"/{token}/")
         if request.method == "POST" and request.headers.getlist("Origin") != [f"http://{host}"]:
-            raise Refusal(http.HTTPStatus.FORBIDDEN, "Only the page of this server may send this.")
+            raise Refusal(403, "Only the page of this server may send this.")
         return str(rest)
 
-    async def _refuse(self, request: Request, send: Send, refusal: Refusal | None) -> None:
-        if refusal is None:
-            return
-        extra = {"Location": refusal.location} if refusal.location else {}
-        response: Response
-        # A person's browser asks for a page, the scripts of this page for JSON.
-        if request.method == "GET" and "text/html" in request.headers.get("Accept", ""):
-            page = _PAGE.format(html.escape(str(refusal)))
-            response = Response(page, refusal.status, extra, media_type=_TYPES["html"])
-        else:
-            response = JSONResponse({"error": str(refusal), "setting": refusal.setting}, refusal.status, extra)
-
-        async def wait_for_client() -> None:
-            # A client that still sends gets the answer only if what it sends is read.
-            with contextlib.suppress(TimeoutError):
-                async with asyncio.timeout(_DRAINING):
-                    await _drain(request.receive)
-
-        await response(request.scope, request.receive, _send_in_time(send, wait_for_client))
-
     async def _do(self, act: Callable[..., Any], *values: Any) -> Any:
-        """Return what a function returns that may wait for a process or a disk."""
         return await asyncio.get_running_loop().run_in_executor(self._threads, act, *values)
+
+    def _json(self, act: Callable[..., Any], *parts: Callable[[Request], Any]) -> Callable[[Request], Any]:
+        """Return what answers a request by what a function returns of some parts of it."""
+
+        async def answer(request: Request) -> Response:
+            return JSONResponse(await self._do(act, *[await part(request) for part in parts]))
+
+        return answer
+
+    def _describe_run(self, job: Job, version: int | None) -> dict[str, Any]:
+        if version is not None:
+            job.wait_past(version, _LOOK)
+        return self._session.jobs.describe(job)
+
+    def _cancel(self, job: Job, _: object) -> dict[str, Any]:
+        self._session.jobs.cancel(job)
+        return self._session.jobs.describe(job)
+
+    async def _find_job(self, request: Request) -> Job:
+        job = self._session.jobs.find(request.path_params["run"])
+        if job is None:
+            raise Refusal(404, "This run is not known here any more: solve again.")
+        return job
 
     async def _get_page(self, request: Request) -> Response:
         name = request.path_params.get("name", "index.html")
-        if name not in self.pages:
-            raise Refusal(http.HTTPStatus.NOT_FOUND, _NOT_FOUND)
-        return _file_response(self.pages[name], name)
-
-    async def _get_start(self, request: Request) -> Response:
-        return JSONResponse(await self._do(self._session.describe, _name_of_page(request)))
-
-    async def _get_runs(self, request: Request) -> Response:
-        return JSONResponse({"runs": self._session.jobs.list_names()})
+        return _send_file(self.pages.get(name), name)
 
     async def _get_picture(self, request: Request) -> Response:
-        picture = self._session.picture(request.path_params["name"])
-        if picture is None:
-            raise Refusal(http.HTTPStatus.NOT_FOUND, _NOT_FOUND)
-        return _file_response(picture, "picture.png")
-
-    async def _get_run(self, request: Request) -> Response:
-        job = self._find(request)
-        known = request.query_params.get("after", "")
-        if _NUMBER.fullmatch(known):
-            await self._do(job.wait_past, int(known), _LOOK)
-        return JSONResponse(self._session.jobs.describe(job))
+        return _send_file(self._session.picture(request.path_params["name"]), "picture.png")
 
     async def _get_file(self, request: Request) -> Response:
-        job = self._find(request)
+        job = await self._find_job(request)
         name = request.path_params["name"]
         if not job.offers(name):
-            raise Refusal(http.HTTPStatus.NOT_FOUND, "This run has no such file.")
+            raise Refusal(404, "This run has no such file.")
         file = await self._do(self._session.jobs.write_file, job, name)
-        return _file_response(await self._do(file.read_bytes), name)
-
-    def _find(self, request: Request) -> Job:
-        job = self._session.jobs.find(request.path_params["run"])
-        if job is None:
-            raise Refusal(http.HTTPStatus.NOT_FOUND, "This run is not known here any more: solve again.")
-        return job
-
-    def _make_post(self, action: Callable[[object, str], Any]) -> Callable[[Request], Any]:
-        async def post(request: Request) -> Response:
-            return JSONResponse(await self._do(action, await _read_json(request), _name_of_page(request)))
-
-        return post
+        return _send_file(await self._do(file.read_bytes), name)
 
     async def _post_upload(self, request: Request) -> Response:
         size = _read_length(request)
@@ -313,79 +286,79 @@ class _Application:
         try:
             uploads.require_size(size)
         except RoughContactError as error:
-            raise Refusal(http.HTTPStatus.REQUEST_ENTITY_TOO_LARGE, str(error)) from None
+            raise Refusal(413, str(error)) from None
         with uploads.begin(size, request.query_params.get("name", "")) as partial:
             async for block in request.stream():
                 await self._do(partial.write, block)
-            return JSONResponse(
-                await self._do(self._session.upload, partial, _name_of_page(request), _name_of_body(request))
-            )
-
-    async def _post_file(self, request: Request) -> Response:
-        digest = str(await _read_json(request))
-        return JSONResponse(
-            await self._do(self._session.find_upload, digest, _name_of_page(request), _name_of_body(request))
-        )
-
-    async def _post_cancel(self, request: Request) -> Response:
-        job = self._find(request)
-        await _read_json(request)
-        await self._do(self._session.jobs.cancel, job)
-        return JSONResponse(self._session.jobs.describe(job))
+            names = await _name_page(request), await _name_body(request)
+            return JSONResponse(await self._do(self._session.upload, partial, *names))
 
 
-def _explain(error: Exception) -> Refusal | None:
-    """Return the refusal that an error of a request is; None where nobody waits for it."""
+def _explain(error: Exception) -> Refusal:
+    """Return the refusal that an error of a request is."""
     if isinstance(error, Refusal):
         return error
     if isinstance(error, HTTPException):
-        return Refusal(http.HTTPStatus.NOT_FOUND, _NOT_FOUND)
+        return Refusal(404, _NOT_FOUND)
     if isinstance(error, (TaskEnded, RoughContactError)):
-        return Refusal(http.HTTPStatus.UNPROCESSABLE_ENTITY, str(error), getattr(error, "setting", ""))
+        return Refusal(422, str(error), getattr(error, "setting", ""))
     if isinstance(error, TimeoutError):
-        return Refusal(http.HTTPStatus.REQUEST_TIMEOUT, "The request came too slowly.")
-    if isinstance(error, (ClientDisconnect, ConnectionError)):
-        return None
-    return Refusal(http.HTTPStatus.INTERNAL_SERVER_ERROR, str(translated(error, "The page")))
+        return Refusal(408, "The request came too slowly.")
+    return Refusal(500, str(translated(error, "The page")))
 
 
-def _name_of_page(request: Request) -> str:
+def _refuse(request: Request, refusal: Refusal) -> Response:
+    extra = {"Location": refusal.location} if refusal.location else {}
+    # A person's browser asks for a page, the scripts of this page for JSON.
+    if request.method == "GET" and "text/html" in request.headers.get("Accept", ""):
+        return Response(_PAGE.format(html.escape(str(refusal))), refusal.status, extra, _TYPES["html"])
+    return JSONResponse({"error": str(refusal), "setting": refusal.setting}, refusal.status, extra)
+
+
+async def _name_page(request: Request) -> str:
     """Return the name that a page has given itself; empty if it has none."""
     return str(request.headers.get("X-Page", "")[:_LONGEST_NAME])
 
 
-def _name_of_body(request: Request) -> str:
+async def _name_body(request: Request) -> str:
     """Return the beginning of the settings of the body that a file is for."""
     named = str(request.query_params.get("body", ""))
     return named if named in PREFIXES else ""
 
 
+async def _read_version(request: Request) -> int | None:
+    known = request.query_params.get("after", "")
+    return int(known) if _NUMBER.fullmatch(known) else None
+
+
 def _read_length(request: Request) -> int:
     length = request.headers.get("Content-Length", "")
     if not _NUMBER.fullmatch(length) or "Transfer-Encoding" in request.headers:
-        raise Refusal(http.HTTPStatus.LENGTH_REQUIRED, "The request must state its length.")
+        raise Refusal(411, "The request must state its length.")
     return int(length)
 
 
 async def _read_json(request: Request) -> Any:
     if _read_length(request) > _LONGEST_BODY:
-        raise Refusal(http.HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"Settings have at most {_LONGEST_BODY} bytes.")
+        raise Refusal(413, f"Settings have at most {_LONGEST_BODY} bytes.")
     body = await request.body()
     try:
         return json.loads(body.decode())
     except (ValueError, RecursionError):
-        raise Refusal(http.HTTPStatus.BAD_REQUEST, "The settings are not JSON.") from None
+        raise Refusal(400, "The settings are not JSON.") from None
 
 
-def _file_response(content: bytes, name: str) -> Response:
+def _send_file(content: bytes | None, name: str) -> Response:
+    if content is None:
+        raise Refusal(404, _NOT_FOUND)
     ending = name.rpartition(".")[2]
-    extra = {"Content-Security-Policy": _REPORT_POLICY} if name == "report.html" else {}
+    extra = {"Content-Type": _TYPES[ending]}
+    if name == "report.html":
+        extra["Content-Security-Policy"] = _REPORT_POLICY
     if ending in ("csv", "gif", "npz"):
         # The page's link names the file.
-        extra = {"Content-Disposition": "attachment"}
-    response = Response(content, headers=extra)
-    response.headers["Content-Type"] = _TYPES[ending]
-    return response
+        extra["Content-Disposition"] = "attachment"
+    return Response(content, headers=extra)
 
 
 def _receive_in_time(receive: Receive) -> Receive:
@@ -409,27 +382,26 @@ def _send_in_time(send: Send, before_end: Callable[[], Any] | None = None) -> Se
 
     async def send_in_time(message: Message) -> None:
         if message["type"] == "http.response.start":
-            own = [(name.lower().encode(), value.encode()) for name, value in _HEADERS.items()]
-            given = {name for name, _ in message["headers"]}
-            headers = [*message["headers"], *(one for one in own if one[0] not in given)]
-            await send_block({**message, "headers": headers})
+            headers = MutableHeaders(scope=message)
+            for name, value in _HEADERS.items():
+                headers.setdefault(name, value)
+            await send_block(message)
             return
-        body = message.get("body", b"")
+        body = message["body"]
         for start in range(0, len(body), _BLOCK):
             await send_block({**message, "body": body[start : start + _BLOCK], "more_body": True})
-        if not message.get("more_body", False):
-            if before_end is not None:
-                await before_end()
-            await send_block({"type": "http.response.body", "body": b"", "more_body": False})
+        if before_end is not None:
+            await before_end()
+        await send_block({**message, "body": b""})
 
     return send_in_time
 
 
 async def _drain(receive: Receive) -> None:
-    left = _DRAINED
-    more = True
-    while more and left > 0:
-        async with asyncio.timeout(_DRAINED_SILENCE):
-            message = await receive()
-        left -= len(message.get("body", b""))
-        more = message.get("more_body", False)
+    """Read what a client still sends, for a while."""
+    with contextlib.suppress(TimeoutError):
+        async with asyncio.timeout(_DRAINING):
+            more = True
+            while more:
+                async with asyncio.timeout(_DRAINED_SILENCE):
+                    more = (await receive()).get("more_body", False)

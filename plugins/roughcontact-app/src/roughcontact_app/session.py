@@ -76,9 +76,9 @@ class Session:
         """Return digest, name and facts of a file that a page has sent for one of its bodies."""
         return self._inspect(self.uploads.finish(partial), page, body)
 
-    def find_upload(self, digest: str, page: str, body: str = "") -> dict[str, Any]:
+    def find_upload(self, digest: object, page: str, body: str = "") -> dict[str, Any]:
         """Return whether a file is still here, with its name and facts."""
-        file = self.uploads.find(digest)
+        file = self.uploads.find(str(digest))
         return {"here": False} if file is None else {"here": True, **self._inspect(file, page, body)}
 
     def _inspect(self, file: StoredFile, page: str, body: str) -> dict[str, Any]:

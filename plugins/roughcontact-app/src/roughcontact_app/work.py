@@ -6,7 +6,6 @@ import contextlib
 import functools
 import hashlib
 import json
-import os
 import pickle
 import time
 from collections.abc import Callable
@@ -17,10 +16,10 @@ import attrs
 import numpy as np
 from roughcontact import ContactProblem, ContactSolution, CoupledProcess, FrictionalPath, ProjectedConjugateGradient
 from roughcontact.errors import InputError, RoughContactError
-from roughcontact.faces import prepare_path, run_sweep
+from roughcontact.faces import explain_loads, prepare_path, run_sweep
 from roughcontact.plotting import panels
 from roughcontact.results import AdhesionCycle, Increment, LoadPath, Sweep
-from roughcontact.typing import Array, Load, binary, pair_constants, si
+from roughcontact.typing import Array, Load, binary, pair_constants, replacing, si
 
 from roughcontact_app.answers import (
     describe_cycle,
@@ -172,13 +171,16 @@ def _cached_scene(key: str, sources: Sources) -> Scene:
     made = make_scene(read_settings(json.loads(key)), *sources.uploads)
     if time.perf_counter() - started > _WORTH_SHARING:
         # Where the disk is full, each process makes its own.
-        with contextlib.suppress(OSError):
-            unfinished = shared.with_suffix(f".{os.getpid()}")
-            unfinished.write_bytes(pickle.dumps(made, pickle.HIGHEST_PROTOCOL))
-            unfinished.replace(shared)
+        with contextlib.suppress(OSError, RoughContactError):
+            _keep(made, shared)
             for old in sorted(shared.parent.glob("*.pickle"), key=lambda one: one.stat().st_mtime)[:-_SHARED]:
                 old.unlink(missing_ok=True)
     return made
+
+
+def _keep(made: object, path: Path) -> None:
+    with replacing(path, flush=False) as unfinished, unfinished.open("wb") as file:
+        pickle.dump(made, file, pickle.HIGHEST_PROTOCOL)
 
 
 def _scene(settings: Settings, sources: Sources) -> Scene:
@@ -225,13 +227,15 @@ def _plan(settings: Settings, sources: Sources, calibration: float) -> dict[str,
     asked_responses(settings)
     plan = problem.plan
     together = _has_coupled(problem)
+    # How much that is, the plan says in words at the largest load.
+    beside = ", without what the material adds below the surface" if together else ""
     return {
         "loads": [str(load) for load in loads],
         "solves": _count_solves(settings, problem, loads),
         "seconds": (1.0 if together else calibration) * _estimate_seconds(settings, problem, loads),
-        "memory": f"{binary(plan.memory_at(0.0))} at light contact, at most {binary(plan.memory)}",
+        "memory": f"{binary(plan.memory_at(0.0))} at light contact, at most {binary(plan.memory)}{beside}",
         "basis": _TOGETHER if together else _BASIS if calibration == 1.0 else _CORRECTED,
-        "text": str(problem.explain(**max(loads, key=lambda load: load.value).arguments)),
+        "text": explain_loads(problem, loads),
         "warnings": [end_sentence(text) for text in plan.warnings],
     }
 
@@ -294,9 +298,13 @@ def _solve(settings: Settings, sources: Sources, folder: Path, send: Send) -> di
     except RoughContactError as error:
         notes.append(in_words_of_page(error))
     _HELD[str(folder)] = outputs
-    # What holds a part of a plug-in that cannot be saved is there until this process has another run.
-    with contextlib.suppress(pickle.PicklingError, AttributeError, TypeError), (folder / _SAVED).open("wb") as file:
-        pickle.dump(outputs, file, pickle.HIGHEST_PROTOCOL)
+    try:
+        _keep(outputs, folder / _SAVED)
+    except RoughContactError as error:
+        notes.append(in_words_of_page(error))
+    except (pickle.PicklingError, AttributeError, TypeError):
+        # A part of a plug-in cannot be kept: its files are there until this process has another run.
+        pass
     return {"notes": notes}
 
 

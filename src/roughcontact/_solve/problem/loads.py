@@ -58,7 +58,23 @@ def sweep_loads(problem: Scene, solve: Solve, loads: tuple[Load, ...]) -> Sweep:
 
 
 def explain_loads(problem: Scene, loads: Sequence[Load]) -> str:
-    """Return the plan of a problem at the largest of some loads, which may be none, in words."""
+    """Return the plan of a problem at the largest of some loads, in words.
+
+    Parameters
+    ----------
+    problem
+        A `ContactProblem`.
+    loads
+        Its loads, all of a kind; none: the plan of an unknown load.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> ball = rc.Body(rc.SphereSurface(1e-3), rc.Elastic(210e9, 0.3))
+    >>> problem = rc.ContactProblem(ball, grid=rc.Grid((32, 32), 100e-6))
+    >>> explain_loads(problem, [problem.require_load(force=1.0)]) == problem.explain(force=1.0)
+    True
+    """
     largest = max(loads, key=lambda load: load.value, default=None)
     return problem.explain() if largest is None else problem.explain(**largest.arguments)
 
