@@ -272,6 +272,7 @@ SKIPPED |= {
     "reference.Texture",
     "reference.FullContactEnergies",
     "InterfaceLaw.plot",
+    "FilmLaw.plot",
 }
 SKIPPED |= {
     f"{name}.plot" for name in ("WavySurface", "SelfAffineSurface", "HeightMap", "SurfaceSum", "PlacedMap", "Sweep")
