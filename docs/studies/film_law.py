@@ -1,6 +1,7 @@
 """Whether the uncertainties of a film law hold: by the grid beside finer cells, and by place beside other seeds.
 
-python docs/studies/doc_tables.py film-law-grid film-law-places writes the tables of docs/use/film_laws.md.
+python docs/studies/doc_tables.py film-law-grid film-law-places writes the tables of docs/use/film_laws.md;
+python docs/studies/film_law.py figure draws docs/figures/film_law.png.
 
 By the grid: maps of `benchmarks/edged_classes.py` on 64 to 96 cells, against cells a quarter as long at the same
 separations in metres. By place: surfaces of one spectrum, each with the scatter that it states, beside the others.
@@ -15,8 +16,10 @@ from pathlib import Path
 
 import numpy as np
 from doc_tables import DocTable, write_tables
+from matplotlib.figure import Figure
 
 import roughcontact as rc
+from roughcontact.plotting import style
 from roughcontact.typing import Array
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
@@ -34,6 +37,7 @@ SIDE = 1e-3  # m
 ROUNDING = 1e-12
 MACHINED = ("honed", "wear scar")
 STEEL = rc.Elastic(young=210e9, poisson=0.3)
+FIGURES = Path(__file__).parent.parent / "figures"
 COLUMNS = {
     "asperity_pressure": ("asperity_pressure",),
     "area": ("area",),
@@ -153,5 +157,27 @@ def make_places(first: int = FIRST_SEED) -> list[list[str]]:
 
 TABLES = {"film-law-grid": DocTable(make_grid, seconds=80), "film-law-places": DocTable(make_places, seconds=75)}
 
+
+@style()
+def draw(folder: Path = FIGURES, cells: int = 256) -> None:
+    """Draw the law of a rough surface, that of the page on a finer grid."""
+    surface = rc.SelfAffineSurface(hurst=0.8, rms_height=1e-6, shortest=62.5e-6, longest=SIDE, rolloff=SIDE / 8, seed=1)
+    problem = rc.ContactProblem(rc.Body(surface, STEEL), grid=rc.Grid((cells, cells), SIDE), boundary="periodic")
+    law = rc.film_law(problem, [0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0, 2.25, 2.5, 3.0, 3.5, 4.0, 5.0, 6.0])
+    figure = Figure(figsize=(12, 3.8), layout="constrained")
+    pressure, shear, load = figure.subplots(1, 3)
+    for axes, names in ((pressure, ("phi_xx", "phi_yy")), (shear, ("phi_s_xx", "phi_s_yy"))):
+        for name in names:
+            law.plot(name, axes)
+    pressure.set_ylabel("pressure flow factors")
+    shear.set_ylabel("shear flow factors")
+    law.plot("asperity_pressure", load)
+    folder.mkdir(parents=True, exist_ok=True)
+    figure.savefig(folder / "film_law.png", dpi=120)
+
+
 if __name__ == "__main__":
-    write_tables(TABLES)
+    if sys.argv[1:] == ["figure"]:
+        draw()
+    else:
+        write_tables(TABLES)

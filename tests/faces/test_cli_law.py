@@ -44,13 +44,16 @@ def read_table(path):
 class TestFilm:
     def test_rows_and_files_are_those_of_the_api(self, run):
         call = ["film", "map.npz", *STEEL, "--separation", "1..1.6", "4", "--no-sampling", "--csv"]
-        _, output, _ = run(*call, "--comsol", "film.txt", "--units", "mm", "-o", "film.csv", "-o", "film.json")
+        _, output, _ = run(
+            *call, "--comsol", "film.txt", "--units", "mm", "-o", "film.csv", "-o", "film.json", "-o", "f.png"
+        )
         law = rc.film_law(problem(), [1.0, 1.25, 1.5, 1.6, 4.0], sampling=False)
         rows = list(csv.DictReader(output.splitlines()))
         assert [float(row["separation_over_sq"]) for row in rows] == law.separations.tolist()
         for name in ("phi_xx", "phi_s_xy", "area"):
             assert [float(row[f"{name} [1]"]) for row in rows] == pytest.approx(law[name].values.tolist(), rel=1e-9)
         assert Path("film.csv").read_text().splitlines()[0] == output.splitlines()[0]
+        assert Path("f.png").stat().st_size > 10_000
         content = json.loads(Path("film.json").read_text())
         assert content["columns"][0]["values"] == pytest.approx(law["asperity_pressure"].values.tolist(), rel=1e-9)
         table = np.loadtxt("film.txt", comments="%")
@@ -63,7 +66,7 @@ class TestFilm:
             (["--separation", "4..1"], "is not a range"),
             (["--separation", "1", "1um"], "1um"),
             (["--separation", "1"], "two or more"),
-            (["--separation", "1", "2", "-o", "film.png"], "ends in .csv, .json"),
+            (["--separation", "1", "2", "-o", "film.txt"], "ends in .csv, .json"),
         ],
     )
     def test_bad_input_gets_a_sentence(self, run, change, words):

@@ -295,6 +295,7 @@ SKIPPED |= {
     "reference.Texture",
     "reference.FullContactEnergies",
     "InterfaceLaw.plot",
+    "FilmLaw.plot",
 }
 SKIPPED |= {
     f"{name}.plot" for name in ("WavySurface", "SelfAffineSurface", "HeightMap", "SurfaceSum", "PlacedMap", "Sweep")

@@ -283,6 +283,21 @@ class TestFits:
         assert found.misfit < 0.3
         assert "greenwood-tripp" in str(self.law)
 
+    def test_plot(self):
+        pyplot = pytest.importorskip("matplotlib.pyplot")
+        axes = self.law.plot()
+        assert self.law.plot("phi_yy", axes) is axes
+        assert len(axes.collections) == 2
+        axes = self.law.plot("asperity_pressure")
+        assert axes.get_yscale() == "log"
+        assert axes.get_xlabel() == "separation over Sq"
+        sampled = rc.film_law(pair(rough(32)), [1.0, 2.0])
+        assert len(sampled.plot("phi_s_xx", dark=True).collections) > 1
+        for wrong, sentence in ((("phi",), "column"), (("phi_xx", 5), "The axes")):
+            with pytest.raises(rc.InputError, match=sentence):
+                self.law.plot(*wrong)
+        pyplot.close("all")
+
     def test_the_peklenik_number_tells_the_lay(self):
         assert self.law.fit("patir-cheng").constants["peklenik"] == pytest.approx(1.0, abs=0.5)
         x = np.linspace(0.0, 1.0, 48, endpoint=False)

@@ -54,6 +54,17 @@ def test_a_tip_rests_on_the_highest_point_below_it(periodic, radius, height):
         np.testing.assert_allclose(restored.traced(radius).values, traced.values, rtol=0, atol=1e-9 * height)
 
 
+@pytest.mark.parametrize("periodic", [False, True])
+def test_a_wide_tip_rests_on_the_highest_point_too(periodic):
+    surface = make_map((41, 52), (1e-6, 1e-6), periodic, height=4e-7)
+    radius = 2e-3
+    traced = surface.traced(radius)
+    np.testing.assert_allclose(traced.values, trace_by_hand(surface, radius), rtol=0, atol=1e-15)
+    restored = traced.restored(radius)
+    turned = rc.HeightMap(-traced.values, surface.size, periodic=periodic)
+    np.testing.assert_allclose(restored.values, -trace_by_hand(turned, radius), rtol=0, atol=1e-15)
+
+
 def test_points_that_were_not_measured_do_not_push_the_tip():
     lost = np.zeros((24, 17), dtype=bool)
     lost[5:9, 6] = True

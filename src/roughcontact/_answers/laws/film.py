@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
 
 import attrs
 import numpy as np
@@ -23,6 +24,7 @@ from roughcontact._answers.laws.law import describe_domain, write_lines
 from roughcontact._base.arrays import Array, Pair, read_only
 from roughcontact._base.checks import choice, flag, list_of, number
 from roughcontact._base.machine.progress import count_done, show_progress
+from roughcontact._base.registry import find_view
 from roughcontact._base.tables import Table
 from roughcontact._base.units import counted, si
 from roughcontact._parts.grid import Boundary
@@ -125,6 +127,27 @@ class FilmLaw(ColumnTable):
         if model == "patir-cheng":
             return fit_peklenik(self.separations, self["phi_xx"].values, self["phi_yy"].values)
         return fit_pressure(model, self.separations, self["asperity_pressure"], self.modulus)
+
+    def plot(self, column: str = "phi_xx", axes: Any = None, *, dark: bool = False) -> Any:
+        """Draw a column over the separation (extra ``plot``).
+
+        A band shows two standard deviations by the grid, bars those of other places.
+
+        Parameters
+        ----------
+        column
+            Name of the column.
+        axes
+            Matplotlib's axes to draw on; None: new ones.
+        dark
+            Whether new axes are for a dark page.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes.
+        """
+        return find_view("film")(self.separations, self[column], axes, flag(dark, "dark="))
 
     def to_text(self, path: str | os.PathLike[str], column: str, *, units: str = "SI") -> None:
         """Write two plain columns below one line of names: the separation and a column.

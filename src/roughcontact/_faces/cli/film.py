@@ -12,12 +12,20 @@ from roughcontact._answers.laws import FilmLaw
 from roughcontact._base import checks
 from roughcontact._base.units import fit
 from roughcontact._faces.cli import DOUBTFUL, Command
-from roughcontact._faces.cli.answers import require_place, write_csv
+from roughcontact._faces.cli.answers import PICTURES, require_place, write_csv
 from roughcontact._faces.cli.options import add_interface, add_shape
 from roughcontact._faces.cli.problem import problem_of
 from roughcontact._faces.cli.progress import show_progress
+from roughcontact._faces.panels.figures import save_figure
+from roughcontact._faces.panels.theme import require_matplotlib
 
-_WRITERS: dict[str, Callable[[FilmLaw, Path], None]] = {".csv": FilmLaw.to_csv, ".json": FilmLaw.to_json}
+# Columns that a picture shows side by side, those of one quantity in the same axes, and the size of each, inches.
+_DRAWN = {
+    "pressure flow factors": ("phi_xx", "phi_yy"),
+    "shear flow factors": ("phi_s_xx", "phi_s_yy"),
+    "": ("asperity_pressure",),
+}
+_PANEL_SIZE = (4.4, 3.8)
 
 
 class Film(Command):
@@ -38,7 +46,7 @@ examples:
         add_shape(output)
         output.add_argument("--comsol", metavar="FILE", help="all columns as an interpolation function of COMSOL")
         output.add_argument("--units", choices=("SI", "mm"), default="SI", help="units of that file (SI)")
-        files = f"table to write: {', '.join(_WRITERS)}; may be repeated"
+        files = f"table or picture to write: {', '.join(_WRITERS)}; may be repeated"
         output.add_argument("-o", "--output", action="append", default=[], metavar="FILE", help=files)
 
     def run(self, options: argparse.Namespace) -> int:
@@ -70,9 +78,34 @@ def _plan_writers(options: argparse.Namespace, maps: list[Path]) -> list[tuple[C
         ending = Path(text).suffix
         if ending not in _WRITERS:
             raise rc.InputError.about("The output", text, f"a file that ends in {', '.join(_WRITERS)}")
+        if ending in PICTURES:
+            require_matplotlib()
         planned.append((_WRITERS[ending], checks.path(text, "The file")))
     if options.comsol is not None:
         planned.append((partial(FilmLaw.to_comsol, units=options.units), checks.path(options.comsol, "The file")))
     for _, path in planned:
         require_place(path, [path], maps)
     return planned
+
+
+def _draw(law: FilmLaw, path: Path) -> None:
+    """Draw flow factors and pressure side by side."""
+    from matplotlib.figure import Figure
+
+    drawn = {title: [name for name in names if name in law.columns] for title, names in _DRAWN.items()}
+    drawn = {title: names for title, names in drawn.items() if names}
+    width, height = _PANEL_SIZE
+    figure = Figure(figsize=(width * len(drawn), height), layout="constrained")
+    for (title, names), axes in zip(drawn.items(), figure.subplots(1, len(drawn), squeeze=False)[0], strict=True):
+        for name in names:
+            law.plot(name, axes)
+        if title:
+            axes.set_ylabel(title)
+    save_figure(figure, path)
+
+
+_WRITERS: dict[str, Callable[[FilmLaw, Path], None]] = {
+    ".csv": FilmLaw.to_csv,
+    ".json": FilmLaw.to_json,
+    **dict.fromkeys(sorted(PICTURES), _draw),
+}

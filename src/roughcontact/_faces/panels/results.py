@@ -338,6 +338,32 @@ def draw_column(pressures: Array, column: LawColumn, fit: PowerFit | None, axes:
     return axes
 
 
+def draw_film_column(separations: Array, column: LawColumn, axes: Any, dark: bool) -> Any:
+    """Draw a column over the separation; see `FilmLaw.plot`."""
+    axes = _own_axes(axes, dark)
+    with style(theme_of(axes).is_dark):
+        # A pressure falls by powers of ten; its zeros are not shown.
+        falls = column.name in ("asperity_pressure", "area")
+        shown = column.values > 0.0 if falls and (column.values > 0.0).any() else np.ones(separations.shape, dtype=bool)
+        x, values = separations[shown], column.values[shown]
+        factor, unit = prefixed(float(np.abs(values).max()), column.unit) if column.unit else (1.0, "")
+        line = draw_band(
+            axes, x, factor * values, factor * column.uncertainties[shown], label=column.name.replace("_", " ")
+        )
+        if column.sampling is not None:
+            spread = 2.0 * factor * column.sampling[shown]
+            # On a logarithmic axis no bar may end below zero.
+            low = np.minimum(spread, 0.95 * factor * values) if falls else spread
+            axes.errorbar(
+                x, factor * values, (low, spread), fmt="none", ecolor=line.get_color(), alpha=0.6, capsize=2.0
+            )
+        name = column.name.replace("_", " ")
+        named = f"{name}, {unit}" if unit else f"{name}, fraction of nominal" if column.name == "area" else name
+        scale_axes(axes, x="separation over Sq", y=named, logarithmic="y" if falls else "")
+        add_key(axes)
+    return axes
+
+
 def _unit_of(column: LawColumn) -> tuple[float, str]:
     """Return the factor of the values of a column as drawn, and their unit."""
     if column.unit == "m":
