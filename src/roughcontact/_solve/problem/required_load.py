@@ -46,7 +46,7 @@ _FIRST_POWER = 0.75
 # Smallest relative difference of two loads between which a slope stands out from the noise of the answers.
 _MIN_SLOPE_WIDTH = 0.02
 # Distances of the logarithms of further loads that are tried where an answer may hardly change.
-_PROBED = (0.4, 0.8, 1.6, 3.2, 6.4)
+_PROBED = tuple(0.4 * 2.0**step for step in range(5))
 # Relative uncertainty of a load from which its answer hardly changes with it.
 _MAX_RELATIVE_STD = 0.5
 # Standard deviations by which an answer must fall and rise again to be called so.
