@@ -217,7 +217,8 @@ def test_a_bounded_maximum_is_judged_by_the_model_unless_two_grids_are_asked():
     solution = solve(rough((48, 48), (1.0, 1.0)) + 2e-4 * rng.standard_t(2, (48, 48)), (1.0, 1.0), pressure=1e-2)
     assert solution.response("flags").unresolved
     assert not solution.response("flags").unbounded
-    peak, model, both = (solution.response("peak-pressure", uncertainty=kind) for kind in ("auto", "model", "two grids"))
+    kinds = ("auto", "model", "two grids")
+    peak, model, both = (solution.response("peak-pressure", uncertainty=kind) for kind in kinds)
     assert peak == model
     changes = [state.response("peak-pressure").value - peak.value for state in solution.phases().states]
     assert both.uncertainty == pytest.approx(max(model.uncertainty, math.sqrt(np.mean(np.square(changes)))))

@@ -93,7 +93,7 @@ def test_a_ridge_as_wide_as_one_or_two_cells_is_no_sharp_edge(shape):
         # A ridge two cells wide, whose outer cells hardly touch; bells, that are no tips.
         ("ground", 1, "peak-pressure", 0.1, 0.4),
         ("balls", 7, "peak-pressure", 0.01, 0.05),
-        ("balls", 3, "peak-pressure", 0.01, 0.06),
+        ("balls", 3, "peak-pressure", 0.001, 0.06),
         # Wide ridges of one direction.
         ("lay", 2, "perimeter", 0.02, 0.06),
         ("rough", 6, "perimeter", 0.02, 0.07),

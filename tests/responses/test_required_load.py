@@ -93,6 +93,21 @@ class TestClosedForms:
         assert found.force.value == pytest.approx(1e8 * found.answer.value, rel=0.02)
 
 
+@pytest.mark.parametrize("load", [1e-4, 3e-3])
+def test_the_load_of_flat_lands_is_known_as_far_as_their_area_changes(load):
+    """Of four pillars, which have the same area at all loads that do not press the next one."""
+    grid = rc.Grid((48, 48), (1.0, 1.0))
+    heights = np.full(grid.shape, -0.1)
+    for top, x, y in ((0.0, -0.25, -0.25), (-1e-3, 0.25, 0.25), (-2e-3, -0.25, 0.25), (-9e-3, 0.25, -0.25)):
+        heights[np.hypot(grid.x - x, grid.y - y) < 0.15] = top
+    lands = rc.ContactProblem(
+        rc.Body(rc.HeightMap(heights, size=1.0, periodic=True), rc.Elastic(1.0, 0.0)), boundary="periodic"
+    )
+    found = lands.solve_for(area=lands.solve(pressure=load).area().value)
+    assert abs(found.pressure.value - load) <= 2.0 * found.pressure.uncertainty
+    assert "level" in {text.rule for text in found.warnings}
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "fraction"), [("area", 0.9), ("peak_pressure", 0.9), ("stiffness", 0.9)])
 def test_two_standard_deviations_hold_the_load(name, fraction):

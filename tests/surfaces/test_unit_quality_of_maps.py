@@ -131,9 +131,7 @@ def test_each_sign_has_its_sentence_and_other_maps_none(scale):
     smooth = ndimage.gaussian_filter(quiet, 1.2, mode="wrap")
     # Without any noise nothing has measured it.
     assert list_map_warnings(smooth, grid) == ()
-    (blurred,) = list_map_warnings(
-        smooth + 1e-4 * quiet.std() * np.random.default_rng(1).normal(size=grid.shape), grid
-    )
+    (blurred,) = list_map_warnings(smooth + 1e-4 * quiet.std() * np.random.default_rng(1).normal(size=grid.shape), grid)
     assert blurred.rule == "blurred map"
     # A blur by s cells adds -2 (s q)^2 to the slope of -3.2: it is below -5.5 from waves of 2 pi / 0.9 cells on.
     assert 3.0e-6 < blurred.value < 11.0e-6

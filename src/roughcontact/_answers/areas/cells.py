@@ -189,7 +189,7 @@ def measure_sides(solution: ContactSolution) -> float:
 
 
 def measure_obliqueness(solution: ContactSolution) -> float:
-    """Return |sin 2t| of the mean direction t of the edge: one along a diagonal, zero along the grid or without edge."""
+    """Return how oblique the edge is to the grid: |sin 2t| of its mean direction t; zero without an edge."""
     across, along = _count_both(solution, None) * np.array(solution.grid.spacing[::-1])
     squares = float(across**2 + along**2)
     return 2.0 * float(across * along) / squares if squares > 0.0 else 0.0

@@ -172,7 +172,7 @@ def _find_tip_error(solution: ContactSolution, highest: IntArray, cells: int, sh
     pointed = fit_hyperboloid(near[inner, inner])[1]
     most, first, steep = calibration.POINTED_PEAK_ERROR
     by_gap = most * min(pointed / first, 1.0) + steep * max(pointed - first, 0.0)
-    return math.hypot(sharp, by_gap) * float(cells) ** -0.25
+    return float(math.hypot(sharp, by_gap) * cells**-0.25)
 
 
 def _is_bell(near: Array) -> bool:

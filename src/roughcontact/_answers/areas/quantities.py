@@ -228,8 +228,9 @@ class SummitApproach(Quantity):
         """Return the approach; see `Quantity.find`."""
         linear = solution.patches.count > 0 and measure_bend(solution).linear
         # The approach counts from where the bodies touched first, which may have been at another place.
-        is_moved = solution._shift != (0, 0) and solution.origin is not None and solution.parts.is_whole
-        fresh = solution.origin.scene.initial_gap if is_moved else solution._fresh_gap
+        fresh = solution._fresh_gap
+        if solution._shift != (0, 0) and solution.origin is not None and solution.parts.is_whole:
+            fresh = solution.origin.scene.initial_gap
         rise, rise_std = find_rise(fresh, solution.boundary, solution.non_measured, linear=linear)
         shift, shift_std = find_shift(solution)
         hidden = find_hidden_rise(solution)

@@ -18,6 +18,7 @@ from roughcontact._solve.problem.plan import SolvePlan
 from roughcontact._solve.problem.scene import Scene
 from roughcontact._solve.problem.task import LOAD_TOLERANCE, make_task, pressure_unit
 from roughcontact._solve.solution import (
+    MACHINE_DIFFERENCE,
     AdhesiveConditions,
     AdhesiveViolation,
     ContactConditions,
@@ -31,9 +32,6 @@ from roughcontact._solve.solvers import Outcome, Task
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 
-# Difference between machines, and versions of numpy and scipy, of residuals, and of other numbers over their maximum:
-# transforms differ by some 1e-15, Love's kernel by up to 5e-11 between its forms.
-_MACHINE_DIFFERENCE = 1e-10
 # Rounding of a gap over its largest term, with a margin of four over that of `ContactConditions`.
 _GAP_ROUNDING = 64.0 * float(np.finfo(np.float64).eps)
 
@@ -338,20 +336,20 @@ def _require_confirmed(stated: ContactSolution, again: ContactSolution, initial_
     moduli = again.moduli or ()
     directional = again.directional_moduli or ()
     displaced = float(np.abs(again.displacement).max())
-    margin = _MACHINE_DIFFERENCE + _GAP_ROUNDING * (displaced + float(np.abs(again.initial_gap).max())) / found.scale
+    margin = MACHINE_DIFFERENCE + _GAP_ROUNDING * (displaced + float(np.abs(again.initial_gap).max())) / found.scale
     pairs: dict[str, tuple[ArrayLike, ArrayLike, float]] = {
-        "initial gap": (stated.initial_gap, initial_gap, _MACHINE_DIFFERENCE * float(initial_gap.max())),
+        "initial gap": (stated.initial_gap, initial_gap, MACHINE_DIFFERENCE * float(initial_gap.max())),
         "boundary": (float(stated.boundary is again.boundary), 1.0, 0.0),
         "pressure limit": (stated.pressure_limit, again.pressure_limit, 0.0),
-        "contact modulus": (stated.modulus, again.modulus, _MACHINE_DIFFERENCE * again.modulus),
-        "moduli": (stated.moduli or (), moduli, _MACHINE_DIFFERENCE * float(np.max(moduli, initial=0.0))),
+        "contact modulus": (stated.modulus, again.modulus, MACHINE_DIFFERENCE * again.modulus),
+        "moduli": (stated.moduli or (), moduli, MACHINE_DIFFERENCE * float(np.max(moduli, initial=0.0))),
         "directional moduli": (
             stated.directional_moduli or (),
             directional,
-            _MACHINE_DIFFERENCE * float(np.max(directional, initial=0.0)),
+            MACHINE_DIFFERENCE * float(np.max(directional, initial=0.0)),
         ),
-        "edge shift": (stated.edge_shift, again.edge_shift, _MACHINE_DIFFERENCE),
-        "displacement": (stated.displacement, again.displacement, _MACHINE_DIFFERENCE * displaced),
+        "edge shift": (stated.edge_shift, again.edge_shift, MACHINE_DIFFERENCE),
+        "displacement": (stated.displacement, again.displacement, MACHINE_DIFFERENCE * displaced),
         "approach": (stated.approach, again.approach, margin * found.scale),
         "scale": (residuals.scale, found.scale, margin * found.scale),
         "complementarity": (residuals.complementarity, found.complementarity, margin),

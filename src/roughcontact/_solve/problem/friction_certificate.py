@@ -19,6 +19,7 @@ from roughcontact._solve.problem.scene import Scene
 from roughcontact._solve.problem.strengths import StrengthBound
 from roughcontact._solve.problem.task import make_task, pressure_unit
 from roughcontact._solve.solution import (
+    MACHINE_DIFFERENCE,
     ContactSolution,
     CoupledProcess,
     FrictionalResiduals,
@@ -35,8 +36,6 @@ from roughcontact.errors import InputError, argument
 # Rounding of tangential forces and of the friction cone.
 FORCE_TOLERANCE = 1e-10
 CONE_TOLERANCE = 1e-12
-# Difference between machines of displacements and energies, over their maximum; see `run.py`.
-_MACHINE_DIFFERENCE = 1e-10
 
 
 @attrs.frozen(eq=False)
@@ -346,7 +345,7 @@ def _verify_sheared(problem: Scene, solution: ContactSolution, sheared: Sheared)
 
 
 def _are_close(given: float | Array, right: float | Array, scale: float) -> bool:
-    return bool(np.abs(np.subtract(given, right)).max() <= _MACHINE_DIFFERENCE * scale)
+    return bool(np.abs(np.subtract(given, right)).max() <= MACHINE_DIFFERENCE * scale)
 
 
 def _find_imbalance(start: FrictionalFields, end: FrictionalFields) -> float:

@@ -45,6 +45,10 @@ _FIRST_FRACTION = 0.1
 _FIRST_POWER = 0.75
 # Smallest relative difference of two loads between which a slope stands out from the noise of the answers.
 _MIN_SLOPE_WIDTH = 0.02
+# Distances of the logarithms of further loads that are tried where an answer may hardly change.
+_PROBED = tuple(0.4 * 2.0**step for step in range(5))
+# Relative uncertainty of a load from which its answer hardly changes with it.
+_MAX_RELATIVE_STD = 0.5
 # Standard deviations by which an answer must fall and rise again to be called so.
 _SIGNIFICANT_STD = 2.0
 
@@ -259,11 +263,36 @@ class _WantedAnswer:
         slope = abs(self._find_slope(found)) * found.answer.value / solution.mean_pressure
         spread = math.hypot(found.answer.uncertainty, found.answer.value - self._wanted)
         uncertainty = spread / slope if slope > 0.0 else math.inf
-        warnings = (*found.answer.warnings, *self._warn_of_level(slope))
+        uncertainty = max(uncertainty, self._find_spread(found, solution))
+        warnings = (*found.answer.warnings, *self._warn_of_level(slope, uncertainty / solution.mean_pressure))
         pressure = Estimate(solution.mean_pressure, uncertainty, "Pa", warnings)
         force = attrs.evolve(pressure, value=solution.force, uncertainty=uncertainty * self._grid_area, unit="N")
         cost = {"solves": len(self._search.tried), "convolutions": self._search.convolutions}
         return RequiredLoad(force, pressure, found.answer, self._wanted, self._name, solution, **cost)
+
+    def _find_spread(self, found: TriedLoad[Estimate], solution: ContactSolution) -> float:
+        """Return the largest distance of mean pressures at sharp edges over how sure they are wrong, Pa.
+
+        On flat lands an answer hardly changes with the load, and its slope at one load tells little: others are tried
+        further and further away until they are wrong.
+        """
+        if not self._has_sharp_edges(solution):
+            return 0.0
+        spread = 0.0
+        for side in (-1.0, 1.0):
+            for distance in _PROBED:
+                one = self._search.try_load(found.x + side * distance)
+                off = abs(one.answer.value - self._wanted)
+                if off >= _SIGNIFICANT_STD * one.answer.uncertainty:
+                    break
+                apart = abs(self._search.load_at(one.x) - solution.mean_pressure)
+                spread = max(spread, apart / max(off / one.answer.uncertainty, 1.0))
+        return spread
+
+    def _has_sharp_edges(self, solution: ContactSolution) -> bool:
+        with contextlib.suppress(InputError):
+            return bool(solution.response("flags").sharp_edge > 0.0)
+        return False
 
     def _find_slope(self, found: TriedLoad[Estimate]) -> float:
         """Return the slope of the logarithm of the answer over that of the load, from loads that are apart."""
@@ -278,11 +307,12 @@ class _WantedAnswer:
         assert slope is not None
         return slope
 
-    def _warn_of_level(self, slope: float) -> tuple[WarningText, ...]:
-        """Return a warning if the answer does not change with the load."""
-        if slope > 0.0:
+    def _warn_of_level(self, slope: float, uncertainty: float) -> tuple[WarningText, ...]:
+        """Return a warning if the answer does not change with the load, or hardly."""
+        if slope > 0.0 and uncertainty < _MAX_RELATIVE_STD:
             return ()
-        return (WarningText(f"the {self._name} does not change with the load here", "level"),)
+        hardly = "hardly changes" if slope > 0.0 else "does not change"
+        return (WarningText(f"the {self._name} {hardly} with the load here", "level"),)
 
     def _explain(self) -> str:
         """Return why no load gives the wanted answer."""

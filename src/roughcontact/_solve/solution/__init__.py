@@ -27,6 +27,7 @@ from roughcontact._solve.solution.flattening import UniformRise as UniformRise
 from roughcontact._solve.solution.flattening import find_height_loss as find_height_loss
 from roughcontact._solve.solution.flattening import find_softer as find_softer
 from roughcontact._solve.solution.flattening import flattening_models as flattening_models
+from roughcontact._solve.solution.governed import MACHINE_DIFFERENCE as MACHINE_DIFFERENCE
 from roughcontact._solve.solution.governed import Governed as Governed
 from roughcontact._solve.solution.healing import FilledGap as FilledGap
 from roughcontact._solve.solution.healing import fill_gap as fill_gap

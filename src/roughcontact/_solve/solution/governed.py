@@ -27,8 +27,9 @@ _NOTHING: Memory = MappingProxyType({})
 _PLAIN = ("laws", "remembered")
 # What a file states of an increment, where it is not that of a single load.
 _AT_ONCE = {"time": 0.0, "sliding": 0.0, "cycles": 1.0, "elapsed": 0.0, "slid": 0.0, "cycle": 0.0, "stiffening": 1.0}
-# Difference between machines of what a law gives, over its largest value.
-_MACHINE_DIFFERENCE = 1e-10
+# Difference between machines, and versions of numpy and scipy, of residuals, and of other numbers over their maximum:
+# transforms differ by some 1e-15, Love's kernel by up to 5e-11 between its forms.
+MACHINE_DIFFERENCE = 1e-10
 
 
 @final
@@ -228,7 +229,7 @@ class Governed(Addition):
                 raise InputError(f"Its {one.name} is violated by {one.residual:.1e}: {one.meaning}.")
         for name, stated_field, found_field in pairs:
             scale = float(np.abs(found_field).max())
-            if not np.abs(stated_field - found_field).max() <= _MACHINE_DIFFERENCE * scale:
+            if not np.abs(stated_field - found_field).max() <= MACHINE_DIFFERENCE * scale:
                 raise InputError(f"Its {name} contradicts its laws and its fields.")
 
     def identify(self, state: Any) -> str:

@@ -37,7 +37,11 @@ _CERTAIN_AREA_STD = 0.006
 
 
 def judge(
-    solution: Any, found: E, kind: str, ask: Callable[[Any], Estimate], flagged_factors: tuple[float, float] = (1.0, 1.0)
+    solution: Any,
+    found: E,
+    kind: str,
+    ask: Callable[[Any], Estimate],
+    flagged_factors: tuple[float, float] = (1.0, 1.0),
 ) -> E:
     """Return an answer of the model with the uncertainty of a kind.
 

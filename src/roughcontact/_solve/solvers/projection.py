@@ -24,7 +24,7 @@ LOAD_ROUNDING = 1e-13
 _REACH_FACTOR = 4.0
 _MAX_NEAR_FRACTION = 0.3
 # Admissible error of the load in a step, over the change of pressure: each verification in float64 restores the load.
-_STEP_LOAD_ERROR = 1e-5
+STEP_LOAD_ERROR = 1e-5
 
 
 @guarded
@@ -261,7 +261,7 @@ class LoadControl:
         step = trial - before
         change = float(np.add.reduce(np.abs(step, out=step)))
         del step
-        return project_to_weighted_load(trial, weights, float(np.add.reduce(before)), limit, _STEP_LOAD_ERROR * change)
+        return project_to_weighted_load(trial, weights, float(np.add.reduce(before)), limit, STEP_LOAD_ERROR * change)
 
     def restore(self, pressure: Array, limit: Array) -> Array:
         """Return the pressure, changed in place, without the rounding of its load."""

@@ -24,7 +24,7 @@ _COLUMNS = {*(one.name for one in attrs.fields(Record)), "area", "area_uncertain
 # Most values of an axis, and most problems of a study.
 _MAX_VALUES = 100_000
 # Most characters of an exception that a sentence repeats.
-_MAX_REASON_CHARACTERS = 300
+MAX_REASON_CHARACTERS = 300
 
 
 @final
@@ -81,7 +81,7 @@ class BuiltProblems(Mapping[str, ContactProblem]):
         # A function of the user's may fail in any way.
         except Exception as error:
             own = str(error) if isinstance(error, RoughContactError) else f"{type(error).__name__}: {error}"
-            reason = shorten(" ".join(own.split()).rstrip("."), _MAX_REASON_CHARACTERS)
+            reason = shorten(" ".join(own.split()).rstrip("."), MAX_REASON_CHARACTERS)
             raise InputError(f"The problem with {name} cannot be built: {reason}.") from error
         if not isinstance(problem, ContactProblem):
             raise InputError.about(f"What the function builds for {name}", problem, "a ContactProblem")

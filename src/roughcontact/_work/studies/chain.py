@@ -22,6 +22,7 @@ from roughcontact._solve.problem import Body, ContactProblem
 from roughcontact._solve.solution import ContactSolution, list_all_warnings, solution_key
 from roughcontact._solve.solvers import Solver
 from roughcontact._work.studies.answers import Question, find_answers, has_answers
+from roughcontact._work.studies.axes import MAX_REASON_CHARACTERS
 from roughcontact._work.studies.lists import Journal, Known
 from roughcontact._work.studies.loading import SINGLE_LOADS, Loading, list_law_numbers
 from roughcontact._work.studies.record import Place, Record
@@ -30,8 +31,6 @@ from roughcontact.errors import InputError, NotConverged, NotWritten, RoughConta
 # The end of the name of a file in which a long path is kept until its record is written.
 DRAFT = "-draft.npz"
 _KINDS = {Surface: "surface", Material: "material", InfluenceKernel: "kernel", Convolver: "convolver", Solver: "solver"}
-# Most characters of an exception that a record repeats.
-_MAX_REASON_CHARACTERS = 300
 
 
 def name_full_disk(folder: Path, error: NotWritten) -> str:
@@ -42,7 +41,7 @@ def name_full_disk(folder: Path, error: NotWritten) -> str:
 def name_exception(what: str, error: Exception) -> str:
     """Return in a sentence what failed, and by which exception."""
     reason = " ".join(traceback.format_exception_only(_met(error))[-1].split())
-    return f"{what} failed ({reason[:_MAX_REASON_CHARACTERS]})."
+    return f"{what} failed ({reason[:MAX_REASON_CHARACTERS]})."
 
 
 def _met(error: BaseException) -> BaseException:

@@ -25,7 +25,7 @@ from roughcontact._solve.solvers.conjugate.descent import (
 )
 from roughcontact._solve.solvers.driver import Method, Work
 from roughcontact._solve.solvers.passes import dot, limits_at, total
-from roughcontact._solve.solvers.projection import shift_to_load
+from roughcontact._solve.solvers.projection import STEP_LOAD_ERROR, shift_to_load
 
 # Maximum cells of a grid on which the pressure is found on whole fields: on 256 x 256 cells long waves need the
 # correction of `Preconditioner`. Compiled passes take two thirds of the time there without it, but half as many
@@ -36,8 +36,6 @@ _MAX_IDLE_ITERATIONS = 12
 # Maximum rejected steps, and rounds that find the released cells that stay on their bounds.
 _MAX_BACKTRACKS = 12
 _MAX_RELEASED_ROUNDS = 20
-# Error of the load in a step, over the change of pressure; see `projection`.
-_STEP_LOAD_ERROR = 1e-5
 # Maximum fraction in contact at a start by an approximate inverse.
 _MAX_INEXACT_CONTACT = 0.6
 # Fraction of the cells whose change of state makes the response to the active cells outdated.
@@ -302,7 +300,7 @@ class NumpyPasses(FieldPasses):
             if self.load is None:
                 np.clip(trial, 0.0, bound, out=trial)
             else:
-                error = _STEP_LOAD_ERROR * length * float(np.abs(direction).sum())
+                error = STEP_LOAD_ERROR * length * float(np.abs(direction).sum())
                 cells = active.nonzero()[0]
                 bounds = bound if limit is None else limits_at(limit, cells)
                 carried = float(np.add.reduce(pressure[cells]))
