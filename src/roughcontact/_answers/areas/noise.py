@@ -86,7 +86,7 @@ class Noise(Estimate):
     >>> measured = rc.HeightMap(wave + np.random.default_rng(0).normal(0.0, 1e-9, grid.shape), size=grid.size)
     >>> solution = rc.ContactProblem(rc.Body(measured, rc.Elastic(210e9, 0.3))).solve(force=0.1)
     >>> print(solution.response("noise"))
-    997.4 pm +- 4.7 %, 2 % of the rms height
+    997 pm +- 4.7 %, 2 % of the rms height
     """
 
     fraction: float = attrs.field(default=0.0, kw_only=True)

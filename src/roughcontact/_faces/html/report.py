@@ -58,7 +58,7 @@ from roughcontact._solve.solution import (
     note_loads,
     versions,
 )
-from roughcontact._work.reports import list_methods, list_references, write_bibtex
+from roughcontact._work.reports import list_references, write_bibtex
 from roughcontact._work.studies import Answers, add_answers, list_answer_warnings
 
 # Nothing is fetched and nothing runs, whatever a text of the page holds.
@@ -267,7 +267,8 @@ def _show_script(script: str) -> str:
 
 def _make_citation(problem: ContactProblem | None) -> str:
     made = versions()["roughcontact"]
-    references = list_references(made, [areas.resolve(DEFAULT_AREA)] if problem is None else list_methods(problem))
+    methods = [] if problem is None else [problem.plan.kernel, problem.plan.solver]
+    references = list_references(made, [*methods, areas.resolve(DEFAULT_AREA)])
     texts = (
         element("li", f"{escape(one.text)} {element('a', escape(one.address), href=one.address)}") for one in references
     )

@@ -1,7 +1,6 @@
 """Reports: errors against run time, how far an answer depends on rounding, grid and tolerance, and what to cite."""
 
 from roughcontact._work.reports.citation import cite as cite
-from roughcontact._work.reports.citation import list_methods as list_methods
 from roughcontact._work.reports.citation import list_references as list_references
 from roughcontact._work.reports.citation import write_bibtex as write_bibtex
 from roughcontact._work.reports.error_report import ErrorReport as ErrorReport

@@ -101,11 +101,6 @@ def cite(*used: object, style: str = "text") -> str:
     return PlainText("\n\n".join([write_bibtex(made), _write_paper(paper), *_write_entries(methods)]))
 
 
-def list_methods(problem: ContactProblem) -> list[object]:
-    """Return the parts of a problem, those by which it is solved before what it is made of, and the default area."""
-    return [*_walk(problem.plan), *_walk(problem), areas.resolve(DEFAULT_AREA)]
-
-
 def list_references(version: str, parts: Iterable[object]) -> list[Reference]:
     """Return the references to cite: the program, its paper, and the DOIs in the docstrings of parts or classes."""
     listed = [
@@ -133,7 +128,8 @@ def _list_parts(used: object) -> list[object]:
     if isinstance(used, ContactSolution):
         used = problem_of(used)
     if isinstance(used, ContactProblem):
-        return list_methods(used)
+        # What it is solved by comes before what it is made of.
+        return [*_walk(used.plan), *_walk(used), areas.resolve(DEFAULT_AREA)]
     if isinstance(used, str):
         known = registries().values()
         named: list[object] = [registry[used] for registry in known if used in registry]
