@@ -35,6 +35,7 @@ from roughcontact_app import AppServer, Session, laws, materials, preview, scene
 from roughcontact_app.answers import describe_solutions, describe_sweep, list_warnings, make_table, tabulate_path
 from roughcontact_app.command import _shown
 from roughcontact_app.connections import LIMIT
+from roughcontact_app.first import FIRST
 from roughcontact_app.outputs import make_law
 from roughcontact_app.pool import Pool
 from roughcontact_app.process import TaskEnded, Worker
@@ -2021,6 +2022,32 @@ def test_loads_with_adhesion_follow_each_other_as_in_a_script(client):
     quantities = [one for answer in state["answers"] for one in answer["quantities"]]
     areas = [one["value"] for one in quantities if one["name"] == "contact area"]
     assert areas == pytest.approx(sweep.area, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("changed", "is_of_hertz"),
+    [
+        ({}, True),
+        ({"counterbody": "rigid"}, True),
+        # It flows, its contact reaches the border, or it is of another contact.
+        ({"hardness": "0.5"}, False),
+        ({"loads": "80"}, False),
+        ({"boundary": "periodic"}, False),
+        ({"radius": "0.3", "loads": "100", "hardness": "", "counterbody_hardness": ""}, False),
+        ({"surface": "wavy"}, False),
+        ({"adhesion": "short-range"}, False),
+    ],
+)
+def test_hertz_stands_beside_the_contact_that_it_is_of(changed, is_of_hertz):
+    settings = read_settings({**FIRST, "cells": "64", **changed})
+    problem = make_problem(settings, make_scene(settings, None))
+    (answer,) = describe_solutions([problem.solve(force=float(settings["loads"]))])
+    values = {one["name"]: one["value"] for one in answer["quantities"]}
+    known = answer["closed_form"]
+    assert bool(known) is is_of_hertz
+    # The approach counts from the touch of the cells, which here lie 0.6 nm below the summit.
+    for name, within in {"contact area": 1e-3, "maximum pressure": 1e-3, "approach": 3e-3}.items() if known else ():
+        assert values[name] == pytest.approx(known[name], rel=within), name
 
 
 def test_the_first_settings_are_a_problem_that_can_be_solved():

@@ -22,7 +22,7 @@ _PLAIN = {"kernel": "love", "boundary": Boundary.FREE}
 
 
 def list_closed_form(solution: ContactSolution) -> dict[str, float]:
-    """Return what Hertz's closed form says of a contact, in SI units by the names of an answer; empty where it has none.
+    """Return what Hertz's closed form says of a contact, in SI units by the names of an answer; or nothing.
 
     It holds for an elastic ball on a flat, without adhesion, layers and laws, whose contact lies within the domain.
 
