@@ -337,7 +337,8 @@ def _join(made: Dissection, axis: int) -> None:
         done = 0
         for half in np.unique(halves).tolist():
             chosen = halves == half
-            one, other = i[chosen], j[chosen]
+            one = i[chosen]
+            other = j[chosen]
             made.places[one, other] = done + np.arange(one.size)
             pair = [(length, sides[1]) if axis == 0 else (sides[0], length) for length in (half, sides[axis] - half)]
             parts = [_list_border(shape, made.closed) for shape in pair]

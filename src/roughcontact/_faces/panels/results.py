@@ -345,7 +345,8 @@ def draw_film_column(separations: Array, column: LawColumn, axes: Any, dark: boo
         # A pressure falls by powers of ten; its zeros are not shown.
         falls = column.name in ("asperity_pressure", "area")
         shown = column.values > 0.0 if falls and (column.values > 0.0).any() else np.ones(separations.shape, dtype=bool)
-        x, values = separations[shown], column.values[shown]
+        x = separations[shown]
+        values = column.values[shown]
         factor, unit = prefixed(float(np.abs(values).max()), column.unit) if column.unit else (1.0, "")
         line = draw_band(
             axes, x, factor * values, factor * column.uncertainties[shown], label=column.name.replace("_", " ")
