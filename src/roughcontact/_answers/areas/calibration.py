@@ -196,8 +196,7 @@ UNEVEN_LENGTH_ERROR = 0.025
 # Relative length of narrow patches that is lost at their ends, on ridges of one direction along a diagonal of the
 # grid, half of which is uncertain, and its standard deviation in any direction, no unit. Set on rough contacts with a
 # lay.
-LOST_END_LENGTH = 0.75
-NARROW_LENGTH_ERROR = 0.1
+LOST_END_LENGTH = (0.75, 0.1)
 # Width of patches, in cells of a disc, that halves it, by its square. Set on the same contacts.
 NARROW_PATCH_WIDTH = 4.0
 # Relative standard deviation of the length of an edge along the diagonals of the grid, no unit.

@@ -145,9 +145,10 @@ class EdgeLength(Quantity):
         # The ends of their patches are narrower than a cell, and are lost where they run across the grid.
         ended = one_way * np.where(spanning, 0.0, lobed)
         narrow = float(np.sum(ended / (1.0 + (edges.width[1:] / calibration.NARROW_PATCH_WIDTH) ** 2)))
-        ends = calibration.LOST_END_LENGTH * measure_obliqueness(solution) ** 2 * narrow
+        across_grid, anyhow = calibration.LOST_END_LENGTH
+        ends = across_grid * measure_obliqueness(solution) ** 2 * narrow
         length += ends
-        narrow = 0.5 * ends + calibration.NARROW_LENGTH_ERROR * narrow
+        narrow = 0.5 * ends + anyhow * narrow
         relative = math.hypot(calibration.LENGTH_ERROR, 0.5 * area.uncertainty / area.value)
         diagonal = 0.0
         if length > 0.0 and is_diagonal(solution, lay):

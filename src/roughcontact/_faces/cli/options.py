@@ -368,7 +368,9 @@ def _add_treatment(parser: argparse.ArgumentParser, topic: str = "") -> argparse
     maps.add_argument(
         "--cell", type=METRE, nargs="+", metavar="L", help="distance of the points, such as 1um, in place of --size"
     )
-    show(maps.add_argument("--unit", type=length_unit, metavar="U", help="unit of the heights, such as 1um (the file's)"))
+    show(
+        maps.add_argument("--unit", type=length_unit, metavar="U", help="unit of the heights, such as 1um (the file's)")
+    )
     treatments = ("refuse", "fill", "keep")
     maps.add_argument("--non-measured", choices=treatments, default="refuse", help="non-measured points (refuse)")
     for name, (field, what) in list_reader_options().items():
