@@ -580,7 +580,7 @@ def test_a_wrong_option_is_told_which_one_is_meant(run, arguments, words):
 def test_equal_warnings_of_several_loads_are_one_sentence(run):
     grid = rc.Grid((32, 32), 100e-6)
     np.savez("ball.npz", heights=rc.SphereSurface(radius=1e-3).heights(grid), size=grid.size)
-    loads = ["20N", "30N", "40N", "50N"]
+    loads = ["50N", "60N", "70N", "80N"]
     status, out, _ = run("solve", "ball.npz", "--loads", *loads, *STEEL, "--stiffness")
     assert status == 3
     warnings = re.findall(r"^warning  (.*(?:\n         .*)*)", out, re.MULTILINE)

@@ -21,6 +21,8 @@ from roughcontact.errors import InputError
 _CONTACT_CELLS = 1
 # Gap over the range of the heights below which a tip touches: rounding, also of files in single precision.
 _TOUCH_TOLERANCE = 1e-6
+# The same of two points that are touched alike but for rounding: the first counts, so that equal places are judged alike.
+_TIE = 1e-12
 # Standard deviations of the noise up to which a gap counts as touched.
 _NOISE_STDS = 3.0
 # Cells along the sides of squares that are compared as a whole, and squares whose cells are compared at once.
@@ -265,6 +267,7 @@ def find_certain(
     mx, my = tip.reach
     nx, ny = traced.shape
     tolerance = max(_TOUCH_TOLERANCE * float(np.ptp(traced)), _NOISE_STDS * noise)
+    tie = _TIE * float(np.ptp(traced))
     squares = _Squares.of(-restored, tip, periodic=periodic)
     above = squares.divide(-traced, -np.inf)
     best = np.full(above.shape, np.inf)
@@ -284,7 +287,7 @@ def find_certain(
             for axis, index in enumerate((i, j)):
                 low[axis][touched] = np.minimum(low[axis][touched], index)
                 high[axis][touched] = np.maximum(high[axis][touched], index)
-            better = gap < best[touched]
+            better = gap < best[touched] - tie
             nearer = tuple(one[better] for one in touched)
             best[nearer] = gap[better]
             place[0][nearer] = i

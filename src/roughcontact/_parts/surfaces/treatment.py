@@ -259,7 +259,7 @@ class TreatedMap(Surface):
         >>> found = wave.traced("20um").restored("20um")
         >>> error = found.values - wave.values
         >>> print(f"{found.certain_fraction:.2f} certain, {1e9 * error.max():.0f} nm too high at most")
-        0.63 certain, 10 nm too high at most
+        0.68 certain, 10 nm too high at most
         """
         radius = _check_radius(tip_radius)
         noise_std = number(noise, "The noise of the heights", "m", at_least=0.0)

@@ -18,6 +18,7 @@ from roughcontact._solve.problem.scene import Scene
 from roughcontact._solve.problem.sweep import Sweep, order_of_solving, predict_pressure, report_states, run_sweep
 from roughcontact._solve.solution import TRAPPED_CELLS, ContactSolution, describe_range, load_of, remembers_flattening
 from roughcontact.errors import InputError, argument
+from roughcontact.errors.door import guarded
 
 
 class Solve(Protocol):
@@ -57,6 +58,7 @@ def sweep_loads(problem: Scene, solve: Solve, loads: tuple[Load, ...]) -> Sweep:
     return follow_loads(solve, loads) if problem.remembers else run_sweep(solve, loads)
 
 
+@guarded
 def explain_loads(problem: Scene, loads: Sequence[Load]) -> str:
     """Return the plan of a problem at the largest of some loads, in words.
 
