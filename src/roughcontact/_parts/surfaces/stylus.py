@@ -21,7 +21,7 @@ from roughcontact.errors import InputError
 _CONTACT_CELLS = 1
 # Gap over the range of the heights below which a tip touches: rounding, also of files in single precision.
 _TOUCH_TOLERANCE = 1e-6
-# The same of two points that are touched alike but for rounding: the first counts, so that equal places are judged alike.
+# The same of two points that are touched alike but for rounding: the first counts, so that periods are judged alike.
 _TIE = 1e-12
 # Standard deviations of the noise up to which a gap counts as touched.
 _NOISE_STDS = 3.0
