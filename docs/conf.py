@@ -111,7 +111,7 @@ nitpick_ignore_regex = [
     (r"py:class", r"(Array|(npt\.)?ArrayLike|Callable|IntArray|Mask|Pair|Path|Sequence|RealArray|NameOfNumber|T|T_co)"),
     (r"py:class", r"roughcontact\._(parts\.grid\.Load|base\.registry\.[A-Z]|work\.studies\.chain\.Chain)"),
     (r"py:class", r"roughcontact\.(_solve\.solution\.\w+|errors\.door)\.(S|T|T_co)"),
-    (r"py:class", r"roughcontact\._faces\.panels\.base\.Panel"),
+    (r"py:class", r"roughcontact\.(_faces\.panels\.base\.Panel|_solve\.problem\.scene\.Scene)"),
     (r"py:class", r"roughcontact\._solve\.solution\.answers\.ContactAnswers"),
     (r"py:class", r"(roughcontact\._answers\.flow\.network\.)?FlowNetwork"),
     (r"py:class", r"roughcontact\._(answers\.subsurface\.inputs\.SupportsResidualStress|base\.machine\.[ST])"),
