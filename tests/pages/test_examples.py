@@ -222,7 +222,9 @@ def test_gradients(monkeypatch, tmp_path):
 @pytest.mark.slow
 def test_partial_slip(monkeypatch, tmp_path):
     module = study("partial_slip", monkeypatch)
-    assert [row[0] for row in module.make_rows((3,), 2)] == ["contact radius, cells", "3"]
+    head, *rows = module.make_rows((3,), 2)
+    assert head[:2] == ["contact radius, cells", "Q / (µ P)"]
+    assert [row[:2] for row in rows] == [["3", "0.2"], ["3", "0.5"], ["3", "0.9"]]
     module.main(64, 2, tmp_path)
     assert (tmp_path / "partial_slip.png").stat().st_size > 10_000
 
