@@ -72,6 +72,7 @@ def explain_loads(problem: Scene, loads: Sequence[Load]) -> str:
     Examples
     --------
     >>> import roughcontact as rc
+    >>> from roughcontact.faces import explain_loads
     >>> ball = rc.Body(rc.SphereSurface(1e-3), rc.Elastic(210e9, 0.3))
     >>> problem = rc.ContactProblem(ball, grid=rc.Grid((32, 32), 100e-6))
     >>> explain_loads(problem, [problem.require_load(force=1.0)]) == problem.explain(force=1.0)
