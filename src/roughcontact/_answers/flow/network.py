@@ -105,21 +105,28 @@ class FlowNetwork:
         """The aspect of cells that resolve both axes; 1 of a single line of cells, which is even along the other."""
         return self.aspect if min(self.shape) > 1 else 1.0
 
-    def make_matrix(self) -> tuple[Any, Array]:
-        """Return the matrix of the flow balance of each cell, in CSR, and its right side for the inlet at 1."""
+    def make_matrix(self) -> Any:
+        """Return the matrix of the flow balance of each cell, in CSR."""
         from scipy import sparse
 
         first = self.faces.first
         second = self.faces.second
-        # A single line of cells that wraps joins each cell to itself: nothing is exchanged.
-        c = np.where(first == second, 0.0, self.conductance)
-        right = self.gather((self.ends.inlet, self.ends.inlet_conductance))
-        diagonal = right + self.gather((first, c), (second, c), (self.ends.outlet, self.ends.outlet_conductance))
+        c = self.find_exchange()
+        outlet = self.ends.outlet, self.ends.outlet_conductance
+        diagonal = self.find_inflow() + self.gather((first, c), (second, c), outlet)
         each = np.arange(self.cells.size, dtype=np.int32)
         rows = np.concatenate((first, second, each))
         columns = np.concatenate((second, first, each))
         entries: Any = (np.concatenate((-c, -c, diagonal)), (rows, columns))
-        return sparse.csr_matrix(entries, shape=(each.size, each.size)), right
+        return sparse.csr_matrix(entries, shape=(each.size, each.size))
+
+    def find_inflow(self) -> Array:
+        """Return the flow into each cell from the inlet at 1: the right side of the balances."""
+        return self.gather((self.ends.inlet, self.ends.inlet_conductance))
+
+    def find_exchange(self) -> Array:
+        """Return the conductance of each face; zero where a single line of cells wraps and joins each to itself."""
+        return np.where(self.faces.first == self.faces.second, 0.0, self.conductance)
 
     def gather(self, *parts: tuple[RealArray, Array]) -> Array:
         """Return the sum of values at positions for each cell."""
@@ -277,7 +284,7 @@ def solve_network(network: FlowNetwork) -> tuple[Array, bool]:
 
 def eliminate(network: FlowNetwork) -> Array:
     """Return the pressure by elimination, with one step of refinement."""
-    right = network.gather((network.ends.inlet, network.ends.inlet_conductance))
+    right = network.find_inflow()
     solve = factor(network)
     pressure = solve(right[:, np.newaxis])[:, 0]
     return np.asarray(pressure + solve(network.residual(pressure)[:, np.newaxis])[:, 0])
@@ -303,8 +310,7 @@ def _factor_grid(network: FlowNetwork) -> Callable[[Array], Array]:
     )
     faces = network.faces
     from_cells = network.cells[faces.first]
-    # A single line of cells that wraps joins each cell to itself: nothing is exchanged.
-    c = np.where(faces.first == faces.second, 0.0, network.conductance)
+    c = network.find_exchange()
     beside[from_cells[: faces.along]] = c[: faces.along]
     above[from_cells[faces.along :]] = c[faces.along :]
     factors = dissect(leak.reshape(network.shape), (beside.reshape(network.shape), above.reshape(network.shape)))
@@ -325,7 +331,7 @@ def factor_cells(network: FlowNetwork) -> Callable[[Array], Array]:
     from scipy import sparse
     from scipy.sparse.linalg import splu
 
-    matrix, _ = network.make_matrix()
+    matrix = network.make_matrix()
     # Cells of one colour are joined to those of the other alone, and so are known from these.
     i, j = np.divmod(network.cells, network.shape[1])
     is_known = (i + j) % 2 == 0
@@ -363,7 +369,8 @@ def factor_cells(network: FlowNetwork) -> Callable[[Array], Array]:
 
 def iterate(network: FlowNetwork) -> tuple[Array, bool]:
     """Return the pressure by conjugate gradients with smoothed aggregation, and whether the flow has converged."""
-    matrix, right = network.make_matrix()
+    matrix = network.make_matrix()
+    right = network.find_inflow()
     precondition = _prepare_multigrid(matrix)
     pressure = np.zeros(right.size)
     residual = right.copy()
