@@ -1095,7 +1095,8 @@ def test_wrong_fields_of_responses_are_refused_in_words(client, asked, words):
 def test_the_plan_says_time_and_memory_before_the_run(client):
     plan = client.post("api/plan", {**SMALL, "loads": "50 100"})
     assert plan["loads"] == ["pressure 50 MPa", "pressure 100 MPa"]
-    assert 0.01 < plan["seconds"] < 100
+    # However fast the machine is; runs before have corrected it.
+    assert 0.0 < plan["seconds"] < 100
     assert "MiB" in plan["memory"] or "KiB" in plan["memory"]
     assert "estimated" in plan["basis"]
     settings = read_settings(SMALL)
