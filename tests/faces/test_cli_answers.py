@@ -430,7 +430,7 @@ def test_fish_completes_commands_and_options(run):
     assert "--hurst" in complete("roughcontact surface self-affine --h")
 
 
-BLOCKED = ("matplotlib", "pint", "rich", "pandas", "xarray", "h5py", "h5netcdf", "shtab", "pyamg", "tqdm")
+BLOCKED = ("matplotlib", "jinja2", "pint", "rich", "pandas", "xarray", "h5py", "h5netcdf", "shtab", "pyamg", "tqdm")
 CORE = f"""
 import sys
 

@@ -136,6 +136,15 @@ class TestContent:
         assert not list(tree.iter("img"))
         assert "pip install 'roughcontact[plot]'" in text_of(tree)
 
+    def test_without_jinja_the_extra_is_named_and_a_notebook_shows_the_answer(self, tmp_path, monkeypatch):
+        solution = solve()
+        monkeypatch.setitem(sys.modules, "jinja2", None)
+        for write in (solution.save, solution.to_html):
+            with pytest.raises(rc.MissingPackage, match=r"pip install 'roughcontact\[report\]'"):
+                write(tmp_path / "report.html")
+        assert not list(tmp_path.iterdir())
+        assert "contact area" in solution._repr_html_()
+
     def test_the_scene_has_the_file_the_date_and_materials_in_words(self):
         height_map = make_map(("read from my ring: 2.x3p: 32 x 32 cells on 64 µm x 64 µm", "the best plane subtracted"))
         tree = read(solve(height_map, rc.ElasticPerfectlyPlastic(200e9, 0.3, 2e9)).to_html())

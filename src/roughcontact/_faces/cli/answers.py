@@ -13,6 +13,7 @@ from roughcontact._base import checks
 from roughcontact._base.archive import replacing
 from roughcontact._base.tables import Table
 from roughcontact._base.units import fit, si, without_reasons
+from roughcontact._faces.html.pages import require_jinja
 from roughcontact._faces.panels.animation import ANIMATION
 from roughcontact._faces.panels.figures import save_figure
 from roughcontact._faces.panels.theme import require_matplotlib
@@ -234,6 +235,8 @@ def plan_outputs(given: Sequence[str], report: str | None, maps: Sequence[Path],
         # A report has figures.
         if path.suffix in {*PICTURES, ".html"}:
             require_matplotlib()
+        if path.suffix == ".html":
+            require_jinja()
         elif path.suffix == ".nc":
             require_netcdf()
     return files + plan_report(report, maps)
@@ -248,6 +251,7 @@ def plan_report(report: str | None, maps: Sequence[Path]) -> list[Path]:
         raise rc.InputError.about("The report", report, "a file that ends in .html")
     require_place(path, [path], maps)
     require_matplotlib()
+    require_jinja()
     return [path]
 
 
