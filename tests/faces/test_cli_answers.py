@@ -406,6 +406,7 @@ def test_a_shell_completes_commands_and_options(run, tmp_path):
 
     assert complete("roughcontact so", 1) == ["solve"]
     assert complete("roughcontact solve --area", 2) == ["--area-within", "--area"]
+    assert set(complete("roughcontact solve --help", 2)) == {"--help", "--help-all"}
     assert "self-affine" in complete("roughcontact surface s", 2)
 
 
