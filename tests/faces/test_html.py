@@ -203,6 +203,13 @@ class TestContent:
         assert "read from ring.x3p; the best plane subtracted" in words
         assert "roughness shorter than 4 µm is not included" in words
 
+    def test_a_tip_that_is_taken_away_is_among_the_inputs(self):
+        height_map = make_map().traced("20um").restored("20um")
+        words = text_of(read(solve(height_map).to_html()))
+        restored = height_map.history[-1]
+        assert restored.startswith("restored below a tip of radius 20 µm, certain at ")
+        assert restored in words.partition("Inputs")[2]
+
     def test_hostile_texts_stay_texts(self):
         named = type("<img src=x onerror=alert(1)>", (rc.FlatSurface,), {"__repr__": lambda self: HOSTILE})
         solution = solve(make_map((HOSTILE, "]]></style><!--")), counterbody=rc.Body(named(), rc.Rigid()))

@@ -232,13 +232,7 @@ def plan_outputs(given: Sequence[str], report: str | None, maps: Sequence[Path],
             raise rc.InputError.about("The output", text, allowed)
     for path in files:
         require_place(path, (path, *_numbered(path, count)), maps)
-        # A report has figures.
-        if path.suffix in {*PICTURES, ".html"}:
-            require_matplotlib()
-        if path.suffix == ".html":
-            require_jinja()
-        elif path.suffix == ".nc":
-            require_netcdf()
+        require_packages(path.suffix)
     return files + plan_report(report, maps)
 
 
@@ -250,9 +244,19 @@ def plan_report(report: str | None, maps: Sequence[Path]) -> list[Path]:
     if path.suffix != ".html":
         raise rc.InputError.about("The report", report, "a file that ends in .html")
     require_place(path, [path], maps)
-    require_matplotlib()
-    require_jinja()
+    require_packages(path.suffix)
     return [path]
+
+
+def require_packages(ending: str) -> None:
+    """Raise `MissingPackage` without the packages that write a file of this ending."""
+    # A report has figures.
+    if ending in {*PICTURES, ".html"}:
+        require_matplotlib()
+    if ending == ".html":
+        require_jinja()
+    if ending == ".nc":
+        require_netcdf()
 
 
 def require_place(path: Path, targets: Sequence[Path], maps: Sequence[Path]) -> None:

@@ -8,6 +8,7 @@ from typing import Any, TypeAlias
 
 import attrs
 
+from roughcontact._answers.laws import FilmLaw, InterfaceLaw
 from roughcontact._base.tables import Table
 from roughcontact._base.units import Estimate
 from roughcontact._faces.html.words import typeset
@@ -96,9 +97,20 @@ def draw_panels(kind: str, subject: ContactSolution | Sweep) -> Iterator[Picture
 
 def draw_curve(subject: StatePath) -> Picture:
     """Return the curve that a path draws."""
-    drawn = subject.plot()
-    picture = Picture("curve", f"The {subject.curve}.", write_png(drawn.figure))
-    forget_figure(drawn)
+    return Picture("curve", f"The {subject.curve}.", _write_axes(subject.plot()))
+
+
+def draw_columns(law: InterfaceLaw | FilmLaw) -> Iterator[Picture]:
+    """Yield the curves of the columns that a law shows."""
+    for name in law.short_table().columns:
+        if name in law.columns:
+            caption = f"The {name.replace('_', ' ')}, with two standard deviations by the grid as a band."
+            yield Picture(name, caption, _write_axes(law.plot(name)))
+
+
+def _write_axes(axes: Any) -> str:
+    picture = write_png(axes.figure)
+    forget_figure(axes)
     return picture
 
 

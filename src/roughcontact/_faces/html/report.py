@@ -11,6 +11,7 @@ from typing import Any, final
 
 import attrs
 
+from roughcontact._answers.laws import FilmLaw, InterfaceLaw
 from roughcontact._base.tables import Result
 from roughcontact._base.units import counted
 from roughcontact._faces.html.inputs import (
@@ -25,6 +26,7 @@ from roughcontact._faces.html.parts import (
     Figures,
     describe_responses,
     describe_verdict,
+    draw_columns,
     draw_curve,
     draw_panels,
     list_rows,
@@ -61,6 +63,8 @@ from roughcontact._work.reports import list_references, write_bibtex
 from roughcontact._work.studies import Answers, add_answers, list_answer_warnings
 
 _NO_ANSWERS: Answers = MappingProxyType({})
+# What curves show, in words.
+_ALL_NUMBERS = "The table has its numbers."
 
 
 @final
@@ -84,7 +88,17 @@ def write_page(result: Result, answers: Answers = _NO_ANSWERS) -> str:
 
     That of a law, a study or a report of errors has what a notebook shows.
     """
-    return make_page("result.html", title=repr(result).strip("<>"), shown=result._repr_html_())
+    return _write_result(result, None)
+
+
+@write_page.register
+def _write_law(law: InterfaceLaw | FilmLaw, answers: Answers = _NO_ANSWERS) -> str:
+    """Return the page of a law: its rows, and its columns drawn."""
+    return _write_result(law, Figures("Curves", list(draw_columns(law)) if can_draw() else None, _ALL_NUMBERS))
+
+
+def _write_result(result: Result, curves: Figures | None) -> str:
+    return make_page("result.html", title=repr(result).strip("<>"), shown=result._repr_html_(), curves=curves)
 
 
 @write_page.register
@@ -133,9 +147,7 @@ def _write_path(path: StatePath, answers: Answers = _NO_ANSWERS) -> str:
         results={name.capitalize(): [typeset(text)] for name, text in path._list_results().items()},
         rows=write_grid(add_answers(path.short_table(), answers), "The states, in their order"),
         warnings=[*path.warnings, *list_answer_warnings(answers)],
-        curves=Figures(
-            path.curve.capitalize(), [draw_curve(path)] if can_draw() else None, "The table has its numbers."
-        ),
+        curves=Figures(path.curve.capitalize(), [draw_curve(path)] if can_draw() else None, _ALL_NUMBERS),
         detailed="The last state" if state is path[-1] else f"The largest load, {name_load(state)}",
         script="" if problem is None else write_script(path, problem),
         plan=path.explain_plan(None if problem is None else problem.plan),
