@@ -53,7 +53,7 @@ from roughcontact_app.settings import (
 EXAMPLES: dict[str, Callable[[], HeightMap]] = {
     one.__name__: one for one in (examples.ground_ring, examples.ball, examples.lapped_plate, examples.honed_liner)
 }
-_MEASURED = ("file", "example")
+MEASURED = ("file", "example")
 # Points of a map that the page takes: it is read, drawn and planned while somebody waits. 8192 x 8192.
 _MOST_POINTS = 2**26
 # Settings of each of two files.
@@ -133,7 +133,7 @@ def make_scene(settings: Settings, upload: Upload | None, counterbody_upload: Up
     """Return the surfaces that the settings describe, or raise `InputError`."""
     kind = settings["surface"]
     counterbody = None
-    if kind in _MEASURED:
+    if kind in MEASURED:
         read, filled = _read(settings, upload) if kind == "file" else (_example(settings), 0)
         grid = read.grid
         source = _remove_form(settings, read)

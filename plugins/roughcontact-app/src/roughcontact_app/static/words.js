@@ -112,6 +112,7 @@ function summarizeContact(values, of) {
 function summarizeLoad(values, of) {
   const { load } = values;
   if (load === "cycle") return `approach ${values.cycle_from} to ${of("cycle_to", "cycle_unit")} and back`;
+  if (load === "film") return `film law over separations ${values.separations} Sq`;
   if (load === "fretting") return `${of("normal_force")}, pushed by ±${of("tangential_force")}`;
   const several = values.loads.trim().split(/[\s;]+/).length > 1;
   const name = { pressure: "mean pressure", force: "force", approach: "approach" }[load];
@@ -147,6 +148,7 @@ export function describe(values) {
   const load = {
     approach: `approach ${of("loads", "load_unit")}`,
     cycle: `approach from ${values.cycle_from} to ${of("cycle_to", "cycle_unit")} and back`,
+    film: `film law over ${values.separations} Sq`,
     fretting: `normal force ${of("normal_force")}, tangential force ±${of("tangential_force")}, friction ${values.friction}`,
   };
   if (["file", "example"].includes(values.surface) && values.counterbody_surface === "file") parts.push(describeOther(values, of));
