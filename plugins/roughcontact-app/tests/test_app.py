@@ -1350,6 +1350,42 @@ def test_scenes_are_shared_and_bounded(tmp_path, monkeypatch):
     assert np.array_equal(shared.surface.heights(shared.grid), made.surface.heights(made.grid))
 
 
+# Styluses
+
+
+def test_the_tip_of_a_stylus_is_taken_away(client):
+    grid = rc.Grid((48, 48), 48e-6)
+    rough = rc.SelfAffineSurface(hurst=0.8, rms_height=0.3e-6, shortest=8e-6, longest=48e-6, seed=1)
+    traced = rc.HeightMap(rough.heights(grid), grid.size).traced("10um")
+    file = io.BytesIO()
+    np.savez(file, heights=traced.values, size=grid.size)
+    _, found = client.upload("traced.npz", file.getvalue())
+    settings = {"surface": "file", "file": found["digest"], "form": "plane", "load": "pressure", "loads": "100"}
+    tip = {"tip_radius": "10"}
+    restored = traced.restored("10um")
+    shown = client.post("api/surface", {**settings, **tip})
+    assert ["Certain below the tip", f"{100 * restored.certain_fraction:.3g} % of the points"] in shown["rows"]
+    assert "restored below a tip of radius 10 µm" in " ".join(shown["history"])
+    assert not any("tip" in text for text in shown["warnings"])
+    assert "Certain" not in str(client.post("api/surface", settings)["rows"])
+    body = rc.Body(restored.detrend("plane"), rc.Elastic(210e9, 0.3))
+    area = rc.ContactProblem(body).solve(pressure=100e6).area()
+    state = client.wait(client.post("api/runs", {**settings, **tip})["id"])
+    quantities = {one["name"]: one for one in state["answers"][0]["quantities"]}
+    assert quantities["contact area"]["value"] == pytest.approx(area.value, rel=1e-9)
+    touched = quantities["part of the contact that the tip touched"]["value"]
+    assert touched == pytest.approx(area.certain_fraction)
+    # A blunter tip cannot have traced this map.
+    shown = client.post("api/surface", {**settings, "tip_radius": "40"})
+    assert any("sharper than the tip" in text for text in shown["warnings"])
+    for text in ("0", "-1", "x", "1e12"):
+        assert client.post("api/surface", {**settings, "tip_radius": text}, 422)["setting"] == "tip_radius"
+    other = {"counterbody_surface": "file", "counterbody_file": found["digest"]}
+    shown = client.post("api/surface", {**settings, **other, "counterbody_tip_radius": "10"})
+    assert "Certain" in str(shown["counterbody"]["rows"])
+    assert "Certain" not in str(shown["rows"])
+
+
 # Film laws
 
 FILM = {"surface": "self-affine", "cells": "32", "shortest": "8", "longest": "50", "boundary": "periodic"}

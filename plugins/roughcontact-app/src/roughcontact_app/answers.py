@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import math
 import re
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
@@ -47,6 +48,12 @@ def describe_solutions(
     `asked` is what responses have answered, one for each solution, by their names.
     """
     found = [list_quantities(solution) for solution in solutions]
+    certain = [solution.area().certain_fraction for solution in solutions]
+    if any(fraction is not None for fraction in certain):
+        for (quantities, _), fraction in zip(found, certain, strict=True):
+            quantities["part of the contact that the tip touched"] = Estimate(
+                math.nan if fraction is None else fraction, 0.0, ""
+            )
     for name, column in tabulate_answers(asked).items():
         words = _in_words(name)
         for (quantities, _), one in zip(found, column, strict=True):

@@ -76,6 +76,7 @@ _OF_FILE = {
     "size_unit": "um",
     "rows": "auto",
     "non_measured": "refuse",
+    **_split_units({"tip_radius": " um"}),
     "form": "none",
 }
 
