@@ -29,7 +29,7 @@ import roughcontact as rc
 from roughcontact._solve.solution.plausibility import PLAUSIBILITY_RULES
 from roughcontact._solve.solution.summary import list_all_warnings
 from roughcontact.faces import TYPICAL, gather_warnings, write_column
-from roughcontact.typing import Step
+from roughcontact.typing import Step, binary
 
 from roughcontact_app import AppServer, Session, laws, materials, preview, scene, work
 from roughcontact_app.answers import describe_solutions, describe_sweep, list_warnings, make_table, tabulate_path
@@ -1996,6 +1996,10 @@ def test_a_body_that_flows_is_that_of_a_script(client, volume):
     plan = client.post("api/plan", {**FLOWS, **SWIFT})
     assert plan["solves"] == 2
     assert 0.2 < plan["seconds"] < 20.0
+    # What flows below the surface counts, at the largest load.
+    below = problem.explain(force=2.0).memory
+    assert below > problem.plan.memory
+    assert plan["memory"].endswith(f"at most {binary(problem.plan.memory + below)}")
     state = client.wait(client.post("api/runs", {**FLOWS, **SWIFT})["id"])
     assert (state["phase"], state["notes"]) == ("done", []), state
     assert all(answer["certified"] for answer in state["answers"])

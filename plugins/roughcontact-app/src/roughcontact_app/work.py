@@ -6,6 +6,7 @@ import contextlib
 import functools
 import hashlib
 import json
+import math
 import pickle
 import time
 from collections.abc import Callable
@@ -238,15 +239,18 @@ def _plan(settings: Settings, sources: Sources, calibration: float) -> dict[str,
     asked_responses(settings)
     plan = problem.plan
     together = _has_coupled(problem)
-    # How much that is, the plan says in words at the largest load.
-    beside = ", without what the material adds below the surface" if together else ""
+    takes = explain_loads(problem, loads)
+    # What a material adds below the surface is known where it says so.
+    added = 0.0 if math.isnan(takes.memory) else takes.memory
+    least, most = (binary(memory + added) for memory in (plan.memory_at(0.0), plan.memory))
+    beside = ", without what the material adds below the surface" if together and math.isnan(takes.memory) else ""
     return {
         "loads": [str(load) for load in loads],
         "solves": _count_solves(settings, problem, loads),
-        "seconds": (1.0 if together else calibration) * _estimate_seconds(settings, problem, loads),
-        "memory": f"{binary(plan.memory_at(0.0))} at light contact, at most {binary(plan.memory)}{beside}",
+        "seconds": (1.0 if together else calibration) * _estimate_seconds(settings, problem, loads, takes.seconds),
+        "memory": f"{least} at light contact, at most {most}{beside}",
         "basis": _TOGETHER if together else _BASIS if calibration == 1.0 else _CORRECTED,
-        "text": explain_loads(problem, loads),
+        "text": str(takes),
         "warnings": [end_sentence(text) for text in plan.warnings],
     }
 
@@ -378,9 +382,14 @@ def list_forces(problem: ContactProblem, most: float) -> list[tuple[float, float
     return [(force, 0.0) for force in (*there[_STATES_TO_TURN:], *(-force for force in there), *there)]
 
 
-def _estimate_seconds(settings: Settings, problem: ContactProblem, loads: tuple[Load, ...]) -> float:
+def _estimate_seconds(
+    settings: Settings, problem: ContactProblem, loads: tuple[Load, ...], beside: float = 0.0
+) -> float:
+    """Return the time of all states; `beside` is what the laws of each take beside its contact, s, if that is known."""
     seconds = problem.plan.seconds
-    if _has_coupled(problem):
+    if beside > 0.0:
+        seconds += beside
+    elif _has_coupled(problem):
         minimum, ratio = _COST_COUPLED
         seconds = minimum + ratio * max(seconds - _MINIMUM_OF_SOLVE, 0.0)
     if is_path(settings):
