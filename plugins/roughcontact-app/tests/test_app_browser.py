@@ -241,6 +241,9 @@ def test_a_picture_is_fetched_when_its_tab_is_opened(page):
     page.find("solve").click()
     fetched = "return performance.getEntriesByType('resource').map(({ name }) => name.split('/').pop())"
     page.until(lambda: page.driver.find_elements(By.ID, "tab-patches"))
+    looks = {"gap": "field", "patch-sizes": "bars", "profile": "line"}
+    for panel, look in looks.items():
+        assert page.find(f"tab-{panel}").find_element(By.TAG_NAME, "svg").get_attribute("data-look") == look
     page.until(lambda: "pressure.png" in page.driver.execute_script(fetched))
     assert "gap.png" not in page.driver.execute_script(fetched)
     image = page.find("picture").find_element(By.TAG_NAME, "img")

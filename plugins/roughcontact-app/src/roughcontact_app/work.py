@@ -242,13 +242,13 @@ def _plan(settings: Settings, sources: Sources, calibration: float) -> dict[str,
     takes = explain_loads(problem, loads)
     # What a material adds below the surface is known where it says so.
     added = 0.0 if math.isnan(takes.memory) else takes.memory
-    least, most = (binary(memory + added) for memory in (plan.memory_at(0.0), plan.memory))
+    light, most = (binary(memory + added) for memory in (plan.memory_at(0.0), plan.memory))
     beside = ", without what the material adds below the surface" if together and math.isnan(takes.memory) else ""
     return {
         "loads": [str(load) for load in loads],
         "solves": _count_solves(settings, problem, loads),
         "seconds": (1.0 if together else calibration) * _estimate_seconds(settings, problem, loads, takes.seconds),
-        "memory": f"{least} at light contact, at most {most}{beside}",
+        "memory": f"{light} at light contact, at most {most}{beside}",
         "basis": _TOGETHER if together else _BASIS if calibration == 1.0 else _CORRECTED,
         "text": str(takes),
         "warnings": [end_sentence(text) for text in plan.warnings],

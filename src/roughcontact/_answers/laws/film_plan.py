@@ -21,7 +21,7 @@ _LAST_STEP = 1.0
 _MAX_SEPARATION = 100.0
 # Seconds of a row at least, seconds on 256 x 256 cells, and the power of the cells of what is more; bytes a cell of its
 # elimination. Measured on 64 to 1024 cells along a side at H = 0.5 and 2.
-_LEAST_SECONDS = 0.03
+_MINIMUM_SECONDS = 0.03
 _SECONDS = 0.5
 _EXPONENT = 1.16
 _BYTES = 1250
@@ -85,7 +85,7 @@ def plan_film(problem: ContactProblem, separation: Iterable[float], *, sampling:
 
 
 def _estimate_seconds(problem: ContactProblem) -> float:
-    return _LEAST_SECONDS + _SECONDS * (problem.plan.grid.cells / 256**2) ** _EXPONENT
+    return _MINIMUM_SECONDS + _SECONDS * (problem.plan.grid.cells / 256**2) ** _EXPONENT
 
 
 @guarded
