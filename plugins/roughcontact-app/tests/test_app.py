@@ -35,14 +35,13 @@ from roughcontact_app import AppServer, Session, laws, materials, preview, scene
 from roughcontact_app.answers import describe_solutions, describe_sweep, list_warnings, make_table, tabulate_path
 from roughcontact_app.command import _shown
 from roughcontact_app.connections import LIMIT
-from roughcontact_app.first import FIRST
 from roughcontact_app.outputs import make_law
 from roughcontact_app.pool import Pool
 from roughcontact_app.process import TaskEnded, Worker
 from roughcontact_app.progress import Progress
 from roughcontact_app.responses import ask_states
 from roughcontact_app.scene import make_loads, make_problem, make_scene
-from roughcontact_app.settings import DEFAULTS, chosen_laws, list_values, load_values, quantity, read_settings
+from roughcontact_app.settings import DEFAULTS, FIRST, chosen_laws, list_values, load_values, quantity, read_settings
 from roughcontact_app.uploads import shown_name
 from roughcontact_app.words import in_words_of_page
 

@@ -128,6 +128,22 @@ DEFAULTS: dict[str, str] = {
     **list_defaults([*TICK_BOXES.values(), *LAW_BOXES.values()]),
     "scheme": "light",
 }
+# With what the page opens: a ball on a plane, both of bearing steel, at 0.8 GPa: Hertz's contact radius is 55 um, a quarter of the side.
+FIRST: dict[str, str] = {
+    "surface": "sphere",
+    "radius": "5",
+    "radius_unit": "mm",
+    "side": "220",
+    "side_unit": "um",
+    "cells": "256",
+    "boundary": "free",
+    "counterbody": "deformable",
+    "hardness": "7",
+    "counterbody_hardness": "7",
+    "load": "force",
+    "loads": "5",
+    "load_unit": "N",
+}
 # Kinds of loads that have values.
 _LOADS = ("force", "pressure", "approach")
 _CHOICES_OF_BODY = {
