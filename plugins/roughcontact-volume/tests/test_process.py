@@ -1,5 +1,7 @@
 """Contacts whose body flows below its surface: closed forms, invariance, conditions, energy, and refusals."""
 
+import math
+
 import attrs
 import numpy as np
 import pytest
@@ -71,11 +73,19 @@ class TestForecast:
         depth = list_layers(problem.plan.grid, layers).sum()
         assert rows[0].startswith(f"box        {layers} layers to {depth * 1e6:.4g} µm at force")
         assert rows[1].startswith("flow       about 10 stresses")
+        plan = problem.explain(force=2.0 * FIRST_FORCE)
+        assert f"{plan.memory / 2**20:.3g} MiB" in rows[0]
+        # One strain of the box at least.
+        assert plan.memory > 8 * 6 * layers * problem.plan.grid.cells
+        assert plan.seconds > 0.0
 
     def test_of_loads_that_do_not_flow_or_are_refused(self):
-        assert "stays below the yield stress" in make_ball().explain(force=0.5 * FIRST_FORCE)
+        plan = make_ball().explain(force=0.5 * FIRST_FORCE)
+        assert "stays below the yield stress" in plan
+        assert plan.memory == 0.0
         assert "box        refused: A wrapped" in make_ball(boundary="wrapped").explain(force=FIRST_FORCE)
         assert "name a load" in make_ball().explain()
+        assert math.isnan(make_ball().explain().memory)
 
 
 class TestLoading:
