@@ -124,15 +124,13 @@ NON_MEASURED_LENGTH_STD = 0.35
 
 # --- benchmarks/layer_constants.py: spheres on layers, where E* depends on the wavelength ----------------------------
 
-# Inverse wave number at which the edge meets E*, cells.
-# Measured: rms error of the edge 0.025, 0.018, 0.057 cells with 0.25, 0.5 and 1.
-EDGE_LENGTH = 0.5
+# Inverse wave number at which the edge meets E*, cells, and that at which a contact meets it, radii of the contact.
+# Measured with 0.25, 0.5 and 1: rms error of the edge 0.025, 0.018, 0.057 cells; on layers of 1 and 3 cells, rms
+# relative error of Hertz's area 0.18, 0.14, 0.34.
+MODULUS_LENGTH = 0.5
 # Standard deviation of the position of the edge, cells times the logarithm of the change of E* over two octaves.
 # Measured on layers of 0.2 and 0.4 cells thickness: rms 0.093.
 LAYERED_POSITION_STD = 0.1
-# Inverse wave number at which a contact meets E*, radii of the contact.
-# Measured on layers of 1 and 3 cells: rms relative error of the area 0.18, 0.14, 0.34 with 0.25, 0.5 and 1.
-HERTZ_LENGTH = 0.5
 # Relative standard deviation of Hertz's area, times the logarithm of the change of E* over two octaves. Measured: 0.31.
 HERTZ_LAYERED_ERROR = 0.4
 
