@@ -85,7 +85,8 @@ def plan_film(problem: ContactProblem, separation: Iterable[float], *, sampling:
 
 
 def _estimate_seconds(problem: ContactProblem) -> float:
-    return _MINIMUM_SECONDS + _SECONDS * (problem.plan.grid.cells / 256**2) ** _EXPONENT
+    share: float = problem.plan.grid.cells / 256**2
+    return float(_MINIMUM_SECONDS + _SECONDS * share**_EXPONENT)
 
 
 @guarded
