@@ -12,6 +12,7 @@ from roughcontact import ContactProblem, Estimate, HeightMap, film_law
 from roughcontact.errors import InputError
 from roughcontact.faces import FilmPlan, plan_film, write_column
 from roughcontact.results import FilmLaw
+from roughcontact.typing import Array
 
 from roughcontact_app.answers import describe_quantity
 from roughcontact_app.outputs import Offers, Step, draw, offer_picture
@@ -72,7 +73,7 @@ def solve(settings: Settings, problem: ContactProblem, send: Callable[[dict[str,
 
 def describe(law: FilmLaw) -> list[dict[str, Any]]:
     """Return the answer at each separation: all columns with their uncertainty, and how much other places differ."""
-    columns = {
+    columns: dict[str, tuple[list[Estimate], Array | None]] = {
         "separation over Sq": ([Estimate(float(one), 0.0, "") for one in law.separations], None),
         "separation": ([Estimate(float(one * law.rms_height), 0.0, "m") for one in law.separations], None),
     }

@@ -128,7 +128,8 @@ DEFAULTS: dict[str, str] = {
     **list_defaults([*TICK_BOXES.values(), *LAW_BOXES.values()]),
     "scheme": "light",
 }
-# With what the page opens: a ball on a plane, both of bearing steel, at 0.8 GPa: Hertz's contact radius is 55 um, a quarter of the side.
+# With what the page opens: a ball on a plane, both of bearing steel, at 0.8 GPa. Hertz's contact radius is 55 um, a
+# quarter of the side.
 FIRST: dict[str, str] = {
     "surface": "sphere",
     "radius": "5",

@@ -49,7 +49,7 @@ class FilmPlan(ShownAsPrinted):
     memory: int
 
     def __str__(self) -> str:
-        low, high = self.separations[0], self.separations[-1]
+        low, *_, high = self.separations
         quarters = "" if self.states == len(self.separations) else f", {self.states} states with those of the quarters"
         rows = f"{counted(len(self.separations), 'separation')}, {low:g} to {high:g} Sq"
         return f"{rows}{quarters}: about {si(self.seconds, 's', 1)}, {binary(self.memory)}"
@@ -85,7 +85,8 @@ def plan_film(problem: ContactProblem, separation: Iterable[float], *, sampling:
 
 
 def _estimate_seconds(problem: ContactProblem) -> float:
-    return _MINIMUM_SECONDS + _SECONDS * (problem.plan.grid.cells / 256**2) ** _EXPONENT
+    share: float = problem.plan.grid.cells / 256**2
+    return float(_MINIMUM_SECONDS + _SECONDS * share**_EXPONENT)
 
 
 @guarded
