@@ -76,13 +76,16 @@ def find_yield_depth(grid: rc.Grid, boundary: rc.Boundary, material: Yielding, p
     stress = _press_probe(grid, boundary, material, pressure)
     pairs = zip(bottoms - thicknesses, bottoms, strict=True)
     parts = [_find_part_of_yield(material, stress[:, z], top, bottom) for z, (top, bottom) in enumerate(pairs)]
-    if max(parts) <= _NEAR_YIELD:
+    near = [z for z, part in enumerate(parts) if part > _NEAR_YIELD]
+    if not near:
         return 0.0
-    last = max(z for z, part in enumerate(parts) if part > _LOWEST_STRESS)
-    if last == len(bottoms) - 1:
+    if near[-1] == len(parts) - 1:
         require_depth(grid, math.inf)
     if material.residual is not None:
         # What is near its yield stress may lie anywhere in the layer.
+        return float(bottoms[near[-1]])
+    last = max(z for z, part in enumerate(parts) if part > _LOWEST_STRESS)
+    if last == len(parts) - 1:
         return float(bottoms[last])
     # Between the middles of two layers the stress falls as a power of the depth.
     upper, lower = (bottoms - 0.5 * thicknesses)[last : last + 2]
@@ -91,7 +94,7 @@ def find_yield_depth(grid: rc.Grid, boundary: rc.Boundary, material: Yielding, p
 
 
 def _find_part_of_yield(material: Yielding, stress: Array, top: float, bottom: float) -> float:
-    """Return the largest von Mises stress of a layer over the yield stress, with the residual stress at any depth of it.
+    """Return the largest von Mises stress in a layer over the yield stress, with the residual stress at any depth.
 
     The stress has shape (6, nx, ny), Pa; where there is a residual stress, what it adds to the von Mises stress of that
     counts, over what that leaves to the yield stress.

@@ -119,8 +119,8 @@ def solve_step(
 
     As an iteration :math:`x \leftarrow \Phi(x)` is a proximal-gradient step of length :math:`1/(2 c \mu)` on a convex
     energy, where the contact is solved for each stress, so that it converges for any load, any hardening and any factor
-    c above a half. Anderson's mixing accelerates it, of all bodies together; the last iterate is one of :math:`\Phi`, so that in each cell it has
-    the direction of a stress.
+    c above a half. Anderson's mixing accelerates it, of all bodies together; the last iterate is one of :math:`\Phi`,
+    so that in each cell it has the direction of a stress.
 
     Parameters
     ----------
