@@ -262,8 +262,8 @@ TIP_RISE_DEFICIT = (0.06, 0.55)
 # Resolution ratios between which the summits between the cells are lost.
 UNRESOLVED_RATIOS = (1.4, 2.0)
 # Standard deviation of the height of the highest summit over h^2 times the curvature under the contact: where they are
-# lost, at sharp rims as above, and over the root of the fraction of the load on filled cells, no unit.
-HIDDEN_RISE_STD = (0.05, 0.014, 0.5)
+# lost, and over the root of the fraction of the load on filled cells, no unit; at sharp rims that of the mean gap.
+HIDDEN_RISE_STD = (0.05, 0.5)
 # Excess of the length of a sharp edge through the middles of the sides of its cells, half of the 5.5 % that it has on
 # average in all directions and does not have along the grid, and its relative standard deviation. Set on round, square
 # and turned pillars, lands and dimples of 20 to 200 cells a side. Both grow with the logarithm of the ratio of the
