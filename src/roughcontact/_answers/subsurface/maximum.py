@@ -25,7 +25,7 @@ from roughcontact._solve.solution import ContactSolution
 
 # Factors of 1/n^2 and 1/n^4 in the relative error of the maximum at a depth of n cells: set on Hertz's balls and on
 # rough surfaces, and judged on others by docs/studies/stress.py.
-_GRID_ERROR_TERMS = (0.008, 0.0015)
+_GRID_ERROR_TERMS = (0.012, 0.004)
 # Error by the distance of the depths, over the rise of the parabola above the largest value at a depth.
 _INTERPOLATION_ERROR = 0.3
 # Smallest relative error: by float32 and by the tolerance of the solver.
@@ -37,12 +37,9 @@ _STRAIGHT_STD = 0.015
 MIN_DEPTH_CELLS = 2.0
 # Weight of the relative uncertainty of that pressure. Set on rough surfaces of two to four cells a shortest wave.
 _PEAK_WEIGHT = 0.7
-# Weight of the difference of that pressure from the highest of the cells, over the latter, by which the stress is
-# more, and the part of it that is uncertain. Excess of the stress by uniform pressure on the cells, times n^4. Set on
-# 112 smooth contacts: at half a cell the stress was 2 to 8 % more, at 0.75 cells 1 %.
-_CELL_WEIGHT = 0.75
-_CORRECTED_PART = 0.3
-_CELL_EXCESS = 0.0028
+# Weight of the difference of that pressure from the highest of the cells, over the latter. Set on 106 smooth contacts:
+# ridges one to two cells wide lack 37 to 57 % of the pressure and 32 to 47 % of the stress.
+_CELL_WEIGHT = 0.49
 # Relative error of a maximum at the surface inside a contact, where cells may smooth a larger one at its edge.
 _SURFACE_ERROR = 0.03
 # Distance of the depths on both sides of an interface, over its depth: that of rounding.
@@ -178,8 +175,7 @@ def find_maximum(depths: Array, peaks: Sequence[PlanePeak], scale: float, cell: 
             rise = float(np.polyval(coefficients, shift)) - value
             value = value + rise
             depth = depth * (math.exp(shift) if logarithmic else 1.0 + shift)
-    # At half a cell its error is known: the stress there is that of whole cells.
-    elif not at_surface and not (top == 0 < values.size - 1 and depth <= (1.0 + _SIDE) * _FIRST_DEPTH_CELLS * cell):
+    elif not at_surface:
         end = "the smallest" if top == 0 else "the largest"
         text = f"the maximum lies at {end} of the depths, {si(depth, 'm')}: beyond it there may be a larger one"
         warnings.append(WarningText(text, "depths", depth))
@@ -224,8 +220,7 @@ def judge_depth(found: StressMaximum, solution: ContactSolution) -> StressMaximu
     cells = found.depth / max(solution.grid.resolved.spacing)
     if found.value <= 0.0:
         return found
-    value = found.value
-    relative = found.uncertainty / value
+    relative = found.uncertainty / found.value
     if find_spanning_patches(solution).any():
         relative = math.hypot(relative, _STRAIGHT_STD / max(cells, 1.0) ** 1.5)
     if cells < MIN_DEPTH_CELLS:
@@ -233,11 +228,8 @@ def judge_depth(found: StressMaximum, solution: ContactSolution) -> StressMaximu
         # The stress is that of the pressure of the cells, whose highest may be far from the maximum between them.
         highest = solution.parts.highest(float(np.max(solution.pressure)))
         lacking = _CELL_WEIGHT * (peak.value / highest - 1.0)
-        if cells > 0.0:
-            value *= (1.0 + lacking) / (1.0 + _CELL_EXCESS / max(cells, _FIRST_DEPTH_CELLS) ** 4)
-            lacking *= _CORRECTED_PART
         relative = math.hypot(relative, _PEAK_WEIGHT * peak.uncertainty / peak.value, lacking)
-    return warn_of_depth(attrs.evolve(found, value=value, uncertainty=relative * value), solution)
+    return warn_of_depth(attrs.evolve(found, uncertainty=relative * found.value), solution)
 
 
 def warn_of_depth(found: StressMaximum, solution: ContactSolution) -> StressMaximum:
