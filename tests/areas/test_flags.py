@@ -185,3 +185,13 @@ def test_most_unbounded_pressures_of_machined_surfaces_are_found_and_no_smooth_o
     for rows in (edged, smooth):
         for answer in answers:
             assert judged.cover(rows, answer, "two grids").within >= 0.9
+
+
+@pytest.mark.parametrize(("power", "sharp"), [(1.0, True), (2.0, False)])
+@pytest.mark.parametrize(("shape", "size"), [((63, 75), (1.0, 1.2)), ((48, 96), (1.0, 2.0))])
+def test_a_flat_with_a_rounded_border_is_not_sharp_and_one_with_a_bevel_is(shape, size, power, sharp):
+    grid = rc.Grid(shape, size)
+    outside = np.maximum(np.hypot(grid.x - 0.007, grid.y + 0.003) - 0.25, 0.0)
+    for pressure in (2e-3, 8e-3):
+        flags = press(-0.02 * (outside / 0.06) ** power, size, pressure=pressure).response("flags")
+        assert flags.unbounded is sharp

@@ -173,6 +173,9 @@ RESIDUAL_PEAK_STD = 0.08
 # one: of compact patches; its increase on ridges (twice on rows of single cells); and its increase times the number of
 # cells; no unit.
 OPEN_NEIGHBOUR_ERROR = (0.1, 0.12, 4.0)
+# Relative standard deviation of the maximum pressure by the load on a long ridge: at least, and over the square of the
+# ratio. Set on ridges of one to four cells: 0.001 to 0.06.
+RIDGE_PEAK_ERROR = (0.02, 0.05)
 # Relative standard deviation for tips: the sharpness from which a part of it is added, the sharpness from which all of
 # it is added, and its size times the fourth root of the number of cells; no unit. Set on r^1.5.
 TIP_PEAK_ERROR = (0.3, 0.36, 0.45)

@@ -20,7 +20,7 @@ from roughcontact._answers.areas.cells import (
     gather_around,
     split,
 )
-from roughcontact._base.arrays import Array, IntArray
+from roughcontact._base.arrays import Array, IntArray, Mask
 from roughcontact._base.units import Estimate, ShownAsPrinted, percent
 from roughcontact._solve.solution import ContactSolution, Response, heal, responses
 from roughcontact.errors import InputError
@@ -29,6 +29,8 @@ from roughcontact.errors import InputError
 _LINES = NEIGHBOUR_STEPS[::2]
 # Steps to the cells in contact in line inwards from a side, whose pressures tell whether it rises outwards.
 _ROW = (0, -1, -2, -3)
+# Steps outwards from the last cell in contact.
+_BEYOND = (0, 1, 2, 3)
 # Pressure of the second cell from a sharp edge at most over that of the innermost of the row.
 _FLATNESS = 0.9
 # Gap beyond a sharp edge, times E* over the cell, over the pressure beside it, at least.
@@ -190,25 +192,38 @@ def _find_sharp_fraction(solution: ContactSolution) -> float:
     rising = np.flatnonzero((outermost > row[1]) & (row[1] > row[2]) & (row[2] > _FLATNESS * row[3]))
     opening = solution.gap.ravel().take(edge.walk(direction[rising], facing[rising], (1,))[0]) * _modulus(solution)
     step = np.repeat(solution.grid.spacing, 2)[direction[rising]]
-    found = outermost[rising][opening > _MIN_OPENING * step * outermost[rising]]
+    beyond = solution.initial_gap.ravel().take(edge.walk(direction[rising], facing[rising], _BEYOND))
+    found = outermost[rising][(opening > _MIN_OPENING * step * outermost[rising]) & ~_is_rounded(beyond)]
     beside, sharp, sides = solution.parts.total(np.array((outermost.sum(), found.sum(), found.size)))
     return float(sharp / beside) if sides >= _MIN_SIDES and sharp > _MIN_FRACTION * beside else 0.0
 
 
 def _lies_at_step(solution: ContactSolution, cell: IntArray) -> bool:
     """Return whether the contact ends at a step of the heights beside this cell, and the heights inward are flat."""
-    contact = gather_around(solution.contact.view(np.uint8), cell, 2, solution.boundary)[..., 0]
-    gap = gather_around(solution.initial_gap, cell, 2, solution.boundary)[..., 0]
-    for touching, rise in ((contact[:, 2], gap[:, 2]), (contact[2], gap[2])):
+    middle = _BEYOND[-1]
+    contact = gather_around(solution.contact.view(np.uint8), cell, middle, solution.boundary)[..., 0]
+    gap = gather_around(solution.initial_gap, cell, middle, solution.boundary)[..., 0]
+    for touching, rise in ((contact[:, middle], gap[:, middle]), (contact[middle], gap[middle])):
         for outward in (1, -1):
-            rises = (rise - rise[2])[::outward]
+            rises = (rise - rise[middle])[::outward]
+            inward = slice(middle - 2, middle)
             if (
-                touching[::outward][:2].all()
-                and not touching[2 + outward]
-                and np.abs(rises[:2]).max() < _MAX_FLAT_RATIO * rises[3]
+                touching[::outward][inward].all()
+                and not touching[middle + outward]
+                and np.abs(rises[inward]).max() < _MAX_FLAT_RATIO * rises[middle + 1]
+                and not _is_rounded(rises[middle:])
             ):
                 return True
     return False
+
+
+def _is_rounded(beyond: Array) -> Mask:
+    """Return whether the gap from the last cell in contact outwards, shape (4, ...), bends away over several cells.
+
+    Beyond a sharp edge it bends at the edge alone.
+    """
+    first, second = np.diff(beyond, 2, axis=0)
+    return np.asarray((first > 0.0) & (2.0 * second > first))
 
 
 def _find_jump(solution: ContactSolution, top: IntArray) -> float:

@@ -27,8 +27,6 @@ _QUARTIC_FACTOR = -32.0 / 45.0
 _MAX_STRIP_BEND_RATIO = 0.002
 # Distance from a free border, in cells, within which the spline through the heights is less certain.
 _BORDER_CELLS = 3.0
-# Weights of five cells in the third difference.
-_THIRD_DIFFERENCE = np.array((-0.5, 1.0, 0.0, -1.0, 0.5))
 # Square of the pressure beside the highest cell over its own, up to which that neighbour is as good as open: beside a
 # ridge two cells wide it was 0.0006, and the maximum 17 % too small.
 _MIN_INNER_PRESSURE = 0.02
@@ -39,6 +37,12 @@ _MAX_QUARTIC_CHANGE = 0.2
 # Bend of the gap three cells from a tip over that beside it, at least, and the latter over that at it, at most.
 _MIN_TIP_BEND = 0.08
 _MAX_TIP_BEND = 0.84
+# Cells on each side of the highest, within which a ridge ends, and the largest change of its load over its length to
+# the next cell, and curvature along it over that across it.
+_RIDGE_REACH = 3
+_MAX_RIDGE_BEND = 0.1
+# Coefficients of the polynomial through five cells, from the constant on.
+_POLYNOMIAL = np.linalg.inv(np.vander(np.arange(-TIP_REACH, TIP_REACH + 1.0), increasing=True))
 # Distance of the maximum from the centre of the highest cell, in cells along an axis: half the diagonal.
 _MAX_OFFSET_CELLS = 0.71
 # Standard deviation of the maximum pressure of surfaces that loads have changed, over that of the quadratic, over the
@@ -71,12 +75,14 @@ class PeakPressure(Quantity):
     r"""Maximum of the contact pressure, Pa.
 
     Each patch has the maximum :math:`\tfrac{3F}{2A}(1 - \tfrac{32}{45} c_4 a^2 / c_2)` of a summit
-    :math:`c_2 r^2 + c_4 r^4`, A its area, and that of a quadratic through p^2 around its highest cell, weighted by the
-    inverse of their variances. Where the pressure is limited the maximum is at most the limit.
+    :math:`c_2 r^2 + c_4 r^4`, A its area, that of a quadratic through p^2 around its highest cell, and on a long ridge
+    :math:`\sqrt{P k E^* / \pi}` by its load P over its length and its curvature k, weighted by the inverse of their
+    variances. Where the pressure is limited the maximum is at most the limit.
 
     References
     ----------
     Popov, Hess, Willert, Handbook of Contact Mechanics (2019), sec. 2.3.8, https://doi.org/10.1007/978-3-662-58709-6
+    Johnson, Contact Mechanics (1985), eq. 4.45, https://doi.org/10.1017/CBO9781139171731
     """
 
     # Bounded maxima lie away from the edges and creases that both grids tell of.
@@ -108,7 +114,11 @@ class PeakPressure(Quantity):
         sharpness = _find_sharpness(solution, highest)
         quadratic, quadratic_std = _fit_quadratics(solution, highest, sharpness)
         with np.errstate(all="ignore"):
+            ridge, ridge_std = _find_ridges(solution, highest)
             summit, summit_std = _find_summits(solution, area, highest)
+            weight = np.where(np.isfinite(ridge_std), quadratic_std**2 / (quadratic_std**2 + ridge_std**2), 0.0)
+            quadratic_std = np.where(weight > 0.0, np.sqrt(weight) * ridge_std, quadratic_std)
+        quadratic = weight * ridge + (1.0 - weight) * quadratic
         weight = np.where(np.isfinite(summit_std), quadratic_std**2 / (quadratic_std**2 + summit_std**2), 0.0)
         value = weight * np.where(np.isfinite(summit_std), summit, 0.0) + (1.0 - weight) * quadratic
         std = value * np.sqrt(weight) * np.where(np.isfinite(summit_std), summit_std, 0.0)
@@ -222,7 +232,7 @@ def _fit_quadratics(solution: ContactSolution, highest: IntArray, sharpness: Arr
     mean = -0.5 * (fxx + fyy) / here
     difference = np.hypot(0.5 * (fxx - fyy), fxy) / here
     across = np.abs(mean + difference)
-    skew = np.hypot(_THIRD_DIFFERENCE @ along_x, _THIRD_DIFFERENCE @ along_y) / here
+    skew = 6.0 * np.hypot(_POLYNOMIAL[3] @ along_x, _POLYNOMIAL[3] @ along_y) / here
     first, skewed, cubic = calibration.PEAK_ERROR
     blunt = calibration.BLUNT_PEAK_ERROR * np.clip(-sharpness / calibration.BLUNT_SHARPNESS, 0.0, 1.0)
     # Along a straight strip all cells have the same error; on an oblique ridge the highest cell lies nearer its crest.
@@ -244,6 +254,55 @@ def _fit_quadratics(solution: ContactSolution, highest: IntArray, sharpness: Arr
     lacking *= np.where(narrow, 1.0, min(curvature_resolution(solution), 1.0) ** 2)
     error = np.where(open_, np.maximum(error, lacking), error)
     return np.sqrt(np.maximum(top - excess, 0.0)), error
+
+
+def _find_ridges(solution: ContactSolution, highest: IntArray) -> tuple[Array, Array]:
+    """Return the maximum pressure of each patch as a long ridge, and its relative error; infinite without a ridge.
+
+    The load over the length is that of the cells, however few are in contact across it, and its crest between the cells
+    that of a polynomial.
+    """
+    none = np.zeros(highest.size), np.full(highest.size, np.inf)
+    # With layers the modulus of a ridge depends on its width; what loads before have left is not a ridge.
+    if solution.moduli is not None or solution.capped or solution._is_changed:
+        return none
+    gap = _gather(solution, solution.initial_gap, highest, TIP_REACH)
+    near = _gather(solution, solution.pressure, highest, _RIDGE_REACH)
+    dx, dy = solution.grid.spacing
+    bend_x = (gap[1, 2] - 2.0 * gap[2, 2] + gap[3, 2]) / dx**2
+    bend_y = (gap[2, 1] - 2.0 * gap[2, 2] + gap[2, 3]) / dy**2
+    twist = (gap[3, 3] + gap[1, 1] - gap[1, 3] - gap[3, 1]) / (4.0 * dx * dy)
+    half = np.hypot(0.5 * (bend_x - bend_y), twist)
+    larger = 0.5 * (bend_x + bend_y) + half
+    along = np.abs(larger - 2.0 * half) / larger
+    # The square of the cosine of the angle of its normal to x, and the axis that crosses it in the fewer cells.
+    along_x = 0.5 + 0.25 * (bend_x - bend_y) / half
+    crosses = along_x * dy**2 >= (1.0 - along_x) * dx**2
+    cosine = np.sqrt(np.where(crosses, along_x, 1.0 - along_x))
+    step = np.where(crosses, dx, dy)
+    lines = np.where(crosses, near, np.swapaxes(near, 0, 1))
+    across = np.where(crosses, gap[:, 2], gap[2])
+    ways = lines[_RIDGE_REACH:], lines[_RIDGE_REACH::-1]
+    inside = [np.logical_and.accumulate(way > 0.0, axis=0) for way in ways]
+    ends = ~(inside[0][-1] | inside[1][-1])[_RIDGE_REACH]
+    loads = sum(np.sum(way, where=part, axis=0) for way, part in zip(ways, inside, strict=True))
+    loads = loads - lines[_RIDGE_REACH]
+    here = loads[_RIDGE_REACH]
+    _, slope, square, cubic, quartic = _POLYNOMIAL @ across
+    crest = np.clip(-0.5 * slope / square, -_MAX_OFFSET_CELLS, _MAX_OFFSET_CELLS)
+    at_crest = 2.0 * square + crest * (6.0 * cubic + 12.0 * crest * quartic)
+    modulus = float(solution.effective_modulus(1.0 / math.sqrt(solution.grid.resolved.cell_area)))
+    # Of an oblique ridge the highest cell lies nearer its crest, not where its load is largest.
+    most = loads.max(axis=0)
+    pressure = np.sqrt(modulus * most * at_crest / (np.pi * step * cosine))
+    smallest, unresolved = calibration.RIDGE_PEAK_ERROR
+    uneven = 0.25 * np.ptp(loads, axis=0) / most
+    bent = 0.25 * (np.diff(across, 2, axis=0)[1] / at_crest - 1.0)
+    error = np.sqrt(smallest**2 + uneven**2 + bent**2 + (unresolved * curvature_resolution(solution) ** 2) ** 2)
+    beside = loads[_RIDGE_REACH - 1 : _RIDGE_REACH + 2]
+    long = (along < _MAX_RIDGE_BEND) & (np.abs(beside - here).max(axis=0) < _MAX_RIDGE_BEND * here)
+    known = long & ends & (square > 0.0) & (at_crest > 0.0) & ~_find_cut(solution, highest, _RIDGE_REACH)
+    return np.where(known, pressure, 0.0), np.where(known & np.isfinite(pressure), error, np.inf)
 
 
 def _is_bounded(solution: ContactSolution, highest: IntArray) -> bool:
@@ -269,12 +328,12 @@ def _find_step(solution: ContactSolution, highest: IntArray) -> tuple[float, flo
     return here, here - float(beside[1])
 
 
-def _find_cut(solution: ContactSolution, cells: IntArray) -> Mask:
-    """Return which cells lie at a free border, which cuts the contact there."""
+def _find_cut(solution: ContactSolution, cells: IntArray, reach: int = 0) -> Mask:
+    """Return which cells lie at a free border, which cuts the contact there, or so many cells from it."""
     nx, ny = solution.grid.shape
     i, j = np.divmod(cells, ny)
     free_x, free_y = solution.boundary.free_axes
-    return np.asarray(free_x & ((i == 0) | (i == nx - 1)) | free_y & ((j == 0) | (j == ny - 1)))
+    return np.asarray(free_x & (np.minimum(i, nx - 1 - i) <= reach) | free_y & (np.minimum(j, ny - 1 - j) <= reach))
 
 
 def _is_highest_at_border(solution: ContactSolution, highest: IntArray) -> bool:
