@@ -7,16 +7,16 @@ import numpy as np
 
 from roughcontact._base.arrays import Array, Mask, Pair, RealArray
 
-# Of a light wave, with u = cos^2 of its angle to the normal of a face, flow and dragged film err little in second order,
-# in any direction, if the film in the middle of the face is that of the four cells in line with it (9/16 and -1/16 of
-# each) and the weights of the harmonic mean and of the trapezoidal rule are -5/4 + 9/4 u - 3/2 u^2 and these. With the
+# Of a light wave, with u = cos^2 of its angle to the normal of a face, flow and dragged film err in second order, in
+# any direction, by little if the film in the middle of the face is that of the four cells in line with it (9/16 and
+# -1/16 of each) and the weights of harmonic mean and trapezoidal rule are -5/4 + 9/4 u - 3/2 u^2 and these. With the
 # mean of two cells the flow along oblique grooves is up to a quarter too small. The first ones are larger by
 # (u - u^2) / 2, by which the error of rough gaps in contact is least (draw 91 of benchmarks/edged_classes.py).
 _CUBE_WEIGHTS = (-1.25, 2.75, -2.0)
 _DRAG_WEIGHTS = (-1.0, 1.5, -1.0)
 # Where the film varies across the face alone, the harmonic mean and the trapezoidal rule are exact, and the middle is
-# not used: both change to that by this power of u, which is small on surfaces of many directions.
-_ALIGNED_POWER = 512
+# not used: both change to that by u squared so many times, u^512, which is small on surfaces of many directions.
+_ALIGNED_SQUARINGS = 9
 # Least film in the middle over the mean of both cells: beside throats four cells may give none.
 _MIN_MIDDLE = 0.5
 
@@ -35,6 +35,8 @@ class Faces:
         Films of the first and of the second cell.
     cosine
         Squared cosine of the angle between the slope of the film and the normal of each face.
+    aligned
+        How far the film varies across each face alone: 1 if it does, mostly 0 else.
     middle
         Film in the middle of each face over the mean of both.
     """
@@ -45,6 +47,7 @@ class Faces:
     first_film: Array
     second_film: Array
     cosine: Array
+    aligned: Array
     middle: Array
 
     @property
@@ -88,7 +91,7 @@ class Faces:
         """Return a weight that is 1 where the film varies across the face alone."""
         constant, slope, bend = weights
         rest = 1.0 - constant - slope - bend
-        return np.asarray(constant + self.cosine * (slope + bend * self.cosine) + rest * self.cosine**_ALIGNED_POWER)
+        return np.asarray(constant + self.cosine * (slope + bend * self.cosine) + rest * self.aligned)
 
 
 def make_faces(film: Array, number: RealArray, *, steps: Pair, wraps: tuple[bool, bool]) -> Faces:
@@ -108,8 +111,8 @@ def make_faces(film: Array, number: RealArray, *, steps: Pair, wraps: tuple[bool
     squares = [_slope(film, axis, steps[axis], wrapped=wraps[axis]) ** 2 for axis in (0, 1)]
     parts = [_pair(film, number, squares[1 - axis], axis, steps[axis], wrapped=wraps[axis]) for axis in (0, 1)]
     joined = (np.concatenate(columns) for columns in zip(*parts, strict=True))
-    first, second, first_film, second_film, cosine, middle = joined
-    return Faces(first, second, parts[0][0].size, first_film, second_film, cosine, middle)
+    first, second, first_film, second_film, cosine, aligned, middle = joined
+    return Faces(first, second, parts[0][0].size, first_film, second_film, cosine, aligned, middle)
 
 
 def _slope(film: Array, axis: int, step: float, *, wrapped: bool) -> Array:
@@ -123,8 +126,8 @@ def _slope(film: Array, axis: int, step: float, *, wrapped: bool) -> Array:
 
 def _pair(
     film: Array, number: RealArray, across: Array, axis: int, step: float, *, wrapped: bool
-) -> tuple[RealArray, RealArray, Array, Array, Array, Array]:
-    """Return cells and films of the faces that are crossed along an axis, their cosines and middles (see `Faces`).
+) -> tuple[RealArray, RealArray, Array, Array, Array, Array, Array]:
+    """Return cells and films of the faces that are crossed along an axis, and what else `Faces` has of them, in order.
 
     `across` is the squared slope along the other axis. Faces over the border come last.
     """
@@ -142,12 +145,15 @@ def _pair(
         cosine = np.divide(normal, squared, out=np.ones_like(squared), where=squared > 0.0)
         # The mean of two cells less a sixteenth of both second differences is that of four.
         risen = -0.125 * (bend[one][both] + bend[other][both]) / (first_film + second_film)
-        middle = np.maximum(1.0 + (1.0 - cosine**_ALIGNED_POWER) * risen, _MIN_MIDDLE)
-        found.append((number[one][both], number[other][both], first_film, second_film, cosine, middle))
-    first, second, first_film, second_film, cosine, middle = (
+        aligned = cosine.copy()
+        for _ in range(_ALIGNED_SQUARINGS):
+            aligned *= aligned
+        middle = np.maximum(1.0 + (1.0 - aligned) * risen, _MIN_MIDDLE)
+        found.append((number[one][both], number[other][both], first_film, second_film, cosine, aligned, middle))
+    first, second, first_film, second_film, cosine, aligned, middle = (
         np.concatenate(columns) for columns in zip(*found, strict=True)
     )
-    return first, second, first_film, second_film, cosine, middle
+    return first, second, first_film, second_film, cosine, aligned, middle
 
 
 def _bend(film: Array, axis: int, *, wrapped: bool) -> Array:
