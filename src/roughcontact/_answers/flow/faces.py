@@ -11,13 +11,13 @@ from roughcontact._base.arrays import Array, Mask, Pair, RealArray
 # any direction, by little if the film in the middle of the face is that of the four cells in line with it (9/16 and
 # -1/16 of each) and the weights of harmonic mean and trapezoidal rule are -5/4 + 9/4 u - 3/2 u^2 and these. With the
 # mean of two cells the flow along oblique grooves is up to a quarter too small. The first ones are larger by
-# (u - u^2) / 2, by which the error of rough gaps in contact is least (draw 91 of benchmarks/edged_classes.py).
+# (u - u^2) / 2, by which the error of rough gaps in contact is smallest (draw 91 of benchmarks/edged_classes.py).
 _CUBE_WEIGHTS = (-1.25, 2.75, -2.0)
 _DRAG_WEIGHTS = (-1.0, 1.5, -1.0)
 # Where the film varies across the face alone, the harmonic mean and the trapezoidal rule are exact, and the middle is
 # not used: both change to that by u squared so many times, u^512, which is small on surfaces of many directions.
 _ALIGNED_SQUARINGS = 9
-# Least film in the middle over the mean of both cells: beside throats four cells may give none.
+# Smallest film in the middle over the mean of both cells: beside throats four cells may give none.
 _MIN_MIDDLE = 0.5
 
 
