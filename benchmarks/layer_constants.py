@@ -40,7 +40,7 @@ def measure() -> dict[str, float]:
     """Return rms errors for each length tried, and errors over the logarithm of the change of E*."""
     rng = np.random.default_rng(0)
     errors, shifts, scatter = [], [], []
-    in_use = calibration.EDGE_LENGTH, calibration.HERTZ_LENGTH
+    in_use = calibration.MODULUS_LENGTH
     for ratio, thickness in itertools.product(RATIOS, THICK + THIN):
         centre = tuple(rng.random(2) - 0.5)
         true = press(ratio, thickness, FINER * CELLS, centre).area("level-set").value
@@ -54,15 +54,17 @@ def measure() -> dict[str, float]:
         scatter.append((found.area.sum() / true - 1.0) / change)
         tried = []
         for length in LENGTHS:
-            calibration.EDGE_LENGTH, calibration.HERTZ_LENGTH = length, length
+            calibration.MODULUS_LENGTH = length
             traced = trace_edges(attrs.evolve(solution))
             tried.append((traced.area.sum() - true) / traced.strip.sum())
             # What was found for a solution is kept, so that this is another one.
             tried.append(hertz_areas(attrs.evolve(solution)).area.sum() / true - 1.0)
-        calibration.EDGE_LENGTH, calibration.HERTZ_LENGTH = in_use
+        calibration.MODULUS_LENGTH = in_use
         errors.append(tried)
-    names = [f"{name} {length}" for length in LENGTHS for name in ("EDGE_LENGTH, cells", "HERTZ_LENGTH, relative")]
-    found = {f"rms error with {name}": rms(of) for name, of in zip(names, np.transpose(errors), strict=True)}
+    names = [f"{name} {length}" for length in LENGTHS for name in ("cells", "radii")]
+    found = {
+        f"rms error with MODULUS_LENGTH, {name}": rms(of) for name, of in zip(names, np.transpose(errors), strict=True)
+    }
     return found | {"LAYERED_POSITION_STD (rms)": rms(shifts), "HERTZ_LAYERED_ERROR (rms)": rms(scatter)}
 
 

@@ -11,6 +11,7 @@ In a page, or in several, a table stands between two comments:
 Its script has TABLES = {"capped-ball": DocTable(make_rows, seconds=20)}, where make_rows() returns lines of cells,
 the heading first. All of them are kept in docs/tables/capped-ball.csv. A page shows what a reader needs to decide
 something: DocTable(..., shown=pick(columns=["N", "error, %"])) leaves the others to that file, to which the page links.
+With shown=show_none a figure of the page shows what the table holds, and nothing stands between the comments.
 
 Where all lines take long, `some_of` names in make_rows() the cases that the tests compute again.
 """
@@ -117,6 +118,11 @@ def gather(groups: Mapping[str, Sequence[str]], columns: Mapping[str, str]) -> C
     return choose
 
 
+def show_none(rows: Rows) -> Rows:
+    """Return no lines, for a table that a figure of its page shows."""
+    return []
+
+
 def span(cells: Sequence[str]) -> str:
     """Return the smallest and the largest of cells that hold one number each; empty ones do not count."""
     filled = sorted((cell for cell in cells if cell), key=lambda cell: float(cell.split()[0]))
@@ -127,7 +133,9 @@ def span(cells: Sequence[str]) -> str:
 
 
 def format_rows(rows: Rows) -> str:
-    """Return the lines as a table of Markdown."""
+    """Return the lines as a table of Markdown; nothing without lines."""
+    if not rows:
+        return ""
     heading, *lines = ["| " + " | ".join(row) + " |" for row in rows]
     return "\n".join([heading, "|---" * len(rows[0]) + "|", *lines])
 
@@ -172,7 +180,8 @@ def write(name: str, rows: Rows, quiet: bool = False, shown: Callable[[Rows], Ro
 def _renew(match: re.Match[str], name: str, rows: Rows) -> str:
     if match["name"] != name:
         return match[0]
-    return f"<!-- table: {name}, by {match['script']} -->\n\n{format_rows(rows)}\n\n<!-- end of table -->"
+    text = f"\n{format_rows(rows)}\n\n" if rows else ""
+    return f"<!-- table: {name}, by {match['script']} -->\n{text}<!-- end of table -->"
 
 
 def read(name: str) -> list[list[str]]:

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import attrs
 import numpy as np
-from doc_tables import DocTable, pick, read, some_of, write_tables
+from doc_tables import DocTable, read, show_none, some_of, write_tables
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -155,14 +155,10 @@ def main(wave: list[list[str]], rough_lines: list[list[str]], folder: Path = FIG
 
 
 TIMES = ("solve, s", "blend, s")
-# The columns of the page.
-SHOWN = ("N", "cell-count, %", "level-set, %", "hertz, %", "blend, %")
 TABLES = {
-    "wave-estimators": DocTable(
-        lambda: make_table(measure_wave()), seconds=40, timed=TIMES, units=2, shown=pick(SHOWN, ("100", "1024"))
-    ),
+    "wave-estimators": DocTable(lambda: make_table(measure_wave()), seconds=40, timed=TIMES, units=2, shown=show_none),
     "rough-estimators": DocTable(
-        lambda: make_table(measure_rough()), seconds=30, timed=TIMES, units=2, shown=pick(SHOWN, ("64", "512"))
+        lambda: make_table(measure_rough()), seconds=30, timed=TIMES, units=2, shown=show_none
     ),
 }
 

@@ -32,6 +32,12 @@ def ball() -> HeightMap:
 
     The ball has a radius of 5 mm. Its roughness is isotropic, Sq about 12 nm, Hurst exponent 0.8, waves of 8 µm and
     more with a roll-off at 40 µm. It is tilted by 0.5 mrad, as it may lie under an instrument.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> print(rc.examples.ball().grid.shape)
+    (256, 256)
     """
     grid = Grid((256, 256), 256e-6)
     rough = _crop(
@@ -47,6 +53,13 @@ def ground_ring() -> HeightMap:
     The raceway is a cylinder of radius 15 mm around an axis along x. Grinding left a lay along y, around the ring: Sq
     about 150 nm, Hurst exponent 0.8, waves across the lay of 8 µm and more with a roll-off at 32 µm, five times as long
     along it. The map is tilted by about 0.5 mrad.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> ring = rc.examples.ground_ring().detrend("plane")  # what is pressed
+    >>> print(f"Sq {1e9 * ring.separate(2).roughness.values.std():.0f} nm")
+    Sq 153 nm
     """
     grid = Grid((256, 256), 256e-6)
     ground = SelfAffineSurface(
@@ -68,6 +81,13 @@ def lapped_plate() -> HeightMap:
 
     It is flat and isotropic, and lapping has left more deep valleys than high summits: Sq about 50 nm, skewness about
     -0.9, waves of 4 µm and more. The map is tilted by 2 mrad.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> plate = rc.examples.lapped_plate().detrend("plane")
+    >>> print(f"Sq {1e9 * plate.values.std():.0f} nm")
+    Sq 51 nm
     """
     grid = Grid((128, 128), 64e-6)
     lapped = SelfAffineSurface(hurst=0.8, rms_height=1.0, shortest=4e-6, longest=32e-6, rolloff=8e-6, seed=2)
@@ -81,6 +101,13 @@ def honed_liner() -> HeightMap:
     The bore, of radius 41 mm, has its axis along x. Two lays cross at 25 degrees to either side of y; valleys are
     deeper than summits are high: Sq about 0.24 µm, waves of two cells and more. As in optical measurements the bottoms
     of the deepest valleys, 1 % of the points, are not measured.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> liner = rc.examples.honed_liner()
+    >>> print(f"{100 * liner.non_measured.mean():.0f} % are not measured")
+    1 % are not measured
     """
     grid = Grid((256, 192), (512e-6, 384e-6))
     heights = grid.y**2 / (2 * 41e-3)
@@ -117,6 +144,14 @@ def write(folder: str | os.PathLike[str] = ".") -> tuple[Path, ...]:
     ------
     InputError
         If a file of one of these names holds something else; then none is written.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import roughcontact as rc
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     print(*(path.name for path in rc.examples.write(folder)))
+    ball.npz ring.npz map.npz liner.npz map.csv
     """
     target = checks.path(folder, "The folder of the examples")
     target.mkdir(parents=True, exist_ok=True)

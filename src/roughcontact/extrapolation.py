@@ -71,6 +71,12 @@ def exponential(cells: Sequence[float], values: Sequence[float]) -> Extrapolatio
     ------
     InputError
         If there are fewer than two grids, or the data are not finite numbers.
+
+    Examples
+    --------
+    >>> from roughcontact.extrapolation import exponential
+    >>> print(f"{exponential([64, 128, 256, 512], [1.6, 1.3, 1.1, 1.05]).value:.3f}")
+    1.048
     """
     x, y = _sort_data(cells, values)
     scales = np.geomspace(0.05 * x[0], 50.0 * x[-1], 400)
@@ -85,6 +91,12 @@ def power_law(cells: Sequence[float], values: Sequence[float]) -> Extrapolation:
     r"""Return the limit of a power of the cell size, fitted by least squares; arguments as for `exponential`.
 
     .. math:: A(x) = A_0 + c\,h^q, \quad h = 1/x
+
+    Examples
+    --------
+    >>> from roughcontact.extrapolation import power_law
+    >>> print(f"{power_law([64, 128, 256], [1.4, 1.2, 1.1]).value:.3f}")
+    1.000
     """
     x, y = _sort_data(cells, values)
     h = x[0] / x

@@ -7,13 +7,15 @@ input            `build_problem`, `build_part`, `build_layer`, `build_response`;
                  `describe_response`, `ResponseForm`; a part in a line, `summarize`, and its fields, `list_fields`,
                  `PartField`, and the parts that one may hold, `find_parts`; typical materials by name, `TYPICAL`
 the machine      `available_threads`, `limit_address_space`
-a run            `explain_loads`, `prepare_path`, `run_sweep`, `ask_states`
+a run            `explain_loads`, `prepare_path`, `run_sweep`, `ask_states`; of a film law `space_separations`,
+                 `plan_film`, `FilmPlan`
 words            `name_load`, `list_quantities`, `describe_other_places`, `gather_warnings`, `exceeds_metals`,
                  `list_answer_warnings`
 tables, reports  `tabulate_answers`, `write_column`, `write_report`
 ===============  ==================================================================================================
 """
 
+from roughcontact._answers.laws import FilmPlan, plan_film, space_separations
 from roughcontact._base.machine import available_threads, limit_address_space
 from roughcontact._base.registry import PartField, list_fields, summarize
 from roughcontact._base.units import write_column
@@ -42,6 +44,7 @@ from roughcontact._work.studies import (
 
 __all__ = [
     "TYPICAL",
+    "FilmPlan",
     "PartField",
     "ResponseForm",
     "ask_states",
@@ -61,8 +64,10 @@ __all__ = [
     "list_fields",
     "list_quantities",
     "name_load",
+    "plan_film",
     "prepare_path",
     "run_sweep",
+    "space_separations",
     "summarize",
     "tabulate_answers",
     "write_column",

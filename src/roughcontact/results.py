@@ -4,7 +4,7 @@
 of                   classes
 ===================  ==============================================================================================
 a solution           `ContactFields`, `ContactPatches`, `Certificate`, `Condition`, `Residuals`, `Origin`, `Accuracy`,
-                     `Trial`, `TheoryBeside`, `Stickiness`, `WarningText`
+                     `Trial`, `TheoryBeside`, `Stickiness`, `WarningText`, `WorkText`
 a problem            `SolvePlan`, `RequiredLoad`
 several loads        `Path`, of which `Sweep`, `AdhesionCycle` and `LoadPath` are kinds; `RunIn`, `Cycle`,
                      `InterfaceLaw`, `LawColumn`, `PowerFit`, `FilmLaw`, `FilmFit`
@@ -21,7 +21,7 @@ Those of responses are in `roughcontact.responses`.
 
 from roughcontact._answers.laws import FilmFit, FilmLaw, InterfaceLaw, LawColumn, PowerFit
 from roughcontact._answers.refinement import BeyondResolution, Ladder
-from roughcontact._base.units import WarningText
+from roughcontact._base.units import WarningText, WorkText
 from roughcontact._parts.files import LineScans
 from roughcontact._parts.surfaces import MatchedPair, Separated
 from roughcontact._solve.problem import (
@@ -101,4 +101,5 @@ __all__ = [
     "Trial",
     "Verdict",
     "WarningText",
+    "WorkText",
 ]

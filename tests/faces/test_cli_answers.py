@@ -406,6 +406,7 @@ def test_a_shell_completes_commands_and_options(run, tmp_path):
 
     assert complete("roughcontact so", 1) == ["solve"]
     assert complete("roughcontact solve --area", 2) == ["--area-within", "--area"]
+    assert set(complete("roughcontact solve --help", 2)) == {"--help", "--help-all"}
     assert "self-affine" in complete("roughcontact surface s", 2)
 
 
@@ -430,7 +431,7 @@ def test_fish_completes_commands_and_options(run):
     assert "--hurst" in complete("roughcontact surface self-affine --h")
 
 
-BLOCKED = ("matplotlib", "pint", "rich", "pandas", "xarray", "h5py", "h5netcdf", "shtab", "pyamg", "tqdm")
+BLOCKED = ("matplotlib", "jinja2", "pint", "rich", "pandas", "xarray", "h5py", "h5netcdf", "shtab", "pyamg", "tqdm")
 CORE = f"""
 import sys
 

@@ -66,7 +66,7 @@ class TestFilm:
             (["--separation", "4..1"], "is not a range"),
             (["--separation", "1", "1um"], "1um"),
             (["--separation", "1"], "two or more"),
-            (["--separation", "1", "2", "-o", "film.txt"], "ends in .csv, .json"),
+            (["--separation", "1", "2", "-o", "film.txt"], "ends in .csv, .html, .json"),
         ],
     )
     def test_bad_input_gets_a_sentence(self, run, change, words):

@@ -163,6 +163,7 @@ class TestMissingPackages:
             ("c.nc", "xarray", "store"),
             ("c.nc", "h5netcdf", "store"),
             ("c.html", "matplotlib", "plot"),
+            ("c.html", "jinja2", "report"),
             ("folder", "matplotlib", "plot"),
         ],
     )

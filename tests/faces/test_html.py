@@ -136,6 +136,15 @@ class TestContent:
         assert not list(tree.iter("img"))
         assert "pip install 'roughcontact[plot]'" in text_of(tree)
 
+    def test_without_jinja_the_extra_is_named_and_a_notebook_shows_the_answer(self, tmp_path, monkeypatch):
+        solution = solve()
+        monkeypatch.setitem(sys.modules, "jinja2", None)
+        for write in (solution.save, solution.to_html):
+            with pytest.raises(rc.MissingPackage, match=r"pip install 'roughcontact\[report\]'"):
+                write(tmp_path / "report.html")
+        assert not list(tmp_path.iterdir())
+        assert "contact area" in solution._repr_html_()
+
     def test_the_scene_has_the_file_the_date_and_materials_in_words(self):
         height_map = make_map(("read from my ring: 2.x3p: 32 x 32 cells on 64 µm x 64 µm", "the best plane subtracted"))
         tree = read(solve(height_map, rc.ElasticPerfectlyPlastic(200e9, 0.3, 2e9)).to_html())
@@ -193,6 +202,13 @@ class TestContent:
         assert digest_of(height_map.values) in words
         assert "read from ring.x3p; the best plane subtracted" in words
         assert "roughness shorter than 4 µm is not included" in words
+
+    def test_a_tip_that_is_taken_away_is_among_the_inputs(self):
+        height_map = make_map().traced("20um").restored("20um")
+        words = text_of(read(solve(height_map).to_html()))
+        restored = height_map.history[-1]
+        assert restored.startswith("restored below a tip of radius 20 µm, certain at ")
+        assert restored in words.partition("Inputs")[2]
 
     def test_hostile_texts_stay_texts(self):
         named = type("<img src=x onerror=alert(1)>", (rc.FlatSurface,), {"__repr__": lambda self: HOSTILE})

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from roughcontact._faces.html.elements import escape, quantity
+from roughcontact._faces.html.words import escape, typeset
 from roughcontact._solve.problem import write_number
 
 ROOT = Path(__file__).parents[2]
@@ -22,6 +22,6 @@ def test_numbers_are_exact_and_short():
 
 
 def test_units_are_raised_and_texts_escaped():
-    assert quantity("(1.0 +- 0.1) % of nominal, 360 µm2 [a<b]") == "(1.0 ± 0.1) % of nominal, 360 µm² [a&lt;b]"
-    assert quantity("2 mm3/s, 5 W/(m2 K)") == "2 mm³/s, 5 W/(m² K)"
-    assert escape("a\x00\x1b\ufffe\udc80b\n") == "a????b\n"
+    assert typeset("(1.0 +- 0.1) % of nominal, 360 µm2 [a<b]") == "(1.0 ± 0.1) % of nominal, 360 µm² [a<b]"
+    assert typeset("2 mm3/s, 5 W/(m2 K)") == "2 mm³/s, 5 W/(m² K)"
+    assert escape("a\x00\x1b\ufffe\udc80<b\n") == "a????&lt;b\n"

@@ -16,6 +16,7 @@ import pytest
 import roughcontact as rc
 
 HEAVY = {
+    "jinja2",
     "matplotlib",
     "pint",
     "rich",

@@ -160,6 +160,7 @@ def make_results(tmp_path):
     return [
         problem.sweep(pressure=loads),
         rc.interface_law(problem, loads),
+        rc.film_law(problem, [1.0, 3.0], sampling=False),
         rc.Study({"wave": problem}, pressure=loads).run(tmp_path),
         rc.error_vs_time(problem, pressure=50e6, cells=[16], repeats=1),
         rc.stability(problem, pressure=50e6),
@@ -187,5 +188,7 @@ def test_each_result_has_table_file_text_and_page(tmp_path):
         if not isinstance(result, rc.results.Sweep):
             # The page of a sweep states the numbers at each load with their uncertainties instead.
             assert all(" ".join(heading.split()) in texts for heading in headings)
+        if isinstance(result, (rc.results.InterfaceLaw, rc.results.FilmLaw)):
+            assert len(list(tree.iter("img"))) == len(set(result.columns) & set(result.short_table().columns)) > 1
         found = result._repr_html_()
         assert all(f"<th>{html.escape(heading)}</th>" in found for heading in headings)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import sys
 from pathlib import Path
 
@@ -23,6 +24,16 @@ def test_the_page_holds_what_the_script_wrote(name):
         text = page.read_text(encoding="utf-8")
         held = [match["text"].strip() for match in doc_tables.MARKED.finditer(text) if match["name"] == name]
         assert held == [wanted], f"{page.name}: python docs/studies/doc_tables.py {name}"
+
+
+def test_the_picture_of_the_uncertainties_shows_the_stored_tables():
+    pytest.importorskip("matplotlib")
+    image = importlib.import_module("PIL.Image")
+    plus_minus = importlib.import_module("plus_minus")
+    dots = plus_minus.find_dots()
+    assert {dot.answer for dot in dots} == set(plus_minus.ROWS)
+    with image.open(plus_minus.PICTURE) as picture:
+        assert picture.text["Comment"] == plus_minus.list_numbers(dots), "python docs/studies/plus_minus.py"
 
 
 def test_every_stored_table_is_in_a_page():
@@ -88,6 +99,17 @@ def test_a_table_is_written_between_its_marks(monkeypatch, tmp_path):
     assert doc_tables.read("one") == [["N", "error"], ["64", "2"]]
     with pytest.raises(SystemExit, match="no page has a table 'two'"):
         doc_tables.write("two", [["N"]])
+
+
+def test_a_figure_may_stand_for_a_table(monkeypatch, tmp_path):
+    page = tmp_path / "page.md"
+    mark = "<!-- table: one, by docs/studies/x.py -->\n<!-- end of table -->\n"
+    page.write_text(mark.replace("-->\n<", "-->\n\n| N |\n|---|\n| 64 |\n\n<"), encoding="utf-8")
+    monkeypatch.setattr(doc_tables, "PAGES", [page])
+    monkeypatch.setattr(doc_tables, "STORE", tmp_path / "tables")
+    doc_tables.write("one", [["N"], ["64"]], quiet=True, shown=doc_tables.show_none)
+    assert page.read_text(encoding="utf-8") == mark
+    assert doc_tables.read("one") == [["N"], ["64"]]
 
 
 def test_a_page_may_show_a_part_of_a_table():

@@ -126,7 +126,7 @@ class TestShort:
 
     def test_a_notebook_shows_no_picture_of_a_large_solution_or_without_matplotlib(self, monkeypatch):
         solution = rough_problem().solve(pressure=1e8)
-        monkeypatch.setattr("roughcontact._faces.html.report._MAX_PICTURE_CELLS", 100)
+        monkeypatch.setattr("roughcontact._faces.html.notebook._MAX_PICTURE_CELLS", 100)
         assert "<img" not in solution._repr_html_()
         monkeypatch.undo()
         monkeypatch.setitem(sys.modules, "matplotlib", None)

@@ -264,6 +264,29 @@ def test_a_hardness_changes_the_film_less_than_the_separation():
     assert (law["mean_gap"].values > law.separations * law.rms_height).all()
 
 
+def test_a_plan_counts_what_is_solved(monkeypatch):
+    problem = pair(rough(cells=32))
+    for sampling, states in ((True, 10), (False, 2)):
+        counts = []
+        plan = rc.faces.plan_film(problem, [3.0, 1.0], sampling=sampling)
+        law = rc.film_law(problem, [3.0, 1.0], sampling=sampling, on_row=lambda *both, to=counts: to.append(both))
+        assert counts == [(done, states) for done in range(1, states + 1)]
+        assert (plan.states, plan.separations) == (states, tuple(law.separations))
+    assert rc.faces.plan_film(pair(rough(cells=64)), [1.0, 3.0]).seconds > plan.seconds
+    with pytest.raises(rc.InputError, match="on_row= must be a function of 2 arguments, done, total"):
+        rc.film_law(problem, [1.0, 3.0], on_row=lambda done: None)
+    monkeypatch.setattr("roughcontact._base.machine.available_memory", lambda: 2**20)
+    with pytest.raises(rc.InputError, match="A film law needs"):
+        rc.faces.plan_film(pair(rough(cells=128)), [1.0, 3.0])
+
+
+def test_a_range_has_steps_between_which_lines_hold():
+    assert rc.faces.space_separations(2.0, 5.5) == [2.0, 2.25, 2.5, 3.0, 3.5, 4.0, 5.0, 5.5]
+    for first, last in ((0.0, 1.0), (2.0, 2.0), (1.0, 101.0)):
+        with pytest.raises(rc.InputError, match="separation of a range must be a finite number"):
+            rc.faces.space_separations(first, last)
+
+
 class TestFits:
     law = rc.film_law(pair(rough(32)), [0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 4.0], sampling=False)
 

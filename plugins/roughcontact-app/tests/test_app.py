@@ -27,22 +27,20 @@ import numpy as np
 import pytest
 import roughcontact as rc
 from roughcontact._solve.solution.plausibility import PLAUSIBILITY_RULES
-from roughcontact._solve.solution.summary import list_all_warnings
-from roughcontact.faces import TYPICAL, gather_warnings, write_column
-from roughcontact.typing import Step
+from roughcontact.faces import TYPICAL, gather_warnings, list_quantities, write_column
+from roughcontact.typing import Step, binary
 
 from roughcontact_app import AppServer, Session, laws, materials, preview, scene, work
 from roughcontact_app.answers import describe_solutions, describe_sweep, list_warnings, make_table, tabulate_path
 from roughcontact_app.command import _shown
 from roughcontact_app.connections import LIMIT
-from roughcontact_app.first import FIRST
 from roughcontact_app.outputs import make_law
 from roughcontact_app.pool import Pool
 from roughcontact_app.process import TaskEnded, Worker
 from roughcontact_app.progress import Progress
 from roughcontact_app.responses import ask_states
 from roughcontact_app.scene import make_loads, make_problem, make_scene
-from roughcontact_app.settings import DEFAULTS, chosen_laws, list_values, load_values, quantity, read_settings
+from roughcontact_app.settings import DEFAULTS, FIRST, chosen_laws, list_values, load_values, quantity, read_settings
 from roughcontact_app.uploads import shown_name
 from roughcontact_app.words import in_words_of_page
 
@@ -1350,6 +1348,145 @@ def test_scenes_are_shared_and_bounded(tmp_path, monkeypatch):
     assert np.array_equal(shared.surface.heights(shared.grid), made.surface.heights(made.grid))
 
 
+# Styluses
+
+
+def test_the_tip_of_a_stylus_is_taken_away(client):
+    grid = rc.Grid((48, 48), 48e-6)
+    rough = rc.SelfAffineSurface(hurst=0.8, rms_height=0.3e-6, shortest=8e-6, longest=48e-6, seed=1)
+    traced = rc.HeightMap(rough.heights(grid), grid.size).traced("10um")
+    file = io.BytesIO()
+    np.savez(file, heights=traced.values, size=grid.size)
+    _, found = client.upload("traced.npz", file.getvalue())
+    settings = {"surface": "file", "file": found["digest"], "form": "plane", "load": "pressure", "loads": "100"}
+    tip = {"tip_radius": "10"}
+    restored = traced.restored("10um")
+    shown = client.post("api/surface", {**settings, **tip})
+    assert ["Certain below the tip", f"{100 * restored.certain_fraction:.3g} % of the points"] in shown["rows"]
+    assert "restored below a tip of radius 10 µm" in " ".join(shown["history"])
+    assert not any("tip" in text for text in shown["warnings"])
+    assert "Certain" not in str(client.post("api/surface", settings)["rows"])
+    body = rc.Body(restored.detrend("plane"), rc.Elastic(210e9, 0.3))
+    area = rc.ContactProblem(body).solve(pressure=100e6).area()
+    state = client.wait(client.post("api/runs", {**settings, **tip})["id"])
+    quantities = {one["name"]: one for one in state["answers"][0]["quantities"]}
+    assert quantities["contact area"]["value"] == pytest.approx(area.value, rel=1e-9)
+    touched = quantities["part of the contact that the tip touched"]["value"]
+    assert touched == pytest.approx(area.certain_fraction)
+    # A blunter tip cannot have traced this map.
+    shown = client.post("api/surface", {**settings, "tip_radius": "40"})
+    assert any("sharper than the tip" in text for text in shown["warnings"])
+    for text in ("0", "-1", "x", "1e12"):
+        assert client.post("api/surface", {**settings, "tip_radius": text}, 422)["setting"] == "tip_radius"
+    other = {"counterbody_surface": "file", "counterbody_file": found["digest"]}
+    shown = client.post("api/surface", {**settings, **other, "counterbody_tip_radius": "10"})
+    assert "Certain" in str(shown["counterbody"]["rows"])
+    assert "Certain" not in str(shown["rows"])
+
+
+# Film laws
+
+FILM = {"surface": "self-affine", "cells": "32", "shortest": "8", "longest": "50", "boundary": "periodic"}
+FILM |= {"load": "film", "separations": "0.5..1 3"}
+
+
+@pytest.mark.slow
+def test_a_film_law_is_that_of_a_script(client, tmp_path):
+    rough = rc.SelfAffineSurface(hurst=0.8, rms_height=1e-7, shortest=8e-6, longest=50e-6, seed=1)
+    body = rc.Body(rough, rc.Elastic(210e9, 0.3))
+    problem = rc.ContactProblem(body, grid=rc.Grid((32, 32), 1e-4), boundary="periodic")
+    law = rc.film_law(problem, [0.5, 0.75, 1.0, 3.0])
+    plan = client.post("api/plan", FILM)
+    assert (plan["solves"], plan["loads"][1]) == (4, "0.75 Sq")
+    assert "4 separations, 0.5 to 3 Sq, 20 states with those of the quarters" in plan["text"]
+    assert plan["seconds"] > 0
+    run = client.post("api/runs", {**FILM, "film_units": "mm"})["id"]
+    state = client.wait(run)
+    assert state["phase"] == "done", state
+    # A text may be of another thread's rounding.
+    for row, answer in enumerate(state["answers"]):
+        known = {one["name"]: one for one in answer["quantities"]}
+        assert known["separation over Sq"]["value"] == law.separations[row]
+        for name, column in law.columns.items():
+            one = known[name.replace("_", " ")]
+            size = np.abs(column.values).max()
+            assert one["value"] == pytest.approx(column.values[row], rel=1e-9, abs=1e-12 * size)
+            assert one["uncertainty"] == pytest.approx(column.uncertainties[row], rel=1e-6, abs=1e-12 * size)
+            if column.sampling is not None:
+                assert one["sampling"] == pytest.approx(column.sampling[row], rel=1e-6)
+    assert state["warnings"] == [f"{text.rstrip('.')}." for text in law.warnings]
+    law.to_csv(tmp_path / "film.csv")
+    law.to_json(tmp_path / "film.json")
+    law.to_comsol(tmp_path / "film-comsol.txt", units="mm")
+    law.to_text(tmp_path / "phi-xx.txt", "phi_xx", units="mm")
+    for path in tmp_path.iterdir():
+        served, by_script = (
+            re.findall(r"-?\d+\.\d+e[-+]\d+|-?\d+\.\d+", text)
+            for text in (client.get(f"runs/{run}/{path.name}").decode(), path.read_text(encoding="utf-8"))
+        )
+        # Of 1 +- 1e-10 only the order is known.
+        assert len(served) == len(by_script) > 0, path
+        pairs = zip(map(float, served), map(float, by_script), strict=True)
+        assert all(one == pytest.approx(other, rel=1e-6, abs=1e-9) for one, other in pairs), path
+    assert client.get(f"runs/{run}/phi-s-xx.png").startswith(b"\x89PNG")
+    assert "report" not in {one["role"] for one in state["outputs"]}
+
+
+def test_a_map_of_a_film_law_is_mirrored_at_its_borders(client):
+    rough = rc.SelfAffineSurface(hurst=0.8, rms_height=1e-7, shortest=8e-6, longest=25e-6, seed=2)
+    heights = rough.heights(rc.Grid((32, 24), (4e-5, 3e-5)))
+    file = io.BytesIO()
+    np.savez(file, heights=heights, size=(4e-5, 3e-5))
+    _, found = client.upload("liner.npz", file.getvalue())
+    settings = {"surface": "file", "file": found["digest"], "boundary": "periodic", "load": "film"}
+    settings |= {"separations": "1 2", "sampling": "no"}
+    for mirrored, surface in (
+        ("yes", rc.HeightMap(heights, (4e-5, 3e-5)).mirror_borders()),
+        ("no", rc.HeightMap(heights, (4e-5, 3e-5))),
+    ):
+        body = rc.Body(surface, rc.Elastic(210e9, 0.3))
+        law = rc.film_law(rc.ContactProblem(body, boundary="periodic"), [1.0, 2.0], sampling=False)
+        state = client.wait(client.post("api/runs", {**settings, "mirror_borders": mirrored})["id"])
+        quantities = {one["name"]: one for one in state["answers"][0]["quantities"]}
+        assert quantities["phi xx"]["value"] == pytest.approx(law["phi_xx"].values[0], rel=1e-9)
+        assert "sampling" not in quantities["phi xx"]
+    other = {"counterbody_surface": "file", "counterbody_file": found["digest"]}
+    answer = client.post("api/plan", {**settings, **other}, 422)
+    assert answer["setting"] == "mirror_borders"
+    client.post("api/plan", {**settings, **other, "mirror_borders": "no"})
+
+
+@pytest.mark.parametrize(
+    ("changed", "setting"),
+    [
+        ({"separations": "1"}, "separations"),
+        ({"separations": "0.5..4..5"}, "separations"),
+        ({"separations": "4..1"}, "separations"),
+        ({"separations": "1 1"}, "separations"),
+        ({"separations": "0 1"}, "separations"),
+        ({"separations": ""}, "separations"),
+        ({"separations": "1..100"}, "separations"),
+        ({"surface": "sphere"}, "surface"),
+        ({"ball": "1"}, "ball"),
+        ({"boundary": "free"}, "boundary"),
+        ({"adhesion": "exponential"}, "adhesion"),
+        ({"ask_stiffness": "yes"}, "ask_stiffness"),
+    ],
+)
+def test_a_film_law_that_is_not_known_is_refused(client, changed, setting):
+    answer = client.post("api/plan", {**FILM, **changed}, 422)
+    assert answer["setting"] == setting
+    assert answer["error"].endswith(".")
+
+
+@pytest.mark.slow
+def test_a_film_law_is_cancelled(client):
+    run = client.post("api/runs", {**FILM, "cells": "512", "separations": "0.5..8"})["id"]
+    client.wait(run, ("solving",))
+    client.post(f"api/cancel/{run}", {})
+    assert client.wait(run)["phase"] == "cancelled"
+
+
 # Without a server
 
 
@@ -1857,6 +1994,10 @@ def test_a_body_that_flows_is_that_of_a_script(client, volume):
     plan = client.post("api/plan", {**FLOWS, **SWIFT})
     assert plan["solves"] == 2
     assert 0.2 < plan["seconds"] < 20.0
+    # What flows below the surface counts, at the largest load.
+    below = problem.explain(force=2.0).memory
+    assert below > problem.plan.memory
+    assert plan["memory"].endswith(f"at most {binary(problem.plan.memory + below)}")
     state = client.wait(client.post("api/runs", {**FLOWS, **SWIFT})["id"])
     assert (state["phase"], state["notes"]) == ("done", []), state
     assert all(answer["certified"] for answer in state["answers"])
@@ -2150,10 +2291,11 @@ def test_the_saturated_area_warns_on_the_page_and_in_its_table():
     body = rc.Body(surface, rc.ElasticPerfectlyPlastic(210e9, 0.3, 7e9))
     problem = rc.ContactProblem(body, grid=rc.Grid((48, 48), 48e-6), boundary="periodic")
     solution = problem.solve(force=1.0)
-    found = [text for text in list_all_warnings(solution) if text.startswith("The saturated area is uncertain: ")]
+    warnings = list_quantities(solution)[1]
+    found = [text for text in warnings if text.startswith("The saturated area is uncertain: ")]
     assert found
     (answer,) = describe_solutions([solution])
-    assert answer["warnings"] == [f"{text.rstrip('.')}." for text in list_all_warnings(solution)]
+    assert answer["warnings"] == [f"{text.rstrip('.')}." for text in warnings]
     assert found[0] in make_table([answer])
     force = {**answer["quantities"][3], "value": 5 - 1e-15}
     assert "\r\n5.0,0.0,converged" in make_table([{**answer, "quantities": [force]}])

@@ -241,6 +241,9 @@ def test_a_picture_is_fetched_when_its_tab_is_opened(page):
     page.find("solve").click()
     fetched = "return performance.getEntriesByType('resource').map(({ name }) => name.split('/').pop())"
     page.until(lambda: page.driver.find_elements(By.ID, "tab-patches"))
+    looks = {"gap": "field", "patch-sizes": "bars", "profile": "line"}
+    for panel, look in looks.items():
+        assert page.find(f"tab-{panel}").find_element(By.TAG_NAME, "svg").get_attribute("data-look") == look
     page.until(lambda: "pressure.png" in page.driver.execute_script(fetched))
     assert "gap.png" not in page.driver.execute_script(fetched)
     image = page.find("picture").find_element(By.TAG_NAME, "img")
@@ -829,6 +832,31 @@ def test_the_file_that_the_browser_is_given_leads_to_the_page(page, tmp_path, mo
 def test_the_driver_is_the_system_own():
     assert Path(DRIVER).exists()
     assert Path(CHROMIUM).exists()
+
+
+def test_a_film_law_is_read_drawn_and_downloaded(page):
+    page.open_example()
+    page.set("load", "film")
+    assert page.text("boundary-note") == "The border was free; for a film law it is now periodic."
+    for name, text in {"surface": "self-affine", "cells": "48", "shortest": "8", "separations": "1..2 9"}.items():
+        page.set(name, text)
+    page.until(lambda: page.text("plan").startswith("6 separations, about"))
+    page.find("solve").click()
+    page.until(lambda: page.text("headline") == "6 separations solved; at 1.75 Sq:")
+    assert page.text("numbers").startswith("phi xx")
+    assert "other places ±" in page.text("numbers")
+    assert page.text("places").startswith("Fits beside the columns: greenwood-tripp: factor ")
+    Select(page.find("curve-quantity")).select_by_value("asperity pressure")
+    page.find("curve").send_keys(Keys.HOME)
+    assert page.text("curve-point").startswith("separation over Sq 1: asperity pressure ")
+    assert "MPa; other places ± " in page.text("curve-point")
+    # What the form has changed is kept with another surface, and refused at its field.
+    page.set("surface", "example")
+    assert page.setting("boundary") == "periodic"
+    page.set("boundary", "free")
+    page.until(lambda: "needs a domain that repeats" in page.text("wrong"))
+    assert page.download("self-affine-film.csv").read_text(encoding="utf-8").startswith("separation_over_sq,")
+    assert page.download("self-affine-phi-xx.txt").read_text(encoding="utf-8").startswith("# separation_m phi_xx")
 
 
 def test_a_cycle_of_surfaces_that_attract_each_other(page):

@@ -38,7 +38,7 @@ UNIT_FORCE = 2 * math.pi / 3 * FIRST
 UNIT_APPROACH = 1 / RADIUS
 # A load under which nothing yields.
 ELASTIC_LOAD = 0.9
-LOADS = (10.0, 100.0, 2.0)
+LOADS = (10.0, 100.0, 2.0, 5.0, 20.0, 50.0)
 # Elements along the contact radius at the largest load, and steps up to it.
 COUNT = 24
 # Over the radius of Hertz at the load.

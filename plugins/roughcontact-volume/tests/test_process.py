@@ -1,5 +1,7 @@
 """Contacts whose body flows below its surface: closed forms, invariance, conditions, energy, and refusals."""
 
+import math
+
 import attrs
 import numpy as np
 import pytest
@@ -7,7 +9,8 @@ import roughcontact as rc
 from roughcontact.typing import LoadIncrement
 
 from roughcontact_volume import LinearHardening, Plastic, PlasticFlow, SwiftHardening, VolumeOperators
-from roughcontact_volume.box import list_layers
+from roughcontact_volume.box import count_layers, find_yield_depth, list_layers
+from roughcontact_volume.forecast import make_elastic
 
 YOUNG, POISSON, LIMIT, RADIUS = 210e9, 0.3, 1e9, 1e-3
 MODULUS = YOUNG / (1.0 - POISSON**2)
@@ -71,11 +74,19 @@ class TestForecast:
         depth = list_layers(problem.plan.grid, layers).sum()
         assert rows[0].startswith(f"box        {layers} layers to {depth * 1e6:.4g} µm at force")
         assert rows[1].startswith("flow       about 10 stresses")
+        plan = problem.explain(force=2.0 * FIRST_FORCE)
+        assert f"{plan.memory / 2**20:.3g} MiB" in rows[0]
+        # One strain of the box at least.
+        assert plan.memory > 8 * 6 * layers * problem.plan.grid.cells
+        assert plan.seconds > 0.0
 
     def test_of_loads_that_do_not_flow_or_are_refused(self):
-        assert "stays below the yield stress" in make_ball().explain(force=0.5 * FIRST_FORCE)
+        plan = make_ball().explain(force=0.5 * FIRST_FORCE)
+        assert "stays below the yield stress" in plan
+        assert plan.memory == 0.0
         assert "box        refused: A wrapped" in make_ball(boundary="wrapped").explain(force=FIRST_FORCE)
         assert "name a load" in make_ball().explain()
+        assert math.isnan(make_ball().explain().memory)
 
 
 class TestLoading:
@@ -263,6 +274,16 @@ class TestBox:
         assert len(memory["accumulated_strain"]) > 1
         assert memory["accumulated_strain"][0].any()
         assert found.certificate["plastic flow"].residual < 2e-4
+
+    @pytest.mark.parametrize("load", [2.0, 10.0])
+    def test_the_first_one_holds_a_flow(self, load):
+        radius = FIRST_RADIUS * load ** (1.0 / 3.0)
+        problem = make_ball(grid=rc.Grid((15, 15), 3.6 * radius), hardening=None)
+        pressure = make_elastic(problem).solve(force=load * FIRST_FORCE).pressure
+        depth = find_yield_depth(problem.grid, problem.boundary, problem.counterbody.material, pressure)
+        found = read(problem.solve(force=load * FIRST_FORCE))["accumulated_strain"]
+        assert len(found) == count_layers(problem.grid, depth)
+        assert found[-4:].any()
 
     def test_a_deeper_one_changes_nothing(self, monkeypatch):
         force = 4.0 * FIRST_FORCE

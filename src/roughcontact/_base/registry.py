@@ -232,7 +232,17 @@ def path_of(cls: type) -> str:
 
 
 def publish(public: Any, package: str) -> None:
-    """Let a class or a function say that it belongs to a package, in tracebacks, in pickles and to `help`."""
+    """Let a class or a function say that it belongs to a package, in tracebacks, in pickles and to `help`.
+
+    Examples
+    --------
+    >>> from roughcontact._base.registry import publish
+    >>> def press() -> None:
+    ...     pass
+    >>> publish(press, "stamps")
+    >>> press.__module__
+    'stamps'
+    """
     if isinstance(public, type):
         _DEFINED_IN[public] = public.__module__
     public.__module__ = package
@@ -317,7 +327,14 @@ class PartField:
 
 @guarded
 def list_fields(cls: type) -> dict[str, PartField]:
-    """Return the arguments of a class by name; of one that is not of attrs their types are not known."""
+    """Return the arguments of a class by name; of one that is not of attrs their types are not known.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> {name: field.unit for name, field in rc.faces.list_fields(rc.WavySurface).items() if field.unit}
+    {'amplitude': 'm', 'wavelength': 'm', 'phase': 'rad'}
+    """
     if not attrs.has(cls):
         try:
             parameters = inspect.signature(cls).parameters

@@ -241,8 +241,8 @@ class Result:
     def to_html(self, path: str | os.PathLike[str] | None = None) -> str | None:
         """Return a report, one page of HTML that opens without a network, or write it to a file if a path is given.
 
-        Of several states, the page has all in a table and one in detail: that of the largest load, or the last of a
-        path with friction.
+        It needs the extra ``report``. Of several states, the page has all in a table and one in detail: that of the
+        largest load, or the last of a path with friction.
         """
         return page_or_file(lambda: find_view("page")(self), path)
 

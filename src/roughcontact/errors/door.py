@@ -55,6 +55,19 @@ def guarded(public: T) -> T:
     The outermost call translates what it meets. Inside it nothing changes, so that this package sees all errors as they
     are, and the errors of a user's callback pass (see `outside`). A class is changed in place, with its bases and what
     is derived from it.
+
+    Examples
+    --------
+    >>> from roughcontact.errors.door import guarded
+    >>> @guarded
+    ... def divide(load: float, area: float) -> float:
+    ...     return load / area
+    >>> divide(6.0, 2.0)
+    3.0
+    >>> divide(6.0, 0.0)
+    Traceback (most recent call last):
+        ...
+    roughcontact.InputError: divide cannot be computed for area=0.0: float division by zero.
     """
     if not isinstance(public, type):
         return typing.cast(T, _guard(public, public.__name__))  # type: ignore[arg-type, attr-defined]

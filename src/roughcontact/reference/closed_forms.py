@@ -116,6 +116,15 @@ def hertz_elliptic(force: float, radii: Pair, modulus: float) -> Hertz:
     References
     ----------
     Johnson, Contact Mechanics (1985), eq. 4.24 to 4.26, https://doi.org/10.1017/CBO9781139171731
+
+    Examples
+    --------
+    A barrel of 5 and 20 mm on a flat, of steel, at 10 N:
+
+    >>> from roughcontact.reference import hertz_elliptic
+    >>> barrel = hertz_elliptic(force=10.0, radii=(5e-3, 20e-3), modulus=115.4e9)
+    >>> print(*(f"{1e6 * axis:.1f} um" for axis in barrel.semi_axes))
+    53.4 um 133.5 um
     """
     # Imported here, because most uses of this package need no optimizer.
     from scipy import optimize
@@ -219,6 +228,13 @@ class Westergaard(Wave):
     ----------
     Westergaard, J. Appl. Mech. 6 (1939) A49-A53, https://doi.org/10.1115/1.4008919;
     Johnson, Contact Mechanics (1985), sec. 13.2, https://doi.org/10.1017/CBO9781139171731
+
+    Examples
+    --------
+    >>> from roughcontact.reference import Westergaard
+    >>> wave = Westergaard(amplitude=1e-6, wavelength=100e-6, modulus=200e9)
+    >>> print(f"{wave.full_contact_pressure / 1e9:.2f} GPa, {2e6 * wave.half_width(1e9):.1f} um in contact at 1 GPa")
+    6.28 GPa, 26.1 um in contact at 1 GPa
     """
 
     def half_width(self, mean_pressure: float) -> float:
@@ -251,6 +267,12 @@ class FlatPunch:
     References
     ----------
     Johnson, Contact Mechanics (1985), sec. 3.4, https://doi.org/10.1017/CBO9781139171731
+
+    Examples
+    --------
+    >>> from roughcontact.reference import FlatPunch
+    >>> print(f"{1e9 * FlatPunch(force=10.0, radius=100e-6, modulus=115.4e9).approach:.0f} nm")
+    433 nm
     """
 
     force: float = attrs.field(converter=read_force)

@@ -180,6 +180,12 @@ def bonded_punch(beta: float) -> float:
     References
     ----------
     Johnson, Contact Mechanics (1985), section 3.8, https://doi.org/10.1017/CBO9781139171731
+
+    Examples
+    --------
+    >>> from roughcontact.reference import bonded_punch
+    >>> print(f"{bonded_punch(0.2 / 0.7):.4f}")  # rigid, on a body of Poisson's ratio 0.3
+    1.0286
     """
     beta = _beta(beta)
     if abs(beta) >= 1.0:

@@ -160,6 +160,13 @@ def bearing_area(heights: Array, levels: Array | None = None) -> BearingCurve:
     References
     ----------
     Abbott, Firestone, Mech. Eng. 55 (1933) 569-572
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> curve = rc.reference.bearing_area(rc.examples.lapped_plate().detrend("plane").values)
+    >>> print(f"{100 * curve.fractions[curve.levels > 0].max():.0f} % of the plate is above its mean plane")
+    54 % of the plate is above its mean plane
     """
     rough = heights_array(heights)
     rough = rough - rough.mean()
@@ -268,6 +275,15 @@ def roughness(heights: Array, grid: Grid, *, periodic: bool = True) -> Roughness
     Longuet-Higgins, Phil. Trans. R. Soc. A 249 (1957) 321-387, https://doi.org/10.1098/rsta.1957.0002;
     Nayak, J. Lubr. Technol. 93 (1971) 398-407, https://doi.org/10.1115/1.3451608;
     McCool, Wear 107 (1986) 37-60, https://doi.org/10.1016/0043-1648(86)90045-1
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> grid = rc.Grid((128, 128), 128e-6)
+    >>> rough = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.1, shortest=8e-6, longest=64e-6, seed=1)
+    >>> found = rc.reference.roughness(rough.heights(grid), grid)
+    >>> print(f"{found.m2.value:.4f}")  # half of the mean square gradient
+    0.0050
     """
     waves = list_waves(heights, grid, periodic)
     unit = waves.height

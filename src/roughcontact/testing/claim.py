@@ -191,7 +191,15 @@ def claims(kind: str) -> tuple[Claim, ...]:
 
 
 def kind_of(part: object) -> str:
-    """Return the kind of a part, by its base class (see `claims`); `InputError` if it has none of them."""
+    """Return the kind of a part, by its base class (see `claims`); `InputError` if it has none of them.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> from roughcontact.testing import kind_of
+    >>> kind_of(rc.Love())
+    'kernel'
+    """
     bases = {kind: registry.base for kind, registry in known_kinds().items()}
     for kind, base in bases.items():
         if isinstance(part, base):
@@ -202,7 +210,15 @@ def kind_of(part: object) -> str:
 
 
 def check(part: object, kind: str | None = None) -> Report:
-    """Return the results of all claims about a part, of the kind of its base class unless `kind` is given."""
+    """Return the results of all claims about a part, of the kind of its base class unless `kind` is given.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> from roughcontact.testing import check
+    >>> report = check(rc.Elastic(young=210e9, poisson=0.3))
+    >>> report.raise_for_failures()
+    """
     known = kind_of(part) if kind is None else kind
     name = textwrap.shorten(repr(part), 100, placeholder=" ...")
     return Report(name, known, tuple(claim.evaluate(part) for claim in claims(known)))

@@ -22,16 +22,16 @@ from roughcontact.testing.claim import (
 from roughcontact.testing.problems import displace
 
 _KERNEL = BoundKernel(Love())
-_GRIDS = (Grid((9, 8), (9.0, 8.0)), Grid((6, 13), (6.0, 26.0)), Grid((1, 10), (1.0, 10.0)), Grid((12, 1), (6.0, 1.0)))
+GRIDS = (Grid((9, 8), (9.0, 8.0)), Grid((6, 13), (6.0, 26.0)), Grid((1, 10), (1.0, 10.0)), Grid((12, 1), (6.0, 1.0)))
 # Maximum relative error of a displacement by rounding, with three digits to spare.
-_ROUNDING_ERROR = 1e-11
+ROUNDING_ERROR = 1e-11
 
 
 def _cases(convolver: Convolver) -> Iterator[tuple[str, PreparedConvolution, Array, Array]]:
     """Give convolutions for every boundary, each with two pressures that are read-only."""
     rng = np.random.default_rng(7)
     for boundary in sorted(convolver.boundaries):
-        for grid in _GRIDS:
+        for grid in GRIDS:
             pressures = rng.random((2, *grid.shape))
             pressures.flags.writeable = False
             convolution = convolver.prepare(_KERNEL, grid, boundary)
@@ -51,12 +51,12 @@ def _boundaries(convolver: Convolver) -> str:
     require(served and all(isinstance(one, Boundary) for one in served), f"its boundaries are {served!r}")
     for boundary in set(Boundary) - set(served):
         try:
-            convolver.prepare(_KERNEL, _GRIDS[0], boundary)
+            convolver.prepare(_KERNEL, GRIDS[0], boundary)
         except InputError:
             continue
         require(False, f"it prepares the boundary {boundary}, which `boundaries` does not contain")
     for boundary in served:
-        nx, ny = convolver.transform_shape(_GRIDS[0], boundary)
+        nx, ny = convolver.transform_shape(GRIDS[0], boundary)
         require(nx >= 9 and ny >= 8, f"its transform of 9 x 8 cells has {nx} x {ny}")
     return f"serves {' and '.join(sorted(served))}, and refuses the others"
 
@@ -64,7 +64,7 @@ def _boundaries(convolver: Convolver) -> str:
 @claim("convolver", "sum over all cells", _cases)
 def _sum(_: Convolver, convolution: PreparedConvolution, one: Array, __: Array) -> float:
     return require_close(
-        convolution.apply(one), _sum_plainly(convolution, one), _ROUNDING_ERROR, "it differs from plain sums"
+        convolution.apply(one), _sum_plainly(convolution, one), ROUNDING_ERROR, "it differs from plain sums"
     )
 
 
@@ -72,7 +72,7 @@ def _sum(_: Convolver, convolution: PreparedConvolution, one: Array, __: Array) 
 def _linear(_: Convolver, convolution: PreparedConvolution, one: Array, other: Array) -> float:
     expected = 2.5 * convolution.apply(one) - 0.3 * convolution.apply(other)
     found = convolution.apply(2.5 * one - 0.3 * other)
-    return require_close(found, expected, _ROUNDING_ERROR, "the displacement by two pressures is not the sum of both")
+    return require_close(found, expected, ROUNDING_ERROR, "the displacement by two pressures is not the sum of both")
 
 
 @claim("convolver", "reciprocal (Betti)", _cases)
@@ -130,10 +130,10 @@ def _setup(convolver: Convolver) -> None:
     other = Grid((5, 4), 3.0)
     pressure = np.random.default_rng(1).random((5, 4))
     for boundary in convolver.boundaries:
-        convolution = convolver.prepare(_KERNEL, _GRIDS[0], boundary)
+        convolution = convolver.prepare(_KERNEL, GRIDS[0], boundary)
         setup = convolution.setup
         parts = (setup.convolver, setup.kernel, setup.grid, setup.boundary)
-        require(parts == (convolver, _KERNEL, _GRIDS[0], boundary), f"it was not prepared from {setup}")
+        require(parts == (convolver, _KERNEL, GRIDS[0], boundary), f"it was not prepared from {setup}")
         expected = displace(_KERNEL.responses(other, boundary), pressure, boundary)
         found = convolution.on(other).apply(pressure)
-        require_close(found, expected, _ROUNDING_ERROR, f"prepared on another grid, boundary {boundary}, it differs")
+        require_close(found, expected, ROUNDING_ERROR, f"prepared on another grid, boundary {boundary}, it differs")

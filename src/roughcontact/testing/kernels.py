@@ -29,7 +29,7 @@ from roughcontact.testing.claim import (
 from roughcontact.testing.problems import displace
 
 # 1/E* of the trials, 1/Pa: about the value of two steel bodies.
-_COMPLIANCE = 1e-11
+COMPLIANCE = 1e-11
 # Shapes and sides of cells, m.
 _GRIDS: tuple[tuple[tuple[int, int], Pair], ...] = (
     ((9, 7), (1e-6, 1e-6)),
@@ -61,7 +61,7 @@ def _waves_off_grid(shape: tuple[int, int], spacing: Pair) -> tuple[Array, Array
 
 
 def _answers(
-    kernel: InfluenceKernel, shape: tuple[int, int], spacing: Pair, compliance: float = _COMPLIANCE
+    kernel: InfluenceKernel, shape: tuple[int, int], spacing: Pair, compliance: float = COMPLIANCE
 ) -> list[Array]:
     """Return coefficients and spectrum, or whichever the kernel has, as it returns them."""
     found = []
@@ -73,7 +73,7 @@ def _answers(
 
 
 def _responses(
-    kernel: InfluenceKernel, shape: tuple[int, int], spacing: Pair, compliance: float = _COMPLIANCE
+    kernel: InfluenceKernel, shape: tuple[int, int], spacing: Pair, compliance: float = COMPLIANCE
 ) -> list[Array]:
     """Return copies of coefficients and spectrum, with the mean of the spectrum, which is not used, set to zero."""
     found = [np.array(values) for values in _answers(kernel, shape, spacing, compliance)]
@@ -87,7 +87,7 @@ def _scaled_pairs(
 ) -> Iterator[tuple[Array, Array]]:
     """Give each response with lengths and compliance scaled, and the unscaled response times both factors."""
     longer = length * spacing[0], length * spacing[1]
-    others = _responses(kernel, shape, longer, compliance * _COMPLIANCE)
+    others = _responses(kernel, shape, longer, compliance * COMPLIANCE)
     for other, one in zip(others, _responses(kernel, shape, spacing), strict=True):
         yield other, one * (length * compliance)
 
@@ -126,7 +126,7 @@ def _finite(kernel: InfluenceKernel, shape: tuple[int, int], spacing: Pair) -> N
 
 
 def _ask_of_other_cells(kernel: InfluenceKernel, *_: object) -> None:
-    _answers(kernel, (3, 4), (1e-6, 1e-6), 2 * _COMPLIANCE)
+    _answers(kernel, (3, 4), (1e-6, 1e-6), 2 * COMPLIANCE)
 
 
 claim_repeatable("kernel", _cases, _answers, _ask_of_other_cells)
@@ -137,7 +137,7 @@ def _prepare_waves(
 ) -> tuple[dict[str, Array], Callable[[], Array]]:
     qx, qy = _waves(shape, spacing)
     given = {"wave numbers along x": qx, "wave numbers along y": qy}
-    return given, lambda: _spectrum(kernel).spectrum(qx, qy, spacing, _COMPLIANCE)
+    return given, lambda: _spectrum(kernel).spectrum(qx, qy, spacing, COMPLIANCE)
 
 
 claim_input_unchanged("kernel", _cases, _prepare_waves)
@@ -147,7 +147,7 @@ claim_input_unchanged("kernel", _cases, _prepare_waves)
 def _even(kernel: InfluenceKernel, shape: tuple[int, int], spacing: Pair) -> float:
     qx, qy = _waves_off_grid(shape, spacing)
     values, *others = (
-        _spectrum(kernel).spectrum(*waves, spacing, _COMPLIANCE)
+        _spectrum(kernel).spectrum(*waves, spacing, COMPLIANCE)
         for waves in ((qx, qy), (-qx, qy), (qx, -qy), (-qx, -qy))
     )
     return max(require_close(other, values, 1e-12, "waves of another sign have other amplitudes") for other in others)
@@ -158,13 +158,13 @@ def _independent(kernel: InfluenceKernel, shape: tuple[int, int], spacing: Pair)
     errors = []
     detail = "the value at one offset or wave depends on the others of the same call"
     if isinstance(kernel, SupportsCoefficients):
-        few = kernel.coefficients(shape, spacing, _COMPLIANCE)
-        more = kernel.coefficients((shape[0] + 5, shape[1] + 3), spacing, _COMPLIANCE)
+        few = kernel.coefficients(shape, spacing, COMPLIANCE)
+        more = kernel.coefficients((shape[0] + 5, shape[1] + 3), spacing, COMPLIANCE)
         errors.append(require_close(more[: shape[0], : shape[1]], few, 1e-6, detail))
     if isinstance(kernel, SupportsSpectrum):
         qx, qy = _waves_off_grid((6, 5), spacing)
-        few = kernel.spectrum(qx[::2], qy[:, 1:3], spacing, _COMPLIANCE)
-        more = kernel.spectrum(qx, qy, spacing, _COMPLIANCE)
+        few = kernel.spectrum(qx[::2], qy[:, 1:3], spacing, COMPLIANCE)
+        more = kernel.spectrum(qx, qy, spacing, COMPLIANCE)
         errors.append(require_close(more[::2, 1:3], few, 1e-6, detail))
     return max(errors)
 
@@ -173,8 +173,8 @@ def _independent(kernel: InfluenceKernel, shape: tuple[int, int], spacing: Pair)
 def _rows(kernel: InfluenceKernel, shape: tuple[int, int], spacing: Pair) -> float:
     if not (isinstance(kernel, SupportsRows) and knows_own_rows(kernel)):
         raise DoesNotApply("the kernel has no coefficients_from of its own")
-    whole = _coefficients(kernel).coefficients((shape[0] + 4, shape[1]), spacing, _COMPLIANCE)
-    values = kernel.coefficients_from(4, shape, spacing, _COMPLIANCE)
+    whole = _coefficients(kernel).coefficients((shape[0] + 4, shape[1]), spacing, COMPLIANCE)
+    values = kernel.coefficients_from(4, shape, spacing, COMPLIANCE)
     require_array(values, shape)
     return require_close(values, whole[4:], 1e-6, "the coefficients from a row on are not those of the whole")
 
@@ -184,7 +184,7 @@ def _energy(kernel: InfluenceKernel) -> str:
     lowest = np.inf
     for spacing in ((1e-6, 1e-6), (1e-6, 2.5e-6)):
         if isinstance(kernel, SupportsCoefficients):
-            responses = kernel.coefficients((7, 6), spacing, _COMPLIANCE)
+            responses = kernel.coefficients((7, 6), spacing, COMPLIANCE)
             matrix = [displace(responses, unit.reshape(7, 6), Boundary.FREE).ravel() for unit in np.eye(42)]
             energies = np.linalg.eigvalsh(np.array(matrix))
             lowest = min(lowest, float(energies[0] / energies[-1]))
@@ -198,7 +198,7 @@ def _energy(kernel: InfluenceKernel) -> str:
 @claim("kernel", "grows with compliance")
 def _grows(kernel: InfluenceKernel) -> None:
     shape, spacing = _GRIDS[0]
-    softer = _responses(kernel, shape, spacing, 2 * _COMPLIANCE)
+    softer = _responses(kernel, shape, spacing, 2 * COMPLIANCE)
     for stiff, soft in zip(_responses(kernel, shape, spacing), softer, strict=True):
         own = (0, 0) if stiff[0, 0] > 0.0 else np.unravel_index(np.argmax(stiff), shape)
         require(soft[own] >= stiff[own] * (1 - 1e-12), "half-spaces twice as compliant are displaced less")
@@ -227,12 +227,12 @@ def _far_field(kernel: InfluenceKernel, _: tuple[int, int], spacing: Pair) -> fl
     dx, dy = spacing
     errors = []
     if isinstance(kernel, SupportsCoefficients):
-        line = kernel.coefficients((2001, 1), spacing, _COMPLIANCE)[-1, 0]
-        errors.append(abs(float(line) * np.pi * 2000 * dx / (_COMPLIANCE * dx * dy) - 1.0))
+        line = kernel.coefficients((2001, 1), spacing, COMPLIANCE)[-1, 0]
+        errors.append(abs(float(line) * np.pi * 2000 * dx / (COMPLIANCE * dx * dy) - 1.0))
     if isinstance(kernel, SupportsSpectrum):
         q = np.array([[1e-3 / dx]])
-        value = kernel.spectrum(q, 0.5 * q, spacing, _COMPLIANCE).item()
-        errors.append(abs(value * np.hypot(q.item(), 0.5 * q.item()) / (2.0 * _COMPLIANCE) - 1.0))
+        value = kernel.spectrum(q, 0.5 * q, spacing, COMPLIANCE).item()
+        errors.append(abs(value * np.hypot(q.item(), 0.5 * q.item()) / (2.0 * COMPLIANCE) - 1.0))
     require(max(errors) <= 1e-4, f"it differs by {max(errors):.1e} from a point load on a half-space")
     return max(errors)
 
@@ -260,15 +260,15 @@ def compare_forms(
 def _agree(kernel: InfluenceKernel) -> str:
     _coefficients(kernel)
     _spectrum(kernel)
-    return f"to {compare_forms(BoundKernel(kernel, _COMPLIANCE).responses):.0e}"
+    return f"to {compare_forms(BoundKernel(kernel, COMPLIANCE).responses):.0e}"
 
 
 @claim("kernel", "effective modulus agrees with spectrum")
 def _modulus(kernel: InfluenceKernel) -> str:
     spectrum = _spectrum(kernel)
     wavenumbers = np.geomspace(1e4, 1e7, 7)
-    moduli = kernel.effective_modulus(wavenumbers, _COMPLIANCE)
-    stated = np.full(7, 1.0 / _COMPLIANCE) if moduli is None else moduli
+    moduli = kernel.effective_modulus(wavenumbers, COMPLIANCE)
+    stated = np.full(7, 1.0 / COMPLIANCE) if moduli is None else moduli
     # The mean over the directions of a quarter turn.
     angles = 0.5 * np.pi * (np.arange(_DIRECTIONS) + 0.5) / _DIRECTIONS
     found = stated * wavenumbers * np.array([_respond(spectrum, q, angles).mean() for q in wavenumbers])
@@ -281,7 +281,7 @@ def _directions(kernel: InfluenceKernel) -> str:
     angles = np.linspace(0.0, 0.5 * np.pi, _DIRECTIONS)
     wavenumber = 1e6
     waves = _respond(spectrum, wavenumber, angles)
-    moduli = kernel.directional_modulus(angles, _COMPLIANCE)
+    moduli = kernel.directional_modulus(angles, COMPLIANCE)
     # Without it all directions are alike.
     stated = np.full(_DIRECTIONS, waves.mean()) if moduli is None else 2.0 / (wavenumber * moduli)
     return f"to {require_close(waves, stated, 1e-4, 'waves of other directions differ'):.0e}"
@@ -291,4 +291,4 @@ def _respond(spectrum: SupportsSpectrum, wavenumber: float, angles: Array) -> Ar
     """Return the amplitudes of waves of these directions, on cells much smaller than they are, shape (n,)."""
     qx, qy = wavenumber * np.cos(angles), wavenumber * np.sin(angles)
     side = 1e-3 / wavenumber
-    return np.diagonal(spectrum.spectrum(qx[:, np.newaxis], qy[np.newaxis, :], (side, side), _COMPLIANCE))
+    return np.diagonal(spectrum.spectrum(qx[:, np.newaxis], qy[np.newaxis, :], (side, side), COMPLIANCE))

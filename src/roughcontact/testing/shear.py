@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 
 from roughcontact._base.arrays import Array, Pair
-from roughcontact._parts.grid import Boundary, Grid
+from roughcontact._parts.grid import Boundary
 from roughcontact._parts.kernels import (
     BoundKernel,
     InfluenceKernel,
@@ -31,27 +31,23 @@ from roughcontact.testing.claim import (
     require_close,
     require_equal,
 )
-from roughcontact.testing.kernels import compare_forms
+from roughcontact.testing.convolvers import GRIDS, ROUNDING_ERROR
+from roughcontact.testing.kernels import COMPLIANCE, compare_forms
 from roughcontact.testing.problems import displace
 
 COMPONENTS = ("xx", "yy", "xy", "zx", "zy")
 # A compressible body on a rigid counterbody, and like bodies.
 PAIRS = (PairConstants(2 / 7, 3 / 7), PairConstants(0.0, 3 / 7))
-# 1/E* of the trials, 1/Pa.
-_COMPLIANCE = 1e-11
 _SHAPE = (8, 6)
 # Sides of cells, m.
 _SPACINGS: tuple[Pair, ...] = ((1e-6, 1e-6), (1e-6, 2.5e-6), (3e-6, 1e-6))
-_GRIDS = (Grid((9, 8), (9.0, 8.0)), Grid((6, 13), (6.0, 26.0)), Grid((1, 10), (1.0, 10.0)), Grid((12, 1), (6.0, 1.0)))
-# Maximum relative error of a displacement by rounding, with three digits to spare.
-_ROUNDING_ERROR = 1e-11
 
 
 def _bound(kernel: InfluenceKernel, pair: PairConstants = PAIRS[0]) -> BoundKernel:
     """Return a kernel with the constants of a pair, or say that the claim does not apply."""
     if not isinstance(kernel, SupportsShear):
         raise DoesNotApply("the kernel has no response to shear")
-    return BoundKernel(kernel, _COMPLIANCE, pair=pair)
+    return BoundKernel(kernel, COMPLIANCE, pair=pair)
 
 
 def _waves(spacing: Pair, shape: tuple[int, int] = _SHAPE) -> tuple[Array, Array]:
@@ -69,7 +65,7 @@ def _cases(kernel: InfluenceKernel) -> Iterator[tuple[str, BoundKernel, Pair]]:
 def _half_space_cases(kernel: InfluenceKernel) -> Iterator[tuple[str, BoundKernel, Pair]]:
     """Give the cases, if the kernel is of homogeneous half-spaces: it has no modulus that depends on the wave."""
     bound = _bound(kernel)
-    if kernel.effective_modulus(np.geomspace(1e4, 1e7, 4), _COMPLIANCE) is not None:
+    if kernel.effective_modulus(np.geomspace(1e4, 1e7, 4), COMPLIANCE) is not None:
         raise DoesNotApply("the constants of the pair are those of half-spaces")
     for spacing in _SPACINGS:
         yield f"cells {spacing[0]:g} x {spacing[1]:g}", bound, spacing
@@ -222,7 +218,7 @@ def _convolution_cases(convolver: Convolver) -> Iterator[tuple[str, ShearConvolu
     """Give convolutions of shear on each boundary, with three tractions that are read-only."""
     rng = np.random.default_rng(11)
     for boundary in sorted(set(convolver.boundaries) - {Boundary.WRAPPED}):
-        for grid in _GRIDS:
+        for grid in GRIDS:
             for pair in PAIRS:
                 tractions = rng.standard_normal((3, *grid.shape))
                 tractions.flags.writeable = False
@@ -252,7 +248,7 @@ def _sum(_: Convolver, convolution: ShearConvolution, tractions: Array) -> float
         ]
     )
     detail = "it differs from plain sums"
-    error = require_close(convolution.apply(tractions, "xyz", "xyz"), expected, _ROUNDING_ERROR, detail)
+    error = require_close(convolution.apply(tractions, "xyz", "xyz"), expected, ROUNDING_ERROR, detail)
     scale = float(np.abs(expected).max())
     for of, to in (("xy", "xy"), ("z", "xy"), ("xy", "z"), ("z", "z"), ("y", "zx")):
         given = ["xyz".index(letter) for letter in of]
@@ -260,7 +256,7 @@ def _sum(_: Convolver, convolution: ShearConvolution, tractions: Array) -> float
         alone = np.zeros_like(tractions)
         alone[given] = tractions[given]
         difference = convolution.apply(tractions[given], of, to) - convolution.apply(alone, "xyz", "xyz")[wanted]
-        require(np.abs(difference).max() <= _ROUNDING_ERROR * scale, f"the part from {of} to {to} differs")
+        require(np.abs(difference).max() <= ROUNDING_ERROR * scale, f"the part from {of} to {to} differs")
     return error
 
 
@@ -292,7 +288,7 @@ def _inverse(_: Convolver, convolution: ShearConvolution, tractions: Array) -> N
     setup = convolution.setup
     for own, component in zip(convolution.own, ("xx", "yy"), strict=True):
         expected = setup.kernel.shear_responses(component, setup.grid, setup.boundary)[0, 0]
-        require(abs(own - expected) <= _ROUNDING_ERROR * expected, f"the displacement of a cell by itself is {own}")
+        require(abs(own - expected) <= ROUNDING_ERROR * expected, f"the displacement of a cell by itself is {own}")
     shear = np.ascontiguousarray(tractions[:2])
     inverse = convolution.inverse(np.float64)
     found = inverse.apply(shear)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+import math
 import re
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
@@ -47,6 +48,12 @@ def describe_solutions(
     `asked` is what responses have answered, one for each solution, by their names.
     """
     found = [list_quantities(solution) for solution in solutions]
+    certain = [solution.area().certain_fraction for solution in solutions]
+    if any(fraction is not None for fraction in certain):
+        for (quantities, _), fraction in zip(found, certain, strict=True):
+            quantities["part of the contact that the tip touched"] = Estimate(
+                math.nan if fraction is None else fraction, 0.0, ""
+            )
     for name, column in tabulate_answers(asked).items():
         words = _in_words(name)
         for (quantities, _), one in zip(found, column, strict=True):
@@ -62,7 +69,7 @@ def describe_solutions(
             "status": str(solution.status),
             "certified": solution.status.success,
             "seconds": solution.seconds,
-            "quantities": [_describe(name, one, next(columns[name])) for name, one in quantities.items()],
+            "quantities": [describe_quantity(name, one, next(columns[name])) for name, one in quantities.items()],
             "places": f"{place.replace('+-', '±')}." if place else "",
             "closed_form": list_closed_form(solution),
             "warnings": [end_sentence(text) for text in (*_warn_of_hardness(solution), *warnings)],
@@ -108,7 +115,7 @@ def _describe_rows(tables: Sequence[Table]) -> list[list[dict[str, Any]]]:
     texts = {name: write_column(column) for name, column in columns.items()}
     count = sum(len(table.columns["force"]) for table in tables)
     return [
-        [_describe(name, column[number], texts[name][number]) for name, column in columns.items()]
+        [describe_quantity(name, column[number], texts[name][number]) for name, column in columns.items()]
         for number in range(count)
     ]
 
@@ -159,10 +166,10 @@ def describe_cycle(cycle: AdhesionCycle, asked: Mapping[str, Sequence[Any]] = Ma
         if name == "pull-off":
             continue
         found[f"{_in_words(name)} at the last approach"] = column[len(cycle.loading) - 1]
-    quantities = [_describe(name, one, write_column([one])[0]) for name, one in found.items()]
+    quantities = [describe_quantity(name, one, write_column([one])[0]) for name, one in found.items()]
     places = "; ".join(f"{si(first, 'm', 3)} to {si(last, 'm', 3)}" for first, last in cycle.jumps)
     count = Estimate(float(len(cycle.jumps)), 0.0, "")
-    quantities.append(_describe("jumps", count, f"{len(cycle.jumps)}{f': {places}' if places else ''}"))
+    quantities.append(describe_quantity("jumps", count, f"{len(cycle.jumps)}{f': {places}' if places else ''}"))
     return {
         "load": "cycle",
         "status": str(states[-1].status),
@@ -203,7 +210,8 @@ def describe_fretting(path: FrictionalPath, asked: Mapping[str, Sequence[Any]]) 
         "certified": all(state.status.success for state in path),
         "seconds": sum(state.seconds for state in path),
         "quantities": [
-            _describe(name, attrs.evolve(one, warnings=()), write_column([one])[0]) for name, one in found.items()
+            describe_quantity(name, attrs.evolve(one, warnings=()), write_column([one])[0])
+            for name, one in found.items()
         ],
         "warnings": [end_sentence(text) for text in (*hard, *path.warnings, *said)],
     }
@@ -243,6 +251,7 @@ def _round(value: float | str | None) -> float | str:
     return float(f"{value:.{_DIGITS}g}") if isinstance(value, float) else value or ""
 
 
-def _describe(name: str, one: Estimate, text: str) -> dict[str, Any]:
+def describe_quantity(name: str, one: Estimate, text: str) -> dict[str, Any]:
+    """Return a number of an answer, plain data that JSON can hold; the text is its value as it is read."""
     numbers = {"value": finite(one.value), "uncertainty": finite(one.uncertainty)}
     return {"name": name, **numbers, "unit": one.unit, "text": text}

@@ -24,7 +24,7 @@ from roughcontact_app.settings import Settings
 _KEPT = 20
 _WAITING = 20
 # Names of files that a process may offer.
-_FILE = re.compile(r"[a-z0-9-]{1,60}\.(?:csv|gif|html|npz|png)")
+_FILE = re.compile(r"[a-z0-9-]{1,60}\.(?:csv|gif|html|json|npz|png|txt)")
 # Seconds after which a run is long: another process is made ready meanwhile.
 _LONG = 2.0
 # Runs whose times correct the forecast.

@@ -86,7 +86,10 @@ class Outputs(Offers):
         law = make_law(self.sweep, self.asked)
         for name in law.columns:
             panel = f"{name.replace(' ', '-')}-load"
-            yield _picture(panel), partial(draw, partial(law.plot, name, dark=self.dark), self.folder / f"{panel}.png")
+            yield (
+                offer_picture(panel),
+                partial(draw, partial(law.plot, name, dark=self.dark), self.folder / f"{panel}.png"),
+            )
         for subject, name in others:
             yield self._offer_picture(subject, name)
 
@@ -96,7 +99,9 @@ class Outputs(Offers):
             unfinished.write_text(make_table(self.answers), encoding="utf-8-sig", newline="")
 
     def _offer_picture(self, subject: Sweep | ContactSolution, name: str) -> Step:
-        return _picture(name), partial(draw, partial(subject.plot, name, dark=self.dark), self.folder / f"{name}.png")
+        return offer_picture(name), partial(
+            draw, partial(subject.plot, name, dark=self.dark), self.folder / f"{name}.png"
+        )
 
 
 @attrs.frozen(eq=False)
@@ -125,7 +130,7 @@ class PathOutputs(Offers, Generic[P]):
         """Yield the table, the picture, the fields and the report."""
         yield self._offer_table()
         plot = partial(self.path.plot, dark=self.dark)
-        yield _picture(self.name), partial(draw, plot, self.folder / f"{self.name}.png")
+        yield offer_picture(self.name), partial(draw, plot, self.folder / f"{self.name}.png")
         if isinstance(self.path, FrictionalPath):
             yield self._offer_path()
         yield _offer_report(self.path, self.folder, self.asked)
@@ -148,7 +153,10 @@ class CourseOutputs(PathOutputs[LoadPath]):
     def steps(self) -> Iterator[Step]:
         """Yield the table, the picture of the path, its states, the report and the moving picture."""
         yield self._offer_table()
-        yield _picture("course"), partial(draw, partial(draw_course, self.path, self.dark), self.folder / "course.png")
+        yield (
+            offer_picture("course"),
+            partial(draw, partial(draw_course, self.path, self.dark), self.folder / "course.png"),
+        )
         yield from _offer_solutions(self.path.states, self.folder)
         about, save = self._offer_path()
         yield about, save
@@ -186,7 +194,8 @@ def _offer_report(
     return {"role": "report", "file": "report.html"}, partial(write_report, subject, folder / "report.html", asked)
 
 
-def _picture(panel: str) -> dict[str, Any]:
+def offer_picture(panel: str) -> dict[str, Any]:
+    """Return what the page is to know of the picture of a panel."""
     return {"role": "picture", "file": f"{panel}.png", "panel": panel}
 
 

@@ -33,10 +33,17 @@ def describe(scene: Scene, shown: ShownSurface) -> dict[str, object]:
             ["Sq (rms height)", si(float(np.std(measured)), "m")],
             ["Sz (peak to valley)", si(float(np.ptp(measured)), "m")],
             ["Non-measured points", _count_non_measured(scene, shown)],
+            *_tell_certain(shown.source),
         ],
         "history": list(shown.surface.provenance),
         "warnings": [end_sentence(text) for text in warnings],
     }
+
+
+def _tell_certain(source: object) -> list[list[str]]:
+    """Return the row that says which part of a map the tip of the stylus has surely touched, if one is stated."""
+    fraction = source.certain_fraction if isinstance(source, HeightMap) else None
+    return [] if fraction is None else [["Certain below the tip", f"{100.0 * fraction:.3g} % of the points"]]
 
 
 def _count_non_measured(scene: Scene, shown: ShownSurface) -> str:

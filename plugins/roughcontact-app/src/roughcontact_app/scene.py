@@ -53,7 +53,7 @@ from roughcontact_app.settings import (
 EXAMPLES: dict[str, Callable[[], HeightMap]] = {
     one.__name__: one for one in (examples.ground_ring, examples.ball, examples.lapped_plate, examples.honed_liner)
 }
-_MEASURED = ("file", "example")
+MEASURED = ("file", "example")
 # Points of a map that the page takes: it is read, drawn and planned while somebody waits. 8192 x 8192.
 _MOST_POINTS = 2**26
 # Settings of each of two files.
@@ -133,15 +133,15 @@ def make_scene(settings: Settings, upload: Upload | None, counterbody_upload: Up
     """Return the surfaces that the settings describe, or raise `InputError`."""
     kind = settings["surface"]
     counterbody = None
-    if kind in _MEASURED:
+    if kind in MEASURED:
         read, filled = _read(settings, upload) if kind == "file" else (_example(settings), 0)
         grid = read.grid
-        source = _remove_form(settings, read)
+        source = _treat(settings, read)
         body = ShownSurface(source, source, filled)
         # The page asks for no second map beside other surfaces.
         if settings["counterbody_surface"] == "file":
             other, filled = _read(settings, counterbody_upload, "counterbody_")
-            other = _remove_form(settings, other, "counterbody_")
+            other = _treat(settings, other, "counterbody_")
             placement = _read_placement(settings)
             with reading("offset_x"):
                 pair = match(source, other, **placement)
@@ -158,7 +158,13 @@ def make_scene(settings: Settings, upload: Upload | None, counterbody_upload: Up
     return Scene(_add_ball(settings, body.surface), grid, body, counterbody)
 
 
-def _remove_form(settings: Settings, surface: HeightMap, prefix: str = "") -> HeightMap:
+def _treat(settings: Settings, surface: HeightMap, prefix: str = "") -> HeightMap:
+    """Return a map from which the tip of a stylus is taken away, and then its form, where that is chosen."""
+    tip = f"{prefix}tip_radius"
+    if settings[tip]:
+        radius = quantity(settings, tip, "The radius of the tip", "length")
+        with reading(tip):
+            surface = surface.restored(radius)
     form = settings[f"{prefix}form"]
     return surface if form == "none" else surface.detrend(_FORMS[form])
 

@@ -50,9 +50,11 @@ _TYPES = {
     "gif": "image/gif",
     "html": "text/html; charset=utf-8",
     "js": "text/javascript; charset=utf-8",
+    "json": "application/json",
     "npz": "application/octet-stream",
     "png": "image/png",
     "svg": "image/svg+xml",
+    "txt": "text/plain; charset=utf-8",
 }
 _HEADERS = {
     "Content-Security-Policy": (
@@ -355,7 +357,7 @@ def _send_file(content: bytes | None, name: str) -> Response:
     extra = {"Content-Type": _TYPES[ending]}
     if name == "report.html":
         extra["Content-Security-Policy"] = _REPORT_POLICY
-    if ending in ("csv", "gif", "npz"):
+    if ending in ("csv", "gif", "json", "npz", "txt"):
         # The page's link names the file.
         extra["Content-Disposition"] = "attachment"
     return Response(content, headers=extra)

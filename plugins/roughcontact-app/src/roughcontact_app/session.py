@@ -12,7 +12,6 @@ from typing import Any
 import attrs
 from roughcontact.errors import InputError
 
-from roughcontact_app.first import FIRST
 from roughcontact_app.folder import PrivateFolder
 from roughcontact_app.jobs import Jobs
 from roughcontact_app.laws import LAW_BOXES
@@ -21,7 +20,7 @@ from roughcontact_app.materials import MATERIAL_FORMS
 from roughcontact_app.page import Page
 from roughcontact_app.responses import TICK_BOXES
 from roughcontact_app.scene import EXAMPLES
-from roughcontact_app.settings import DEFAULTS, Settings, read_settings
+from roughcontact_app.settings import DEFAULTS, FIRST, Settings, read_settings
 from roughcontact_app.uploads import PartialFile, StoredFile, Uploads, known_endings
 
 # Bytes that reading a file may take: some for libraries, and a multiple of its bytes, of which a height may have one.

@@ -11,7 +11,7 @@ from typing import Any, TypeAlias
 
 from roughcontact import Boundary, Law, Response, laws, responses
 from roughcontact.errors import InputError, short
-from roughcontact.faces import build_part
+from roughcontact.faces import build_part, space_separations
 from roughcontact.typing import quantity as reader_of
 from roughcontact.typing import si
 
@@ -76,6 +76,7 @@ _OF_FILE = {
     "size_unit": "um",
     "rows": "auto",
     "non_measured": "refuse",
+    **_split_units({"tip_radius": " um"}),
     "form": "none",
 }
 
@@ -119,12 +120,30 @@ DEFAULTS: dict[str, str] = {
     "cycle_unit": "um",
     "states": "41",
     **_split_units({"normal_force": "1 N", "tangential_force": "0.2 N", "friction": "0.3"}),
+    **{"separations": "0.5..4", "mirror_borders": "yes", "sampling": "yes", "film_units": "SI"},
     "boundary": "free",
     **{name: text for prefix in PREFIXES for name, text in _split_units(_OF_FILE | _OF_MATERIAL, prefix).items()},
     **{name: text for prefix in PREFIXES for name, text in list_layer_defaults(prefix).items()},
     **{f"{prefix}{name}": text for prefix in PREFIXES for name, text in list_material_defaults(MATERIAL_FORMS).items()},
     **list_defaults([*TICK_BOXES.values(), *LAW_BOXES.values()]),
     "scheme": "light",
+}
+# With what the page opens: a ball on a plane, both of bearing steel, at 0.8 GPa. Hertz's contact radius is 55 um, a
+# quarter of the side.
+FIRST: dict[str, str] = {
+    "surface": "sphere",
+    "radius": "5",
+    "radius_unit": "mm",
+    "side": "220",
+    "side_unit": "um",
+    "cells": "256",
+    "boundary": "free",
+    "counterbody": "deformable",
+    "hardness": "7",
+    "counterbody_hardness": "7",
+    "load": "force",
+    "loads": "5",
+    "load_unit": "N",
 }
 # Kinds of loads that have values.
 _LOADS = ("force", "pressure", "approach")
@@ -143,7 +162,10 @@ _CHOICES = {
     "interpolation": ("bilinear", "cubic"),
     "counterbody": ("rigid", "deformable"),
     "adhesion": ("none", "exponential", "van-der-waals", "short-range"),
-    "load": (*_LOADS, "cycle", "fretting"),
+    "load": (*_LOADS, "cycle", "fretting", "film"),
+    "mirror_borders": ("no", "yes"),
+    "sampling": ("no", "yes"),
+    "film_units": ("SI", "mm"),
     "path": ("no", "yes"),
     "added": ("ball", "cylinder-y", "cylinder-x"),
     "boundary": tuple(map(str, Boundary)),
@@ -353,6 +375,32 @@ def fretting_values(settings: Settings) -> tuple[float, float, float]:
             "tangential_force",
         )
     return normal, tangential, friction
+
+
+def separation_values(settings: Settings) -> list[float]:
+    """Return the separations of a film over Sq; a range such as 0.5..4 has steps of its own."""
+    if settings["adhesion"] != "none":
+        sentence = "A film law of surfaces that attract each other is not known: choose no adhesion."
+        raise WrongSetting(sentence, "adhesion")
+    if settings["boundary"] != "periodic":
+        sentence = "A film law needs a domain that repeats, since a cut-out leaks at its borders: choose 'periodic'."
+        raise WrongSetting(sentence, "boundary")
+    ticked = next((box for box in TICK_BOXES.values() if settings[box.setting] == "yes"), None)
+    if ticked is not None:
+        sentence = f"{ticked.label.capitalize()} is asked of a contact under a load: untick it, or give another load."
+        raise WrongSetting(sentence, ticked.setting)
+    label = "Each separation"
+    with reading("separations"):
+        found = []
+        for text in re.split(r"[;\s]+", re.sub(r"\s*\.\.\s*", "..", settings["separations"].strip("; \t"))):
+            first, dots, last = text.partition("..")
+            low = float(_decimal(first, label))
+            found += space_separations(low, float(_decimal(last, label))) if dots else [low]
+        if len(found) > _MOST_LOADS:
+            raise InputError.about("The number of separations", len(found), f"at most {_MOST_LOADS}")
+        if len(found) < _PAIR:
+            raise InputError("A film law has two or more separations: give several, or a range such as 0.5..4.")
+    return found
 
 
 def asked_responses(settings: Settings) -> dict[str, Response[Any]]:

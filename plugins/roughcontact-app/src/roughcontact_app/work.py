@@ -6,6 +6,7 @@ import contextlib
 import functools
 import hashlib
 import json
+import math
 import pickle
 import time
 from collections.abc import Callable
@@ -21,6 +22,7 @@ from roughcontact.plotting import panels
 from roughcontact.results import AdhesionCycle, Increment, LoadPath, Sweep
 from roughcontact.typing import Array, Load, binary, pair_constants, replacing, si
 
+from roughcontact_app import film
 from roughcontact_app.answers import (
     describe_cycle,
     describe_fretting,
@@ -69,6 +71,10 @@ _CORRECTED = (
 _TOGETHER = (
     "The time is that of the solve, without what is ticked, pictures and report. What the material changes is solved "
     "together with the contact, in steps that it finds itself: it may be a fifth or five times that."
+)
+_FILM = (
+    "The time is that of contacts and flows, without pictures, from the cells alone; it may be a third or three times "
+    "that."
 )
 
 # Time that a solve takes at least, s; and that of a fretting cycle, of unlike and of like materials: at least, s, and
@@ -124,6 +130,10 @@ _OF_OTHERS = (
     "states",
     "normal_force",
     "tangential_force",
+    "separations",
+    "mirror_borders",
+    "sampling",
+    "film_units",
     "scheme",
     "ask_",
 )
@@ -224,26 +234,49 @@ def _describe_roughness(settings: Settings, sources: Sources, folder: Path) -> d
 
 def _plan(settings: Settings, sources: Sources, calibration: float) -> dict[str, Any]:
     problem, loads = _prepare(settings, sources)
+    if film.is_film(settings):
+        return _plan_film(settings, problem)
     asked_responses(settings)
     plan = problem.plan
     together = _has_coupled(problem)
-    # How much that is, the plan says in words at the largest load.
-    beside = ", without what the material adds below the surface" if together else ""
+    takes = explain_loads(problem, loads)
+    # What a material adds below the surface is known where it says so.
+    added = 0.0 if math.isnan(takes.memory) else takes.memory
+    light, most = (binary(memory + added) for memory in (plan.memory_at(0.0), plan.memory))
+    beside = ", without what the material adds below the surface" if together and math.isnan(takes.memory) else ""
     return {
         "loads": [str(load) for load in loads],
         "solves": _count_solves(settings, problem, loads),
-        "seconds": (1.0 if together else calibration) * _estimate_seconds(settings, problem, loads),
-        "memory": f"{binary(plan.memory_at(0.0))} at light contact, at most {binary(plan.memory)}{beside}",
+        "seconds": (1.0 if together else calibration) * _estimate_seconds(settings, problem, loads, takes.seconds),
+        "memory": f"{light} at light contact, at most {most}{beside}",
         "basis": _TOGETHER if together else _BASIS if calibration == 1.0 else _CORRECTED,
-        "text": explain_loads(problem, loads),
+        "text": str(takes),
         "warnings": [end_sentence(text) for text in plan.warnings],
     }
 
 
+def _plan_film(settings: Settings, problem: ContactProblem) -> dict[str, Any]:
+    found = film.plan(settings, problem)
+    return {
+        "loads": [f"{one:g} Sq" for one in found.separations],
+        "solves": len(found.separations),
+        "seconds": found.seconds,
+        "memory": f"about {binary(found.memory)}",
+        "basis": _FILM,
+        "text": f"{found}\n\n{problem.explain()}",
+        "warnings": [end_sentence(text) for text in problem.plan.warnings],
+    }
+
+
 def _prepare(settings: Settings, sources: Sources) -> tuple[ContactProblem, tuple[Load, ...]]:
-    """Return the problem, of a path with the laws that its materials bring, and its loads."""
-    problem = make_problem(settings, _scene(settings, sources))
+    """Return the problem, of a path with the laws that its materials bring, and its loads; a film has none."""
+    scene = _scene(settings, sources)
+    if film.is_film(settings):
+        scene = film.repeat_scene(settings, scene)
+    problem = make_problem(settings, scene)
     require_solvable(settings, problem)
+    if film.is_film(settings):
+        return problem, ()
     if not is_path(settings):
         return problem, make_loads(settings, problem)
     normal, passed, accuracy = path_values(settings)
@@ -255,6 +288,12 @@ def _solve(settings: Settings, sources: Sources, folder: Path, send: Send) -> di
     send({"phase": "preparing"})
     _HELD.clear()
     problem, loads = _prepare(settings, sources)
+    dark = settings["scheme"] == "dark"
+    if film.is_film(settings):
+        law = film.solve(settings, problem, send)
+        warnings = [end_sentence(in_words_of_page(text)) for text in law.warnings]
+        outputs: Offers = film.FilmOutputs(law, settings["film_units"], folder, dark)
+        return _offer(outputs, {"answers": film.describe(law), "warnings": warnings}, folder, send)
     forecast = _estimate_seconds(settings, problem, loads)
     started = time.perf_counter()
     result: Sweep | AdhesionCycle | FrictionalPath | LoadPath
@@ -268,8 +307,6 @@ def _solve(settings: Settings, sources: Sources, folder: Path, send: Send) -> di
         result = _run(problem, loads, send)
     ratio: float | None = (time.perf_counter() - started) / forecast
     send({"phase": "evaluating", "fraction": 1.0, "text": "The contact is solved; areas and uncertainties follow."})
-    dark = settings["scheme"] == "dark"
-    outputs: Offers
     if isinstance(result, Sweep):
         asked, problems = ask(asked_responses(settings), result.states)
         answers = describe_sweep(result, asked)
@@ -287,9 +324,14 @@ def _solve(settings: Settings, sources: Sources, folder: Path, send: Send) -> di
     # The cost of a fretting cycle, of a path and of a coupled process depends on the answer: it says nothing of the
     # time of other runs.
     ratio = ratio if isinstance(result, (Sweep, AdhesionCycle)) and not _has_coupled(problem) else None
+    found = {"answers": answers, "warnings": [*list_warnings(answers), *problems], "ratio": ratio}
+    return _offer(outputs, found, folder, send)
+
+
+def _offer(outputs: Offers, found: dict[str, Any], folder: Path, send: Send) -> dict[str, Any]:
+    """Send what was found and what may be asked for of it; draw the first picture, and keep the rest for later."""
     files = outputs.list_files()
-    found = {"answers": answers, "warnings": [*list_warnings(answers), *problems], "outputs": files}
-    send({"phase": "drawing", "text": "The first picture follows.", "ratio": ratio, **found})
+    send({"phase": "drawing", "fraction": 1.0, "text": "The first picture follows.", "outputs": files, **found})
     notes = []
     first = next(one["file"] for one in files if one["role"] == "picture")
     try:
@@ -340,9 +382,14 @@ def list_forces(problem: ContactProblem, most: float) -> list[tuple[float, float
     return [(force, 0.0) for force in (*there[_STATES_TO_TURN:], *(-force for force in there), *there)]
 
 
-def _estimate_seconds(settings: Settings, problem: ContactProblem, loads: tuple[Load, ...]) -> float:
+def _estimate_seconds(
+    settings: Settings, problem: ContactProblem, loads: tuple[Load, ...], beside: float = 0.0
+) -> float:
+    """Return the time of all states; `beside` is what the laws of each take beside its contact, s, if that is known."""
     seconds = problem.plan.seconds
-    if _has_coupled(problem):
+    if beside > 0.0:
+        seconds += beside
+    elif _has_coupled(problem):
         minimum, ratio = _COST_COUPLED
         seconds = minimum + ratio * max(seconds - _MINIMUM_OF_SOLVE, 0.0)
     if is_path(settings):

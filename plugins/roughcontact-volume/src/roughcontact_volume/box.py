@@ -21,8 +21,11 @@ _GROWTH = 1.15
 # The same of the layers in which an elastic stress is looked through, and their depth over the larger side of the grid.
 _GROWTH_OF_PROBE = 1.5
 _DEEPEST = 1.0
-# Von Mises stress of an elastic contact over the yield stress, down to which the first box reaches.
-_LOWEST_STRESS = 0.8
+# Von Mises stress of an elastic contact over the yield stress, from which on there is a box.
+_NEAR_YIELD = 0.8
+# The same down to which the first box reaches: at most two layers more than balls and rough surfaces need, up to a
+# hundred times the load of first yield.
+_LOWEST_STRESS = 0.7
 # Depth of a box that grows, over its depth before.
 _DEEPENING = 1.5
 
@@ -72,28 +75,41 @@ def find_yield_depth(grid: rc.Grid, boundary: rc.Boundary, material: Yielding, p
     bottoms = np.cumsum(thicknesses)
     stress = _press_probe(grid, boundary, material, pressure)
     pairs = zip(bottoms - thicknesses, bottoms, strict=True)
-    deep = [z for z, (top, bottom) in enumerate(pairs) if _is_near_yield(material, stress[:, z], top, bottom)]
-    if not deep:
+    parts = [_find_part_of_yield(material, stress[:, z], top, bottom) for z, (top, bottom) in enumerate(pairs)]
+    near = [z for z, part in enumerate(parts) if part > _NEAR_YIELD]
+    if not near:
         return 0.0
-    if deep[-1] == len(bottoms) - 1:
+    if near[-1] == len(parts) - 1:
         require_depth(grid, math.inf)
-    return float(bottoms[deep[-1]])
+    if material.residual is not None:
+        # What is near its yield stress may lie anywhere in the layer.
+        return float(bottoms[near[-1]])
+    last = max(z for z, part in enumerate(parts) if part > _LOWEST_STRESS)
+    if last == len(parts) - 1:
+        return float(bottoms[last])
+    # Between the middles of two layers the stress falls as a power of the depth.
+    upper, lower = (bottoms - 0.5 * thicknesses)[last : last + 2]
+    way = math.log(parts[last] / _LOWEST_STRESS) / math.log(parts[last] / parts[last + 1])
+    return float(upper * (lower / upper) ** way)
 
 
-def _is_near_yield(material: Yielding, stress: Array, top: float, bottom: float) -> bool:
-    """Return whether a stress, shape (6, nx, ny), Pa, and the residual stress at any depth of a layer are near it."""
+def _find_part_of_yield(material: Yielding, stress: Array, top: float, bottom: float) -> float:
+    """Return the largest von Mises stress in a layer over the yield stress, with the residual stress at any depth.
+
+    The stress has shape (6, nx, ny), Pa; where there is a residual stress, what it adds to the von Mises stress of that
+    counts, over what that leaves to the yield stress.
+    """
     given = material.residual
     if given is None:
-        return bool(find_equivalent(stress).max() > _LOWEST_STRESS * material.yield_stress)
+        return float(find_equivalent(stress).max()) / material.yield_stress
     # The von Mises stress is convex: between points of the residual stress, where that is linear, it is less.
     points = np.concatenate(([top], given.depth[(given.depth > top) & (given.depth < bottom)], [bottom]))
+    found = []
     for own in given.find_stress(points).T:
         rest = float(find_equivalent(own))
-        most = find_equivalent(stress + own[:, np.newaxis, np.newaxis]).max()
-        # Of what the residual stress leaves to the yield stress.
-        if most > rest + _LOWEST_STRESS * (material.yield_stress - rest):
-            return True
-    return False
+        most = float(find_equivalent(stress + own[:, np.newaxis, np.newaxis]).max())
+        found.append((most - rest) / (material.yield_stress - rest))
+    return max(found)
 
 
 def probe_layers(grid: rc.Grid) -> Array:

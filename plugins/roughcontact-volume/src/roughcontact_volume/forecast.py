@@ -8,6 +8,7 @@ from typing import Any
 import attrs
 import numpy as np
 import roughcontact as rc
+from roughcontact.results import WorkText
 from roughcontact.typing import Array, Load, si
 
 from roughcontact_volume.box import count_layers, find_operators, find_yield_depth
@@ -39,32 +40,35 @@ def make_elastic(problem: Any) -> Any:
 def forecast_flow(problem: Any, material: Yielding, load: Load | None) -> list[tuple[str, str]]:
     """Return what the flow of a body takes at a load, in rows of a plan; see `Law.explain_work`."""
     if load is None:
-        return [("box", "as deep as an elastic contact comes near the yield stress: name a load, explain(force=...)")]
+        text = "as deep as an elastic contact comes near the yield stress: name a load, explain(force=...)"
+        return [("box", WorkText(text))]
     try:
         require_possible(problem)
         return _forecast(problem, material, load)
     except (rc.InputError, rc.OutOfMemory) as error:
-        return [("box", f"refused: {error}")]
+        return [("box", WorkText(f"refused: {error}"))]
 
 
 def _forecast(problem: Any, material: Yielding, load: Load) -> list[tuple[str, str]]:
     grid, boundary = problem.plan.grid, problem.boundary
+    started = time.perf_counter()
     elastic = make_elastic(problem).solve(**load.arguments, throw=False)
     depth = find_yield_depth(grid, boundary, material, elastic.pressure)
     if not depth:
-        return [("box", f"none: at {load} the elastic contact stays below the yield stress")]
+        text = f"none: at {load} the elastic contact stays below the yield stress"
+        return [("box", WorkText(text, 0.0, time.perf_counter() - started))]
     operators = find_operators(grid, boundary, max(2, count_layers(grid, depth)), material)
     count = len(operators.thicknesses)
     field = np.zeros(operators.shape)
     # The first time prepares the maps.
     seconds = _WITH_CONTACT * min(_time_product(operators, elastic.pressure, field) for _ in range(2))
     stresses = _STRESSES * max(1.0, _STEPS * _DEFAULT_ACCURACY / material.accuracy)
-    memory = (operators.bytes_needed + _FIELDS * field.nbytes) / 2**20
+    memory = operators.bytes_needed + _FIELDS * field.nbytes
+    seconds *= stresses
     reach = si(float(operators.thicknesses.sum()), "m")
-    return [
-        ("box", f"{count} layers to {reach} at {load}, more where flow reaches the lowest: {memory:.3g} MiB"),
-        ("flow", f"about {stresses:.0f} stresses, {si(stresses * seconds, 's', 2)} in all, within a factor of five"),
-    ]
+    box = f"{count} layers to {reach} at {load}, more where flow reaches the lowest: {memory / 2**20:.3g} MiB"
+    flow = f"about {stresses:.0f} stresses, {si(seconds, 's', 2)} in all, within a factor of five"
+    return [("box", WorkText(box, memory, 0.0)), ("flow", WorkText(flow, 0.0, seconds))]
 
 
 def _time_product(operators: VolumeOperators, pressure: Array, strain: Array) -> float:

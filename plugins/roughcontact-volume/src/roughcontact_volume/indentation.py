@@ -10,7 +10,7 @@ from typing import Any
 import attrs
 import numpy as np
 import roughcontact as rc
-import scipy.interpolate
+import scipy
 from roughcontact.results import WarningText
 from roughcontact.typing import Array, Table
 

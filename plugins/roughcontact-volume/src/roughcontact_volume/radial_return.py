@@ -36,10 +36,10 @@ def find_equivalent(stress: Array) -> Array:
     return np.asarray(np.sqrt(1.5) * find_norm(find_deviator(stress)))
 
 
-def find_multiplier(trial: Array, strain: Array, material: Yielding) -> Array:
+def find_multiplier(trial: Array, strain: Array, material: Yielding, stiffness: float = 1.0) -> Array:
     r"""Return the plastic strain that accumulates until a stress is at the yield surface.
 
-    It is :math:`\Delta\kappa \ge 0` with :math:`\sigma - 3 \mu \Delta\kappa = Y(\kappa + \Delta\kappa)`, by Newton's
+    It is :math:`\Delta\kappa \ge 0` with :math:`\sigma - 3 c \mu \Delta\kappa = Y(\kappa + \Delta\kappa)`, by Newton's
     method within bounds.
 
     Parameters
@@ -50,15 +50,16 @@ def find_multiplier(trial: Array, strain: Array, material: Yielding) -> Array:
         Accumulated plastic strain before, shape (n,).
     material
         The material.
+    stiffness
+        The factor c of the shear modulus; 1: the elastic trial.
     """
     found = np.zeros(trial.shape)
     yields = trial > material.find_yield_stress(strain)
-    found[yields] = _find_root(trial[yields], strain[yields], material)
+    found[yields] = _find_root(trial[yields], strain[yields], material, 3.0 * stiffness * material.shear_modulus)
     return found
 
 
-def _find_root(trial: Array, strain: Array, material: Yielding) -> Array:
-    stiffness = 3.0 * material.shear_modulus
+def _find_root(trial: Array, strain: Array, material: Yielding, stiffness: float) -> Array:
     low = np.zeros(trial.shape)
     # Hardening makes the multiplier smaller than perfect plasticity does.
     high = (trial - material.find_yield_stress(strain)) / stiffness
@@ -76,11 +77,11 @@ def _find_root(trial: Array, strain: Array, material: Yielding) -> Array:
     return found
 
 
-def find_flow(stress: Array, flow: Array, strain: Array, material: Yielding) -> Array:
+def find_flow(stress: Array, flow: Array, strain: Array, material: Yielding, stiffness: float = 1.0) -> Array:
     r"""Return the increment of plastic strain that follows from a stress in which such an increment acts already.
 
     It is :math:`\Phi(x) = \tfrac{3}{2} \Delta\kappa\, s / \sigma` of the trial deviator
-    :math:`s = \operatorname{dev} \sigma(x) + 2 \mu x`: the solution of a step is its fixed point.
+    :math:`s = \operatorname{dev} \sigma(x) + 2 c \mu x`: the solution of a step is its fixed point, with any factor c.
 
     Parameters
     ----------
@@ -92,10 +93,12 @@ def find_flow(stress: Array, flow: Array, strain: Array, material: Yielding) -> 
         Accumulated plastic strain before, shape (n,).
     material
         The material.
+    stiffness
+        The factor c of the shear modulus; 1: the elastic trial.
     """
-    trial = find_deviator(stress) + 2.0 * material.shear_modulus * flow
+    trial = find_deviator(stress) + 2.0 * stiffness * material.shear_modulus * flow
     equivalent = np.sqrt(1.5) * find_norm(trial)
-    multiplier = find_multiplier(equivalent, strain, material)
+    multiplier = find_multiplier(equivalent, strain, material, stiffness)
     return np.asarray(1.5 * multiplier / np.where(equivalent > 0.0, equivalent, 1.0) * trial)
 
 

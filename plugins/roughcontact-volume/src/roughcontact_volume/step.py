@@ -15,6 +15,9 @@ from roughcontact_volume.yielding import Yielding
 
 # Evaluations after which a step is given up: a huge one takes some thirty.
 _MAX_EVALUATIONS = 200
+# Factor of the shear modulus in the return: above a half the iteration converges by itself too, and it takes a tenth
+# fewer evaluations than with 1.
+_STIFFNESS = 0.65
 
 
 @attrs.frozen(eq=False)
@@ -91,7 +94,7 @@ class FlowingCells:
     def find_yielding(self, stress: Array, field: Array) -> IntArray:
         """Return the cells whose elastic trial is beyond the yield stress, with an increment that acts already."""
         limit = self.material.find_yield_stress(self.strain)
-        stiffness = 2.0 * self.material.shear_modulus
+        stiffness = 2.0 * _STIFFNESS * self.material.shear_modulus
         # Layer by layer, which takes the memory of one.
         trials = (find_equivalent(stress[:, layer] + stiffness * field[:, layer]) for layer in range(len(limit)))
         yielding = [(trial > most).ravel() for trial, most in zip(trials, limit, strict=True)]
@@ -100,12 +103,13 @@ class FlowingCells:
     def find_flow(self, stress: Array, iterate: Flow) -> Array:
         """Return the increment of some cells that follows from their stress, shape (6, cells); see `find_flow`."""
         cells = iterate.cells
-        return find_flow(stress.reshape(6, -1)[:, cells], iterate.values, self.strain.reshape(-1)[cells], self.material)
+        strain = self.strain.reshape(-1)[cells]
+        return find_flow(stress.reshape(6, -1)[:, cells], iterate.values, strain, self.material, _STIFFNESS)
 
     def measure(self, residual: Array) -> float:
         """Return the largest change of an increment as a stress over the yield stress."""
         largest = float(np.max(find_norm(residual), initial=0.0))
-        return largest * (2.0 * self.material.shear_modulus) / self.material.yield_stress
+        return largest * (2.0 * _STIFFNESS * self.material.shear_modulus) / self.material.yield_stress
 
 
 def solve_step(
@@ -113,10 +117,10 @@ def solve_step(
 ) -> FlowStep:
     r"""Return the increment of plastic strain x of each body with :math:`x = \Phi(x)`; see `find_flow`.
 
-    As an iteration :math:`x \leftarrow \Phi(x)` is a proximal-gradient step of length :math:`1/(2 \mu)` on a convex
-    energy, where the contact is solved for each stress, so that it converges for any load and any hardening. Anderson's
-    mixing accelerates it, of all bodies together; the last iterate is one of :math:`\Phi`, so that in each cell it has
-    the direction of a stress.
+    As an iteration :math:`x \leftarrow \Phi(x)` is a proximal-gradient step of length :math:`1/(2 c \mu)` on a convex
+    energy, where the contact is solved for each stress, so that it converges for any load, any hardening and any factor
+    c above a half. Anderson's mixing accelerates it, of all bodies together; the last iterate is one of :math:`\Phi`,
+    so that in each cell it has the direction of a stress.
 
     Parameters
     ----------
@@ -127,7 +131,7 @@ def solve_step(
     bodies
         The bodies that may flow.
     tolerance
-        Admissible :math:`|\Phi(x) - x|\, 2 \mu / Y` in any cell.
+        Admissible :math:`|\Phi(x) - x|\, 2 c \mu / Y` in any cell.
 
     References
     ----------

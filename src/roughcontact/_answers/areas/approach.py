@@ -13,6 +13,7 @@ from roughcontact._answers.areas.cells import NEIGHBOUR_STEPS, find_cut_cells, f
 from roughcontact._answers.areas.edges import MAX_RIDGE_LAY, is_diagonal
 from roughcontact._answers.areas.initial_gap import (
     CONTINUED_CELLS,
+    ROUNDING,
     average_curvature,
     bend_at_border,
     continue_beyond,
@@ -30,7 +31,6 @@ from roughcontact._solve.solution import ContactSolution, heal
 _SEARCHED_CELLS = 64
 # Cells on each side of a summit through which polynomials are fitted.
 _POLYNOMIAL_REACH = 4
-_MORE_ROWS = ((_POLYNOMIAL_REACH, _POLYNOMIAL_REACH), (0, 0))
 # Largest distance of a summit from its highest cell along an axis, and the distances that are tried, cells.
 _MAX_SUMMIT_OFFSET = 0.75
 _TRIED_OFFSETS = np.linspace(-_MAX_SUMMIT_OFFSET, _MAX_SUMMIT_OFFSET, 13)
@@ -45,8 +45,6 @@ _TIP_FORMS = np.stack(
     ],
     axis=1,
 )
-# Misfit of a paraboloid to the gap around a summit, over the range of the gap, below which the summit is one.
-_PARABOLOID_MISFIT = 1e-6
 # Smallest ratio of the principal curvatures of a hyperboloid: any ridge has one through five cells across it.
 _MIN_CURVATURE_RATIO = 0.1
 # Misfit of a hyperboloid over the misfit of a paraboloid below which the summit is a hyperboloid, and below which it is
@@ -59,11 +57,6 @@ _ROUND_MISFIT = 0.3
 # Steps along both axes, along both diagonals, and to the two cells on each side.
 _LINES = np.split(NEIGHBOUR_STEPS[::2], 2)
 _BESIDE = np.arange(-2, 3)
-# Standard deviation of the deficit of the approach of surfaces that loads have changed, over that deficit. Set on draw
-# 1 of benchmarks/memory_classes.py.
-_CHANGED_SHIFT_STD = 1.0
-# Second difference where a line has no kink, over the largest beside it.
-_KINK_TOLERANCE = 1e-6
 # Places without a kink on both lines through a summit, from which the map is linear between points there.
 _MIN_KINKLESS = 3
 
@@ -140,9 +133,10 @@ def find_rise(
 def _gather_highest(gap: Array, measured: Array, boundary: Boundary) -> tuple[Array, Mask]:
     """Return the gap around the highest cells, shape (count, cells, cells), and which are summits."""
     wide = gap
+    more_rows = ((_POLYNOMIAL_REACH, _POLYNOMIAL_REACH), (0, 0))
     for free in boundary.free_axes:
         # Each axis in turn is the first one.
-        wide = (_continue(wide) if free else pad_axes(wide, _MORE_ROWS, (False, False))).T
+        wide = (_continue(wide) if free else pad_axes(wide, more_rows, (False, False))).T
     count = min(_SEARCHED_CELLS, gap.size)
     highest = np.argpartition(measured, count - 1, axis=None)[:count]
     highest = highest[np.isfinite(measured.ravel()[highest])]
@@ -239,7 +233,7 @@ def fit_hyperboloid(near: Array) -> tuple[float | None, float]:
     *form, shift = np.linalg.lstsq(np.column_stack((forms, -2.0 * gap)), gap**2, rcond=None)[0]
     hessian = np.array(((2.0 * form[3], form[4]), (form[4], 2.0 * form[5])))
     smaller, larger = np.linalg.eigvalsh(hessian)
-    if round_off < _PARABOLOID_MISFIT or smaller <= _MIN_CURVATURE_RATIO * larger or larger <= 0.0:
+    if round_off < ROUNDING or smaller <= _MIN_CURVATURE_RATIO * larger or larger <= 0.0:
         return None, 0.0
     place = -np.linalg.solve(hessian, form[1:3])
     if np.max(np.abs(place)) > _MAX_SUMMIT_OFFSET:
@@ -260,7 +254,7 @@ def _is_linear(near: Array) -> bool:
     kinkless = 0
     for line in (near[:, _POLYNOMIAL_REACH], near[_POLYNOMIAL_REACH]):
         bends = np.diff(line, 2)
-        smallest = _KINK_TOLERANCE * float(np.abs(bends).max())
+        smallest = ROUNDING * float(np.abs(bends).max())
         kinkless += int(
             np.count_nonzero(np.abs(bends) <= smallest) + np.count_nonzero(np.abs(np.diff(bends)) <= smallest)
         )
@@ -280,7 +274,7 @@ def _extend_lines(near: Array) -> float:
 def _find_kink(line: Array) -> tuple[float, float, int]:
     """Return the distance in cells to where the lines of both sides meet, the slope there and the cell behind."""
     bends = np.diff(line[_POLYNOMIAL_REACH - 2 : _POLYNOMIAL_REACH + 3], 2)
-    if abs(bends[1]) <= _KINK_TOLERANCE * np.max(np.abs(bends)):
+    if abs(bends[1]) <= ROUNDING * np.max(np.abs(bends)):
         return 0.0, 0.0, _POLYNOMIAL_REACH
     # A kink between two cells bends the line at both.
     side = 1 if abs(bends[2] - bends[1]) < abs(bends[0] - bends[1]) else -1
@@ -388,8 +382,8 @@ def find_shift(solution: ContactSolution) -> tuple[float, float]:
     open_part = 1.0 if solution.boundary.has_free_axis else 1.0 - float(np.mean(solution.contact))
     fading = min(1.0, calibration.FADING_FACTOR * open_part)
     if solution._is_changed:
-        # What loads before have left bends elsewhere, too.
-        unsure = (*unsure, _CHANGED_SHIFT_STD * shift)
+        # What loads before have left bends elsewhere, too: on draw 1 of benchmarks/memory_classes.py by as much.
+        unsure = (*unsure, shift)
     std = max(fading, calibration.MIN_FADING) * math.hypot(*unsure)
     highest = bend.highest
     if solution._is_changed and solution.capped:
@@ -429,7 +423,8 @@ def find_hidden_rise(solution: ContactSolution) -> float:
     if solution.patches.count == 0:
         return 0.0
     bend = measure_bend(solution)
-    lost, rims, filled = calibration.HIDDEN_RISE_STD
+    lost, filled = calibration.HIDDEN_RISE_STD
+    _, rims = calibration.RIM_GAP_EXCESS
     unresolved = lost * _ramp(bend.resolution, calibration.UNRESOLVED_RATIOS)
     return math.hypot(unresolved, rims * bend.rim, filled * math.sqrt(bend.filled)) * bend.mean
 

@@ -124,15 +124,13 @@ NON_MEASURED_LENGTH_STD = 0.35
 
 # --- benchmarks/layer_constants.py: spheres on layers, where E* depends on the wavelength ----------------------------
 
-# Inverse wave number at which the edge meets E*, cells.
-# Measured: rms error of the edge 0.025, 0.018, 0.057 cells with 0.25, 0.5 and 1.
-EDGE_LENGTH = 0.5
+# Inverse wave number at which the edge meets E*, cells, and that at which a contact meets it, radii of the contact.
+# Measured with 0.25, 0.5 and 1: rms error of the edge 0.025, 0.018, 0.057 cells; on layers of 1 and 3 cells, rms
+# relative error of Hertz's area 0.18, 0.14, 0.34.
+MODULUS_LENGTH = 0.5
 # Standard deviation of the position of the edge, cells times the logarithm of the change of E* over two octaves.
 # Measured on layers of 0.2 and 0.4 cells thickness: rms 0.093.
 LAYERED_POSITION_STD = 0.1
-# Inverse wave number at which a contact meets E*, radii of the contact.
-# Measured on layers of 1 and 3 cells: rms relative error of the area 0.18, 0.14, 0.34 with 0.25, 0.5 and 1.
-HERTZ_LENGTH = 0.5
 # Relative standard deviation of Hertz's area, times the logarithm of the change of E* over two octaves. Measured: 0.31.
 HERTZ_LAYERED_ERROR = 0.4
 
@@ -264,8 +262,8 @@ TIP_RISE_DEFICIT = (0.06, 0.55)
 # Resolution ratios between which the summits between the cells are lost.
 UNRESOLVED_RATIOS = (1.4, 2.0)
 # Standard deviation of the height of the highest summit over h^2 times the curvature under the contact: where they are
-# lost, at sharp rims as above, and over the root of the fraction of the load on filled cells, no unit.
-HIDDEN_RISE_STD = (0.05, 0.014, 0.5)
+# lost, and over the root of the fraction of the load on filled cells, no unit; at sharp rims that of the mean gap.
+HIDDEN_RISE_STD = (0.05, 0.5)
 # Excess of the length of a sharp edge through the middles of the sides of its cells, half of the 5.5 % that it has on
 # average in all directions and does not have along the grid, and its relative standard deviation. Set on round, square
 # and turned pillars, lands and dimples of 20 to 200 cells a side. Both grow with the logarithm of the ratio of the

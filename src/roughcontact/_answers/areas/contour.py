@@ -41,19 +41,15 @@ _EULER_NUMBERS = np.select([CORNER_COUNTS == 1, _THREE_INSIDE, _DIAGONAL_INSIDE]
 _MAX_DISTANCE_CELLS = 16.0
 # Distance of the furthest corner, in cells, where no y gives the gradient one, as at saddles: half a diagonal.
 _SADDLE_DISTANCE_CELLS = 0.7
-# Difference up to which edges in two dual cells count as the same, in cells; the largest number of such steps; and an
-# offset, so that half a cell does not lie at the limit between two steps.
+# Difference up to which distances from the edge count as the same, over the side of a dual cell: rounding and the
+# tolerance of the solution; the largest number of such steps; and an offset, so that half a cell does not lie at the
+# limit between two steps.
 _KEY_STEP = 1e-3
 _KEY_COUNT = 10_000
 _KEY_OFFSET = 0.382
-# Difference of the distances of two corners from a straight edge along the grid, over the side of a dual cell: rounding
-# and the tolerance of the solution.
-_MAX_UNEVEN_DISTANCE = 1e-3
 # Cells of a grid up to which the edges between neighbouring cells and between those two apart are measured together:
 # then the number of calls decides, on larger ones the memory.
 _MOST_CELLS_AT_ONCE = 2**14
-# Minimum cells across a patch between two straight edges.
-_MIN_STRAIGHT_CELLS = 2
 # Newton steps for y^2 from a start within 9 % (quadratic convergence, rounding after 4), and inside a bracket.
 _NEWTON_STEPS = 4
 _BRACKETED_STEPS = 16
@@ -281,11 +277,11 @@ def _place_straight_edges(
     inside = label > 0
     ordered = np.sort(distance, axis=0)
     uneven = np.maximum(ordered[1] - ordered[0], ordered[3] - ordered[2])
-    even &= uneven <= _MAX_UNEVEN_DISTANCE * (ordered[3] - ordered[0])
+    even &= uneven <= _KEY_STEP * (ordered[3] - ordered[0])
     _, uneven_sides = _count_sides(solution, patch, ~even)
-    # Narrower patches have no edge that is known: one row of sides on either side of their cells.
+    # Patches of a single row of cells, with a row of sides on either side, have no edge that is known.
     cells = np.concatenate(([0], solution.patches.cells))
-    straight = (sides > 0) & (2 * cells >= _MIN_STRAIGHT_CELLS * sides)
+    straight = (sides > 0) & (cells >= sides)
     straight[uneven_sides > 0] = False
     straight[count_saturated(solution) > 0] = False
     straight[0] = False
@@ -336,7 +332,7 @@ def find_modulus_change(solution: ContactSolution) -> float:
     """Return the logarithm of the change of E* over two octaves of wavelength at the edge; zero without layers."""
     if solution.moduli is None:
         return 0.0
-    length = calibration.EDGE_LENGTH * math.sqrt(solution.grid.resolved.cell_area)
+    length = calibration.MODULUS_LENGTH * math.sqrt(solution.grid.resolved.cell_area)
     shorter, longer = solution.effective_modulus(np.array([2.0, 0.5]) / length)
     return abs(math.log(longer / shorter))
 
@@ -349,7 +345,7 @@ def find_distances(solution: ContactSolution, k: IntArray, contact: Mask, stride
     dx, dy = solution.grid.resolved.spacing
     size = (stride * dx, stride * dy)
     step = np.sqrt(size[0] * size[1])
-    modulus = solution.effective_modulus(1.0 / (calibration.EDGE_LENGTH * step))
+    modulus = solution.effective_modulus(1.0 / (calibration.MODULUS_LENGTH * step))
     inside = np.square(solution.pressure.ravel().take(k) / modulus)
     outside = np.zeros_like(inside)
     open_ = np.flatnonzero(~contact)

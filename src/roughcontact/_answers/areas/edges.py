@@ -25,8 +25,6 @@ from roughcontact._solve.solution import Area, ContactSolution, Estimate, areas
 # chord of length l cuts off curvature * l^3 / 12, and the mean chords of the unit square are <l> = pi / 4 and
 # <l^3> = 3 / 4, which gives 1/2.
 CUT_OFF_CELLS = 0.5 + calibration.PIECE_AREA_DEFICIT
-# Mean number of cell sides along an edge over its length in cells, of all directions.
-_SIDES_PER_LENGTH = 4.0 / np.pi
 # Number of cells from which a patch whose topology differs between both strides is not resolved.
 _MIN_TOPOLOGY_CELLS = 12
 # Standard deviation of the area of single spheres over its value on rough contacts, where Hertz's areas take part.
@@ -171,9 +169,10 @@ def _trace_edges(solution: ContactSolution) -> TracedEdges:
     oblong = math.sqrt(max(solution.grid.resolved.spacing) / min(solution.grid.resolved.spacing))
     # The edge of a patch varies at least as half the edge of a disc of as many cells.
     half_disc = np.sqrt(np.pi * square * np.concatenate(([0], cells)))
+    # Of edges in all directions there are 4 / pi cell sides for each cell of their length.
     std = (
         calibration.EDGE_AREA_STD
-        * np.sqrt(_SIDES_PER_LENGTH * np.maximum(one.length * square / cell, half_disc) / step)
+        * np.sqrt(4.0 / np.pi * np.maximum(one.length * square / cell, half_disc) / step)
         * cell
     )
     ratio = curvature_resolution(solution)

@@ -37,9 +37,6 @@ _NEWTON_STEPS = 3
 # Largest gap at the nearest cell of a summit that touches, over curvature times the square of a cell's diagonal:
 # 1/8 for a summit in the corner of a cell; the sharpest summit may be sharper than those in contact.
 _HIDDEN_GAP_FACTOR = 0.25
-# Steps, in cells, to the four neighbours of a cell that come before it, and to those that come after it.
-_CELLS_AFTER = NEIGHBOUR_STEPS[::2]
-_CELLS_BEFORE = -_CELLS_AFTER
 # Pressure limit, Pa, that stands for none in a mean over cells: finite, and above any material's.
 _NO_PRESSURE_LIMIT = 1e150
 
@@ -234,7 +231,8 @@ def _find_low_cells(solution: ContactSolution, sharpest: float) -> IntArray:
     gap = solution.gap.ravel()
     contact = solution.contact.ravel()
     here = gap[chosen]
-    before, after = (near.at(steps) for steps in (_CELLS_BEFORE, _CELLS_AFTER))
+    after = NEIGHBOUR_STEPS[::2]
+    before, after = (near.at(steps) for steps in (-after, after))
     # Equal neighbours have one summit between them: only the first counts.
     lowest = (gap[before] > here).all(axis=0) & (gap[after] >= here).all(axis=0)
     lowest &= ~(contact[before] | contact[after]).any(axis=0)

@@ -22,10 +22,6 @@ _DIFFERENCE_REACH = 4
 _SAMPLE_CELLS = 100_000
 # Cells below which a patch does not show how the curvature varies under it, so that the cells around it are used.
 _TINY_PATCH_CELLS = 9
-# Mean square distance from the centre along an axis: of three by three cells, cell^2 ...
-_SQUARE_VARIANCE = 2.0 / 3.0
-# ... and of a circle of radius one, weighted by Hertz's pressure (exact).
-_CIRCLE_VARIANCE = 1.0 / 5.0
 # Smallest number of cells that show whether heights are linear between points.
 _MIN_LINEAR_CELLS = 24
 # Fraction of them that then has no kink.
@@ -35,17 +31,17 @@ _MIN_DISTINCT_FRACTION = 0.35
 _DISTINCT_DIGITS = 6
 # Mean product of second differences of neighbours over their mean square, negative, from which heights have steps.
 _MIN_STEP_CORRELATION = 0.1
-# Largest differences, over their rms, that count as alike, and as equal up to rounding.
+# Largest differences, over their rms, that count as alike.
 _ALIKE_DIFFERENCE = 1e-3
-_EXACT_DIFFERENCE = 1e-6
+# Largest relative difference of heights or places that are equal up to rounding.
+ROUNDING = 1e-6
 # Steps, in cells, to the three by three cells around one.
 _SURROUNDINGS = np.mgrid[-1:2, -1:2].reshape(2, 9).T
 # Degree of the spline: its second derivatives err by (q h)^4 / 720, 0.02 % at ten cells a wave.
 _DEGREE: Literal[5] = 5
-# Number of centres before and behind a point whose B-splines cover the point.
-_CENTRES_BEFORE = 3
-_CENTRES_BEHIND = 3
-_CENTRES = np.arange(_CENTRES_BEFORE + _CENTRES_BEHIND)
+# Number of centres before, and behind, a point whose B-splines cover the point.
+SPLINE_REACH = 3
+_CENTRES = np.arange(SPLINE_REACH + SPLINE_REACH)
 # Cells by which values are continued beyond a free border: a mirrored spline bends at the border, and the bend has an
 # effect over as many cells.
 CONTINUED_CELLS = 8
@@ -116,7 +112,9 @@ def _average_curvature(solution: ContactSolution) -> tuple[Array, Array, Array, 
     hessian = _find_hessian(solution, np.concatenate((chosen, around)))
     mean, variance = _average([part[: chosen.size] for part in hessian], label, weights, patches.count)
     _, beyond = _average([part[chosen.size :] for part in hessian], owner, np.ones(around.size), patches.count)
-    reach = _CIRCLE_VARIANCE * cells / np.pi / (_SQUARE_VARIANCE + cells / (4.0 * np.pi))
+    # Mean square distance from the centre along an axis: 2/3 of three by three cells; a^2 / 5 of a circle of radius a,
+    # weighted by Hertz's pressure (exact).
+    reach = (1.0 / 5.0) * cells / np.pi / (2.0 / 3.0 + cells / (4.0 * np.pi))
     variance = np.maximum(variance, np.where(cells < _TINY_PATCH_CELLS, beyond * reach, 0.0))
     middle, difference = combine_principal(mean[0], mean[2], mean[1])
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -161,7 +159,7 @@ def is_linear(solution: ContactSolution, chosen: IntArray) -> bool:
     third = math.sqrt(float(np.mean((after - here) ** 2)))
     # A step bends the line one way before it and the other way behind it.
     steps = float(np.mean(here * after)) < -_MIN_STEP_CORRELATION * second**2
-    if steps or second == 0.0 or third <= _EXACT_DIFFERENCE * second:
+    if steps or second == 0.0 or third <= ROUNDING * second:
         return False
     if not _are_distinct(solution.parts, here[np.abs(here) > _ALIKE_DIFFERENCE * second] / second):
         return False
@@ -176,7 +174,7 @@ def find_filled(solution: ContactSolution, chosen: IntArray) -> Mask:
     if whole.total(chosen.size) == 0:
         return np.zeros(chosen.shape, dtype=bool)
     size = math.sqrt(whole.mean(along_x**2 + along_y**2))
-    filled = (np.abs(along_x + along_y) < _EXACT_DIFFERENCE * size) & (np.abs(along_x) > _EXACT_DIFFERENCE * size)
+    filled = (np.abs(along_x + along_y) < ROUNDING * size) & (np.abs(along_x) > ROUNDING * size)
     if not whole.total(np.count_nonzero(filled)) or not _are_distinct(whole, along_x / size):
         return np.zeros(chosen.shape, dtype=bool)
     return np.asarray(filled)
@@ -356,7 +354,7 @@ class Spline:
     @classmethod
     def through(cls, values: Array, spacing: Pair, boundary: Boundary) -> Spline:
         """Return the spline through values of shape (nx, ny)."""
-        ends = (_CENTRES_BEFORE - 1, _CENTRES_BEHIND)
+        ends = (SPLINE_REACH - 1, SPLINE_REACH)
         if not boundary.has_free_axis:
             return cls(pad_axes(_solve_periodic(values), (ends, ends), (False, False)), spacing, (True, True), (0, 0))
         from scipy import ndimage
@@ -394,7 +392,7 @@ class Spline:
         first = np.floor(at)
         fraction = at - first
         i, j = first.astype(np.intp)
-        nx, ny = (n - (_CENTRES_BEFORE - 1) - _CENTRES_BEHIND for n in self.coefficients.shape)
+        nx, ny = (n - (SPLINE_REACH - 1) - SPLINE_REACH for n in self.coefficients.shape)
         # A free domain is continued by more cells than an ellipse inside it needs.
         repeats_x, repeats_y = self.periodic
         row = i % nx if repeats_x else np.clip(i, 0, nx - 1)
@@ -435,7 +433,7 @@ def _weigh(fraction: Array, highest: int) -> Array:
 @lru_cache(maxsize=8)
 def _invert_splines(cells: int, count: int) -> Array:
     """Return the inverse of the transform of the B-spline at the first waves of so many cells."""
-    own, first, second = _SPLINE_PIECES[_CENTRES_BEFORE - 1 : -1, 0]
+    own, first, second = _SPLINE_PIECES[SPLINE_REACH - 1 : -1, 0]
     angle = 2.0 * np.pi * np.arange(count) / cells
     return np.asarray(1.0 / (own + 2.0 * first * np.cos(angle) + 2.0 * second * np.cos(2.0 * angle)))
 

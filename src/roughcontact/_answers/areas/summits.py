@@ -12,7 +12,7 @@ import scipy
 from roughcontact._answers.areas import calibration
 from roughcontact._answers.areas.cells import find_patches_of, split
 from roughcontact._answers.areas.ellipses import find_ellipses
-from roughcontact._answers.areas.initial_gap import Spline, combine_principal
+from roughcontact._answers.areas.initial_gap import ROUNDING, SPLINE_REACH, Spline, combine_principal
 from roughcontact._base.arrays import Array, IntArray, Mask
 from roughcontact._parts.grid import Boundary, grow
 from roughcontact._solve.solution import ContactSolution
@@ -24,19 +24,14 @@ _TABLE_ENTRIES = 600
 _POINT_ANGLES = 8
 # Number of contacts around each one that are summed as point loads; beyond, the load is spread over the plane.
 _NEAR_CONTACTS = 24
-# Distance of two contacts, over the radius that is searched, below which they are one and the same.
-_IMAGE_DISTANCE = 1e-6
 # Smallest ratio of the principal curvatures of a summit: longer contacts are not elliptic on a rough surface.
 MIN_CURVATURE_RATIO = 0.05
 # The same where the curvature varies by less than the smaller principal curvature, as on rollers.
 _MIN_EVEN_CURVATURE_RATIO = 0.01
-# Rounds of place and ellipse, and the round from which the far field is known.
+# Rounds of place and ellipse; the far field is known from the second on.
 _ELLIPSE_ROUNDS = 3
-_FAR_FIELD_ROUND = 1
 # Rounds of the fixed point for the modulus at the size of a contact: each at least halves the logarithmic error.
 _MODULUS_ROUNDS = 20
-# Cells between a patch and a non-measured point, which the spline needs.
-_SPLINE_REACH = 3
 
 
 def find_area_factor(ratio: Array) -> Array:
@@ -194,7 +189,7 @@ def _pair_contacts(
     dx, dy = (at[one] - at[other] for at in np.ascontiguousarray(points.T))
     axes = zip((dx, dy), size, repeats, strict=True)
     dx, dy = (step - side * np.round(step / side) if repeated else step for step, side, repeated in axes)
-    apart = np.maximum(np.abs(dx), np.abs(dy)) > _IMAGE_DISTANCE * radius
+    apart = np.maximum(np.abs(dx), np.abs(dy)) > ROUNDING * radius
     return (one, other, dx, dy) if apart.all() else (one[apart], other[apart], dx[apart], dy[apart])
 
 
@@ -208,7 +203,7 @@ def _pair_images(points: Array, size: Array, radius: float, repeats: Mask) -> tu
     places = (points + shifts[:, np.newaxis]).reshape(-1, 2)
     near = np.flatnonzero((((places >= -radius) & (places <= size + radius)) | ~repeats).all(axis=1))
     pairs = cKDTree(points).sparse_distance_matrix(cKDTree(places[near]), radius, output_type="ndarray")
-    pairs = pairs[pairs["v"] > _IMAGE_DISTANCE * radius]
+    pairs = pairs[pairs["v"] > ROUNDING * radius]
     one = pairs["i"]
     image = near[pairs["j"]]
     other = image % len(points)
@@ -297,7 +292,7 @@ def find_summits(solution: ContactSolution, spline: Spline) -> Summits:
     found = Summits(ones > 0.0, row, column, patches.areas, ones, zeros, ones, zeros, zeros, zeros, far)
     u, v, weights = points_of_hertz()
     for turn in range(_ELLIPSE_ROUNDS):
-        if turn == _FAR_FIELD_ROUND:
+        if turn == 1:
             far = find_far_field(solution, found.row * dx, found.column * dy, found.semi_axis)
             found = attrs.evolve(found, far=far)
         x, y = found.place(u, v)
@@ -411,7 +406,7 @@ def solve_for_area(solution: ContactSolution, force: Array, curvature: Array, ra
         return area, np.zeros_like(area)
     shortest = solution.moduli[0][0]
     for _ in range(_MODULUS_ROUNDS):
-        length = np.maximum(calibration.HERTZ_LENGTH * np.sqrt(area / np.pi), shortest)
+        length = np.maximum(calibration.MODULUS_LENGTH * np.sqrt(area / np.pi), shortest)
         area = np.sqrt(area * (loaded / solution.effective_modulus(1.0 / length)) ** (2.0 / 3.0))
     change = np.abs(np.log(solution.effective_modulus(0.5 / length) / solution.effective_modulus(2.0 / length)))
     return area, np.asarray(change)
@@ -442,4 +437,4 @@ def find_beside_non_measured(solution: ContactSolution) -> Mask:
     """Return which patches lie beside non-measured points, shape (count,): their heights are not known there."""
     if solution.non_measured is None:
         return np.zeros(solution.patches.count, dtype=bool)
-    return find_patches_of(solution, grow(solution.non_measured, _SPLINE_REACH, solution.boundary))
+    return find_patches_of(solution, grow(solution.non_measured, SPLINE_REACH, solution.boundary))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import attrs
@@ -13,24 +13,18 @@ import numpy as np
 from roughcontact._answers.laws.columns import ColumnTable, LawColumn
 from roughcontact._answers.laws.film_fits import FilmFit, fit_peklenik, fit_pressure
 from roughcontact._answers.laws.film_formats import tabulate_column, write_comsol, write_json
-from roughcontact._answers.laws.film_rows import (
-    FilmRow,
-    count_waves,
-    find_wall_shear,
-    make_quarters,
-    solve_rows,
-)
+from roughcontact._answers.laws.film_plan import list_quarters, read_separations, require_pair
+from roughcontact._answers.laws.film_rows import FilmRow, count_waves, find_wall_shear, solve_rows
 from roughcontact._answers.laws.law import describe_domain, write_lines
 from roughcontact._base.arrays import Array, Pair, read_only
-from roughcontact._base.checks import choice, flag, list_of, number
+from roughcontact._base.checks import callback, choice, flag
 from roughcontact._base.machine.progress import count_done, show_progress
 from roughcontact._base.registry import find_view
 from roughcontact._base.tables import Table
 from roughcontact._base.units import counted, si
-from roughcontact._parts.grid import Boundary
 from roughcontact._solve.problem import ContactProblem
 from roughcontact._solve.solution import gather_warnings
-from roughcontact.errors import InputError, argument
+from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 
 _MODELS = ("greenwood-tripp", "persson", "patir-cheng")
@@ -221,7 +215,12 @@ class FilmLaw(ColumnTable):
 
 @guarded
 def film_law(
-    problem: ContactProblem, separation: Iterable[float], *, sampling: bool = True, progress: bool = False
+    problem: ContactProblem,
+    separation: Iterable[float],
+    *,
+    sampling: bool = True,
+    progress: bool = False,
+    on_row: Callable[[int, int], object] | None = None,
 ) -> FilmLaw:
     r"""Return flow factors, asperity pressure and contact area of a periodic pair over the separation.
 
@@ -243,6 +242,8 @@ def film_law(
         the uncertainty by the grid, and costs as much again.
     progress
         Whether to show on standard error how far it has come (extra ``progress``).
+    on_row
+        Called after each separation, of the map and of its quarters, with the number of those solved and of all.
 
     Raises
     ------
@@ -266,20 +267,29 @@ def film_law(
     >>> [f"{value:.2f}" for value in law["phi_xx"].values]
     ['0.77', '0.88']
     """
-    _require_pair(problem)
-    wanted = _read_separations(separation)
-    flag(sampling, "sampling=")
+    require_pair(problem)
+    wanted = read_separations(separation)
+    told = callback(on_row, "on_row=", "done", "total")
     grid = problem.plan.grid
     heights = [body.heights(grid) for body in (problem.body, problem.counterbody)]
     rms = (float(np.std(heights[0])), float(np.std(heights[1])))
     together = float(np.std(problem.initial_gap))
     lengths = [one * together for one in wanted]
-    is_random = any(body.surface.is_random for body in (problem.body, problem.counterbody))
-    quarters = make_quarters(problem) if sampling and is_random else []
+    quarters = list_quarters(problem, sampling)
+    total = len(wanted) * (1 + len(quarters))
+    done = 0
     with show_progress("film", shown=flag(progress, "progress=")) as change:
-        tell = count_done(change, len(wanted) * (1 + len(quarters)), "separation")
-        rows = solve_rows(problem, lengths, lambda: tell(None))
-        parts = [solve_rows(quarter, lengths, lambda: tell(None)) for quarter in quarters]
+        count = count_done(change, total, "separation")
+
+        def tell() -> None:
+            nonlocal done
+            done += 1
+            count(None)
+            if told is not None:
+                told(done, total)
+
+        rows = solve_rows(problem, lengths, tell)
+        parts = [solve_rows(quarter, lengths, tell) for quarter in quarters]
     signs = _find_signs(rms)
     columns = _make_columns(rows, np.array(lengths), together, parts)
     columns |= _make_shear(problem, heights, signs, rows, lengths, together, parts)
@@ -291,38 +301,6 @@ def film_law(
     ]
     description = _describe(problem, together, rms)
     return FilmLaw(np.array(wanted), together, rms, columns, problem.plan.modulus, description, tuple(warnings))
-
-
-def _require_pair(problem: object) -> None:
-    """Raise `InputError` unless a film law of the problem means something."""
-    if not isinstance(problem, ContactProblem):
-        raise InputError.about("The problem of a law", problem, "a ContactProblem")
-    if problem.plan.interaction is not None or problem.remembers:
-        raise InputError(
-            "A film law has one state for each separation, but surfaces that attract each other, or laws that "
-            f"remember, have several: omit {argument('adhesion')} and {argument('laws')}."
-        )
-    if problem.boundary is not Boundary.PERIODIC:
-        raise InputError(
-            f"Flow factors need {argument('boundary', 'periodic')}, but got '{problem.boundary}': a cut-out leaks at "
-            "its borders. A map that does not repeat can be mirrored at its borders."
-        )
-    for body in (problem.body, problem.counterbody):
-        mask = body.non_measured(problem.plan.grid)
-        if mask is not None and mask.any():
-            raise InputError("Some points of a map are not measured, and would count as closed: fill() the map first.")
-
-
-def _read_separations(separation: object) -> list[float]:
-    """Return ascending separations over Sq."""
-    what = "The separations"
-    allowed = "a list of two or more numbers above 0, each over Sq"
-    found = sorted(number(one, what, above=0.0) for one in list_of(separation, what, allowed))
-    if len(found) < 2:
-        raise InputError.about(what, found, allowed)
-    if len(set(found)) < len(found):
-        raise InputError("A separation is given twice: give each once.")
-    return found
 
 
 def _find_signs(rms: Pair) -> tuple[float, float]:

@@ -7,7 +7,7 @@ import math
 import attrs
 import numpy as np
 
-from roughcontact._answers.areas.calibration import EDGE_LENGTH
+from roughcontact._answers.areas.calibration import MODULUS_LENGTH
 from roughcontact._answers.areas.cells import count_sides, find_sharp_edges
 from roughcontact._answers.areas.edges import ends_as_root, pass_on_warnings, trace_edges, warn_if_uncertain
 from roughcontact._answers.areas.initial_gap import curvature_resolution
@@ -194,7 +194,7 @@ def _bound_loss(correction: Array, stiffness: Array, growing: Array) -> Array:
 
 def edge_length(grid: Grid) -> float:
     """Return the inverse of the wave number at an edge of a contact, m."""
-    return EDGE_LENGTH * math.sqrt(grid.resolved.cell_area)
+    return MODULUS_LENGTH * math.sqrt(grid.resolved.cell_area)
 
 
 def _find_trust(solution: ContactSolution, ratio: float) -> float:

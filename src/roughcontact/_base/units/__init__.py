@@ -179,6 +179,30 @@ class WarningText(str):
         return str(self), self.rule, self.value
 
 
+class WorkText(PlainText):
+    """What a part of a solve takes, in words: a text that knows its memory and its time.
+
+    Attributes
+    ----------
+    memory
+        Bytes beside those of the contact; nan where that is not known.
+    seconds
+        Time beside that of the contact, s; nan where that is not known.
+    """
+
+    memory: float
+    seconds: float
+
+    def __new__(cls, text: str, memory: float = math.nan, seconds: float = math.nan) -> WorkText:
+        made = super().__new__(cls, text)
+        made.memory = memory
+        made.seconds = seconds
+        return made
+
+    def __getnewargs__(self) -> tuple[str, float, float]:  # type: ignore[override]
+        return str(self), self.memory, self.seconds
+
+
 def warn_about(name: str, warning: str) -> WarningText:
     """Return the warning of an estimate with the name of the quantity, such as the contact area."""
     value: float = getattr(warning, "value", math.nan)

@@ -13,6 +13,7 @@ from roughcontact._base import checks
 from roughcontact._base.archive import replacing
 from roughcontact._base.tables import Table
 from roughcontact._base.units import fit, si, without_reasons
+from roughcontact._faces.html.pages import require_jinja
 from roughcontact._faces.panels.animation import ANIMATION
 from roughcontact._faces.panels.figures import save_figure
 from roughcontact._faces.panels.theme import require_matplotlib
@@ -231,11 +232,7 @@ def plan_outputs(given: Sequence[str], report: str | None, maps: Sequence[Path],
             raise rc.InputError.about("The output", text, allowed)
     for path in files:
         require_place(path, (path, *_numbered(path, count)), maps)
-        # A report has figures.
-        if path.suffix in {*PICTURES, ".html"}:
-            require_matplotlib()
-        elif path.suffix == ".nc":
-            require_netcdf()
+        require_packages(path.suffix)
     return files + plan_report(report, maps)
 
 
@@ -247,8 +244,19 @@ def plan_report(report: str | None, maps: Sequence[Path]) -> list[Path]:
     if path.suffix != ".html":
         raise rc.InputError.about("The report", report, "a file that ends in .html")
     require_place(path, [path], maps)
-    require_matplotlib()
+    require_packages(path.suffix)
     return [path]
+
+
+def require_packages(ending: str) -> None:
+    """Raise `MissingPackage` without the packages that write a file of this ending."""
+    # A report has figures.
+    if ending in {*PICTURES, ".html"}:
+        require_matplotlib()
+    if ending == ".html":
+        require_jinja()
+    if ending == ".nc":
+        require_netcdf()
 
 
 def require_place(path: Path, targets: Sequence[Path], maps: Sequence[Path]) -> None:

@@ -12,12 +12,11 @@ from roughcontact._answers.laws import FilmLaw
 from roughcontact._base import checks
 from roughcontact._base.units import fit
 from roughcontact._faces.cli import DOUBTFUL, Command
-from roughcontact._faces.cli.answers import PICTURES, require_place, write_csv
+from roughcontact._faces.cli.answers import PICTURES, require_packages, require_place, write_csv
 from roughcontact._faces.cli.options import add_interface, add_shape
 from roughcontact._faces.cli.problem import problem_of
 from roughcontact._faces.cli.progress import show_progress
 from roughcontact._faces.panels.figures import save_figure
-from roughcontact._faces.panels.theme import require_matplotlib
 
 # Columns that a picture shows side by side, those of one quantity in the same axes, and the size of each, inches.
 _DRAWN = {
@@ -78,8 +77,7 @@ def _plan_writers(options: argparse.Namespace, maps: list[Path]) -> list[tuple[C
         ending = Path(text).suffix
         if ending not in _WRITERS:
             raise rc.InputError.about("The output", text, f"a file that ends in {', '.join(_WRITERS)}")
-        if ending in PICTURES:
-            require_matplotlib()
+        require_packages(ending)
         planned.append((_WRITERS[ending], checks.path(text, "The file")))
     if options.comsol is not None:
         planned.append((partial(FilmLaw.to_comsol, units=options.units), checks.path(options.comsol, "The file")))
@@ -106,6 +104,7 @@ def _draw(law: FilmLaw, path: Path) -> None:
 
 _WRITERS: dict[str, Callable[[FilmLaw, Path], None]] = {
     ".csv": FilmLaw.to_csv,
+    ".html": FilmLaw.to_html,
     ".json": FilmLaw.to_json,
     **dict.fromkeys(sorted(PICTURES), _draw),
 }

@@ -15,20 +15,26 @@ from roughcontact._base.archive import replacing
 from roughcontact._base.machine.progress import count_done
 from roughcontact._base.units import fit
 from roughcontact._faces.cli import DOUBTFUL, Command
-from roughcontact._faces.cli.answers import PICTURES, describe_responses, require_place, write_csv, write_json
+from roughcontact._faces.cli.answers import (
+    PICTURES,
+    describe_responses,
+    require_packages,
+    require_place,
+    write_csv,
+    write_json,
+)
 from roughcontact._faces.cli.help import leave_to
 from roughcontact._faces.cli.options import add_interface, add_shape
 from roughcontact._faces.cli.problem import problem_of
 from roughcontact._faces.cli.progress import show_progress
 from roughcontact._faces.cli.responses import add_responses, responses_of
 from roughcontact._faces.panels.figures import save_figure
-from roughcontact._faces.panels.theme import require_matplotlib
 from roughcontact._parts.grid import Load
 from roughcontact._solve.problem import describe_estimate, describe_inputs
 
 # Width of the picture of a column, and height of the figure, inches.
 _PANEL_SIZE = (4.2, 3.6)
-_ENDINGS = (".csv", ".json", *sorted(PICTURES))
+_ENDINGS = (".csv", ".html", ".json", *sorted(PICTURES))
 # The ending of the table of pressure over closure, beside that of the conductance.
 _CLOSURE = "-closure"
 
@@ -108,9 +114,12 @@ def _plan_writers(
         ending = Path(text).suffix
         if ending not in _ENDINGS:
             raise rc.InputError.about("The output", text, f"a file that ends in {', '.join(_ENDINGS)}")
-        if ending in PICTURES:
-            require_matplotlib()
-        known = {".csv": InterfaceLaw.to_csv, ".json": lambda law, path: _write_json(describe(law), path)}
+        require_packages(ending)
+        known = {
+            ".csv": InterfaceLaw.to_csv,
+            ".html": InterfaceLaw.to_html,
+            ".json": lambda law, path: _write_json(describe(law), path),
+        }
         planned.append((known.get(ending, _draw), text))
     for write in (InterfaceLaw.to_abaqus, InterfaceLaw.to_ansys, InterfaceLaw.to_calculix, InterfaceLaw.to_moose):
         if (text := getattr(options, write.__name__.removeprefix("to_"))) is not None:

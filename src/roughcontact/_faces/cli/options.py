@@ -12,7 +12,7 @@ from typing import Any, get_args
 
 import numpy as np
 
-from roughcontact._answers.laws import MAX_LOAD_RATIO
+from roughcontact._answers.laws import MAX_LOAD_RATIO, space_separations
 from roughcontact._base.checks import INFINITE
 from roughcontact._base.registry import PartField
 from roughcontact._base.units import EXAMPLES, parse_quantity, quantity, si
@@ -26,9 +26,6 @@ from roughcontact.errors import Argument, InputError, Spell, write_number
 _SPELLED = {"displacement": "displacements to --tangential", "tangential_force": "forces to --tangential"}
 # Arguments with several parts, each of which is given by an option of its own.
 _GIVEN_ONE_BY_ONE = {"laws": "law"}
-# Steps of a range of separations below these: a straight line between rows is then within 1 % of the flow factors.
-_SEPARATION_STEPS = ((2.5, 0.25), (4.0, 0.5))
-_MAX_SEPARATION = 100.0
 # Most characters of a wrong argument that are shown.
 _MAX_SHOWN_CHARACTERS = 80
 # Most loads of a range.
@@ -195,14 +192,12 @@ def _separations(text: str) -> list[float]:
         return [NUMBER(low)]
     at = NUMBER(low)
     end = NUMBER(high)
-    if not 0.0 < at < end <= _MAX_SEPARATION:
-        shown = f"{text[:_MAX_SHOWN_CHARACTERS]!r} is not a range up to {_MAX_SEPARATION:g}"
-        raise argparse.ArgumentTypeError(f"{shown}; write it like 0.5..4")
-    found = []
-    while at < end * (1.0 - 1e-9):
-        found.append(at)
-        at += next((step for limit, step in _SEPARATION_STEPS if at < limit), 1.0)
-    return [*found, end]
+    try:
+        return space_separations(at, end)
+    except InputError:
+        raise argparse.ArgumentTypeError(
+            f"{text[:_MAX_SHOWN_CHARACTERS]!r} is not a range of at most 100; write it like 0.5..4"
+        ) from None
 
 
 def _add_method(parser: argparse.ArgumentParser, *, boundary: bool = True) -> None:

@@ -15,6 +15,7 @@ from roughcontact._base.registry import Registry
 from roughcontact._base.units import fit
 from roughcontact._faces.cli import Command, commands
 from roughcontact._faces.cli.answers import write_json
+from roughcontact._faces.cli.help import Parser
 from roughcontact._solve.problem import describe_part
 from roughcontact.errors import InputError
 
@@ -125,14 +126,16 @@ examples:
 
 def _all_commands() -> argparse.ArgumentParser:
     """Return one parser of all commands that can be loaded."""
-    parser = argparse.ArgumentParser(prog="roughcontact")
+    parser = Parser(prog="roughcontact")
     parser.add_argument("--version", action="store_true")
     parser.add_argument("--verbose", action="store_true")
     known = parser.add_subparsers()
     for name in commands:
         try:
             command = commands.create(name)
-            command.declare(known.add_parser(name, help=(type(command).__doc__ or "").partition("\n")[0]))
+            one = known.add_parser(name, help=(type(command).__doc__ or "").partition("\n")[0])
+            command.declare(one)
+            one.offer_topics()
         # A broken command of a plug-in is not completed.
         except Exception:
             continue

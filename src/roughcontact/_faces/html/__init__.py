@@ -1,1 +1,1 @@
-"""A solution as one page that opens in any browser, and as a table in a notebook."""
+"""A result as one page that opens in any browser, and as a table in a notebook."""

@@ -13,7 +13,7 @@ import numpy as np
 from roughcontact._base.archive import digest_of
 from roughcontact._base.arrays import Array
 from roughcontact._base.units import counted, si
-from roughcontact._faces.html.elements import element, escape, quantity
+from roughcontact._faces.html.words import typeset
 from roughcontact._parts.grid import Load
 from roughcontact._parts.materials import Material, Rigid
 from roughcontact._parts.surfaces import FlatSurface, HeightMap, Surface, SurfaceSum, find_maps
@@ -111,14 +111,14 @@ def describe_scene(solution: ContactSolution, problem: ContactProblem | None, lo
     return ", ".join(filter(None, texts))
 
 
-def describe_material(material: Material) -> str:
-    """Return a material as HTML: its quantities, if all its fields state units, or else an expression of a script."""
+def _describe_material(material: Material) -> dict[str, str]:
+    """Return a material in words, if all its fields state units, or else as an expression of a script."""
     kind: type = type(material)
     fields = attrs.fields(kind) if attrs.has(kind) else ()
     if not all("unit" in field.metadata for field in fields):
-        return element("code", escape(describe_part(material)))
+        return {"expression": describe_part(material), "material": ""}
     texts = [_describe_quantity(field, getattr(material, field.name)) for field in fields]
-    return escape(": ".join(filter(None, (_in_words(material), ", ".join(texts)))))
+    return {"expression": "", "material": ": ".join(filter(None, (_in_words(material), ", ".join(texts))))}
 
 
 def _describe_quantity(field: attrs.Attribute[object], value: Array) -> str:
@@ -148,61 +148,57 @@ def _in_words(part: object) -> str:
     return _WORD_BORDER.sub(" ", type(part).__name__).lower()
 
 
-def list_inputs(solution: ContactSolution, problem: ContactProblem | None) -> dict[str, str]:
-    """Return bodies, method, grid, load and digests, as HTML by name."""
-    rows = {}
-    if problem is not None:
-        for name, body in (("Body", problem.body), ("Counterbody", problem.counterbody)):
-            rows[name] = f"{_describe_surface(body.surface)}<br>{describe_material(body.material)}"
-        rows["Method"] = _code(f"{problem.plan.kernel}, {problem.plan.convolver}, {problem.plan.solver}")
+def describe_inputs(solution: ContactSolution, problem: ContactProblem | None) -> dict[str, Any]:
+    """Return bodies, method, grid, load and digests, by the names that the template has for them."""
     cell = " x ".join(si(step, "m") for step in solution.grid.spacing)
-    rows["Grid"] = escape(f"{solution.grid}, cells of {cell}, boundary {solution.boundary}")
+    given = {"Grid": f"{solution.grid}, cells of {cell}, boundary {solution.boundary}"}
     if solution.non_measured is not None:
-        rows["Non-measured points"] = escape(int(solution.non_measured.sum()))
+        given["Non-measured points"] = str(int(solution.non_measured.sum()))
+    key = ""
     if solution.origin is not None:
-        rows["Load"] = escape(find_load(solution))
-        rows["Key"] = f"{_code(key_of_origin(solution.origin) or 'none')} (of problem, load and versions)"
-    rows["Pressure"] = f"SHA-256 of its bytes {_code(hash_pressure(solution))}"
-    return rows
+        given["Load"] = str(find_load(solution))
+        key = key_of_origin(solution.origin) or "none"
+    bodies: dict[str, Any] = {}
+    method = ""
+    if problem is not None:
+        bodies = {"Body": _describe_body(problem.body), "Counterbody": _describe_body(problem.counterbody)}
+        method = f"{problem.plan.kernel}, {problem.plan.convolver}, {problem.plan.solver}"
+    return {"bodies": bodies, "method": method, "given": given, "key": key, "hash": hash_pressure(solution)}
 
 
 def list_certificate(solution: ContactSolution) -> dict[str, str]:
-    """Return how the solve ended and its residuals with their meaning, as HTML by name."""
-    rows = {"Status": escape(solution.status)}
+    """Return how the solve ended and its residuals with their meaning, by name."""
+    rows = {"Status": str(solution.status)}
     for one in solution.certificate.conditions:
-        rows[one.name.capitalize()] = f"{one.residual:.1e}: {escape(one.meaning)}"
-    rows["Modulus E*"] = escape(si(solution.modulus, "Pa", 6))
+        rows[one.name.capitalize()] = f"{one.residual:.1e}: {one.meaning}"
+    rows["Modulus E*"] = si(solution.modulus, "Pa", 6)
     if solution.moduli is not None:
         other = "wavelength" if solution.directional_moduli is None else "direction"
         rows["Modulus E*"] += f", that of the materials: the kernel has another for each {other}"
     rows["Work"] = describe_work(solution)
     if solution.accuracy is not None:
-        rows["Accuracy"] = quantity(str(solution.accuracy).replace("\n", "; "))
+        rows["Accuracy"] = typeset(str(solution.accuracy).replace("\n", "; "))
     if solution.theory is not None:
-        rows["Persson's theory"] = quantity(str(solution.theory))
+        rows["Persson's theory"] = typeset(str(solution.theory))
     if solution.stickiness is not None:
-        rows["Stickiness"] = quantity(str(solution.stickiness))
+        rows["Stickiness"] = typeset(str(solution.stickiness))
     return rows
 
 
 def list_versions(solution: ContactSolution) -> dict[str, str]:
-    """Return the versions of the programs that made a solution, as HTML by name."""
+    """Return the versions of the programs that made a solution, by name."""
     numbers = versions() if solution.origin is None else solution.origin.versions
-    rows = {"Packages": escape(", ".join(f"{name} {number}" for name, number in numbers.items()))}
+    rows = {"Packages": ", ".join(f"{name} {number}" for name, number in numbers.items())}
     programs = [] if solution.origin is None else solution.origin.programs
-    return rows | ({"Plug-ins": escape(", ".join(programs))} if programs else {})
+    return rows | ({"Plug-ins": ", ".join(programs)} if programs else {})
 
 
-def _describe_surface(surface: Surface) -> str:
-    """Return a surface, the origin of its heights, and the digests of measured ones."""
-    maps = find_maps(surface)
-    text = _code(describe_part(surface))
-    if surface.provenance and maps:
-        text += f"<br>{escape('; '.join(surface.provenance))}"
-    for one in maps:
-        text += f"<br>digest of its {' x '.join(map(str, one.values.shape))} heights {_code(digest_of(one.values))}"
-    return text
-
-
-def _code(text: str) -> str:
-    return f"<code>{escape(text)}</code>"
+def _describe_body(body: Body) -> dict[str, Any]:
+    """Return surface and material of a body, the origin of its heights, and the digests of measured ones."""
+    maps = find_maps(body.surface)
+    return {
+        "surface": describe_part(body.surface),
+        "history": "; ".join(body.surface.provenance) if maps else "",
+        "maps": [{"shape": " x ".join(map(str, one.values.shape)), "digest": digest_of(one.values)} for one in maps],
+        **_describe_material(body.material),
+    }

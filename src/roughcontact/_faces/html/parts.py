@@ -1,16 +1,17 @@
-"""Parts of a report: verdict, warnings, figures, and the table of several loads."""
+"""Parts of a report: verdict, warnings, pictures, and the table of several loads, as its template takes them."""
 
 from __future__ import annotations
 
 import inspect
 from collections.abc import Iterable, Iterator, Sequence
-from typing import Any
+from typing import Any, TypeAlias
 
 import attrs
 
+from roughcontact._answers.laws import FilmLaw, InterfaceLaw
 from roughcontact._base.tables import Table
 from roughcontact._base.units import Estimate
-from roughcontact._faces.html.elements import element, escape, grid, items, section, tag
+from roughcontact._faces.html.words import typeset
 from roughcontact._faces.panels.figures import draw_panel, forget_figure, write_png
 from roughcontact._parts.grid import Load
 from roughcontact._solve.problem import Path as StatePath
@@ -35,6 +36,10 @@ _PANEL_ORDER = {
 _GIVEN = {"pressure": "mean pressure", "force": "force", "approach": "approach"}
 
 
+# Names, the texts of each row, and what the table shows.
+WrittenTable: TypeAlias = tuple[list[str], list[list[str]], str]
+
+
 @attrs.frozen
 class Picture:
     """One panel, drawn.
@@ -57,6 +62,25 @@ class Picture:
     refusal: str = ""
 
 
+@attrs.frozen
+class Figures:
+    """Pictures under a title.
+
+    Attributes
+    ----------
+    title
+        The title.
+    pictures
+        The pictures; None if none can be drawn.
+    answer
+        What they show in words, for readers who do not see them.
+    """
+
+    title: str
+    pictures: Sequence[Picture] | None
+    answer: str = ""
+
+
 def draw_panels(kind: str, subject: ContactSolution | Sweep) -> Iterator[Picture]:
     """Yield each registered panel of a kind of subject; a panel that refuses or fails says why."""
     solution = subject if isinstance(subject, ContactSolution) else subject.states[0]
@@ -73,9 +97,20 @@ def draw_panels(kind: str, subject: ContactSolution | Sweep) -> Iterator[Picture
 
 def draw_curve(subject: StatePath) -> Picture:
     """Return the curve that a path draws."""
-    drawn = subject.plot()
-    picture = Picture("curve", f"The {subject.curve}.", write_png(drawn.figure))
-    forget_figure(drawn)
+    return Picture("curve", f"The {subject.curve}.", _write_axes(subject.plot()))
+
+
+def draw_columns(law: InterfaceLaw | FilmLaw) -> Iterator[Picture]:
+    """Yield the curves of the columns that a law shows."""
+    for name in law.short_table().columns:
+        if name in law.columns:
+            caption = f"The {name.replace('_', ' ')}, with two standard deviations by the grid as a band."
+            yield Picture(name, caption, _write_axes(law.plot(name)))
+
+
+def _write_axes(axes: Any) -> str:
+    picture = write_png(axes.figure)
+    forget_figure(axes)
     return picture
 
 
@@ -87,36 +122,25 @@ def _draws(name: str, kind: str, solution: ContactSolution) -> bool:
         return False
 
 
-def note(text: str) -> str:
-    """Return a remark in small letters; empty for an empty text."""
-    return element("p", escape(text), class_="note") if text else ""
-
-
 def loads_of(solutions: Iterable[ContactSolution]) -> list[Load]:
     """Return the given loads of the solutions that state them, from the smallest up."""
     return sorted(filter(None, map(find_load, solutions)), key=lambda load: load.value)
 
 
-def make_verdict(solutions: Sequence[ContactSolution]) -> str:
-    """Return how the solves ended, failed ones first."""
+def describe_verdict(solutions: Sequence[ContactSolution]) -> dict[str, Any]:
+    """Return how the solves ended and why, those that failed if any did."""
     failed = [solution for solution in solutions if not solution.status.success]
-    texts = []
+    found = []
     for status in dict.fromkeys(solution.status for solution in failed or solutions):
         verdict, _, reason = str(status).partition(": ")
         at = [_name_state(solution) for solution in failed if solution.status == status]
         where = f" at {', '.join(at)}" if at and len(solutions) > 1 else ""
-        texts.append(f"{element('strong', escape(verdict.capitalize() + where) + ':')} {escape(reason)}.")
-    advice = " Do not use these numbers: they are from the last iteration." if failed else ""
-    return element("p", " ".join(texts) + advice, class_="verdict failed" if failed else "verdict", role="status")
+        found.append((verdict.capitalize() + where, reason))
+    return {"verdicts": found, "failed": bool(failed)}
 
 
 def _name_state(state: ContactSolution) -> str:
     return name_load(state) if state.shear is None else str(state.tangential_load)
-
-
-def make_warnings(texts: Sequence[str]) -> str:
-    """Return the warnings, if there are any."""
-    return element("div", f"<h2>Warnings</h2>{items(texts)}", class_="warnings") if texts else ""
 
 
 def list_sweep_warnings(sweep: Sweep) -> list[str]:
@@ -124,17 +148,23 @@ def list_sweep_warnings(sweep: Sweep) -> list[str]:
     return gather_warnings([(name_load(solution), list_quantities(solution)[1]) for solution in sweep.states])
 
 
-def make_rows(sweep: Sweep) -> str:
+def list_rows(sweep: Sweep) -> WrittenTable:
     """Return the table of a sweep: a row for each load, and each quantity in one unit."""
     given = {_GIVEN[load.kind] for load in loads_of(sweep.states)}
     found = [_choose_columns(solution, given) for solution in sweep.states]
     columns: dict[str, list[Any]] = {"load": [name_load(solution) for solution in sweep.states]}
     columns |= {name: [quantities[name] for quantities in found] for name in found[0]}
-    return grid(*Table(columns).to_cells(), "The answers, a row for each load")
+    return write_grid(Table(columns), "The answers, a row for each load")
 
 
-def make_responses(answers: Answers, solutions: Sequence[ContactSolution]) -> str:
-    """Return what responses have answered: a row for each load, and the warnings."""
+def write_grid(table: Table, caption: str) -> WrittenTable:
+    """Return the texts of a table with the signs of print, and its caption."""
+    head, rows = table.to_cells()
+    return head, [[typeset(cell) for cell in cells] for cells in rows], caption
+
+
+def describe_responses(answers: Answers, solutions: Sequence[ContactSolution]) -> dict[str, Any]:
+    """Return what responses have answered, a row for each load, and the warnings; empty without an answer."""
     columns: dict[str, list[Any]] = {"load": [name_load(solution) for solution in solutions]}
     columns |= {name.replace("_", " "): found for name, found in tabulate_answers(answers).items()}
     texts = [
@@ -144,13 +174,14 @@ def make_responses(answers: Answers, solutions: Sequence[ContactSolution]) -> st
         if not list_estimates(result)
     ]
     if len(columns) == 1 and not texts:
-        return ""
-    shown = grid(*Table(columns).to_cells(), "What the contact does, a row for each load") if len(columns) > 1 else ""
-    shown += items(texts) if texts else ""
+        return {}
     places = describe_answers_elsewhere(answers, columns["load"])
-    shown += note(f"Other places: {places}.") if places else ""
-    warnings = list_answer_warnings(answers, solutions)
-    return section("What the contact does", shown, items(warnings) if warnings else "")
+    return {
+        "rows": write_grid(Table(columns), "What the contact does, a row for each load") if len(columns) > 1 else None,
+        "texts": texts,
+        "places": f"Other places: {places}." if places else "",
+        "warnings": list_answer_warnings(answers, solutions),
+    }
 
 
 def _choose_columns(solution: ContactSolution, given: set[str]) -> dict[str, Estimate]:
@@ -160,21 +191,3 @@ def _choose_columns(solution: ContactSolution, given: set[str]) -> dict[str, Est
     found = {"% of nominal": Estimate(100.0 * fraction.value, 100.0 * fraction.uncertainty, ""), **found}
     order = ["contact area", "% of nominal", *(["saturated area"] if "saturated area" in found else [])]
     return {name: found[name] for name in (*order, *found) if given != {name}}
-
-
-def make_curves(sweep: Sweep) -> str:
-    """Return the panels of a sweep."""
-    return make_figures("Curves", draw_panels("sweep", sweep), f"The table has the numbers of all {len(sweep)} loads.")
-
-
-def make_figures(title: str, pictures: Iterable[Picture], answer: str) -> str:
-    """Return pictures side by side; `answer` says in words what they show, for readers who do not see them."""
-    shown = "\n".join(_make_figure(picture, answer) for picture in pictures)
-    return section(title, element("div", shown, class_="figures"), class_="pictures")
-
-
-def _make_figure(picture: Picture, answer: str) -> str:
-    if picture.refusal:
-        return note(f"The panel {picture.name} is not drawn: {picture.refusal}")
-    shown = tag("img", src=picture.address, alt=f"{picture.caption} {answer}")
-    return element("figure", shown + element("figcaption", escape(picture.caption)))

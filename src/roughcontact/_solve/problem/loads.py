@@ -10,6 +10,7 @@ import numpy as np
 
 from roughcontact._base.arrays import Array
 from roughcontact._base.machine.progress import ChangeProgress, count_done
+from roughcontact._base.units import WorkText
 from roughcontact._parts.grid import Load
 from roughcontact._solve.problem.path import march
 from roughcontact._solve.problem.plan import SolvePlan
@@ -59,8 +60,8 @@ def sweep_loads(problem: Scene, solve: Solve, loads: tuple[Load, ...]) -> Sweep:
 
 
 @guarded
-def explain_loads(problem: Scene, loads: Sequence[Load]) -> str:
-    """Return the plan of a problem at the largest of some loads, in words.
+def explain_loads(problem: Scene, loads: Sequence[Load]) -> WorkText:
+    """Return the plan of a problem at the largest of some loads, in words; see `ContactProblem.explain`.
 
     Parameters
     ----------

@@ -11,7 +11,7 @@ import numpy as np
 from roughcontact._base.arrays import Array
 from roughcontact._base.checks import MAX_MAGNITUDE, instance_of, numbers
 from roughcontact._base.machine import limit_of_memory, thread_count
-from roughcontact._base.units import Force, Length, PlainText, Pressure
+from roughcontact._base.units import Force, Length, Pressure, WorkText
 from roughcontact._parts.grid import Boundary, Grid, Load, as_boundary
 from roughcontact._parts.interactions import Interaction
 from roughcontact._parts.kernels import InfluenceKernel
@@ -172,8 +172,10 @@ class Scene:
 
     def explain(
         self, *, pressure: Pressure | None = None, force: Force | None = None, approach: Length | None = None
-    ) -> str:
+    ) -> WorkText:
         """Return the parts of a solve, and its omitted steps with their reasons, in words.
+
+        The text knows the memory and the time that its laws take beside the contact; see `WorkText`.
 
         Parameters
         ----------
@@ -186,7 +188,9 @@ class Scene:
         if any(value is not None for value in given.values()):
             load = (Load.of if self.adhesion is None else Load.signed)(**given)
         rows = [row for law in self.laws for row in law.explain_work(self, load)]
-        return PlainText("\n".join([str(self.plan), *(f"{label:<10} {text}" for label, text in rows)]))
+        memory, seconds = (sum((getattr(text, name, 0.0) for _, text in rows), 0.0) for name in ("memory", "seconds"))
+        lines = [str(self.plan), *(f"{label:<10} {text}" for label, text in rows)]
+        return WorkText("\n".join(lines), memory, seconds)
 
     def __repr__(self) -> str:
         bodies = " on ".join(type(body.surface).__name__ for body in (self.body, self.counterbody))

@@ -125,6 +125,8 @@ class Law(Part, abc.ABC):
     def explain_work(self, problem: Any, load: Load | None) -> Iterable[tuple[str, str]]:
         """Return what it takes of a solve, in rows of the plan: a word, and what it says; by default nothing.
 
+        A text that is a `WorkText` says what the row takes in numbers, too.
+
         Parameters
         ----------
         problem

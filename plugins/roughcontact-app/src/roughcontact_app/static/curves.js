@@ -1,6 +1,6 @@
 // The answers of several loads, or states, as a curve whose values are read by pointer or arrow keys.
 
-import { GIVEN, quantity, split } from "./answer.js";
+import { GIVEN, placesOf, quantity, split } from "./answer.js";
 import { byId, element, say } from "./page.js";
 import { fill } from "./fields.js";
 import { darkness } from "./settings.js";
@@ -9,6 +9,8 @@ import { isPath } from "./words.js";
 // Over a greater range than this the axes are logarithmic.
 const WIDE = 30;
 const HEIGHT = 300;
+// What falls by powers of ten over the separation of a film.
+const FALLING = ["asperity pressure", "area"];
 
 const color = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
@@ -39,7 +41,7 @@ export class Curves {
       const counts = ({ name }) => name !== given && new Set(answers.map((answer) => quantity(answer, name).value)).size > 1;
       const names = answers[0].quantities.filter(counts).map((one) => one.name);
       fill(this.select, Object.fromEntries(names.map((name) => [name, name])));
-      if (names.includes("contact area")) this.select.value = "contact area";
+      for (const first of ["contact area", "phi xx"]) if (names.includes(first)) this.select.value = first;
       Object.assign(this, { answers, given });
     }
     this.draw();
@@ -52,7 +54,7 @@ export class Curves {
     const largest = all.reduce((one, other) => (Math.abs(other.value) > Math.abs(one.value) ? other : one));
     const shown = Number(split(largest)[0].replace("(", "").split(" ")[0]);
     const scale = shown && largest.value ? 10 ** Math.round(Math.log10(Math.abs(shown / largest.value))) : 1;
-    return { unit, title: unit ? `${name}, ${unit}` : name, values: all.map((one) => one.value * scale), errors: all.map((one) => one.uncertainty * scale), texts: all.map((one) => one.text) };
+    return { unit, title: unit ? `${name}, ${unit}` : name, values: all.map((one) => one.value * scale), errors: all.map((one) => one.uncertainty * scale), places: all.some((one) => one.sampling) ? all.map((one) => one.sampling * scale) : null, texts: all.map((one) => one.text) };
   }
 
   draw() {
@@ -62,8 +64,15 @@ export class Curves {
     const up = this.column(this.select.value);
     Object.assign(this, { across, up, at: -1 });
     this.chart?.destroy();
-    const ends = [1, -1].map((sign) => up.values.map((value, index) => value + sign * up.errors[index]));
-    this.chart = new uPlot(this.options(), [across.values, ...ends, up.values], this.frame);
+    // Zeros of what falls by powers of ten are not drawn, and no end of a band is below zero.
+    up.falls = given === GIVEN.film && FALLING.includes(this.select.value) && up.values.some((value) => value > 0);
+    const shown = up.values.map((value) => (up.falls && !(value > 0) ? null : value));
+    const end = (sign, sizes) => shown.map((value, index) => {
+      const at = value === null ? null : value + sign * sizes[index];
+      return up.falls && at !== null ? Math.max(at, 0.05 * value) : at;
+    });
+    const ends = [up.places, up.errors].filter(Boolean).flatMap((sizes) => [end(1, sizes), end(-1, sizes)]);
+    this.chart = new uPlot(this.options(), [across.values, ...ends, shown], this.frame);
     say("curve-point", "");
   }
 
@@ -76,20 +85,24 @@ export class Curves {
     const isWide = least > 0 && most > WIDE * least && this.up.values.every((value, index) => value > this.up.errors[index]);
     const scale = { time: false, distr: isWide ? 3 : 1 };
     const [accent, faint] = [color("--accent"), color("--faint")];
-    const end = { stroke: faint, width: 1, points: { show: false } };
+    const end = (stroke) => ({ stroke, width: 1, points: { show: false } });
+    // Around the value that of other places, and within it that of the grid.
+    const fills = this.up.places ? [faint, color("--line")] : [faint];
     return {
-      width: this.place.clientWidth, height: HEIGHT, legend: { show: false }, scales: { x: scale, y: { ...scale } },
+      width: this.place.clientWidth, height: HEIGHT, legend: { show: false }, scales: { x: scale, y: { ...scale, distr: isWide || this.up.falls ? 3 : 1 } },
       cursor: { drag: { setScale: false, x: false, y: false }, points: { size: 11, fill: accent } },
       axes: [axis(this.across.title), axis(this.up.title)],
-      bands: [{ series: [1, 2], fill: faint }],
-      series: [{}, end, end, { stroke: accent, width: 2, points: { show: true, size: 8, fill: accent } }],
+      bands: fills.map((fill, index) => ({ series: [2 * index + 1, 2 * index + 2], fill })),
+      series: [{}, ...fills.flatMap((fill) => [end(fill), end(fill)]), { stroke: accent, width: 2, points: { show: true, size: 8, fill: accent } }],
       hooks: { setCursor: [({ cursor: { idx } }) => { if (idx !== null && idx !== undefined) this.tell(idx); }] },
     };
   }
 
   tell(index) {
     this.at = index;
-    say("curve-point", `${this.given || "state"} ${this.given ? this.across.texts[index] : `${this.across.values[index]} (${this.across.texts[index]})`}: ${this.select.value} ${this.up.texts[index]}`);
+    const places = this.up.places?.[index];
+    const more = places ? `; ${placesOf(places, this.up.unit)}` : "";
+    say("curve-point", `${this.given || "state"} ${this.given ? this.across.texts[index] : `${this.across.values[index]} (${this.across.texts[index]})`}: ${this.select.value} ${this.up.texts[index]}${more}`);
   }
 
   step(event) {

@@ -32,7 +32,7 @@ export const UNITS = {
   time: { s: "s", ms: "ms", us: "µs" },
 };
 // Cycles have fields of their own; those of a load keep what they hold at first.
-UNITS.cycle = UNITS.fretting = UNITS.pressure;
+UNITS.cycle = UNITS.fretting = UNITS.film = UNITS.pressure;
 
 export function fill(select, options) {
   select.replaceChildren(...Object.entries(options).map(([value, text]) => new Option(text, value)));

@@ -112,7 +112,7 @@ async function showPlan(values, change) {
     return;
   }
   if (change !== changes) return;
-  const solves = plan.solves > plan.loads.length || isPath(values) ? "states" : "loads";
+  const solves = values.load === "film" ? "separations" : plan.solves > plan.loads.length || isPath(values) ? "states" : "loads";
   const loads = plan.solves > 1 ? `${plan.solves} ${solves}, about` : "About";
   byId("plan").textContent = `${loads} ${duration(plan.seconds)} for the solve, ${plan.memory}.`;
   byId("plan-basis").textContent = plan.basis;
@@ -225,9 +225,10 @@ function listen() {
   form.addEventListener("change", (event) => {
     if (event.target.tagName !== "SELECT") return;
     const { name } = event.target;
-    if (name === "load") settings.loadKindChanged();
     // What was changed for the user is said until he changes it, whatever else he sets meanwhile.
     if (name === "surface" || name === "boundary") say("boundary-note", name === "surface" ? settings.surfaceKindChanged() : "");
+    const said = name === "load" && settings.loadKindChanged();
+    if (said) say("boundary-note", said);
     say("note", "");
     changed();
   });

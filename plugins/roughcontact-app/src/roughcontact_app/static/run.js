@@ -78,7 +78,7 @@ function showAnswer(state) {
 function fileLink(state, output, text, main = false) {
   const address = `runs/${state.id}/${output.file}`;
   const { load, loads, load_unit: unit } = state.settings;
-  const what = CYCLES.includes(load) ? "" : `-${loads}-${unit}`;
+  const what = [...CYCLES, "film"].includes(load) ? "" : `-${loads}-${unit}`;
   const run = `${subjectOf(state.settings).replace(/\.[^.]*$/, "")}${what}`;
   const link = element("a", text, { href: address, download: `${run.replace(/[^\p{L}\p{N}.]+/gu, "-")}-${output.file}` });
   if (main !== null) link.className = main ? "button main" : "button";
@@ -96,8 +96,10 @@ function renderOutputs(state) {
     }));
   }
   // It keeps the place of the report, so that nothing jumps away under the pointer.
-  else if (!ENDED.includes(state.phase)) links.push(element("span", "The report follows", { class: "button", "aria-disabled": "true" }));
+  else if (!ENDED.includes(state.phase) && state.settings.load !== "film") links.push(element("span", "The report follows", { class: "button", "aria-disabled": "true" }));
   if (of("table")) links.push(fileLink(state, of("table"), "Table (.csv)"));
+  if (of("json")) links.push(fileLink(state, of("json"), "Table (.json)"));
+  if (of("comsol")) links.push(fileLink(state, of("comsol"), "For COMSOL (.txt)"));
   if (of("path")) links.push(fileLink(state, of("path"), "Path (.npz)"));
   if (of("animation")) links.push(fileLink(state, of("animation"), "Moving picture (.gif)"));
   if (!many && of("solution")) links.push(fileLink(state, of("solution"), "Fields (.npz)"));
@@ -105,6 +107,13 @@ function renderOutputs(state) {
   for (const cell of byId("answer-table").querySelectorAll("[data-files]")) {
     const load = Number(cell.dataset.files);
     if (of("solution", load)) cell.replaceChildren(fileLink(state, of("solution", load), ".npz", null));
+  }
+  for (const cell of byId("answer-table").querySelectorAll("[data-text]")) {
+    const text = state.outputs.find((one) => one.role === "text" && one.column === cell.dataset.text);
+    if (text) {
+      cell.replaceChildren(fileLink(state, text, ".txt", null));
+      cell.firstChild.setAttribute("aria-label", `${text.column} over the separation (.txt)`);
+    }
   }
   if (state.answers.length) pictures.show(state);
 }

@@ -5,7 +5,7 @@ import { element } from "./page.js";
 
 export const form = document.getElementById("settings");
 // At first for each kind of load: a value and its unit.
-const FIRST_LOADS = { pressure: ["100", "MPa"], force: ["5", "N"], approach: ["0.1", "um"], cycle: ["100", "MPa"], fretting: ["100", "MPa"] };
+const FIRST_LOADS = { pressure: ["100", "MPa"], force: ["5", "N"], approach: ["0.1", "um"], cycle: ["100", "MPa"], fretting: ["100", "MPa"], film: ["100", "MPa"] };
 let defaults = {};
 let first = {};
 
@@ -46,10 +46,15 @@ export function setFile(prefix, digest, name) {
   Object.assign(hidden, { [`${prefix}file`]: digest, [`${prefix}file_name`]: name });
 }
 
+// Returns what to say of it: a film law needs a domain that repeats.
 export function loadKindChanged() {
-  const kind = form.elements.load.value;
+  const { load: { value: kind }, boundary } = form.elements;
   fill(form.elements.load_unit, UNITS[kind]);
   [form.elements.loads.value, form.elements.load_unit.value] = FIRST_LOADS[kind];
+  if (kind !== "film" || boundary.value === "periodic") return "";
+  const before = boundary.value;
+  boundary.value = "periodic";
+  return `The border was ${before}; for a film law it is now periodic.`;
 }
 
 export function reset(name) {
@@ -59,9 +64,9 @@ export function reset(name) {
 // A surface that repeats is solved as such, others are not, and a ball has a domain of its own; the user may still change
 // it. Returns what to say of it.
 export function surfaceKindChanged() {
-  const { surface, boundary, side, side_unit: unit } = form.elements;
+  const { surface, boundary, load, side, side_unit: unit } = form.elements;
   const before = boundary.value;
-  boundary.value = ["self-affine", "wavy"].includes(surface.value) ? "periodic" : "free";
+  boundary.value = ["self-affine", "wavy"].includes(surface.value) || load.value === "film" ? "periodic" : "free";
   const said = before === boundary.value ? [] : [`The border was ${before}; for this surface it is now ${boundary.value}.`];
   const [former, own] = surface.value === "sphere" ? [defaults, first] : [first, defaults];
   if (side.value === former.side && unit.value === former.side_unit) {

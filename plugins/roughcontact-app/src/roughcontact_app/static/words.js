@@ -32,9 +32,14 @@ const ticked = (values, prefix) => [...form.querySelectorAll(`[type=checkbox][na
 
 export const subjectOf = ({ surface, file_name: name, example }) => ({ file: name || "map", example: example.replaceAll("_", " ") }[surface] || surface);
 
+// What is taken away from a map of these settings.
+function listTreatment(values, of, prefix = "") {
+  const form = FORMS[values[`${prefix}form`]];
+  return [...(values[`${prefix}tip_radius`] ? [`restored from a tip of ${of(`${prefix}tip_radius`)}`] : []), ...(form ? [`less ${form}`] : [])];
+}
+
 function describeOther(values, of) {
-  const parts = [`on ${values.counterbody_file_name || "map"}`];
-  if (values.counterbody_form !== "none") parts.push(`less ${FORMS[values.counterbody_form]}`);
+  const parts = [`on ${values.counterbody_file_name || "map"}`, ...listTreatment(values, of, OTHER)];
   if (Number(values.offset_x) || Number(values.offset_y)) parts.push(`shifted by ${values.offset_x}, ${of("offset_y", "offset_unit")}`);
   if (Number(values.rotation)) parts.push(`rotated by ${values.rotation}°`);
   if (values.mirrored === "yes") parts.push("mirrored");
@@ -76,7 +81,7 @@ function summarizeMaterials(values, of) {
 }
 
 function summarizeSurface(values, of) {
-  const less = isMeasured(values) && values.form !== "none" ? `, less ${FORMS[values.form]}` : "";
+  const less = isMeasured(values) ? listTreatment(values, of).map((text) => `, ${text}`).join("") : "";
   return {
     sphere: () => `ball, radius ${of("radius")}`,
     example: () => `example: ${subjectOf(values)}${less}`,
@@ -112,6 +117,7 @@ function summarizeContact(values, of) {
 function summarizeLoad(values, of) {
   const { load } = values;
   if (load === "cycle") return `approach ${values.cycle_from} to ${of("cycle_to", "cycle_unit")} and back`;
+  if (load === "film") return `film law over separations ${values.separations} Sq`;
   if (load === "fretting") return `${of("normal_force")}, pushed by ±${of("tangential_force")}`;
   const several = values.loads.trim().split(/[\s;]+/).length > 1;
   const name = { pressure: "mean pressure", force: "force", approach: "approach" }[load];
@@ -142,14 +148,15 @@ export function describe(values) {
   const of = unitsOf(values);
   const material = (prefix) => describeMaterial(values, of, prefix);
   const parts = [values.surface === "sphere" ? `ball of ${of("radius")}` : subjectOf(values)];
-  if (["file", "example"].includes(values.surface) && values.form !== "none") parts.push(`less ${FORMS[values.form]}`);
+  if (isMeasured(values)) parts.push(...listTreatment(values, of));
   if (values.ball && values.surface !== "sphere") parts.push(`${values.added.replace("-", " along ")} of ${of("ball")}`);
   const load = {
     approach: `approach ${of("loads", "load_unit")}`,
     cycle: `approach from ${values.cycle_from} to ${of("cycle_to", "cycle_unit")} and back`,
+    film: `film law over ${values.separations} Sq`,
     fretting: `normal force ${of("normal_force")}, tangential force ±${of("tangential_force")}, friction ${values.friction}`,
   };
-  if (["file", "example"].includes(values.surface) && values.counterbody_surface === "file") parts.push(describeOther(values, of));
+  if (isMeasured(values) && values.counterbody_surface === "file") parts.push(describeOther(values, of));
   parts.push(load[values.load] || of("loads", "load_unit"), ...(isPath(values) ? [describePath(values, of)] : []), material(""));
   if (values.counterbody === "deformable") parts.push(`counterbody ${material("counterbody_")}`);
   for (const [prefix, whose] of [["", "body"], ["counterbody_", "counterbody"]]) {
