@@ -124,7 +124,7 @@ def _find_relative_stds(flow: PeriodicFlow, open_cells: Mask, gap_error: float) 
     found = np.zeros(2)
     for axis, drops in enumerate(flow.drops):
         faces, lost = network.spread_loss(drops)
-        if math.fsum(lost) > 0.0:
+        if lost.any():
             error = gap_error / network.widest
             found[axis] = _FLOW_FRACTION * estimate_uncertainty(network, faces, lost, open_cells, gap_error=error)
     return found
