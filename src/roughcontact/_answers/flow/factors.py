@@ -19,8 +19,8 @@ from roughcontact._parts.grid import Grid
 _FLOW_FRACTION = 0.15
 _FILM_RULE_WEIGHT = 0.15
 _FLOW_WEIGHT = 1.0
-# Weight of the change of a factor on every second cell, by which errors of narrow and creased grooves, which the measures
-# above do not see, are known.
+# Weight of the change of a factor on every second cell, by which errors of narrow and creased grooves, which the
+# measures above do not see, are known.
 _SPARSE_WEIGHT = 0.3
 # Cells along an axis from which every second one is taken.
 _MIN_CELLS = 8
