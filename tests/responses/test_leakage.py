@@ -167,29 +167,16 @@ def test_the_flow_is_that_of_a_dense_network(seed, periodic, ny):
         low, high = (film[(one, j) if axis == 0 else (i, one % ny)] for one in ends)
         return (high - low) / ((ends[1] - ends[0]) * (1.0, 0.5)[axis]) if count > 1 else 0.0
 
-    def bend(i, j, axis):
-        """Return the second difference of the film at a cell, zero at a border that is free."""
-        at, count = (i, j)[axis], film.shape[axis]
-        if (axis == 0 or not periodic) and at in (0, count - 1):
-            return 0.0
-        low, high = (film[(end, j) if axis == 0 else (i, end)] for end in ((at - 1) % count, (at + 1) % count))
-        return low - 2.0 * film[i, j] + high
-
     def mean(one, other, axis):
         """Blend the means of a film that is linear between two cells and of the trapezoidal rule for its 1/g^3."""
         a, b = film[one], film[other]
         if not (a and b):
             return 0.0
-        normal = ((b - a) / (1.0, 0.5)[axis]) ** 2
-        beside = 0.5 * (slope(*one, 1 - axis) ** 2 + slope(*other, 1 - axis) ** 2)
-        cosine = normal / (normal + beside) if normal or beside else 1.0
-        aligned = cosine**512
-        weight = -1.25 + 2.75 * cosine - 2.0 * cosine**2 + 1.5 * aligned
-        # Four cells in line give the film in the middle, at a free border less.
-        four = (a + b) / 2 - (bend(*one, axis) + bend(*other, axis)) / 16
-        middle = max(0.5 * (a + b) / 2, (1.0 - aligned) * four + aligned * (a + b) / 2) / ((a + b) / 2)
-        blended = (2.0 / (a**-3 + b**-3)) ** weight * (2.0 * a * a * b * b / (a + b)) ** (1.0 - weight)
-        return blended * middle**3
+        normal = (b - a) / (1.0, 0.5)[axis]
+        beside = 0.5 * (slope(*one, 1 - axis) + slope(*other, 1 - axis))
+        cosine = normal**2 / (normal**2 + beside**2) if normal or beside else 1.0
+        weight = 2.25 * cosine - 1.25
+        return (2.0 / (a**-3 + b**-3)) ** weight * (2.0 * a * a * b * b / (a + b)) ** (1.0 - weight)
 
     for i in range(6):
         for j in range(ny):

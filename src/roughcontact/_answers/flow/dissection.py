@@ -347,16 +347,8 @@ def _join(made: Dissection, axis: int) -> None:
             spots = [places[(2 * one + k, other) if axis == 0 else (one, 2 * other + k)] for k in (0, 1)]
             for part, front, _ in made.make_fronts(one, other, nodes, made.matrices[sides][done : done + one.size]):
                 for shape, spot, order in zip(pair, spots, orders, strict=True):
-                    front.add(matrices[shape][_find_slice(spot[part])], order)
+                    front.add(matrices[shape][spot[part]], order)
             done += one.size
-
-
-def _find_slice(spots: IntArray) -> slice | IntArray:
-    """Return the slice of places at equal steps, by which nothing is copied, or the places."""
-    steps = np.diff(spots)
-    if steps.size == 0 or steps[0] <= 0 or np.any(steps != steps[0]):
-        return spots
-    return slice(int(spots[0]), int(spots[-1]) + 1, int(steps[0]))
 
 
 def _close(made: Dissection, axis: int) -> None:

@@ -446,17 +446,13 @@ def estimate_uncertainty(
 def _compare_rules(network: FlowNetwork, faces: Array, flow: float) -> float:
     """Return how much the flow differs between films that are linear between two cells and harmonic means, over it.
 
-    And by how much films in the middle of a face that are below those of its two cells lower it.
-
     Both are bounds: of the linear film by the flow through each face as it is (Thomson's principle), of the harmonic
     mean by the pressures as they are (Dirichlet's).
     """
     ratio = network.faces.ratio
     weight = network.faces.weight
     linear, harmonic = (float(np.sum(faces * (1.0 - ratio**power))) / flow for power in (weight, 1.0 - weight))
-    # In throats of few cells the film in the middle of a face is hardly known: to half of what it takes away.
-    lowered = 0.5 * float(np.sum(faces * (1.0 - np.minimum(network.faces.middle, 1.0) ** 3))) / flow
-    return max(1.0 / (1.0 - linear) - (1.0 - harmonic), 0.0) + lowered
+    return max(1.0 / (1.0 - linear) - (1.0 - harmonic), 0.0)
 
 
 def _find_distances(network: FlowNetwork, open_cells: Mask) -> Array:
