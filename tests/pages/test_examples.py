@@ -287,7 +287,9 @@ def test_the_plan_states_the_memory_of_a_solve(monkeypatch):
         (1024, "free", 0.0, 0.05),
         (1024, "free", 0.0, 0.5),
     ):
-        _, measured, stated = memory.measure_in_process(cells, *case)
+        # The smaller of two: what else a process holds at its peak varies by a tenth of this.
+        (_, first, stated), (_, second, _) = (memory.measure_in_process(cells, *case) for _ in range(2))
+        measured = min(first, second)
         assert 0.9 * measured <= stated <= 1.25 * measured, case
 
 
