@@ -279,7 +279,7 @@ def test_finite_elements(monkeypatch):
 
 @pytest.mark.slow
 def test_the_plan_states_the_memory_of_a_solve(monkeypatch):
-    """Peak resident memory of a process of its own, to a tenth; less if others hold up its second thread."""
+    """Peak resident memory of a process of its own, and at most a quarter more, of which an allocator keeps some."""
     memory = study("memory", monkeypatch)
     for cells, *case in (
         (1024, "periodic", 0.0, 0.05),
@@ -288,7 +288,7 @@ def test_the_plan_states_the_memory_of_a_solve(monkeypatch):
         (1024, "free", 0.0, 0.5),
     ):
         _, measured, stated = memory.measure_in_process(cells, *case)
-        assert 0.9 * measured <= stated <= 1.25 * measured, case
+        assert measured <= stated <= 1.25 * measured, case
 
 
 def test_omitted(monkeypatch, capsys):
