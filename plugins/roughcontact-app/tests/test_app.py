@@ -1457,6 +1457,9 @@ def test_a_map_of_a_film_law_is_mirrored_at_its_borders(client):
     answer = client.post("api/plan", {**settings, **other}, 422)
     assert answer["setting"] == "mirror_borders"
     client.post("api/plan", {**settings, **other, "mirror_borders": "no"})
+    state = client.wait(client.post("api/runs", {**settings, **other, "mirror_borders": "no"})["id"])
+    assert any(text.startswith("The columns phi_s are omitted: ") for text in state["warnings"])
+    assert not any("phi s" in one["name"] for one in state["answers"][0]["quantities"])
 
 
 @pytest.mark.parametrize(
