@@ -42,12 +42,14 @@ _SMOOTH = 1e-6
 _STUDENT = 1.4
 # Weight of the uncertainty of the pressure: its errors at small separations are systematic.
 _PRESSURE_WEIGHT = 1.3
-# Depth of the mean plane over Sq from which a tip is warned of, and columns to which the mean gap brings it.
+# Depth of the mean plane over Sq from which a tip is warned of; columns that fall nearly as exponentials, and the
+# largest power of them that counts.
 _MAX_DEPTH = 0.05
 _OF_LOAD = frozenset({"asperity_pressure", "area"})
+_MAX_FALL = 3.0
 # Relative change of a flow factor over that of the separation where deeper grooves lie along the flow.
 _ALONG_GROOVES = 1.0
-_FLOW = frozenset({"phi_xx", "phi_yy"})
+_FLOW = frozenset({"phi_xx", "phi_yy", "phi_xy", "phi_fp_xy", "phi_fp_yx"})
 _NO_SHEAR = (
     "The columns phi_s are omitted: at some of these separations two rough walls touch, or one alone would, and their "
     "shear flow factors then change while they slide: take larger separations, or one smooth wall."
@@ -411,7 +413,7 @@ def _find_depth(problem: ContactProblem) -> float:
 
 
 def _widen_by_depth(columns: dict[str, LawColumn], lengths: Array, rms: float, depth: float) -> dict[str, LawColumn]:
-    """Return the columns with an uncertainty of the separation in theirs; the mean gap brings it to those of the load.
+    """Return the columns with an uncertainty of the separation in theirs.
 
     Deeper valleys move the mean plane, and the film with it, at the same load; the flow grows as much, or more where
     it is along grooves. What a wall drags is what the viscous factor lacks, phi_s = (1 - phi_fp) h / Sq.
@@ -419,18 +421,20 @@ def _widen_by_depth(columns: dict[str, LawColumn], lengths: Array, rms: float, d
     if depth == 0.0:
         return columns
 
-    def find_change(name: str) -> Array:
-        if name in _OF_LOAD:
-            return np.zeros(lengths.shape)
+    def find_std(name: str) -> Array:
         if name.startswith("phi_s_"):
-            return find_change(f"phi_fp_{name[:-3:-1]}") * lengths / rms
+            return find_std(f"phi_fp_{name[:-3:-1]}") * lengths / rms
         values = columns[name].values
+        if name in _OF_LOAD:
+            # They fall nearly as exponentials, so that large changes are not in proportion.
+            falls = _find_slope(values, lengths, rms) / np.where(values > 0.0, values, 1.0)
+            return np.asarray(values * np.expm1(np.minimum(falls * depth, _MAX_FALL)))
         change = np.gradient(values - (lengths if name == "mean_gap" else 0.0), lengths)
         along = _ALONG_GROOVES * values / lengths if name in _FLOW else 0.0
-        return np.asarray(np.hypot(change, along))
+        return np.asarray(np.hypot(change, along) * depth)
 
     return {
-        name: attrs.evolve(column, uncertainties=np.hypot(column.uncertainties, find_change(name) * depth))
+        name: attrs.evolve(column, uncertainties=np.hypot(column.uncertainties, find_std(name)))
         for name, column in columns.items()
     }
 
@@ -441,7 +445,7 @@ def _judge_depth(depth: float, rms: float) -> list[str]:
         return []
     text = (
         f"Below the tip of the stylus the mean plane may lie {si(depth, 'm', 2)} (one standard deviation) lower than "
-        "that of the map. The uncertainties count that as one of the separation, for valleys as smooth as the summits: "
+        "that of the map. The uncertainties count that as one of the separation, for valleys as sharp as the summits: "
         "measure with a sharper tip."
     )
     return [WarningText(text, "stylus valleys", depth / rms)]
