@@ -199,7 +199,7 @@ def test_the_depth_of_valleys_is_that_of_the_surface_turned_stretched_and_framed
     assert ask(restored.transposed()) == pytest.approx(std, rel=1e-6)
     larger = rc.HeightMap(8.0 * restored.values, (512e-6, 512e-6), periodic=True, uncertain=restored.uncertain)
     assert ask(larger) == pytest.approx(8.0 * std, rel=0.01)
-    # A border below which nothing is certain is no valley.
+    # Valleys at a border where nothing is certain are taken for as deep as others.
     framed = restored.uncertain.copy()
     framed[:, :6] = framed[:, -6:] = framed[:2] = framed[-2:] = True
     cut = rc.HeightMap(restored.values, restored.size, uncertain=framed)
