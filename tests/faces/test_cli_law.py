@@ -60,6 +60,15 @@ class TestFilm:
         assert table[:, 0] == pytest.approx(1e3 * law.rms_height * law.separations)
         assert table[:, 1] == pytest.approx(1e-6 * law["asperity_pressure"].values, rel=1e-8)
 
+    def test_two_rough_walls_that_touch_have_no_shear_flow_factors_and_a_sentence_why(self, run):
+        call = ["film", "map.npz", "map.npz", *STEEL, "--separation", "1", "8", "--no-sampling"]
+        status, output, _ = run(*call, "-o", "film.csv", "-o", "film.html")
+        assert status == 3
+        assert "The columns phi_s are omitted: at some of these separations" in " ".join(output.split())
+        assert "phi_s" not in Path("film.csv").read_text().splitlines()[0]
+        page = " ".join(Path("film.html").read_text(encoding="utf-8").split())
+        assert "The columns phi_s are omitted: at some of these separations" in page
+
     @pytest.mark.parametrize(
         ("change", "words"),
         [

@@ -53,9 +53,12 @@ def test_examples_of_a_public_class(name):
     assert runner.tries > runner.failures == 0
 
 
-@pytest.mark.parametrize("name", sorted(roughcontact.__all__))
-def test_each_public_class_and_function_shows_an_example(name):
-    public = getattr(roughcontact, name)
+@pytest.mark.parametrize(
+    ("module", "name"),
+    [(module, name) for module in (roughcontact, roughcontact.testing) for name in sorted(module.__all__)],
+)
+def test_each_public_class_and_function_shows_an_example(module, name):
+    public = getattr(module, name)
     if inspect.isclass(public) or inspect.isfunction(public):
         assert re.search(r"^Examples\n-{8}\n[^>]*>>> ", inspect.getdoc(public), flags=re.MULTILINE)
 

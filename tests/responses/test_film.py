@@ -188,7 +188,7 @@ class TestSymmetry:
         np.testing.assert_allclose(opposite[2], -shear[2], rtol=1e-9, atol=1e-12)
         assert other.rms_heights == pytest.approx((0.0, 1e-6), rel=0.3)
 
-    def test_two_rough_walls_drag_as_each_of_them_alone(self):
+    def test_two_rough_walls_drag_as_each_of_them_alone(self, tmp_path):
         one, other = rough(), rough(seed=2).T
         both = (one + other).std()
         rows = np.array([6.0, 8.0])
@@ -197,9 +197,19 @@ class TestSymmetry:
         np.testing.assert_allclose(shear, alone[0] - alone[1], rtol=1e-9, atol=1e-12)
         law = rc.film_law(pair(one, other=other), [1.0, 6.0], sampling=False)
         assert "phi_xx" in law.columns
-        assert any("not known" in text for text in law.warnings)
-        with pytest.raises(rc.InputError, match="not known"):
-            law["phi_s_xx"]
+        (refusal,) = (text for text in law.warnings if "phi_s" in text)
+        for ask_for in (
+            lambda: law["phi_s_xx"],
+            lambda: law.plot("phi_s_yy"),
+            lambda: law.to_text(tmp_path / "shear.txt", "phi_s_xy"),
+            lambda: law.to_comsol(tmp_path / "shear.txt", columns=["phi_xx", "phi_s_xx"]),
+        ):
+            with pytest.raises(rc.InputError) as refused:
+                ask_for()
+            assert str(refused.value) == refusal
+        assert not list(tmp_path.iterdir())
+        with pytest.raises(rc.InputError, match="no column of the law named 'phi_s_zz'"):
+            law["phi_s_zz"]
 
     def test_lengths_and_moduli_change_the_scale_alone(self):
         law, pressure, _ = ask(pair(rough()), self.rows)

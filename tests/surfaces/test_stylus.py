@@ -133,6 +133,99 @@ def test_the_area_is_that_of_the_surface_and_says_how_much_of_it_is_certain():
     assert state.area().certain_fraction == 1.0 - moved[state.contact].mean()
 
 
+def make_pair_of_maps(blunt, shape=(64, 64), size=(64e-6, 64e-6), seed=3):
+    """Return a rough surface, and what is restored of it below a tip by its radius over the inverse rms bend."""
+    grid = rc.Grid(shape, size)
+    rough = rc.SelfAffineSurface(hurst=0.8, rms_slope=0.1, shortest=8e-6, longest=32e-6, seed=seed)
+    true = rc.HeightMap(rough.heights(grid), size, periodic=True)
+    bend = sum(
+        (np.roll(true.values, way, axis) - true.values) / side**2
+        for axis, side in enumerate(grid.spacing)
+        for way in (1, -1)
+    )
+    radius = blunt / float(np.std(bend))
+    return true, true.traced(radius).restored(radius)
+
+
+def solve(surface, pressure=3e8):
+    return rc.ContactProblem(rc.Body(surface, STEEL), boundary="periodic").solve(pressure=pressure)
+
+
+ANSWERS = {
+    "maximum pressure": lambda one: one.peak_pressure(),
+    "approach": lambda one: one.response("approach"),
+    "mean gap": lambda one: one.response("mean-gap"),
+    "patches": lambda one: one.response("patches"),
+    "stiffness": lambda one: one.stiffness(),
+    "leakage": lambda one: one.leakage(viscosity=1e-3, pressure_drop=1e5),
+}
+
+
+class Volume(rc.Response):
+    """A response that nothing is measured of."""
+
+    def respond(self, solution):
+        return rc.Estimate(float(solution.gap.sum()) * solution.grid.cell_area, 0.0, "m3")
+
+
+@pytest.mark.parametrize("blunt", [0.5, 2.0, 4.0])
+def test_each_answer_counts_what_the_tip_has_not_touched_or_says_that_it_does_not(blunt):
+    true, restored = (solve(one) for one in make_pair_of_maps(blunt))
+    for name, ask in ANSWERS.items():
+        exact, found = ask(true), ask(restored)
+        assert abs(found.value - exact.value) < 2.0 * found.uncertainty, name
+        assert not any("stylus" in text.rule for text in exact.warnings), name
+        rules = {text.rule for text in found.warnings}
+        assert ("stylus tip" in rules) == (restored.area().certain_fraction < 0.9), name
+        assert ("stylus valleys" in rules) == (blunt > 1.0 and name in ("mean gap", "leakage")), name
+    factor = 10.0 if blunt > 1.0 else 1.5
+    assert factor * true.response("mean-gap").uncertainty < restored.response("mean-gap").uncertainty
+    rules = [text.rule for text in restored.response(Volume()).warnings]
+    assert rules == ["stylus tip, not counted"] * (blunt > 1.0)
+    # The stress has no uncertainty for it: the solution says so, in its text too.
+    said = [text for text in restored.warnings if text.rule == "stylus"]
+    assert len(said) == (blunt > 1.0)
+    assert all(" ".join(text.split()) in " ".join(str(restored).split()) for text in said)
+
+
+def test_the_depth_of_valleys_is_that_of_the_surface_turned_stretched_and_framed():
+    _, restored = make_pair_of_maps(2.0, (24, 64), (64e-6, 64e-6))
+
+    def ask(surface, boundary="periodic"):
+        one = rc.ContactProblem(rc.Body(surface, STEEL), boundary=boundary).solve(approach=1e-9)
+        return one.response("mean-gap", uncertainty="model").uncertainty
+
+    std = ask(restored)
+    assert ask(restored.transposed()) == pytest.approx(std, rel=1e-6)
+    larger = rc.HeightMap(8.0 * restored.values, (512e-6, 512e-6), periodic=True, uncertain=restored.uncertain)
+    assert ask(larger) == pytest.approx(8.0 * std, rel=0.01)
+    # Valleys at a border where nothing is certain are taken for as deep as others.
+    framed = restored.uncertain.copy()
+    framed[:, :6] = framed[:, -6:] = framed[:2] = framed[-2:] = True
+    cut = rc.HeightMap(restored.values, restored.size, uncertain=framed)
+    assert ask(cut, "free") == pytest.approx(std, rel=0.3)
+    assert ask(cut.mirror_borders()) == pytest.approx(std, rel=0.6)
+    lost = rc.HeightMap(restored.values, restored.size, periodic=True, uncertain=np.ones(framed.shape, dtype=bool))
+    assert ask(lost) == pytest.approx(np.ptp(restored.values), rel=0.01)
+
+
+def test_a_film_law_on_a_restored_map_counts_its_valleys():
+    true, restored = make_pair_of_maps(2.0)
+    lengths = np.array([1.0, 1.5, 2.0]) * np.std(restored.values)
+    laws = [
+        rc.film_law(
+            rc.ContactProblem(rc.Body(one, STEEL), boundary="periodic"), lengths / np.std(one.values), sampling=False
+        )
+        for one in (true, restored)
+    ]
+    exact, found = laws
+    for name, column in found.columns.items():
+        scale = exact.rms_height / found.rms_height if name.startswith("phi_s") else 1.0
+        assert (np.abs(column.values - scale * exact[name].values) < 2.0 * column.uncertainties + 1e-9).all(), name
+    said = [sum("Below the tip of the stylus" in text for text in law.warnings) for law in laws]
+    assert said == [0, 1]
+
+
 @pytest.mark.filterwarnings("ignore::roughcontact.ContactWarning")
 def test_details_that_the_tip_cannot_have_traced_are_warned_of():
     grid = rc.Grid((96, 96), 96e-6)

@@ -1429,7 +1429,10 @@ def test_a_film_law_is_that_of_a_script(client, tmp_path):
         pairs = zip(map(float, served), map(float, by_script), strict=True)
         assert all(one == pytest.approx(other, rel=1e-6, abs=1e-9) for one, other in pairs), path
     assert client.get(f"runs/{run}/phi-s-xx.png").startswith(b"\x89PNG")
-    assert "report" not in {one["role"] for one in state["outputs"]}
+    report = client.get(f"runs/{run}/report.html").decode()
+    assert report.count("<svg") + report.count("<img") == len(law.columns)
+    shown = law.short_table().to_cells()[1]
+    assert all(cell in report for row in shown for cell in row)
 
 
 def test_a_map_of_a_film_law_is_mirrored_at_its_borders(client):
@@ -1454,6 +1457,9 @@ def test_a_map_of_a_film_law_is_mirrored_at_its_borders(client):
     answer = client.post("api/plan", {**settings, **other}, 422)
     assert answer["setting"] == "mirror_borders"
     client.post("api/plan", {**settings, **other, "mirror_borders": "no"})
+    state = client.wait(client.post("api/runs", {**settings, **other, "mirror_borders": "no"})["id"])
+    assert any(text.startswith("The columns phi_s are omitted: ") for text in state["warnings"])
+    assert not any("phi s" in one["name"] for one in state["answers"][0]["quantities"])
 
 
 @pytest.mark.parametrize(

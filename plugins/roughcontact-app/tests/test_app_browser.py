@@ -856,6 +856,7 @@ def test_a_film_law_is_read_drawn_and_downloaded(page):
     page.set("boundary", "free")
     page.until(lambda: "needs a domain that repeats" in page.text("wrong"))
     assert page.download("self-affine-film.csv").read_text(encoding="utf-8").startswith("separation_over_sq,")
+    assert "phi_s_xx" in page.download("self-affine-report.html").read_text(encoding="utf-8")
     assert page.download("self-affine-phi-xx.txt").read_text(encoding="utf-8").startswith("# separation_m phi_xx")
 
 

@@ -45,6 +45,16 @@ class Hertz:
         Maximum pressure, Pa.
     approach
         Approach of distant points, m.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from roughcontact.reference import hertz_sphere
+    >>> ball = hertz_sphere(force="10N", radius="5mm", modulus="115.4GPa")
+    >>> print(f"{1e6 * ball.area:.4f} mm2")
+    0.0148 mm2
+    >>> print(ball.pressure(np.array([0.0, 0.5, 1.0, 2.0]) * ball.semi_axes[0], 0.0).round(-6))
+    [1.01e+09 8.75e+08 0.00e+00 0.00e+00]
     """
 
     semi_axes: Pair
@@ -193,6 +203,13 @@ class WavyContact(Wave):
     ----------
     Johnson, Greenwood, Higginson, Int. J. Mech. Sci. 27 (1985) 383-396,
     https://doi.org/10.1016/0020-7403(85)90029-3
+
+    Examples
+    --------
+    >>> from roughcontact.reference import WavyContact
+    >>> wave = WavyContact(amplitude="1um", wavelength="100um", modulus="200GPa")
+    >>> print(f"full at {1e-9 * wave.full_contact_pressure:.2f} GPa, {100 * wave.light_area_fraction('100MPa'):.1f} %")
+    full at 12.57 GPa, 3.0 %
     """
 
     @property

@@ -30,11 +30,28 @@ Ask: TypeAlias = Callable[..., Iterable[Any]]
 
 
 class DoesNotApply(Exception):
-    """The claim does not apply to this part."""
+    """The claim does not apply to this part.
+
+    Examples
+    --------
+    >>> from roughcontact import testing
+    >>> def first(surface):
+    ...     if not surface.parts:
+    ...         raise testing.DoesNotApply("it has no parts")
+    >>> import roughcontact as rc
+    >>> print(testing.Claim("surface", "has parts", first).evaluate(rc.FlatSurface()))
+    -  has parts: does not apply: it has no parts
+    """
 
 
 def require(condition: object, detail: str) -> None:
-    """Raise `AssertionError` with a text unless the condition is true."""
+    """Raise `AssertionError` with a text unless the condition is true.
+
+    Examples
+    --------
+    >>> from roughcontact import testing
+    >>> testing.require(1 + 1 == 2, "one and one are not two")
+    """
     if not condition:
         raise AssertionError(detail)
 
@@ -53,7 +70,15 @@ def require_close(values: RealArray, expected: RealArray, tolerance: float, deta
 
 @attrs.frozen
 class Finding:
-    """The result of one claim about one part."""
+    """The result of one claim about one part.
+
+    Examples
+    --------
+    >>> from roughcontact import testing
+    >>> found = testing.Finding("symmetric", "holds", "to 1e-16")
+    >>> print(found.passed, found)
+    True holds  symmetric: to 1e-16
+    """
 
     claim: str
     verdict: str
@@ -72,7 +97,21 @@ class Finding:
 
 @attrs.frozen
 class Claim:
-    """A property that every part of one kind must have; `str` of it is its name."""
+    """A property that every part of one kind must have; `str` of it is its name.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> from roughcontact import testing
+    >>> def lowest(surface):
+    ...     heights = surface.heights(rc.Grid((8, 8), 1e-3))
+    ...     testing.require(heights.min() >= 0.0, f"a height of {heights.min():.2g} m")
+    >>> claim = testing.Claim("surface", "above the datum", lowest)
+    >>> claim.evaluate(rc.FlatSurface()).verdict
+    'holds'
+    >>> print(claim.evaluate(rc.WavySurface(amplitude=1e-6, wavelength=1e-3)))
+    BROKEN  above the datum: a height of -1.8e-06 m
+    """
 
     kind: str
     name: str
@@ -102,7 +141,16 @@ class Claim:
 
 @attrs.frozen
 class Report:
-    """The results of all claims about one part; `str` of it is a table."""
+    """The results of all claims about one part; `str` of it is a table.
+
+    Examples
+    --------
+    >>> from roughcontact import testing
+    >>> found = testing.Finding("symmetric", "holds", "to 1e-16"), testing.Finding("finite", "BROKEN", "one is not")
+    >>> report = testing.Report("mine", "kernel", found)
+    >>> print(report.passed, report.failures[0])
+    False BROKEN  finite: one is not
+    """
 
     part: str
     kind: str

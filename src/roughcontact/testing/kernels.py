@@ -75,7 +75,22 @@ def _answers(
 def _responses(
     kernel: InfluenceKernel, shape: tuple[int, int], spacing: Pair, compliance: float = COMPLIANCE
 ) -> list[Array]:
-    """Return copies of coefficients and spectrum, with the mean of the spectrum, which is not used, set to zero."""
+    """Return copies of coefficients and spectrum, with the mean of the spectrum, which is not used, set to zero.
+
+    Parameters
+    ----------
+    kernel
+        The kernel.
+    shape, spacing
+        Cells, and their sides, m.
+    compliance
+        Inverse of the contact modulus, 1/Pa.
+
+    Returns
+    -------
+    list of array
+        Those of the two that the kernel defines, shape `shape`: m/Pa, and m/Pa by wave number.
+    """
     found = [np.array(values) for values in _answers(kernel, shape, spacing, compliance)]
     if isinstance(kernel, SupportsSpectrum) and found[-1].shape == shape:
         found[-1][0, 0] = 0.0

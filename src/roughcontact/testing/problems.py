@@ -53,6 +53,13 @@ class Judgement:
         Whether 0 <= p <= pressure limit, to the last bit.
     bound
         The error that the solver's tolerance, its status and rounding allow.
+
+    Examples
+    --------
+    >>> from roughcontact import testing
+    >>> found = testing.Judgement(complementarity=1e-9, penetration=2e-9, load=0.0, bounded=True, bound=1e-8)
+    >>> print(found.error, found.holds)
+    2e-09 True
     """
 
     complementarity: float
@@ -121,6 +128,14 @@ def judge(
         Its pressure and its status are used, nothing else.
     responses
         Displacement by unit pressure at each offset, shape (nx, ny), m/Pa; by default from the kernel.
+
+    Examples
+    --------
+    >>> import roughcontact as rc
+    >>> ball = rc.Body(rc.SphereSurface(radius=1e-3), rc.Elastic(young=210e9, poisson=0.3))
+    >>> problem = rc.ContactProblem(ball, grid=rc.Grid((8, 8), 100e-6))
+    >>> rc.testing.judge(problem, {"force": 1.0}, problem.solve(force=1.0)).holds
+    True
     """
     plan = problem.plan
     if responses is None:

@@ -6,7 +6,7 @@ import csv
 import io
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any
 
@@ -64,18 +64,48 @@ def describe_solutions(
     columns = {name: iter(write_column([quantities[name] for quantities, _ in found])) for name in found[0][0]}
     places = [describe_other_places(solution, found[index][0]) for index, solution in enumerate(solutions)]
     return [
-        {
-            "load": name_load(solution),
-            "status": str(solution.status),
-            "certified": solution.status.success,
-            "seconds": solution.seconds,
-            "quantities": [describe_quantity(name, one, next(columns[name])) for name, one in quantities.items()],
-            "places": f"{place.replace('+-', '±')}." if place else "",
-            "closed_form": list_closed_form(solution),
-            "warnings": [end_sentence(text) for text in (*_warn_of_hardness(solution), *warnings)],
-        }
+        make_answer(
+            name_load(solution),
+            [describe_quantity(name, one, next(columns[name])) for name, one in quantities.items()],
+            (*_warn_of_hardness(solution), *warnings),
+            status=str(solution.status),
+            certified=solution.status.success,
+            seconds=solution.seconds,
+            places=f"{place.replace('+-', '±')}." if place else "",
+            closed_form=list_closed_form(solution),
+        )
         for solution, (quantities, warnings), place in zip(solutions, found, places, strict=True)
     ]
+
+
+def make_answer(
+    load: str,
+    quantities: Sequence[dict[str, Any]],
+    warnings: Iterable[str],
+    *,
+    status: str,
+    certified: bool,
+    seconds: float = 0.0,
+    **others: Any,
+) -> dict[str, Any]:
+    """Return an answer as the page takes it, plain data that JSON can hold.
+
+    Parameters
+    ----------
+    load
+        The load or the separation in words.
+    quantities
+        Its numbers, by `describe_quantity`.
+    warnings
+        Its warnings, which become sentences.
+    status, certified, seconds
+        How its solve ended, whether it is certified, and how long it took, s.
+    others
+        What only some answers have: ``places`` and ``note``, sentences, and ``closed_form``.
+    """
+    sentences = [end_sentence(text) for text in warnings]
+    of_solve = {"status": status, "certified": certified, "seconds": seconds}
+    return {"load": load, **of_solve, "quantities": list(quantities), "warnings": sentences, **others}
 
 
 def describe_path(path: LoadPath, asked: Mapping[str, Sequence[Any]]) -> list[dict[str, Any]]:
@@ -170,14 +200,7 @@ def describe_cycle(cycle: AdhesionCycle, asked: Mapping[str, Sequence[Any]] = Ma
     places = "; ".join(f"{si(first, 'm', 3)} to {si(last, 'm', 3)}" for first, last in cycle.jumps)
     count = Estimate(float(len(cycle.jumps)), 0.0, "")
     quantities.append(describe_quantity("jumps", count, f"{len(cycle.jumps)}{f': {places}' if places else ''}"))
-    return {
-        "load": "cycle",
-        "status": str(states[-1].status),
-        "certified": all(state.status.success for state in states),
-        "seconds": sum(state.seconds for state in states),
-        "quantities": quantities,
-        "warnings": [end_sentence(text) for text in (*shared, *gather_warnings([*others.items()]))],
-    }
+    return make_answer("cycle", quantities, (*shared, *gather_warnings([*others.items()])), **_sum_up(states))
 
 
 def describe_fretting(path: FrictionalPath, asked: Mapping[str, Sequence[Any]]) -> dict[str, Any]:
@@ -204,16 +227,18 @@ def describe_fretting(path: FrictionalPath, asked: Mapping[str, Sequence[Any]]) 
         found[f"{_in_words(name)} at the end"] = column[-1]
     hard = _warn_of_hardness(path[-1])
     said = list_answer_warnings({name: column[-1:] for name, column in asked.items()}, path[-1:])
+    quantities = [
+        describe_quantity(name, attrs.evolve(one, warnings=()), write_column([one])[0]) for name, one in found.items()
+    ]
+    return make_answer("fretting", quantities, (*hard, *path.warnings, *said), **_sum_up(path.states))
+
+
+def _sum_up(states: Sequence[ContactSolution]) -> dict[str, Any]:
+    """Return how the solves of a cycle ended, for its one answer."""
     return {
-        "load": "fretting",
-        "status": str(path[-1].status),
-        "certified": all(state.status.success for state in path),
-        "seconds": sum(state.seconds for state in path),
-        "quantities": [
-            describe_quantity(name, attrs.evolve(one, warnings=()), write_column([one])[0])
-            for name, one in found.items()
-        ],
-        "warnings": [end_sentence(text) for text in (*hard, *path.warnings, *said)],
+        "status": str(states[-1].status),
+        "certified": all(state.status.success for state in states),
+        "seconds": sum(state.seconds for state in states),
     }
 
 

@@ -14,7 +14,7 @@ from roughcontact.faces import FilmPlan, plan_film, write_column
 from roughcontact.results import FilmLaw
 from roughcontact.typing import Array
 
-from roughcontact_app.answers import describe_quantity
+from roughcontact_app.answers import describe_quantity, make_answer
 from roughcontact_app.outputs import Offers, Step, draw, offer_picture
 from roughcontact_app.responses import finite
 from roughcontact_app.scene import MEASURED, Scene
@@ -85,22 +85,15 @@ def describe(law: FilmLaw) -> list[dict[str, Any]]:
         columns[name.replace("_", " ")] = (estimates, column.sampling)
     texts = {name: write_column(estimates) for name, (estimates, _) in columns.items()}
     note = f"Fits beside the columns: {'; '.join(_list_fits(law))}."
-    return [
-        {
-            "load": f"{separation:g} Sq",
-            "status": _STATUS,
-            "certified": True,
-            "seconds": 0.0,
-            "quantities": [
-                describe_quantity(name, estimates[row], texts[name][row])
-                | ({} if sampling is None else {"sampling": finite(float(sampling[row]))})
-                for name, (estimates, sampling) in columns.items()
-            ],
-            "note": note,
-            "warnings": [],
-        }
-        for row, separation in enumerate(law.separations)
-    ]
+    answers = []
+    for row, separation in enumerate(law.separations):
+        quantities = [
+            describe_quantity(name, estimates[row], texts[name][row])
+            | ({} if sampling is None else {"sampling": finite(float(sampling[row]))})
+            for name, (estimates, sampling) in columns.items()
+        ]
+        answers.append(make_answer(f"{separation:g} Sq", quantities, (), status=_STATUS, certified=True, note=note))
+    return answers
 
 
 def _list_fits(law: FilmLaw) -> list[str]:
@@ -115,7 +108,7 @@ def _list_fits(law: FilmLaw) -> list[str]:
 
 @attrs.frozen(eq=False)
 class FilmOutputs(Offers):
-    """What may be asked for of a film law: tables for other programs, and a picture of each main column.
+    """What may be asked for of a film law: report, tables for other programs, and a picture of each main column.
 
     Attributes
     ----------
@@ -135,8 +128,9 @@ class FilmOutputs(Offers):
     dark: bool
 
     def steps(self) -> Iterator[Step]:
-        """Yield the tables, the pictures, and a text of two columns for each column."""
+        """Yield the report, the tables, a text of two columns for each column, and the pictures."""
         law = self.law
+        yield {"role": "report", "file": "report.html"}, partial(law.to_html, self.folder / "report.html")
         yield {"role": "table", "file": "film.csv"}, partial(law.to_csv, self.folder / "film.csv")
         yield {"role": "json", "file": "film.json"}, partial(law.to_json, self.folder / "film.json")
         comsol = partial(law.to_comsol, self.folder / "film-comsol.txt", units=self.units)

@@ -21,15 +21,16 @@ from roughcontact._base.checks import callback, choice, flag
 from roughcontact._base.machine.progress import count_done, show_progress
 from roughcontact._base.registry import find_view
 from roughcontact._base.tables import Table
-from roughcontact._base.units import counted, si
+from roughcontact._base.units import WarningText, counted, si
 from roughcontact._solve.problem import ContactProblem
-from roughcontact._solve.solution import gather_warnings
+from roughcontact._solve.solution import gather_warnings, measure_depth
 from roughcontact.errors import InputError
 from roughcontact.errors.door import guarded
 
 _MODELS = ("greenwood-tripp", "persson", "patir-cheng")
 # Components of the tensors, by the names of their columns.
 _COMPONENTS = {"xx": (0, 0), "xy": (0, 1), "yx": (1, 0), "yy": (1, 1)}
+_SHEAR_NAMES = tuple(f"phi_s_{component}" for component in _COMPONENTS)
 # Columns that a text shows.
 _SHOWN = ("asperity_pressure", "area", "phi_xx", "phi_yy", "phi_s_xx", "phi_s_yy")
 # Mean number of waves along a side below which the domain is too short: that of four longest ones without a lay.
@@ -41,9 +42,17 @@ _SMOOTH = 1e-6
 _STUDENT = 1.4
 # Weight of the uncertainty of the pressure: its errors at small separations are systematic.
 _PRESSURE_WEIGHT = 1.3
+# Depth of the mean plane over Sq from which a tip is warned of; columns that fall nearly as exponentials, and the
+# largest power of them that counts.
+_MAX_DEPTH = 0.05
+_OF_LOAD = frozenset({"asperity_pressure", "area"})
+_MAX_FALL = 3.0
+# Relative change of a flow factor over that of the separation where deeper grooves lie along the flow.
+_ALONG_GROOVES = 1.0
+_FLOW = frozenset({"phi_xx", "phi_yy", "phi_xy", "phi_fp_xy", "phi_fp_yx"})
 _NO_SHEAR = (
-    "Both walls are rough and touch, or one alone would at some separation: the shear flow factors then change while "
-    "they slide, and are not known. The columns phi_s are omitted."
+    "The columns phi_s are omitted: at some of these separations two rough walls touch, or one alone would, and their "
+    "shear flow factors then change while they slide: take larger separations, or one smooth wall."
 )
 
 
@@ -89,7 +98,7 @@ class FilmLaw(ColumnTable):
         return {"separation_over_sq": ("", self.separations), "separation": ("m", self.separations * self.rms_height)}
 
     def __getitem__(self, name: str) -> LawColumn:
-        if isinstance(name, str) and name.startswith("phi_s_") and name not in self.columns:
+        if name in _SHEAR_NAMES and name not in self.columns:
             raise InputError(_NO_SHEAR)
         return super().__getitem__(name)
 
@@ -293,10 +302,13 @@ def film_law(
     signs = _find_signs(rms)
     columns = _make_columns(rows, np.array(lengths), together, parts)
     columns |= _make_shear(problem, heights, signs, rows, lengths, together, parts)
+    depth = _find_depth(problem)
+    columns = _widen_by_depth(columns, np.array(lengths), together, depth)
     names = [f"{one:g} Sq" for one in wanted]
     warnings = [
         *_judge_domain(problem),
         *([_NO_SHEAR] if "phi_s_xx" not in columns else []),
+        *_judge_depth(depth, together),
         *gather_warnings([(name, row.texts) for name, row in zip(names, rows, strict=True)]),
     ]
     description = _describe(problem, together, rms)
@@ -391,6 +403,52 @@ def _make_shear(
         stds = np.array([math.hypot(one.shear_std[place], other.shear_std[place]) for one, other in pairs]) / rms
         found[f"phi_s_{component}"] = LawColumn(f"phi_s_{component}", "", values, stds)
     return found
+
+
+def _find_depth(problem: ContactProblem) -> float:
+    """Return the standard deviation of the depth of the mean plane below that of maps restored below a tip, m."""
+    grid = problem.plan.grid
+    masks = [mask for body in (problem.body, problem.counterbody) if (mask := body.uncertain(grid)) is not None]
+    return measure_depth(-problem.initial_gap, np.logical_or.reduce(masks), grid) if masks else 0.0
+
+
+def _widen_by_depth(columns: dict[str, LawColumn], lengths: Array, rms: float, depth: float) -> dict[str, LawColumn]:
+    """Return the columns with an uncertainty of the separation in theirs.
+
+    Deeper valleys move the mean plane, and the film with it, at the same load; the flow grows as much, or more where
+    it is along grooves. What a wall drags is what the viscous factor lacks, phi_s = (1 - phi_fp) h / Sq.
+    """
+    if depth == 0.0:
+        return columns
+
+    def find_std(name: str) -> Array:
+        if name.startswith("phi_s_"):
+            return find_std(f"phi_fp_{name[:-3:-1]}") * lengths / rms
+        values = columns[name].values
+        if name in _OF_LOAD:
+            # They fall nearly as exponentials, so that large changes are not in proportion.
+            falls = _find_slope(values, lengths, rms) / np.where(values > 0.0, values, 1.0)
+            return np.asarray(values * np.expm1(np.minimum(falls * depth, _MAX_FALL)))
+        change = np.gradient(values - (lengths if name == "mean_gap" else 0.0), lengths)
+        along = _ALONG_GROOVES * values / lengths if name in _FLOW else 0.0
+        return np.asarray(np.hypot(change, along) * depth)
+
+    return {
+        name: attrs.evolve(column, uncertainties=np.hypot(column.uncertainties, find_std(name)))
+        for name, column in columns.items()
+    }
+
+
+def _judge_depth(depth: float, rms: float) -> list[str]:
+    """Return a warning if the tip of a stylus has not reached the valleys."""
+    if depth <= _MAX_DEPTH * rms:
+        return []
+    text = (
+        f"Below the tip of the stylus the mean plane may lie {si(depth, 'm', 2)} (one standard deviation) lower than "
+        "that of the map. The uncertainties count that as one of the separation, for valleys as sharp as the summits: "
+        "measure with a sharper tip."
+    )
+    return [WarningText(text, "stylus valleys", depth / rms)]
 
 
 def _find_slope(values: Array, lengths: Array, rms: float) -> Array:

@@ -79,7 +79,9 @@ def _read_state(solution: ContactSolution, separation: float) -> FilmRow:
     error = solution.residuals.error * solution.residuals.scale
     factors = find_flow_factors(solution.gap, open_cells, solution.grid, separation, gap_error=error)
     mean_gap = solution.response("mean-gap", uncertainty="model")
-    texts = tuple(dict.fromkeys(map(str, (*solution.warnings, *area.warnings, *_judge_factors(factors)))))
+    # The law itself says what a tip has not touched of the points.
+    of_state = [text for text in solution.warnings if getattr(text, "rule", "") != "stylus"]
+    texts = tuple(dict.fromkeys(map(str, (*of_state, *area.warnings, *_judge_factors(factors)))))
     return FilmRow(
         pressure=solution.mean_pressure,
         area=area.fraction,

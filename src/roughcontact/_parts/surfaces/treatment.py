@@ -230,7 +230,8 @@ class TreatedMap(Surface):
         It is the highest surface of which the ball traces this map, nowhere below the true one but for noise. It is the
         true one where the ball touched it, as on most summits: `uncertain` marks the points that the ball has not
         surely touched, and `certain_fraction` states the others. The area of a contact on it states which fraction lies
-        on certain points, is warned of below 0.9, and has its uncertainty widened. Restore a map before its form is
+        on certain points, is warned of below 0.9, and has its uncertainty widened, as have other answers: the mean gap
+        and flows, which are too small, by the depth that the valleys may have. Restore a map before its form is
         subtracted or it is filtered for long waves, and state the radius of the tip as it is, worn: with one that is
         30 % off the area is up to 20 % off.
 

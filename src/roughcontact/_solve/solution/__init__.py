@@ -102,6 +102,7 @@ from roughcontact._solve.solution.summary import note_loads as note_loads
 from roughcontact._solve.solution.summary import remembers_flattening as remembers_flattening
 from roughcontact._solve.solution.theory import Stickiness as Stickiness
 from roughcontact._solve.solution.theory import TheoryBeside as TheoryBeside
+from roughcontact._solve.solution.tip import measure_depth as measure_depth
 from roughcontact._solve.solution.wear import Archard as Archard
 from roughcontact._solve.solution.wear import EnergyWear as EnergyWear
 from roughcontact._solve.solution.whole import Whole as Whole

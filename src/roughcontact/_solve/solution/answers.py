@@ -22,7 +22,6 @@ from roughcontact._solve.solution.judgement import (
     judge,
     judge_area,
     judge_maps,
-    judge_tip,
 )
 from roughcontact._solve.solution.place import Place
 from roughcontact._solve.solution.plausibility import list_warnings
@@ -45,6 +44,7 @@ from roughcontact._solve.solution.results import (
 from roughcontact._solve.solution.sampling import defer_area_sampling
 from roughcontact._solve.solution.shear import ShearFields
 from roughcontact._solve.solution.theory import Stickiness, TheoryBeside, compare_with_theory, find_stickiness
+from roughcontact._solve.solution.tip import judge_area_by_tip, judge_by_tip, warn_of_tip
 from roughcontact.errors import InputError
 
 T = TypeVar("T")
@@ -179,8 +179,7 @@ class ContactAnswers(ShearFields):
                 f"The area estimator {chosen!r} returned {area!r}, which is not an Area of finite numbers."
             )
         area = judge_maps(area, self._maps, self.grid.resolved.cell_area)
-        uncertain = None if self.origin is None else self.origin.find_uncertain(self.grid, self._shift)
-        area = area if uncertain is None else judge_tip(area, self, uncertain)
+        area = judge_area_by_tip(area, self)
         area = warn_of_changes(area, chosen, self._name_default_area())
         area = area if self.origin is None else widen_area(area, self, self.origin)
         return attrs.evolve(area, relative_sampling=defer_area_sampling(self))
@@ -201,11 +200,9 @@ class ContactAnswers(ShearFields):
         uncertainty
             See `area`; of surfaces that attract each other it is that of a model.
         """
-        return (
-            interpolate_peak(self)
-            if self.tension is not None
-            else self.response("peak-pressure", uncertainty=uncertainty)
-        )
+        if self.tension is None:
+            return self.response("peak-pressure", uncertainty=uncertainty)
+        return judge_by_tip(interpolate_peak(self), self, "peak-pressure")
 
     @overload
     def response(self, response: NameOfNumber, *, uncertainty: str | None = None) -> Estimate: ...
@@ -243,14 +240,15 @@ class ContactAnswers(ShearFields):
                     f"The response {response!r} is not a number that has one uncertainty: omit uncertainty=."
                 )
             return found
+        name = responses.name_of(type(asked)) or ""
         if chosen is not asked:
             if kind in ("auto", "model"):
-                return found
+                return judge_by_tip(found, self, name)
             raise InputError(
                 "Solved again the contact has no traction: with friction this answer is that of the model."
             )
         judged = judge(self, found, kind, lambda one: one.response(asked, uncertainty="model"), asked.flagged_factors)
-        return self._add_errors(judged, responses.name_of(type(asked)) or "")
+        return judge_by_tip(self._add_errors(judged, name), self, name)
 
     def _add_errors(self, found: E, name: str) -> E:
         """Return a number of a name with what laws add to its uncertainty."""
@@ -297,7 +295,7 @@ class ContactAnswers(ShearFields):
             # They are those of the whole fields, which `gather` returns.
             return ()
         found = list_warnings(self._pressed, self._materials.values())
-        return found if self.origin is None else (*found, *warn_of_attraction(self, self.origin))
+        return found if self.origin is None else (*found, *warn_of_attraction(self, self.origin), *warn_of_tip(self))
 
     @cached_property
     def theory(self) -> TheoryBeside | None:

@@ -7,12 +7,11 @@ from collections.abc import Callable, Iterable
 from typing import Any, TypeVar
 
 import attrs
-import numpy as np
 
-from roughcontact._base.arrays import Mask
-from roughcontact._base.units import Estimate, WarningText, percent
+from roughcontact._base.units import Estimate
 from roughcontact._parts.surfaces import HeightMap
 from roughcontact._solve.solution.results import Area
+from roughcontact._solve.solution.tip import widen_area_by_tip
 from roughcontact.errors import InputError
 
 E = TypeVar("E", bound=Estimate)
@@ -28,12 +27,6 @@ UNCERTAINTIES = {
 # Standard deviation of the position of edges on the facets of an interpolated map, cells: set on maps of 4 and 8 cells
 # a wave interpolated two and four times, bilinearly, in benchmarks/area_classes.py.
 _FACET_EDGE_STD = 0.04
-# Certain fraction of a contact below which a stylus is too blunt; relative standard deviation of the area over the
-# uncertain fraction, and of an area below a tip that is certain, by the cells of the map: restored maps give areas 1, 5
-# and 10 % too large where 0.98, 0.85 and 0.7 of the contact are certain (docs/studies/stylus_tip.py).
-_MIN_CERTAIN_FRACTION = 0.9
-_UNCERTAIN_AREA_STD = 1.0 / 3.0
-_CERTAIN_AREA_STD = 0.006
 
 
 def judge(
@@ -82,7 +75,7 @@ def judge_area(solution: Any, found: Area, kind: str) -> Area:
     phases = None if kind in ("model", "noise") else _find_phases(solution, kind)
     if phases is not None and phases.flagged:
         area: Area = phases.extrapolate_area(solution, found)
-        return _widen_by_tip(area)
+        return widen_area_by_tip(area)
     return judge(solution, found, kind, lambda one: one.area(uncertainty="model"))
 
 
@@ -113,35 +106,3 @@ def judge_maps(area: Area, maps: Iterable[HeightMap], cell_area: float) -> Area:
         return area
     uncertainty = math.hypot(area.uncertainty, facets)
     return attrs.evolve(area, uncertainty=uncertainty, warnings=(*area.warnings, *warnings))
-
-
-def judge_tip(area: Area, solution: Any, uncertain: Mask) -> Area:
-    """Return an area on surfaces with uncertain cells: its certain fraction, which widens its uncertainty.
-
-    Where a tip has not touched, the restored surface is too high and the area too large.
-    """
-    whole = solution.parts
-    contact = whole.own(solution.contact)
-    count = whole.total(int(np.count_nonzero(contact)))
-    if count == 0:
-        return area
-    rows = whole.rows(np.arange(len(contact)))
-    lost = whole.total(int(np.count_nonzero(contact & uncertain[rows]))) / count
-    warnings = area.warnings
-    if 1.0 - lost < _MIN_CERTAIN_FRACTION:
-        text = (
-            f"the tip of the stylus has surely touched only {percent(1.0 - lost)} of the contact: it is blunter than "
-            "the summits that carry the load, and the area is too large; measure with a sharper one"
-        )
-        warnings = (*warnings, WarningText(text, "stylus tip", 1.0 - lost))
-    return _widen_by_tip(attrs.evolve(area, warnings=warnings, certain_fraction=1.0 - lost))
-
-
-def _widen_by_tip(area: Area) -> Area:
-    """Return an area whose uncertainty has that of its surface below a tip too, where there was one."""
-    if area.certain_fraction is None:
-        return area
-    lost = _UNCERTAIN_AREA_STD * (1.0 - area.certain_fraction)
-    return attrs.evolve(
-        area, uncertainty=math.hypot(area.uncertainty, lost * area.value, _CERTAIN_AREA_STD * area.value)
-    )

@@ -17,6 +17,7 @@ from roughcontact._solve.solution.attraction import average_gap
 from roughcontact._solve.solution.plausibility import exceeds_metals
 from roughcontact._solve.solution.results import Area
 from roughcontact._solve.solution.sampling import find_sampling_warning
+from roughcontact._solve.solution.tip import judge_by_tip
 from roughcontact.errors.door import guarded
 
 S = TypeVar("S")
@@ -231,7 +232,7 @@ def list_quantities(solution: ContactAnswers) -> tuple[dict[str, Estimate], list
         gap: Estimate = solution.response("mean-gap")
         patches: Estimate = solution.response("patches")
     else:
-        gap = average_gap(solution)
+        gap = judge_by_tip(average_gap(solution), solution, "mean-gap")
         patches = Estimate(float(solution.patches.areas.size), 0.0, "")
     found = {
         "contact area": Estimate(area.value, area.uncertainty, "m2", relative_sampling=area._relative_sampling),

@@ -96,7 +96,7 @@ function renderOutputs(state) {
     }));
   }
   // It keeps the place of the report, so that nothing jumps away under the pointer.
-  else if (!ENDED.includes(state.phase) && state.settings.load !== "film") links.push(element("span", "The report follows", { class: "button", "aria-disabled": "true" }));
+  else if (!ENDED.includes(state.phase)) links.push(element("span", "The report follows", { class: "button", "aria-disabled": "true" }));
   if (of("table")) links.push(fileLink(state, of("table"), "Table (.csv)"));
   if (of("json")) links.push(fileLink(state, of("json"), "Table (.json)"));
   if (of("comsol")) links.push(fileLink(state, of("comsol"), "For COMSOL (.txt)"));
