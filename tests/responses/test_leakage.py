@@ -169,29 +169,29 @@ def test_the_flow_is_that_of_a_dense_network(seed, periodic, ny):
         low, high = (film[(one, j) if axis == 0 else (i, one % ny)] for one in ends)
         return (high - low) / ((ends[1] - ends[0]) * (1.0, 0.5)[axis]) if count > 1 else 0.0
 
-    def line(i, j, axis, reach):
-        """Return the cells in line with one up to so many cells away, or none beside a free border."""
-        at, count = (i, j)[axis], film.shape[axis]
-        ends = [at + step for step in range(-reach, reach + 1)]
-        if (axis == 0 or not periodic) and not 0 <= ends[0] <= ends[-1] < count:
-            return []
-        return [(one, j) if axis == 0 else (i, one % ny) for one in ends]
-
     def bend(i, j, axis):
         """Return the second difference of the film at a cell, zero at a border that is free."""
-        return sum(factor * film[one] for factor, one in zip((1.0, -2.0, 1.0), line(i, j, axis, 1), strict=False))
+        at, count = (i, j)[axis], film.shape[axis]
+        if (axis == 0 or not periodic) and at in (0, count - 1):
+            return 0.0
+        low, high = (film[(one, j) if axis == 0 else (i, one % ny)] for one in (at - 1, (at + 1) % count))
+        return low - 2.0 * film[i, j] + high
 
-    def roughness(axis):
-        """Return the mean square of fourth over that of second differences, in lines of five cells with flow."""
-        second, fourth = 0.0, 0.0
-        for i, j in np.ndindex(film.shape):
-            cells = line(i, j, axis, 2)
-            if cells and all(flows[one] for one in cells):
-                second += bend(i, j, axis) ** 2
-                fourth += np.dot((1.0, -4.0, 6.0, -4.0, 1.0), [film[one] for one in cells]) ** 2
-        return fourth / second if second > 0.0 else 0.0
+    def find_creases(axis):
+        """Return how far the film is creased along an axis: large differences of few lines, alone among small ones."""
+        second, fourth = [], []
+        for i, j in np.argwhere(flows):
+            cells = [(i + step, j) if axis == 0 else (i, j + step) for step in range(-2, 3)]
+            if all(0 <= one[axis] < film.shape[axis] and flows[one] for one in cells):
+                second.append(bend(i, j, axis))
+                fourth.append(np.dot((1.0, -4.0, 6.0, -4.0, 1.0), [film[one] for one in cells]))
+        if not np.any(second):
+            return 0.0
+        square = np.mean(np.square(second))
+        measures = np.mean(np.square(fourth)) / square, square / np.mean(np.abs(second)) ** 2
+        return min(np.interp(measures[0], (1.8, 2.6), (0.0, 1.0)), np.interp(measures[1], (1.62, 1.75), (0.0, 1.0)))
 
-    creased = float(np.clip((min(roughness(0), roughness(1)) - 1.8) / 0.8, 0.0, 1.0))
+    creased = min(find_creases(0), find_creases(1))
 
     def mean(one, other, axis):
         """Blend the means of a film that is linear between two cells and of the trapezoidal rule for its 1/g^3."""

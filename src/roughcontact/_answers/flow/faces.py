@@ -114,7 +114,9 @@ class Faces:
         return np.asarray(constant + self.cosine * (slope + bend * self.cosine) + rest * self.aligned)
 
 
-def make_faces(film: Array, number: RealArray, *, steps: Pair, wraps: tuple[bool, bool]) -> Faces:
+def make_faces(
+    film: Array, number: RealArray, *, steps: Pair, wraps: tuple[bool, bool], creased: float | None = None
+) -> Faces:
     """Return the faces between the cells of a network.
 
     Parameters
@@ -127,10 +129,13 @@ def make_faces(film: Array, number: RealArray, *, steps: Pair, wraps: tuple[bool
         Lengths of a cell along both axes.
     wraps
         Whether the gap repeats beyond its borders, along each axis.
+    creased
+        How far it has creases along both axes, from 0 to 1; by default what the film shows.
     """
     slopes = tuple(_slope(film, axis, steps[axis], wrapped=wraps[axis]) for axis in (0, 1))
     bends = tuple(_bend(film, axis, wrapped=wraps[axis]) for axis in (0, 1))
-    creased = min(_find_creases(bends[axis], number >= 0, axis, wrapped=wraps[axis]) for axis in (0, 1))
+    if creased is None:
+        creased = min(_find_creases(bends[axis], number >= 0, axis) for axis in (0, 1))
     parts = [
         _pair(film, number, slopes[1 - axis], bends[axis], axis, steps[axis], creased, wrapped=wraps[axis])
         for axis in (0, 1)
@@ -158,21 +163,23 @@ def _bend(film: Array, axis: int, *, wrapped: bool) -> Array:
     return np.asarray(bend)
 
 
-def _find_creases(bend: Array, flows: Mask, axis: int, *, wrapped: bool) -> float:
+def _find_creases(bend: Array, flows: Mask, axis: int) -> float:
     """Return how far a film is creased along an axis, from 0 to 1, by its second differences.
 
-    Those count that have the network's cells on both sides of them and of their neighbours in line.
+    Those count that have cells of the network on both sides of them and of their neighbours in line. Differences across
+    the border are omitted: there films that do not repeat have a crease.
     """
-    inner = flows.copy()
-    for step in (-2, -1, 1, 2):
-        inner &= np.roll(flows, step, axis)
-    if not wrapped:
-        inner[_slice(axis, None, 2)] = False
-        inner[_slice(axis, -2, None)] = False
-    second = bend[inner]
+    if bend.shape[axis] <= 4:
+        return 0.0
+    inner = _slice(axis, 2, -2)
+    beside = [_slice(axis, first, last or None) for first, last in ((0, -4), (1, -3), (3, -1), (4, 0))]
+    counts = flows[inner].copy()
+    for part in beside:
+        counts &= flows[part]
+    second = bend[inner][counts]
     if not second.any():
         return 0.0
-    fourth = _bend(bend, axis, wrapped=wrapped)[inner]
+    fourth = (bend[beside[1]] + bend[beside[2]])[counts] - 2.0 * second
     total = float(second @ second)
     measures = float(fourth @ fourth) / total, total * second.size / float(np.abs(second).sum()) ** 2
     pairs = zip(measures, (_ROUGHNESS, _CONCENTRATION), strict=True)

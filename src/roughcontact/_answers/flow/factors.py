@@ -74,7 +74,7 @@ def find_flow_factors(
     gap_error
         Error of the gap by the residual of the contact, m.
     """
-    found = _find_factors(gap, open_cells, grid, separation, gap_error)
+    found, creased = _find_factors(gap, open_cells, grid, separation, gap_error)
     strides = [2 if count >= _MIN_CELLS else 1 for count in grid.shape]
     # Of an odd number the last cell is omitted.
     chosen = tuple(
@@ -85,17 +85,19 @@ def find_flow_factors(
         return found
     steps = (step * stride for step, stride in zip(grid.spacing, strides, strict=True))
     size = tuple(count * step for count, step in zip(sparse_shape, steps, strict=True))
-    sparse = _find_factors(gap[chosen], open_cells[chosen], Grid(sparse_shape, size), separation, gap_error)
+    sparse, _ = _find_factors(gap[chosen], open_cells[chosen], Grid(sparse_shape, size), separation, gap_error, creased)
     return found.widen(sparse)
 
 
-def _find_factors(gap: Array, open_cells: Mask, grid: Grid, separation: float, gap_error: float) -> FlowFactors:
-    """Return the flow factors, with what the flow itself says of their uncertainties."""
-    flow = solve_periodic(gap, open_cells, aspect=grid.spacing[1] / grid.spacing[0])
+def _find_factors(
+    gap: Array, open_cells: Mask, grid: Grid, separation: float, gap_error: float, creased: float | None = None
+) -> tuple[FlowFactors, float | None]:
+    """Return the flow factors, with what the flow itself says of their uncertainties, and how far the gap is creased."""
+    flow = solve_periodic(gap, open_cells, aspect=grid.spacing[1] / grid.spacing[0], creased=creased)
     identity = np.eye(2)
     if flow.network is None:
         none = np.zeros((2, 2))
-        return FlowFactors(none, separation * identity, none, none, none, none)
+        return FlowFactors(none, separation * identity, none, none, none, none), creased
     widest = flow.network.widest
     pressure = flow.cubes * (widest / separation) ** 3
     films = flow.films * widest
@@ -109,7 +111,8 @@ def _find_factors(gap: Array, open_cells: Mask, grid: Grid, separation: float, g
     shear_std = np.where(np.eye(2) > 0.0, along, _OBLIQUE_WEIGHT * along)
     shear = separation * identity - films
     viscous = films.T / separation
-    return FlowFactors(pressure, shear, viscous, pressure_std, shear_std, shear_std.T / separation)
+    found = FlowFactors(pressure, shear, viscous, pressure_std, shear_std, shear_std.T / separation)
+    return found, flow.network.faces.creased
 
 
 def _find_relative_stds(flow: PeriodicFlow, open_cells: Mask, gap_error: float) -> Array:

@@ -228,10 +228,20 @@ def number_cells(kept: Mask) -> RealArray:
 
 
 def join_cells(
-    film: Array, number: RealArray, ends: Ends, *, widest: float, aspect: float, wraps: tuple[bool, bool]
+    film: Array,
+    number: RealArray,
+    ends: Ends,
+    *,
+    widest: float,
+    aspect: float,
+    wraps: tuple[bool, bool],
+    creased: float | None = None,
 ) -> FlowNetwork:
-    """Return the network of numbered cells; film is the gap over the widest one, zero in closed cells."""
-    faces = make_faces(film, number, steps=(1.0, aspect), wraps=wraps)
+    """Return the network of numbered cells; film is the gap over the widest one, zero in closed cells.
+
+    `creased` is that of `make_faces`.
+    """
+    faces = make_faces(film, number, steps=(1.0, aspect), wraps=wraps, creased=creased)
     conductance = faces.find_cubes()
     conductance[: faces.along] *= aspect
     conductance[faces.along :] /= aspect
