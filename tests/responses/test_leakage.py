@@ -151,8 +151,6 @@ def test_the_flow_is_that_of_a_dense_network(seed, periodic, ny):
     solution = with_gap(gap, contact, size=(6.0, 0.5 * ny), boundary="periodic" if periodic else "free")
     film = np.where(contact, 0.0, gap)
     cubes = film**3
-    flow = solution.leakage(axis=0, **WATER)
-    flows = ~np.isnan(flow.fluid_pressure)
     # Kirchhoff's matrix of all cells and two reservoirs, and its resistance between these by the pseudoinverse.
     matrix = np.zeros((6 * ny + 2, 6 * ny + 2))
 
@@ -178,17 +176,16 @@ def test_the_flow_is_that_of_a_dense_network(seed, periodic, ny):
         return low - 2.0 * film[i, j] + high
 
     def find_creases(axis):
-        """Return how far the film is creased along an axis: large differences of few lines, alone among small ones."""
-        second, fourth = [], []
-        for i, j in np.argwhere(flows):
-            cells = [(i + step, j) if axis == 0 else (i, j + step) for step in range(-2, 3)]
-            if all(0 <= one[axis] < film.shape[axis] and flows[one] for one in cells):
-                second.append(bend(i, j, axis))
-                fourth.append(np.dot((1.0, -4.0, 6.0, -4.0, 1.0), [film[one] for one in cells]))
-        if not np.any(second):
+        """Return how far the heights are creased along an axis: large differences alone among small ones."""
+        lines = film if axis == 0 else film.T
+        if len(lines) < 5:
             return 0.0
-        square = np.mean(np.square(second))
-        measures = np.mean(np.square(fourth)) / square, square / np.mean(np.abs(second)) ** 2
+        second = np.array([line[2:] - 2.0 * line[1:-1] + line[:-2] for line in lines.T])
+        fourth = second[:, 2:] - 2.0 * second[:, 1:-1] + second[:, :-2]
+        square = np.mean(second[:, 1:-1] ** 2)
+        if square == 0.0:
+            return 0.0
+        measures = np.mean(fourth**2) / square, square / np.mean(np.abs(second[:, 1:-1])) ** 2
         return min(np.interp(measures[0], (1.8, 2.6), (0.0, 1.0)), np.interp(measures[1], (1.62, 1.75), (0.0, 1.0)))
 
     creased = min(find_creases(0), find_creases(1))
@@ -223,6 +220,7 @@ def test_the_flow_is_that_of_a_dense_network(seed, periodic, ny):
     matrix = matrix[np.ix_(kept, kept)] / gap.max() ** 3
     inverse = np.linalg.pinv(matrix, rcond=1e-11, hermitian=True)
     potential = inverse[:, -2] - inverse[:, -1]
+    flow = solution.leakage(axis=0, **WATER)
     if np.abs(matrix @ potential).max() > 0.75 and flow.connected:
         resistance = potential[-2] - potential[-1]
         assert flow.value == pytest.approx(closed_form(gap.max(), 1.0, 1.0) / resistance, rel=1e-6)

@@ -24,11 +24,11 @@ _CREASED_DRAG_WEIGHTS = (-1.0, 1.5, -1.0)
 _ALIGNED_SQUARINGS = 9
 # Smallest film in the middle over the mean of both cells: beside throats four cells may give none.
 _MIN_MIDDLE = 0.5
-# A gap counts as creased in part, and as a whole, from these values of two measures on. Of the film's second
-# differences along an axis one is the mean square of their own second differences over theirs: 6 at a crease, 3 to 6 on
-# grooves with creases, up to 1.6 on waves of four cells or more in all directions. The other is their mean square over
-# the square of their mean size: pi / 2 on Gaussian heights, 1.5 to 1.6 on rough gaps of any resolution, and above 1.7,
-# mostly 2, where some lines of cells are bent much more than others.
+# Heights count as creased in part, and as a whole, from these values of two measures on. Of their second differences
+# along an axis one is the mean square of the second differences of these over theirs: 6 at a crease, 3 to 6 on grooves
+# with creases, up to 1.6 on waves of four cells or more in all directions. The other is their mean square over the
+# square of their mean size: pi / 2 on Gaussian heights, 1.5 to 1.6 on rough ones of any resolution, and mostly above 2
+# where lines of cells are bent much more than others.
 _ROUGHNESS = (1.8, 2.6)
 _CONCENTRATION = (1.62, 1.75)
 
@@ -44,7 +44,7 @@ class Faces:
     along
         Number of the faces that are crossed along axis 0.
     creased
-        How far the gap has creases along both axes, from 0 to 1.
+        How far the heights have creases along both axes, from 0 to 1.
     first_film, second_film
         Films of the first and of the second cell.
     cosine
@@ -114,8 +114,30 @@ class Faces:
         return np.asarray(constant + self.cosine * (slope + bend * self.cosine) + rest * self.aligned)
 
 
+def find_creases(heights: Array) -> float:
+    """Return how far heights, or an initial gap, have creases along both axes, from 0 to 1.
+
+    Differences across the border are omitted: there heights that do not repeat have a crease.
+    """
+    return min(_find_creases(heights, axis) for axis in (0, 1))
+
+
+def _find_creases(heights: Array, axis: int) -> float:
+    if heights.shape[axis] <= 4:
+        return 0.0
+    second = np.diff(heights, 2, axis=axis)
+    fourth = np.diff(second, 2, axis=axis)
+    second = second[_slice(axis, 1, -1)]
+    square = float(np.mean(second**2))
+    if square == 0.0:
+        return 0.0
+    measures = float(np.mean(fourth**2)) / square, square / float(np.mean(np.abs(second))) ** 2
+    pairs = zip(measures, (_ROUGHNESS, _CONCENTRATION), strict=True)
+    return min(min(max((found - low) / (high - low), 0.0), 1.0) for found, (low, high) in pairs)
+
+
 def make_faces(
-    film: Array, number: RealArray, *, steps: Pair, wraps: tuple[bool, bool], creased: float | None = None
+    film: Array, number: RealArray, *, steps: Pair, wraps: tuple[bool, bool], creased: float = 0.0
 ) -> Faces:
     """Return the faces between the cells of a network.
 
@@ -130,15 +152,11 @@ def make_faces(
     wraps
         Whether the gap repeats beyond its borders, along each axis.
     creased
-        How far it has creases along both axes, from 0 to 1; by default what the film shows.
+        How far the heights have creases along both axes, from 0 to 1 (`find_creases`).
     """
     slopes = tuple(_slope(film, axis, steps[axis], wrapped=wraps[axis]) for axis in (0, 1))
-    bends = tuple(_bend(film, axis, wrapped=wraps[axis]) for axis in (0, 1))
-    if creased is None:
-        creased = min(_find_creases(bends[axis], number >= 0, axis) for axis in (0, 1))
     parts = [
-        _pair(film, number, slopes[1 - axis], bends[axis], axis, steps[axis], creased, wrapped=wraps[axis])
-        for axis in (0, 1)
+        _pair(film, number, slopes[1 - axis], axis, steps[axis], creased, wrapped=wraps[axis]) for axis in (0, 1)
     ]
     joined = (np.concatenate(columns) for columns in zip(*parts, strict=True))
     first, second, first_film, second_film, cosine, aligned, middle = joined
@@ -163,39 +181,8 @@ def _bend(film: Array, axis: int, *, wrapped: bool) -> Array:
     return np.asarray(bend)
 
 
-def _find_creases(bend: Array, flows: Mask, axis: int) -> float:
-    """Return how far a film is creased along an axis, from 0 to 1, by its second differences.
-
-    Those count that have cells of the network on both sides of them and of their neighbours in line. Differences across
-    the border are omitted: there films that do not repeat have a crease.
-    """
-    if bend.shape[axis] <= 4:
-        return 0.0
-    inner = _slice(axis, 2, -2)
-    beside = [_slice(axis, first, last or None) for first, last in ((0, -4), (1, -3), (3, -1), (4, 0))]
-    counts = flows[inner].copy()
-    for part in beside:
-        counts &= flows[part]
-    second = bend[inner][counts]
-    if not second.any():
-        return 0.0
-    fourth = (bend[beside[1]] + bend[beside[2]])[counts] - 2.0 * second
-    total = float(second @ second)
-    measures = float(fourth @ fourth) / total, total * second.size / float(np.abs(second).sum()) ** 2
-    pairs = zip(measures, (_ROUGHNESS, _CONCENTRATION), strict=True)
-    return min(min(max((found - low) / (high - low), 0.0), 1.0) for found, (low, high) in pairs)
-
-
 def _pair(
-    film: Array,
-    number: RealArray,
-    across: Array,
-    bend: Array,
-    axis: int,
-    step: float,
-    creased: float,
-    *,
-    wrapped: bool,
+    film: Array, number: RealArray, across: Array, axis: int, step: float, creased: float, *, wrapped: bool
 ) -> tuple[RealArray, RealArray, Array, Array, Array, Array, Array]:
     """Return cells and films of the faces that are crossed along an axis, and what else `Faces` has of them, in order.
 
@@ -204,6 +191,7 @@ def _pair(
     parts = [(_slice(axis, None, -1), _slice(axis, 1, None))]
     if wrapped:
         parts.append((_slice(axis, -1, None), _slice(axis, None, 1)))
+    bend = _bend(film, axis, wrapped=wrapped) if creased > 0.0 else film
     found = []
     for one, other in parts:
         both: Mask = (number[one] >= 0) & (number[other] >= 0)

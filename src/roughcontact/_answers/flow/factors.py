@@ -61,7 +61,7 @@ class FlowFactors:
 
 
 def find_flow_factors(
-    gap: Array, open_cells: Mask, grid: Grid, separation: float, *, gap_error: float = 0.0
+    gap: Array, open_cells: Mask, grid: Grid, separation: float, *, creased: float, gap_error: float = 0.0
 ) -> FlowFactors:
     """Return the flow factors of a periodic gap.
 
@@ -71,10 +71,12 @@ def find_flow_factors(
         Gap, m, and the cells that are not in contact, shape (nx, ny).
     grid, separation
         Its grid, and the distance of the mean planes, m.
+    creased
+        How far the heights have creases along both axes, from 0 to 1 (`find_creases`).
     gap_error
         Error of the gap by the residual of the contact, m.
     """
-    found, creased = _find_factors(gap, open_cells, grid, separation, gap_error)
+    found = _find_factors(gap, open_cells, grid, separation, creased, gap_error)
     strides = [2 if count >= _MIN_CELLS else 1 for count in grid.shape]
     # Of an odd number the last cell is omitted.
     chosen = tuple(
@@ -85,19 +87,19 @@ def find_flow_factors(
         return found
     steps = (step * stride for step, stride in zip(grid.spacing, strides, strict=True))
     size = tuple(count * step for count, step in zip(sparse_shape, steps, strict=True))
-    sparse, _ = _find_factors(gap[chosen], open_cells[chosen], Grid(sparse_shape, size), separation, gap_error, creased)
+    sparse = _find_factors(gap[chosen], open_cells[chosen], Grid(sparse_shape, size), separation, creased, gap_error)
     return found.widen(sparse)
 
 
 def _find_factors(
-    gap: Array, open_cells: Mask, grid: Grid, separation: float, gap_error: float, creased: float | None = None
-) -> tuple[FlowFactors, float | None]:
-    """Return the flow factors, with what the flow itself says of their uncertainties, and how far the gap is creased."""
+    gap: Array, open_cells: Mask, grid: Grid, separation: float, creased: float, gap_error: float
+) -> FlowFactors:
+    """Return the flow factors, with what the flow itself says of their uncertainties."""
     flow = solve_periodic(gap, open_cells, aspect=grid.spacing[1] / grid.spacing[0], creased=creased)
     identity = np.eye(2)
     if flow.network is None:
         none = np.zeros((2, 2))
-        return FlowFactors(none, separation * identity, none, none, none, none), creased
+        return FlowFactors(none, separation * identity, none, none, none, none)
     widest = flow.network.widest
     pressure = flow.cubes * (widest / separation) ** 3
     films = flow.films * widest
@@ -111,8 +113,7 @@ def _find_factors(
     shear_std = np.where(np.eye(2) > 0.0, along, _OBLIQUE_WEIGHT * along)
     shear = separation * identity - films
     viscous = films.T / separation
-    found = FlowFactors(pressure, shear, viscous, pressure_std, shear_std, shear_std.T / separation)
-    return found, flow.network.faces.creased
+    return FlowFactors(pressure, shear, viscous, pressure_std, shear_std, shear_std.T / separation)
 
 
 def _find_relative_stds(flow: PeriodicFlow, open_cells: Mask, gap_error: float) -> Array:

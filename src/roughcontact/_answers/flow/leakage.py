@@ -9,6 +9,7 @@ import attrs
 import numpy as np
 
 from roughcontact._answers.areas.cells import find_lost_std
+from roughcontact._answers.flow.faces import find_creases
 from roughcontact._answers.flow.network import (
     FlowNetwork,
     estimate_uncertainty,
@@ -21,7 +22,7 @@ from roughcontact._base.arrays import Array, Mask, Pair, RealArray, read_only
 from roughcontact._base.checks import number
 from roughcontact._base.units import Estimate, Quantity, ShownAsPrinted, WarningText, percent, si
 from roughcontact._parts.grid import Grid, grow
-from roughcontact._solve.solution import ContactSolution, FilledGap, Response, fill_gap, responses
+from roughcontact._solve.solution import ContactSolution, FilledGap, Response, fill_gap, heal, responses
 from roughcontact.errors import InputError, NotConverged
 
 # Number of cells, by decreasing loss, that are tried as the centre of the critical throat.
@@ -304,7 +305,13 @@ class GapFlow(Response[Leakage]):
         open_cells = self._turn(find_open_cells(solution, filled.values))
         along, across = solution.grid.spacing if self.axis == 0 else solution.grid.spacing[::-1]
         periodic = not solution.boundary.free_axes[1 - self.axis]
-        network = make_network(self._turn(filled.values), open_cells, aspect=across / along, periodic=periodic)
+        network = make_network(
+            self._turn(filled.values),
+            open_cells,
+            aspect=across / along,
+            periodic=periodic,
+            creased=find_creases(heal(solution).initial_gap),
+        )
         if network is not None:
             return self._measure(solution, network, filled, open_cells)
         warnings = (*_list_warnings(solution), *_judge_closure(solution, open_cells, self.axis))

@@ -194,7 +194,9 @@ class FlowNetwork:
         return fields[0], fields[1]
 
 
-def make_network(gap: Array, open_cells: Mask, *, aspect: float, periodic: bool) -> FlowNetwork | None:
+def make_network(
+    gap: Array, open_cells: Mask, *, aspect: float, periodic: bool, creased: float = 0.0
+) -> FlowNetwork | None:
     """Return the network of the open cells, or None if no path of cell sides joins both ends.
 
     Parameters
@@ -205,6 +207,8 @@ def make_network(gap: Array, open_cells: Mask, *, aspect: float, periodic: bool)
         Length of a cell across the flow over its length along it.
     periodic
         Whether the gap repeats across the flow.
+    creased
+        How far the heights have creases along both axes, from 0 to 1 (`find_creases`).
     """
     widest = float(gap.max(where=open_cells, initial=0.0))
     if widest <= 0.0:
@@ -217,7 +221,7 @@ def make_network(gap: Array, open_cells: Mask, *, aspect: float, periodic: bool)
     inlet, outlet = (row[row >= 0] for row in (number[0], number[-1]))
     first, last = (2.0 * aspect * film[row][kept[row]] ** 3 for row in (0, -1))
     ends = Ends(inlet, outlet, first, last)
-    return join_cells(film, number, ends, widest=widest, aspect=aspect, wraps=(False, periodic))
+    return join_cells(film, number, ends, widest=widest, aspect=aspect, wraps=(False, periodic), creased=creased)
 
 
 def number_cells(kept: Mask) -> RealArray:
@@ -235,7 +239,7 @@ def join_cells(
     widest: float,
     aspect: float,
     wraps: tuple[bool, bool],
-    creased: float | None = None,
+    creased: float = 0.0,
 ) -> FlowNetwork:
     """Return the network of numbered cells; film is the gap over the widest one, zero in closed cells.
 

@@ -55,7 +55,7 @@ class PeriodicFlow:
     films: Array
 
 
-def solve_periodic(gap: Array, open_cells: Mask, *, aspect: float, creased: float | None = None) -> PeriodicFlow:
+def solve_periodic(gap: Array, open_cells: Mask, *, aspect: float, creased: float = 0.0) -> PeriodicFlow:
     """Return the flow through a periodic gap.
 
     Parameters
@@ -65,7 +65,7 @@ def solve_periodic(gap: Array, open_cells: Mask, *, aspect: float, creased: floa
     aspect
         Length of a cell along y over its length along x.
     creased
-        How far the gap has creases along both axes, from 0 to 1; by default what it shows.
+        How far the heights have creases along both axes, from 0 to 1 (`find_creases`).
     """
     network = make_periodic_network(gap, open_cells, aspect=aspect, creased=creased)
     if network is None:
@@ -95,7 +95,7 @@ def solve_periodic(gap: Array, open_cells: Mask, *, aspect: float, creased: floa
 
 
 def make_periodic_network(
-    gap: Array, open_cells: Mask, *, aspect: float, creased: float | None = None
+    gap: Array, open_cells: Mask, *, aspect: float, creased: float = 0.0
 ) -> FlowNetwork | None:
     """Return the network of the open cells of pieces that repeat without end, or None if there are none.
 
