@@ -10,6 +10,7 @@ import pytest
 import roughcontact as rc
 from roughcontact._answers.flow import network as networks
 from roughcontact._answers.flow.dissection import dissect
+from roughcontact._answers.flow.faces import find_creases
 from roughcontact._answers.flow.network import make_network
 from test_leakage import WATER, solved, with_gap
 
@@ -32,6 +33,21 @@ def test_large_flows_need_pyamg(monkeypatch):
     monkeypatch.setitem(sys.modules, "pyamg", None)
     with pytest.raises(rc.MissingPackage, match=r"pip install 'roughcontact\[flow\]'"):
         with_gap(np.full((8, 8), 1e-6)).leakage(axis=0, **WATER)
+
+
+@pytest.mark.parametrize("hurst", [0.3, 0.8])
+@pytest.mark.parametrize("cells", [2.2, 3.0, 4.0, 8.0])
+def test_rough_heights_of_any_resolution_have_no_creases(cells, hurst):
+    surface = rc.SelfAffineSurface(
+        hurst=hurst, rms_slope=0.05, shortest=cells / 64.0, longest=1.0, rolloff=0.25, seed=17
+    )
+    for size in ((1.0, 1.0), (1.0, 0.6)):
+        heights = surface.heights(rc.Grid((64, 64), size))
+        assert find_creases(heights) == 0.0
+        # Grooves that meet them have.
+        x, y = np.meshgrid(*(np.arange(64) / 64.0,) * 2, indexing="ij")
+        grooves = np.maximum(0.0, 1.0 - np.abs((4.0 * x + 3.0 * y) % 1.0 - 0.5) / 0.15)
+        assert find_creases(heights - 10.0 * np.ptp(heights) * grooves) == 1.0
 
 
 def make_matrix(leak, conductances):

@@ -19,6 +19,8 @@ from roughcontact._parts.grid import Grid
 _FLOW_FRACTION = 0.4
 _FILM_RULE_WEIGHT = 0.2
 _FLOW_WEIGHT = 0.5
+# Weight of the standard deviations of the diagonal off it, where the change of rule passes through zero.
+_OBLIQUE_WEIGHT = 0.5
 # Weight of the change of a factor on every second cell. Errors of narrow and creased grooves, which the measures above
 # do not see, are 0.2 to 0.4 of it, as of an order between one and two (docs/studies/film_law.py, draw 1).
 _SPARSE_WEIGHT = 0.3
@@ -59,7 +61,7 @@ class FlowFactors:
 
 
 def find_flow_factors(
-    gap: Array, open_cells: Mask, grid: Grid, separation: float, *, gap_error: float = 0.0
+    gap: Array, open_cells: Mask, grid: Grid, separation: float, *, creased: float, gap_error: float = 0.0
 ) -> FlowFactors:
     """Return the flow factors of a periodic gap.
 
@@ -69,10 +71,12 @@ def find_flow_factors(
         Gap, m, and the cells that are not in contact, shape (nx, ny).
     grid, separation
         Its grid, and the distance of the mean planes, m.
+    creased
+        How far the heights have creases along both axes, from 0 to 1 (`find_creases`).
     gap_error
         Error of the gap by the residual of the contact, m.
     """
-    found = _find_factors(gap, open_cells, grid, separation, gap_error)
+    found = _find_factors(gap, open_cells, grid, separation, creased, gap_error)
     strides = [2 if count >= _MIN_CELLS else 1 for count in grid.shape]
     # Of an odd number the last cell is omitted.
     chosen = tuple(
@@ -83,13 +87,15 @@ def find_flow_factors(
         return found
     steps = (step * stride for step, stride in zip(grid.spacing, strides, strict=True))
     size = tuple(count * step for count, step in zip(sparse_shape, steps, strict=True))
-    sparse = _find_factors(gap[chosen], open_cells[chosen], Grid(sparse_shape, size), separation, gap_error)
+    sparse = _find_factors(gap[chosen], open_cells[chosen], Grid(sparse_shape, size), separation, creased, gap_error)
     return found.widen(sparse)
 
 
-def _find_factors(gap: Array, open_cells: Mask, grid: Grid, separation: float, gap_error: float) -> FlowFactors:
+def _find_factors(
+    gap: Array, open_cells: Mask, grid: Grid, separation: float, creased: float, gap_error: float
+) -> FlowFactors:
     """Return the flow factors, with what the flow itself says of their uncertainties."""
-    flow = solve_periodic(gap, open_cells, aspect=grid.spacing[1] / grid.spacing[0])
+    flow = solve_periodic(gap, open_cells, aspect=grid.spacing[1] / grid.spacing[0], creased=creased)
     identity = np.eye(2)
     if flow.network is None:
         none = np.zeros((2, 2))
@@ -99,22 +105,15 @@ def _find_factors(gap: Array, open_cells: Mask, grid: Grid, separation: float, g
     films = flow.films * widest
     relative = _find_relative_stds(flow, open_cells, gap_error)
     sizes = relative * np.diag(pressure)
-    pressure_std = _spread_stds(sizes)
+    pressure_std = np.sqrt(np.outer(sizes, sizes)) * (_OBLIQUE_WEIGHT + (1.0 - _OBLIQUE_WEIGHT) * np.eye(2))
     along = np.hypot(
         _FILM_RULE_WEIGHT * np.abs(_compare_films(flow)) * widest, _FLOW_WEIGHT * relative * np.abs(np.diag(films))
     )
-    shear_std = _spread_stds(along)
+    # What is dragged along either axis errs with the flow along the other one.
+    shear_std = np.where(np.eye(2) > 0.0, along, _OBLIQUE_WEIGHT * along)
     shear = separation * identity - films
     viscous = films.T / separation
-    return FlowFactors(pressure, shear, viscous, pressure_std, shear_std, shear_std / separation)
-
-
-def _spread_stds(along: Array) -> Array:
-    """Return the standard deviations of a tensor from those of its diagonal.
-
-    Off the diagonal the change of rule passes through zero: half of the mean of both axes stands for it.
-    """
-    return np.asarray(np.sqrt(np.outer(along, along)) * (0.5 + 0.5 * np.eye(2)))
+    return FlowFactors(pressure, shear, viscous, pressure_std, shear_std, shear_std.T / separation)
 
 
 def _find_relative_stds(flow: PeriodicFlow, open_cells: Mask, gap_error: float) -> Array:

@@ -40,6 +40,8 @@ _MAX_ITERATIONS = 300
 _THROAT_WEIGHT = 0.55
 _RULE_WEIGHT = 0.27
 _WALL_WEIGHT = 0.2
+# Weight of the change of the flow between the rules of gaps with and without creases, set on 213 flows (draw 503).
+_CREASED_WEIGHT = 0.5
 # Cells beyond a periodic border in which the nearest contact is searched.
 _MAX_PADDING_CELLS = 16
 
@@ -192,7 +194,9 @@ class FlowNetwork:
         return fields[0], fields[1]
 
 
-def make_network(gap: Array, open_cells: Mask, *, aspect: float, periodic: bool) -> FlowNetwork | None:
+def make_network(
+    gap: Array, open_cells: Mask, *, aspect: float, periodic: bool, creased: float = 0.0
+) -> FlowNetwork | None:
     """Return the network of the open cells, or None if no path of cell sides joins both ends.
 
     Parameters
@@ -203,6 +207,8 @@ def make_network(gap: Array, open_cells: Mask, *, aspect: float, periodic: bool)
         Length of a cell across the flow over its length along it.
     periodic
         Whether the gap repeats across the flow.
+    creased
+        How far the heights have creases along both axes, from 0 to 1 (`find_creases`).
     """
     widest = float(gap.max(where=open_cells, initial=0.0))
     if widest <= 0.0:
@@ -215,7 +221,7 @@ def make_network(gap: Array, open_cells: Mask, *, aspect: float, periodic: bool)
     inlet, outlet = (row[row >= 0] for row in (number[0], number[-1]))
     first, last = (2.0 * aspect * film[row][kept[row]] ** 3 for row in (0, -1))
     ends = Ends(inlet, outlet, first, last)
-    return join_cells(film, number, ends, widest=widest, aspect=aspect, wraps=(False, periodic))
+    return join_cells(film, number, ends, widest=widest, aspect=aspect, wraps=(False, periodic), creased=creased)
 
 
 def number_cells(kept: Mask) -> RealArray:
@@ -226,10 +232,20 @@ def number_cells(kept: Mask) -> RealArray:
 
 
 def join_cells(
-    film: Array, number: RealArray, ends: Ends, *, widest: float, aspect: float, wraps: tuple[bool, bool]
+    film: Array,
+    number: RealArray,
+    ends: Ends,
+    *,
+    widest: float,
+    aspect: float,
+    wraps: tuple[bool, bool],
+    creased: float = 0.0,
 ) -> FlowNetwork:
-    """Return the network of numbered cells; film is the gap over the widest one, zero in closed cells."""
-    faces = make_faces(film, number, steps=(1.0, aspect), wraps=wraps)
+    """Return the network of numbered cells; film is the gap over the widest one, zero in closed cells.
+
+    `creased` is that of `make_faces`.
+    """
+    faces = make_faces(film, number, steps=(1.0, aspect), wraps=wraps, creased=creased)
     conductance = faces.find_cubes()
     conductance[: faces.along] *= aspect
     conductance[faces.along :] /= aspect
@@ -440,7 +456,10 @@ def estimate_uncertainty(
     squared, cubed = (float(np.sum(lost * near**power)) / flow for power in (2, 3))
     residual = 3.0 * gap_error * float(np.sum(lost / network.film)) / flow
     throat = _THROAT_WEIGHT * math.sqrt(rule * cubed)
-    return math.hypot(throat, _RULE_WEIGHT * rule, _WALL_WEIGHT * squared, residual)
+    creased = 0.0
+    if network.faces.creased > 0.0:
+        creased = _CREASED_WEIGHT * abs(float(np.sum(faces * network.faces.compare_cubes()))) / flow
+    return math.hypot(throat, _RULE_WEIGHT * rule, _WALL_WEIGHT * squared, residual, creased)
 
 
 def _compare_rules(network: FlowNetwork, faces: Array, flow: float) -> float:

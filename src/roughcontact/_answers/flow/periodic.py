@@ -55,7 +55,7 @@ class PeriodicFlow:
     films: Array
 
 
-def solve_periodic(gap: Array, open_cells: Mask, *, aspect: float) -> PeriodicFlow:
+def solve_periodic(gap: Array, open_cells: Mask, *, aspect: float, creased: float = 0.0) -> PeriodicFlow:
     """Return the flow through a periodic gap.
 
     Parameters
@@ -64,8 +64,10 @@ def solve_periodic(gap: Array, open_cells: Mask, *, aspect: float) -> PeriodicFl
         Gap, and the cells that are not in contact, shape (nx, ny).
     aspect
         Length of a cell along y over its length along x.
+    creased
+        How far the heights have creases along both axes, from 0 to 1 (`find_creases`).
     """
-    network = make_periodic_network(gap, open_cells, aspect=aspect)
+    network = make_periodic_network(gap, open_cells, aspect=aspect, creased=creased)
     if network is None:
         return PeriodicFlow(None, np.zeros((2, 0)), np.zeros((2, 2)), np.zeros((2, 2)))
     faces = network.faces
@@ -92,7 +94,9 @@ def solve_periodic(gap: Array, open_cells: Mask, *, aspect: float) -> PeriodicFl
     return PeriodicFlow(network, drops, cubes, np.array(sums))
 
 
-def make_periodic_network(gap: Array, open_cells: Mask, *, aspect: float) -> FlowNetwork | None:
+def make_periodic_network(
+    gap: Array, open_cells: Mask, *, aspect: float, creased: float = 0.0
+) -> FlowNetwork | None:
     """Return the network of the open cells of pieces that repeat without end, or None if there are none.
 
     Its pressure is zero in one cell of each piece, joined to the outlet, through which nothing flows.
@@ -112,7 +116,7 @@ def make_periodic_network(gap: Array, open_cells: Mask, *, aspect: float) -> Flo
     pinned = widest_first[place]
     nothing = np.zeros(0, dtype=np.int32)
     ends = Ends(nothing, pinned, np.zeros(0), film.reshape(-1)[cells][pinned] ** 3)
-    return join_cells(film, number, ends, widest=widest, aspect=aspect, wraps=(True, True))
+    return join_cells(film, number, ends, widest=widest, aspect=aspect, wraps=(True, True), creased=creased)
 
 
 def find_endless_pieces(open_cells: Mask) -> IntArray:

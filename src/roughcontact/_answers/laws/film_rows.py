@@ -9,6 +9,7 @@ from functools import partial
 import attrs
 import numpy as np
 
+from roughcontact._answers.flow.faces import find_creases
 from roughcontact._answers.flow.factors import FlowFactors, find_flow_factors
 from roughcontact._base.arrays import Array, Mask
 from roughcontact._base.units import WarningText
@@ -77,7 +78,14 @@ def _read_state(solution: ContactSolution, separation: float) -> FilmRow:
     nominal = solution.grid.area
     open_cells = ~solution.contact & (solution.gap > 0.0)
     error = solution.residuals.error * solution.residuals.scale
-    factors = find_flow_factors(solution.gap, open_cells, solution.grid, separation, gap_error=error)
+    factors = find_flow_factors(
+        solution.gap,
+        open_cells,
+        solution.grid,
+        separation,
+        creased=find_creases(solution.initial_gap),
+        gap_error=error,
+    )
     mean_gap = solution.response("mean-gap", uncertainty="model")
     # The law itself says what a tip has not touched of the points.
     of_state = [text for text in solution.warnings if getattr(text, "rule", "") != "stylus"]
@@ -97,7 +105,7 @@ def _read_state(solution: ContactSolution, separation: float) -> FilmRow:
 def _read_open_gap(problem: ContactProblem, separation: float, mean: float) -> FilmRow:
     gap = problem.initial_gap + (separation - mean)
     open_cells = gap > 0.0
-    factors = find_flow_factors(gap, open_cells, problem.plan.grid, separation)
+    factors = find_flow_factors(gap, open_cells, problem.plan.grid, separation, creased=find_creases(gap))
     return FilmRow(0.0, 0.0, _fill(gap, open_cells), 0.0, 0.0, 0.0, factors, tuple(_judge_factors(factors)))
 
 
@@ -156,7 +164,8 @@ def find_wall_shear(heights: Array, separation: float, problem: ContactProblem) 
     gap = separation - (heights - np.mean(heights))
     if not gap.min() > 0.0:
         return None
-    return find_flow_factors(gap, np.ones(gap.shape, dtype=bool), problem.plan.grid, separation)
+    open_cells = np.ones(gap.shape, dtype=bool)
+    return find_flow_factors(gap, open_cells, problem.plan.grid, separation, creased=find_creases(gap))
 
 
 def count_waves(heights: Array) -> tuple[float, float]:
