@@ -9,6 +9,7 @@ import attrs
 import numpy as np
 
 from roughcontact._answers.subsurface.field import StressField, find_largest, locate, maximum_principal
+from roughcontact._answers.subsurface.window import Window
 from roughcontact._base.arrays import Pair, RealArray
 from roughcontact._parts.grid import Boundary, Grid
 from roughcontact._parts.kernels import STRESS_COMPONENTS, HalfSpaceStress
@@ -112,50 +113,18 @@ def find_edge_stress(
         place = find_largest(stress)
         if stress[place] < lowest:
             break
-        window = _Window(place, field.grid.shape, boundary)
+        window = Window(place, field.grid.shape, boundary, (_REACH, _REACH))
         resolved = _resolve(field, load, poisson, window)
         if resolved is None:
             break
         found.append(resolved)
-        stress[window.select(_KNOWN)] = -np.inf
+        stress[attrs.evolve(window, reach=(_KNOWN, _KNOWN)).select()] = -np.inf
     if not found:
         return coarse
     return attrs.evolve(max(found, key=lambda one: one.extrapolate(maximum_principal)[0]), coarse=coarse)
 
 
-@attrs.frozen
-class _Window:
-    """The cells around a place; those beyond a free border are none of the domain."""
-
-    place: tuple[int, int]
-    shape: tuple[int, int]
-    boundary: Boundary
-
-    def select(self, reach: int) -> tuple[RealArray, ...]:
-        """Return the indices of the cells along x and y, for an array of the domain."""
-        along = []
-        for place, count, repeats in zip(self.place, self.shape, self.boundary.repeats, strict=True):
-            around = np.arange(place - reach, place + reach + 1)
-            along.append(around % count if repeats else np.clip(around, 0, count - 1))
-        return np.ix_(*along)
-
-    @property
-    def outside(self) -> RealArray:
-        """Whether a cell lies beyond a free border."""
-        beyond = []
-        for place, count, repeats in zip(self.place, self.shape, self.boundary.repeats, strict=True):
-            around = np.arange(place - _REACH, place + _REACH + 1)
-            beyond.append((not repeats) & ((around < 0) | (around >= count)))
-        return np.logical_or.outer(*beyond)
-
-    def cut(self, values: RealArray) -> RealArray:
-        """Return the values of the cells, zero beyond a free border."""
-        rows, columns = self.select(_REACH)
-        inside = values[..., rows, columns]
-        return np.where(self.outside, 0.0, inside)
-
-
-def _resolve(field: StressField, load: RealArray, poisson: float, window: _Window) -> EdgeStress | None:
+def _resolve(field: StressField, load: RealArray, poisson: float, window: Window) -> EdgeStress | None:
     """Return the stress at the edge near the middle of a window, None where its pressure has no fit."""
     coarse = _keep_patch(window.cut(load))
     fine = _refine(coarse)

@@ -44,6 +44,8 @@ _CELL_WEIGHT = 0.49
 _SURFACE_ERROR = 0.03
 # Distance of the depths on both sides of an interface, over its depth: that of rounding.
 _SIDE = 1e-9
+# Warnings of cells that are too large.
+_CELL_RULES = ("resolution", "depths")
 # Default depths: the first, in cells; the ratio of each to the one before; the last, in radii of the largest patch, and
 # its bounds, in cells and in sides of the domain.
 _FIRST_DEPTH_CELLS = 0.5
@@ -230,6 +232,19 @@ def judge_depth(found: StressMaximum, solution: ContactSolution) -> StressMaximu
         lacking = _CELL_WEIGHT * (peak.value / highest - 1.0)
         relative = math.hypot(relative, _PEAK_WEIGHT * peak.uncertainty / peak.value, lacking)
     return warn_of_depth(attrs.evolve(found, uncertainty=relative * found.value), solution)
+
+
+def is_near_surface(found: StressMaximum, solution: ContactSolution) -> bool:
+    """Return whether a maximum depends on the shape of the cells, in a contact of heights without a history or laws."""
+    near = found.depth < MIN_DEPTH_CELLS * max(solution.grid.resolved.spacing)
+    fresh = not (solution._laws or solution._is_changed or solution.capped) and solution.parts.is_whole
+    return near and fresh and found.uncertainty < found.value
+
+
+def drop_warnings_of_cells(found: StressMaximum) -> StressMaximum:
+    """Return a maximum in which the cells have no part, without their warnings."""
+    kept = tuple(text for text in found.warnings if getattr(text, "rule", "") not in _CELL_RULES)
+    return attrs.evolve(found, warnings=kept)
 
 
 def warn_of_depth(found: StressMaximum, solution: ContactSolution) -> StressMaximum:

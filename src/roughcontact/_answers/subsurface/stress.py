@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from functools import cached_property
-from typing import Any, TypeAlias
+from typing import Any
 
 import attrs
 import numpy as np
@@ -42,9 +42,11 @@ from roughcontact._answers.subsurface.maximum import (
     find_maxima_of_layers,
     find_shear,
     find_von_mises,
+    is_near_surface,
     judge_depth,
     with_interfaces,
 )
+from roughcontact._answers.subsurface.near import Measure, find_near_maxima, replace_by_finer
 from roughcontact._answers.subsurface.summit import judge_by_summit
 from roughcontact._base import checks
 from roughcontact._base.arrays import Array, RealArray, Waves, frozen_array, read_only
@@ -59,7 +61,6 @@ from roughcontact._solve.solution import ContactSolution, Response, judge, respo
 from roughcontact.errors import InputError, argument
 from roughcontact.errors.warning import Answer
 
-Measure: TypeAlias = Callable[[RealArray], RealArray]
 # Largest depth, in sides of the domain, for which the stress is computed.
 _MAX_DEPTH_SIDES = 100.0
 _SHARP_EDGE_WARNING = WarningText(
@@ -252,6 +253,8 @@ class Stress(ShownAsPrinted, Answer):
             found = self._compare_with_edge(found, measure)
         found = self._judge_place(found)
         if self.traction is None and self.residual is None and isinstance(self._kernel, HalfSpaceStress):
+            if is_near_surface(found, self.solution) and measure in self._near:
+                found = replace_by_finer(found, self._near[measure], self.solution)
             found = judge_by_summit(found, self.solution, self.poisson, measure)
         return attrs.evolve(found, warnings=(*self.warnings, *found.warnings))
 
@@ -275,6 +278,10 @@ class Stress(ShownAsPrinted, Answer):
             return StressMaximum(value, uncertainty, self._edge.x, self._edge.y, 0.0)
         above = max(value + uncertainty - found.value, 0.0)
         return attrs.evolve(found, uncertainty=math.hypot(found.uncertainty, above))
+
+    @cached_property
+    def _near(self) -> dict[Measure, StressMaximum]:
+        return find_near_maxima(self.solution, self.poisson, lambda depth: self._field(depth, (1, 1)))
 
     @cached_property
     def _edge(self) -> EdgeStress:

@@ -10,7 +10,13 @@ import attrs
 import numpy as np
 
 from roughcontact._answers.areas.hertz import hertz_areas
-from roughcontact._answers.subsurface.maximum import MIN_DEPTH_CELLS, MIN_RELATIVE_ERROR, StressMaximum, warn_of_depth
+from roughcontact._answers.subsurface.maximum import (
+    MIN_RELATIVE_ERROR,
+    StressMaximum,
+    drop_warnings_of_cells,
+    is_near_surface,
+    warn_of_depth,
+)
 from roughcontact._base.arrays import Array, RealArray, read_only
 from roughcontact._parts.kernels import HalfSpaceStress
 from roughcontact._solve.solution import ContactSolution
@@ -19,8 +25,6 @@ from roughcontact._solve.solution import ContactSolution
 # 0.38 to 0.79 of it for all ellipses and Poisson's ratios.
 _CELLS = 48
 _DEPTHS = np.geomspace(0.25, 1.0, 40)
-# Warnings of the cells, which have no part in it.
-_RULES = ("resolution", "depths")
 
 
 def judge_by_summit(
@@ -41,9 +45,7 @@ def judge_by_summit(
     measure
         Returns the measure of stress components, shape (6, ...).
     """
-    near = found.depth < MIN_DEPTH_CELLS * max(solution.grid.resolved.spacing)
-    fresh = not (solution._laws or solution._is_changed or solution.capped) and solution.parts.is_whole
-    if not near or not fresh or found.uncertainty >= found.value:
+    if not is_near_surface(found, solution):
         return found
     patches = solution.patches
     label = _find_label(found, solution)
@@ -62,9 +64,9 @@ def judge_by_summit(
     std = value * math.hypot(peak.uncertainty / peak.value, uneven, MIN_RELATIVE_ERROR)
     if std >= found.uncertainty:
         return found
-    kept = tuple(text for text in found.warnings if getattr(text, "rule", "") not in _RULES)
     depth = float(summits.summits.semi_axis[label - 1]) / ratio * float(_DEPTHS[place])
-    return warn_of_depth(attrs.evolve(found, value=value, uncertainty=std, depth=depth, warnings=kept), solution)
+    under = attrs.evolve(drop_warnings_of_cells(found), value=value, uncertainty=std, depth=depth)
+    return warn_of_depth(under, solution)
 
 
 def _find_label(found: StressMaximum, solution: ContactSolution) -> int:
