@@ -10,6 +10,7 @@ import numpy as np
 from roughcontact._answers.areas import calibration
 from roughcontact._answers.areas.calibration import TIP_RISE_DEFICIT, TIP_RISE_ERROR
 from roughcontact._answers.areas.cells import NEIGHBOUR_STEPS, find_cut_cells, find_straight_rows
+from roughcontact._answers.areas.creases import CREASE_REACH, find_creased_tops
 from roughcontact._answers.areas.edges import MAX_RIDGE_LAY, is_diagonal
 from roughcontact._answers.areas.initial_gap import (
     CONTINUED_CELLS,
@@ -96,7 +97,9 @@ def find_rise(
     if any(n < 2 * TIP_REACH + 1 for n, free in zip(gap.shape, boundary.free_axes, strict=True) if free):
         return 0.0, float(np.ptp(gap))
     measured = gap if non_measured is None else np.where(non_measured, np.inf, gap)
-    near, summits = _gather_highest(gap, measured, boundary)
+    wide, summits = _gather_highest(gap, measured, boundary)
+    beside = slice(CREASE_REACH - _POLYNOMIAL_REACH, CREASE_REACH + _POLYNOMIAL_REACH + 1)
+    near = wide[:, beside, beside]
     highest = float(measured.min())
     # Beside a smooth summit there may be lands, whose heights are linear as well.
     if linear and _is_linear(near[int(np.argmin(near[:, _POLYNOMIAL_REACH, _POLYNOMIAL_REACH]))]):
@@ -111,16 +114,20 @@ def find_rise(
     rough, fine = (_interpolate(near, reach) for reach in (_POLYNOMIAL_REACH - 1, _POLYNOMIAL_REACH))
     here = near[:, _POLYNOMIAL_REACH, _POLYNOMIAL_REACH]
     bounds = _bound_rise(near)
-    beyond = here - fine > bounds
-    fine = np.where(beyond, here - 0.5 * bounds, fine)
+    tops, creased = find_creased_tops(wide[summits])
+    beyond = ~creased & (here - fine > bounds)
+    fine = np.where(beyond, here - 0.5 * bounds, np.where(creased, np.minimum(tops, here), fine))
     best = int(np.argmin(fine))
+    beside = slice(_POLYNOMIAL_REACH - TIP_REACH, _POLYNOMIAL_REACH + TIP_REACH + 1)
+    tip, pointed = fit_hyperboloid(near[best][beside, beside])
+    if creased[best] and tip is None:
+        rise = max(highest - float(fine[best]), 0.0)
+        return rise, calibration.CREASED_RISE_STD * rise
     if beyond.any():
         # Polynomials swing beside creases and the edges of lands: possibly nothing rises at all.
         rise = max(highest - float(fine[best]), 0.0)
         std = 0.5 * float(bounds[best]) if beyond[best] else abs(float(fine[best] - rough[best]))
         return rise, max(std, 0.5 * rise)
-    beside = slice(_POLYNOMIAL_REACH - TIP_REACH, _POLYNOMIAL_REACH + TIP_REACH + 1)
-    tip, pointed = fit_hyperboloid(near[best][beside, beside])
     if tip is not None:
         rise = max(highest - tip, 0.0)
         return rise, TIP_RISE_ERROR * rise
@@ -133,7 +140,7 @@ def find_rise(
 def _gather_highest(gap: Array, measured: Array, boundary: Boundary) -> tuple[Array, Mask]:
     """Return the gap around the highest cells, shape (count, cells, cells), and which are summits."""
     wide = gap
-    more_rows = ((_POLYNOMIAL_REACH, _POLYNOMIAL_REACH), (0, 0))
+    more_rows = ((CREASE_REACH, CREASE_REACH), (0, 0))
     for free in boundary.free_axes:
         # Each axis in turn is the first one.
         wide = (_continue(wide) if free else pad_axes(wide, more_rows, (False, False))).T
@@ -141,10 +148,10 @@ def _gather_highest(gap: Array, measured: Array, boundary: Boundary) -> tuple[Ar
     highest = np.argpartition(measured, count - 1, axis=None)[:count]
     highest = highest[np.isfinite(measured.ravel()[highest])]
     i, j = np.divmod(highest, gap.shape[1])
-    step = np.arange(2 * _POLYNOMIAL_REACH + 1)
+    step = np.arange(2 * CREASE_REACH + 1)
     near = wide[(i[:, np.newaxis] + step)[:, :, np.newaxis], (j[:, np.newaxis] + step)[:, np.newaxis]]
-    beside = slice(_POLYNOMIAL_REACH - 1, _POLYNOMIAL_REACH + 2)
-    here = near[:, _POLYNOMIAL_REACH, _POLYNOMIAL_REACH]
+    beside = slice(CREASE_REACH - 1, CREASE_REACH + 2)
+    here = near[:, CREASE_REACH, CREASE_REACH]
     summits = near[:, beside, beside].min(axis=(1, 2)) >= here
     # Beside non-measured points possibly no cell is higher than its neighbours.
     summits[np.argmin(here)] = True
@@ -152,7 +159,7 @@ def _gather_highest(gap: Array, measured: Array, boundary: Boundary) -> tuple[Ar
 
 
 def _continue(gap: Array) -> Array:
-    further = CONTINUED_CELLS - _POLYNOMIAL_REACH
+    further = CONTINUED_CELLS - CREASE_REACH
     return continue_beyond(gap)[further:-further]
 
 

@@ -32,9 +32,9 @@ EDGE_AREA_STD = 0.05
 # and on rough contacts.
 CUT_BORDER_STD = 0.15
 
-# Standard deviation of the place of a straight edge along the grid, cells: constant, and terms over the width of the
-# contact and of the gap beyond, in cells. Measured on cylinders of 6 to 30 cells half width, and on waves.
-STRAIGHT_POSITION_STD = (0.002, 0.1, 0.3)
+# Standard deviation of the place of a straight edge along the grid, cells, over the width of the contact and of the gap
+# beyond, in cells. Measured on cylinders of 6 to 30 cells half width, and on waves.
+STRAIGHT_POSITION_STD = (0.1, 0.3)
 # Places of such edges between the centres of the last cell in contact and the next, in cells: the true ones, and those
 # of the traced polygons, shape (2, places). Measured on cylinders of 1600 cells half width, the same on waves; beyond
 # the last the next cell is in contact.
@@ -102,16 +102,12 @@ MIN_HERTZ_ERROR = 1e-6
 # Relative standard deviation of the area of a patch of n cells by its load, times n^(3/2), where the load does not
 # follow from the approach. Measured on rough contacts: 0.24, 0.19, 0.25, 0.3 with 1, 2, 3 to 4, 5 to 8 cells.
 LOAD_ERROR = 0.25
-# Standard deviation of an area whose load was corrected, over the correction. Set on waves of 12.5 cells.
-SHARED_LOAD_ERROR = 0.02
 # Relative standard deviation of Hertz's area for heights that the grid hardly resolves, times the ratio to the fourth
-# power, and the number of cells of a patch that halves it. Set on cones of one to four cells.
-HERTZ_RESOLUTION_ERROR = (0.011, 10.0)
+# power. Set on cones of one to four cells.
+HERTZ_RESOLUTION_ERROR = 0.011
 # Terms a, b of the relative standard deviation min(a s^4, b) of Hertz's area for a tip between the cell centres, where
-# s is its sharpness (`find_sharpness`), and the number of cells up to which a patch has it. Set on cones, whose areas
-# err by up to 0.3 in patches of 1 to 6 cells.
+# s is its sharpness (`find_sharpness`). Set on cones, whose areas err by up to 0.3 in patches of 1 to 6 cells.
 TIP_ERROR = (25.0, 0.3)
-MAX_TIP_CELLS = 6
 # Excess of the counted area where the edge meets non-measured points that touch, cells for each such place, and its
 # standard deviation, independent of each. Set on rough contacts with 2 to 10 % non-measured points: 0.31 for single
 # ones, 0.46 for groups.
@@ -195,9 +191,8 @@ LOST_LENGTH = 0.05
 LENGTH_ERROR = 0.003
 UNEVEN_LENGTH_ERROR = 0.025
 # Relative length of narrow patches that is lost at their ends, on ridges of one direction along a diagonal of the
-# grid, half of which is uncertain, and its standard deviation in any direction, no unit. Set on rough contacts with a
-# lay.
-LOST_END_LENGTH = (0.75, 0.1)
+# grid, half of which is uncertain, no unit. Set on rough contacts with a lay.
+LOST_END_LENGTH = 0.75
 # Width of patches, in cells of a disc, that halves it, by its square. Set on the same contacts.
 NARROW_PATCH_WIDTH = 4.0
 # Relative standard deviation of the length of an edge along the diagonals of the grid, no unit.
@@ -209,8 +204,6 @@ UNEVEN_SPREAD = 0.3
 # Number of patches, no unit: variance for each of fewer than nine cells; standard deviation for each of fewer than four
 # cells and for each of all, times the resolution ratio.
 MISSING_PATCH_TERMS = (0.15, 0.2, 0.1)
-# Standard deviation of the number of patches for each of them on maps that are linear between points. Set on such maps.
-LINEAR_PATCH_STD = 0.06
 # Excess of the mean gap over h^2 times the mean curvature under the contact, over the shift of the edge, 1/cells.
 GAP_EXCESS = 1.7
 # Cells of a patch that has half of that excess.
@@ -258,6 +251,9 @@ CUT_NON_MEASURED_EXCESS = (0.06, 0.03)
 UNTRACED_CUT_LENGTH = (0.9, 0.6)
 # Relative standard deviation of the height of a tip, no unit.
 TIP_RISE_ERROR = 0.03
+# Relative standard deviation of the height of the top of creased summits, no unit. Set on shot-peened and turned
+# surfaces.
+CREASED_RISE_STD = 0.2
 # Deficit of the height of a tip between a cone and a paraboloid by polynomials, over how pointed it is: the fraction of
 # the second differences that is added to the height, set on tips r^1.25 to r^1.75, and the relative standard deviation
 # of the deficit: bumps like a Gaussian may look pointed and have none.

@@ -221,7 +221,7 @@ def _trace_edges(solution: ContactSolution) -> TracedEdges:
 
 def _find_straight_std(solution: ContactSolution, area: Array, edge: Contour) -> Array:
     """Return the standard deviation of the position of straight edges along the grid, m, shape (count + 1,)."""
-    constant, closed, open_ = calibration.STRAIGHT_POSITION_STD
+    closed, open_ = calibration.STRAIGHT_POSITION_STD
     half = 0.5 * edge.length * edge.straight
     # The mean widths of the patch and of the gaps beside it, in cells.
     width = np.maximum(np.divide(area, half, out=np.ones_like(area), where=half > 0.0), 1.0)
@@ -229,7 +229,7 @@ def _find_straight_std(solution: ContactSolution, area: Array, edge: Contour) ->
     if not solution.boundary.has_free_axis and half.any():
         beyond = open_ / max((solution.grid.area - float(np.sum(area))) / float(np.sum(half)), 1.0)
     layered = calibration.LAYERED_POSITION_STD * find_modulus_change(solution)
-    return np.asarray(edge.straight * (np.hypot(constant, np.hypot(closed / width, beyond)) + layered))
+    return np.asarray(edge.straight * (np.hypot(closed / width, beyond) + layered))
 
 
 def _slender_std(lay: float) -> float:

@@ -285,13 +285,10 @@ def _find_areas(solution: ContactSolution) -> HertzAreas:
     oblong = (max(solution.grid.resolved.spacing) / min(solution.grid.resolved.spacing)) ** 0.25
     slight = constant * oblong * summits.spread / (summits.spread + calibration.EVEN_SPREAD)
     error = calibration.MIN_HERTZ_ERROR + slight + square * summits.spread**2 + fourth * summits.spread**4
-    error = (
-        error + calibration.HERTZ_LAYERED_ERROR * summits.change + calibration.SHARED_LOAD_ERROR * np.abs(1.0 - shared)
-    )
+    error = error + calibration.HERTZ_LAYERED_ERROR * summits.change
     # On rough surfaces the spread of the curvature has grown with the other patches when its error was set.
     error = np.maximum(error, summits.crowding)
-    unresolved, large = calibration.HERTZ_RESOLUTION_ERROR
-    error = error + correction.error + unresolved * curvature_resolution(solution) ** 4 / (1.0 + patches.cells / large)
+    error = error + correction.error + calibration.HERTZ_RESOLUTION_ERROR * curvature_resolution(solution) ** 4
     error = error + np.where(growth > 1.0, calibration.PLASTIC_ERROR, 0.0)
     known = summits.known & np.isfinite(area) & (area > 0.0) & np.isfinite(error)
     hidden = float(correction.hidden.sum())
@@ -307,12 +304,10 @@ def _find_areas(solution: ContactSolution) -> HertzAreas:
 def _find_tip_error(solution: ContactSolution) -> Array:
     """Return the relative standard deviation for tips between the cell centres, shape (count,)."""
     patches = solution.patches
-    chosen = (patches.cells <= calibration.MAX_TIP_CELLS)[patches.member_labels - 1]
-    members = patches.members[chosen]
-    label = patches.member_labels[chosen] - 1
-    order = np.lexsort((solution.initial_gap.ravel()[members], label))
+    label = patches.member_labels - 1
+    order = np.lexsort((solution.initial_gap.ravel()[patches.members], label))
     lowest = order[np.flatnonzero(np.diff(label[order], prepend=-1))]
-    sharpness = find_sharpness(solution, members[lowest])
+    sharpness = find_sharpness(solution, patches.members[lowest])
     first, most = calibration.TIP_ERROR
     error = np.zeros(patches.count)
     error[label[lowest]] = np.where(np.isfinite(sharpness), np.minimum(first * sharpness**4, most), most)

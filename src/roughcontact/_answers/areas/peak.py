@@ -37,6 +37,8 @@ _MAX_QUARTIC_CHANGE = 0.2
 # Bend of the gap three cells from a tip over that beside it, at least, and the latter over that at it, at most.
 _MIN_TIP_BEND = 0.08
 _MAX_TIP_BEND = 0.84
+# Rise of the gap two cells to the one side of a tip over that to the other, at least: at the rim of a land it is zero.
+_MIN_TIP_RISE = 0.1
 # Cells on each side of the highest, within which a ridge ends, and the largest change of its load over its length to
 # the next cell, and curvature along it over that across it.
 _RIDGE_REACH = 3
@@ -174,7 +176,7 @@ def _find_sharpness(solution: ContactSolution, highest: IntArray) -> Array:
 def _find_tip_error(solution: ContactSolution, highest: IntArray, cells: int, sharpness: float) -> float:
     """Return the relative error of the pressure at a tip, which rises between the cells, also if only its gap shows."""
     near = _gather(solution, solution.initial_gap, highest, 2 * TIP_REACH)[..., 0]
-    if _is_bell(near):
+    if _is_bell(near) or _is_rim(near):
         return 0.0
     first, certain, most = calibration.TIP_PEAK_ERROR
     sharp = most * min(max((sharpness - first) / (certain - first), 0.0), 1.0)
@@ -191,10 +193,21 @@ def _is_bell(near: Array) -> bool:
     At tips it bends less and less: r^1.75 three cells away at least 0.7 times, r^1.1 0.1 times as much as beside the
     summit, a bell of a standard deviation of four cells 0.1 times, and a narrower one the other way.
     """
-    lines = near[:, near.shape[1] // 2], near[near.shape[0] // 2], np.diagonal(near), np.diagonal(near[::-1])
-    bends = np.sum([np.diff(line, 2) for line in lines], axis=0)
+    bends = np.sum([np.diff(line, 2) for line in _list_lines(near)], axis=0)
     beside = bends[2] + bends[4]
     return bool(bends[0] + bends[6] < _MIN_TIP_BEND * beside or beside > 2.0 * _MAX_TIP_BEND * bends[3])
+
+
+def _is_rim(near: Array) -> bool:
+    """Return whether the gap around the highest pressure rises on one side alone, as at the rim of a land."""
+    middle = len(near) // 2
+    rises = [line[[middle - TIP_REACH, middle + TIP_REACH]] - line[middle] for line in _list_lines(near)]
+    return any(float(rise.min()) < _MIN_TIP_RISE * float(rise.max()) for rise in rises)
+
+
+def _list_lines(near: Array) -> tuple[Array, ...]:
+    """Return the four lines through the middle of a square window: along both axes and both diagonals."""
+    return near[:, len(near) // 2], near[len(near) // 2], np.diagonal(near), np.diagonal(near[::-1])
 
 
 def _find_residual_std(solution: ContactSolution) -> float:
@@ -268,41 +281,62 @@ def _find_ridges(solution: ContactSolution, highest: IntArray) -> tuple[Array, A
         return none
     gap = _gather(solution, solution.initial_gap, highest, TIP_REACH)
     near = _gather(solution, solution.pressure, highest, _RIDGE_REACH)
-    dx, dy = solution.grid.spacing
+    along, crosses, width = _find_course(gap, *solution.grid.spacing)
+    loads, ends = _sum_across(np.where(crosses, near, np.swapaxes(near, 0, 1)))
+    bend, bent = _bend_at_crest(np.where(crosses, gap[:, 2], gap[2]))
+    modulus = float(solution.effective_modulus(1.0 / math.sqrt(solution.grid.resolved.cell_area)))
+    # Of an oblique ridge the highest cell lies nearer its crest, not where its load is largest.
+    most = loads.max(axis=0)
+    pressure = np.sqrt(modulus * most * bend / (np.pi * width))
+    smallest, unresolved = calibration.RIDGE_PEAK_ERROR
+    uneven = 0.25 * np.ptp(loads, axis=0) / most
+    error = np.sqrt(smallest**2 + uneven**2 + bent**2 + (unresolved * curvature_resolution(solution) ** 2) ** 2)
+    here = loads[_RIDGE_REACH]
+    beside = loads[_RIDGE_REACH - 1 : _RIDGE_REACH + 2]
+    long = (along < _MAX_RIDGE_BEND) & (np.abs(beside - here).max(axis=0) < _MAX_RIDGE_BEND * here)
+    known = long & ends & (bend > 0.0) & ~_find_cut(solution, highest, _RIDGE_REACH)
+    return np.where(known, pressure, 0.0), np.where(known & np.isfinite(pressure), error, np.inf)
+
+
+def _find_course(gap: Array, dx: float, dy: float) -> tuple[Array, Mask, Array]:
+    """Return the course of ridges through the middle of the gap, shape (5, 5, n).
+
+    It is the curvature along a ridge over that across it, whether lines along x cross it in fewer cells than those
+    along y, and the width across it, m, of a cell of these lines.
+    """
     bend_x = (gap[1, 2] - 2.0 * gap[2, 2] + gap[3, 2]) / dx**2
     bend_y = (gap[2, 1] - 2.0 * gap[2, 2] + gap[2, 3]) / dy**2
     twist = (gap[3, 3] + gap[1, 1] - gap[1, 3] - gap[3, 1]) / (4.0 * dx * dy)
     half = np.hypot(0.5 * (bend_x - bend_y), twist)
     larger = 0.5 * (bend_x + bend_y) + half
-    along = np.abs(larger - 2.0 * half) / larger
-    # The square of the cosine of the angle of its normal to x, and the axis that crosses it in the fewer cells.
+    # The square of the cosine of the angle of its normal to x.
     along_x = 0.5 + 0.25 * (bend_x - bend_y) / half
     crosses = along_x * dy**2 >= (1.0 - along_x) * dx**2
     cosine = np.sqrt(np.where(crosses, along_x, 1.0 - along_x))
-    step = np.where(crosses, dx, dy)
-    lines = np.where(crosses, near, np.swapaxes(near, 0, 1))
-    across = np.where(crosses, gap[:, 2], gap[2])
+    return np.abs(larger - 2.0 * half) / larger, crosses, np.where(crosses, dx, dy) * cosine
+
+
+def _sum_across(lines: Array) -> tuple[Array, Mask]:
+    """Return the pressure summed up to the ends of the contact on each line, and whether that in the middle ends.
+
+    `lines` have the shape (2 _RIDGE_REACH + 1, lines, n), across ridges in the first axis.
+    """
     ways = lines[_RIDGE_REACH:], lines[_RIDGE_REACH::-1]
     inside = [np.logical_and.accumulate(way > 0.0, axis=0) for way in ways]
-    ends = ~(inside[0][-1] | inside[1][-1])[_RIDGE_REACH]
-    loads = sum(np.sum(way, where=part, axis=0) for way, part in zip(ways, inside, strict=True))
-    loads = loads - lines[_RIDGE_REACH]
-    here = loads[_RIDGE_REACH]
+    sums = sum(np.sum(way, where=part, axis=0) for way, part in zip(ways, inside, strict=True))
+    return sums - lines[_RIDGE_REACH], ~(inside[0][-1] | inside[1][-1])[_RIDGE_REACH]
+
+
+def _bend_at_crest(across: Array) -> tuple[Array, Array]:
+    """Return the second difference at the crest of a polynomial through five cells, shape (5, n), zero without a crest.
+
+    The other array is its relative error: a quarter of the change to the middle cell.
+    """
     _, slope, square, cubic, quartic = _POLYNOMIAL @ across
     crest = np.clip(-0.5 * slope / square, -_MAX_OFFSET_CELLS, _MAX_OFFSET_CELLS)
-    at_crest = 2.0 * square + crest * (6.0 * cubic + 12.0 * crest * quartic)
-    modulus = float(solution.effective_modulus(1.0 / math.sqrt(solution.grid.resolved.cell_area)))
-    # Of an oblique ridge the highest cell lies nearer its crest, not where its load is largest.
-    most = loads.max(axis=0)
-    pressure = np.sqrt(modulus * most * at_crest / (np.pi * step * cosine))
-    smallest, unresolved = calibration.RIDGE_PEAK_ERROR
-    uneven = 0.25 * np.ptp(loads, axis=0) / most
-    bent = 0.25 * (np.diff(across, 2, axis=0)[1] / at_crest - 1.0)
-    error = np.sqrt(smallest**2 + uneven**2 + bent**2 + (unresolved * curvature_resolution(solution) ** 2) ** 2)
-    beside = loads[_RIDGE_REACH - 1 : _RIDGE_REACH + 2]
-    long = (along < _MAX_RIDGE_BEND) & (np.abs(beside - here).max(axis=0) < _MAX_RIDGE_BEND * here)
-    known = long & ends & (square > 0.0) & (at_crest > 0.0) & ~_find_cut(solution, highest, _RIDGE_REACH)
-    return np.where(known, pressure, 0.0), np.where(known & np.isfinite(pressure), error, np.inf)
+    bend = 2.0 * square + crest * (6.0 * cubic + 12.0 * crest * quartic)
+    error = 0.25 * (np.diff(across, 2, axis=0)[1] / bend - 1.0)
+    return np.where(square > 0.0, bend, 0.0), error
 
 
 def _is_bounded(solution: ContactSolution, highest: IntArray) -> bool:

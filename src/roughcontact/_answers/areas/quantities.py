@@ -145,10 +145,8 @@ class EdgeLength(Quantity):
         # The ends of their patches are narrower than a cell, and are lost where they run across the grid.
         ended = one_way * np.where(spanning, 0.0, lobed)
         narrow = float(np.sum(ended / (1.0 + (edges.width[1:] / calibration.NARROW_PATCH_WIDTH) ** 2)))
-        across_grid, anyhow = calibration.LOST_END_LENGTH
-        ends = across_grid * measure_obliqueness(solution) ** 2 * narrow
+        ends = calibration.LOST_END_LENGTH * measure_obliqueness(solution) ** 2 * narrow
         length += ends
-        narrow = 0.5 * ends + anyhow * narrow
         relative = math.hypot(calibration.LENGTH_ERROR, 0.5 * area.uncertainty / area.value)
         diagonal = 0.0
         if length > 0.0 and is_diagonal(solution, lay):
@@ -168,7 +166,7 @@ class EdgeLength(Quantity):
             relative * (length - exact - sharp),
             _STRAIGHT_LENGTH_ERROR * exact,
             uneven,
-            narrow,
+            0.5 * ends,
             diagonal,
             untraced,
             sharp_std,
@@ -205,8 +203,7 @@ class PatchCount(Quantity):
         hidden = hertz_areas(solution).correction.hidden.size
         each, unresolved, of_all = calibration.MISSING_PATCH_TERMS
         variance = each * (few + ratio * many) + 0.5 * trace_edges(solution).topology / solution.grid.cell_area
-        linear = calibration.LINEAR_PATCH_STD * patches.count * bend.linear
-        std = math.hypot(math.sqrt(variance), unresolved * ratio * small, of_all * ratio * many, linear)
+        std = math.hypot(math.sqrt(variance), unresolved * ratio * small, of_all * ratio * many)
         return Estimate(float(patches.count + hidden), std, "", pass_on_warnings(area))
 
 
@@ -222,8 +219,8 @@ class SummitApproach(Quantity):
     # The gap of bodies that relax bends where their contact once ended.
     holds_with = frozenset({"shear"})
 
-    # Half of the change holds 98 % of machined contacts.
-    flagged_factors = 0.5, 1.0
+    # That part of the change holds 98 % of machined contacts.
+    flagged_factors = 0.375, 1.0
 
     def find(self, solution: ContactSolution, area: Area) -> Estimate:
         """Return the approach; see `Quantity.find`."""
