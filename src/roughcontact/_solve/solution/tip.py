@@ -17,7 +17,7 @@ from roughcontact._solve.solution.results import Area
 
 E = TypeVar("E", bound=Estimate)
 
-# All constants were set on the surfaces of known heights of docs/studies/stylus_tip.py.
+# All constants were set on surfaces of known heights, of other draws than those of docs/studies/stylus_tip.py.
 # Certain fraction of a contact below which a stylus is too blunt; relative standard deviation of the area over the
 # uncertain fraction, and of an area below a tip that is certain, by the cells of the map: restored maps give areas 1, 5
 # and 10 % too large where 0.98, 0.85 and 0.7 of the contact are certain.
@@ -87,7 +87,7 @@ class Untouched:
     def text(self) -> str:
         """What the tip has touched."""
         contact, points = (percent(1.0 - part) for part in (self.contact, self.points))
-        return f"the tip of the stylus has surely touched only {contact} of the contact and {points} of the points"
+        return f"the tip of the stylus has surely touched {contact} of the contact and {points} of the points"
 
 
 def find_untouched(solution: Any) -> Untouched | None:
