@@ -73,7 +73,7 @@ def plan_film(problem: ContactProblem, separation: Iterable[float], *, sampling:
     >>> body = rc.Body(rc.WavySurface(1e-6, 50e-6), rc.Elastic(210e9, 0.3))
     >>> problem = rc.ContactProblem(body, grid=rc.Grid((32, 32), 50e-6), boundary="periodic")
     >>> print(plan_film(problem, [1.5, 3.0]))
-    2 separations, 1.5 to 3 Sq: about 70 ms, 1.31 MiB
+    2 separations, 1.5 to 3 Sq: about 70 ms, 1.307 MiB
     """
     require_pair(problem)
     wanted = read_separations(separation)
