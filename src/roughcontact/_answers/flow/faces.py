@@ -136,9 +136,7 @@ def _find_creases(heights: Array, axis: int) -> float:
     return min(min(max((found - low) / (high - low), 0.0), 1.0) for found, (low, high) in pairs)
 
 
-def make_faces(
-    film: Array, number: RealArray, *, steps: Pair, wraps: tuple[bool, bool], creased: float = 0.0
-) -> Faces:
+def make_faces(film: Array, number: RealArray, *, steps: Pair, wraps: tuple[bool, bool], creased: float = 0.0) -> Faces:
     """Return the faces between the cells of a network.
 
     Parameters
@@ -155,9 +153,7 @@ def make_faces(
         How far the heights have creases along both axes, from 0 to 1 (`find_creases`).
     """
     slopes = tuple(_slope(film, axis, steps[axis], wrapped=wraps[axis]) for axis in (0, 1))
-    parts = [
-        _pair(film, number, slopes[1 - axis], axis, steps[axis], creased, wrapped=wraps[axis]) for axis in (0, 1)
-    ]
+    parts = [_pair(film, number, slopes[1 - axis], axis, steps[axis], creased, wrapped=wraps[axis]) for axis in (0, 1)]
     joined = (np.concatenate(columns) for columns in zip(*parts, strict=True))
     first, second, first_film, second_film, cosine, aligned, middle = joined
     return Faces(first, second, parts[0][0].size, creased, first_film, second_film, cosine, aligned, middle)
