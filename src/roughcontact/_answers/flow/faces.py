@@ -12,11 +12,11 @@ from roughcontact._base.arrays import Array, Mask, Pair, RealArray
 # cos^2 t (-24 - 12 w + 54 cos^2 t - 18 cos^4 t), in units of (amplitude / film)^2 (wave number x step)^2 / 12 / 2: not
 # at all across the wave (w = 1 at t = 0), and by zero in the mean of all directions (w = 7/16).
 _WEIGHTS = (-1.25, 2.25, 0.0)
-# Along oblique grooves with creases, of 3 to 8 cells, the flow is then up to a quarter too small. In gaps with these the
-# film in the middle of a face is that of the four cells in line with it (9/16 and -1/16 of each), and these are the
-# weights of the harmonic mean and of the trapezoidal rule of dragged films: of a light wave in any direction both err
-# little. The first one is larger than -5/4 + 9/4 u - 3/2 u^2 by (u - u^2) / 2, by which the error of rough gaps in
-# contact is smallest (draw 91 of benchmarks/edged_classes.py).
+# Along oblique grooves with creases, of 3 to 8 cells, the flow is then up to a quarter too small. In gaps with such
+# grooves the film in the middle of a face is that of the four cells in line with it (9/16 and -1/16 of each), and these
+# are the weights of the harmonic mean and of the trapezoidal rule of dragged films: of a light wave in any direction
+# both err little. The first one is larger than -5/4 + 9/4 u - 3/2 u^2 by (u - u^2) / 2, by which the error of rough
+# gaps in contact is smallest (draw 91 of benchmarks/edged_classes.py).
 _CREASED_WEIGHTS = (-1.25, 2.75, -2.0)
 _CREASED_DRAG_WEIGHTS = (-1.0, 1.5, -1.0)
 # Where the film varies across the face alone, the harmonic mean and the trapezoidal rule are exact, and the middle is
