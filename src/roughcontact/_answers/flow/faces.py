@@ -25,7 +25,7 @@ _ALIGNED_SQUARINGS = 9
 # Smallest film in the middle over the mean of both cells: beside throats four cells may give none.
 _MIN_MIDDLE = 0.5
 # Heights count as grooves with creases as far as three measures of the second differences of the gap along both axes
-# say so, between these values. The mean square of their own second differences over theirs is 6 at a crease, 3 to 6 on
+# say so, between these values (draws 503, 907 and 908). The mean square of their own second differences over theirs is 6 at a crease, 3 to 6 on
 # grooves with creases, 10 at steps, and up to 1.6 on waves of four cells or more in all directions.
 _ROUGHNESS = (1.8, 2.6, 7.0, 8.5)
 _BY_ROUGHNESS = (0.0, 1.0, 1.0, 0.0)
@@ -48,7 +48,7 @@ class Faces:
     along
         Number of the faces that are crossed along axis 0.
     creased
-        How far the heights have creases along both axes, from 0 to 1.
+        How far the heights have grooves with creases along both axes, from 0 to 1.
     first_film, second_film
         Films of the first and of the second cell.
     cosine
@@ -161,7 +161,7 @@ def make_faces(film: Array, number: RealArray, *, steps: Pair, wraps: tuple[bool
     wraps
         Whether the gap repeats beyond its borders, along each axis.
     creased
-        How far the heights have creases along both axes, from 0 to 1 (`find_creases`).
+        How far the heights have grooves with creases, from 0 to 1 (`find_creases`).
     """
     slopes = tuple(_slope(film, axis, steps[axis], wrapped=wraps[axis]) for axis in (0, 1))
     parts = [_pair(film, number, slopes[1 - axis], axis, steps[axis], creased, wrapped=wraps[axis]) for axis in (0, 1)]

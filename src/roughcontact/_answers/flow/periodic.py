@@ -65,7 +65,7 @@ def solve_periodic(gap: Array, open_cells: Mask, *, aspect: float, creased: floa
     aspect
         Length of a cell along y over its length along x.
     creased
-        How far the heights have creases along both axes, from 0 to 1 (`find_creases`).
+        How far the heights have grooves with creases, from 0 to 1 (`find_creases`).
     """
     network = make_periodic_network(gap, open_cells, aspect=aspect, creased=creased)
     if network is None:
