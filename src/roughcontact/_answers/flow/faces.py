@@ -25,8 +25,9 @@ _ALIGNED_SQUARINGS = 9
 # Smallest film in the middle over the mean of both cells: beside throats four cells may give none.
 _MIN_MIDDLE = 0.5
 # Heights count as grooves with creases as far as three measures of the second differences of the gap along both axes
-# say so, between these values (draws 503, 907 and 908). The mean square of their own second differences over theirs is 6 at a crease, 3 to 6 on
-# grooves with creases, 10 at steps, and up to 1.6 on waves of four cells or more in all directions.
+# say so, between these values (draws 503, 907 and 908). The mean square of their own second differences over theirs is
+# 6 at a crease, 3 to 6 on grooves with creases, 10 at steps, and up to 1.6 on waves of four cells or more in all
+# directions.
 _ROUGHNESS = (1.8, 2.6, 7.0, 8.5)
 _BY_ROUGHNESS = (0.0, 1.0, 1.0, 0.0)
 # Their mean square over the square of their mean size is pi / 2 on Gaussian heights, 1.5 to 1.6 on rough ones of any
