@@ -43,11 +43,14 @@ def test_rough_heights_of_any_resolution_have_no_creases(cells, hurst):
     )
     for size in ((1.0, 1.0), (1.0, 0.6)):
         heights = surface.heights(rc.Grid((64, 64), size))
-        assert find_creases(heights) == 0.0
-        # Grooves that meet them have.
+        assert find_creases(-heights) == 0.0
+        # Grooves that meet them have, ridges have none of the kind, nor have steps.
         x, y = np.meshgrid(*(np.arange(64) / 64.0,) * 2, indexing="ij")
         grooves = np.maximum(0.0, 1.0 - np.abs((4.0 * x + 3.0 * y) % 1.0 - 0.5) / 0.15)
-        assert find_creases(heights - 10.0 * np.ptp(heights) * grooves) == 1.0
+        high = 10.0 * np.ptp(heights)
+        assert find_creases(high * grooves - heights) == 1.0
+        assert find_creases(-high * grooves - heights) == 0.0
+        assert find_creases(high * (grooves > 0.5) - heights) == 0.0
 
 
 def make_matrix(leak, conductances):

@@ -12,11 +12,11 @@ from roughcontact._base.arrays import Array, Mask, Pair, RealArray
 # cos^2 t (-24 - 12 w + 54 cos^2 t - 18 cos^4 t), in units of (amplitude / film)^2 (wave number x step)^2 / 12 / 2: not
 # at all across the wave (w = 1 at t = 0), and by zero in the mean of all directions (w = 7/16).
 _WEIGHTS = (-1.25, 2.25, 0.0)
-# Along oblique grooves with creases, of 3 to 8 cells, the flow is then up to a quarter too small. In creased gaps the
-# film in the middle of a face is that of the four cells in line with it (9/16 and -1/16 of each), and these are the
-# weights of the harmonic mean and of the trapezoidal rule of dragged films: of a light wave in any direction both err
-# little. The first one is larger than -5/4 + 9/4 u - 3/2 u^2 by (u - u^2) / 2, by which the error of rough gaps in
-# contact is smallest (draw 91 of benchmarks/edged_classes.py).
+# Along oblique grooves with creases, of 3 to 8 cells, the flow is then up to a quarter too small. In gaps with such
+# grooves the film in the middle of a face is that of the four cells in line with it (9/16 and -1/16 of each), and these
+# are the weights of the harmonic mean and of the trapezoidal rule of dragged films: of a light wave in any direction
+# both err little. The first one is larger than -5/4 + 9/4 u - 3/2 u^2 by (u - u^2) / 2, by which the error of rough
+# gaps in contact is smallest (draw 91 of benchmarks/edged_classes.py).
 _CREASED_WEIGHTS = (-1.25, 2.75, -2.0)
 _CREASED_DRAG_WEIGHTS = (-1.0, 1.5, -1.0)
 # Where the film varies across the face alone, the harmonic mean and the trapezoidal rule are exact, and the middle is
@@ -24,13 +24,18 @@ _CREASED_DRAG_WEIGHTS = (-1.0, 1.5, -1.0)
 _ALIGNED_SQUARINGS = 9
 # Smallest film in the middle over the mean of both cells: beside throats four cells may give none.
 _MIN_MIDDLE = 0.5
-# Heights count as creased in part, and as a whole, from these values of two measures on. Of their second differences
-# along an axis one is the mean square of the second differences of these over theirs: 6 at a crease, 3 to 6 on grooves
-# with creases, up to 1.6 on waves of four cells or more in all directions. The other is their mean square over the
-# square of their mean size: pi / 2 on Gaussian heights, 1.5 to 1.6 on rough ones of any resolution, and mostly above 2
-# where lines of cells are bent much more than others.
-_ROUGHNESS = (1.8, 2.6)
+# Heights count as grooves with creases as far as three measures of the second differences of the gap along both axes
+# say so, between these values (draws 503, 907 and 908). The mean square of their own second differences over theirs is
+# 6 at a crease, 3 to 6 on grooves with creases, 10 at steps, and up to 1.6 on waves of four cells or more in all
+# directions.
+_ROUGHNESS = (1.8, 2.6, 7.0, 8.5)
+_BY_ROUGHNESS = (0.0, 1.0, 1.0, 0.0)
+# Their mean square over the square of their mean size is pi / 2 on Gaussian heights, 1.5 to 1.6 on rough ones of any
+# resolution, and mostly above 2 where lines of cells are bent much more than others.
 _CONCENTRATION = (1.62, 1.75)
+# Their skewness is above -0.5 on grooves, at whose bottom the film has a crease and is widest, and below -1 on ridges
+# with a crease and around flat lands and dimples, where the rule does not help.
+_SKEWNESS = (-1.0, -0.5)
 
 
 @attrs.frozen(eq=False)
@@ -44,7 +49,7 @@ class Faces:
     along
         Number of the faces that are crossed along axis 0.
     creased
-        How far the heights have creases along both axes, from 0 to 1.
+        How far the heights have grooves with creases along both axes, from 0 to 1.
     first_film, second_film
         Films of the first and of the second cell.
     cosine
@@ -114,31 +119,36 @@ class Faces:
         return np.asarray(constant + self.cosine * (slope + bend * self.cosine) + rest * self.aligned)
 
 
-def find_creases(heights: Array) -> float:
-    """Return how far heights, or an initial gap, have creases along both axes, from 0 to 1.
+def find_creases(gap: Array) -> float:
+    """Return how far an initial gap has grooves with creases along both axes, from 0 to 1.
 
-    Differences across the border are omitted: there heights that do not repeat have a crease.
+    Differences across the border are omitted: there a gap that does not repeat has a crease.
     """
-    return min(_find_creases(heights, axis) for axis in (0, 1))
+    return min(_find_creases(gap, axis) for axis in (0, 1))
 
 
-def _find_creases(heights: Array, axis: int) -> float:
-    if heights.shape[axis] <= 4:
+def _find_creases(gap: Array, axis: int) -> float:
+    if gap.shape[axis] <= 4:
         return 0.0
-    second = np.diff(heights, 2, axis=axis)
+    second = np.diff(gap, 2, axis=axis)
     fourth = np.diff(second, 2, axis=axis)
     second = second[_slice(axis, 1, -1)]
     square = float(np.mean(second**2))
     if square == 0.0:
         return 0.0
-    measures = float(np.mean(fourth**2)) / square, square / float(np.mean(np.abs(second))) ** 2
-    pairs = zip(measures, (_ROUGHNESS, _CONCENTRATION), strict=True)
-    return min(min(max((found - low) / (high - low), 0.0), 1.0) for found, (low, high) in pairs)
+    roughness = float(np.mean(fourth**2)) / square
+    concentration = square / float(np.mean(np.abs(second))) ** 2
+    skewness = -float(np.mean(second**3)) / square**1.5
+    return float(
+        min(
+            np.interp(roughness, _ROUGHNESS, _BY_ROUGHNESS),
+            np.interp(concentration, _CONCENTRATION, (0.0, 1.0)),
+            np.interp(skewness, _SKEWNESS, (0.0, 1.0)),
+        )
+    )
 
 
-def make_faces(
-    film: Array, number: RealArray, *, steps: Pair, wraps: tuple[bool, bool], creased: float = 0.0
-) -> Faces:
+def make_faces(film: Array, number: RealArray, *, steps: Pair, wraps: tuple[bool, bool], creased: float = 0.0) -> Faces:
     """Return the faces between the cells of a network.
 
     Parameters
@@ -152,12 +162,10 @@ def make_faces(
     wraps
         Whether the gap repeats beyond its borders, along each axis.
     creased
-        How far the heights have creases along both axes, from 0 to 1 (`find_creases`).
+        How far the heights have grooves with creases, from 0 to 1 (`find_creases`).
     """
     slopes = tuple(_slope(film, axis, steps[axis], wrapped=wraps[axis]) for axis in (0, 1))
-    parts = [
-        _pair(film, number, slopes[1 - axis], axis, steps[axis], creased, wrapped=wraps[axis]) for axis in (0, 1)
-    ]
+    parts = [_pair(film, number, slopes[1 - axis], axis, steps[axis], creased, wrapped=wraps[axis]) for axis in (0, 1)]
     joined = (np.concatenate(columns) for columns in zip(*parts, strict=True))
     first, second, first_film, second_film, cosine, aligned, middle = joined
     return Faces(first, second, parts[0][0].size, creased, first_film, second_film, cosine, aligned, middle)

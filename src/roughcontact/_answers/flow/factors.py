@@ -72,7 +72,7 @@ def find_flow_factors(
     grid, separation
         Its grid, and the distance of the mean planes, m.
     creased
-        How far the heights have creases along both axes, from 0 to 1 (`find_creases`).
+        How far the heights have grooves with creases, from 0 to 1 (`find_creases`).
     gap_error
         Error of the gap by the residual of the contact, m.
     """

@@ -40,8 +40,8 @@ _MIN_CREASE_FRACTION = 0.25
 # The same where nearly all of it is that of the gap: the flow may then change as a whole, as beside a free border.
 _MAX_GAP_STD = 0.08
 _MIN_GAP_FRACTION = 0.9
-# The same of gaps with creases along both axes, in which few cells may miss a path; and the fraction of the uncertainty
-# by creases that is left there, in which the rule of the faces is that of creases. Set on 213 flows (draw 503).
+# The same of grooves with creases, where few cells may miss a path; and the fraction of the uncertainty by creases that
+# is left there, as the rule of the faces is that of creases. Set on draw 503.
 _MAX_CREASED_STD = 0.05
 _CREASED_FRACTION = 0.5
 # Pressure, over the mean in contact, below which cells beside open ones may be open on a finer grid. Set on craters.

@@ -65,7 +65,7 @@ def solve_periodic(gap: Array, open_cells: Mask, *, aspect: float, creased: floa
     aspect
         Length of a cell along y over its length along x.
     creased
-        How far the heights have creases along both axes, from 0 to 1 (`find_creases`).
+        How far the heights have grooves with creases, from 0 to 1 (`find_creases`).
     """
     network = make_periodic_network(gap, open_cells, aspect=aspect, creased=creased)
     if network is None:
@@ -94,9 +94,7 @@ def solve_periodic(gap: Array, open_cells: Mask, *, aspect: float, creased: floa
     return PeriodicFlow(network, drops, cubes, np.array(sums))
 
 
-def make_periodic_network(
-    gap: Array, open_cells: Mask, *, aspect: float, creased: float = 0.0
-) -> FlowNetwork | None:
+def make_periodic_network(gap: Array, open_cells: Mask, *, aspect: float, creased: float = 0.0) -> FlowNetwork | None:
     """Return the network of the open cells of pieces that repeat without end, or None if there are none.
 
     Its pressure is zero in one cell of each piece, joined to the outlet, through which nothing flows.
