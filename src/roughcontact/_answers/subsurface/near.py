@@ -57,6 +57,8 @@ _HIGHEST = 0.5
 _LEAST = 0.3
 _MAX_PLACES = 8
 _WORTH = 0.75
+# Fraction of the load around a place from which it is kept, not the approach.
+_MOST_LOAD = 0.5
 # Relative standard deviation: of all; by heights between the cells, over that power of `curvature_resolution`; over the
 # logarithm of the load around the place on finer cells over that of the cells, and over its square: where all ridges
 # lie alike on the grid, their load is known and the approach is not. Set on draws 41, 8101, 9117 and 12043 of
@@ -245,10 +247,10 @@ class _Finer:
         )
         change = abs(math.log(finer / coarse)) if finer > 0.0 and coarse > 0.0 else 1.0
         shared = _LOAD_STD[0] * change + _LOAD_STD[1] * change**2
-        return math.hypot(_STD, _HEIGHT_STD * curvature_resolution(self.solution) ** _HEIGHT_POWER, shared)
+        return math.hypot(_STD, min(shared, 1.0), _HEIGHT_STD * curvature_resolution(self.solution) ** _HEIGHT_POWER)
 
     def _solve(self) -> ContactSolution | None:
-        """Return the contact on finer cells under the same approach, displaced by the pressure of the other cells.
+        """Return the contact on finer cells under the same approach or load, displaced by the pressure of other cells.
 
         None where nothing touches, or no solution is found.
         """
@@ -263,8 +265,11 @@ class _Finer:
         gap[outside] = lowest + 2.0 * approach + float(np.ptp(gap[~outside]))
         heights = HeightMap(lowest - gap, size=self._measure(self.window.reach))
         body = Body(heights, Elastic(solution.modulus, 0.0))
+        force = float(self.window.cut(solution.pressure).sum()) * solution.grid.cell_area
+        # Alone it carries what is given; of many contacts the approach is known better than how they share a load.
+        load = {"force": force} if force > _MOST_LOAD * solution.force else {"approach": approach}
         try:
-            state = ContactProblem(body, RIGID_FLAT, threads=1).solve(approach=approach)
+            state = ContactProblem(body, RIGID_FLAT, threads=1).solve(**load)
         except RoughContactError:
             return None
         return state if state.status.success and state.pressure.any() else None
