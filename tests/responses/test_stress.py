@@ -167,17 +167,16 @@ def test_below_an_ellipse_on_a_coarse_grid_the_maximum_is_that_of_a_fine_one(rad
 
 
 def press_wave(cells, half_width, angle, sides=(1.0, 1.0), place=0.0):
-    """Return the contact of a sinusoidal ridge with so many cells in a wave and a half-width, and Westergaard's.
+    """Return the contact of sinusoidal ridges, half-widths of so many cells, on a domain of so many, and its stress.
 
-    The exact ones are the maximum shear stress below its crest and that von Mises stress, by waves of the pressure.
+    That is the maximum von Mises stress and shear stress by Westergaard's pressure, in waves.
     """
-    wave = float(cells)
-    shape = [round(3 * cells / side) for side in sides]
+    shape = [round(cells / side) for side in sides]
     waves = (1, 0) if angle == 0 else (2, 1)
     size = tuple(n * side for n, side in zip(shape, sides, strict=True))
     number = math.hypot(waves[0] / size[0], waves[1] / size[1])
     grid = rc.Grid(tuple(shape), size)
-    phase = 2.0 * np.pi * (waves[0] * grid.x / size[0] + waves[1] * grid.y / size[1] + place / wave)
+    phase = 2.0 * np.pi * (waves[0] * grid.x / size[0] + waves[1] * grid.y / size[1] + place / cells)
     amplitude = 1e-3 / number
     heights = rc.HeightMap(amplitude * np.cos(phase), size=size, periodic=True)
     wanted = np.sin(np.pi * half_width * number) ** 2
@@ -187,14 +186,14 @@ def press_wave(cells, half_width, angle, sides=(1.0, 1.0), place=0.0):
         rc.Body(heights, material), rc.Body(rc.FlatSurface(), material), boundary="periodic", threads=1
     )
     # p = 2 p_mean cos(pi x) / sin(pi a)^2 sqrt(sin(pi a)^2 - sin(pi x)^2), x and a in waves.
-    x = (np.arange(2**14) + 0.5) / 2**14 - 0.5
+    x = (np.arange(2**12) + 0.5) / 2**12 - 0.5
     profile = np.sqrt(np.maximum(wanted - np.sin(np.pi * x) ** 2, 0.0)) * np.cos(np.pi * x)
     profile *= pressure / profile.mean()
-    q = 2.0 * np.pi * number * np.arange(2**13 + 1)
+    q = 2.0 * np.pi * number * np.arange(2**11 + 1)
     spectrum = np.fft.rfft(np.fft.ifftshift(profile)).real / x.size
     spectrum[1:] *= 2.0
     largest = np.zeros(2)
-    for z in np.linspace(0.3, 1.2, 91) * half_width:
+    for z in np.linspace(0.5, 1.0, 41) * half_width:
         decay = spectrum * np.exp(-q * z)
         zz, xx = -np.sum(decay * (1.0 + q * z)), -np.sum(decay[1:] * (1.0 - q[1:] * z))
         yy = NU * (xx + zz)
@@ -210,7 +209,7 @@ def press_wave(cells, half_width, angle, sides=(1.0, 1.0), place=0.0):
 )
 def test_below_ridges_narrower_than_the_cells_the_maximum_is_westergaards(half_width, angle, sides):
     """The cells lack up to a third of it."""
-    solution, true = press_wave(20, half_width, angle, sides, place=0.31)
+    solution, true = press_wave(40, half_width, angle, sides, place=0.31)
     stress = solution.stress()
     for found, value in zip((stress.maximum, stress.maximum_shear), true, strict=True):
         assert found.value == pytest.approx(value, rel=0.03)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 from hypothesis import example, given
@@ -10,11 +12,25 @@ from hypothesis.extra import numpy as hnp
 
 import roughcontact as rc
 from roughcontact._answers.subsurface.field import find_steps, maximum_shear
+from roughcontact._answers.subsurface.near import find_near_maxima
 from roughcontact._base import machine
 from roughcontact._parts.kernels.stress_cells import STRESS_COMPONENTS, cell_stress
 from roughcontact.responses import StressField
 from scenes import each_once
-from test_stress import NU, XX, XY, XZ, YY, YZ, ZZ, boussinesq, convolve, press_rough
+from test_stress import (
+    NU,
+    XX,
+    XY,
+    XZ,
+    YY,
+    YZ,
+    ZZ,
+    boussinesq,
+    convolve,
+    maximum_on_axis,
+    press_ball,
+    press_rough,
+)
 
 
 def is_odd(axis, component, load):
@@ -159,3 +175,19 @@ def test_an_array_beyond_the_memory_is_refused(monkeypatch):
     monkeypatch.setattr(machine, "available_memory", lambda *_: 2**20)
     with pytest.raises(rc.InputError, match="one at a time"):
         _ = solution.stress(np.linspace(1e-6, 1e-3, 64)).components
+
+
+@pytest.mark.parametrize(
+    ("radius", "sides", "boundary"),
+    [(1.1, (1.0, 1.0), "free"), (2.6, (0.5, 1.0), "free-periodic"), (4.5, (1.0, 0.3), "free")],
+)
+def test_on_finer_cells_the_maximum_below_a_ball_is_hertzs(radius, sides, boundary):
+    solution, hertz, _ = press_ball(radius, (25, 40), sides=sides, place=(0.31, -0.17), boundary=boundary)
+    stress = solution.stress()
+    found = find_near_maxima(solution, NU, lambda depth: stress._field(depth, (1, 1)))[maximum_shear]
+    value, depth = maximum_on_axis(NU)
+    value *= hertz.p_max
+    assert found.value == pytest.approx(value, rel=0.01)
+    assert abs(found.value - value) < 2.0 * found.uncertainty
+    assert found.depth == pytest.approx(depth * hertz.semi_axes[0], rel=0.05)
+    assert math.hypot(found.x - 0.31 * 4e-6, found.y + 0.17 * 4e-6) < 1e-6

@@ -25,6 +25,8 @@ from roughcontact._solve.solution import ContactSolution
 # 0.38 to 0.79 of it for all ellipses and Poisson's ratios.
 _CELLS = 48
 _DEPTHS = np.geomspace(0.25, 1.0, 40)
+# Largest difference from the maximum of the cells, in its standard deviations.
+_MAX_DIFFERENCE = 3.0
 
 
 def judge_by_summit(
@@ -62,7 +64,7 @@ def judge_by_summit(
     value = peak.value * float(stress[place])
     uneven = 1.5 * mean / peak.value - 1.0
     std = value * math.hypot(peak.uncertainty / peak.value, uneven, MIN_RELATIVE_ERROR)
-    if std >= found.uncertainty:
+    if std >= found.uncertainty or abs(value - found.value) > _MAX_DIFFERENCE * found.uncertainty:
         return found
     depth = float(summits.summits.semi_axis[label - 1]) / ratio * float(_DEPTHS[place])
     under = attrs.evolve(drop_warnings_of_cells(found), value=value, uncertainty=std, depth=depth)
