@@ -102,6 +102,8 @@ MIN_HERTZ_ERROR = 1e-6
 # Relative standard deviation of the area of a patch of n cells by its load, times n^(3/2), where the load does not
 # follow from the approach. Measured on rough contacts: 0.24, 0.19, 0.25, 0.3 with 1, 2, 3 to 4, 5 to 8 cells.
 LOAD_ERROR = 0.25
+# Standard deviation of an area whose load was corrected, over the correction. Set on waves of 12.5 cells.
+SHARED_LOAD_ERROR = 0.02
 # Relative standard deviation of Hertz's area for heights that the grid hardly resolves, times the ratio to the fourth
 # power. Set on cones of one to four cells.
 HERTZ_RESOLUTION_ERROR = 0.011
