@@ -206,6 +206,8 @@ UNEVEN_SPREAD = 0.3
 # Number of patches, no unit: variance for each of fewer than nine cells; standard deviation for each of fewer than four
 # cells and for each of all, times the resolution ratio.
 MISSING_PATCH_TERMS = (0.15, 0.2, 0.1)
+# Standard deviation of the number of patches for each of them on maps that are linear between points. Set on such maps.
+LINEAR_PATCH_STD = 0.06
 # Excess of the mean gap over h^2 times the mean curvature under the contact, over the shift of the edge, 1/cells.
 GAP_EXCESS = 1.7
 # Cells of a patch that has half of that excess.
