@@ -105,8 +105,8 @@ LOAD_ERROR = 0.25
 # Standard deviation of an area whose load was corrected, over the correction. Set on waves of 12.5 cells.
 SHARED_LOAD_ERROR = 0.02
 # Relative standard deviation of Hertz's area for heights that the grid hardly resolves, times the ratio to the fourth
-# power. Set on cones of one to four cells.
-HERTZ_RESOLUTION_ERROR = 0.011
+# power, and the number of cells of a patch that halves it. Set on cones of one to four cells.
+HERTZ_RESOLUTION_ERROR = (0.011, 10.0)
 # Terms a, b of the relative standard deviation min(a s^4, b) of Hertz's area for a tip between the cell centres, where
 # s is its sharpness (`find_sharpness`). Set on cones, whose areas err by up to 0.3 in patches of 1 to 6 cells.
 TIP_ERROR = (25.0, 0.3)

@@ -290,7 +290,8 @@ def _find_areas(solution: ContactSolution) -> HertzAreas:
     )
     # On rough surfaces the spread of the curvature has grown with the other patches when its error was set.
     error = np.maximum(error, summits.crowding)
-    error = error + correction.error + calibration.HERTZ_RESOLUTION_ERROR * curvature_resolution(solution) ** 4
+    unresolved, large = calibration.HERTZ_RESOLUTION_ERROR
+    error = error + correction.error + unresolved * curvature_resolution(solution) ** 4 / (1.0 + patches.cells / large)
     error = error + np.where(growth > 1.0, calibration.PLASTIC_ERROR, 0.0)
     known = summits.known & np.isfinite(area) & (area > 0.0) & np.isfinite(error)
     hidden = float(correction.hidden.sum())
