@@ -16,7 +16,7 @@ from edged_classes import EDGED, SMOOTH
 
 # A draw that no constant has seen, and contacts of each kind.
 DRAW = 102
-COUNT = 12
+COUNT = 24
 ANSWERS = tuple(judged.CHEAP)
 GROUPS = {"smooth": SMOOTH, "machined": EDGED}
 WAYS = {"model": "model", "auto": "default", "two grids": "two grids"}
@@ -54,7 +54,7 @@ def make_coverage() -> list[list[str]]:
     return rows
 
 
-TABLES = {"flags": DocTable(make_flags, seconds=100), "two-grids": DocTable(make_coverage, seconds=100)}
+TABLES = {"flags": DocTable(make_flags, seconds=200), "two-grids": DocTable(make_coverage, seconds=200)}
 
 if __name__ == "__main__":
     write_tables(TABLES)

@@ -102,9 +102,11 @@ MIN_HERTZ_ERROR = 1e-6
 # Relative standard deviation of the area of a patch of n cells by its load, times n^(3/2), where the load does not
 # follow from the approach. Measured on rough contacts: 0.24, 0.19, 0.25, 0.3 with 1, 2, 3 to 4, 5 to 8 cells.
 LOAD_ERROR = 0.25
+# Standard deviation of an area whose load was corrected, over the correction. Set on waves of 12.5 cells.
+SHARED_LOAD_ERROR = 0.02
 # Relative standard deviation of Hertz's area for heights that the grid hardly resolves, times the ratio to the fourth
-# power. Set on cones of one to four cells.
-HERTZ_RESOLUTION_ERROR = 0.011
+# power, and the number of cells of a patch that halves it. Set on cones of one to four cells.
+HERTZ_RESOLUTION_ERROR = (0.011, 10.0)
 # Terms a, b of the relative standard deviation min(a s^4, b) of Hertz's area for a tip between the cell centres, where
 # s is its sharpness (`find_sharpness`). Set on cones, whose areas err by up to 0.3 in patches of 1 to 6 cells.
 TIP_ERROR = (25.0, 0.3)
@@ -204,6 +206,8 @@ UNEVEN_SPREAD = 0.3
 # Number of patches, no unit: variance for each of fewer than nine cells; standard deviation for each of fewer than four
 # cells and for each of all, times the resolution ratio.
 MISSING_PATCH_TERMS = (0.15, 0.2, 0.1)
+# Standard deviation of the number of patches for each of them on maps that are linear between points. Set on such maps.
+LINEAR_PATCH_STD = 0.06
 # Excess of the mean gap over h^2 times the mean curvature under the contact, over the shift of the edge, 1/cells.
 GAP_EXCESS = 1.7
 # Cells of a patch that has half of that excess.

@@ -11,7 +11,7 @@ _FACE_REACH = 4
 _SHOWN_REACH = 2
 # Cells on each side of a summit that are needed: the change of a curvature takes two more.
 CREASE_REACH = _FACE_REACH + 2
-# Largest second difference of a face, and its change to the next cell, over the largest at the summit: a face is smooth,
+# Largest second difference of a face, and its change to the next cell, over the largest at a summit: a face is smooth,
 # and a round summit has no faces. With a change of 0.05 some cones have them; turned and shot-peened surfaces have no
 # more and no fewer with 0.02.
 _MAX_BEND = 0.5

@@ -285,10 +285,13 @@ def _find_areas(solution: ContactSolution) -> HertzAreas:
     oblong = (max(solution.grid.resolved.spacing) / min(solution.grid.resolved.spacing)) ** 0.25
     slight = constant * oblong * summits.spread / (summits.spread + calibration.EVEN_SPREAD)
     error = calibration.MIN_HERTZ_ERROR + slight + square * summits.spread**2 + fourth * summits.spread**4
-    error = error + calibration.HERTZ_LAYERED_ERROR * summits.change
+    error = (
+        error + calibration.HERTZ_LAYERED_ERROR * summits.change + calibration.SHARED_LOAD_ERROR * np.abs(1.0 - shared)
+    )
     # On rough surfaces the spread of the curvature has grown with the other patches when its error was set.
     error = np.maximum(error, summits.crowding)
-    error = error + correction.error + calibration.HERTZ_RESOLUTION_ERROR * curvature_resolution(solution) ** 4
+    unresolved, large = calibration.HERTZ_RESOLUTION_ERROR
+    error = error + correction.error + unresolved * curvature_resolution(solution) ** 4 / (1.0 + patches.cells / large)
     error = error + np.where(growth > 1.0, calibration.PLASTIC_ERROR, 0.0)
     known = summits.known & np.isfinite(area) & (area > 0.0) & np.isfinite(error)
     hidden = float(correction.hidden.sum())

@@ -34,11 +34,10 @@ _MIN_INNER_PRESSURE = 0.02
 _NARROW_CELLS = 2
 # Largest relative change by the fourth-order term of a summit for which the term is small.
 _MAX_QUARTIC_CHANGE = 0.2
-# Bend of the gap three cells from a tip over that beside it, at least, and the latter over that at it, at most.
+# Bend of the gap three cells from a tip over that beside it, and rise of the gap on one side over that on the other, at
+# least, and bend beside it over that at it, at most.
 _MIN_TIP_BEND = 0.08
 _MAX_TIP_BEND = 0.84
-# Rise of the gap two cells to the one side of a tip over that to the other, at least: at the rim of a land it is zero.
-_MIN_TIP_RISE = 0.1
 # Cells on each side of the highest, within which a ridge ends, and the largest change of its load over its length to
 # the next cell, and curvature along it over that across it.
 _RIDGE_REACH = 3
@@ -202,7 +201,7 @@ def _is_rim(near: Array) -> bool:
     """Return whether the gap around the highest pressure rises on one side alone, as at the rim of a land."""
     middle = len(near) // 2
     rises = [line[[middle - TIP_REACH, middle + TIP_REACH]] - line[middle] for line in _list_lines(near)]
-    return any(float(rise.min()) < _MIN_TIP_RISE * float(rise.max()) for rise in rises)
+    return any(float(rise.min()) < _MIN_TIP_BEND * float(rise.max()) for rise in rises)
 
 
 def _list_lines(near: Array) -> tuple[Array, ...]:

@@ -203,7 +203,8 @@ class PatchCount(Quantity):
         hidden = hertz_areas(solution).correction.hidden.size
         each, unresolved, of_all = calibration.MISSING_PATCH_TERMS
         variance = each * (few + ratio * many) + 0.5 * trace_edges(solution).topology / solution.grid.cell_area
-        std = math.hypot(math.sqrt(variance), unresolved * ratio * small, of_all * ratio * many)
+        linear = calibration.LINEAR_PATCH_STD * patches.count * bend.linear
+        std = math.hypot(math.sqrt(variance), unresolved * ratio * small, of_all * ratio * many, linear)
         return Estimate(float(patches.count + hidden), std, "", pass_on_warnings(area))
 
 
