@@ -54,7 +54,7 @@ _EXPECTED = (0.142, 1.153, 0.127)
 _HIGHEST = 0.5
 # Smallest stress of the cells over the largest at a place that is looked at. Places that are tried, and the smallest
 # stress that is expected there, over the largest that was found.
-_LEAST = 0.3
+_SMALLEST = 0.3
 _MAX_PLACES = 8
 _WORTH = 0.75
 # Fraction of the load around a place from which it is kept, not the approach.
@@ -150,7 +150,7 @@ def _value(found: StressMaximum) -> float:
 def _expect(fields: Sequence[StressField], solution: ContactSolution, spline: Spline) -> Array:
     """Return the largest stress that is expected on finer cells under each cell in contact, Pa; zero under others."""
     first, second = (von_mises(field.values) for field in fields[:2])
-    inside = np.flatnonzero(solution.contact & (first > _LEAST * first.max()))
+    inside = np.flatnonzero(solution.contact & (first > _SMALLEST * first.max()))
     i, j = np.divmod(inside, solution.grid.shape[1])
     mean, difference = combine_principal(*spline.derivatives(i.astype(float), j.astype(float), 2))
     middle = np.sqrt(first.flat[inside] * second.flat[inside]) * fields[0].scale
