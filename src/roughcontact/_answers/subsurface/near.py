@@ -54,7 +54,7 @@ _EXPECTED = (0.142, 1.153, 0.127)
 _HIGHEST = 0.5
 # Smallest stress of the cells over the largest at a place that is looked at. Places that are tried, and the smallest
 # stress that is expected there, over the largest that was found.
-_LEAST = 0.3
+_SMALLEST = 0.3
 _MAX_PLACES = 8
 _WORTH = 0.75
 # Fraction of the load around a place from which it is kept, not the approach.
@@ -114,12 +114,12 @@ def find_near_maxima(
         window = Window(place, solution.grid.shape, solution.boundary, (x, y))
         stress = np.stack([window.cut(field.values) * field.scale for field in fields])
         near = _Finer(solution, poisson, spline, window, stress).find_maxima()
-        known = attrs.evolve(window, reach=_limit(_KNOWN, window, solution.grid))
-        expected[known.select()] = 0.0
+        within = attrs.evolve(window, reach=_limit(_KNOWN, window, solution.grid))
+        expected[within.select()] = 0.0
         place = None
         if near:
             highest = not found or near[von_mises].value > found[von_mises].value
-            place = _climb(near[von_mises], known, solution) if highest else None
+            place = _climb(near[von_mises], within, solution) if highest else None
             found = {measure: max(one, found.get(measure, one), key=_value) for measure, one in near.items()}
     return found
 
@@ -150,7 +150,7 @@ def _value(found: StressMaximum) -> float:
 def _expect(fields: Sequence[StressField], solution: ContactSolution, spline: Spline) -> Array:
     """Return the largest stress that is expected on finer cells under each cell in contact, Pa; zero under others."""
     first, second = (von_mises(field.values) for field in fields[:2])
-    inside = np.flatnonzero(solution.contact & (first > _LEAST * first.max()))
+    inside = np.flatnonzero(solution.contact & (first > _SMALLEST * first.max()))
     i, j = np.divmod(inside, solution.grid.shape[1])
     mean, difference = combine_principal(*spline.derivatives(i.astype(float), j.astype(float), 2))
     middle = np.sqrt(first.flat[inside] * second.flat[inside]) * fields[0].scale
@@ -267,9 +267,10 @@ class _Finer:
         body = Body(heights, Elastic(solution.modulus, 0.0))
         force = float(self.window.cut(solution.pressure).sum()) * solution.grid.cell_area
         # Alone it carries what is given; of many contacts the approach is known better than how they share a load.
-        load = {"force": force} if force > _MOST_LOAD * solution.force else {"approach": approach}
+        alone = force > _MOST_LOAD * solution.force
         try:
-            state = ContactProblem(body, RIGID_FLAT, threads=1).solve(**load)
+            problem = ContactProblem(body, RIGID_FLAT, threads=1)
+            state = problem.solve(force=force) if alone else problem.solve(approach=approach)
         except RoughContactError:
             return None
         return state if state.status.success and state.pressure.any() else None
