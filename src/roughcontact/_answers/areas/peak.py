@@ -34,8 +34,8 @@ _MIN_INNER_PRESSURE = 0.02
 _NARROW_CELLS = 2
 # Largest relative change by the fourth-order term of a summit for which the term is small.
 _MAX_QUARTIC_CHANGE = 0.2
-# Bend of the gap three cells from a tip over that beside it, and rise of the gap on one side over that on the other, at
-# least, and bend beside it over that at it, at most.
+# Smallest bend of the gap three cells from a tip over that beside it, and rise on one side over that on the other; and
+# largest bend beside it over that at it.
 _MIN_TIP_BEND = 0.08
 _MAX_TIP_BEND = 0.84
 # Cells on each side of the highest, within which a ridge ends, and the largest change of its load over its length to
