@@ -32,8 +32,13 @@ RESPONSES = {
     "leakage": (6.0, 1.3),
     "area that sticks": (4.0, 1.2),
     "area that slips": (4.0, 1.2),
-    "stress": (4.0, 2.2),
 }
+# A maximum stress less than two cells deep is found on finer cells: it is as good on 40 cells as on 160, where the
+# planes through the cells of these have it, and does not fall between them. At most how large the uncertainties are
+# over it, medians on each of the grids.
+STRESS = (0.003, 0.002, 0.002)
+# At most how large the uncertainties are over the errors.
+LARGEST = {name: largest for name, (largest, _) in (QUANTITIES | RESPONSES).items()} | {"stress": 4.0}
 
 
 def press(seed, load, cells):
@@ -82,13 +87,12 @@ def tables():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", [*QUANTITIES, *RESPONSES])
+@pytest.mark.parametrize("name", LARGEST)
 def test_uncertainties_of_rough_contacts_are_near_the_errors(name, tables):
     values, stds = tables[name]
     errors, stated = np.abs(values[:, :2] - 1.0), stds[:, :2]
-    largest, _ = (QUANTITIES | RESPONSES)[name]
     assert np.mean(errors <= 2.0 * stated) >= 0.85
-    assert np.sqrt(np.mean(stated**2)) <= largest * np.sqrt(np.mean(errors**2))
+    assert np.sqrt(np.mean(stated**2)) <= LARGEST[name] * np.sqrt(np.mean(errors**2))
 
 
 @pytest.mark.slow
@@ -97,6 +101,11 @@ def test_uncertainties_fall_with_the_cells(name, tables):
     _, smallest = (QUANTITIES | RESPONSES)[name]
     medians = np.median(tables[name][1], axis=0)
     assert np.log(medians[0] / medians[-1]) / np.log(CELLS[-1] / CELLS[0]) >= smallest
+
+
+@pytest.mark.slow
+def test_uncertainties_of_stresses_are_small_on_each_grid(tables):
+    assert (np.median(tables["stress"][1], axis=0) <= STRESS).all()
 
 
 @pytest.mark.slow

@@ -479,7 +479,11 @@ def test_no_answer_takes_more_than_it_states(name, boundary):
 def test_an_answer_that_does_not_fit_is_refused_and_named_beforehand():
     problem = rough_problem(256, boundary="periodic", material=rc.Elastic(1e9, 0.3), memory_limit="40 MiB")
     # Plug-ins may add answers between these.
-    sizes = ("leakage 84 MiB (168 arrays)", "first-yield 27 MiB (54 arrays)", "tangential-stiffness 24.5 MiB (49 arrays)")
+    sizes = (
+        "leakage 84 MiB (168 arrays)",
+        "first-yield 27 MiB (54 arrays)",
+        "tangential-stiffness 24.5 MiB (49 arrays)",
+    )
     assert re.search(", (?:.*, )?".join(map(re.escape, sizes)), problem.explain())
     solution = problem.solve(pressure=5e6)
     assert solution.response("tangential-stiffness").value > 0.0
