@@ -1021,7 +1021,9 @@ def test_responses_are_those_of_the_library_in_answers_table_and_report(client):
     state = client.wait(client.post("api/runs", {**SMALL, **asked, "ask_stability": "yes", "loads": "60 100"})["id"])
     assert state["phase"] == "done", state
     body = rc.Body(rc.WavySurface(0.5e-6, 25e-6), rc.Elastic(210e9, 0.3))
-    solution = rc.ContactProblem(body, grid=rc.Grid((48, 48), 50e-6), boundary="periodic").solve(pressure=60e6)
+    problem = rc.ContactProblem(body, grid=rc.Grid((48, 48), 50e-6), boundary="periodic")
+    # The load of first yield is searched to 1e-4, from the same states.
+    solution = problem.sweep(pressure=[60e6, 100e6]).states[0]
     values = {one["name"]: (one["value"], one["uncertainty"], one["unit"]) for one in state["answers"][0]["quantities"]}
     expected = {
         "stiffness": solution.stiffness(),
@@ -1430,7 +1432,7 @@ def test_a_film_law_is_that_of_a_script(client, tmp_path):
         assert all(one == pytest.approx(other, rel=1e-6, abs=1e-9) for one, other in pairs), path
     assert client.get(f"runs/{run}/phi-s-xx.png").startswith(b"\x89PNG")
     report = client.get(f"runs/{run}/report.html").decode()
-    assert report.count("<svg") + report.count("<img") == len(law.columns)
+    assert report.count("<svg") + report.count("<img") == len(law.short_table().columns) - 1
     shown = law.short_table().to_cells()[1]
     assert all(cell in report for row in shown for cell in row)
 
