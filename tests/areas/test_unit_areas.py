@@ -39,7 +39,8 @@ from roughcontact._answers.areas.hertz import (
     hertz_areas,
 )
 from roughcontact._answers.areas.initial_gap import Spline, lay_ratio
-from roughcontact._answers.areas.peak import _find_cut, _find_highest, _find_summits, _gather
+from roughcontact._answers.areas.peak import _find_cut, _find_summits, _gather
+from roughcontact._answers.areas.summits import find_lowest
 from roughcontact.solving import Whole
 
 
@@ -320,7 +321,7 @@ def test_the_highest_cells_of_patches_and_whether_the_border_cuts_them():
     pressure[4, 4:7] = 1.0, 2.0, 1.0
     pressure[7, 8] = 1.0
     free = with_fields(grid, pressure, 1.0)
-    highest = _find_highest(free)
+    highest = find_lowest(free, -free.pressure)
     assert sorted(np.transpose(np.divmod(highest, 9)).tolist()) == [[0, 2], [4, 5], [7, 8]]
     assert sorted(_find_cut(free, highest).tolist()) == [False, True, True]
     assert not _find_cut(with_fields(grid, pressure, 1.0, boundary="periodic"), highest).any()
@@ -339,7 +340,7 @@ def test_the_maximum_pressure_of_a_summit_of_fourth_order(cell, quartic):
     plain = ball(grid, a, 100.0)
     c4 = quartic * c2 / a**2
     solution = with_fields(grid, plain.pressure, plain.gap, initial_gap=c2 * square + c4 * square**2)
-    value, error = _find_summits(solution, solution.area("hertz"), _find_highest(solution))
+    value, error = _find_summits(solution, solution.area("hertz"), find_lowest(solution, -solution.pressure))
     found = hertz_areas(solution)
     hertz = 1.5 * solution.force / found.area[1]
     if quartic == 0.0:

@@ -16,6 +16,7 @@ from roughcontact._answers.areas.summits import (
     Summits,
     find_axes_ratio,
     find_depth,
+    find_lowest,
     find_summits,
     points_of_punch,
     solve_for_area,
@@ -306,14 +307,11 @@ def _find_areas(solution: ContactSolution) -> HertzAreas:
 
 def _find_tip_error(solution: ContactSolution) -> Array:
     """Return the relative standard deviation for tips between the cell centres, shape (count,)."""
-    patches = solution.patches
-    label = patches.member_labels - 1
-    order = np.lexsort((solution.initial_gap.ravel()[patches.members], label))
-    lowest = order[np.flatnonzero(np.diff(label[order], prepend=-1))]
-    sharpness = find_sharpness(solution, patches.members[lowest])
+    mine, places = solution.parts.find(find_lowest(solution, solution.initial_gap))
+    sharpness = find_sharpness(solution, places)
     first, most = calibration.TIP_ERROR
-    error = np.zeros(patches.count)
-    error[label[lowest]] = np.where(np.isfinite(sharpness), np.minimum(first * sharpness**4, most), most)
+    error = np.zeros(solution.patches.count)
+    error[mine] = np.where(np.isfinite(sharpness), np.minimum(first * sharpness**4, most), most)
     return solution.parts.total(error)
 
 

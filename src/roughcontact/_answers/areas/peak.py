@@ -9,13 +9,13 @@ import numpy as np
 
 from roughcontact._answers.areas import calibration
 from roughcontact._answers.areas.approach import TIP_REACH, fit_hyperboloid
-from roughcontact._answers.areas.cells import find_cut_cells, gather_around, split
+from roughcontact._answers.areas.cells import find_cut_cells, gather_around
 from roughcontact._answers.areas.edges import ends_as_root, pass_on_warnings, warn_if_uncertain
 from roughcontact._answers.areas.flags import find_unbounded
 from roughcontact._answers.areas.hertz import find_sharpness, hertz_areas
 from roughcontact._answers.areas.initial_gap import curvature_resolution
 from roughcontact._answers.areas.quantities import Quantity
-from roughcontact._answers.areas.summits import Summits
+from roughcontact._answers.areas.summits import Summits, find_lowest
 from roughcontact._base.arrays import Array, IntArray, Mask, RealArray
 from roughcontact._base.units import WarningText
 from roughcontact._parts.grid import grow
@@ -104,7 +104,7 @@ class PeakPressure(Quantity):
         patches = solution.patches
         if patches.count == 0:
             return Estimate(0.0, 0.0, "Pa")
-        highest = _find_highest(solution)
+        highest = find_lowest(solution, -solution.pressure)
         limit = np.broadcast_to(solution.pressure_limit, solution.contact.shape)
         own = 0.0
         if solution.capped:
@@ -148,20 +148,6 @@ class PeakPressure(Quantity):
         peak = min(peak, float(solution.pressure_limit.max()))
         warnings = pass_on_warnings(area)
         return warn_if_uncertain(peak, uncertainty, "Pa", warnings if more is None else (*warnings, more))
-
-
-def _find_highest(solution: ContactSolution) -> IntArray:
-    """Return the flat index in the domain of the cell of highest pressure in each patch, shape (count,)."""
-    patches = solution.patches
-    label = patches.member_labels - 1
-    pressure = solution.pressure.ravel()[patches.members]
-    highest = np.zeros(patches.count)
-    np.maximum.at(highest, label, pressure)
-    top = pressure == solution.parts.highest(highest)[label]
-    i, j = split(patches.members[top], solution.grid.shape[1])
-    found = np.full(patches.count, solution.grid.cells, dtype=np.intp)
-    np.minimum.at(found, label[top], solution.parts.rows(i) * solution.grid.shape[1] + j)
-    return solution.parts.lowest(found)
 
 
 def _find_sharpness(solution: ContactSolution, highest: IntArray) -> Array:

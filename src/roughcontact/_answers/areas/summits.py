@@ -13,7 +13,7 @@ from roughcontact._answers.areas import calibration
 from roughcontact._answers.areas.cells import find_patches_of, split
 from roughcontact._answers.areas.ellipses import find_ellipses
 from roughcontact._answers.areas.initial_gap import ROUNDING, SPLINE_REACH, Spline, combine_principal
-from roughcontact._base.arrays import Array, IntArray, Mask
+from roughcontact._base.arrays import Array, IntArray, Mask, RealArray
 from roughcontact._parts.grid import Boundary, grow
 from roughcontact._solve.solution import ContactSolution
 
@@ -312,6 +312,20 @@ def find_summits(solution: ContactSolution, spline: Spline) -> Summits:
     known &= ~_find_near_border(solution, found) & ~find_beside_non_measured(solution)
     smaller = np.where(known, found.curvature - difference, 1.0)
     return attrs.evolve(found, known=known, crowding=_find_crowding(solution, found, smaller))
+
+
+def find_lowest(solution: ContactSolution, field: RealArray) -> IntArray:
+    """Return the flat index in the domain of the cell of the lowest value in each patch, shape (count,)."""
+    patches = solution.patches
+    label = patches.member_labels - 1
+    values = field.ravel()[patches.members]
+    lowest = np.full(patches.count, np.inf)
+    np.minimum.at(lowest, label, values)
+    chosen = values == solution.parts.lowest(lowest)[label]
+    i, j = split(patches.members[chosen], solution.grid.shape[1])
+    found = np.full(patches.count, solution.grid.cells, dtype=np.intp)
+    np.minimum.at(found, label[chosen], solution.parts.rows(i) * solution.grid.shape[1] + j)
+    return solution.parts.lowest(found)
 
 
 def find_centroids(solution: ContactSolution) -> tuple[Array, Array]:
