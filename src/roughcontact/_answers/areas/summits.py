@@ -351,11 +351,11 @@ def find_centroids(solution: ContactSolution) -> tuple[Array, Array]:
     return origins[0] + moments[0] / total, origins[1] + moments[1] / total
 
 
-def unwrap(steps: Array | IntArray, cells: int, *, free: bool) -> Array:
-    """Return steps between cells along an axis, by the shorter way around unless the domain ends at its border."""
+def unwrap(steps: Array | IntArray | float, length: float, *, free: bool) -> Array:
+    """Return steps along an axis of a length, by the shorter way around unless the domain ends at its border."""
     if free:
         return np.asarray(steps, dtype=np.float64)
-    return np.asarray(steps - cells * np.round(steps / cells))
+    return np.asarray(steps - length * np.round(steps / length))
 
 
 def _fit_ellipse(solution: ContactSolution, found: Summits, curvature: Array) -> Summits:

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
 import attrs
 import numpy as np
 
-from roughcontact._answers.subsurface.field import StressField, find_largest, locate, maximum_principal
+from roughcontact._answers.subsurface.field import Measure, StressField, find_largest, locate, maximum_principal
 from roughcontact._answers.subsurface.window import Window
 from roughcontact._base.arrays import Pair, RealArray
 from roughcontact._parts.grid import Boundary, Grid
@@ -63,7 +62,7 @@ class EdgeStress:
     averages: RealArray
     coarse: EdgeStress | None = None
 
-    def extrapolate(self, measure: Callable[[RealArray], RealArray]) -> tuple[float, float]:
+    def extrapolate(self, measure: Measure) -> tuple[float, float]:
         """Return a measure of the stress for cells without size, and its uncertainty, in the scale of the field."""
         value = float(measure(self.values + _PEAK_FACTOR * (self.values - self.averages)))
         difference = abs(value - float(measure(self.values)))

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import TypeAlias
 
 import attrs
 import numpy as np
@@ -13,6 +14,8 @@ from roughcontact._base.arrays import Array, IntArray, Mask, Pair, RealArray, re
 from roughcontact._base.units import ShownAsPrinted, si
 from roughcontact._parts.grid import Grid
 
+# Returns a scalar of stress components, shape (6, ...).
+Measure: TypeAlias = Callable[[RealArray], RealArray]
 # Cells of a block in the depth: the waves that blocks of side s do not resolve have decayed to exp(-pi z / s) at the
 # depth z, which is 5e-5 for a quarter of the depth.
 _MIN_STEPS_IN_DEPTH = 4.0

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import attrs
 import numpy as np
@@ -11,6 +11,7 @@ import numpy as np
 from roughcontact._answers.areas.cells import find_spanning_patches
 from roughcontact._answers.areas.edges import MAX_RELATIVE_STD
 from roughcontact._answers.subsurface.field import (
+    Measure,
     StressField,
     find_largest,
     locate,
@@ -111,9 +112,7 @@ def find_shear(field: StressField, boundary: Boundary) -> PlanePeak:
     return _find_peak(field, boundary, shear, maximum_shear)
 
 
-def _find_peak(
-    field: StressField, boundary: Boundary, stress: RealArray, measure: Callable[[RealArray], RealArray]
-) -> PlanePeak:
+def _find_peak(field: StressField, boundary: Boundary, stress: RealArray, measure: Measure) -> PlanePeak:
     i, j = find_largest(stress)
     value = float(stress[i, j])
     offsets = []

@@ -9,14 +9,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import Literal, TypeAlias
+from typing import Literal
 
 import attrs
 import numpy as np
 
 from roughcontact._answers.areas.flags import find_flags
 from roughcontact._answers.areas.initial_gap import Spline, combine_principal, curvature_resolution
-from roughcontact._answers.subsurface.field import StressField, find_largest, locate, maximum_shear, von_mises
+from roughcontact._answers.areas.summits import unwrap
+from roughcontact._answers.subsurface.field import (
+    Measure,
+    StressField,
+    find_largest,
+    locate,
+    maximum_shear,
+    von_mises,
+)
 from roughcontact._answers.subsurface.maximum import (
     PlanePeak,
     StressMaximum,
@@ -67,8 +75,6 @@ _STD = 0.0012
 _HEIGHT_STD = 6e-4
 _HEIGHT_POWER = 5
 _LOAD_STD = (0.1, 8.0)
-
-Measure: TypeAlias = Callable[[RealArray], RealArray]
 
 
 def replace_by_finer(found: StressMaximum, finer: StressMaximum, solution: ContactSolution) -> StressMaximum:
@@ -136,7 +142,7 @@ def _climb(found: StressMaximum, known: Window, solution: ContactSolution) -> tu
     for at, middle, reach, n, side, free in zip(
         away, known.place, known.reach, grid.shape, grid.spacing, solution.boundary.free_axes, strict=True
     ):
-        cells = at / side if free else (at / side + 0.5 * n) % n - 0.5 * n
+        cells = float(unwrap(at / side, n, free=free))
         is_at_border |= abs(cells) > reach - 0.5
         further = middle + round(2.0 * cells)
         place.append(min(max(further, 0), n - 1) if free else further % n)
@@ -231,12 +237,10 @@ class _Finer:
         found = find_maximum(_DEPTHS * cell, peaks, scale, max(self._spacing))
         grid = self.solution.grid
         x, y = locate(grid, *self.window.place)
-        place = []
         axes = zip((x + found.x, y + found.y), grid.size, self.solution.boundary.free_axes, strict=True)
-        for at, side, free in axes:
-            place.append(at if free else (at + 0.5 * side) % side - 0.5 * side)
+        x, y = (float(unwrap(at, side, free=free)) for at, side, free in axes)
         uncertainty = math.hypot(found.uncertainty, error * found.value)
-        return StressMaximum(found.value, uncertainty, place[0], place[1], found.depth)
+        return StressMaximum(found.value, uncertainty, x, y, found.depth)
 
     def _find_error(self, pressure: RealArray, state: ContactSolution) -> float:
         """Return the relative error beside that of the finer cells."""

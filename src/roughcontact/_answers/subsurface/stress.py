@@ -12,6 +12,7 @@ import numpy as np
 
 from roughcontact._answers.subsurface.edge import EdgeStress, find_edge_stress
 from roughcontact._answers.subsurface.field import (
+    Measure,
     StressField,
     common_step,
     find_crossland,
@@ -46,7 +47,7 @@ from roughcontact._answers.subsurface.maximum import (
     judge_depth,
     with_interfaces,
 )
-from roughcontact._answers.subsurface.near import Measure, find_near_maxima, replace_by_finer
+from roughcontact._answers.subsurface.near import find_near_maxima, replace_by_finer
 from roughcontact._answers.subsurface.summit import judge_by_summit
 from roughcontact._base import checks
 from roughcontact._base.arrays import Array, RealArray, Waves, frozen_array, read_only

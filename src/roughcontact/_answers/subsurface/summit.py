@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from functools import lru_cache
 
 import attrs
 import numpy as np
 
 from roughcontact._answers.areas.hertz import hertz_areas
+from roughcontact._answers.subsurface.field import Measure
 from roughcontact._answers.subsurface.maximum import (
     MIN_RELATIVE_ERROR,
     StressMaximum,
@@ -17,7 +17,7 @@ from roughcontact._answers.subsurface.maximum import (
     is_near_surface,
     warn_of_depth,
 )
-from roughcontact._base.arrays import Array, RealArray, read_only
+from roughcontact._base.arrays import Array, read_only
 from roughcontact._parts.kernels import HalfSpaceStress
 from roughcontact._solve.solution import ContactSolution
 
@@ -29,9 +29,7 @@ _DEPTHS = np.geomspace(0.25, 1.0, 40)
 _MAX_DIFFERENCE = 3.0
 
 
-def judge_by_summit(
-    found: StressMaximum, solution: ContactSolution, poisson: float, measure: Callable[[RealArray], RealArray]
-) -> StressMaximum:
+def judge_by_summit(found: StressMaximum, solution: ContactSolution, poisson: float, measure: Measure) -> StressMaximum:
     """Return the maximum under the summit above it, if that is known better than what the cells give.
 
     Its uncertainty is that of the maximum pressure, and by how much an ellipsoid of the same load differs from it.
